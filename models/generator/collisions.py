@@ -1,0 +1,125 @@
+"""Collision shapes of both robots, and which pairs of links never collide.
+
+What the robots look like is in `appearance`. Shapes are few and plain, so that a
+step costs little and a robot that fell still lies on the ground as it should.
+"""
+
+from __future__ import annotations
+
+from math import pi
+
+from atlas_drake.models.generator.parts import (
+    Box,
+    Capsule,
+    Placed,
+    Sphere,
+    mirror_placed,
+)
+from atlas_drake.models.generator.skeleton import (
+    LIMB_LINKS,
+    SOLE_CENTER,
+    SOLE_LENGTH,
+    SOLE_WIDTH,
+)
+
+FOOT_FRICTION = 0.9
+"""Coefficient of friction of the feet, static and dynamic alike [-]."""
+
+BODY_FRICTION = 0.6
+"""Coefficient of friction of every other shape, static and dynamic alike [-]."""
+
+CONTACT_RADIUS = 0.01
+"""Radius of the spheres at the corners of the soles [m]."""
+
+_ALONG_Y = (pi / 2, 0.0, 0.0)
+
+
+def _sole_corners() -> tuple[Placed, ...]:
+    """Returns four spheres that touch the sole plane exactly at its corners."""
+    x, y, z = SOLE_CENTER
+    return tuple(
+        Placed(
+            Sphere(CONTACT_RADIUS),
+            (x + end * SOLE_LENGTH / 2, y + side * SOLE_WIDTH / 2, z + CONTACT_RADIUS),
+        )
+        for end in (1, -1)
+        for side in (1, -1)
+    )
+
+
+_TRUNK: dict[str, tuple[Placed, ...]] = {
+    "pelvis": (Placed(Box((0.29, 0.34, 0.22)), (0.005, 0.0, -0.005)),),
+    "utorso": (
+        Placed(Box((0.40, 0.40, 0.46)), (0.02, 0.0, 0.22)),
+        Placed(Capsule(0.03, 0.26), (0.10, 0.0, 0.72), _ALONG_Y),
+    ),
+    "head": (Placed(Sphere(0.11), (-0.06, 0.0, 0.05)),),
+}
+
+_LIMBS: dict[str, tuple[Placed, ...]] = {
+    "uleg": (Placed(Capsule(0.068, 0.26), (-0.02, 0.0, -0.20), (0.0, 0.17, 0.0)),),
+    "lleg": (Placed(Capsule(0.05, 0.38), (0.01, 0.0, -0.21), (0.0, 0.05, 0.0)),),
+    "foot": _sole_corners(),
+    "clav": (Placed(Sphere(0.075), (0.0, 0.144, 0.202)),),
+    "scap": (Placed(Capsule(0.055, 0.13), (0.0, 0.11, 0.01), _ALONG_Y),),
+    "larm": (Placed(Capsule(0.055, 0.13), (0.0, 0.10, 0.0), _ALONG_Y),),
+    "hand": (Placed(Capsule(0.05, 0.12), (0.0, 0.10, 0.005), _ALONG_Y),),
+}
+
+_BACKPACKS = {
+    "atlas": Placed(Box((0.16, 0.34, 0.40)), (-0.23, 0.0, 0.27)),
+    "atlas_v3": Placed(Box((0.26, 0.40, 0.52)), (-0.28, 0.0, 0.31)),
+}
+
+
+def collisions(robot: str) -> dict[str, tuple[Placed, ...]]:
+    """Returns the collision shapes of a robot by link, for both sides.
+
+    Args:
+        robot: `"atlas"` or `"atlas_v3"`; the latter carries the larger backpack.
+    """
+    shapes = dict(_TRUNK)
+    shapes["utorso"] = (*shapes["utorso"], _BACKPACKS[robot])
+    for link, parts in _LIMBS.items():
+        shapes[f"l_{link}"] = parts
+        shapes[f"r_{link}"] = tuple(mirror_placed(part) for part in parts)
+    return shapes
+
+
+def friction(link: str) -> float:
+    """Returns the coefficient of friction of a link's collision shapes [-]."""
+    return FOOT_FRICTION if link in ("l_foot", "r_foot") else BODY_FRICTION
+
+
+_LEG = LIMB_LINKS[: LIMB_LINKS.index("foot") + 1]
+_ARM = LIMB_LINKS[LIMB_LINKS.index("foot") + 1 :]
+_UPPER_ARM = _ARM[: _ARM.index("larm")]
+_TRUNK_LINKS = ("pelvis", "ltorso", "mtorso", "utorso", "head")
+
+FILTER_GROUPS: dict[str, tuple[str, ...]] = {
+    "trunk": _TRUNK_LINKS,
+    **{f"{side}_leg": tuple(f"{side}_{link}" for link in _LEG) for side in "lr"},
+    **{f"{side}_arm": tuple(f"{side}_{link}" for link in _ARM) for side in "lr"},
+    **{
+        f"{side}_upper_arm": tuple(f"{side}_{link}" for link in _UPPER_ARM)
+        for side in "lr"
+    },
+}
+"""Groups of links that collision filters speak of."""
+
+IGNORED_PAIRS: tuple[tuple[str, str], ...] = (
+    *((group, group) for group in ("trunk", "l_leg", "r_leg", "l_arm", "r_arm")),
+    # Hips and thighs lie inside the pelvis, and the rest of a leg hardly reaches it.
+    ("trunk", "l_leg"),
+    ("trunk", "r_leg"),
+    # Shoulders lie inside the chest. Forearms and hands do collide with it.
+    ("trunk", "l_upper_arm"),
+    ("trunk", "r_upper_arm"),
+    # Shoulders and upper arms are out of reach of what these pairs leave out.
+    ("l_upper_arm", "r_upper_arm"),
+    ("l_upper_arm", "l_leg"),
+    ("l_upper_arm", "r_leg"),
+    ("r_upper_arm", "l_leg"),
+    ("r_upper_arm", "r_leg"),
+)
+"""Pairs of groups whose links never collide with each other."""
