@@ -1,0 +1,80 @@
+# Everyday commands. Needs python3 and make; the rest goes into .venv by itself.
+
+PYTHON ?= python3
+VENV ?= .venv
+TEST_JOBS ?= 2
+# Extra arguments, e.g. `make test ARGS="-k walk"` or `make demo ARGS="--help"`.
+ARGS ?=
+
+BIN := $(VENV)/bin
+STAMP := $(VENV)/.installed
+
+.DEFAULT_GOAL := help
+.PHONY: help setup demo test fast check format constraints clean
+
+help: ## Show this list.
+	@echo "Usage: make <target>"
+	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  %-12s %s\n", $$1, $$2 }' Makefile
+
+setup: $(STAMP) ## Create the environment (every other target does so when needed).
+
+demo: $(STAMP) ## Run the demonstration in a browser (Meshcat).
+	@$(BIN)/atlas-drake demo $(ARGS)
+
+test: $(STAMP) ## Run all tests.
+	@$(BIN)/python -m pytest -n $(TEST_JOBS) $(ARGS)
+
+fast: $(STAMP) ## Run the tests that take seconds.
+	@$(BIN)/python -m pytest -n $(TEST_JOBS) -m "not slow" $(ARGS)
+
+check: $(STAMP) ## Check style, formatting and types.
+	@$(BIN)/ruff check .
+	@$(BIN)/ruff format --check .
+	@echo "Checking types (the first time takes about a minute) ..."
+	@$(BIN)/mypy
+
+format: $(STAMP) ## Format the code and fix what can be fixed.
+	@$(BIN)/ruff check --fix .
+	@$(BIN)/ruff format .
+
+clean: ## Delete the environment, caches and builds.
+	rm -rf $(VENV) build dist .hypothesis .mypy_cache .pytest_cache .ruff_cache
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
+
+# The check for ensurepip comes first because its lack leaves a half-made folder.
+$(BIN)/python:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10))' || { \
+	  echo "Python 3.10 or newer is needed; $(PYTHON) is" \
+	    "$$($(PYTHON) --version 2>&1). Choose one: make PYTHON=python3.12"; \
+	  exit 1; }
+	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null || { \
+	  echo "$(PYTHON) cannot create environments: the venv or ensurepip module is" \
+	    "missing."; \
+	  echo "On Debian or Ubuntu: sudo apt install python3-venv"; \
+	  exit 1; }
+	@echo "Creating $(VENV) ..."
+	@$(PYTHON) -m venv $(VENV)
+
+$(STAMP): pyproject.toml constraints.txt | $(BIN)/python
+	@echo "Installing atlas-drake and its tools into $(VENV) (one to three minutes) ..."
+	@$(BIN)/python -m pip install --quiet --disable-pip-version-check \
+	  -c constraints.txt -e ".[dev]"
+	@touch $@
+
+# A fresh environment, so that nothing left over from an earlier one is pinned. Python
+# 3.10 stays unpinned: numpy and others no longer release for it, so that one set of
+# versions for all is impossible.
+constraints: ## Pin the newest versions of all dependencies in constraints.txt.
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { \
+	  echo "Pin with Python 3.11 or newer: make constraints PYTHON=python3.11"; \
+	  exit 1; }
+	@echo "Resolving the newest versions in $(VENV)-fresh (one to three minutes) ..."
+	@rm -rf $(VENV)-fresh
+	@$(PYTHON) -m venv $(VENV)-fresh
+	@$(VENV)-fresh/bin/python -m pip install --quiet --disable-pip-version-check \
+	  -e ".[dev]"
+	@{ echo "# Versions that are known to work together. Written by" \
+	     "\`make constraints\`; do not edit."; \
+	   $(VENV)-fresh/bin/python -m pip freeze --exclude-editable --quiet \
+	     | sed 's/$$/ ; python_version >= "3.11"/'; } > constraints.txt
+	@rm -rf $(VENV)-fresh
