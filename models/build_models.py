@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from atlas_drake.models.generator.appearance import meshes, visuals
 from atlas_drake.models.generator.collisions import (
     FILTER_GROUPS,
     IGNORED_PAIRS,
@@ -22,7 +23,8 @@ INERTIAS = {"atlas": LIGHT, "atlas_v3": HEAVY}
 
 def build() -> dict[str, str]:
     """Returns the text of every generated file by its path below this folder."""
-    return {f"{name}.urdf": to_urdf(describe(name)) for name in INERTIAS}
+    urdfs = {f"{name}.urdf": to_urdf(describe(name)) for name in INERTIAS}
+    return urdfs | meshes()
 
 
 def describe(name: str) -> Robot:
@@ -36,6 +38,7 @@ def describe(name: str) -> Robot:
         friction={link: friction(link) for link in LINKS},
         filter_groups=FILTER_GROUPS,
         ignored_pairs=IGNORED_PAIRS,
+        visuals=visuals(name),
     )
 
 

@@ -6,6 +6,7 @@ step costs little and a robot that fell still lies on the ground as it should.
 
 from __future__ import annotations
 
+from itertools import combinations_with_replacement
 from math import pi
 
 from atlas_drake.models.generator.parts import (
@@ -16,7 +17,6 @@ from atlas_drake.models.generator.parts import (
     mirror_placed,
 )
 from atlas_drake.models.generator.skeleton import (
-    LIMB_LINKS,
     SOLE_CENTER,
     SOLE_LENGTH,
     SOLE_WIDTH,
@@ -91,35 +91,48 @@ def friction(link: str) -> float:
     return FOOT_FRICTION if link in ("l_foot", "r_foot") else BODY_FRICTION
 
 
-_LEG = LIMB_LINKS[: LIMB_LINKS.index("foot") + 1]
-_ARM = LIMB_LINKS[LIMB_LINKS.index("foot") + 1 :]
-_UPPER_ARM = _ARM[: _ARM.index("larm")]
-_TRUNK_LINKS = ("pelvis", "ltorso", "mtorso", "utorso", "head")
+_SIDED_GROUPS: dict[str, tuple[str, ...]] = {
+    "thigh": ("uglut", "lglut", "uleg"),
+    "shank": ("lleg", "talus"),
+    "foot": ("foot",),
+    "shoulder": ("clav", "scap", "uarm"),
+    "forearm": ("larm", "farm", "hand"),
+}
 
 FILTER_GROUPS: dict[str, tuple[str, ...]] = {
-    "trunk": _TRUNK_LINKS,
-    **{f"{side}_leg": tuple(f"{side}_{link}" for link in _LEG) for side in "lr"},
-    **{f"{side}_arm": tuple(f"{side}_{link}" for link in _ARM) for side in "lr"},
+    "trunk": ("pelvis", "ltorso", "mtorso", "utorso", "head"),
     **{
-        f"{side}_upper_arm": tuple(f"{side}_{link}" for link in _UPPER_ARM)
+        f"{side}_{group}": tuple(f"{side}_{link}" for link in links)
         for side in "lr"
+        for group, links in _SIDED_GROUPS.items()
     },
 }
-"""Groups of links that collision filters speak of."""
+"""Groups of links that collision filters speak of; every link is in one of them."""
 
-IGNORED_PAIRS: tuple[tuple[str, str], ...] = (
-    *((group, group) for group in ("trunk", "l_leg", "r_leg", "l_arm", "r_arm")),
-    # Hips and thighs lie inside the pelvis, and the rest of a leg hardly reaches it.
-    ("trunk", "l_leg"),
-    ("trunk", "r_leg"),
-    # Shoulders lie inside the chest. Forearms and hands do collide with it.
-    ("trunk", "l_upper_arm"),
-    ("trunk", "r_upper_arm"),
-    # Shoulders and upper arms are out of reach of what these pairs leave out.
-    ("l_upper_arm", "r_upper_arm"),
-    ("l_upper_arm", "l_leg"),
-    ("l_upper_arm", "r_leg"),
-    ("r_upper_arm", "l_leg"),
-    ("r_upper_arm", "r_leg"),
+_COLLIDING_PAIRS = (
+    ("trunk", "l_forearm"),
+    ("trunk", "r_forearm"),
+    ("l_forearm", "r_forearm"),
+    ("l_thigh", "l_forearm"),
+    ("l_thigh", "r_forearm"),
+    ("l_forearm", "r_thigh"),
+    ("r_thigh", "r_forearm"),
+    ("l_thigh", "r_thigh"),
+    ("l_thigh", "r_shank"),
+    ("l_shank", "r_thigh"),
+    ("l_shank", "r_shank"),
+    ("l_shank", "r_foot"),
+    ("l_foot", "r_shank"),
+    ("l_foot", "r_foot"),
 )
-"""Pairs of groups whose links never collide with each other."""
+
+IGNORED_PAIRS: tuple[tuple[str, str], ...] = tuple(
+    pair
+    for pair in combinations_with_replacement(FILTER_GROUPS, 2)
+    if pair not in _COLLIDING_PAIRS
+)
+"""Pairs of groups whose links never collide with each other.
+
+What lies side by side in a chain overlaps on purpose, and what a moving arm or leg
+cannot reach need not be looked at. Every other pair of groups collides.
+"""

@@ -1,0 +1,197 @@
+"""What pelvis, trunk and head look like, as surfaces by link and material.
+
+Arms and legs are in `appearance_limbs`; nothing here takes part in the physics.
+"""
+
+from __future__ import annotations
+
+from atlas_drake.models.generator.forms import block, drum, hull, loop, rod
+from atlas_drake.models.generator.parts import Vector, mirror_point
+from atlas_drake.models.generator.surfaces import Loft, Panel, Surface, Tube
+
+CAGE_RADIUS = 0.008
+"""Radius of the tubes around head and pelvis [m]."""
+
+
+def both(surfaces: tuple[Tube, ...]) -> tuple[Tube, ...]:
+    """Returns tubes and their mirror images in the plane y = 0."""
+    return surfaces + tuple(
+        Tube(tuple(map(mirror_point, tube.points)), tube.radius) for tube in surfaces
+    )
+
+
+_BELT: tuple[Vector, ...] = (
+    (0.150, 0.0, 0.06),
+    (0.135, 0.095, 0.06),
+    (0.060, 0.172, 0.06),
+    (-0.060, 0.170, 0.06),
+    (-0.125, 0.100, 0.06),
+    (-0.140, 0.0, 0.06),
+    (-0.125, -0.100, 0.06),
+    (-0.060, -0.170, 0.06),
+    (0.060, -0.172, 0.06),
+    (0.135, -0.095, 0.06),
+    (0.150, 0.0, 0.06),
+)
+
+PELVIS: dict[str, tuple[Surface, ...]] = {
+    "graphite": (
+        hull(
+            "z",
+            (
+                (-0.085, (-0.035, 0.0), (0.045, 0.035)),
+                (-0.03, (-0.03, 0.0), (0.075, 0.055)),
+                (0.04, (-0.025, 0.0), (0.09, 0.075)),
+                (0.075, (-0.0125, 0.0), (0.07, 0.07)),
+            ),
+            power=3.5,
+        ),
+        drum("z", (0.0, 0.089, 0.055), 0.046, 0.09),
+        drum("z", (0.0, -0.089, 0.055), 0.046, 0.09),
+        block("y", (-0.01, 0.0, 0.04), (0.10, 0.26, 0.05)),
+    ),
+    "steel": (
+        loop(_BELT, CAGE_RADIUS),
+        *both(
+            (
+                rod((0.145, 0.05, 0.06), (0.05, 0.03, 0.0), CAGE_RADIUS),
+                rod((0.10, 0.135, 0.06), (0.02, 0.10, 0.04), CAGE_RADIUS),
+                rod((-0.10, 0.13, 0.06), (-0.03, 0.10, 0.04), CAGE_RADIUS),
+            )
+        ),
+    ),
+    "shell": (
+        block("z", (-0.115, 0.0, 0.005), (0.045, 0.17, 0.13), rim=0.015),
+        drum("z", (0.0, 0.089, 0.106), 0.038, 0.02),
+        drum("z", (0.0, -0.089, 0.106), 0.038, 0.02),
+    ),
+}
+
+LTORSO: dict[str, tuple[Surface, ...]] = {
+    "graphite": (
+        drum("z", (0.0, 0.0, 0.09), 0.058, 0.07),
+        hull(
+            "z",
+            (
+                (0.11, (-0.005, 0.0), (0.045, 0.05)),
+                (0.19, (0.0, 0.0), (0.035, 0.045)),
+            ),
+        ),
+    ),
+    "steel": (
+        rod((-0.065, 0.05, 0.06), (-0.06, 0.05, 0.20), 0.013),
+        rod((-0.065, -0.05, 0.06), (-0.06, -0.05, 0.20), 0.013),
+    ),
+}
+
+MTORSO: dict[str, tuple[Surface, ...]] = {
+    "graphite": (
+        drum("y", (0.0, 0.0, 0.0), 0.04, 0.15),
+        drum("x", (0.0, 0.0, 0.05), 0.038, 0.15),
+    ),
+    "accent": (drum("y", (0.0, 0.0, 0.0), 0.022, 0.158, rim=0.003),),
+}
+
+_CHEST = Loft(
+    "z",
+    hull(
+        "z",
+        (
+            (-0.005, (0.005, 0.0), (0.100, 0.120)),
+            (0.09, (0.012, 0.0), (0.132, 0.148)),
+            (0.22, (0.022, 0.0), (0.165, 0.182)),
+            (0.34, (0.028, 0.0), (0.172, 0.212)),
+            (0.44, (0.026, 0.0), (0.152, 0.205)),
+            (0.505, (0.020, 0.0), (0.118, 0.165)),
+        ),
+        power=2.9,
+    ).sections,
+    fillet=(0.02, 0.04),
+    segments=48,
+    rings=14,
+)
+
+_CAGE_SIDE: tuple[Vector, ...] = (
+    (0.130, 0.150, 0.465),
+    (0.225, 0.150, 0.560),
+    (0.225, 0.142, 0.680),
+    (0.140, 0.136, 0.745),
+    (0.010, 0.136, 0.735),
+    (-0.080, 0.140, 0.620),
+    (-0.090, 0.145, 0.470),
+)
+
+
+def backpack(depth: float, width: float, bottom: float, top: float) -> Loft:
+    """Returns the backpack's hull; `depth` is how far it stands out behind [m]."""
+    front = -0.08
+    middle, half = front - depth / 2, depth / 2
+    return hull(
+        "z",
+        (
+            (bottom, (middle, 0.0), (half, 0.43 * width)),
+            (0.5 * (bottom + top), (middle, 0.0), (half, 0.5 * width)),
+            (top, (middle, 0.0), (half, 0.46 * width)),
+        ),
+        power=4.5,
+        rims=(0.03, 0.035),
+    )
+
+
+def utorso(pack: Loft) -> dict[str, tuple[Surface, ...]]:
+    """Returns the chest's surfaces with a backpack."""
+    low, high = pack.sections[0].at, pack.sections[-1].at
+    return {
+        "shell": (
+            _CHEST,
+            Panel(pack, (low + 0.05, high - 0.05), (125.0, 235.0), lift=0.006),
+        ),
+        "graphite": (
+            pack,
+            Panel(_CHEST, (0.02, 0.20), (-24.0, 24.0)),
+            drum("x", (0.0, 0.0, 0.0), 0.062, 0.15),
+            hull(
+                "x",
+                (
+                    (0.07, (0.0, 0.47), (0.05, 0.03)),
+                    (0.205, (0.0, 0.525), (0.03, 0.02)),
+                ),
+                power=4.0,
+            ),
+        ),
+        "accent": (
+            Panel(_CHEST, (0.335, 0.36), (-42.0, 42.0), lift=0.004),
+            Panel(pack, (high - 0.13, high - 0.11), (128.0, 232.0), lift=0.009),
+        ),
+        "steel": (
+            *both((loop(_CAGE_SIDE, CAGE_RADIUS),)),
+            rod((0.140, -0.136, 0.745), (0.140, 0.136, 0.745), CAGE_RADIUS),
+            rod((0.010, -0.136, 0.735), (0.010, 0.136, 0.735), CAGE_RADIUS),
+        ),
+    }
+
+
+HEAD: dict[str, tuple[Surface, ...]] = {
+    "graphite": (
+        hull(
+            "z",
+            (
+                (-0.02, (-0.06, 0.0), (0.055, 0.055)),
+                (0.05, (-0.06, 0.0), (0.075, 0.072)),
+                (0.115, (-0.065, 0.0), (0.065, 0.062)),
+            ),
+            power=3.0,
+            rims=(0.015, 0.02),
+        ),
+        drum("y", (0.0, 0.0, 0.0), 0.028, 0.10),
+        drum("x", (0.0, 0.0, 0.012), 0.05, 0.08, rim=0.015),
+    ),
+    "shell": (block("y", (-0.005, 0.0, 0.085), (0.075, 0.19, 0.055), rim=0.015),),
+    "lens": (
+        drum("x", (0.032, 0.062, 0.085), 0.019, 0.02),
+        drum("x", (0.032, -0.062, 0.085), 0.019, 0.02),
+        block("x", (0.033, 0.0, 0.085), (0.01, 0.05, 0.03), rim=0.003),
+        drum("x", (0.04, 0.0, 0.012), 0.034, 0.012, rim=0.004),
+    ),
+    "accent": (drum("x", (0.020, 0.0, 0.012), 0.0525, 0.008, rim=0.003),),
+}
