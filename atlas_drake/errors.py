@@ -1,0 +1,95 @@
+"""Every error that this package raises on purpose, and the error codes it reports.
+
+The checks that raise them live beside what they check, not here.
+"""
+
+import difflib
+from collections.abc import Iterable
+from enum import IntEnum
+
+
+class ErrorCode(IntEnum):
+    """Values of ``AtlasSimInterfaceState.error_code``."""
+
+    NO_ERRORS = 0
+    UNSPECIFIED = -1
+    VALUE_OUT_OF_RANGE = -2
+    INVALID_INDEX = -3
+    FAILED_TO_START_BEHAVIOR = -4
+    NO_ACTIVE_BEHAVIOR = -5
+    NO_SUCH_BEHAVIOR = -6
+    BEHAVIOR_NOT_IMPLEMENTED = -7
+    TIME_RAN_BACKWARD = -8
+
+
+class AtlasError(Exception):
+    """Base of all errors of this package: catch it to catch them all."""
+
+
+class InvalidMessageError(AtlasError, ValueError):
+    """A message that cannot be applied; nothing of it has been.
+
+    Attributes:
+        field: Where the fault is, as a path from the message, for example
+            ``walk_params.step_queue[2].duration``.
+        value: What the message has there.
+        problem: What is wrong with it and what would be right.
+        error_code: What the robot reports in ``AtlasSimInterfaceState.error_code``.
+    """
+
+    def __init__(
+        self,
+        field: str,
+        value: object,
+        problem: str,
+        error_code: ErrorCode = ErrorCode.VALUE_OUT_OF_RANGE,
+    ) -> None:
+        # All arguments go to the base class because pickling passes them back.
+        super().__init__(field, value, problem, error_code)
+        self.field = field
+        self.value = value
+        self.problem = problem
+        self.error_code = error_code
+
+    def __str__(self) -> str:
+        """Say what is wrong, where."""
+        return f"{self.field}: {self.problem}"
+
+
+class RobotDescriptionError(AtlasError, ValueError):
+    """A robot that does not exist, or whose description contradicts its model."""
+
+
+class ScenarioError(AtlasError, ValueError):
+    """A scenario that cannot be run.
+
+    Attributes:
+        field: Where the fault is, as a path from the top of the scenario.
+        value: What the scenario has there.
+        problem: What is wrong with it and what would be right.
+    """
+
+    def __init__(self, field: str, value: object, problem: str) -> None:
+        super().__init__(field, value, problem)
+        self.field = field
+        self.value = value
+        self.problem = problem
+
+    def __str__(self) -> str:
+        """Say what is wrong, where."""
+        return f"{self.field}: {self.problem}"
+
+
+def did_you_mean(word: str, known: Iterable[str]) -> str:
+    """Name the known word nearest to a mistyped one.
+
+    Args:
+        word: What was written.
+        known: What could have been meant.
+
+    Returns:
+        A sentence with a leading space, to be appended to an error message; empty
+        when nothing known resembles the word.
+    """
+    close = difflib.get_close_matches(word, list(known), n=1)
+    return f" Did you mean {close[0]!r}?" if close else ""

@@ -1,0 +1,85 @@
+"""Messages of the Atlas control interface: what a script sends and what it reads.
+
+Data and what is valid only, on numpy and the standard library; no Drake, no control.
+"""
+
+from atlas_drake.messages.atlas_command import AtlasCommand
+from atlas_drake.messages.atlas_sim_interface_command import AtlasSimInterfaceCommand
+from atlas_drake.messages.atlas_sim_interface_state import (
+    AtlasPositionData,
+    AtlasSimInterfaceState,
+)
+from atlas_drake.messages.atlas_state import AtlasState
+from atlas_drake.messages.base import Message
+from atlas_drake.messages.behavior import Behavior, behavior_from
+from atlas_drake.messages.behavior_feedback import (
+    AtlasBehaviorFeedback,
+    AtlasBehaviorManipulateFeedback,
+    AtlasBehaviorStandFeedback,
+    AtlasBehaviorStepFeedback,
+    AtlasBehaviorWalkFeedback,
+    BehaviorStatus,
+    StepStatus,
+    WalkStatus,
+)
+from atlas_drake.messages.behavior_params import (
+    NO_STEP,
+    NUM_REQUIRED_WALK_STEPS,
+    AtlasBehaviorManipulateParams,
+    AtlasBehaviorPelvisServoParams,
+    AtlasBehaviorStandParams,
+    AtlasBehaviorStepData,
+    AtlasBehaviorStepParams,
+    AtlasBehaviorWalkParams,
+)
+from atlas_drake.messages.geometry import (
+    Header,
+    Pose,
+    Quaternion,
+    Twist,
+    Vector3,
+    Wrench,
+)
+from atlas_drake.messages.imu import Imu
+from atlas_drake.messages.validation import (
+    K_EFFORT_MAX,
+    validate_atlas_command,
+    validate_sim_interface_command,
+)
+
+__all__ = [
+    "K_EFFORT_MAX",
+    "NO_STEP",
+    "NUM_REQUIRED_WALK_STEPS",
+    "AtlasBehaviorFeedback",
+    "AtlasBehaviorManipulateFeedback",
+    "AtlasBehaviorManipulateParams",
+    "AtlasBehaviorPelvisServoParams",
+    "AtlasBehaviorStandFeedback",
+    "AtlasBehaviorStandParams",
+    "AtlasBehaviorStepData",
+    "AtlasBehaviorStepFeedback",
+    "AtlasBehaviorStepParams",
+    "AtlasBehaviorWalkFeedback",
+    "AtlasBehaviorWalkParams",
+    "AtlasCommand",
+    "AtlasPositionData",
+    "AtlasSimInterfaceCommand",
+    "AtlasSimInterfaceState",
+    "AtlasState",
+    "Behavior",
+    "BehaviorStatus",
+    "Header",
+    "Imu",
+    "Message",
+    "Pose",
+    "Quaternion",
+    "StepStatus",
+    "Twist",
+    "Vector3",
+    "WalkStatus",
+    "Wrench",
+    "behavior_from",
+    "validate_atlas_command",
+    "validate_sim_interface_command",
+]

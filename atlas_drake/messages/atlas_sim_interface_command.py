@@ -1,0 +1,75 @@
+"""The command to the behaviors (behavior mode).
+
+What is valid is in ``validation``; what a behavior makes of it, in that behavior.
+"""
+
+from dataclasses import dataclass, field
+
+from atlas_drake.messages.base import FloatArray, IntArray, Message
+from atlas_drake.messages.behavior import Behavior
+from atlas_drake.messages.behavior_params import (
+    AtlasBehaviorManipulateParams,
+    AtlasBehaviorStandParams,
+    AtlasBehaviorStepParams,
+    AtlasBehaviorWalkParams,
+)
+from atlas_drake.messages.geometry import Header
+
+
+@dataclass(slots=True, eq=False)
+class AtlasSimInterfaceCommand(Message):
+    """The behavior to go to, its parameters, and the share of control of each joint.
+
+    Every array has one element per joint in message order, or is empty and leaves the
+    values in force as they are.
+
+    Attributes:
+        header: When it was sent. An earlier stamp than that of the command before is
+            an error.
+        behavior: A ``Behavior``, its number, or its name in any case. An empty message
+            asks for NONE.
+        walk_params: Read by WALK.
+        step_params: Read by STEP.
+        stand_params: Read by STAND.
+        manipulate_params: Read by MANIPULATE.
+        position: Servo positions [rad].
+        velocity: Servo velocities [rad/s].
+        effort: Servo efforts [N·m].
+        kp_position: Servo gains on position [N·m/rad], not negative.
+        ki_position: Servo gains on the integral of position [N·m/(rad·s)], not
+            negative.
+        kp_velocity: Servo gains on velocity [N·m·s/rad], not negative.
+        k_effort: Share of user control: 0 the behavior alone, 255 the user alone.
+            ``AtlasCommand`` writes the same values: the later message counts.
+    """
+
+    NONE = Behavior.NONE
+    FREEZE = Behavior.FREEZE
+    STAND_PREP = Behavior.STAND_PREP
+    STAND = Behavior.STAND
+    WALK = Behavior.WALK
+    STEP = Behavior.STEP
+    MANIPULATE = Behavior.MANIPULATE
+    USER = Behavior.USER
+
+    header: Header = field(default_factory=Header)
+    behavior: int | str = Behavior.NONE
+    walk_params: AtlasBehaviorWalkParams = field(
+        default_factory=AtlasBehaviorWalkParams
+    )
+    step_params: AtlasBehaviorStepParams = field(
+        default_factory=AtlasBehaviorStepParams
+    )
+    stand_params: AtlasBehaviorStandParams = field(
+        default_factory=AtlasBehaviorStandParams
+    )
+    manipulate_params: AtlasBehaviorManipulateParams = field(
+        default_factory=AtlasBehaviorManipulateParams
+    )
+    position: FloatArray = field(default_factory=list)
+    velocity: FloatArray = field(default_factory=list)
+    effort: FloatArray = field(default_factory=list)
+    kp_position: FloatArray = field(default_factory=list)
+    ki_position: FloatArray = field(default_factory=list)
+    kp_velocity: FloatArray = field(default_factory=list)
+    k_effort: IntArray = field(default_factory=list)

@@ -1,0 +1,96 @@
+"""What the robot reports about its behaviors.
+
+Joints and sensors are reported in ``atlas_state``.
+"""
+
+from dataclasses import dataclass, field
+
+from atlas_drake.errors import ErrorCode
+from atlas_drake.messages.base import FloatArray, IntArray, Message
+from atlas_drake.messages.behavior import Behavior
+from atlas_drake.messages.behavior_feedback import (
+    AtlasBehaviorFeedback,
+    AtlasBehaviorManipulateFeedback,
+    AtlasBehaviorStandFeedback,
+    AtlasBehaviorStepFeedback,
+    AtlasBehaviorWalkFeedback,
+)
+from atlas_drake.messages.geometry import Header, Pose, Vector3
+
+
+@dataclass(slots=True, eq=False)
+class AtlasPositionData(Message):
+    """Where the pelvis is [m] and how it moves [m/s], in the world frame."""
+
+    position: Vector3 = field(default_factory=Vector3)
+    velocity: Vector3 = field(default_factory=Vector3)
+
+
+def _two_poses() -> list[Pose]:
+    return [Pose(), Pose()]
+
+
+@dataclass(slots=True, eq=False)
+class AtlasSimInterfaceState(Message):
+    """Which behavior is active, how it goes, and what it asks of the joints.
+
+    Attributes:
+        header: Time of the report.
+        error_code: What is wrong with the last command, as an ``ErrorCode``.
+        current_behavior: The active behavior, as a ``Behavior``.
+        desired_behavior: The behavior asked for last; it may lead the current one.
+        f_out: Efforts that the behavior asks for [N·m], one per joint in message
+            order, before they are blended with the user's.
+        pos_est: Estimated motion of the pelvis in the world frame.
+        foot_pos_est: Estimated poses of the left and the right foot, in this order,
+            in the world frame.
+        behavior_feedback: How the last change of behavior went.
+        stand_feedback: How STAND goes.
+        step_feedback: How STEP goes.
+        walk_feedback: How WALK goes.
+        manipulate_feedback: How MANIPULATE goes.
+        k_effort: Shares of user control in force, one per joint in message order.
+    """
+
+    NO_ERRORS = ErrorCode.NO_ERRORS
+    ERROR_UNSPECIFIED = ErrorCode.UNSPECIFIED
+    ERROR_VALUE_OUT_OF_RANGE = ErrorCode.VALUE_OUT_OF_RANGE
+    ERROR_INVALID_INDEX = ErrorCode.INVALID_INDEX
+    ERROR_FAILED_TO_START_BEHAVIOR = ErrorCode.FAILED_TO_START_BEHAVIOR
+    ERROR_NO_ACTIVE_BEHAVIOR = ErrorCode.NO_ACTIVE_BEHAVIOR
+    ERROR_NO_SUCH_BEHAVIOR = ErrorCode.NO_SUCH_BEHAVIOR
+    ERROR_BEHAVIOR_NOT_IMPLEMENTED = ErrorCode.BEHAVIOR_NOT_IMPLEMENTED
+    ERROR_TIME_RAN_BACKWARD = ErrorCode.TIME_RAN_BACKWARD
+
+    NONE = Behavior.NONE
+    FREEZE = Behavior.FREEZE
+    STAND_PREP = Behavior.STAND_PREP
+    STAND = Behavior.STAND
+    WALK = Behavior.WALK
+    STEP = Behavior.STEP
+    MANIPULATE = Behavior.MANIPULATE
+    USER = Behavior.USER
+
+    header: Header = field(default_factory=Header)
+    error_code: int = ErrorCode.NO_ERRORS
+    current_behavior: int = Behavior.NONE
+    desired_behavior: int = Behavior.NONE
+    f_out: FloatArray = field(default_factory=list)
+    pos_est: AtlasPositionData = field(default_factory=AtlasPositionData)
+    foot_pos_est: list[Pose] = field(default_factory=_two_poses)
+    behavior_feedback: AtlasBehaviorFeedback = field(
+        default_factory=AtlasBehaviorFeedback
+    )
+    stand_feedback: AtlasBehaviorStandFeedback = field(
+        default_factory=AtlasBehaviorStandFeedback
+    )
+    step_feedback: AtlasBehaviorStepFeedback = field(
+        default_factory=AtlasBehaviorStepFeedback
+    )
+    walk_feedback: AtlasBehaviorWalkFeedback = field(
+        default_factory=AtlasBehaviorWalkFeedback
+    )
+    manipulate_feedback: AtlasBehaviorManipulateFeedback = field(
+        default_factory=AtlasBehaviorManipulateFeedback
+    )
+    k_effort: IntArray = field(default_factory=list)

@@ -1,0 +1,58 @@
+"""What the robot reports about its joints and its sensors.
+
+Behaviors are reported in ``atlas_sim_interface_state``.
+"""
+
+from dataclasses import dataclass, field
+
+from atlas_drake.messages.base import FloatArray, IntArray, Message
+from atlas_drake.messages.geometry import Header, Quaternion, Vector3, Wrench
+from atlas_drake.messages.joint_indices import JointIndices
+
+
+@dataclass(slots=True, eq=False)
+class AtlasState(JointIndices, Message):
+    """Measured joint states, the gains in force, the pelvis and the wrenches.
+
+    Every array has one element per joint in message order. ``AtlasState.neck_ry`` and
+    its like are joint indices.
+
+    Attributes:
+        header: Time of the measurement.
+        position: Joint positions [rad].
+        velocity: Joint velocities [rad/s].
+        effort: Joint efforts [N·m].
+        kp_position: Proportional gains in force [N·m/rad].
+        ki_position: Integral gains in force [N·m/(rad·s)].
+        kd_position: Gains on the rate of the position error in force [N·m·s/rad].
+        kp_velocity: Gains on the velocity error in force [N·m·s/rad].
+        i_effort_min: Lower bounds of the integral term in force [N·m].
+        i_effort_max: Upper bounds of the integral term in force [N·m].
+        k_effort: Shares of user control in force, 0 to 255.
+        orientation: Orientation of the pelvis in the world frame.
+        angular_velocity: Angular velocity of the pelvis, in its own frame [rad/s].
+        linear_acceleration: Specific force at the pelvis, in its own frame [m/s²].
+        l_foot: Wrench on the left foot.
+        r_foot: Wrench on the right foot.
+        l_hand: Wrench on the left hand.
+        r_hand: Wrench on the right hand.
+    """
+
+    header: Header = field(default_factory=Header)
+    position: FloatArray = field(default_factory=list)
+    velocity: FloatArray = field(default_factory=list)
+    effort: FloatArray = field(default_factory=list)
+    kp_position: FloatArray = field(default_factory=list)
+    ki_position: FloatArray = field(default_factory=list)
+    kd_position: FloatArray = field(default_factory=list)
+    kp_velocity: FloatArray = field(default_factory=list)
+    i_effort_min: FloatArray = field(default_factory=list)
+    i_effort_max: FloatArray = field(default_factory=list)
+    k_effort: IntArray = field(default_factory=list)
+    orientation: Quaternion = field(default_factory=Quaternion)
+    angular_velocity: Vector3 = field(default_factory=Vector3)
+    linear_acceleration: Vector3 = field(default_factory=Vector3)
+    l_foot: Wrench = field(default_factory=Wrench)
+    r_foot: Wrench = field(default_factory=Wrench)
+    l_hand: Wrench = field(default_factory=Wrench)
+    r_hand: Wrench = field(default_factory=Wrench)

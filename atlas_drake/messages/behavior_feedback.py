@@ -1,0 +1,150 @@
+"""What the behaviors report: transitions, progress, and what they made of a wish.
+
+What they are asked to do is in ``behavior_params``.
+"""
+
+from dataclasses import dataclass, field
+from enum import IntFlag
+
+from atlas_drake.messages.base import Message
+from atlas_drake.messages.behavior import Behavior
+from atlas_drake.messages.behavior_params import (
+    AtlasBehaviorPelvisServoParams,
+    AtlasBehaviorStepData,
+    empty_step_queue,
+)
+
+
+class BehaviorStatus(IntFlag):
+    """Bits of ``AtlasBehaviorFeedback.status_flags``."""
+
+    OK = 0
+    TRANSITION_IN_PROGRESS = 1
+    TRANSITION_SUCCESS = 2
+    FAILED_TRANS_UNKNOWN_BEHAVIOR = 4
+    FAILED_TRANS_ILLEGAL_BEHAVIOR = 8
+    FAILED_TRANS_COM_POS = 16
+    FAILED_TRANS_COM_VEL = 32
+    FAILED_TRANS_VEL = 64
+    WARNING_AUTO_TRANS = 128
+    ERROR_FALLING = 256
+
+
+class WalkStatus(IntFlag):
+    """Bits of ``AtlasBehaviorWalkFeedback.status_flags``."""
+
+    OKAY = 0
+    SUBSTATE_SWAYING = 1
+    SUBSTATE_STEPPING = 2
+    SUBSTATE_CATCHING = 4
+    WARNING_INSUFFICIENT_STEP_DATA = 8
+    ERROR_INCONSISTENT_STEPS = 16
+
+
+class StepStatus(IntFlag):
+    """Bits of ``AtlasBehaviorStepFeedback.status_flags``."""
+
+    OKAY = 0
+    SUBSTATE_SWAYING = 1
+    SUBSTATE_STEPPING = 2
+
+
+@dataclass(slots=True, eq=False)
+class AtlasBehaviorFeedback(Message):
+    """How the last change of behavior went.
+
+    Attributes:
+        status_flags: ``STATUS_...`` bits. They latch until the next transition.
+        trans_from: The behavior that was left, as a ``Behavior``.
+        trans_to: The behavior that was entered or refused, as a ``Behavior``.
+    """
+
+    STATUS_OK = BehaviorStatus.OK
+    STATUS_TRANSITION_IN_PROGRESS = BehaviorStatus.TRANSITION_IN_PROGRESS
+    STATUS_TRANSITION_SUCCESS = BehaviorStatus.TRANSITION_SUCCESS
+    STATUS_FAILED_TRANS_UNKNOWN_BEHAVIOR = BehaviorStatus.FAILED_TRANS_UNKNOWN_BEHAVIOR
+    STATUS_FAILED_TRANS_ILLEGAL_BEHAVIOR = BehaviorStatus.FAILED_TRANS_ILLEGAL_BEHAVIOR
+    STATUS_FAILED_TRANS_COM_POS = BehaviorStatus.FAILED_TRANS_COM_POS
+    STATUS_FAILED_TRANS_COM_VEL = BehaviorStatus.FAILED_TRANS_COM_VEL
+    STATUS_FAILED_TRANS_VEL = BehaviorStatus.FAILED_TRANS_VEL
+    STATUS_WARNING_AUTO_TRANS = BehaviorStatus.WARNING_AUTO_TRANS
+    STATUS_ERROR_FALLING = BehaviorStatus.ERROR_FALLING
+
+    status_flags: int = BehaviorStatus.OK
+    trans_from: int = Behavior.NONE
+    trans_to: int = Behavior.NONE
+
+
+@dataclass(slots=True, eq=False)
+class AtlasBehaviorStandFeedback(Message):
+    """How STAND goes: it has no flags of its own; ``status_flags`` is 0."""
+
+    status_flags: int = 0
+
+
+@dataclass(slots=True, eq=False)
+class AtlasBehaviorWalkFeedback(Message):
+    """How WALK goes.
+
+    Attributes:
+        t_step_rem: Time until the foot in the air touches down [s].
+        current_step_index: Number of the step being taken; 0 before the first.
+        next_step_index_needed: First index that the next step queue should hold.
+        status_flags: ``WALK_...`` bits; exactly one substate while WALK is active.
+        step_queue_saturated: The steps as they will really be taken.
+    """
+
+    WALK_OKAY = WalkStatus.OKAY
+    WALK_SUBSTATE_SWAYING = WalkStatus.SUBSTATE_SWAYING
+    WALK_SUBSTATE_STEPPING = WalkStatus.SUBSTATE_STEPPING
+    WALK_SUBSTATE_CATCHING = WalkStatus.SUBSTATE_CATCHING
+    WALK_WARNING_INSUFFICIENT_STEP_DATA = WalkStatus.WARNING_INSUFFICIENT_STEP_DATA
+    WALK_ERROR_INCONSISTENT_STEPS = WalkStatus.ERROR_INCONSISTENT_STEPS
+
+    t_step_rem: float = 0.0
+    current_step_index: int = 0
+    next_step_index_needed: int = 1
+    status_flags: int = WalkStatus.OKAY
+    step_queue_saturated: list[AtlasBehaviorStepData] = field(
+        default_factory=empty_step_queue
+    )
+
+
+@dataclass(slots=True, eq=False)
+class AtlasBehaviorStepFeedback(Message):
+    """How STEP goes.
+
+    Attributes:
+        t_step_rem: Time until the step is done [s].
+        current_step_index: Number of the step being taken; 0 before the first.
+        next_step_index_needed: Index that the next desired step should have.
+        status_flags: ``STEP_...`` bits.
+        desired_step_saturated: The step as it will really be taken.
+    """
+
+    STEP_OKAY = StepStatus.OKAY
+    STEP_SUBSTATE_SWAYING = StepStatus.SUBSTATE_SWAYING
+    STEP_SUBSTATE_STEPPING = StepStatus.SUBSTATE_STEPPING
+
+    t_step_rem: float = 0.0
+    current_step_index: int = 0
+    next_step_index_needed: int = 1
+    status_flags: int = StepStatus.OKAY
+    desired_step_saturated: AtlasBehaviorStepData = field(
+        default_factory=AtlasBehaviorStepData
+    )
+
+
+@dataclass(slots=True, eq=False)
+class AtlasBehaviorManipulateFeedback(Message):
+    """How MANIPULATE goes.
+
+    Attributes:
+        status_flags: It has no flags of its own: 0.
+        clamped: The pelvis pose that is really pursued.
+    """
+
+    status_flags: int = 0
+    clamped: AtlasBehaviorPelvisServoParams = field(
+        default_factory=AtlasBehaviorPelvisServoParams
+    )

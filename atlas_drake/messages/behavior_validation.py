@@ -1,0 +1,146 @@
+"""Which steps and pelvis poses the robot accepts, whatever behavior is to use them.
+
+The rest of a command is checked in ``validation``.
+"""
+
+import math
+
+from atlas_drake.errors import ErrorCode, InvalidMessageError
+from atlas_drake.messages.behavior_params import (
+    NO_STEP,
+    NUM_REQUIRED_WALK_STEPS,
+    AtlasBehaviorManipulateParams,
+    AtlasBehaviorPelvisServoParams,
+    AtlasBehaviorStepData,
+    AtlasBehaviorStepParams,
+    AtlasBehaviorWalkParams,
+)
+from atlas_drake.messages.checks import check_flag, check_kind, check_number, is_whole
+from atlas_drake.messages.geometry import Pose, Quaternion, Vector3
+
+FEET = {0: "left", 1: "right"}
+"""Foot indices."""
+
+MIN_QUATERNION_NORM = 1e-6
+"""Below this norm a quaternion's direction is rounding noise."""
+
+_PELVIS_FIELDS = (
+    "pelvis_height",
+    "pelvis_yaw",
+    "pelvis_pitch",
+    "pelvis_roll",
+    "com_v0",
+    "com_v1",
+)
+
+
+def check_walk_params(params: AtlasBehaviorWalkParams) -> None:
+    """Check the steps of WALK, empty ones included.
+
+    Raises:
+        InvalidMessageError: If anything in them cannot be applied; it names the field.
+    """
+    check_kind(params, AtlasBehaviorWalkParams, "walk_params")
+    check_flag(params.use_demo_walk, "walk_params.use_demo_walk")
+    check_flag(params.use_relative_step_height, "walk_params.use_relative_step_height")
+    queue = params.step_queue
+    field = "walk_params.step_queue"
+    if not isinstance(queue, (list, tuple)):
+        raise InvalidMessageError(
+            field, queue, f"must be a list of steps, is {type(queue).__name__}"
+        )
+    if len(queue) != NUM_REQUIRED_WALK_STEPS:
+        raise InvalidMessageError(
+            field,
+            queue,
+            f"must have {NUM_REQUIRED_WALK_STEPS} entries, has {len(queue)}; an empty "
+            "AtlasBehaviorStepData() is no step",
+        )
+    previous = 0
+    for position, step in enumerate(queue):
+        index = _check_step(step, f"{field}[{position}]")
+        if index == NO_STEP:
+            continue
+        if index <= previous:
+            raise InvalidMessageError(
+                f"{field}[{position}].step_index",
+                index,
+                f"must increase from entry to entry, {index} follows {previous}",
+                ErrorCode.INVALID_INDEX,
+            )
+        previous = index
+
+
+def check_step_params(params: AtlasBehaviorStepParams) -> None:
+    """Check the step of STEP.
+
+    Raises:
+        InvalidMessageError: If anything in it cannot be applied; it names the field.
+    """
+    check_kind(params, AtlasBehaviorStepParams, "step_params")
+    check_flag(params.use_demo_walk, "step_params.use_demo_walk")
+    check_flag(params.use_relative_step_height, "step_params.use_relative_step_height")
+    _check_step(params.desired_step, "step_params.desired_step")
+
+
+def check_manipulate_params(params: AtlasBehaviorManipulateParams) -> None:
+    """Check the pelvis pose of MANIPULATE.
+
+    Raises:
+        InvalidMessageError: If anything in it cannot be applied; it names the field.
+    """
+    check_kind(params, AtlasBehaviorManipulateParams, "manipulate_params")
+    check_flag(params.use_desired, "manipulate_params.use_desired")
+    field = "manipulate_params.desired"
+    check_kind(params.desired, AtlasBehaviorPelvisServoParams, field)
+    for name in _PELVIS_FIELDS:
+        check_number(getattr(params.desired, name), f"{field}.{name}")
+
+
+def _check_step(step: AtlasBehaviorStepData, field: str) -> int:
+    """Check a step and return its index; of an empty one nothing else is read."""
+    check_kind(step, AtlasBehaviorStepData, field)
+    if not is_whole(step.step_index) or (
+        step.step_index < 1 and step.step_index != NO_STEP
+    ):
+        raise InvalidMessageError(
+            f"{field}.step_index",
+            step.step_index,
+            f"must be a whole number from 1 on, or {NO_STEP} for no step, is "
+            f"{step.step_index!r}",
+            ErrorCode.INVALID_INDEX,
+        )
+    if step.step_index == NO_STEP:
+        return NO_STEP
+    if not is_whole(step.foot_index) or step.foot_index not in FEET:
+        choice = " or ".join(f"{index} ({name})" for index, name in FEET.items())
+        raise InvalidMessageError(
+            f"{field}.foot_index",
+            step.foot_index,
+            f"must be {choice}, is {step.foot_index!r}",
+            ErrorCode.INVALID_INDEX,
+        )
+    check_number(step.duration, f"{field}.duration", 0.0, strictly=True)
+    check_number(step.swing_height, f"{field}.swing_height", 0.0)
+    _check_pose(step.pose, f"{field}.pose")
+    return int(step.step_index)
+
+
+def _check_pose(pose: Pose, field: str) -> None:
+    check_kind(pose, Pose, field)
+    check_kind(pose.position, Vector3, f"{field}.position")
+    for axis in "xyz":
+        check_number(getattr(pose.position, axis), f"{field}.position.{axis}")
+    check_kind(pose.orientation, Quaternion, f"{field}.orientation")
+    norm = math.hypot(
+        *(
+            check_number(getattr(pose.orientation, axis), f"{field}.orientation.{axis}")
+            for axis in "xyzw"
+        )
+    )
+    if norm < MIN_QUATERNION_NORM:
+        raise InvalidMessageError(
+            f"{field}.orientation",
+            pose.orientation,
+            "must not be zero; x = y = z = 0, w = 1 is no rotation",
+        )

@@ -1,0 +1,169 @@
+"""Checks of one value each: is it a finite number, a whole one, a joint array?
+
+Which field must pass which check is in ``validation``.
+"""
+
+import math
+from collections.abc import Sequence
+from numbers import Integral, Real
+from typing import Any, TypeGuard
+
+import numpy as np
+from numpy.typing import NDArray
+
+from atlas_drake.errors import InvalidMessageError
+from atlas_drake.messages.base import Message
+
+
+def check_kind(value: object, kind: type[Message], field: str) -> None:
+    """Raise InvalidMessageError unless the value is a message of this kind."""
+    if not isinstance(value, kind):
+        raise InvalidMessageError(
+            field, value, f"must be {kind.__name__}, is {type(value).__name__}"
+        )
+
+
+def check_number(
+    value: object,
+    field: str,
+    lower: float = -math.inf,
+    *,
+    strictly: bool = False,
+) -> float:
+    """Check that a value is a finite number, and not too small.
+
+    Args:
+        value: The value; truth values are not numbers.
+        field: Its path in the message.
+        lower: The least value allowed, without the unit.
+        strictly: The value must be greater than ``lower``.
+
+    Returns:
+        The number.
+
+    Raises:
+        InvalidMessageError: If it is none, not finite, or too small.
+    """
+    number = _float(value)
+    if number is None:
+        raise InvalidMessageError(field, value, f"must be a number, is {value!r}")
+    if not math.isfinite(number):
+        raise InvalidMessageError(field, value, f"must be finite, is {value!r}")
+    if number < lower or (strictly and number == lower):
+        bound = "greater than" if strictly else "at least"
+        raise InvalidMessageError(
+            field, value, f"must be {bound} {lower:g}, is {value!r}"
+        )
+    return number
+
+
+def is_whole(value: object) -> TypeGuard[int]:
+    """Tell whether a value is a whole number by its type; truth values are not."""
+    return not isinstance(value, bool) and isinstance(value, Integral)
+
+
+def check_flag(value: object, field: str) -> None:
+    """Raise InvalidMessageError unless the value says yes or no."""
+    if not (isinstance(value, (bool, np.bool_, Integral)) and value in (0, 1)):
+        raise InvalidMessageError(field, value, f"must be True or False, is {value!r}")
+
+
+def check_joint_array(
+    values: object,
+    field: str,
+    joint_names: Sequence[str],
+    lower: float = -math.inf,
+    upper: float = math.inf,
+    *,
+    whole: bool = False,
+) -> NDArray[np.float64]:
+    """Check that a value has one good number per joint, or none at all.
+
+    Args:
+        values: A list, tuple or one-dimensional array.
+        field: Its path in the message.
+        joint_names: The robot's joints in message order.
+        lower: The least number allowed, without the unit.
+        upper: The greatest number allowed, without the unit.
+        whole: Only whole numbers are allowed.
+
+    Returns:
+        The numbers; shape (number of joints,) or (0,).
+
+    Raises:
+        InvalidMessageError: If it is no such list, has another length, or an element
+            is no number, not finite, out of bounds, or not whole.
+    """
+    numbers = _joint_numbers(values, field, joint_names)
+    bad = ~np.isfinite(numbers)
+    requirement = "must be finite"
+    if not bad.any():
+        bad = (numbers < lower) | (numbers > upper)
+        requirement = f"must be at least {lower:g}"
+        if math.isfinite(upper):
+            requirement = f"must be {lower:g} to {upper:g}"
+    if not bad.any() and whole:
+        bad = numbers != np.floor(numbers)
+        requirement = "must be a whole number"
+    if bad.any():
+        index = int(np.argmax(bad))
+        # The value as it was sent: 10**400 reads better than infinity.
+        value = values[index]  # type: ignore[index]
+        raise InvalidMessageError(
+            f"{field}[{index}]",
+            value,
+            f"{requirement}, is {value!r} (joint {joint_names[index]})",
+        )
+    return numbers
+
+
+def _joint_numbers(
+    values: object, field: str, joint_names: Sequence[str]
+) -> NDArray[np.float64]:
+    is_array = isinstance(values, np.ndarray)
+    if not (isinstance(values, (list, tuple)) or is_array):
+        raise InvalidMessageError(
+            field,
+            values,
+            "must be a list of numbers, one per joint, or an empty list, is "
+            f"{type(values).__name__}",
+        )
+    if is_array and values.ndim != 1:  # type: ignore[attr-defined]
+        raise InvalidMessageError(
+            field,
+            values,
+            f"must have one dimension, has shape {values.shape}",  # type: ignore[attr-defined]
+        )
+    elements: Any = values
+    if len(elements) not in (0, len(joint_names)):
+        raise InvalidMessageError(
+            field,
+            values,
+            f"must have {len(joint_names)} elements, one per joint, or none, has "
+            f"{len(elements)}",
+        )
+    if is_array and elements.dtype.kind in "iuf":
+        return np.asarray(elements, dtype=float)
+    numbers = np.empty(len(elements))
+    for index, element in enumerate(elements):
+        number = _float(element)
+        if number is None:
+            raise InvalidMessageError(
+                f"{field}[{index}]",
+                element,
+                f"must be a number, is {element!r} (joint {joint_names[index]})",
+            )
+        numbers[index] = number
+    return numbers
+
+
+def _float(value: object) -> float | None:
+    """Convert a number to float, anything else to None."""
+    if type(value) is float:
+        return value
+    if isinstance(value, (bool, np.bool_)) or not isinstance(value, Real):
+        return None
+    try:
+        return float(value)
+    except OverflowError:
+        return math.copysign(math.inf, value)

@@ -1,0 +1,91 @@
+"""Positions, orientations, velocities and forces as messages carry them.
+
+Only data: a rotation or a rigid transform is computed with Drake, not with these.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from atlas_drake.messages.base import Message
+
+
+@dataclass(slots=True, eq=False)
+class Header(Message):
+    """When a message was made, and in which frame it is expressed.
+
+    Attributes:
+        stamp: Simulation time [s]. 0 or ``None`` in a command means "now".
+        frame_id: Name of the frame; empty means the frame that the message documents.
+    """
+
+    stamp: float | None = 0.0
+    frame_id: str = ""
+
+
+@dataclass(slots=True, eq=False)
+class Vector3(Message):
+    """A position [m], a velocity [m/s or rad/s], a force [N], ..."""
+
+    x: float = 0.0
+    y: float = 0.0
+    z: float = 0.0
+
+    @classmethod
+    def from_array(cls, xyz: ArrayLike) -> "Vector3":
+        """Make one from x, y, z; shape (3,)."""
+        x, y, z = np.asarray(xyz, dtype=float).tolist()
+        return cls(x, y, z)
+
+    def to_array(self) -> NDArray[np.float64]:
+        """Return x, y, z; shape (3,)."""
+        return np.array([self.x, self.y, self.z], dtype=float)
+
+
+@dataclass(slots=True, eq=False)
+class Quaternion(Message):
+    """An orientation; x, y, z, w in this order, the scalar last.
+
+    An empty one is the identity, so that a pose that names a position only is valid.
+    Who reads it normalises it.
+    """
+
+    x: float = 0.0
+    y: float = 0.0
+    z: float = 0.0
+    w: float = 1.0
+
+    @classmethod
+    def from_wxyz(cls, wxyz: ArrayLike) -> "Quaternion":
+        """Make one from w, x, y, z, the order of Drake and Eigen; shape (4,)."""
+        w, x, y, z = np.asarray(wxyz, dtype=float).tolist()
+        return cls(x, y, z, w)
+
+    def to_wxyz(self) -> NDArray[np.float64]:
+        """Return w, x, y, z, the order of Drake and Eigen; shape (4,)."""
+        return np.array([self.w, self.x, self.y, self.z], dtype=float)
+
+
+@dataclass(slots=True, eq=False)
+class Pose(Message):
+    """Where a frame is [m] and how it is turned."""
+
+    position: Vector3 = field(default_factory=Vector3)
+    orientation: Quaternion = field(default_factory=Quaternion)
+
+
+@dataclass(slots=True, eq=False)
+class Twist(Message):
+    """A linear [m/s] and an angular [rad/s] velocity."""
+
+    linear: Vector3 = field(default_factory=Vector3)
+    angular: Vector3 = field(default_factory=Vector3)
+
+
+@dataclass(slots=True, eq=False)
+class Wrench(Message):
+    """A force [N] and a torque [N·m]."""
+
+    force: Vector3 = field(default_factory=Vector3)
+    torque: Vector3 = field(default_factory=Vector3)

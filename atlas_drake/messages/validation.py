@@ -1,0 +1,140 @@
+"""Which messages the robot accepts; called on delivery, before anything is applied.
+
+Single values are checked in ``checks``, steps and poses in ``behavior_validation``.
+What contradicts the robot's situation, such as a transition that is not allowed, is for
+the behaviors to refuse.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from atlas_drake.errors import ErrorCode, InvalidMessageError
+from atlas_drake.messages.atlas_command import AtlasCommand
+from atlas_drake.messages.atlas_sim_interface_command import AtlasSimInterfaceCommand
+from atlas_drake.messages.behavior import behavior_from
+from atlas_drake.messages.behavior_params import AtlasBehaviorStandParams
+from atlas_drake.messages.behavior_validation import (
+    check_manipulate_params,
+    check_step_params,
+    check_walk_params,
+)
+from atlas_drake.messages.checks import check_joint_array, check_kind, check_number
+from atlas_drake.messages.geometry import Header
+
+K_EFFORT_MAX = 255
+"""``k_effort`` of a joint that the user alone controls."""
+
+CONTROLLER_PERIOD_MAX_MS = 255
+"""Longest controller period that a message can name [ms]: it is one byte."""
+
+_SETPOINTS = ("position", "velocity", "effort")
+_GAINS = ("kp_position", "ki_position", "kd_position", "kp_velocity")
+_SERVO_GAINS = ("kp_position", "ki_position", "kp_velocity")
+
+
+def validate_atlas_command(
+    message: AtlasCommand,
+    joint_names: Sequence[str],
+    previous_stamp: float | None = None,
+) -> None:
+    """Check a command to the joint controllers.
+
+    An ``i_effort_min`` above an ``i_effort_max`` is found only where the message has
+    both; a message with one of them is checked against the value in force by whoever
+    merges the two.
+
+    Args:
+        message: The command.
+        joint_names: The robot's joints in message order.
+        previous_stamp: Stamp of the last accepted ``AtlasCommand`` [s], if any.
+
+    Raises:
+        InvalidMessageError: If anything in it cannot be applied; it names the field.
+    """
+    check_kind(message, AtlasCommand, "message")
+    _check_header(message.header, previous_stamp)
+    for name in _SETPOINTS:
+        check_joint_array(getattr(message, name), name, joint_names)
+    for name in _GAINS:
+        check_joint_array(getattr(message, name), name, joint_names, lower=0.0)
+    _check_integral_bounds(message, joint_names)
+    _check_k_effort(message.k_effort, joint_names)
+    period = check_number(
+        message.desired_controller_period_ms, "desired_controller_period_ms", 0.0
+    )
+    if period > CONTROLLER_PERIOD_MAX_MS or not period.is_integer():
+        raise InvalidMessageError(
+            "desired_controller_period_ms",
+            message.desired_controller_period_ms,
+            f"must be a whole number of milliseconds, 0 to {CONTROLLER_PERIOD_MAX_MS}, "
+            f"is {message.desired_controller_period_ms!r}",
+        )
+
+
+def validate_sim_interface_command(
+    message: AtlasSimInterfaceCommand,
+    joint_names: Sequence[str],
+    previous_stamp: float | None = None,
+) -> None:
+    """Check a command to the behaviors, the parameters of all behaviors included.
+
+    Args:
+        message: The command.
+        joint_names: The robot's joints in message order.
+        previous_stamp: Stamp of the last accepted ``AtlasSimInterfaceCommand`` [s],
+            if any.
+
+    Raises:
+        InvalidMessageError: If anything in it cannot be applied; it names the field.
+    """
+    check_kind(message, AtlasSimInterfaceCommand, "message")
+    _check_header(message.header, previous_stamp)
+    behavior_from(message.behavior)
+    check_walk_params(message.walk_params)
+    check_step_params(message.step_params)
+    check_kind(message.stand_params, AtlasBehaviorStandParams, "stand_params")
+    check_manipulate_params(message.manipulate_params)
+    for name in _SETPOINTS:
+        check_joint_array(getattr(message, name), name, joint_names)
+    for name in _SERVO_GAINS:
+        check_joint_array(getattr(message, name), name, joint_names, lower=0.0)
+    _check_k_effort(message.k_effort, joint_names)
+
+
+def _check_header(header: Header, previous_stamp: float | None) -> None:
+    check_kind(header, Header, "header")
+    if header.stamp is None:
+        return
+    stamp = check_number(header.stamp, "header.stamp", 0.0)
+    # A message that leaves the stamp at 0 means "now", which is never too early.
+    if previous_stamp is not None and 0.0 < stamp < previous_stamp:
+        raise InvalidMessageError(
+            "header.stamp",
+            header.stamp,
+            f"time ran backward: {stamp:g} s is earlier than {previous_stamp:g} s, "
+            "the stamp of the message before; 0 means now",
+            ErrorCode.TIME_RAN_BACKWARD,
+        )
+
+
+def _check_k_effort(values: object, joint_names: Sequence[str]) -> None:
+    check_joint_array(
+        values, "k_effort", joint_names, lower=0.0, upper=K_EFFORT_MAX, whole=True
+    )
+
+
+def _check_integral_bounds(message: AtlasCommand, joint_names: Sequence[str]) -> None:
+    lower = check_joint_array(message.i_effort_min, "i_effort_min", joint_names)
+    upper = check_joint_array(message.i_effort_max, "i_effort_max", joint_names)
+    if len(lower) == 0 or len(upper) == 0:
+        return
+    crossed = lower > upper
+    if crossed.any():
+        index = int(np.argmax(crossed))
+        raise InvalidMessageError(
+            f"i_effort_min[{index}]",
+            lower[index],
+            f"must be at most i_effort_max, {lower[index]:g} is greater than "
+            f"{upper[index]:g} (joint {joint_names[index]})",
+        )
