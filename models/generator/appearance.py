@@ -13,17 +13,18 @@ from atlas_drake.models.generator.appearance_trunk import (
     LTORSO,
     MTORSO,
     PELVIS,
-    backpack,
     utorso,
 )
+from atlas_drake.models.generator.collisions import BACKPACKS
 from atlas_drake.models.generator.gltf import Material, to_gltf
 from atlas_drake.models.generator.parts import Mesh
-from atlas_drake.models.generator.surfaces import Surface, merged
+from atlas_drake.models.generator.surfaces import Surface
+from atlas_drake.models.generator.triangles import merge
 
 MATERIALS = {
-    "shell": Material((0.72, 0.73, 0.74), roughness=0.45),
+    "shell": Material((0.80, 0.81, 0.82), roughness=0.45),
     "graphite": Material((0.035, 0.037, 0.042), roughness=0.55),
-    "steel": Material((0.30, 0.31, 0.33), metallic=0.3, roughness=0.4),
+    "steel": Material((0.42, 0.43, 0.45), metallic=0.2, roughness=0.4),
     "accent": Material((0.015, 0.13, 0.50), roughness=0.4),
     "lens": Material((0.01, 0.015, 0.02), roughness=0.1),
     "rubber": Material((0.015, 0.015, 0.016), roughness=0.9),
@@ -40,8 +41,7 @@ _SHARED: dict[str, _Parts] = {
 }
 
 _CHESTS: dict[str, _Parts] = {
-    "atlas": utorso(backpack(depth=0.13, width=0.32, bottom=0.10, top=0.46)),
-    "atlas_v3": utorso(backpack(depth=0.26, width=0.39, bottom=0.04, top=0.57)),
+    robot: utorso(backpack) for robot, backpack in BACKPACKS.items()
 }
 
 
@@ -67,7 +67,10 @@ def meshes() -> dict[str, str]:
 
 
 def _text(parts: _Parts, *, mirror: bool = False) -> str:
-    triangles = {name: merged(surfaces) for name, surfaces in parts.items()}
+    triangles = {
+        name: merge(*(surface.triangles() for surface in surfaces))
+        for name, surfaces in parts.items()
+    }
     if mirror:
         triangles = {name: mesh.mirrored() for name, mesh in triangles.items()}
     return to_gltf(triangles, MATERIALS)

@@ -5,7 +5,8 @@ Arms and legs are in `appearance_limbs`; nothing here takes part in the physics.
 
 from __future__ import annotations
 
-from atlas_drake.models.generator.forms import block, drum, hull, loop, rod
+from atlas_drake.models.generator.collisions import Backpack
+from atlas_drake.models.generator.forms import block, drum, hull, rod
 from atlas_drake.models.generator.parts import Vector, mirror_point
 from atlas_drake.models.generator.surfaces import Loft, Panel, Surface, Tube
 
@@ -20,19 +21,16 @@ def both(surfaces: tuple[Tube, ...]) -> tuple[Tube, ...]:
     )
 
 
-_BELT: tuple[Vector, ...] = (
+_BELT_HALF: tuple[Vector, ...] = (
     (0.150, 0.0, 0.06),
-    (0.135, 0.095, 0.06),
-    (0.060, 0.172, 0.06),
-    (-0.060, 0.170, 0.06),
-    (-0.125, 0.100, 0.06),
-    (-0.140, 0.0, 0.06),
-    (-0.125, -0.100, 0.06),
-    (-0.060, -0.170, 0.06),
-    (0.060, -0.172, 0.06),
-    (0.135, -0.095, 0.06),
-    (0.150, 0.0, 0.06),
+    (0.142, 0.075, 0.06),
+    (0.105, 0.140, 0.06),
+    (0.030, 0.172, 0.06),
+    (-0.060, 0.166, 0.06),
+    (-0.120, 0.110, 0.06),
+    (-0.142, 0.0, 0.06),
 )
+_BELT = _BELT_HALF + tuple(mirror_point(point) for point in _BELT_HALF[-2::-1])
 
 PELVIS: dict[str, tuple[Surface, ...]] = {
     "graphite": (
@@ -51,7 +49,7 @@ PELVIS: dict[str, tuple[Surface, ...]] = {
         block("y", (-0.01, 0.0, 0.04), (0.10, 0.26, 0.05)),
     ),
     "steel": (
-        loop(_BELT, CAGE_RADIUS),
+        Tube(_BELT, CAGE_RADIUS),
         *both(
             (
                 rod((0.145, 0.05, 0.06), (0.05, 0.03, 0.0), CAGE_RADIUS),
@@ -111,44 +109,48 @@ _CHEST = Loft(
     rings=14,
 )
 
+_VENTS = (0.035, 0.075, 0.115, 0.155)  # Lower edges of the slats below the chest.
+
 _CAGE_SIDE: tuple[Vector, ...] = (
-    (0.130, 0.150, 0.465),
-    (0.225, 0.150, 0.560),
-    (0.225, 0.142, 0.680),
-    (0.140, 0.136, 0.745),
-    (0.010, 0.136, 0.735),
-    (-0.080, 0.140, 0.620),
-    (-0.090, 0.145, 0.470),
+    (0.135, 0.128, 0.455),
+    (0.222, 0.132, 0.535),
+    (0.238, 0.128, 0.630),
+    (0.190, 0.120, 0.705),
+    (0.090, 0.117, 0.728),
+    (-0.010, 0.120, 0.700),
+    (-0.062, 0.128, 0.610),
+    (-0.075, 0.135, 0.470),
 )
+_CAGE_BARS = (3, 5)  # Points of the side where bars run across.
 
 
-def backpack(depth: float, width: float, bottom: float, top: float) -> Loft:
-    """Returns the backpack's hull; `depth` is how far it stands out behind [m]."""
-    front = -0.08
-    middle, half = front - depth / 2, depth / 2
+def _hull_of(pack: Backpack) -> Loft:
+    across = pack.center[:2]
+    depth, width = pack.depth / 2, pack.width / 2
     return hull(
         "z",
         (
-            (bottom, (middle, 0.0), (half, 0.43 * width)),
-            (0.5 * (bottom + top), (middle, 0.0), (half, 0.5 * width)),
-            (top, (middle, 0.0), (half, 0.46 * width)),
+            (pack.bottom, across, (depth, 0.86 * width)),
+            ((pack.bottom + pack.top) / 2, across, (depth, width)),
+            (pack.top, across, (depth, 0.92 * width)),
         ),
         power=4.5,
         rims=(0.03, 0.035),
     )
 
 
-def utorso(pack: Loft) -> dict[str, tuple[Surface, ...]]:
+def utorso(backpack: Backpack) -> dict[str, tuple[Surface, ...]]:
     """Returns the chest's surfaces with a backpack."""
-    low, high = pack.sections[0].at, pack.sections[-1].at
+    pack, bottom, top = _hull_of(backpack), backpack.bottom, backpack.top
     return {
         "shell": (
             _CHEST,
-            Panel(pack, (low + 0.05, high - 0.05), (125.0, 235.0), lift=0.006),
+            Panel(pack, (bottom + 0.05, top - 0.05), (125.0, 235.0), lift=0.006),
         ),
         "graphite": (
             pack,
-            Panel(_CHEST, (0.02, 0.20), (-24.0, 24.0)),
+            *(Panel(_CHEST, (low, low + 0.026), (-26.0, 26.0)) for low in _VENTS),
+            Panel(_CHEST, (0.425, 0.437), (-60.0, 60.0), lift=0.002),
             drum("x", (0.0, 0.0, 0.0), 0.062, 0.15),
             hull(
                 "x",
@@ -161,12 +163,14 @@ def utorso(pack: Loft) -> dict[str, tuple[Surface, ...]]:
         ),
         "accent": (
             Panel(_CHEST, (0.335, 0.36), (-42.0, 42.0), lift=0.004),
-            Panel(pack, (high - 0.13, high - 0.11), (128.0, 232.0), lift=0.009),
+            Panel(pack, (top - 0.13, top - 0.11), (128.0, 232.0), lift=0.009),
         ),
         "steel": (
-            *both((loop(_CAGE_SIDE, CAGE_RADIUS),)),
-            rod((0.140, -0.136, 0.745), (0.140, 0.136, 0.745), CAGE_RADIUS),
-            rod((0.010, -0.136, 0.735), (0.010, 0.136, 0.735), CAGE_RADIUS),
+            *both((Tube(_CAGE_SIDE, CAGE_RADIUS),)),
+            *(
+                rod(mirror_point(_CAGE_SIDE[bar]), _CAGE_SIDE[bar], CAGE_RADIUS)
+                for bar in _CAGE_BARS
+            ),
         ),
     }
 
@@ -176,22 +180,22 @@ HEAD: dict[str, tuple[Surface, ...]] = {
         hull(
             "z",
             (
-                (-0.02, (-0.06, 0.0), (0.055, 0.055)),
-                (0.05, (-0.06, 0.0), (0.075, 0.072)),
-                (0.115, (-0.065, 0.0), (0.065, 0.062)),
+                (-0.02, (-0.065, 0.0), (0.060, 0.060)),
+                (0.05, (-0.065, 0.0), (0.085, 0.080)),
+                (0.135, (-0.070, 0.0), (0.070, 0.066)),
             ),
             power=3.0,
-            rims=(0.015, 0.02),
+            rims=(0.015, 0.03),
         ),
         drum("y", (0.0, 0.0, 0.0), 0.028, 0.10),
-        drum("x", (0.0, 0.0, 0.012), 0.05, 0.08, rim=0.015),
+        drum("x", (0.0, 0.0, 0.015), 0.054, 0.08, rim=0.015),
     ),
-    "shell": (block("y", (-0.005, 0.0, 0.085), (0.075, 0.19, 0.055), rim=0.015),),
+    "shell": (block("y", (-0.005, 0.0, 0.098), (0.08, 0.205, 0.062), rim=0.018),),
     "lens": (
-        drum("x", (0.032, 0.062, 0.085), 0.019, 0.02),
-        drum("x", (0.032, -0.062, 0.085), 0.019, 0.02),
-        block("x", (0.033, 0.0, 0.085), (0.01, 0.05, 0.03), rim=0.003),
-        drum("x", (0.04, 0.0, 0.012), 0.034, 0.012, rim=0.004),
+        drum("x", (0.034, 0.066, 0.098), 0.021, 0.02),
+        drum("x", (0.034, -0.066, 0.098), 0.021, 0.02),
+        block("x", (0.036, 0.0, 0.098), (0.01, 0.055, 0.034), rim=0.003),
+        drum("x", (0.040, 0.0, 0.015), 0.037, 0.012, rim=0.004),
     ),
-    "accent": (drum("x", (0.020, 0.0, 0.012), 0.0525, 0.008, rim=0.003),),
+    "accent": (drum("x", (0.020, 0.0, 0.015), 0.0565, 0.008, rim=0.003),),
 }

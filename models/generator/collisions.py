@@ -6,6 +6,7 @@ step costs little and a robot that fell still lies on the ground as it should.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from itertools import combinations_with_replacement
 from math import pi
 
@@ -14,6 +15,7 @@ from atlas_drake.models.generator.parts import (
     Capsule,
     Placed,
     Sphere,
+    Vector,
     mirror_placed,
 )
 from atlas_drake.models.generator.skeleton import (
@@ -33,6 +35,8 @@ CONTACT_RADIUS = 0.01
 
 _ALONG_Y = (pi / 2, 0.0, 0.0)
 
+_BACK = -0.08  # Where the chest ends and its backpack begins, along x [m].
+
 
 def _sole_corners() -> tuple[Placed, ...]:
     """Returns four spheres that touch the sole plane exactly at its corners."""
@@ -50,10 +54,10 @@ def _sole_corners() -> tuple[Placed, ...]:
 _TRUNK: dict[str, tuple[Placed, ...]] = {
     "pelvis": (Placed(Box((0.29, 0.34, 0.22)), (0.005, 0.0, -0.005)),),
     "utorso": (
-        Placed(Box((0.40, 0.40, 0.46)), (0.02, 0.0, 0.22)),
-        Placed(Capsule(0.03, 0.26), (0.10, 0.0, 0.72), _ALONG_Y),
+        Placed(Box((0.32, 0.38, 0.46)), (0.025, 0.0, 0.24)),
+        Placed(Capsule(0.03, 0.22), (0.09, 0.0, 0.705), _ALONG_Y),
     ),
-    "head": (Placed(Sphere(0.11), (-0.06, 0.0, 0.05)),),
+    "head": (Placed(Sphere(0.11), (-0.055, 0.0, 0.055)),),
 }
 
 _LIMBS: dict[str, tuple[Placed, ...]] = {
@@ -66,10 +70,39 @@ _LIMBS: dict[str, tuple[Placed, ...]] = {
     "hand": (Placed(Capsule(0.05, 0.12), (0.0, 0.10, 0.005), _ALONG_Y),),
 }
 
-_BACKPACKS = {
-    "atlas": Placed(Box((0.16, 0.34, 0.40)), (-0.23, 0.0, 0.27)),
-    "atlas_v3": Placed(Box((0.26, 0.40, 0.52)), (-0.28, 0.0, 0.31)),
+
+@dataclass(frozen=True)
+class Backpack:
+    """Box on the chest's back, in the frame of the upper torso [m].
+
+    Attributes:
+        depth: How far it stands out behind the chest.
+        width: Its size from left to right.
+        bottom: Height of its lower side.
+        top: Height of its upper side.
+    """
+
+    depth: float
+    width: float
+    bottom: float
+    top: float
+
+    @property
+    def center(self) -> Vector:
+        """Centre of the box."""
+        return (_BACK - self.depth / 2, 0.0, (self.bottom + self.top) / 2)
+
+    @property
+    def size(self) -> Vector:
+        """Edges of the box."""
+        return (self.depth, self.width, self.top - self.bottom)
+
+
+BACKPACKS = {
+    "atlas": Backpack(depth=0.13, width=0.32, bottom=0.10, top=0.46),
+    "atlas_v3": Backpack(depth=0.26, width=0.39, bottom=0.04, top=0.57),
 }
+"""Backpacks by robot; the heavier robot carries its batteries."""
 
 
 def collisions(robot: str) -> dict[str, tuple[Placed, ...]]:
@@ -79,7 +112,8 @@ def collisions(robot: str) -> dict[str, tuple[Placed, ...]]:
         robot: `"atlas"` or `"atlas_v3"`; the latter carries the larger backpack.
     """
     shapes = dict(_TRUNK)
-    shapes["utorso"] = (*shapes["utorso"], _BACKPACKS[robot])
+    pack = BACKPACKS[robot]
+    shapes["utorso"] = (*shapes["utorso"], Placed(Box(pack.size), pack.center))
     for link, parts in _LIMBS.items():
         shapes[f"l_{link}"] = parts
         shapes[f"r_{link}"] = tuple(mirror_placed(part) for part in parts)

@@ -29,7 +29,7 @@ def drum(
     sections = tuple(
         Section(end, across, (radius, radius), _DRUM_ROUND) for end in ends
     )
-    return Loft(axis, sections, (rim, rim), segments=24, rings=2)
+    return Loft(axis, sections, (rim, rim), segments=22, rings=1)
 
 
 def block(axis: str, center: Vector, size: Vector, rim: float = 0.008) -> Loft:
@@ -47,17 +47,12 @@ def block(axis: str, center: Vector, size: Vector, rim: float = 0.008) -> Loft:
     sections = tuple(
         Section(end, across, (u / 2, v / 2), _BLOCK_SQUARE) for end in ends
     )
-    return Loft(axis, sections, (rim, rim), segments=32, rings=2)
+    return Loft(axis, sections, (rim, rim), segments=28, rings=1)
 
 
 def rod(start: Vector, end: Vector, radius: float) -> Tube:
     """Returns a straight round rod between two points."""
-    return Tube((start, end), radius, steps=1)
-
-
-def loop(points: tuple[Vector, ...], radius: float) -> Tube:
-    """Returns a bent tube through points; a closed one if the last is the first."""
-    return Tube(points, radius)
+    return Tube((start, end), radius, rim=0.3 * radius, steps=1)
 
 
 def hull(

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from atlas_drake.models.generator.surfaces import Array, Triangles
+from atlas_drake.models.generator.triangles import Array, Triangles
 
 _ARRAY_BUFFER, _ELEMENT_ARRAY_BUFFER = 34962, 34963
 _FLOAT, _UNSIGNED_SHORT = 5126, 5123

@@ -7,6 +7,7 @@ mirrored for the right.
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 
 from atlas_drake.models.generator.parts import Inertial, Vector, mirror_inertial
 from atlas_drake.models.generator.skeleton import CAMERAS, LIMB_LINKS
@@ -117,12 +118,13 @@ def combine(parts: list[Inertial]) -> Inertial:
         Their sum in that frame, by the parallel axis theorem.
     """
     mass = sum(part.mass for part in parts)
-    center = sum(part.mass * np.array(part.center_of_mass) for part in parts) / mass
+    centers = np.array([part.center_of_mass for part in parts])
+    center = np.array([part.mass for part in parts]) @ centers / mass
     total = np.zeros((3, 3))
-    for part in parts:
+    for part, part_center in zip(parts, centers, strict=True):
         (ixx, iyy, izz), (ixy, ixz, iyz) = part.moments, part.products
         total += np.array([[ixx, ixy, ixz], [ixy, iyy, iyz], [ixz, iyz, izz]])
-        arm = np.array(part.center_of_mass) - center
+        arm = part_center - center
         total += part.mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
     return Inertial(
         mass,
@@ -132,7 +134,7 @@ def combine(parts: list[Inertial]) -> Inertial:
     )
 
 
-def _vector(array: np.ndarray) -> Vector:
+def _vector(array: npt.NDArray[np.float64]) -> Vector:
     x, y, z = (float(value) for value in array)
     return (x, y, z)
 

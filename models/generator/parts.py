@@ -22,14 +22,6 @@ class Box:
 
 
 @dataclass(frozen=True)
-class Cylinder:
-    """Cylinder about the z axis of its pose."""
-
-    radius: float
-    length: float
-
-
-@dataclass(frozen=True)
 class Capsule:
     """Capsule about the z axis of its pose; `length` leaves out the round ends."""
 
@@ -45,20 +37,13 @@ class Sphere:
 
 
 @dataclass(frozen=True)
-class Ellipsoid:
-    """Ellipsoid with these half axes along the axes of its pose."""
-
-    half_axes: Vector
-
-
-@dataclass(frozen=True)
 class Mesh:
     """Mesh file, drawn in the frame of its pose; path relative to the URDF."""
 
     path: str
 
 
-Geometry: TypeAlias = Box | Cylinder | Capsule | Sphere | Ellipsoid | Mesh
+Geometry: TypeAlias = Box | Capsule | Sphere | Mesh
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,6 @@ from math import sqrt
 from atlas_drake.models.generator.parts import (
     Box,
     Capsule,
-    Cylinder,
-    Ellipsoid,
     Geometry,
     Inertial,
     Joint,
@@ -120,17 +118,12 @@ def _add_geometry(parent: ET.Element, geometry: Geometry) -> None:
     match geometry:
         case Box(size):
             ET.SubElement(parent, "box", size=_numbers(size))
-        case Cylinder(radius, length):
-            size = {"radius": _number(radius), "length": _number(length)}
-            ET.SubElement(parent, "cylinder", size)
         case Capsule(radius, length):
-            size = {"radius": _number(radius), "length": _number(length)}
-            ET.SubElement(parent, f"{{{_DRAKE}}}capsule", size)
+            capsule = ET.SubElement(parent, f"{{{_DRAKE}}}capsule")
+            capsule.set("radius", _number(radius))
+            capsule.set("length", _number(length))
         case Sphere(radius):
             ET.SubElement(parent, "sphere", radius=_number(radius))
-        case Ellipsoid(half_axes):
-            axes = dict(zip("abc", map(_number, half_axes), strict=True))
-            ET.SubElement(parent, f"{{{_DRAKE}}}ellipsoid", axes)
         case Mesh(path):
             ET.SubElement(parent, "mesh", filename=path)
 
