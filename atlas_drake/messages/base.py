@@ -135,8 +135,13 @@ class Message:
         object.__setattr__(self, "_frozen", frozen)
 
 
+_IMMUTABLE = (float, int, str, type(None))
+
+
 def _fixed(value: Any) -> Any:
     """Return a copy of a field's value that nobody can change."""
+    if isinstance(value, _IMMUTABLE):
+        return value
     if isinstance(value, Message):
         return value.snapshot()
     if isinstance(value, (list, tuple)):
@@ -160,8 +165,9 @@ def _equal(a: Any, b: Any) -> bool:
     """Compare two values of a field, whatever they hold, to one truth value."""
     if _is_sequence(a) and _is_sequence(b):
         return len(a) == len(b) and all(map(_equal, a, b))
-    # What is left of arrays has no dimension and compares to one truth value.
-    return bool(np.all(a == b))
+    same = a == b
+    # Only an array, compared with something that is none, gives more than one answer.
+    return same if isinstance(same, bool) else bool(np.all(same))
 
 
 def _is_sequence(value: Any) -> bool:

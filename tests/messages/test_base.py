@@ -1,0 +1,187 @@
+"""What all messages share: misspelt fields, comparison, snapshots, pickling."""
+
+import copy
+import pickle
+import subprocess
+import sys
+from dataclasses import is_dataclass
+
+import numpy as np
+import pytest
+
+from atlas_drake import messages
+from atlas_drake.messages import (
+    AtlasCommand,
+    AtlasSimInterfaceCommand,
+    AtlasSimInterfaceState,
+    AtlasState,
+    Message,
+    Pose,
+    Vector3,
+)
+
+KINDS = [
+    kind
+    for kind in (getattr(messages, name) for name in messages.__all__)
+    if is_dataclass(kind)
+]
+
+
+def filled_command():
+    """Return a command with a list, an array and nested values."""
+    command = AtlasCommand()
+    command.header.stamp = 1.5
+    command.position = [0.1, 0.2, 0.3]
+    command.velocity = np.array([1.0, 2.0, 3.0])
+    command.k_effort = [0, 255, 128]
+    return command
+
+
+def test_all_kinds_are_found():
+    assert {AtlasCommand, AtlasState, Pose} <= set(KINDS)
+    assert all(issubclass(kind, Message) for kind in KINDS)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_empty_messages_are_equal_and_independent(kind):
+    assert kind() == kind()
+    assert kind() is not kind()
+    for name in kind.__dataclass_fields__:
+        value = getattr(kind(), name)
+        if isinstance(value, (list, Message)):
+            assert value is not getattr(kind(), name)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_unknown_field_is_an_error(kind):
+    with pytest.raises(AttributeError, match=f"{kind.__name__} has no field 'zzz'"):
+        kind().zzz = 1
+
+
+def test_misspelt_field_gets_a_suggestion():
+    with pytest.raises(AttributeError, match="Did you mean 'position'"):
+        AtlasCommand().posiiton = [0.0]
+    with pytest.raises(AttributeError, match="Did you mean 'use_demo_walk'"):
+        AtlasSimInterfaceCommand().walk_params.use_demowalk = True
+    with pytest.raises(TypeError, match="posiiton"):
+        AtlasCommand(posiiton=[0.0])
+
+
+def test_constants_and_fields_stay():
+    command = AtlasSimInterfaceCommand()
+    with pytest.raises(AttributeError, match="is a constant"):
+        command.STAND = 3
+    with pytest.raises(AttributeError, match="cannot be deleted"):
+        del command.behavior
+    assert command.behavior == command.NONE
+
+
+@pytest.mark.parametrize("other", [(1.0, 2.0), np.array([1.0, 2.0]), [1, 2]])
+def test_sequences_compare_by_element(other):
+    assert AtlasCommand(position=[1.0, 2.0]) == AtlasCommand(position=other)
+    assert AtlasCommand(position=other) == AtlasCommand(position=[1.0, 2.0])
+    assert AtlasCommand(position=other) != AtlasCommand(position=[1.0, 3.0])
+    assert AtlasCommand(position=other) != AtlasCommand(position=[1.0])
+
+
+def test_comparison_reaches_into_nested_messages():
+    a, b = AtlasSimInterfaceCommand(), AtlasSimInterfaceCommand()
+    assert a == b
+    b.walk_params.step_queue[3].pose.position.z = 1e-9
+    assert a != b
+
+
+@pytest.mark.parametrize(
+    "value", [np.array(2.0), None, "text", [[1.0], [2.0, 3.0]], np.ones((2, 2))]
+)
+def test_comparison_gives_one_truth_value_whatever_a_field_holds(value):
+    odd = AtlasCommand(position=value)
+    assert (odd == AtlasCommand(position=value)) is True
+    assert (odd == AtlasCommand(position=np.array([1.0, 2.0]))) is False
+    assert (odd == Vector3()) is False
+
+
+def test_messages_have_no_hash():
+    with pytest.raises(TypeError, match="unhashable"):
+        hash(Vector3())
+
+
+def test_snapshot_does_not_follow_its_original():
+    command = filled_command()
+    snapshot = command.snapshot()
+    assert snapshot == command
+    command.header.stamp = 9.0
+    command.position[0] = 9.0
+    command.velocity[0] = 9.0
+    assert snapshot == filled_command()
+
+
+def test_snapshot_does_not_change():
+    snapshot = filled_command().snapshot()
+    with pytest.raises(AttributeError, match="snapshot"):
+        snapshot.position = []
+    with pytest.raises(AttributeError, match="snapshot"):
+        snapshot.header.stamp = 0.0
+    with pytest.raises(TypeError):
+        snapshot.position[0] = 9.0
+    with pytest.raises(ValueError, match="read-only"):
+        snapshot.velocity[0] = 9.0
+    step = AtlasSimInterfaceCommand().snapshot().walk_params.step_queue[1]
+    with pytest.raises(AttributeError, match="snapshot"):
+        step.pose.position.x = 1.0
+
+
+def test_snapshot_is_free_to_copy():
+    snapshot = filled_command().snapshot()
+    assert snapshot.snapshot() is snapshot
+    assert copy.deepcopy(snapshot) is snapshot
+
+
+def test_mutable_copy_of_a_snapshot_may_change():
+    snapshot = filled_command().snapshot()
+    thawed = snapshot.mutable_copy()
+    thawed.header.stamp = 9.0
+    thawed.position[0] = 9.0
+    thawed.velocity[0] = 9.0
+    assert snapshot == filled_command()
+    assert thawed.position == [9.0, 0.2, 0.3]
+
+
+def test_deep_copy_is_independent_and_keeps_sharing():
+    command = filled_command()
+    command.effort = command.position
+    twin = copy.deepcopy(command)
+    twin.position[0] = 9.0
+    assert twin.effort[0] == 9.0
+    assert command.position[0] == 0.1
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_pickling_keeps_messages(kind):
+    assert pickle.loads(pickle.dumps(kind())) == kind()
+    frozen = pickle.loads(pickle.dumps(kind().snapshot()))
+    assert frozen == kind()
+    assert frozen.snapshot() is frozen
+
+
+def test_pickling_keeps_arrays_of_a_snapshot_read_only():
+    frozen = pickle.loads(pickle.dumps(filled_command().snapshot()))
+    assert frozen == filled_command()
+    assert not frozen.velocity.flags.writeable
+    thawed = pickle.loads(pickle.dumps(filled_command()))
+    thawed.velocity[0] = 9.0
+    assert thawed.velocity[0] == 9.0
+
+
+def test_messages_do_not_load_drake():
+    code = (
+        "import sys, atlas_drake.messages;"
+        "sys.exit(any(name.split('.')[0] == 'pydrake' for name in sys.modules))"
+    )
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_state_messages_list_both_feet():
+    left, right = AtlasSimInterfaceState().foot_pos_est
+    left.position.x = 1.0
+    assert right.position.x == 0.0

@@ -1,0 +1,62 @@
+"""Behaviors by number and by name."""
+
+import numpy as np
+import pytest
+
+from atlas_drake.errors import ErrorCode, InvalidMessageError
+from atlas_drake.messages import (
+    AtlasSimInterfaceCommand,
+    AtlasSimInterfaceState,
+    Behavior,
+    behavior_from,
+)
+
+NUMBERS = {
+    "NONE": 0,
+    "FREEZE": 1,
+    "STAND_PREP": 2,
+    "STAND": 3,
+    "WALK": 4,
+    "STEP": 5,
+    "MANIPULATE": 6,
+    "USER": 7,
+}
+
+
+def test_numbers_are_those_of_the_interface():
+    assert {member.name: member.value for member in Behavior} == NUMBERS
+
+
+@pytest.mark.parametrize("kind", [AtlasSimInterfaceCommand, AtlasSimInterfaceState])
+@pytest.mark.parametrize(("name", "number"), NUMBERS.items())
+def test_messages_have_the_behaviors_as_constants(kind, name, number):
+    assert getattr(kind, name) == number
+    assert getattr(kind(), name) is Behavior(number)
+
+
+@pytest.mark.parametrize("value", [2, np.int64(2), np.uint8(2), Behavior.STAND_PREP])
+def test_behavior_by_number(value):
+    assert behavior_from(value) is Behavior.STAND_PREP
+
+
+@pytest.mark.parametrize(
+    "name", ["STAND_PREP", "stand_prep", "Stand_Prep", "stand-prep", " stand prep "]
+)
+def test_behavior_by_name(name):
+    assert behavior_from(name) is Behavior.STAND_PREP
+
+
+@pytest.mark.parametrize(
+    "value", [8, -1, 3.0, True, None, "", "3", [3], np.array([3]), b"stand"]
+)
+def test_unknown_behavior(value):
+    with pytest.raises(InvalidMessageError) as caught:
+        behavior_from(value, "desired")
+    assert caught.value.error_code is ErrorCode.NO_SUCH_BEHAVIOR
+    assert caught.value.field == "desired"
+    assert all(name in str(caught.value) for name in NUMBERS)
+
+
+def test_misspelt_behavior_gets_a_suggestion():
+    with pytest.raises(InvalidMessageError, match="Did you mean 'MANIPULATE'"):
+        behavior_from("manipulat")

@@ -1,0 +1,141 @@
+"""Whatever a message holds: it is valid, or one error says where it is not."""
+
+import copy
+import math
+
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from atlas_drake.errors import InvalidMessageError
+from atlas_drake.messages import (
+    AtlasBehaviorStepData,
+    AtlasCommand,
+    AtlasSimInterfaceCommand,
+    Header,
+    Pose,
+    Quaternion,
+    Vector3,
+    validate_atlas_command,
+    validate_sim_interface_command,
+)
+
+JOINTS = ["neck", "knee", "wrist"]
+SETPOINTS = ["position", "velocity", "effort", "i_effort_min", "i_effort_max"]
+GAINS = ["kp_position", "ki_position", "kd_position", "kp_velocity"]
+
+finite = st.floats(allow_nan=False, allow_infinity=False)
+not_negative = st.floats(min_value=0.0, allow_nan=False, allow_infinity=False)
+anything = st.one_of(
+    st.none(),
+    st.booleans(),
+    st.integers(),
+    st.floats(),
+    st.complex_numbers(),
+    st.text(max_size=3),
+    st.lists(st.one_of(st.floats(), st.text(max_size=2), st.none()), max_size=5),
+    st.builds(Vector3),
+)
+
+
+def maybe(elements):
+    """Return lists of one element per joint, or of none."""
+    full = st.lists(elements, min_size=len(JOINTS), max_size=len(JOINTS))
+    return st.one_of(st.just([]), full, full.map(np.array))
+
+
+def outcome(validate, message):
+    """Return the error that a message raises, or None."""
+    try:
+        validate(message, JOINTS)
+    except InvalidMessageError as error:
+        return error
+    return None
+
+
+@given(
+    arrays=st.fixed_dictionaries(
+        {name: maybe(finite) for name in SETPOINTS[:3]}
+        | {name: maybe(not_negative) for name in GAINS}
+        | {"k_effort": maybe(st.integers(0, 255))}
+    ),
+    stamp=st.one_of(st.none(), not_negative),
+)
+def test_good_commands_are_accepted_unchanged(arrays, stamp):
+    command = AtlasCommand(header=Header(stamp=stamp), **arrays)
+    before = copy.deepcopy(command)
+    validate_atlas_command(command, JOINTS)
+    validate_atlas_command(command.snapshot(), JOINTS)
+    assert command == before
+
+
+@given(name=st.sampled_from(SETPOINTS + GAINS + ["k_effort"]), value=anything)
+def test_any_value_of_an_array_gives_an_error_of_that_array_or_none(name, value):
+    error = outcome(validate_atlas_command, AtlasCommand(**{name: value}))
+    good = isinstance(value, list) and (
+        not value
+        or (
+            len(value) == len(JOINTS)
+            and all(isinstance(x, float) and math.isfinite(x) for x in value)
+        )
+    )
+    if not good:
+        assert error is not None
+    elif name in SETPOINTS:
+        assert error is None
+    if error is not None:
+        assert error.field.split("[")[0] == name
+
+
+@given(lower=maybe(finite), upper=maybe(finite))
+def test_integral_bounds_are_refused_exactly_when_they_cross(lower, upper):
+    command = AtlasCommand(i_effort_min=lower, i_effort_max=upper)
+    crossed = (
+        len(lower) > 0
+        and len(upper) > 0
+        and any(low > high for low, high in zip(lower, upper, strict=True))
+    )
+    assert (outcome(validate_atlas_command, command) is not None) == crossed
+
+
+@given(value=anything)
+def test_any_behavior_is_known_or_refused(value):
+    error = outcome(
+        validate_sim_interface_command, AtlasSimInterfaceCommand(behavior=value)
+    )
+    if error is not None:
+        assert error.field == "behavior"
+
+
+fields_of_steps = st.one_of(anything, st.sampled_from([0, 1, -1, 2, 0.63]))
+
+
+@settings(max_examples=300)
+@given(
+    step=st.builds(
+        AtlasBehaviorStepData,
+        step_index=st.one_of(st.integers(-2, 9), anything),
+        foot_index=st.one_of(st.integers(0, 1), anything),
+        duration=st.one_of(finite, anything),
+        swing_height=st.one_of(finite, anything),
+        pose=st.builds(
+            Pose,
+            position=st.builds(Vector3, finite, finite, fields_of_steps),
+            orientation=st.builds(Quaternion, finite, finite, finite, fields_of_steps),
+        ),
+    ),
+    place=st.integers(0, 3),
+)
+def test_any_step_is_usable_or_refused_by_its_place(step, place):
+    command = AtlasSimInterfaceCommand(behavior="walk")
+    command.walk_params.step_queue[place] = step
+    error = outcome(validate_sim_interface_command, command)
+    if error is not None:
+        assert error.field.startswith(f"walk_params.step_queue[{place}].")
+    elif step.step_index != -1:
+        assert step.step_index >= 1
+        assert step.foot_index in (0, 1)
+        assert 0.0 < step.duration < math.inf
+        assert 0.0 <= step.swing_height < math.inf
+        assert np.isfinite(step.pose.position.to_array()).all()
+        assert np.abs(step.pose.orientation.to_wxyz()).max() > 0.0
