@@ -54,9 +54,9 @@ _LLEG = ((0.001, 0.0, -0.187), (0.077, 0.076, 0.01), (0.0, -0.003, 0.0))
 _TALUS = ((0.0, 0.0, 0.0), (1.01674e-05, 8.42775e-06, 1.30101e-05))
 _FOOT = ((0.027, 0.0, -0.067), (0.002, 0.007, 0.008))
 
-# Atlas v3 repeats the same two arm castings, whatever the link.
-_V3_ARM_ODD = ((0.0, 0.0, 0.0), (0.00265, 0.00446, 0.00446))
-_V3_ARM_EVEN = ((0.0, -0.065, 0.0), (0.00656, 0.00358, 0.00656))
+# Atlas v3 uses the same two figures for two arm links each.
+_V3_UARM_FARM = ((0.0, -0.065, 0.0), (0.00656, 0.00358, 0.00656))
+_V3_LARM_HAND = ((0.0, 0.0, 0.0), (0.00265, 0.00446, 0.00446))
 
 _LIGHT = {
     "pelvis": Inertial(14.2529, *_PELVIS),
@@ -100,11 +100,11 @@ _HEAVY = {
     "clav": Inertial(
         3.45, (0.0, 0.048, 0.084), (0.011, 0.009, 0.004), (0.0, 0.0, -0.004)
     ),
-    "scap": Inertial(3.012, *_V3_ARM_ODD),
-    "uarm": Inertial(3.388, *_V3_ARM_EVEN),
-    "larm": Inertial(2.509, *_V3_ARM_ODD),
-    "farm": Inertial(3.388, *_V3_ARM_EVEN),
-    "hand": Inertial(2.509, *_V3_ARM_ODD),
+    "scap": Inertial(3.012, (0.0, 0.0, 0.0), (0.00319, 0.00583, 0.00583)),
+    "uarm": Inertial(3.388, *_V3_UARM_FARM),
+    "larm": Inertial(2.509, *_V3_LARM_HAND),
+    "farm": Inertial(3.388, *_V3_UARM_FARM),
+    "hand": Inertial(2.509, *_V3_LARM_HAND),
 }
 
 

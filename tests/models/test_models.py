@@ -55,7 +55,7 @@ def test_robot_is_one_floating_tree(robot):
     assert plant.num_actuators() == 28
     assert (plant.num_positions(), plant.num_velocities()) == (35, 34)
     assert plant.num_bodies() == 1 + 29  # Nothing but the world and the links.
-    assert plant.GetUniqueFreeBaseBodyOrThrow(robot.instance).name() == "pelvis"
+    assert plant.GetUniqueFloatingBaseBodyOrThrow(robot.instance).name() == "pelvis"
 
 
 def test_frames(robot):
@@ -225,12 +225,21 @@ def test_legs_collide_when_crossed(robot, stand_prep):
     assert ("l_lleg", "r_lleg") in robot.colliding()
 
 
-def test_arms_collide_with_chest(robot):
+@pytest.mark.parametrize(
+    ("pair", "arm"),
+    [
+        (("l_hand", "utorso"), (-0.12, -0.37, 3.13, 2.31, 2.15, 0.35)),
+        (("head", "l_hand"), (0.61, 1.47, 0.05, 2.03, 3.08, 1.08)),
+        (("l_hand", "pelvis"), (-0.34, -1.29, 3.08, 1.35, 0.02, 0.64)),
+        (("l_hand", "l_uleg"), (0.62, -1.23, 2.95, 1.27, 2.27, -0.35)),
+    ],
+)
+def test_hand_collides_with_what_it_can_reach(robot, pair, arm):
     pose = np.zeros(28)
-    pose[JOINT_ORDER.index("l_arm_elx")] = 2.3
-    pose[JOINT_ORDER.index("l_arm_ely")] = 1.57
+    first = JOINT_ORDER.index("l_arm_shy")
+    pose[first : first + len(arm)] = arm
     robot.set_pose(pose, RigidTransform())
-    assert any(pair[0].startswith("l_") for pair in robot.colliding())
+    assert pair in robot.colliding()
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,6 @@ from pydrake.multibody.tree import RevoluteJoint, SpatialInertia, UnitInertia
 REFERENCE = Path(__file__).parents[3] / "shared" / "reference" / "drcsim"
 FILES = {"atlas": "atlas_v3_with_v1_inertia.urdf", "atlas_v3": "atlas_v3.urdf"}
 TOTAL_MASS = {"atlas": 90.920, "atlas_v3": 147.974}
-SIDED_FIGURES = 2
 
 pytestmark = pytest.mark.skipif(
     not REFERENCE.is_dir(),
@@ -192,8 +191,8 @@ def test_sole_is_the_bottom_of_the_reference_foot(robot, side):
     lowest = set()
     for geometry in robot.plant.GetCollisionGeometriesForBody(body):
         p_FG = inspector.GetPoseInFrame(geometry).translation()
-        p_FG[2] -= inspector.GetShape(geometry).radius()
-        lowest.add(tuple(round(float(value), 9) for value in p_FG))
+        p_FL = p_FG - [0.0, 0.0, inspector.GetShape(geometry).radius()]
+        lowest.add(tuple(round(float(value), 9) for value in p_FL))
     assert lowest == corners
 
     X_FS = robot.plant.GetFrameByName(f"{side}_sole").CalcPose(
