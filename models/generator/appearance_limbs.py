@@ -65,6 +65,8 @@ def _sole() -> Loft:
     )
 
 
+_KNEE = drum("y", (0.0, 0.0, 0.0), 0.052, 0.112)
+
 LEG: dict[str, dict[str, tuple[Surface, ...]]] = {
     "uglut": {
         "graphite": (drum("z", (0.0, 0.0, 0.0), 0.042, 0.07),),
@@ -96,7 +98,7 @@ LEG: dict[str, dict[str, tuple[Surface, ...]]] = {
     },
     "lleg": {
         "graphite": (
-            drum("y", (0.0, 0.0, 0.0), 0.052, 0.112),
+            _KNEE,
             _SHIN,
             drum("y", (0.0, 0.0, -0.422), 0.03, 0.062),
             hull(
@@ -107,7 +109,10 @@ LEG: dict[str, dict[str, tuple[Surface, ...]]] = {
                 ),
             ),
         ),
-        "shell": (Panel(_SHIN, (-0.345, -0.055), (-115.0, 115.0), lift=0.008),),
+        "shell": (
+            Panel(_SHIN, (-0.345, -0.055), (-115.0, 115.0), lift=0.008),
+            Panel(_KNEE, (-0.040, 0.040), (-48.0, 62.0), lift=0.008),
+        ),
         "steel": (
             rod((-0.052, 0.024, -0.09), (-0.030, 0.022, -0.412), 0.010),
             rod((-0.052, -0.024, -0.09), (-0.030, -0.022, -0.412), 0.010),

@@ -22,15 +22,28 @@ def both(surfaces: tuple[Tube, ...]) -> tuple[Tube, ...]:
 
 
 _BELT_HALF: tuple[Vector, ...] = (
-    (0.150, 0.0, 0.06),
-    (0.142, 0.075, 0.06),
-    (0.105, 0.140, 0.06),
-    (0.030, 0.172, 0.06),
-    (-0.060, 0.166, 0.06),
-    (-0.120, 0.110, 0.06),
-    (-0.142, 0.0, 0.06),
+    (0.122, 0.0, 0.045),
+    (0.118, 0.060, 0.045),
+    (0.098, 0.118, 0.050),
+    (0.040, 0.152, 0.055),
+    (-0.050, 0.150, 0.055),
+    (-0.112, 0.105, 0.050),
+    (-0.142, 0.0, 0.045),
 )
 _BELT = _BELT_HALF + tuple(mirror_point(point) for point in _BELT_HALF[-2::-1])
+
+_FRONT_COVER = hull(
+    "y",
+    (
+        (-0.088, (0.084, 0.040), (0.014, 0.020)),
+        (-0.045, (0.108, 0.036), (0.018, 0.032)),
+        (0.0, (0.116, 0.034), (0.020, 0.036)),
+        (0.045, (0.108, 0.036), (0.018, 0.032)),
+        (0.088, (0.084, 0.040), (0.014, 0.020)),
+    ),
+    power=3.0,
+    rims=(0.008, 0.008),
+)
 
 PELVIS: dict[str, tuple[Surface, ...]] = {
     "graphite": (
@@ -52,14 +65,15 @@ PELVIS: dict[str, tuple[Surface, ...]] = {
         Tube(_BELT, CAGE_RADIUS),
         *both(
             (
-                rod((0.145, 0.05, 0.06), (0.05, 0.03, 0.0), CAGE_RADIUS),
-                rod((0.10, 0.135, 0.06), (0.02, 0.10, 0.04), CAGE_RADIUS),
-                rod((-0.10, 0.13, 0.06), (-0.03, 0.10, 0.04), CAGE_RADIUS),
+                rod((0.118, 0.060, 0.045), (0.02, 0.035, -0.02), CAGE_RADIUS),
+                rod((0.098, 0.118, 0.050), (0.02, 0.100, 0.04), CAGE_RADIUS),
+                rod((-0.112, 0.105, 0.050), (-0.03, 0.10, 0.04), CAGE_RADIUS),
             )
         ),
     ),
     "shell": (
         block("z", (-0.115, 0.0, 0.005), (0.045, 0.17, 0.13), rim=0.015),
+        _FRONT_COVER,
         drum("z", (0.0, 0.089, 0.106), 0.038, 0.02),
         drum("z", (0.0, -0.089, 0.106), 0.038, 0.02),
     ),
@@ -109,6 +123,7 @@ _CHEST = Loft(
     rings=14,
 )
 
+_PLATE_LIFT = 0.007  # Height of the breastplates above the chest [m].
 _VENTS = (0.035, 0.075, 0.115, 0.155)  # Lower edges of the slats below the chest.
 
 _CAGE_SIDE: tuple[Vector, ...] = (
@@ -145,12 +160,14 @@ def utorso(backpack: Backpack) -> dict[str, tuple[Surface, ...]]:
     return {
         "shell": (
             _CHEST,
+            Panel(_CHEST, (0.230, 0.440), (1.5, 67.0), lift=_PLATE_LIFT),
+            Panel(_CHEST, (0.230, 0.440), (-67.0, -1.5), lift=_PLATE_LIFT),
             Panel(pack, (bottom + 0.05, top - 0.05), (125.0, 235.0), lift=0.006),
         ),
         "graphite": (
             pack,
             *(Panel(_CHEST, (low, low + 0.026), (-26.0, 26.0)) for low in _VENTS),
-            Panel(_CHEST, (0.425, 0.437), (-60.0, 60.0), lift=0.002),
+            Panel(_CHEST, (0.224, 0.446), (-68.5, 68.5), lift=0.002),
             drum("x", (0.0, 0.0, 0.0), 0.062, 0.15),
             hull(
                 "x",
@@ -162,7 +179,8 @@ def utorso(backpack: Backpack) -> dict[str, tuple[Surface, ...]]:
             ),
         ),
         "accent": (
-            Panel(_CHEST, (0.335, 0.36), (-42.0, 42.0), lift=0.004),
+            Panel(_CHEST, (0.385, 0.401), (9.0, 59.0), lift=_PLATE_LIFT + 0.002),
+            Panel(_CHEST, (0.385, 0.401), (-59.0, -9.0), lift=_PLATE_LIFT + 0.002),
             Panel(pack, (top - 0.13, top - 0.11), (128.0, 232.0), lift=0.009),
         ),
         "steel": (
