@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from pydrake.geometry import SceneGraph
+from pydrake.geometry import HalfSpace, SceneGraph
 from pydrake.math import RigidTransform
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import (
@@ -85,8 +85,6 @@ def load(name: str, *, ground: bool = False) -> LoadedRobot:
     plant, scene_graph = AddMultibodyPlant(config, builder)
     (instance,) = Parser(plant).AddModels(str(MODELS / f"{name}.urdf"))
     if ground:
-        from pydrake.geometry import HalfSpace
-
         plant.RegisterCollisionGeometry(
             plant.world_body(),
             RigidTransform(),
