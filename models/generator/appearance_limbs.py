@@ -91,10 +91,14 @@ LEG: dict[str, dict[str, tuple[Surface, ...]]] = {
                     (-0.30, (-0.036, 0.0), (0.045, 0.045)),
                 ),
             ),
-            Panel(_THIGH, (-0.29, -0.06), (150.0, 210.0)),
-            Panel(_THIGH, (-0.265, -0.065), (66.0, 114.0), lift=0.0025),
+            Panel(_THIGH, (-0.29, -0.06), (150.0, 210.0), rings=8),
+            Panel(_THIGH, (-0.265, -0.065), (66.0, 114.0), lift=0.0025, rings=8),
         ),
-        "accent": (Panel(_THIGH, (-0.245, -0.085), (71.0, 76.0), lift=0.004),),
+        "accent": (
+            Panel(
+                _THIGH, (-0.245, -0.085), (71.0, 76.0), lift=0.004, segments=4, rings=8
+            ),
+        ),
     },
     "lleg": {
         "graphite": (
@@ -110,7 +114,14 @@ LEG: dict[str, dict[str, tuple[Surface, ...]]] = {
             ),
         ),
         "shell": (
-            Panel(_SHIN, (-0.345, -0.055), (-115.0, 115.0), lift=0.008),
+            Panel(
+                _SHIN,
+                (-0.345, -0.055),
+                (-115.0, 115.0),
+                lift=0.008,
+                segments=20,
+                rings=8,
+            ),
             Panel(_KNEE, (-0.040, 0.040), (-48.0, 62.0), lift=0.008),
         ),
         "steel": (

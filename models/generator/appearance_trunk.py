@@ -28,7 +28,7 @@ _BELT_HALF: tuple[Vector, ...] = (
     (0.040, 0.152, 0.055),
     (-0.050, 0.150, 0.055),
     (-0.112, 0.105, 0.050),
-    (-0.142, 0.0, 0.045),
+    (-0.118, 0.0, 0.045),
 )
 _BELT = _BELT_HALF + tuple(mirror_point(point) for point in _BELT_HALF[-2::-1])
 
@@ -160,14 +160,18 @@ def utorso(backpack: Backpack) -> dict[str, tuple[Surface, ...]]:
     return {
         "shell": (
             _CHEST,
-            Panel(_CHEST, (0.230, 0.440), (1.5, 67.0), lift=_PLATE_LIFT),
-            Panel(_CHEST, (0.230, 0.440), (-67.0, -1.5), lift=_PLATE_LIFT),
-            Panel(pack, (bottom + 0.05, top - 0.05), (125.0, 235.0), lift=0.006),
+            Panel(_CHEST, (0.230, 0.440), (1.5, 67.0), lift=_PLATE_LIFT, rings=8),
+            Panel(_CHEST, (0.230, 0.440), (-67.0, -1.5), lift=_PLATE_LIFT, rings=8),
+            Panel(
+                pack, (bottom + 0.05, top - 0.05), (125.0, 235.0), lift=0.006, rings=8
+            ),
         ),
         "graphite": (
             pack,
             *(Panel(_CHEST, (low, low + 0.026), (-26.0, 26.0)) for low in _VENTS),
-            Panel(_CHEST, (0.224, 0.446), (-68.5, 68.5), lift=0.002),
+            Panel(
+                _CHEST, (0.224, 0.446), (-68.5, 68.5), lift=0.002, segments=32, rings=8
+            ),
             drum("x", (0.0, 0.0, 0.0), 0.062, 0.15),
             hull(
                 "x",

@@ -114,6 +114,8 @@ class Panel:
         around: Range of the angle around it [deg], 0 along the first of the loft's two
             other axes (in alphabetical order) and 90 along the second.
         lift: Height above the hull [m].
+        segments: Number of faces around.
+        rings: Number of faces along.
     """
 
     loft: Loft
@@ -121,7 +123,7 @@ class Panel:
     around: Pair
     lift: float = 0.003
     segments: int = 16
-    rings: int = 8
+    rings: int = 4
 
     def triangles(self) -> Triangles:
         """Returns the outer side and the rim of the plate as triangles."""
