@@ -23,7 +23,8 @@ class AtlasBehaviorStepData(Message):
         step_index: Number of the step, counted from 1; -1 means no step. 0 is where
             the foot stood when the behavior began, and only reported.
         foot_index: 0 left, 1 right.
-        duration: Time from lift-off to touch-down [s]; 0.63 s is customary.
+        duration: Of the whole step, from one touchdown to the next [s]; 0.63 s is
+            customary.
         pose: Where the foot shall land, in the world frame. The z axis of its
             orientation is the ground's normal.
         swing_height: Apex of the foot's path [m], from the midpoint between the feet.

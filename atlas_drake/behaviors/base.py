@@ -1,0 +1,98 @@
+"""What all behaviours have in common: their inputs, outputs and protocol.
+
+Behaviours are pure: everything they remember is a frozen value that they are given
+and hand back, so that the Context of a diagram can own it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+import numpy as np
+
+from atlas_drake.behaviors.body_reference import BodyReference
+from atlas_drake.control.footstep import FootPose
+from atlas_drake.control.whole_body_command import WholeBodyCommand
+from atlas_drake.control.whole_body_model import WholeBodyTerms
+from atlas_drake.messages import AtlasSimInterfaceCommand, AtlasSimInterfaceState
+
+
+@dataclass(frozen=True)
+class Observation:
+    """What a behaviour sees in one tick; n joints in message order.
+
+    Attributes:
+        time: [s]
+        dt: Time since the last tick [s].
+        terms: Kinematics and dynamics at the present state.
+        foot_force: Normal force on the left and right sole [N], shape (2,).
+        user_held: Joints whose effort the user decides alone, bool, shape (n,).
+    """
+
+    time: float
+    dt: float
+    terms: WholeBodyTerms
+    foot_force: np.ndarray
+    user_held: np.ndarray
+
+    def foot_pose(self, foot: int) -> FootPose:
+        """Where a sole is now."""
+        terms = self.terms.feet[foot]
+        return FootPose(terms.p_WF.copy(), terms.R_WF.copy())
+
+
+@dataclass(frozen=True)
+class Event:
+    """Something worth telling the user: printed, logged, written to the summary."""
+
+    time: float
+    kind: str
+    text: str
+    data: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a behaviour answers in one tick.
+
+    Attributes:
+        memory: What it wants to remember until the next tick; frozen.
+        body: The body reference moved on by one tick.
+        command: For the whole-body QP; None for no effort at all.
+        finished: True when the behaviour is over and STAND shall follow.
+        status_flags: The behaviour's own feedback flags, which the supervisor latches.
+        events: For the log.
+    """
+
+    memory: Any
+    body: BodyReference
+    command: WholeBodyCommand | None
+    finished: bool = False
+    status_flags: int = 0
+    events: tuple[Event, ...] = ()
+
+
+class Behavior(Protocol):
+    """One behaviour. Objects hold constants only."""
+
+    def enter(
+        self,
+        seen: Observation,
+        body: BodyReference,
+        request: AtlasSimInterfaceCommand,
+    ) -> Any:
+        """The memory with which the behaviour starts."""
+
+    def update(
+        self,
+        memory: Any,
+        seen: Observation,
+        body: BodyReference,
+        request: AtlasSimInterfaceCommand,
+        leaving: bool,
+    ) -> Outcome:
+        """One tick; ``leaving`` asks it to come to an end in good order."""
+
+    def report(self, memory: Any, state: AtlasSimInterfaceState) -> None:
+        """Fills in the behaviour's own part of the state message, but its flags."""

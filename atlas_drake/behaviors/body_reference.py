@@ -1,0 +1,151 @@
+"""Reference of trunk and posture, shared and handed on by all behaviours.
+
+It starts from wherever the robot is and moves to the nominal posture at limited
+speed, so that no hand-over from the user, or between behaviours, is a jump. Where
+feet and centre of mass go is each behaviour's own business.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from atlas_drake.control.rotations import (
+    rotation_y,
+    rotation_z,
+    wrap_angle,
+    yaw_of,
+)
+from atlas_drake.control.whole_body_model import WholeBodyTerms
+
+
+@dataclass(frozen=True)
+class BodyRates:
+    """How fast the reference moves."""
+
+    joints: float = 0.6
+    """[rad/s]"""
+    tilt: float = 0.3
+    """Roll and pitch of pelvis and chest [rad/s]."""
+    yaw: float = 1.2
+    """[rad/s]"""
+    height: float = 0.12
+    """[m/s]"""
+
+
+@dataclass(frozen=True)
+class BodyReference:
+    """Trunk and posture; n joints in message order.
+
+    Attributes:
+        height: Of the centre of mass in W [m].
+        height_rate: [m/s]
+        yaw: Heading of pelvis and chest [rad].
+        yaw_rate: [rad/s]
+        pelvis_tilt: Roll and pitch of the pelvis [rad], shape (2,).
+        chest_tilt: Roll and pitch of the chest [rad], shape (2,).
+        joints: Posture [rad], shape (n,).
+    """
+
+    height: float
+    height_rate: float
+    yaw: float
+    yaw_rate: float
+    pelvis_tilt: np.ndarray
+    chest_tilt: np.ndarray
+    joints: np.ndarray
+
+    @property
+    def R_WP(self) -> np.ndarray:
+        """Orientation wanted of the pelvis."""
+        return _orientation(self.yaw, self.pelvis_tilt)
+
+    @property
+    def R_WC(self) -> np.ndarray:
+        """Orientation wanted of the chest."""
+        return _orientation(self.yaw, self.chest_tilt)
+
+
+@dataclass(frozen=True)
+class BodyTarget:
+    """Where the reference shall go.
+
+    Attributes:
+        height: Of the centre of mass in W [m].
+        yaw: [rad]
+        joints: Posture [rad], shape (n,).
+        pelvis_tilt: Roll and pitch of the pelvis [rad], shape (2,).
+    """
+
+    height: float
+    yaw: float
+    joints: np.ndarray
+    pelvis_tilt: np.ndarray
+
+
+def capture_body(terms: WholeBodyTerms) -> BodyReference:
+    """The reference that asks for nothing but what is."""
+    return BodyReference(
+        height=float(terms.com[2]),
+        height_rate=0.0,
+        yaw=yaw_of(terms.R_WP),
+        yaw_rate=0.0,
+        pelvis_tilt=_tilt(terms.R_WP),
+        chest_tilt=_tilt(terms.R_WC),
+        joints=terms.q.copy(),
+    )
+
+
+def advance_body(
+    body: BodyReference,
+    target: BodyTarget,
+    rates: BodyRates,
+    dt: float,
+    measured: np.ndarray,
+    user_held: np.ndarray,
+) -> BodyReference:
+    """Moves the reference towards ``target`` for ``dt`` [s].
+
+    Joints that the user holds follow what is measured, so that they are taken back
+    from where the user left them.
+    """
+    height = _approach(body.height, target.height, rates.height * dt)
+    turn = wrap_angle(target.yaw - body.yaw)
+    yaw = body.yaw + _approach(0.0, turn, rates.yaw * dt)
+    joints = body.joints + np.clip(
+        target.joints - body.joints, -rates.joints * dt, rates.joints * dt
+    )
+    joints[user_held] = measured[user_held]
+    tilt = rates.tilt * dt
+    return replace(
+        body,
+        height=height,
+        height_rate=(height - body.height) / dt,
+        yaw=yaw,
+        yaw_rate=(yaw - body.yaw) / dt,
+        pelvis_tilt=body.pelvis_tilt
+        + np.clip(target.pelvis_tilt - body.pelvis_tilt, -tilt, tilt),
+        chest_tilt=body.chest_tilt
+        + np.clip(target.pelvis_tilt - body.chest_tilt, -tilt, tilt),
+        joints=joints,
+    )
+
+
+def _approach(value: float, goal: float, step: float) -> float:
+    return value + min(max(goal - value, -step), step)
+
+
+def _tilt(R: np.ndarray) -> np.ndarray:
+    """Roll and pitch of a roll-pitch-yaw decomposition [rad], shape (2,)."""
+    pitch = np.arcsin(min(max(-R[2, 0], -1.0), 1.0))
+    return np.array([np.arctan2(R[2, 1], R[2, 2]), pitch])
+
+
+def _orientation(yaw: float, tilt: np.ndarray) -> np.ndarray:
+    R = rotation_z(yaw)
+    if tilt[0] == 0.0 and tilt[1] == 0.0:
+        return R
+    c, s = np.cos(tilt[0]), np.sin(tilt[0])
+    roll = np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
+    return R @ rotation_y(tilt[1]) @ roll

@@ -1,0 +1,83 @@
+"""FREEZE: hold every joint where it is, and keep the feet still.
+
+The safety mode: it plans nothing and moves nothing. It holds what the ground lets it
+hold; a robot frozen in mid-stride falls as a statue would.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from atlas_drake.behaviors.balance import Balance
+from atlas_drake.behaviors.base import Observation, Outcome
+from atlas_drake.behaviors.body_reference import BodyReference, capture_body
+from atlas_drake.control.whole_body_command import WholeBodyCommand
+from atlas_drake.messages import AtlasSimInterfaceCommand, AtlasSimInterfaceState
+
+STIFFNESS_WEIGHT = 1.0
+"""Weight of holding each joint in the QP, all joints alike [1/(rad/s²)²]."""
+CONTACT_FORCE = 0.02
+"""A sole that carries this share of the weight counts as on the ground [-]."""
+
+
+@dataclass(frozen=True)
+class FreezeMemory:
+    """Joint positions to hold [rad], shape (n,)."""
+
+    joints: np.ndarray
+
+
+class Freeze:
+    """Holds still."""
+
+    def __init__(self, balance: Balance):
+        """Takes gains and weights from ``balance``."""
+        self._balance = balance
+        self._weight = np.full(balance.robot.num_joints, STIFFNESS_WEIGHT)
+
+    def enter(
+        self,
+        seen: Observation,
+        body: BodyReference,
+        request: AtlasSimInterfaceCommand,
+    ) -> FreezeMemory:
+        """Notes where the joints are."""
+        return FreezeMemory(seen.terms.q.copy())
+
+    def update(
+        self,
+        memory: FreezeMemory,
+        seen: Observation,
+        body: BodyReference,
+        request: AtlasSimInterfaceCommand,
+        leaving: bool,
+    ) -> Outcome:
+        """One tick of holding still."""
+        # Whoever comes next starts from the pose that is, not from one remembered.
+        body = capture_body(seen.terms)
+        joints = np.where(seen.user_held, seen.terms.q, memory.joints)
+        gains = self._balance.gains.posture
+        carrying = seen.foot_force > CONTACT_FORCE * self._balance.weight
+        feet = tuple(
+            self._balance.planted(seen, foot)
+            if carrying[foot]
+            else self._balance.hanging(seen, foot)
+            for foot in (0, 1)
+        )
+        still = np.zeros(3)
+        command = WholeBodyCommand(
+            com_acceleration=still,
+            pelvis_angular_acceleration=still,
+            chest_angular_acceleration=still,
+            feet=feet,  # type: ignore[arg-type]
+            joint_acceleration=gains.kp * (joints - seen.terms.q)
+            - gains.kd * seen.terms.v,
+            joint_weight=self._weight,
+            balance=False,
+        )
+        return Outcome(memory=FreezeMemory(joints), body=body, command=command)
+
+    def report(self, memory: FreezeMemory, state: AtlasSimInterfaceState) -> None:
+        """There is nothing to report beyond the behaviour's name."""

@@ -1,0 +1,92 @@
+"""Timing of the walk and the DCM plan that follows from it.
+
+From feet on the ground and steps to come to a ``DcmPlan``. Pure functions; the
+phases of the walk themselves are in ``walk``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from atlas_drake.control.dcm_plan import CopSegment, DcmPlan
+from atlas_drake.control.footstep import FootPose, Footstep, outward
+from atlas_drake.control.rotations import rotation_z
+
+
+@dataclass(frozen=True)
+class GaitTiming:
+    """Durations of the phases that a step's own duration does not give."""
+
+    first_shift: float = 0.80
+    """Weight shift before the first lift-off [s]."""
+    transfer_share: float = 0.32
+    """Share of a step's duration in double support [-]."""
+    settle: float = 0.70
+    """Shift to the middle of the feet after the last step [s]."""
+    rest: float = 0.50
+    """Time at rest before STAND takes over [s]."""
+
+    def transfer(self, step: Footstep) -> float:
+        """Double support before this step's lift-off [s]."""
+        return self.transfer_share * step.duration
+
+    def swing(self, step: Footstep) -> float:
+        """Single support of this step [s]."""
+        return (1.0 - self.transfer_share) * step.duration
+
+
+COP_INWARD = 0.010
+"""The CoP's reference lies this far from the stance sole's middle to the inside."""
+COP_FORWARD = 0.0
+"""And this far to the toes [m]."""
+
+
+def stance_cop(pose: FootPose, foot: int) -> np.ndarray:
+    """Reference of the CoP while ``foot`` alone carries the robot, shape (2,)."""
+    offset = rotation_z(pose.yaw)[:2, :2] @ np.array(
+        [COP_FORWARD, -outward(foot) * COP_INWARD]
+    )
+    return pose.p_WF[:2] + offset
+
+
+def plan_walk(
+    cop: np.ndarray,
+    first_phase: float,
+    feet: tuple[FootPose, FootPose],
+    steps: Sequence[Footstep],
+    swinging: bool,
+    timing: GaitTiming,
+    omega: float,
+) -> DcmPlan:
+    """The DCM plan from now through ``steps`` to rest.
+
+    Args:
+        cop: Where the CoP's reference is now [m], shape (2,).
+        first_phase: Time left in the present phase [s].
+        feet: Where the soles are on the ground.
+        steps: To come, the present one first; may be empty.
+        swinging: True in single support: the present phase is steps[0]'s swing.
+        timing: Of the phases.
+        omega: Natural frequency of the pendulum [1/s].
+    """
+    segments: list[CopSegment] = []
+    poses = list(feet)
+    for number, step in enumerate(steps):
+        stance = 1 - step.foot
+        target = stance_cop(poses[stance], stance)
+        first = number == 0
+        if not (first and swinging):
+            duration = first_phase if first else timing.transfer(step)
+            segments.append(CopSegment(duration, cop, target))
+        duration = first_phase if first and swinging else timing.swing(step)
+        start = cop if first and swinging else target
+        segments.append(CopSegment(duration, start, target))
+        cop = target
+        poses[step.foot] = step.pose
+    middle = 0.5 * (poses[0].p_WF[:2] + poses[1].p_WF[:2])
+    duration = timing.settle if steps else first_phase
+    segments.append(CopSegment(duration, cop, middle))
+    return DcmPlan(segments, omega)

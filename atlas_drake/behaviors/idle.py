@@ -1,0 +1,37 @@
+"""NONE and USER: no behaviour acts.
+
+In USER every joint is the user's; in NONE joints that the user does not hold get no
+effort at all.
+"""
+
+from __future__ import annotations
+
+from atlas_drake.behaviors.base import Observation, Outcome
+from atlas_drake.behaviors.body_reference import BodyReference, capture_body
+from atlas_drake.messages import AtlasSimInterfaceCommand, AtlasSimInterfaceState
+
+
+class Idle:
+    """Does nothing and remembers nothing."""
+
+    def enter(
+        self,
+        seen: Observation,
+        body: BodyReference,
+        request: AtlasSimInterfaceCommand,
+    ) -> None:
+        """There is nothing to note."""
+
+    def update(
+        self,
+        memory: None,
+        seen: Observation,
+        body: BodyReference,
+        request: AtlasSimInterfaceCommand,
+        leaving: bool,
+    ) -> Outcome:
+        """One tick: the body reference follows the robot."""
+        return Outcome(memory=None, body=capture_body(seen.terms), command=None)
+
+    def report(self, memory: None, state: AtlasSimInterfaceState) -> None:
+        """There is nothing to report beyond the behaviour's name."""

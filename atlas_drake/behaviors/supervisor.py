@@ -1,0 +1,290 @@
+"""Runs the active behaviour and changes it on request, by itself, or after a fall.
+
+The supervisor's state is one frozen value; the objects here hold constants only.
+Which changes are allowed is in ``transitions``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from atlas_drake.behaviors.balance import Balance
+from atlas_drake.behaviors.base import Behavior as BehaviorProtocol
+from atlas_drake.behaviors.base import Event, Observation
+from atlas_drake.behaviors.body_reference import (
+    BodyRates,
+    BodyReference,
+    capture_body,
+)
+from atlas_drake.behaviors.freeze import Freeze
+from atlas_drake.behaviors.idle import Idle
+from atlas_drake.behaviors.stand import Stand
+from atlas_drake.behaviors.transitions import IMPLEMENTED, EntryLimits, refusal
+from atlas_drake.behaviors.walk import Walk
+from atlas_drake.commands import BehaviorRequest
+from atlas_drake.control.gains import ControlGains
+from atlas_drake.control.whole_body_command import WholeBodyCommand
+from atlas_drake.errors import ErrorCode
+from atlas_drake.messages import AtlasSimInterfaceState, Behavior, BehaviorStatus
+from atlas_drake.robot import Robot
+
+KEPT_EVENTS = 200
+"""How many events the state keeps; whoever wants all of them reads in time."""
+
+
+@dataclass(frozen=True)
+class FallLimits:
+    """When the robot counts as falling."""
+
+    tilt: float = 0.8
+    """Angle of the pelvis' z axis from the vertical [rad]."""
+    height: float = 0.6
+    """Height of the CoM above the lower sole, as a share of the nominal one [-]."""
+
+
+@dataclass(frozen=True)
+class SupervisorState:
+    """Everything the behaviours remember from one tick to the next.
+
+    Attributes:
+        current: Active behaviour.
+        desired: Behaviour asked for; leads ``current`` while a change takes time.
+        memory: The active behaviour's own; None before its first tick.
+        body: Reference of trunk and posture; None before the first tick.
+        request_number: Of the last request acted upon.
+        status: Flags of the last transition.
+        trans_from: Behaviour that the last transition left.
+        trans_to: Behaviour that the last transition was to.
+        behavior_flags: The active behaviour's own flags, latched.
+        error_code: Of the last request.
+        falling: Whether a fall was noticed and no behaviour begun since.
+        events: The latest events.
+        event_count: How many there have been.
+    """
+
+    current: Behavior
+    desired: Behavior
+    memory: Any = None
+    entered: bool = False
+    body: BodyReference | None = None
+    request_number: int = 0
+    status: BehaviorStatus = BehaviorStatus.OK
+    trans_from: Behavior = Behavior.NONE
+    trans_to: Behavior = Behavior.NONE
+    behavior_flags: int = 0
+    error_code: ErrorCode = ErrorCode.NO_ERRORS
+    falling: bool = False
+    events: tuple[Event, ...] = ()
+    event_count: int = 0
+
+
+class Supervisor:
+    """Owns one object per behaviour."""
+
+    def __init__(self, robot: Robot, gains: ControlGains, nominal_height: float):
+        """Takes the height of the CoM above the soles when standing [m]."""
+        balance = Balance(robot, gains)
+        rates = BodyRates()
+        stand = Stand(balance, nominal_height, rates)
+        idle = Idle()
+        self._balance = balance
+        self._entry_limits = EntryLimits()
+        self._fall_limits = FallLimits()
+        self._nominal_height = nominal_height
+        self._behaviors: dict[Behavior, BehaviorProtocol] = {
+            Behavior.NONE: idle,
+            Behavior.USER: idle,
+            Behavior.FREEZE: Freeze(balance),
+            Behavior.STAND_PREP: stand,
+            Behavior.STAND: stand,
+            Behavior.WALK: Walk(balance, nominal_height, rates),
+        }
+
+    def start(self, behavior: Behavior) -> SupervisorState:
+        """The state before the first tick, with ``behavior`` already active."""
+        return SupervisorState(current=behavior, desired=behavior)
+
+    def update(
+        self, state: SupervisorState, seen: Observation, request: BehaviorRequest
+    ) -> tuple[SupervisorState, WholeBodyCommand | None]:
+        """One tick.
+
+        Returns:
+            The next state, and the command for the whole-body QP; None when no
+            behaviour acts.
+        """
+        body = state.body or capture_body(seen.terms)
+        state = replace(state, body=body)
+        state = self._watch_for_fall(state, seen)
+        if request.number != state.request_number:
+            state = self._take_request(state, seen, request)
+        if not state.entered:
+            state = self._enter(state, seen, request)
+
+        behavior = self._behaviors[state.current]
+        outcome = behavior.update(
+            state.memory,
+            seen,
+            state.body,
+            request.command,
+            leaving=state.desired != state.current,
+        )
+        state = replace(
+            state,
+            memory=outcome.memory,
+            body=outcome.body,
+            behavior_flags=_latch(state.behavior_flags, outcome.status_flags),
+        )
+        for event in outcome.events:
+            state = _log(state, event)
+        if outcome.finished:
+            asked = state.desired is not state.current
+            status = (
+                BehaviorStatus.TRANSITION_SUCCESS
+                if asked
+                else BehaviorStatus.WARNING_AUTO_TRANS
+            )
+            state = self._change(state, seen, Behavior.STAND, status)
+        command = None if state.falling else outcome.command
+        return state, command
+
+    def report(self, state: SupervisorState, message: AtlasSimInterfaceState) -> None:
+        """Fills in what the behaviours have to say."""
+        message.error_code = state.error_code
+        message.current_behavior = state.current
+        message.desired_behavior = state.desired
+        feedback = message.behavior_feedback
+        feedback.status_flags = state.status | (
+            BehaviorStatus.ERROR_FALLING if state.falling else BehaviorStatus.OK
+        )
+        feedback.trans_from = state.trans_from
+        feedback.trans_to = state.trans_to
+        if state.memory is not None:
+            self._behaviors[state.current].report(state.memory, message)
+        if state.current is Behavior.WALK:
+            message.walk_feedback.status_flags = state.behavior_flags
+
+    # ---- transitions ---------------------------------------------------------
+
+    def _take_request(
+        self, state: SupervisorState, seen: Observation, request: BehaviorRequest
+    ) -> SupervisorState:
+        state = replace(
+            state, request_number=request.number, error_code=ErrorCode.NO_ERRORS
+        )
+        target = request.behavior
+        if target not in IMPLEMENTED:
+            text = f"{target.name} is not implemented"
+            state = replace(
+                state,
+                error_code=ErrorCode.BEHAVIOR_NOT_IMPLEMENTED,
+                status=BehaviorStatus.FAILED_TRANS_UNKNOWN_BEHAVIOR,
+                trans_from=state.current,
+                trans_to=target,
+            )
+            return _log(state, Event(seen.time, "refusal", text))
+        if target is state.current:
+            # More of the same, such as further steps, or second thoughts about
+            # leaving.
+            return replace(state, desired=target)
+        why = refusal(state.current, target, seen, self._balance, self._entry_limits)
+        if why is not BehaviorStatus.OK:
+            text = f"{state.current.name} -> {target.name} refused: {why.name}"
+            state = replace(
+                state,
+                error_code=ErrorCode.FAILED_TO_START_BEHAVIOR,
+                status=why,
+                trans_from=state.current,
+                trans_to=target,
+            )
+            return _log(state, Event(seen.time, "refusal", text))
+        if state.current is Behavior.WALK and target is Behavior.STAND:
+            # Finish the step and catch; the walk says when it is done.
+            return replace(
+                state,
+                desired=target,
+                status=BehaviorStatus.TRANSITION_IN_PROGRESS,
+                trans_from=state.current,
+                trans_to=target,
+            )
+        return self._change(state, seen, target, BehaviorStatus.TRANSITION_SUCCESS)
+
+    def _change(
+        self,
+        state: SupervisorState,
+        seen: Observation,
+        target: Behavior,
+        status: BehaviorStatus,
+    ) -> SupervisorState:
+        """Makes ``target`` the active behaviour; it is entered at its first tick."""
+        auto = " (by itself)" if status is BehaviorStatus.WARNING_AUTO_TRANS else ""
+        text = f"{state.current.name} -> {target.name}{auto}"
+        balancing = target not in (Behavior.NONE, Behavior.USER)
+        state = replace(
+            state,
+            current=target,
+            desired=target,
+            memory=None,
+            entered=False,
+            status=status,
+            trans_from=state.current,
+            trans_to=target,
+            behavior_flags=0,
+            falling=state.falling and not balancing,
+        )
+        return _log(
+            state,
+            Event(
+                seen.time,
+                "behavior",
+                text,
+                {"from": state.trans_from.name, "to": target.name},
+            ),
+        )
+
+    def _enter(
+        self, state: SupervisorState, seen: Observation, request: BehaviorRequest
+    ) -> SupervisorState:
+        assert state.body is not None
+        behavior = self._behaviors[state.current]
+        memory = behavior.enter(seen, state.body, request.command)
+        return replace(state, memory=memory, entered=True)
+
+    def _watch_for_fall(
+        self, state: SupervisorState, seen: Observation
+    ) -> SupervisorState:
+        """Notices a fall before the robot hits the ground.
+
+        A robot that hangs in the air or lies still is told from one that stands by the
+        height of its centre of mass above its own lower sole, not above the world.
+        """
+        if state.falling:
+            return state
+        terms = seen.terms
+        tilt = float(np.arccos(np.clip(terms.R_WP[2, 2], -1.0, 1.0)))
+        sole = min(terms.feet[0].p_WF[2], terms.feet[1].p_WF[2])
+        height = float(terms.com[2] - sole)
+        limits = self._fall_limits
+        if tilt < limits.tilt and height > limits.height * self._nominal_height:
+            return state
+        text = f"falling in {state.current.name} (pelvis tilted {tilt:.2f} rad)"
+        return _log(replace(state, falling=True), Event(seen.time, "fall", text))
+
+
+_SUBSTATES = 7
+"""Bits of a behaviour's flags that say where it is now, and so do not latch."""
+
+
+def _latch(before: int, now: int) -> int:
+    return (before & ~_SUBSTATES) | now
+
+
+def _log(state: SupervisorState, event: Event) -> SupervisorState:
+    return replace(
+        state,
+        events=(*state.events, event)[-KEPT_EVENTS:],
+        event_count=state.event_count + 1,
+    )

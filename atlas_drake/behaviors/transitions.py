@@ -1,0 +1,65 @@
+"""Which behaviour may follow which, and the conditions for entering one.
+
+One table. What a behaviour does once it is entered is its own file's business.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from atlas_drake.behaviors.balance import Balance
+from atlas_drake.behaviors.base import Observation
+from atlas_drake.messages import Behavior, BehaviorStatus
+
+_ALWAYS = frozenset({Behavior.NONE, Behavior.FREEZE, Behavior.USER})
+"""Safety comes first: these may be asked for at any moment."""
+
+LEGAL_TRANSITIONS: dict[Behavior, frozenset[Behavior]] = {
+    Behavior.NONE: _ALWAYS | {Behavior.STAND_PREP, Behavior.STAND},
+    Behavior.FREEZE: _ALWAYS | {Behavior.STAND_PREP, Behavior.STAND},
+    Behavior.USER: _ALWAYS | {Behavior.STAND_PREP, Behavior.STAND},
+    Behavior.STAND_PREP: _ALWAYS | {Behavior.STAND_PREP, Behavior.STAND},
+    Behavior.STAND: _ALWAYS | {Behavior.STAND_PREP, Behavior.STAND, Behavior.WALK},
+    Behavior.WALK: _ALWAYS | {Behavior.STAND, Behavior.WALK},
+}
+"""From each behaviour to those that may follow. WALK leads nowhere but to STAND."""
+
+IMPLEMENTED = frozenset(LEGAL_TRANSITIONS)
+"""Behaviours that exist; the others are answered with BEHAVIOR_NOT_IMPLEMENTED."""
+
+
+@dataclass(frozen=True)
+class EntryLimits:
+    """When STAND can take over."""
+
+    com_outside: float = 0.0
+    """The CoM may lie this far outside the soles' hull less its margins [m]."""
+    com_speed: float = 0.35
+    """[m/s]"""
+    joint_speed: float = 4.0
+    """Fastest joint that the behaviour would have to catch [rad/s]."""
+
+
+def refusal(
+    source: Behavior,
+    target: Behavior,
+    seen: Observation,
+    balance: Balance,
+    limits: EntryLimits,
+) -> BehaviorStatus:
+    """Why ``target`` cannot follow ``source`` now; OK when it can."""
+    if target not in LEGAL_TRANSITIONS.get(source, _ALWAYS):
+        return BehaviorStatus.FAILED_TRANS_ILLEGAL_BEHAVIOR
+    if target is not Behavior.STAND or source in (Behavior.STAND, Behavior.WALK):
+        return BehaviorStatus.OK
+    terms = seen.terms
+    support = balance.support(seen.foot_pose(0), seen.foot_pose(1))
+    if support.distance_outside(terms.com[:2]) > limits.com_outside:
+        return BehaviorStatus.FAILED_TRANS_COM_POS
+    if float(np.hypot(*terms.com_velocity[:2])) > limits.com_speed:
+        return BehaviorStatus.FAILED_TRANS_COM_VEL
+    if float(np.abs(terms.v[~seen.user_held]).max(initial=0.0)) > limits.joint_speed:
+        return BehaviorStatus.FAILED_TRANS_VEL
+    return BehaviorStatus.OK

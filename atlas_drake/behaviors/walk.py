@@ -1,0 +1,484 @@
+"""WALK: dynamic walking over the steps that messages bring, then back to STAND.
+
+Phases: SHIFT (weight over the first stance foot), then SWING and TRANSFER for each
+step, then SETTLE over both feet. The DCM plan is made anew at every change of phase
+from where the feet really are, and within a swing when balance asks for another
+landing place.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import Enum
+
+import numpy as np
+
+from atlas_drake.behaviors.balance import FULL_LOAD, Balance
+from atlas_drake.behaviors.base import Event, Observation, Outcome
+from atlas_drake.behaviors.body_reference import (
+    BodyRates,
+    BodyReference,
+    BodyTarget,
+    advance_body,
+)
+from atlas_drake.behaviors.gait import GaitTiming, plan_walk, stance_cop
+from atlas_drake.behaviors.step_queue import alternating, merge, next_runs, step_data_from
+from atlas_drake.control import tasks
+from atlas_drake.control.dcm_plan import DcmPlan
+from atlas_drake.control.footstep import (
+    FootPose,
+    Footstep,
+    StepLimits,
+    landing_error,
+    saturate,
+)
+from atlas_drake.control.rotations import mean_yaw
+from atlas_drake.control.step_adjustment import StepAdjustmentLimits, step_shift
+from atlas_drake.control.support_polygon import SupportPolygon
+from atlas_drake.control.swing_foot import (
+    Swing,
+    SwingProfile,
+    advance_swing,
+    begin_swing,
+)
+from atlas_drake.messages import (
+    AtlasBehaviorWalkFeedback,
+    AtlasSimInterfaceCommand,
+    AtlasSimInterfaceState,
+)
+
+_UPRIGHT = np.zeros(2)
+LOOK_AHEAD = 4
+"""Steps that enter the plan, and that a message's queue holds."""
+
+
+class Phase(Enum):
+    """Where in the walk the robot is."""
+
+    SHIFT = "swaying"
+    SWING = "swing"
+    TRANSFER = "double support"
+    SETTLE = "catching"
+
+
+@dataclass(frozen=True)
+class WalkRules:
+    """Thresholds of the walk."""
+
+    touchdown_force: float = 0.08
+    """Normal force that counts as touchdown, in weights of the robot [-]."""
+    earliest_touchdown: float = 0.75
+    """Share of the swing before which contact is a stumble, not a touchdown."""
+    unload_share: float = 0.4
+    """Last share of a transfer in which the leaving foot is unloaded [-]."""
+    dcm_ready: float = 0.025
+    """DCM error across the stance foot with which a foot may lift off [m]."""
+    longest_wait: float = 0.25
+    """Time that lift-off waits at most for that [s]."""
+    frozen_end: float = 0.06
+    """Last part of a swing in which the landing place stays put [s]."""
+    rest_speed: float = 0.08
+    """Speed of the centre of mass below which the walk is over [m/s]."""
+    replan_shift: float = 0.002
+    """Change of the landing place that is worth a new plan [m]."""
+
+
+@dataclass(frozen=True)
+class WalkMemory:
+    """State of the walk.
+
+    Attributes:
+        phase: Of the walk.
+        elapsed: Time in this phase [s].
+        duration: Planned duration of this phase [s].
+        feet: Where the soles are or last were on the ground.
+        pending: Steps not begun, by index.
+        current: Step being taken (SWING) or taken last (TRANSFER, SETTLE).
+        commanded: ``current`` as it was sent.
+        swing: Reference of the swinging foot, in SWING.
+        plan: Of the DCM.
+        plan_time: Time into the plan [s].
+        sensitivity: How the DCM planned for touchdown moves with the next foot [-].
+        support: Where the CoP may lie.
+        omega: Natural frequency used in the plan [1/s].
+        next_index: Index of the next step to begin.
+        seen_queue: The queue that was last read, to notice a new one.
+    """
+
+    phase: Phase
+    elapsed: float
+    duration: float
+    feet: tuple[FootPose, FootPose]
+    pending: tuple[Footstep, ...]
+    current: Footstep | None
+    commanded: Footstep | None
+    swing: Swing | None
+    plan: DcmPlan
+    plan_time: float
+    sensitivity: float
+    support: SupportPolygon
+    omega: float
+    next_index: int
+    seen_queue: object
+
+
+class Walk:
+    """Walks over given footsteps."""
+
+    def __init__(
+        self,
+        balance: Balance,
+        nominal_height: float,
+        rates: BodyRates,
+        *,
+        timing: GaitTiming | None = None,
+        limits: StepLimits | None = None,
+        adjustment: StepAdjustmentLimits | None = None,
+        profile: SwingProfile | None = None,
+        rules: WalkRules | None = None,
+    ):
+        """Walks with the centre of mass ``nominal_height`` [m] above the soles."""
+        self._balance = balance
+        self._nominal_height = nominal_height
+        self._rates = rates
+        self._timing = timing or GaitTiming()
+        self._limits = limits or StepLimits()
+        self._adjustment = adjustment or StepAdjustmentLimits()
+        self._profile = profile or SwingProfile()
+        self._rules = rules or WalkRules()
+        self._touchdown_force = self._rules.touchdown_force * balance.weight
+
+    def enter(
+        self,
+        seen: Observation,
+        body: BodyReference,
+        request: AtlasSimInterfaceCommand,
+    ) -> WalkMemory:
+        """Begins to shift the weight to the first stance foot."""
+        feet = (seen.foot_pose(0), seen.foot_pose(1))
+        queue = request.walk_params.step_queue
+        pending = merge((), queue, first_open=1)
+        first = pending[0].index if pending else 1
+        omega = tasks.pendulum_frequency(self._nominal_height)
+        memory = WalkMemory(
+            phase=Phase.SHIFT,
+            elapsed=0.0,
+            duration=self._timing.first_shift,
+            feet=feet,
+            pending=pending,
+            current=None,
+            commanded=None,
+            swing=None,
+            plan=None,  # type: ignore[arg-type]  # set on the next line
+            plan_time=0.0,
+            sensitivity=1.0,
+            support=self._balance.support(*feet),
+            omega=omega,
+            next_index=first,
+            seen_queue=queue,
+        )
+        cop = memory.support.clamp(tasks.dcm(seen.terms, omega))
+        return self._replan(memory, cop, memory.duration)
+
+    def update(
+        self,
+        memory: WalkMemory,
+        seen: Observation,
+        body: BodyReference,
+        request: AtlasSimInterfaceCommand,
+        leaving: bool,
+    ) -> Outcome:
+        """One tick of walking; ``leaving`` drops the steps that have not begun."""
+        if leaving:
+            memory = replace(memory, pending=())
+        else:
+            memory = self._read_queue(memory, request)
+        memory = replace(
+            memory,
+            elapsed=memory.elapsed + seen.dt,
+            plan_time=memory.plan_time + seen.dt,
+        )
+        memory, events = self._change_phase(memory, seen)
+        swing_reference = None
+        if memory.phase is Phase.SWING:
+            memory = self._adjust_step(memory, seen)
+            swing, swing_reference = advance_swing(
+                memory.swing, memory.current, self._profile, seen.dt
+            )
+            memory = replace(memory, swing=swing)
+        body = advance_body(
+            body,
+            self._body_target(memory),
+            self._rates,
+            seen.dt,
+            seen.terms.q,
+            seen.user_held,
+        )
+        command = self._balance.command(
+            seen,
+            body,
+            memory.plan.evaluate(memory.plan_time),
+            memory.omega,
+            memory.support,
+            self._feet(memory, seen, swing_reference),
+        )
+        return Outcome(
+            memory=memory,
+            body=body,
+            command=command,
+            finished=self._at_rest(memory, seen),
+            status_flags=self._flags(memory),
+            events=events,
+        )
+
+    def report(self, memory: WalkMemory, state: AtlasSimInterfaceState) -> None:
+        """Steps and timing; the steps as they will really be taken."""
+        feedback = state.walk_feedback
+        feedback.t_step_rem = max(memory.duration - memory.elapsed, 0.0)
+        feedback.current_step_index = memory.current.index if memory.current else 0
+        known = next_runs(memory.pending, memory.next_index)
+        feedback.next_step_index_needed = memory.next_index + len(known)
+        for place, step in enumerate(self._coming(memory)[:LOOK_AHEAD]):
+            feedback.step_queue_saturated[place] = step_data_from(step)
+
+    # ---- steps ---------------------------------------------------------------
+
+    def _read_queue(
+        self, memory: WalkMemory, request: AtlasSimInterfaceCommand
+    ) -> WalkMemory:
+        queue = request.walk_params.step_queue
+        if queue is memory.seen_queue:
+            return memory
+        pending = merge(memory.pending, queue, first_open=memory.next_index)
+        return replace(memory, pending=pending, seen_queue=queue)
+
+    def _coming(self, memory: WalkMemory) -> tuple[Footstep, ...]:
+        """Steps that the plan looks at, saturated one from the other.
+
+        The one in the air comes first and is taken as it is.
+        """
+        swinging = memory.phase is Phase.SWING
+        steps = [memory.current] if swinging else []
+        last_foot = memory.current.foot if memory.current else None
+        poses = list(memory.feet)
+        if swinging:
+            poses[memory.current.foot] = memory.current.pose
+        for step in next_runs(memory.pending, memory.next_index):
+            if step.foot == last_foot or len(steps) >= LOOK_AHEAD:
+                break
+            stance = poses[1 - step.foot]
+            level = replace(
+                step, p_WF=np.array([step.p_WF[0], step.p_WF[1], stance.p_WF[2]])
+            )
+            taken = saturate(level, stance, self._limits)
+            steps.append(taken)
+            poses[taken.foot] = taken.pose
+            last_foot = taken.foot
+        return tuple(steps)
+
+    def _replan(
+        self, memory: WalkMemory, cop: np.ndarray, first_phase: float
+    ) -> WalkMemory:
+        plan = plan_walk(
+            cop,
+            first_phase,
+            memory.feet,
+            self._coming(memory),
+            memory.phase is Phase.SWING,
+            self._timing,
+            memory.omega,
+        )
+        return replace(memory, plan=plan, plan_time=0.0)
+
+    # ---- phases --------------------------------------------------------------
+
+    def _change_phase(
+        self, memory: WalkMemory, seen: Observation
+    ) -> tuple[WalkMemory, tuple[Event, ...]]:
+        if memory.phase is Phase.SWING:
+            swing = memory.swing
+            touched = (
+                swing.progress >= self._rules.earliest_touchdown
+                and seen.foot_force[memory.current.foot] > self._touchdown_force
+            )
+            return self._touch_down(memory, seen) if touched else (memory, ())
+        if memory.phase is Phase.SETTLE or memory.elapsed < memory.duration:
+            return memory, ()
+        coming = self._coming(memory)
+        if not coming:
+            return self._settle(memory), ()
+        late = memory.elapsed - memory.duration
+        if late < self._rules.longest_wait and not self._ready(memory, seen):
+            # Hold the plan at the moment of lift-off until the DCM is there.
+            return replace(memory, plan_time=memory.plan_time - seen.dt), ()
+        return self._lift_off(memory, coming[0]), ()
+
+    def _ready(self, memory: WalkMemory, seen: Observation) -> bool:
+        """Whether the DCM is near enough to its plan for single support."""
+        error = tasks.dcm(seen.terms, memory.omega) - (
+            memory.plan.evaluate(memory.plan_time).dcm
+        )
+        return float(np.hypot(*error)) < self._rules.dcm_ready
+
+    def _lift_off(self, memory: WalkMemory, step: Footstep) -> WalkMemory:
+        stance = 1 - step.foot
+        sent = next(s for s in memory.pending if s.index == step.index)
+        duration = self._timing.swing(step)
+        memory = replace(
+            memory,
+            phase=Phase.SWING,
+            elapsed=0.0,
+            duration=duration,
+            pending=tuple(s for s in memory.pending if s.index > step.index),
+            current=step,
+            commanded=sent,
+            swing=begin_swing(memory.feet[step.foot], duration),
+            support=self._balance.support(memory.feet[stance]),
+            next_index=step.index + 1,
+        )
+        cop = stance_cop(memory.feet[stance], stance)
+        memory = self._replan(memory, cop, duration)
+        return replace(memory, sensitivity=self._sensitivity(memory, cop))
+
+    def _touch_down(
+        self, memory: WalkMemory, seen: Observation
+    ) -> tuple[WalkMemory, tuple[Event, ...]]:
+        step, sent = memory.current, memory.commanded
+        landed = seen.foot_pose(step.foot)
+        # Level ground: a sole that lands tilted will lie flat in a moment.
+        feet = list(memory.feet)
+        feet[step.foot] = landed
+        cop = memory.plan.evaluate(memory.plan_time).cop
+        memory = replace(
+            memory,
+            phase=Phase.TRANSFER,
+            elapsed=0.0,
+            feet=(feet[0], feet[1]),
+            swing=None,
+            support=self._balance.support(*feet),
+        )
+        coming = self._coming(memory)
+        event = Event(
+            seen.time,
+            "footstep",
+            f"step {step.index} landed",
+            {
+                "index": step.index,
+                "foot": step.foot,
+                "commanded": [*map(float, sent.p_WF[:2]), float(sent.yaw)],
+                "saturated": [*map(float, step.p_WF[:2]), float(step.yaw)],
+                "landed": [*map(float, landed.p_WF[:2]), float(landed.yaw)],
+                "error_m": landing_error(sent, landed),
+            },
+        )
+        if not coming:
+            return self._settle(memory, cop), (event,)
+        memory = replace(memory, duration=self._timing.transfer(coming[0]))
+        return self._replan(memory, cop, memory.duration), (event,)
+
+    def _settle(self, memory: WalkMemory, cop: np.ndarray | None = None) -> WalkMemory:
+        if cop is None:
+            cop = memory.plan.evaluate(memory.plan_time).cop
+        memory = replace(
+            memory,
+            phase=Phase.SETTLE,
+            elapsed=0.0,
+            duration=self._timing.settle,
+            support=self._balance.support(*memory.feet),
+        )
+        return self._replan(memory, cop, memory.duration)
+
+    def _at_rest(self, memory: WalkMemory, seen: Observation) -> bool:
+        return (
+            memory.phase is Phase.SETTLE
+            and memory.elapsed > memory.duration + self._timing.rest
+            and float(np.abs(seen.terms.com_velocity).max()) < self._rules.rest_speed
+        )
+
+    # ---- balance -------------------------------------------------------------
+
+    def _sensitivity(self, memory: WalkMemory, cop: np.ndarray) -> float:
+        """∂ξ(touchdown)/∂(landing place), the same on both axes."""
+        offset = np.array([1.0, 0.0, 0.0])
+        moved = replace(
+            memory, current=replace(memory.current, p_WF=memory.current.p_WF + offset)
+        )
+        there = self._replan(moved, cop, memory.duration).plan
+        return float(
+            there.evaluate(memory.duration).dcm[0]
+            - memory.plan.evaluate(memory.duration).dcm[0]
+        )
+
+    def _adjust_step(self, memory: WalkMemory, seen: Observation) -> WalkMemory:
+        """Moves the landing place when the ankles cannot hold the DCM."""
+        remaining = memory.duration - memory.elapsed
+        if remaining < self._rules.frozen_end:
+            return memory
+        step = memory.current
+        stance = memory.feet[1 - step.foot]
+        error = tasks.dcm(seen.terms, memory.omega) - (
+            memory.plan.evaluate(memory.plan_time).dcm
+        )
+        shift = step_shift(
+            error,
+            remaining,
+            memory.omega,
+            memory.sensitivity,
+            stance,
+            self._adjustment,
+        )
+        if float(np.abs(shift).max()) < self._rules.replan_shift:
+            return memory
+        moved = saturate(
+            replace(step, p_WF=step.p_WF + np.append(shift, 0.0)),
+            stance,
+            self._limits,
+        )
+        memory = replace(memory, current=moved)
+        plan_time = memory.plan_time
+        cop = stance_cop(stance, 1 - step.foot)
+        memory = self._replan(memory, cop, memory.duration)
+        return replace(memory, plan_time=plan_time)
+
+    def _body_target(self, memory: WalkMemory) -> BodyTarget:
+        poses = list(memory.feet)
+        if memory.phase is Phase.SWING:
+            poses[memory.current.foot] = memory.current.pose
+            ground = min(poses[0].p_WF[2], poses[1].p_WF[2])
+        else:
+            ground = 0.5 * (poses[0].p_WF[2] + poses[1].p_WF[2])
+        return BodyTarget(
+            height=float(ground) + self._nominal_height,
+            yaw=mean_yaw(poses[0].yaw, poses[1].yaw),
+            joints=self._balance.robot.stand_prep,
+            pelvis_tilt=_UPRIGHT,
+        )
+
+    def _feet(self, memory: WalkMemory, seen: Observation, swing_reference):
+        balance = self._balance
+        if memory.phase is Phase.SWING:
+            feet = [balance.planted(seen, 0), balance.planted(seen, 1)]
+            foot = memory.current.foot
+            feet[foot] = balance.swinging(seen, foot, swing_reference)
+            return tuple(feet)
+        loads = [FULL_LOAD, FULL_LOAD]
+        coming = self._coming(memory) if memory.phase is not Phase.SETTLE else ()
+        if coming:
+            left_share = 1.0 - memory.elapsed / memory.duration
+            unload = min(max(left_share / self._rules.unload_share, 0.01), 1.0)
+            loads[coming[0].foot] = unload
+        return (balance.planted(seen, 0, loads[0]), balance.planted(seen, 1, loads[1]))
+
+    def _flags(self, memory: WalkMemory) -> int:
+        flags = AtlasBehaviorWalkFeedback
+        if memory.phase is Phase.SHIFT:
+            return flags.WALK_SUBSTATE_SWAYING
+        if memory.phase is Phase.SETTLE:
+            short = flags.WALK_WARNING_INSUFFICIENT_STEP_DATA
+            wrong = 0
+            if memory.pending and not alternating(
+                memory.pending[:1], memory.current.foot if memory.current else None
+            ):
+                wrong = flags.WALK_ERROR_INCONSISTENT_STEPS
+            return flags.WALK_SUBSTATE_CATCHING | (wrong or short)
+        return flags.WALK_SUBSTATE_STEPPING

@@ -1,0 +1,277 @@
+"""What is in force: the merge of all commands accepted so far.
+
+Pure functions on frozen values. Each message is checked whole before anything of it
+is applied; a refused message leaves everything as it was but for the error code.
+"""
+
+import logging
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from numbers import Real
+from typing import Any
+
+import numpy as np
+
+from atlas_drake.errors import ErrorCode, InvalidMessageError
+from atlas_drake.messages import (
+    K_EFFORT_MAX,
+    AtlasCommand,
+    AtlasSimInterfaceCommand,
+    Behavior,
+    behavior_from,
+    validate_atlas_command,
+    validate_sim_interface_command,
+)
+from atlas_drake.robot import Robot
+
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class JointCommand:
+    """Set-points and gains of the joint PID bank; arrays (n,) in message order.
+
+    Attributes:
+        position: [rad]
+        velocity: [rad/s]
+        effort: Feed-forward effort [N·m].
+        kp_position: [N·m/rad]
+        ki_position: [N·m/(rad·s)]
+        kd_position: [N·m·s/rad]
+        kp_velocity: [N·m·s/rad]
+        i_effort_min: Least effort of the integral term [N·m].
+        i_effort_max: Greatest effort of the integral term [N·m].
+    """
+
+    position: np.ndarray
+    velocity: np.ndarray
+    effort: np.ndarray
+    kp_position: np.ndarray
+    ki_position: np.ndarray
+    kd_position: np.ndarray
+    kp_velocity: np.ndarray
+    i_effort_min: np.ndarray
+    i_effort_max: np.ndarray
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> "JointCommand":
+        """Frozen, so its copy is itself: cloning a Context costs nothing."""
+        return self
+
+
+JOINT_FIELDS = tuple(JointCommand.__dataclass_fields__)
+
+
+@dataclass(frozen=True)
+class BehaviorRequest:
+    """The behaviour command in force.
+
+    Attributes:
+        behavior: Asked for.
+        command: The message, a snapshot.
+        number: Counts accepted messages, so that a repeated request is noticed.
+    """
+
+    behavior: Behavior
+    command: AtlasSimInterfaceCommand
+    number: int
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> "BehaviorRequest":
+        """Frozen, so its copy is itself."""
+        return self
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """A message that was not applied."""
+
+    time: float
+    error_code: ErrorCode
+    text: str
+
+
+@dataclass(frozen=True)
+class CommandsInForce:
+    """Everything that commands have set.
+
+    Attributes:
+        joints: For the PID bank.
+        k_effort: User's share per joint, 0 to 255, shape (n,).
+        request: For the behaviour controller.
+        error_code: Of the last message; NO_ERRORS once one is accepted.
+        refusals: The latest refused messages, oldest first.
+        refused: How many there were in all.
+        atlas_command: The last joint command looked at, to notice the next one.
+        sim_command: The last behaviour command looked at.
+        atlas_stamp: Time stamp of the last accepted joint command [s].
+        sim_stamp: Time stamp of the last accepted behaviour command [s].
+    """
+
+    joints: JointCommand
+    k_effort: np.ndarray
+    request: BehaviorRequest
+    error_code: ErrorCode = ErrorCode.NO_ERRORS
+    refusals: tuple[Refusal, ...] = ()
+    refused: int = 0
+    atlas_command: AtlasCommand | None = None
+    sim_command: AtlasSimInterfaceCommand | None = None
+    atlas_stamp: float | None = None
+    sim_stamp: float | None = None
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> "CommandsInForce":
+        """Frozen, so its copy is itself."""
+        return self
+
+
+KEPT_REFUSALS = 50
+"""How many refusals are kept for the log."""
+
+
+def commands_at_start(robot: Robot, behavior: Behavior) -> CommandsInForce:
+    """What is in force before any command.
+
+    The joints' set-points are the stand-prep pose with the robot's default gains.
+    In behaviour USER all joints are the user's, else the behaviour's.
+    """
+    zero = np.zeros(robot.num_joints)
+    user = behavior in (Behavior.USER, Behavior.NONE)
+    command = AtlasSimInterfaceCommand()
+    command.behavior = behavior
+    return CommandsInForce(
+        joints=JointCommand(
+            position=robot.stand_prep,
+            velocity=zero,
+            effort=zero,
+            kp_position=robot.default_kp,
+            ki_position=zero,
+            kd_position=robot.default_kd,
+            kp_velocity=zero,
+            i_effort_min=zero,
+            i_effort_max=zero,
+        ),
+        k_effort=np.full(robot.num_joints, float(K_EFFORT_MAX if user else 0)),
+        request=BehaviorRequest(behavior, command.snapshot(), number=0),
+    )
+
+
+def latch(
+    force: CommandsInForce,
+    atlas_command: AtlasCommand | None,
+    sim_command: AtlasSimInterfaceCommand | None,
+    robot: Robot,
+    time: float,
+) -> CommandsInForce:
+    """Takes in what the two command ports hold.
+
+    A message counts as new when it is another object than the one seen before. When
+    both are new the joint command is applied first, unless its stamp is later.
+
+    Args:
+        force: In force so far.
+        atlas_command: A snapshot, or None when there is none yet.
+        sim_command: Likewise.
+        robot: Whose joints the messages are about.
+        time: Now [s].
+    """
+    new_atlas = atlas_command is not None and atlas_command is not force.atlas_command
+    new_sim = sim_command is not None and sim_command is not force.sim_command
+    if not (new_atlas or new_sim):
+        return force
+    if new_atlas and new_sim and _stamp(atlas_command) > _stamp(sim_command):
+        force = _take(force, sim_command, _apply_sim_command, robot, time)
+        return _take(force, atlas_command, _apply_atlas_command, robot, time)
+    if new_atlas:
+        force = _take(force, atlas_command, _apply_atlas_command, robot, time)
+    if new_sim:
+        force = _take(force, sim_command, _apply_sim_command, robot, time)
+    return force
+
+
+def _stamp(message: object) -> float:
+    """When a message that is yet to be checked was sent [s]; 0 where it is silent."""
+    stamp = getattr(getattr(message, "header", None), "stamp", None)
+    return float(stamp) if isinstance(stamp, Real) else 0.0
+
+
+def _take(
+    force: CommandsInForce,
+    message: Any,
+    apply: Callable[[CommandsInForce, Any, Robot, float], CommandsInForce],
+    robot: Robot,
+    time: float,
+) -> CommandsInForce:
+    """Applies one message, or notes why not."""
+    if apply is _apply_atlas_command:
+        seen = replace(force, atlas_command=message)
+    else:
+        seen = replace(force, sim_command=message)
+    try:
+        return replace(
+            apply(seen, message, robot, time), error_code=ErrorCode.NO_ERRORS
+        )
+    except InvalidMessageError as error:
+        refusal = Refusal(time, error.error_code, f"refused: {error}")
+        _log.warning("t = %.3f s: %s", time, refusal.text)
+        return replace(
+            seen,
+            error_code=error.error_code,
+            refusals=(*seen.refusals, refusal)[-KEPT_REFUSALS:],
+            refused=seen.refused + 1,
+        )
+
+
+def _apply_atlas_command(
+    force: CommandsInForce, message: AtlasCommand, robot: Robot, time: float
+) -> CommandsInForce:
+    validate_atlas_command(message, robot.joint_names, force.atlas_stamp)
+    given = {
+        name: np.array(getattr(message, name), dtype=float)
+        for name in JOINT_FIELDS
+        if len(getattr(message, name))
+    }
+    joints = replace(force.joints, **given)
+    crossed = np.flatnonzero(joints.i_effort_min > joints.i_effort_max)
+    if crossed.size:
+        # The message has one of the two; the other is in force from before.
+        field = "i_effort_min" if "i_effort_min" in given else "i_effort_max"
+        index = int(crossed[0])
+        lower, upper = joints.i_effort_min[index], joints.i_effort_max[index]
+        raise InvalidMessageError(
+            f"{field}[{index}]",
+            float(given[field][index]),
+            f"would put i_effort_min ({lower:g}) above i_effort_max ({upper:g}), one "
+            f"of them in force from before (joint {robot.joint_names[index]})",
+        )
+    return replace(
+        force,
+        joints=joints,
+        k_effort=_k_effort(force, message),
+        atlas_stamp=message.header.stamp or time,
+    )
+
+
+def _apply_sim_command(
+    force: CommandsInForce,
+    message: AtlasSimInterfaceCommand,
+    robot: Robot,
+    time: float,
+) -> CommandsInForce:
+    validate_sim_interface_command(message, robot.joint_names, force.sim_stamp)
+    behavior = behavior_from(message.behavior)
+    k_effort = _k_effort(force, message)
+    if behavior is Behavior.USER:
+        # USER returns every joint to the user at once, whatever the message says.
+        k_effort = np.full(robot.num_joints, float(K_EFFORT_MAX))
+    return replace(
+        force,
+        k_effort=k_effort,
+        request=BehaviorRequest(behavior, message, force.request.number + 1),
+        sim_stamp=message.header.stamp or time,
+    )
+
+
+def _k_effort(
+    force: CommandsInForce, message: AtlasCommand | AtlasSimInterfaceCommand
+) -> np.ndarray:
+    if len(message.k_effort):
+        return np.array(message.k_effort, dtype=float)
+    return force.k_effort

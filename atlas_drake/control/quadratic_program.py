@@ -1,0 +1,66 @@
+"""A dense quadratic program as a value, and the solver behind it.
+
+Not about robots. The solver is a dual active-set method started cold: exact, the
+same for the same input, and so free of hidden state between calls.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import daqp
+import numpy as np
+
+INEQUALITY, EQUALITY, SOFT = 0, 5, 8
+"""Kinds of constraint: a bound on both sides, an equality, a bound that yields."""
+
+
+@dataclass(frozen=True)
+class QuadraticProgram:
+    """Minimise ½ xᵀHx + fᵀx subject to lower ≤ [x; A x] ≤ upper.
+
+    Attributes:
+        H: Positive definite Hessian, shape (n, n).
+        f: Linear cost, shape (n,).
+        A: Constraint rows, shape (m, n).
+        lower: Lower bounds of the variables, then of the rows, shape (n + m,).
+        upper: Upper bounds, likewise.
+        kind: INEQUALITY, EQUALITY or SOFT for each bound, int32, shape (n + m,).
+    """
+
+    H: np.ndarray
+    f: np.ndarray
+    A: np.ndarray
+    lower: np.ndarray
+    upper: np.ndarray
+    kind: np.ndarray
+
+
+@dataclass(frozen=True)
+class QpSolution:
+    """What the solver found.
+
+    Attributes:
+        x: The minimiser, shape (n,).
+        found: False when the constraints contradict each other or the solver gave up.
+        iterations: Active-set changes.
+    """
+
+    x: np.ndarray
+    found: bool
+    iterations: int
+
+
+def solve(problem: QuadraticProgram) -> QpSolution:
+    """Solves one program from a cold start."""
+    x, _, flag, info = daqp.solve(
+        problem.H,
+        problem.f,
+        problem.A,
+        problem.upper,
+        problem.lower,
+        problem.kind,
+        eps_prox=0.0,
+        iter_limit=400,
+    )
+    return QpSolution(x=x, found=flag > 0, iterations=info["iterations"])

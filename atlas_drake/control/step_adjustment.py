@@ -1,0 +1,73 @@
+"""Moves the place of the next footstep when the ankles alone cannot save balance.
+
+In single support the DCM error grows as e^{ωt}. A shift of the centre of pressure
+within the stance sole takes up what it can until touchdown; the rest is taken up by
+the place of the next foot. The idea of stepping to a shifted DCM follows Khadiv,
+Herzog, Moosavian, Righetti, "Walking control based on step timing adaptation", T-RO
+2020. Reads no sensors and moves no foot.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from atlas_drake.control.footstep import FootPose
+from atlas_drake.control.rotations import rotation_z
+
+
+@dataclass(frozen=True)
+class StepAdjustmentLimits:
+    """How much of the error the ankles are trusted with, and how far steps move."""
+
+    cop_forward: float = 0.07
+    """Shift of the CoP that the stance foot can hold along the sole [m]."""
+    cop_sideways: float = 0.025
+    """Likewise across the sole [m]."""
+    dead_band: float = 0.012
+    """Shifts smaller than this are left to the feedback [m]."""
+    forward: float = 0.25
+    """Largest shift of a step along the stance foot [m]."""
+    sideways: float = 0.15
+    """Largest shift across it [m]."""
+
+
+def step_shift(
+    dcm_error: np.ndarray,
+    remaining: float,
+    omega: float,
+    sensitivity: float,
+    stance: FootPose,
+    limits: StepAdjustmentLimits,
+) -> np.ndarray:
+    """Shift of the next landing place that keeps the DCM's plan within reach.
+
+    Args:
+        dcm_error: ξ - ξ_ref in W now [m], shape (2,).
+        remaining: Time to touchdown [s].
+        omega: Natural frequency [1/s].
+        sensitivity: How far the planned DCM at touchdown moves per metre that the
+            next foot moves [-].
+        stance: The foot on the ground.
+        limits: What the ankles and the step can do.
+
+    Returns:
+        Horizontal shift in W [m], shape (2,), zero inside the dead band.
+    """
+    R_WS = rotation_z(stance.yaw)[:2, :2]
+    error = R_WS.T @ dcm_error
+    growth = math.exp(omega * remaining)
+    shift = np.empty(2)
+    for axis, (ankle, reach) in enumerate(
+        (
+            (limits.cop_forward, limits.forward),
+            (limits.cop_sideways, limits.sideways),
+        )
+    ):
+        final = error[axis] * growth
+        taken = min(abs(final), ankle * (growth - 1.0))
+        rest = (abs(final) - taken) / sensitivity - limits.dead_band
+        shift[axis] = math.copysign(min(max(rest, 0.0), reach), final)
+    return R_WS @ shift

@@ -1,0 +1,75 @@
+"""What a behaviour asks of the whole-body QP in one control tick.
+
+Plain values in terms of accelerations; how they are weighed against each other is
+in the gains, how they are met in the QP.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class FootCommand:
+    """What one foot shall do.
+
+    Attributes:
+        acceleration: Desired spatial acceleration of the sole in W
+            [rad/s²; m/s²], shape (6,).
+        max_normal_force: Largest normal force the ground may be asked for [N]; 0
+            for a foot in the air.
+        min_normal_force: Smallest normal force [N].
+    """
+
+    acceleration: np.ndarray
+    max_normal_force: float
+    min_normal_force: float = 0.0
+
+    @property
+    def in_contact(self) -> bool:
+        """Whether the ground may push on this foot at all."""
+        return self.max_normal_force > 0.0
+
+
+@dataclass(frozen=True)
+class WholeBodyCommand:
+    """Desired accelerations of one tick; n joints in message order.
+
+    Attributes:
+        com_acceleration: Of the centre of mass in W [m/s²], shape (3,).
+        pelvis_angular_acceleration: In W [rad/s²], shape (3,).
+        chest_angular_acceleration: In W [rad/s²], shape (3,).
+        feet: Left and right foot.
+        joint_acceleration: Posture [rad/s²], shape (n,).
+        joint_weight: Weight of each joint's posture, shape (n,), positive.
+        balance: False where there is nothing to balance with: the task weights of
+            the centre of mass, pelvis and chest are then dropped.
+    """
+
+    com_acceleration: np.ndarray
+    pelvis_angular_acceleration: np.ndarray
+    chest_angular_acceleration: np.ndarray
+    feet: tuple[FootCommand, FootCommand]
+    joint_acceleration: np.ndarray
+    joint_weight: np.ndarray
+    balance: bool = True
+
+
+@dataclass(frozen=True)
+class EffortBounds:
+    """What each joint's effort can be this tick, in message order.
+
+    A joint that the behaviour commands alone ranges over its limits; one under
+    user control has its user's effort as both bounds; a blend lies between.
+
+    Attributes:
+        lower: Least total effort [N·m], shape (n,).
+        upper: Greatest total effort [N·m], shape (n,).
+        user_held: Joints whose effort the user decides alone, bool, shape (n,).
+    """
+
+    lower: np.ndarray
+    upper: np.ndarray
+    user_held: np.ndarray

@@ -1,0 +1,186 @@
+"""Kinematics and dynamics of the robot as the controller believes it to be.
+
+Evaluates every term that the whole-body QP and the behaviours need, once per tick,
+from a plant of its own without geometry. Makes no decision about control.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import JacobianWrtVariable
+from pydrake.systems.framework import Context
+
+from atlas_drake.robot import Robot
+
+GRAVITY = 9.81
+"""Magnitude of the gravitational acceleration [m/s²]."""
+
+_ORIGIN = np.zeros(3)
+
+
+@dataclass(frozen=True)
+class FootTerms:
+    """Kinematics of one sole frame F.
+
+    Attributes:
+        p_WF: Position of the sole's centre [m], shape (3,).
+        R_WF: Orientation, shape (3, 3).
+        V_WF: Spatial velocity [rad/s; m/s] in W, shape (6,).
+        J_WF: Its Jacobian with respect to the generalized velocities, (6, 6 + n).
+        bias: J̇·v [rad/s²; m/s²] in W, shape (6,).
+    """
+
+    p_WF: np.ndarray
+    R_WF: np.ndarray
+    V_WF: np.ndarray
+    J_WF: np.ndarray
+    bias: np.ndarray
+
+
+@dataclass(frozen=True)
+class WholeBodyTerms:
+    """All model terms at one state; n joints in message order.
+
+    Generalized velocities are [ω_WP, v_WP, joints]: the pelvis' angular and
+    translational velocity in W, then the joints.
+
+    Attributes:
+        q: Joint positions [rad], shape (n,).
+        v: Joint velocities [rad/s], shape (n,).
+        M: Mass matrix, shape (6 + n, 6 + n).
+        h: Coriolis, centrifugal and gravity forces [N·m; N], shape (6 + n,).
+        R_WP: Orientation of the pelvis.
+        p_WP: Position of the pelvis [m].
+        V_WP: Spatial velocity of the pelvis [rad/s; m/s] in W.
+        R_WC: Orientation of the chest.
+        J_chest: Angular-velocity Jacobian of the chest in W, shape (3, 6 + n).
+        chest_bias: J̇·v of the chest's angular velocity [rad/s²].
+        com: Centre of mass in W [m].
+        com_velocity: Its velocity in W [m/s].
+        feet: Left and right sole.
+    """
+
+    q: np.ndarray
+    v: np.ndarray
+    M: np.ndarray
+    h: np.ndarray
+    R_WP: np.ndarray
+    p_WP: np.ndarray
+    V_WP: np.ndarray
+    R_WC: np.ndarray
+    J_chest: np.ndarray
+    chest_bias: np.ndarray
+    com: np.ndarray
+    com_velocity: np.ndarray
+    feet: tuple[FootTerms, FootTerms]
+
+
+class WholeBodyModel:
+    """The controller's own plant. Holds no state: contexts are the caller's."""
+
+    def __init__(self, robot: Robot):
+        # Untyped, because pydrake's stubs misname the type of every array.
+        plant: Any = MultibodyPlant(time_step=0.0)
+        robot.add_to(plant)
+        plant.Finalize()
+        self.robot = robot
+        self.mass = robot.mass
+        self._plant = plant
+        self._indices = robot.indices(plant)
+        self._world = plant.world_frame()
+        self._pelvis = plant.GetBodyByName(robot.file.pelvis)
+        self._chest = plant.GetFrameByName(robot.file.chest)
+        self._soles = [plant.GetFrameByName(f.sole_frame) for f in robot.file.feet]
+        generalized = self._indices.generalized
+        self._square = np.ix_(generalized, generalized)
+
+    @property
+    def num_states(self) -> int:
+        """Length of the state vector, positions and velocities."""
+        return self._plant.num_multibody_states()
+
+    @property
+    def plant(self) -> MultibodyPlant:
+        """The plant behind the model, without geometry."""
+        return self._plant
+
+    def create_context(self) -> Context:
+        """A scratch context for ``evaluate``."""
+        return self._plant.CreateDefaultContext()
+
+    def evaluate(self, context: Context, state: np.ndarray) -> WholeBodyTerms:
+        """Computes all terms at one state of the robot.
+
+        Args:
+            context: A scratch context from ``create_context``; overwritten.
+            state: Positions and velocities in plant order, the free pelvis first.
+        """
+        plant, world, indices = self._plant, self._world, self._indices
+        plant.SetPositionsAndVelocities(context, state)
+        velocity = state[plant.num_positions() :]
+        order = indices.generalized
+        v = velocity[order]
+
+        M = plant.CalcMassMatrix(context)[self._square]
+        h = plant.CalcBiasTerm(context)[order]
+        # Gravity is a uniform acceleration, so its generalized force is the column
+        # sum that the mass matrix already holds for the pelvis' vertical motion.
+        h += GRAVITY * M[:, 5]
+
+        X_WP = plant.EvalBodyPoseInWorld(context, self._pelvis)
+        X_WC = self._chest.CalcPoseInWorld(context)
+        J_chest = plant.CalcJacobianSpatialVelocity(
+            context, JacobianWrtVariable.kV, self._chest, _ORIGIN, world, world
+        )[:3, order]
+        chest_bias = plant.CalcBiasSpatialAcceleration(
+            context, JacobianWrtVariable.kV, self._chest, _ORIGIN, world, world
+        ).rotational()
+        return WholeBodyTerms(
+            q=state[indices.q],
+            v=v[6:],
+            M=M,
+            h=h,
+            R_WP=X_WP.rotation().matrix(),
+            p_WP=X_WP.translation(),
+            V_WP=v[:6],
+            R_WC=X_WC.rotation().matrix(),
+            J_chest=J_chest,
+            chest_bias=chest_bias,
+            com=plant.CalcCenterOfMassPositionInWorld(context),
+            com_velocity=plant.CalcCenterOfMassTranslationalVelocityInWorld(context),
+            feet=(
+                self._foot(context, self._soles[0], v),
+                self._foot(context, self._soles[1], v),
+            ),
+        )
+
+    def _foot(self, context: Context, sole: Any, v: np.ndarray) -> FootTerms:
+        plant, world = self._plant, self._world
+        X_WF = sole.CalcPoseInWorld(context)
+        J_WF = plant.CalcJacobianSpatialVelocity(
+            context, JacobianWrtVariable.kV, sole, _ORIGIN, world, world
+        )[:, self._indices.generalized]
+        bias = plant.CalcBiasSpatialAcceleration(
+            context, JacobianWrtVariable.kV, sole, _ORIGIN, world, world
+        )
+        return FootTerms(
+            p_WF=X_WF.translation(),
+            R_WF=X_WF.rotation().matrix(),
+            V_WF=J_WF @ v,
+            J_WF=J_WF,
+            bias=bias.get_coeffs(),
+        )
+
+
+def nominal_com_height(model: WholeBodyModel) -> float:
+    """Height of the CoM above the soles in the stand-prep pose [m]."""
+    context = model.create_context()
+    state = model.plant.GetPositionsAndVelocities(context)
+    state[model.robot.indices(model.plant).q] = model.robot.stand_prep
+    terms = model.evaluate(context, state)
+    soles = 0.5 * (terms.feet[0].p_WF[2] + terms.feet[1].p_WF[2])
+    return float(terms.com[2] - soles)

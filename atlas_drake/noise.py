@@ -1,0 +1,100 @@
+"""Noise of the robot's sensors, as data and as a pure function of seed and time.
+
+The same seed and instant give the same noise, so that a run can be repeated and a
+Context cloned without hidden random state.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class NoiseModel:
+    """Standard deviations and biases of the measurements.
+
+    Attributes:
+        gyro: White noise of the angular velocity [rad/s].
+        gyro_bias_mean: Mean size of its constant bias [rad/s].
+        gyro_bias_sigma: Spread of that size [rad/s].
+        accelerometer: White noise of the specific force [m/s²].
+        accelerometer_bias_mean: Mean size of its constant bias [m/s²].
+        accelerometer_bias_sigma: Spread of that size [m/s²].
+        joint_position: White noise of the joint encoders [rad].
+        joint_velocity: White noise of the joint velocities [rad/s].
+    """
+
+    gyro: float = 0.0
+    gyro_bias_mean: float = 0.0
+    gyro_bias_sigma: float = 0.0
+    accelerometer: float = 0.0
+    accelerometer_bias_mean: float = 0.0
+    accelerometer_bias_sigma: float = 0.0
+    joint_position: float = 0.0
+    joint_velocity: float = 0.0
+
+
+REFERENCE_IMU = {
+    "gyro": 2.0e-4,
+    "gyro_bias_mean": 7.5e-6,
+    "gyro_bias_sigma": 8.0e-7,
+    "accelerometer": 1.7e-2,
+    "accelerometer_bias_mean": 0.1,
+    "accelerometer_bias_sigma": 1.0e-3,
+}
+"""The IMU of the simulator that this project re-creates."""
+
+NOISE_MODELS = {
+    "none": NoiseModel(),
+    "reference": NoiseModel(**REFERENCE_IMU),
+    "rough": NoiseModel(**REFERENCE_IMU, joint_position=2.0e-4, joint_velocity=2.0e-2),
+}
+"""Models by name: exact sensors, the reference IMU, and that with noisy encoders."""
+
+
+@dataclass(frozen=True)
+class NoiseSample:
+    """What is added to one set of measurements."""
+
+    angular_velocity: np.ndarray
+    specific_force: np.ndarray
+    joint_position: np.ndarray
+    joint_velocity: np.ndarray
+
+
+class SensorNoise:
+    """Draws the noise of one robot."""
+
+    def __init__(self, model: NoiseModel, seed: int, num_joints: int, period: float):
+        """Draws the biases; measurements are ``period`` [s] apart."""
+        self._model = model
+        self._seed = seed
+        self._num_joints = num_joints
+        self._period = period
+        random = np.random.Generator(np.random.Philox(key=[seed, 0]))
+        self._gyro_bias = _bias(
+            random, model.gyro_bias_mean, model.gyro_bias_sigma
+        )
+        self._accelerometer_bias = _bias(
+            random, model.accelerometer_bias_mean, model.accelerometer_bias_sigma
+        )
+        self.silent = model == NoiseModel()
+
+    def sample(self, time: float) -> NoiseSample:
+        """The noise at ``time`` [s]."""
+        model, n = self._model, self._num_joints
+        step = 1 + round(time / self._period)
+        random = np.random.Generator(np.random.Philox(key=[self._seed, step]))
+        white = random.standard_normal(6 + 2 * n)
+        return NoiseSample(
+            angular_velocity=self._gyro_bias + model.gyro * white[:3],
+            specific_force=self._accelerometer_bias + model.accelerometer * white[3:6],
+            joint_position=model.joint_position * white[6 : 6 + n],
+            joint_velocity=model.joint_velocity * white[6 + n :],
+        )
+
+
+def _bias(random: np.random.Generator, mean: float, sigma: float) -> np.ndarray:
+    """A constant of random size and sign per axis, shape (3,)."""
+    size = random.normal(mean, sigma, size=3)
+    return size * random.choice([-1.0, 1.0], size=3)

@@ -1,0 +1,227 @@
+"""The description of one robot: joints, aliases, default gains, feet, limits.
+
+Everything is loaded from ``models/``; nothing here knows a particular robot. This
+is also the one place that converts between message order and the plant's order.
+It holds no control law and no state.
+"""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from pydrake.common.yaml import yaml_load_typed
+from pydrake.multibody.parsing import Parser
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import ModelInstanceIndex
+
+from atlas_drake.errors import RobotDescriptionError
+
+MODELS_FOLDER = Path(__file__).parent / "models"
+DEFAULT_ROBOT = "atlas"
+LIMBS = ("back", "neck", "l_leg", "r_leg", "l_arm", "r_arm")
+
+
+@dataclass
+class JointEntry:
+    """One joint of the YAML description, in message order."""
+
+    name: str = ""
+    alias: str = ""
+    """Name of the same joint on the first version of the robot."""
+    limb: str = ""
+    """One of LIMBS: what the joint is part of."""
+    kp: float = 0.0
+    """Default position gain in force before any command [N·m/rad]."""
+    kd: float = 0.0
+    """Default derivative gain in force before any command [N·m·s/rad]."""
+    stand_prep: float = 0.0
+    """Position in the pose from which STAND can begin [rad]."""
+
+
+@dataclass
+class FootEntry:
+    """One foot: its body and the frame in which footsteps are commanded."""
+
+    body: str = ""
+    sole_frame: str = ""
+    """Centre of the sole on its bottom plane, x ahead, z along the normal."""
+
+
+@dataclass
+class SoleSize:
+    """Contact rectangle of one sole."""
+
+    length: float = 0.0
+    """Along the sole's x [m]."""
+    width: float = 0.0
+    """Along the sole's y [m]."""
+
+
+@dataclass
+class RobotFile:
+    """The schema of ``models/<name>.yaml``."""
+
+    urdf: str = ""
+    pelvis: str = ""
+    chest: str = ""
+    hands: list[str] = field(default_factory=list)
+    """Bodies of the left and the right hand."""
+    imu_frame: str = ""
+    feet: list[FootEntry] = field(default_factory=list)
+    """Left foot, right foot: the order of foot_index."""
+    sole: SoleSize = field(default_factory=SoleSize)
+    joints: list[JointEntry] = field(default_factory=list)
+    """Every actuated joint in the order of the messages' arrays."""
+
+
+@dataclass(frozen=True)
+class PlantIndices:
+    """Where a plant keeps each joint, in message order.
+
+    Attributes:
+        q: Index of each joint into the plant's positions, shape (n,).
+        v: Index of each joint into the plant's velocities, shape (n,).
+        actuation: Index of each joint into the actuation vector, shape (n,).
+        generalized: The six base velocities, then ``v``: shape (6 + n,).
+    """
+
+    q: np.ndarray
+    v: np.ndarray
+    actuation: np.ndarray
+    generalized: np.ndarray
+
+
+@dataclass(frozen=True)
+class Robot:
+    """One robot, read from its YAML description and its URDF.
+
+    All joint arrays are in message order and have shape (n,).
+
+    Attributes:
+        name: Name of the robot, also of its files in ``models/``.
+        file: The description as read.
+        joint_names: Names in message order.
+        position_lower: Lower position limits [rad].
+        position_upper: Upper position limits [rad].
+        velocity_limit: Velocity limits [rad/s].
+        effort_limit: Effort limits [N·m].
+        mass: Total mass [kg].
+    """
+
+    name: str
+    file: RobotFile
+    joint_names: tuple[str, ...]
+    position_lower: np.ndarray
+    position_upper: np.ndarray
+    velocity_limit: np.ndarray
+    effort_limit: np.ndarray
+    mass: float
+
+    @property
+    def num_joints(self) -> int:
+        """Number of actuated joints, which is the length of message arrays."""
+        return len(self.joint_names)
+
+    @cached_property
+    def stand_prep(self) -> np.ndarray:
+        """Joint positions of the stand-prep pose [rad], shape (n,)."""
+        return np.array([joint.stand_prep for joint in self.file.joints])
+
+    @cached_property
+    def default_kp(self) -> np.ndarray:
+        """Default position gains [N·m/rad], shape (n,)."""
+        return np.array([joint.kp for joint in self.file.joints])
+
+    @cached_property
+    def default_kd(self) -> np.ndarray:
+        """Default derivative gains [N·m·s/rad], shape (n,)."""
+        return np.array([joint.kd for joint in self.file.joints])
+
+    def limb(self, *names: str) -> np.ndarray:
+        """Which joints belong to any of the limbs named, bool, shape (n,)."""
+        return np.array([joint.limb in names for joint in self.file.joints])
+
+    def joint_index(self, name: str) -> int:
+        """Index of a joint in the messages' arrays, by name or by v1 alias.
+
+        Raises:
+            RobotDescriptionError: If the robot has no such joint.
+        """
+        for index, joint in enumerate(self.file.joints):
+            # A joint without an alias has an empty one, which names nothing.
+            if name and name in (joint.name, joint.alias):
+                return index
+        raise RobotDescriptionError(
+            f"robot '{self.name}' has no joint '{name}'; it has "
+            + ", ".join(self.joint_names)
+        )
+
+    def add_to(self, plant: MultibodyPlant) -> ModelInstanceIndex:
+        """Parses the robot into ``plant`` (before Finalize)."""
+        return Parser(plant).AddModels(MODELS_FOLDER / self.file.urdf)[0]
+
+    def indices(self, plant: MultibodyPlant) -> PlantIndices:
+        """Where the finalized ``plant`` keeps this robot's joints."""
+        joints = [plant.GetJointByName(name) for name in self.joint_names]
+        starts = {
+            actuator.joint().name(): actuator.input_start()
+            for actuator in (
+                plant.get_joint_actuator(index)
+                for index in plant.GetJointActuatorIndices()
+            )
+        }
+        v = np.array([joint.velocity_start() for joint in joints])
+        base = plant.GetBodyByName(self.file.pelvis)
+        base_v = base.floating_velocities_start_in_v()
+        return PlantIndices(
+            q=np.array([joint.position_start() for joint in joints]),
+            v=v,
+            actuation=np.array([starts[name] for name in self.joint_names]),
+            generalized=np.concatenate([np.arange(base_v, base_v + 6), v]),
+        )
+
+
+def available_robots() -> list[str]:
+    """Names that ``load_robot`` accepts, the default first."""
+    names = sorted(path.stem for path in MODELS_FOLDER.glob("*.yaml"))
+    return sorted(names, key=lambda name: name != DEFAULT_ROBOT)
+
+
+def load_robot(name: str = DEFAULT_ROBOT) -> Robot:
+    """Reads one robot from ``models/``.
+
+    Raises:
+        RobotDescriptionError: If there is no such robot, or its description and
+            its URDF do not belong together.
+    """
+    path = MODELS_FOLDER / f"{name}.yaml"
+    if not path.is_file():
+        raise RobotDescriptionError(
+            f"there is no robot '{name}'; available: {', '.join(available_robots())}"
+        )
+    file = yaml_load_typed(schema=RobotFile, filename=str(path))
+    plant = MultibodyPlant(time_step=0.0)
+    Parser(plant).AddModels(MODELS_FOLDER / file.urdf)
+    plant.Finalize()
+    names = tuple(joint.name for joint in file.joints)
+    actuators = {
+        plant.get_joint_actuator(index).joint().name(): plant.get_joint_actuator(index)
+        for index in plant.GetJointActuatorIndices()
+    }
+    if set(names) != set(actuators):
+        raise RobotDescriptionError(
+            f"{path.name} and {file.urdf} name different actuated joints: "
+            f"{sorted(set(names) ^ set(actuators))}"
+        )
+    joints = [plant.GetJointByName(joint_name) for joint_name in names]
+    return Robot(
+        name=name,
+        file=file,
+        joint_names=names,
+        position_lower=np.array([j.position_lower_limits()[0] for j in joints]),
+        position_upper=np.array([j.position_upper_limits()[0] for j in joints]),
+        velocity_limit=np.array([j.velocity_upper_limits()[0] for j in joints]),
+        effort_limit=np.array([actuators[n].effort_limit() for n in names]),
+        mass=plant.CalcTotalMass(plant.CreateDefaultContext()),
+    )

@@ -1,0 +1,207 @@
+"""Behaviours and whole-body QP, at the control rate.
+
+The update is an unrestricted one: Drake runs these before the discrete updates of the
+same instant, so that the plant's step that begins at a control tick already has that
+tick's efforts. There is no latency but the hold over the control period.
+"""
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+from pydrake.common.value import AbstractValue
+from pydrake.math import RotationMatrix
+from pydrake.systems.framework import (
+    BasicVector,
+    Context,
+    LeafSystem,
+    State,
+    ValueProducer,
+)
+
+from atlas_drake.behaviors.base import Observation
+from atlas_drake.behaviors.supervisor import Supervisor, SupervisorState
+from atlas_drake.control.gains import ControlGains
+from atlas_drake.control.user_share import behavior_share, effort_bounds
+from atlas_drake.control.whole_body_model import WholeBodyModel, nominal_com_height
+from atlas_drake.control.whole_body_qp import WholeBodyQp, WholeBodySolution
+from atlas_drake.errors import ErrorCode
+from atlas_drake.messages import (
+    K_EFFORT_MAX,
+    AtlasSimInterfaceState,
+    Behavior,
+    Pose,
+    Quaternion,
+    Vector3,
+)
+from atlas_drake.robot import Robot
+
+
+@dataclass(frozen=True)
+class ControllerState:
+    """What the controller remembers; frozen.
+
+    Attributes:
+        supervisor: Of the behaviours.
+        effort: The behaviour's effort per joint [N·m], shape (n,).
+        solution: Of the last QP; None before the first one.
+        unsolved: Ticks whose QP had no solution.
+    """
+
+    supervisor: SupervisorState
+    effort: np.ndarray
+    solution: WholeBodySolution | None = None
+    unsolved: int = 0
+
+    def __deepcopy__(self, memo: dict) -> "ControllerState":
+        """Frozen, so its copy is itself: cloning a Context costs nothing."""
+        return self
+
+
+class BehaviorController(LeafSystem):
+    """State, user efforts and the behaviour request in, behaviour efforts out.
+
+    Input ports:
+        state: Measured positions and velocities, in plant order.
+        foot_wrenches: Of the ground on the left and the right sole, in W at the
+            sole's centre [N·m; N], shape (12,).
+        user_effort: What the user asks of each joint [N·m], shape (n,).
+        k_effort: The user's share of each joint, 0 to 255, shape (n,).
+        commands: ``CommandsInForce``
+
+    Output ports:
+        behavior_effort: [N·m], shape (n,).
+        controller_state: ``ControllerState``, for whoever watches.
+        atlas_sim_interface_state: ``AtlasSimInterfaceState``
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        gains: ControlGains,
+        period: float,
+        initial_behavior: Behavior,
+    ):
+        """Runs every ``period`` [s]."""
+        super().__init__()
+        n = robot.num_joints
+        self._robot = robot
+        self._period = period
+        self._model = WholeBodyModel(robot)
+        self._qp = WholeBodyQp(robot, gains)
+        height = nominal_com_height(self._model) - gains.com_drop
+        self._supervisor = Supervisor(robot, gains, height)
+        self.tick_seconds: list[float] | None = None
+        """Wall-clock time of each tick, kept only when set to a list: a measurement of
+        the machine, no part of the Context."""
+
+        start = ControllerState(self._supervisor.start(initial_behavior), np.zeros(n))
+        self._state_input = self.DeclareVectorInputPort(
+            "state", self._model.num_states
+        )
+        self._wrench_input = self.DeclareVectorInputPort("foot_wrenches", 12)
+        self._user_input = self.DeclareVectorInputPort("user_effort", n)
+        self._share_input = self.DeclareVectorInputPort("k_effort", n)
+        self._command_input = self.DeclareAbstractInputPort(
+            "commands", AbstractValue.Make(None)
+        )
+        self._scratch = self.DeclareCacheEntry(
+            "scratch context of the model",
+            ValueProducer(
+                allocate=lambda: AbstractValue.Make(self._model.create_context()),
+                calc=ValueProducer.NoopCalc,
+            ),
+            {self.nothing_ticket()},
+        )
+        self._memory = self.DeclareAbstractState(AbstractValue.Make(start))
+        self.DeclareVectorOutputPort(
+            "behavior_effort",
+            n,
+            self._calc_effort,
+            prerequisites_of_calc={self.xa_ticket()},
+        )
+        self.DeclareAbstractOutputPort(
+            "controller_state",
+            lambda: AbstractValue.Make(start),
+            lambda context, out: out.set_value(self._remembered(context)),
+            prerequisites_of_calc={self.xa_ticket()},
+        )
+        self.DeclareAbstractOutputPort(
+            "atlas_sim_interface_state",
+            lambda: AbstractValue.Make(AtlasSimInterfaceState()),
+            self._calc_report,
+        )
+        self.DeclarePeriodicUnrestrictedUpdateEvent(period, 0.0, self._update)
+
+    def _remembered(self, context: Context) -> ControllerState:
+        return context.get_abstract_state(self._memory).get_value()
+
+    def _evaluate(self, context: Context):
+        scratch = self._scratch.Eval(context)
+        return self._model.evaluate(scratch, self._state_input.Eval(context))
+
+    def _update(self, context: Context, state: State) -> None:
+        begin = time.perf_counter()
+        after = self._tick(context, self._remembered(context))
+        state.get_mutable_abstract_state(self._memory).set_value(after)
+        if self.tick_seconds is not None:
+            self.tick_seconds.append(time.perf_counter() - begin)
+
+    def _tick(self, context: Context, before: ControllerState) -> ControllerState:
+        terms = self._evaluate(context)
+        share = self._share_input.Eval(context) * (1.0 / K_EFFORT_MAX)
+        user_held = share >= 1.0
+        wrenches = self._wrench_input.Eval(context)
+        seen = Observation(
+            time=context.get_time(),
+            dt=self._period,
+            terms=terms,
+            foot_force=wrenches[[5, 11]],
+            user_held=user_held,
+        )
+        request = self._command_input.Eval(context).request
+        supervisor, command = self._supervisor.update(
+            before.supervisor, seen, request
+        )
+        if command is None:
+            return ControllerState(
+                supervisor,
+                np.zeros(self._robot.num_joints),
+                unsolved=before.unsolved,
+            )
+        user = self._user_input.Eval(context)
+        bounds = effort_bounds(share, user, self._robot.effort_limit)
+        solution = self._qp.solve(terms, command, bounds)
+        return ControllerState(
+            supervisor,
+            behavior_share(solution.effort, share, user, self._robot.effort_limit),
+            solution,
+            before.unsolved + (not solution.found),
+        )
+
+    def _calc_effort(self, context: Context, output: BasicVector) -> None:
+        output.SetFromVector(self._remembered(context).effort)
+
+    def _calc_report(self, context: Context, output: AbstractValue) -> None:
+        memory = self._remembered(context)
+        commands = self._command_input.Eval(context)
+        terms = self._evaluate(context)
+        message = AtlasSimInterfaceState()
+        message.header.stamp = context.get_time()
+        self._supervisor.report(memory.supervisor, message)
+        if commands.error_code is not ErrorCode.NO_ERRORS:
+            message.error_code = commands.error_code
+        message.f_out = memory.effort.tolist()
+        message.k_effort = commands.k_effort.astype(int).tolist()
+        message.pos_est.position = Vector3.from_array(terms.p_WP)
+        message.pos_est.velocity = Vector3.from_array(terms.V_WP[3:])
+        message.foot_pos_est = [_pose(foot) for foot in terms.feet]
+        output.set_value(message)
+
+
+def _pose(foot) -> Pose:
+    quaternion = RotationMatrix(foot.R_WF).ToQuaternion()
+    return Pose(
+        position=Vector3.from_array(foot.p_WF),
+        orientation=Quaternion.from_wxyz(quaternion.wxyz()),
+    )

@@ -1,0 +1,85 @@
+"""Latches and merges the two command ports into what is in force.
+
+The rules of merging are in ``commands``; this is only their place in a diagram.
+"""
+
+from pydrake.common.value import AbstractValue
+from pydrake.systems.framework import Context, LeafSystem, State, ValueProducer
+
+from atlas_drake.commands import CommandsInForce, commands_at_start, latch
+from atlas_drake.messages import Behavior
+from atlas_drake.robot import Robot
+
+
+class CommandInterface(LeafSystem):
+    """Command ports in, set-points, gains, shares and behaviour request out.
+
+    Input ports (both optional; they hold the sender's latest message as a snapshot,
+    and None while there is none):
+        atlas_command: ``AtlasCommand``
+        atlas_sim_interface_command: ``AtlasSimInterfaceCommand``
+
+    Output ports:
+        commands: ``CommandsInForce``; a new message is in force at the instant at
+            which it stands on the port, and stays so from the next update on.
+        joint_command: ``JointCommand``
+        behavior_request: ``BehaviorRequest``
+        k_effort: The user's share of each joint, 0 to 255, shape (n,).
+    """
+
+    def __init__(self, robot: Robot, period: float, initial_behavior: Behavior):
+        """Updates every ``period`` [s]."""
+        super().__init__()
+        self._robot = robot
+        start = commands_at_start(robot, initial_behavior)
+        self._inputs = [
+            self.DeclareAbstractInputPort(name, AbstractValue.Make(None))
+            for name in ("atlas_command", "atlas_sim_interface_command")
+        ]
+        self._state = self.DeclareAbstractState(AbstractValue.Make(start))
+        self._commands = self.DeclareCacheEntry(
+            "commands in force",
+            ValueProducer(
+                allocate=lambda: AbstractValue.Make(start), calc=self._calc_commands
+            ),
+            {self.all_input_ports_ticket(), self.xa_ticket()},
+        )
+        sources = {self._commands.ticket()}
+        self.DeclareAbstractOutputPort(
+            "commands",
+            lambda: AbstractValue.Make(start),
+            lambda context, out: out.set_value(self._commands.Eval(context)),
+            prerequisites_of_calc=sources,
+        )
+        self.DeclareAbstractOutputPort(
+            "joint_command",
+            lambda: AbstractValue.Make(start.joints),
+            lambda context, out: out.set_value(self._commands.Eval(context).joints),
+            prerequisites_of_calc=sources,
+        )
+        self.DeclareAbstractOutputPort(
+            "behavior_request",
+            lambda: AbstractValue.Make(start.request),
+            lambda context, out: out.set_value(self._commands.Eval(context).request),
+            prerequisites_of_calc=sources,
+        )
+        self.DeclareVectorOutputPort(
+            "k_effort",
+            robot.num_joints,
+            lambda context, out: out.SetFromVector(self._commands.Eval(context).k_effort),
+            prerequisites_of_calc=sources,
+        )
+        self.DeclarePeriodicUnrestrictedUpdateEvent(period, 0.0, self._update)
+
+    def _calc_commands(self, context: Context, output: AbstractValue) -> None:
+        force = context.get_abstract_state(self._state).get_value()
+        messages = [
+            port.Eval(context) if port.HasValue(context) else None
+            for port in self._inputs
+        ]
+        output.set_value(latch(force, *messages, self._robot, context.get_time()))
+
+    def _update(self, context: Context, state: State) -> None:
+        state.get_mutable_abstract_state(self._state).set_value(
+            self._commands.Eval(context)
+        )

@@ -1,0 +1,64 @@
+"""Blends the user's and the behaviour's efforts, joint by joint.
+
+effort = k·user + (1 - k)·behaviour with k = k_effort/255, within the effort limits.
+"""
+
+import numpy as np
+from pydrake.systems.framework import BasicVector, Context, LeafSystem
+
+from atlas_drake.messages import K_EFFORT_MAX
+from atlas_drake.robot import PlantIndices, Robot
+
+
+class EffortSelector(LeafSystem):
+    """The k_effort selector. It has no state.
+
+    Input ports, shape (n,), message order:
+        user_effort: [N·m]
+        behavior_effort: [N·m]
+        k_effort: The user's share, 0 to 255.
+
+    Output ports:
+        effort: What the motors do [N·m], shape (n,), message order.
+        actuation: The same in the order of the plant's actuators.
+    """
+
+    def __init__(self, robot: Robot, indices: PlantIndices):
+        """Blends for a plant with the given indices."""
+        super().__init__()
+        n = robot.num_joints
+        self._limit = robot.effort_limit
+        self._to_plant = np.argsort(indices.actuation)
+        self._user = self.DeclareVectorInputPort("user_effort", n)
+        self._behavior = self.DeclareVectorInputPort("behavior_effort", n)
+        self._share = self.DeclareVectorInputPort("k_effort", n)
+        inputs = {self.all_input_ports_ticket()}
+        self._effort = self.DeclareVectorOutputPort(
+            "effort", n, self._calc_effort, prerequisites_of_calc=inputs
+        )
+        self.DeclareVectorOutputPort(
+            "actuation",
+            n,
+            lambda context, output: output.SetFromVector(
+                self._effort.Eval(context)[self._to_plant]
+            ),
+            prerequisites_of_calc=inputs,
+        )
+
+    def _calc_effort(self, context: Context, output: BasicVector) -> None:
+        output.SetFromVector(
+            blend(
+                self._user.Eval(context),
+                self._behavior.Eval(context),
+                self._share.Eval(context) * (1.0 / K_EFFORT_MAX),
+                self._limit,
+            )
+        )
+
+
+def blend(
+    user: np.ndarray, behavior: np.ndarray, share: np.ndarray, limit: np.ndarray
+) -> np.ndarray:
+    """k·user + (1 - k)·behaviour within ±limit [N·m], shape (n,)."""
+    effort = behavior + share * (user - behavior)
+    return np.minimum(np.maximum(effort, -limit), limit)

@@ -1,0 +1,1 @@
+"""Wiring only: functions that return a built Drake Diagram."""

@@ -1,0 +1,162 @@
+"""AtlasStation: the robot with its joint controllers and behaviours.
+
+Two command ports in, state ports out, as the simulator's plugin was to the original.
+Wiring only.
+"""
+
+from dataclasses import dataclass, field
+
+from pydrake.geometry import HalfSpace, SceneGraph
+from pydrake.math import RigidTransform
+from pydrake.multibody.plant import (
+    AddMultibodyPlant,
+    CoulombFriction,
+    MultibodyPlant,
+    MultibodyPlantConfig,
+)
+from pydrake.systems.framework import Diagram, DiagramBuilder
+
+from atlas_drake.control.gains import ControlGains
+from atlas_drake.messages import Behavior
+from atlas_drake.noise import NoiseModel
+from atlas_drake.robot import Robot, load_robot
+from atlas_drake.systems.behavior_controller import BehaviorController
+from atlas_drake.systems.command_interface import CommandInterface
+from atlas_drake.systems.effort_selector import EffortSelector
+from atlas_drake.systems.joint_pid_bank import JointPidBank
+from atlas_drake.systems.robot_sensors import RobotSensors
+
+
+@dataclass(frozen=True)
+class StationConfig:
+    """What can be chosen when a station is built.
+
+    Attributes:
+        physics_step: Step of the plant and of the joint controllers [s].
+        control_period: Step of the behaviours [s], a multiple of ``physics_step``.
+        ground_friction: Coefficient of the ground.
+        contact_approximation: Drake's name of how contact is solved.
+        noise: Of the sensors.
+        seed: Of that noise.
+        initial_behavior: The behaviour active at the start.
+        gains: Of the whole-body controller.
+    """
+
+    physics_step: float = 0.001
+    control_period: float = 0.002
+    ground_friction: float = 0.9
+    contact_approximation: str = "lagged"
+    noise: NoiseModel = field(default_factory=NoiseModel)
+    seed: int = 0
+    initial_behavior: Behavior = Behavior.STAND
+    gains: ControlGains = field(default_factory=ControlGains)
+
+
+def make_atlas_station(
+    robot: Robot | None = None, config: StationConfig | None = None
+) -> Diagram:
+    """Builds the station.
+
+    Input ports:
+        atlas_command: Snapshot of an ``AtlasCommand``; optional.
+        atlas_sim_interface_command: Likewise; optional.
+        applied_spatial_force: Pushes, as Drake's plant takes them; optional.
+
+    Output ports:
+        atlas_state: ``AtlasState``
+        imu: ``Imu``
+        atlas_sim_interface_state: ``AtlasSimInterfaceState``
+        commands: ``CommandsInForce``
+        controller_state: ``ControllerState``
+        effort: What the motors do [N·m], shape (n,), message order.
+        state, body_poses, contact_results: Of the plant.
+        query_object: Of the scene graph, for visualisers.
+    """
+    robot = robot or load_robot()
+    config = config or StationConfig()
+    builder = DiagramBuilder()
+    plant, scene_graph = _add_world(builder, robot, config)
+    indices = robot.indices(plant)
+
+    commands = builder.AddNamedSystem(
+        "command_interface",
+        CommandInterface(robot, config.control_period, config.initial_behavior),
+    )
+    pid = builder.AddNamedSystem(
+        "joint_pid_bank",
+        JointPidBank(robot, indices, plant.num_positions(), config.physics_step),
+    )
+    behaviors = builder.AddNamedSystem(
+        "behavior_controller",
+        BehaviorController(
+            robot, config.gains, config.control_period, config.initial_behavior
+        ),
+    )
+    selector = builder.AddNamedSystem("effort_selector", EffortSelector(robot, indices))
+    sensors = builder.AddNamedSystem(
+        "robot_sensors",
+        RobotSensors(robot, plant, config.noise, config.seed, config.physics_step),
+    )
+
+    def connect(source, output: str, target, *inputs: str) -> None:
+        for name in inputs or (output,):
+            builder.Connect(source.GetOutputPort(output), target.GetInputPort(name))
+
+    connect(commands, "joint_command", pid)
+    connect(commands, "k_effort", pid)
+    connect(commands, "k_effort", behaviors)
+    connect(commands, "k_effort", selector)
+    connect(commands, "commands", behaviors)
+    connect(commands, "commands", sensors)
+    connect(pid, "user_effort", selector)
+    connect(pid, "user_effort", behaviors)
+    connect(behaviors, "behavior_effort", selector)
+    connect(selector, "actuation", plant)
+    connect(selector, "effort", sensors)
+    connect(sensors, "measured_state", behaviors, "state")
+    connect(sensors, "foot_wrenches", behaviors)
+    connect(plant, "contact_results", sensors)
+    connect(plant, "body_spatial_accelerations", sensors, "body_accelerations")
+    builder.Connect(plant.get_state_output_port(), sensors.GetInputPort("state"))
+    builder.Connect(plant.get_state_output_port(), pid.GetInputPort("state"))
+
+    for name in ("atlas_command", "atlas_sim_interface_command"):
+        builder.ExportInput(commands.GetInputPort(name), name)
+    builder.ExportInput(
+        plant.get_applied_spatial_force_input_port(), "applied_spatial_force"
+    )
+    for system, names in (
+        (sensors, ("atlas_state", "imu")),
+        (behaviors, ("atlas_sim_interface_state", "controller_state")),
+        (commands, ("commands",)),
+        (selector, ("effort",)),
+        (plant, ("body_poses", "contact_results")),
+    ):
+        for name in names:
+            builder.ExportOutput(system.GetOutputPort(name), name)
+    builder.ExportOutput(plant.get_state_output_port(), "state")
+    builder.ExportOutput(scene_graph.get_query_output_port(), "query_object")
+    station = builder.Build()
+    station.set_name("AtlasStation")
+    return station
+
+
+def _add_world(
+    builder: DiagramBuilder, robot: Robot, config: StationConfig
+) -> tuple[MultibodyPlant, SceneGraph]:
+    """The plant with robot and level ground at z = 0."""
+    plant, scene_graph = AddMultibodyPlant(
+        MultibodyPlantConfig(
+            time_step=config.physics_step,
+            discrete_contact_approximation=config.contact_approximation,
+            contact_model="point",
+        ),
+        builder,
+    )
+    robot.add_to(plant)
+    friction = CoulombFriction(config.ground_friction, config.ground_friction)
+    plant.RegisterCollisionGeometry(
+        plant.world_body(), RigidTransform(), HalfSpace(), "ground", friction
+    )
+    plant.Finalize()
+    return plant, scene_graph

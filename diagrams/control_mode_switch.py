@@ -1,0 +1,59 @@
+"""The tutorial's diagram: a scheduler of commands in front of an AtlasStation.
+
+Wiring only; the programme is in ``atlas_drake.tutorial``.
+"""
+
+from collections.abc import Sequence
+
+from pydrake.geometry import Meshcat, MeshcatVisualizer, MeshcatVisualizerParams
+from pydrake.systems.framework import Diagram, DiagramBuilder
+
+from atlas_drake.diagrams.atlas_station import StationConfig, make_atlas_station
+from atlas_drake.robot import Robot
+from atlas_drake.systems.command_scheduler import CommandScheduler, ScheduledCommand
+
+
+def make_control_mode_switch(
+    robot: Robot | None = None,
+    programme: Sequence[ScheduledCommand] = (),
+    config: StationConfig | None = None,
+    meshcat: Meshcat | None = None,
+) -> Diagram:
+    """Builds scheduler and station, and a visualiser when there is a Meshcat.
+
+    Input ports, all optional:
+        other_atlas_command, other_atlas_sim_interface_command: Messages of a script or
+            panel, beside the programme's.
+        applied_spatial_force: Pushes.
+
+    Output ports: those of the station, and ``sent`` of the scheduler.
+    """
+    config = config or StationConfig()
+    builder = DiagramBuilder()
+    station = builder.AddNamedSystem("station", make_atlas_station(robot, config))
+    scheduler = builder.AddNamedSystem(
+        "scheduler", CommandScheduler(programme, config.control_period)
+    )
+    for name in ("atlas_command", "atlas_sim_interface_command"):
+        builder.Connect(scheduler.GetOutputPort(name), station.GetInputPort(name))
+    for name in ("atlas_state", "atlas_sim_interface_state", "imu"):
+        builder.Connect(station.GetOutputPort(name), scheduler.GetInputPort(name))
+    for name in ("other_atlas_command", "other_atlas_sim_interface_command"):
+        builder.ExportInput(scheduler.GetInputPort(name), name)
+    builder.ExportInput(
+        station.GetInputPort("applied_spatial_force"), "applied_spatial_force"
+    )
+    for index in range(station.num_output_ports()):
+        port = station.get_output_port(index)
+        builder.ExportOutput(port, port.get_name())
+    builder.ExportOutput(scheduler.GetOutputPort("sent"), "sent")
+    if meshcat is not None:
+        MeshcatVisualizer.AddToBuilder(
+            builder,
+            station.GetOutputPort("query_object"),
+            meshcat,
+            MeshcatVisualizerParams(publish_period=1.0 / 32.0, enable_alpha_slider=False),
+        )
+    diagram = builder.Build()
+    diagram.set_name("control_mode_switch")
+    return diagram
