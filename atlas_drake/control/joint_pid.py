@@ -10,6 +10,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+_MAX_STIFFNESS = 0.9
+"""Share of its damping that a stiff joint may lose to the lag of the implicit law.
+
+This is s_max: below 1, so that some damping is always left, but near it, so that
+few joints see another law than the one written.
+"""
+
 
 @dataclass(frozen=True)
 class PidInput:
@@ -93,9 +100,16 @@ def user_effort(
 
         τ = τ_last + (τ_law(q, 2v - v_last) - τ_last) / (1 + a),   a = h·k·d / I
 
-    which is the law itself wherever d is small or the joint moves steadily, so that
+    which is the law itself wherever d is small or the joint is at rest, so that
     set-points and gravity droop are those of the gains, and stays stable for any d as
-    long as I is not above twice the joint's true inertia.
+    long as I is not above 4/3 of the joint's true inertia.
+
+    A joint that is much heavier than I lags behind the law by a·h. Its stiffness,
+    taken late, then drives it like a negative damping of s·d with s = h²·k·kp / I,
+    which would outweigh d from s = 1 on: ankles and shoulders at 2 ms. τ_law
+    therefore has the damping (s - s_max)·d added where s is above s_max. That is
+    stable for s up to 1 + s_max at the inertia I itself and for more at a greater
+    one; a joint's true inertia is three times I and more.
 
     Args:
         state: Of the last step.
@@ -108,8 +122,11 @@ def user_effort(
         effort_limit: [N·m]
         dt: The step h [s].
     """
-    a = (dt * share * (command.kd_position + command.kp_velocity)) / inertia
+    damping = command.kd_position + command.kp_velocity
+    a = (dt * share * damping) / inertia
     law = explicit_effort(command, integral, q, 2.0 * v - state.velocity)
+    stiffness = (dt * dt * share * command.kp_position) / inertia
+    law -= np.maximum(stiffness - _MAX_STIFFNESS, 0.0) * damping * v
     effort = state.effort + (law - state.effort) / (1.0 + a)
     return np.minimum(np.maximum(effort, -effort_limit), effort_limit)
 
