@@ -179,7 +179,7 @@ class WholeBodyModel:
 def nominal_com_height(model: WholeBodyModel) -> float:
     """Height of the CoM above the soles in the stand-prep pose [m]."""
     context = model.create_context()
-    state = model.plant.GetPositionsAndVelocities(context)
+    state: Any = model.plant.GetPositionsAndVelocities(context)
     state[model.robot.indices(model.plant).q] = model.robot.stand_prep
     terms = model.evaluate(context, state)
     soles = 0.5 * (terms.feet[0].p_WF[2] + terms.feet[1].p_WF[2])
