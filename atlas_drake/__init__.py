@@ -1,4 +1,39 @@
-"""An open humanoid control sandbox: Atlas under user and behavior control, on Drake.
+"""An open humanoid control sandbox: Atlas under user and behaviour control, on Drake.
 
-This file holds no code; ``atlas_drake.messages`` holds what a script sends and reads.
+Messages are imported at once; the simulation, which needs Drake, when it is asked for.
 """
+
+from typing import TYPE_CHECKING, Any
+
+from atlas_drake.errors import AtlasError, InvalidMessageError, ScenarioError
+from atlas_drake.messages import *  # noqa: F403
+from atlas_drake.messages import __all__ as _messages
+
+if TYPE_CHECKING:
+    from atlas_drake.scenario import Scenario, load_scenario
+    from atlas_drake.simulation import AtlasSimulation
+
+_LAZY = {
+    "AtlasSimulation": "atlas_drake.simulation",
+    "Scenario": "atlas_drake.scenario",
+    "load_scenario": "atlas_drake.scenario",
+}
+
+__all__ = [  # noqa: PLE0604
+    "AtlasError",
+    "AtlasSimulation",
+    "InvalidMessageError",
+    "Scenario",
+    "ScenarioError",
+    "load_scenario",
+    *_messages,
+]
+
+
+def __getattr__(name: str) -> Any:
+    """Imports what needs Drake when it is first used."""
+    if name in _LAZY:
+        from importlib import import_module
+
+        return getattr(import_module(_LAZY[name]), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

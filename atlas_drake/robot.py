@@ -107,6 +107,7 @@ class Robot:
         velocity_limit: Velocity limits [rad/s].
         effort_limit: Effort limits [N·m].
         mass: Total mass [kg].
+        body_names: Names of all links.
     """
 
     name: str
@@ -117,6 +118,7 @@ class Robot:
     velocity_limit: np.ndarray
     effort_limit: np.ndarray
     mass: float
+    body_names: tuple[str, ...]
 
     @property
     def num_joints(self) -> int:
@@ -224,4 +226,8 @@ def load_robot(name: str = DEFAULT_ROBOT) -> Robot:
         velocity_limit=np.array([j.velocity_upper_limits()[0] for j in joints]),
         effort_limit=np.array([actuators[n].effort_limit() for n in names]),
         mass=plant.CalcTotalMass(plant.CreateDefaultContext()),
+        body_names=tuple(
+            plant.get_body(index).name()
+            for index in plant.GetBodyIndices(plant.GetModelInstanceByName(name))
+        ),
     )

@@ -25,6 +25,7 @@ from atlas_drake.systems.command_interface import CommandInterface
 from atlas_drake.systems.effort_selector import EffortSelector
 from atlas_drake.systems.joint_pid_bank import JointPidBank
 from atlas_drake.systems.robot_sensors import RobotSensors
+from atlas_drake.systems.run_statistics import RunStatistics
 
 
 @dataclass(frozen=True)
@@ -69,6 +70,7 @@ def make_atlas_station(
         commands: ``CommandsInForce``
         controller_state: ``ControllerState``
         effort: What the motors do [N·m], shape (n,), message order.
+        extremes: Of the run so far, see ``RunStatistics``.
         state, body_poses, contact_results: Of the plant.
         query_object: Of the scene graph, for visualisers.
     """
@@ -97,6 +99,12 @@ def make_atlas_station(
         "robot_sensors",
         RobotSensors(robot, plant, config.noise, config.seed, config.physics_step),
     )
+    statistics = builder.AddNamedSystem(
+        "run_statistics",
+        RunStatistics(
+            robot, indices, plant.num_multibody_states(), config.control_period
+        ),
+    )
 
     def connect(source, output: str, target, *inputs: str) -> None:
         for name in inputs or (output,):
@@ -113,12 +121,13 @@ def make_atlas_station(
     connect(behaviors, "behavior_effort", selector)
     connect(selector, "actuation", plant)
     connect(selector, "effort", sensors)
+    connect(selector, "effort", statistics)
     connect(sensors, "measured_state", behaviors, "state")
     connect(sensors, "foot_wrenches", behaviors)
     connect(plant, "contact_results", sensors)
     connect(plant, "body_spatial_accelerations", sensors, "body_accelerations")
-    builder.Connect(plant.get_state_output_port(), sensors.GetInputPort("state"))
-    builder.Connect(plant.get_state_output_port(), pid.GetInputPort("state"))
+    for reader in (sensors, pid, statistics):
+        builder.Connect(plant.get_state_output_port(), reader.GetInputPort("state"))
 
     for name in ("atlas_command", "atlas_sim_interface_command"):
         builder.ExportInput(commands.GetInputPort(name), name)
@@ -130,6 +139,7 @@ def make_atlas_station(
         (behaviors, ("atlas_sim_interface_state", "controller_state")),
         (commands, ("commands",)),
         (selector, ("effort",)),
+        (statistics, ("extremes",)),
         (plant, ("body_poses", "contact_results")),
     ):
         for name in names:

@@ -1,0 +1,164 @@
+"""Scenarios: what is simulated, read from typed YAML.
+
+One dataclass, one comment per field, all defaults here. What is done with it is in
+``simulation``.
+"""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from pydrake.common.yaml import yaml_load_typed
+
+from atlas_drake.errors import InvalidMessageError, ScenarioError
+from atlas_drake.messages import Behavior, behavior_from
+from atlas_drake.noise import NOISE_MODELS
+from atlas_drake.robot import DEFAULT_ROBOT, available_robots
+
+PHYSICS_STEPS = (0.0005, 0.001, 0.002)
+"""Physics steps on offer [s]."""
+CONTACT_APPROXIMATIONS = ("lagged", "similar", "sap", "tamsi")
+PROGRAMMES = ("none", "tutorial", "tutorial_literal")
+
+
+@dataclass
+class Jitter:
+    """Random changes of the start and of the physics, drawn from the scenario's seed.
+
+    Every value is the half width of a uniform distribution; 0 changes nothing.
+    """
+
+    position: float = 0.0
+    """Of the pelvis along x and y [m]."""
+    orientation: float = 0.0
+    """Of the pelvis about z; about x and y a tenth of it [rad]."""
+    joints: float = 0.0
+    """Of each joint [rad]."""
+    mass: float = 0.0
+    """Of each link's mass and inertia, as a share of what the controller believes."""
+
+
+@dataclass
+class Scenario:
+    """Everything that can be chosen about a run."""
+
+    name: str = "sandbox"
+    """Shown to the user."""
+    model: str = DEFAULT_ROBOT
+    """Robot, a name from ``models/``."""
+    programme: str = "none"
+    """Commands that are sent by themselves: one of PROGRAMMES."""
+    duration: float = 10.0
+    """Length of the run on the command line [s]."""
+    initial_behavior: str = "STAND"
+    """Behaviour active at the start; USER gives all joints to the user."""
+    physics_step: float = 0.001
+    """Step of plant and joint controllers [s], one of PHYSICS_STEPS."""
+    control_period: float = 0.002
+    """Step of the behaviours [s], a multiple of physics_step."""
+    contact_approximation: str = "lagged"
+    """How Drake solves contact, one of CONTACT_APPROXIMATIONS."""
+    ground_friction: float = 0.9
+    """Coefficient of the ground."""
+    friction_jitter: float = 0.0
+    """Half width of a uniform change of it."""
+    noise: str = "none"
+    """Sensor noise, a name from NOISE_MODELS."""
+    seed: int = 0
+    """Of noise and jitter."""
+    jitter: Jitter = field(default_factory=Jitter)
+    """Random changes at the start."""
+
+    def validate(self) -> "Scenario":
+        """Checks every field; the YAML loader only checks names and types.
+
+        Returns:
+            The scenario itself.
+
+        Raises:
+            ScenarioError: Naming the first field that cannot be used.
+        """
+        _one_of("model", self.model, available_robots())
+        _one_of("programme", self.programme, PROGRAMMES)
+        _one_of("noise", self.noise, tuple(NOISE_MODELS))
+        _one_of("physics_step", self.physics_step, PHYSICS_STEPS)
+        _one_of(
+            "contact_approximation",
+            self.contact_approximation,
+            CONTACT_APPROXIMATIONS,
+        )
+        self.behavior()
+        _positive("duration", self.duration)
+        _positive("ground_friction", self.ground_friction)
+        _positive("control_period", self.control_period)
+        steps = self.control_period / self.physics_step
+        if abs(steps - round(steps)) > 1e-6 or round(steps) < 1:
+            raise ScenarioError(
+                "control_period",
+                self.control_period,
+                f"must be a whole multiple of physics_step ({self.physics_step} s)",
+            )
+        if self.seed < 0:
+            raise ScenarioError("seed", self.seed, "must not be negative")
+        for name, value in vars(self.jitter).items():
+            if not (np.isfinite(value) and value >= 0.0):
+                raise ScenarioError(
+                    f"jitter.{name}", value, "must be a number not below 0"
+                )
+        if not 0.0 <= self.friction_jitter < self.ground_friction:
+            raise ScenarioError(
+                "friction_jitter",
+                self.friction_jitter,
+                f"must lie in 0..{self.ground_friction}, the ground's friction",
+            )
+        return self
+
+    def behavior(self) -> Behavior:
+        """The initial behaviour.
+
+        Raises:
+            ScenarioError: If it cannot be started in.
+        """
+        try:
+            behavior = behavior_from(self.initial_behavior, "initial_behavior")
+        except InvalidMessageError as error:
+            raise ScenarioError(
+                "initial_behavior", self.initial_behavior, error.problem
+            ) from error
+        allowed = (Behavior.STAND, Behavior.STAND_PREP, Behavior.USER, Behavior.FREEZE)
+        if behavior not in allowed:
+            names = ", ".join(b.name for b in allowed)
+            raise ScenarioError(
+                "initial_behavior", self.initial_behavior, f"must be one of {names}"
+            )
+        return behavior
+
+
+def load_scenario(path: str | Path) -> Scenario:
+    """Reads and validates one YAML file; fields left out have their defaults.
+
+    Raises:
+        ScenarioError: If the file cannot be read, has unknown keys or bad values.
+    """
+    try:
+        scenario = yaml_load_typed(
+            schema=Scenario, filename=str(path), defaults=Scenario()
+        )
+    except ScenarioError:
+        raise
+    except Exception as error:
+        # The loader raises many kinds of exception for what is always a faulty file.
+        raise ScenarioError("file", str(path), f"cannot be read: {error}") from error
+    return scenario.validate()
+
+
+def _one_of(name: str, value, allowed) -> None:
+    if value not in allowed:
+        raise ScenarioError(
+            name, value, f"is {value!r}; must be one of {', '.join(map(str, allowed))}"
+        )
+
+
+def _positive(name: str, value: float) -> None:
+    if not (np.isfinite(value) and value > 0.0):
+        raise ScenarioError(name, value, f"is {value!r}; must be a positive number")

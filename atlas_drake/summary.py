@@ -1,0 +1,76 @@
+"""The summary of a run as plain data, ready for JSON.
+
+Reads; computes only what a reader would otherwise have to work out.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from atlas_drake.messages import Behavior
+from atlas_drake.tutorial import NUM_STEPS
+
+if TYPE_CHECKING:
+    from atlas_drake.simulation import AtlasSimulation
+
+UPRIGHT_TILT = 0.4
+"""A pelvis tilted by less is upright [rad]."""
+
+
+def make_summary(
+    sim: AtlasSimulation, wall_time: float, extremes: np.ndarray
+) -> dict:
+    """Everything worth keeping of a run."""
+    ticks = 1e3 * np.asarray(sim.tick_seconds)
+    X_WP = sim.pelvis_pose
+    tilt = float(np.arccos(np.clip(X_WP.rotation().matrix()[2, 2], -1.0, 1.0)))
+    quaternion = X_WP.rotation().ToQuaternion().wxyz()
+    return {
+        "success": not sim.has_fallen and tilt < UPRIGHT_TILT and _did_it_all(sim),
+        "fell": sim.has_fallen,
+        "scenario": sim.scenario.name,
+        "model": sim.scenario.model,
+        "seed": sim.scenario.seed,
+        "sim_time": sim.time,
+        "wall_time": wall_time,
+        "real_time_factor": sim.time / wall_time if wall_time > 0.0 else None,
+        "physics_step": sim.scenario.physics_step,
+        "control_period": sim.scenario.control_period,
+        "controller_tick_ms": {
+            "median": float(np.median(ticks)),
+            "p99": float(np.percentile(ticks, 99)),
+            "max": float(ticks.max()),
+        }
+        if ticks.size
+        else {"median": None, "p99": None, "max": None},
+        "min_pelvis_height": _finite(extremes[-2]),
+        "max_pelvis_tilt_rad": _finite(extremes[-1]),
+        "final_behavior": sim.current_behavior.name,
+        "final_pelvis_pose": {
+            "position": X_WP.translation().tolist(),
+            "quaternion_wxyz": quaternion.tolist(),
+        },
+        "footsteps": list(sim.footsteps),
+        "peak_effort_fraction": dict(
+            zip(sim.robot.joint_names, map(float, extremes[:-2]), strict=True)
+        ),
+        "events": [
+            {"time": e.time, "kind": e.kind, "text": e.text} for e in sim.events
+        ],
+    }
+
+
+def _did_it_all(sim: AtlasSimulation) -> bool:
+    """Whether what was asked for was done: no refusals, no step missing."""
+    if any(event.kind == "refusal" for event in sim.events):
+        return False
+    if sim.current_behavior is Behavior.WALK:
+        return True
+    walks = [e for e in sim.events if e.kind == "command" and "Walking" in e.text]
+    return len(sim.footsteps) >= NUM_STEPS * len(walks)
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None

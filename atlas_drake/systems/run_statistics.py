@@ -1,0 +1,55 @@
+"""Extremes of a run, kept in the Context while it goes on.
+
+Only what a summary reports; it controls nothing.
+"""
+
+import numpy as np
+from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
+
+from atlas_drake.robot import PlantIndices, Robot
+
+
+class RunStatistics(LeafSystem):
+    """State and efforts in, their extremes so far out.
+
+    Input ports:
+        state: Positions and velocities of the plant.
+        effort: What the motors do [N·m], shape (n,).
+
+    Output ports:
+        extremes: Peak effort of each joint as a share of its limit, then the lowest
+            height of the pelvis [m] and its largest tilt [rad], shape (n + 2,).
+    """
+
+    def __init__(
+        self, robot: Robot, indices: PlantIndices, num_states: int, period: float
+    ):
+        """Looks every ``period`` [s]."""
+        super().__init__()
+        n = robot.num_joints
+        self._limit = robot.effort_limit
+        self._state = self.DeclareVectorInputPort("state", num_states)
+        self._effort = self.DeclareVectorInputPort("effort", n)
+        start = np.concatenate([np.zeros(n), [np.inf, 0.0]])
+        self._extremes = self.DeclareDiscreteState(start)
+        self.DeclareVectorOutputPort(
+            "extremes",
+            n + 2,
+            lambda context, output: output.SetFromVector(
+                context.get_discrete_state(self._extremes).value()
+            ),
+            prerequisites_of_calc={self.xd_ticket()},
+        )
+        self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._update)
+
+    def _update(self, context: Context, discrete: DiscreteValues) -> None:
+        # The free pelvis comes first in the plant's positions: quaternion, position.
+        _, qx, qy, _, _, _, height = self._state.Eval(context)[:7].tolist()
+        tilt = np.arccos(min(max(1.0 - 2.0 * (qx * qx + qy * qy), -1.0), 1.0))
+        extremes = context.get_discrete_state(self._extremes).value()
+        share = np.abs(self._effort.Eval(context)) / self._limit
+        after = np.append(
+            np.maximum(extremes[:-2], share),
+            [min(extremes[-2], height), max(extremes[-1], tilt)],
+        )
+        discrete.get_mutable_vector(self._extremes).SetFromVector(after)

@@ -1,0 +1,169 @@
+"""The tutorial's programme: switching Atlas between user and behaviour control.
+
+The commands and their times, message by message. How they are delivered is the
+scheduler's business; what the robot makes of them, the station's.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from pydrake.common.eigen_geometry import Quaternion as DrakeQuaternion
+from pydrake.math import RigidTransform, RollPitchYaw, RotationMatrix
+
+from atlas_drake.messages import (
+    K_EFFORT_MAX,
+    AtlasBehaviorStepData,
+    AtlasCommand,
+    AtlasSimInterfaceCommand,
+    AtlasState,
+    Pose,
+    Quaternion,
+    Vector3,
+)
+from atlas_drake.robot import Robot
+from atlas_drake.systems.command_scheduler import Feedback, ScheduledCommand
+
+FIRST_COMMAND = 2.0
+"""The robot stands by itself before the first command [s]."""
+DURATION = 17.0
+"""From the start to the end of the last command's time [s]."""
+
+KP_POSITION = (
+    [20.0, 4000.0, 2000.0, 20.0]
+    + 2 * [5.0, 100.0, 2000.0, 1000.0, 900.0, 300.0]
+    + 2 * [2000.0, 1000.0, 200.0, 200.0, 50.0, 100.0]
+)
+"""Position gains of the commands that bring their own [N·m/rad]."""
+KP_VELOCITY = 50.0
+"""Velocity gain of every joint in those commands [N·m·s/rad]."""
+
+USER_TARGETS = {
+    "neck_ry": -0.1,
+    "l_arm_ely": 2.1,
+    "l_arm_wrx": -0.1,
+    "r_arm_ely": 2.1,
+    "r_arm_wrx": -0.1,
+}
+"""Joints that the user takes while the behaviour stands and walks, and where to
+[rad]."""
+
+NUM_STEPS = 4
+STEP_LENGTH = 0.25
+"""[m]"""
+STEP_DURATION = 0.63
+"""[s]"""
+SWING_HEIGHT = 0.3
+"""[m]"""
+HALF_STANCE = 0.15
+"""Sideways distance of each foot from the robot's middle [m]."""
+
+
+def control_mode_switch_programme(
+    robot: Robot, literal: bool = False
+) -> list[ScheduledCommand]:
+    """The whole programme.
+
+    Args:
+        robot: Whose stand-prep pose is taken.
+        literal: Send the arm command exactly as the published script does, without
+            the velocity gains that its own comment intends.
+    """
+    n = robot.num_joints
+    user_k_effort = [0] * n
+    for name in USER_TARGETS:
+        user_k_effort[getattr(AtlasState, name)] = K_EFFORT_MAX
+
+    stand_prep = AtlasCommand()
+    stand_prep.position = robot.stand_prep.tolist()
+    stand_prep.velocity = [0.0] * n
+    stand_prep.effort = [0.0] * n
+    stand_prep.k_effort = [K_EFFORT_MAX] * n
+
+    warm_up = AtlasSimInterfaceCommand()
+    warm_up.behavior = warm_up.STAND_PREP
+    warm_up.k_effort = [K_EFFORT_MAX] * n
+
+    stand = AtlasSimInterfaceCommand()
+    stand.behavior = stand.STAND
+    stand.k_effort = [0] * n
+
+    arms = _posture(n, None if literal else KP_VELOCITY)
+    for name, position in USER_TARGETS.items():
+        arms.position[getattr(AtlasState, name)] = position
+    arms.k_effort = user_k_effort
+
+    def walk(feedback: Feedback) -> AtlasSimInterfaceCommand:
+        message = walk_command(feedback)
+        message.k_effort = user_k_effort
+        return message
+
+    home = _posture(n, KP_VELOCITY)
+    home.k_effort = [K_EFFORT_MAX] * n
+
+    t = FIRST_COMMAND
+    return [
+        ScheduledCommand(t, stand_prep, "[USER] Going to stand prep position..."),
+        ScheduledCommand(t + 2.0, warm_up, "[USER] Warming up BDI stand..."),
+        ScheduledCommand(t + 3.0, stand, "[BDI] Standing..."),
+        ScheduledCommand(t + 5.0, arms, "[USER/BDI] Command neck and arms..."),
+        ScheduledCommand(t + 7.0, walk, "[USER/BDI] Walking..."),
+        ScheduledCommand(t + 13.0, home, "[USER] Going to home position..."),
+    ]
+
+
+def _posture(num_joints: int, kp_velocity: float | None) -> AtlasCommand:
+    """All joints to zero with the tutorial's gains."""
+    message = AtlasCommand()
+    message.position = [0.0] * num_joints
+    message.velocity = [0.0] * num_joints
+    message.effort = [0.0] * num_joints
+    message.kp_position = list(KP_POSITION)
+    message.ki_position = [0.0] * num_joints
+    message.kd_position = [0.0] * num_joints
+    if kp_velocity is not None:
+        message.kp_velocity = [kp_velocity] * num_joints
+    message.i_effort_min = [0.0] * num_joints
+    message.i_effort_max = [0.0] * num_joints
+    return message
+
+
+def walk_command(feedback: Feedback) -> AtlasSimInterfaceCommand:
+    """Four steps ahead of the robot, feet together at the end.
+
+    The steps are laid out in the robot's frame and moved to the world frame with the
+    IMU's orientation and the estimated position of the pelvis, as the robot was when
+    the command was sent.
+    """
+    message = AtlasSimInterfaceCommand()
+    message.behavior = message.WALK
+    message.walk_params.use_demo_walk = False
+    orientation = feedback.imu.orientation
+    position = feedback.atlas_sim_interface_state.pos_est.position
+    X_WP = RigidTransform(
+        DrakeQuaternion(orientation.to_wxyz()), position.to_array()
+    )
+    for i in range(NUM_STEPS):
+        step = AtlasBehaviorStepData()
+        step.step_index = i + 1
+        step.foot_index = i % 2
+        step.swing_height = SWING_HEIGHT
+        step.duration = STEP_DURATION
+        side = HALF_STANCE if step.foot_index == 0 else -HALF_STANCE
+        p_PF = np.array([(1 + i // 2) * STEP_LENGTH, side, 0.0])
+        step.pose = pose_message(X_WP @ RigidTransform(p_PF))
+        message.walk_params.step_queue[i] = step
+    return message
+
+
+def pose_message(X_WF: RigidTransform) -> Pose:
+    """The message's form of a pose."""
+    return Pose(
+        position=Vector3.from_array(X_WF.translation()),
+        orientation=Quaternion.from_wxyz(X_WF.rotation().ToQuaternion().wxyz()),
+    )
+
+
+def level(X_WP: RigidTransform) -> RigidTransform:
+    """The same place and heading, upright."""
+    yaw = RollPitchYaw(X_WP.rotation()).yaw_angle()
+    return RigidTransform(RotationMatrix.MakeZRotation(yaw), X_WP.translation())
