@@ -25,7 +25,7 @@ class QpWeights:
 
     com: float = 100.0
     """Centre of mass, through the contact forces [1/(m/s²)²]."""
-    pelvis_orientation: float = 0.5
+    pelvis_orientation: float = 2.0
     """[1/(rad/s²)²]."""
     chest_orientation: float = 0.2
     """[1/(rad/s²)²]."""
@@ -89,4 +89,4 @@ class ControlGains:
     posture: PdGains = PdGains(kp=80.0, kd=18.0)
     leg_posture_weight: float = 0.02
     back_posture_weight: float = 0.1
-    arm_posture_weight: float = 0.2
+    arm_posture_weight: float = 2.0

@@ -42,7 +42,8 @@ class QpSolution:
 
     Attributes:
         x: The minimiser, shape (n,).
-        found: False when the constraints contradict each other or the solver gave up.
+        found: False when the constraints contradict each other, the solver gave up,
+            or the program holds values that are no numbers.
         iterations: Active-set changes.
     """
 
@@ -53,6 +54,10 @@ class QpSolution:
 
 def solve(problem: QuadraticProgram) -> QpSolution:
     """Solves one program from a cold start."""
+    if not (problem.lower <= problem.upper).all():
+        # The solver takes some crossed bounds, and bounds that are no numbers, for
+        # satisfied.
+        return QpSolution(x=np.zeros(len(problem.f)), found=False, iterations=0)
     x, _, flag, info = daqp.solve(
         problem.H,
         problem.f,
@@ -63,4 +68,5 @@ def solve(problem: QuadraticProgram) -> QpSolution:
         eps_prox=0.0,
         iter_limit=400,
     )
-    return QpSolution(x=x, found=flag > 0, iterations=info["iterations"])
+    found = flag > 0 and bool(np.isfinite(x).all())
+    return QpSolution(x=x, found=found, iterations=info["iterations"])

@@ -22,12 +22,14 @@ from atlas_drake.control.rotations import rotation_z
 class StepAdjustmentLimits:
     """How much of the error the ankles are trusted with, and how far steps move."""
 
-    cop_forward: float = 0.07
+    cop_forward: float = 0.10
     """Shift of the CoP that the stance foot can hold along the sole [m]."""
-    cop_sideways: float = 0.025
+    cop_sideways: float = 0.035
     """Likewise across the sole [m]."""
-    dead_band: float = 0.012
-    """Shifts smaller than this are left to the feedback [m]."""
+    tolerated_forward: float = 0.05
+    """DCM error at touchdown that double support will take up, along the sole [m]."""
+    tolerated_sideways: float = 0.02
+    """Likewise across the sole [m]."""
     forward: float = 0.25
     """Largest shift of a step along the stance foot [m]."""
     sideways: float = 0.15
@@ -54,20 +56,18 @@ def step_shift(
         limits: What the ankles and the step can do.
 
     Returns:
-        Horizontal shift in W [m], shape (2,), zero inside the dead band.
+        Horizontal shift in W [m], shape (2,), zero for errors that need no step.
     """
     R_WS = rotation_z(stance.yaw)[:2, :2]
     error = R_WS.T @ dcm_error
     growth = math.exp(omega * remaining)
     shift = np.empty(2)
-    for axis, (ankle, reach) in enumerate(
-        (
-            (limits.cop_forward, limits.forward),
-            (limits.cop_sideways, limits.sideways),
-        )
-    ):
+    axes = (
+        (limits.cop_forward, limits.tolerated_forward, limits.forward),
+        (limits.cop_sideways, limits.tolerated_sideways, limits.sideways),
+    )
+    for axis, (ankle, tolerated, reach) in enumerate(axes):
         final = error[axis] * growth
-        taken = min(abs(final), ankle * (growth - 1.0))
-        rest = (abs(final) - taken) / sensitivity - limits.dead_band
-        shift[axis] = math.copysign(min(max(rest, 0.0), reach), final)
+        rest = abs(final) - ankle * (growth - 1.0) - tolerated
+        shift[axis] = math.copysign(min(max(rest / sensitivity, 0.0), reach), final)
     return R_WS @ shift
