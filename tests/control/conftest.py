@@ -1,0 +1,55 @@
+"""Robots, model and random states for tests of the control layer; no test is here."""
+
+import numpy as np
+import pytest
+from hypothesis import settings
+
+from atlas_drake.control.whole_body_model import WholeBodyModel
+from atlas_drake.robot import available_robots, load_robot
+
+# A busy machine must not fail a test, and a failure must come back when looked for.
+settings.register_profile("atlas_drake", deadline=None, derandomize=True)
+settings.load_profile("atlas_drake")
+
+
+@pytest.fixture(scope="session", params=available_robots())
+def robot(request):
+    """Each robot in turn."""
+    return load_robot(request.param)
+
+
+@pytest.fixture(scope="session")
+def model(robot):
+    """The controller's model of the robot."""
+    return WholeBodyModel(robot)
+
+
+@pytest.fixture(scope="session")
+def random_state(model):
+    """Makes a state of the robot in plant order from a seed: everything moves."""
+
+    def make(seed):
+        random = np.random.default_rng(seed)
+        robot, indices = model.robot, model.robot.indices(model.plant)
+        quaternion = random.normal(size=4)
+        q = np.empty(model.plant.num_positions())
+        q[:4] = quaternion / np.linalg.norm(quaternion)
+        q[4:7] = random.uniform(-1.0, 1.0, 3)
+        q[indices.q] = random.uniform(robot.position_lower, robot.position_upper)
+        v = random.uniform(-2.0, 2.0, model.plant.num_velocities())
+        return np.concatenate([q, v])
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def standing(model):
+    """Makes terms of the robot at rest in the stand-prep pose, soles at z = 0."""
+    plant, robot = model.plant, model.robot
+    context = model.create_context()
+    state = np.zeros(model.num_states)
+    state[0] = 1.0
+    state[robot.indices(plant).q] = robot.stand_prep
+    soles = model.evaluate(context, state).feet
+    state[6] = -0.5 * (soles[0].p_WF[2] + soles[1].p_WF[2])
+    return model.evaluate(context, state)

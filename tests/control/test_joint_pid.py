@@ -1,0 +1,313 @@
+"""The joint law: the formula as written where it must be, stable for any damping."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from atlas_drake.control.joint_inertia import lower_joint_inertia
+from atlas_drake.control.joint_pid import (
+    PidInput,
+    PidState,
+    damping_bound,
+    explicit_effort,
+    integrate,
+    user_effort,
+)
+from atlas_drake.robot import load_robot
+
+PHYSICS_STEPS = (0.0005, 0.001, 0.002)
+"""Those that the project offers [s]."""
+
+TUTORIAL_KP = np.array(
+    [
+        *(20.0, 4000.0, 2000.0, 20.0),
+        *(5.0, 100.0, 2000.0, 1000.0, 900.0, 300.0) * 2,
+        *(2000.0, 1000.0, 200.0, 200.0, 50.0, 100.0) * 2,
+    ]
+)
+"""Position gains that the tutorial sends [N·m/rad]."""
+
+TUTORIAL_KP_VELOCITY = 50.0
+"""Velocity gain that it sends to every joint [N·m·s/rad]."""
+
+DURATION = 2.0
+"""How long joints are simulated [s]."""
+
+UNLIMITED = 1e9
+"""Effort limit that is never reached [N·m]."""
+
+
+def command_of(n=1, **fields):
+    """A command that is zero but for the fields given."""
+    values = {field.name: np.zeros(n) for field in dataclasses.fields(PidInput)}
+    return PidInput(**values | {k: np.full(n, v, float) for k, v in fields.items()})
+
+
+def state_of(n=1, integral=0.0, velocity=0.0, effort=0.0):
+    return PidState(*(np.full(n, value) for value in (integral, velocity, effort)))
+
+
+def written_law(c, integral, q, v):
+    """The reference's formula, with ė = -v as set-points are constant."""
+    return (
+        c.kp_position * (c.position - q)
+        + integral
+        + c.kd_position * -v
+        + c.kp_velocity * (c.velocity - v)
+        + c.effort
+    )
+
+
+@pytest.fixture
+def random():
+    return np.random.default_rng(5)
+
+
+@pytest.fixture
+def random_command(random):
+    """Every term of the law at work on ten joints."""
+    fields = [field.name for field in dataclasses.fields(PidInput)]
+    return PidInput(**{name: random.uniform(0.5, 2.0, 10) for name in fields})
+
+
+def test_explicit_effort_is_the_law_as_written(random, random_command):
+    integral, q, v = random.normal(size=(3, 10))
+    np.testing.assert_allclose(
+        explicit_effort(random_command, integral, q, v),
+        written_law(random_command, integral, q, v),
+    )
+
+
+def test_without_damping_the_law_holds_in_any_motion(random, random_command):
+    zero = np.zeros(10)
+    undamped = dataclasses.replace(random_command, kd_position=zero, kp_velocity=zero)
+    q, v, last_v, last_effort, integral = random.normal(size=(5, 10))
+    effort = user_effort(
+        PidState(integral, last_v, last_effort),
+        undamped,
+        integral,
+        q,
+        v,
+        np.ones(10),
+        np.full(10, 0.01),
+        np.full(10, UNLIMITED),
+        0.001,
+    )
+    np.testing.assert_allclose(effort, written_law(undamped, integral, q, v))
+
+
+def test_the_law_holds_for_small_damping(random, random_command):
+    q, v, last_effort, integral = random.normal(size=(4, 10))
+    heavy = np.full(10, 1e9)
+    effort = user_effort(
+        PidState(integral, v, last_effort),
+        random_command,
+        integral,
+        q,
+        v,
+        np.ones(10),
+        heavy,
+        np.full(10, UNLIMITED),
+        0.001,
+    )
+    np.testing.assert_allclose(
+        effort, written_law(random_command, integral, q, v), rtol=1e-6
+    )
+
+
+@pytest.mark.parametrize("velocity", [0.0, 0.7, -3.0])
+def test_at_steady_velocity_the_effort_settles_at_the_law(random_command, velocity):
+    # Without stiffness, as a joint in motion stretches a spring ever further.
+    command = dataclasses.replace(random_command, kp_position=np.zeros(10))
+    v, nothing = np.full(10, velocity), np.zeros(10)
+    state = PidState(nothing, v, nothing)
+    for _ in range(2000):
+        effort = user_effort(
+            state,
+            command,
+            nothing,
+            nothing,
+            v,
+            np.ones(10),
+            np.full(10, 0.002),
+            np.full(10, UNLIMITED),
+            0.001,
+        )
+        state = PidState(nothing, v, effort)
+    np.testing.assert_allclose(effort, written_law(command, nothing, nothing, v))
+
+
+def test_effort_keeps_its_limit(random_command):
+    far = dataclasses.replace(random_command, position=np.full(10, 1e6))
+    limit = np.linspace(1.0, 10.0, 10)
+    for sign in (1.0, -1.0):
+        command = dataclasses.replace(far, position=sign * far.position)
+        effort = user_effort(
+            state_of(10),
+            command,
+            np.zeros(10),
+            np.zeros(10),
+            np.zeros(10),
+            np.ones(10),
+            np.ones(10),
+            limit,
+            0.001,
+        )
+        np.testing.assert_array_equal(effort, sign * limit)
+
+
+def test_integral_grows_by_the_error_times_its_gain():
+    command = command_of(
+        position=0.5, ki_position=20.0, i_effort_min=-9.0, i_effort_max=9.0
+    )
+    state = state_of(integral=1.0)
+    active = np.array([True])
+    assert integrate(state, command, np.array([0.2]), active, 0.001) == pytest.approx(
+        1.0 + 20.0 * 0.3 * 0.001
+    )
+
+
+@given(
+    errors=st.lists(st.floats(-10.0, 10.0), min_size=1, max_size=20),
+    low=st.floats(-5.0, 0.0),
+    high=st.floats(0.0, 5.0),
+)
+def test_integral_stays_within_its_clamps(errors, low, high):
+    command = command_of(ki_position=1000.0, i_effort_min=low, i_effort_max=high)
+    state, active = state_of(), np.array([True])
+    for error in errors:
+        integral = integrate(state, command, np.array([-error]), active, 0.002)
+        assert low <= integral[0] <= high
+        state = dataclasses.replace(state, integral=integral)
+
+
+def test_integral_does_not_wind_up_beyond_its_clamp():
+    command = command_of(ki_position=100.0, i_effort_min=-2.0, i_effort_max=2.0)
+    state, active = state_of(), np.array([True])
+    for _ in range(10_000):
+        grown = integrate(state, command, np.array([-1.0]), active, 0.001)
+        state = dataclasses.replace(state, integral=grown)
+    assert state.integral[0] == 2.0
+    # One step with the opposite error takes it off the clamp at once.
+    back = integrate(state, command, np.array([1.0]), active, 0.001)
+    assert back[0] == pytest.approx(2.0 - 100.0 * 0.001)
+
+
+def test_integral_holds_still_where_the_user_has_no_share():
+    command = command_of(2, ki_position=100.0, i_effort_min=-9.0, i_effort_max=9.0)
+    state = state_of(2, integral=1.5)
+    active = np.array([False, True])
+    after = integrate(state, command, np.full(2, -1.0), active, 0.001)
+    assert after[0] == 1.5
+    assert after[1] == pytest.approx(1.6)
+
+
+def test_a_gain_without_clamps_integrates_nothing():
+    command = command_of(ki_position=100.0)
+    after = integrate(state_of(), command, np.array([3.0]), np.array([True]), 0.001)
+    assert after[0] == 0.0
+
+
+def test_damping_bound():
+    np.testing.assert_allclose(
+        damping_bound(np.array([10.0, 220.0]), np.array([2.0, 11.0])), [250.0, 1000.0]
+    )
+
+
+def simulate(kp, kd, assumed, true, dt, duration, disturbance=0.0):
+    """Single joints under the law from 0.1 rad; returns positions and velocities."""
+    n = len(kp)
+    command = dataclasses.replace(
+        command_of(n, kp_velocity=TUTORIAL_KP_VELOCITY), kp_position=kp, kd_position=kd
+    )
+    state, q, v = state_of(n), np.full(n, 0.1), np.zeros(n)
+    limit = np.full(n, UNLIMITED)
+    positions, velocities = [], []
+    for _ in range(round(duration / dt)):
+        effort = user_effort(
+            state, command, state.integral, q, v, np.ones(n), assumed, limit, dt
+        )
+        state = PidState(state.integral, v, effort)
+        v = v + dt * (effort + disturbance) / true
+        q = q + dt * v
+        positions.append(q)
+        velocities.append(v)
+    return np.array(positions), np.array(velocities)
+
+
+@pytest.fixture(scope="module")
+def tutorial_robot():
+    """The robot that the tutorial's gains were written for."""
+    return load_robot()
+
+
+@pytest.fixture(scope="module")
+def tutorial_inertia(tutorial_robot):
+    return lower_joint_inertia(tutorial_robot)
+
+
+@pytest.mark.parametrize("dt", PHYSICS_STEPS)
+@pytest.mark.parametrize("factor", [1.0, 2.0, 1000.0])
+def test_single_joints_with_the_tutorials_gains_come_to_rest(
+    tutorial_inertia, dt, factor
+):
+    n = len(TUTORIAL_KP)
+    true = factor * tutorial_inertia
+    q, v = simulate(TUTORIAL_KP, np.zeros(n), tutorial_inertia, true, dt, DURATION)
+    # No joint ever has more energy than it began with ...
+    energy = 0.5 * TUTORIAL_KP * q**2 + 0.5 * true * v**2
+    assert (energy.max(axis=0) <= 1.001 * 0.5 * TUTORIAL_KP * 0.1**2).all()
+    # ... and it comes to rest. Its slowest time constant would be d / kp or 2 I / d.
+    # with the law as written; stiff joints may lose 90% of their damping.
+    longest = TUTORIAL_KP_VELOCITY / TUTORIAL_KP + 2.0 * true / TUTORIAL_KP_VELOCITY
+    assert (np.abs(q[-1]) <= 0.1 * np.exp(-0.1 * DURATION / longest)).all()
+
+
+@pytest.mark.parametrize("dt", PHYSICS_STEPS)
+def test_an_explicit_law_would_not_do(tutorial_inertia, dt):
+    # What the implicit damping is there for: without it this test diverges.
+    v = np.ones_like(tutorial_inertia)
+    for _ in range(20):
+        v = v - dt * TUTORIAL_KP_VELOCITY * v / tutorial_inertia
+    assert np.abs(v).max() > 1e6
+
+
+@pytest.mark.parametrize("dt", PHYSICS_STEPS)
+def test_under_a_constant_load_joints_droop_by_load_over_stiffness(
+    tutorial_inertia, dt
+):
+    load = -3.0
+    kp = np.full_like(tutorial_inertia, 200.0)
+    q, _ = simulate(
+        kp, 0.0 * kp, tutorial_inertia, 3.0 * tutorial_inertia, dt, 4.0, load
+    )
+    np.testing.assert_allclose(q[-1], load / 200.0, atol=1e-5)
+
+
+@pytest.mark.parametrize("share", [0.1, 0.5, 1.0])
+def test_a_share_of_the_law_is_stable_too(tutorial_inertia, share):
+    inertia, n = tutorial_inertia, len(tutorial_inertia)
+    command = dataclasses.replace(
+        command_of(n, kp_velocity=TUTORIAL_KP_VELOCITY), kp_position=TUTORIAL_KP
+    )
+    state, q, v = state_of(n), np.full(n, 0.1), np.zeros(n)
+    for _ in range(2000):
+        effort = user_effort(
+            state,
+            command,
+            state.integral,
+            q,
+            v,
+            np.full(n, share),
+            inertia,
+            np.full(n, UNLIMITED),
+            0.001,
+        )
+        state = PidState(state.integral, v, effort)
+        v = v + 0.001 * share * effort / inertia
+        q = q + 0.001 * v
+        assert np.abs(q).max() <= 0.1 + 1e-9
+    assert np.abs(v).max() < 0.1

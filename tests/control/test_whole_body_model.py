@@ -1,0 +1,186 @@
+"""Model terms against finite differences and against Drake's own quantities."""
+
+import copy
+import dataclasses
+
+import numpy as np
+import pytest
+from pydrake.multibody.tree import MultibodyForces
+
+from atlas_drake.control.whole_body_model import GRAVITY, nominal_com_height
+
+SEEDS = range(4)
+STEP = 1e-6
+"""Of the finite differences [s]."""
+
+
+@pytest.fixture(params=SEEDS)
+def state(request, random_state):
+    """A few states in which everything moves."""
+    return random_state(request.param)
+
+
+@pytest.fixture
+def terms(model, state):
+    return model.evaluate(model.create_context(), state)
+
+
+@pytest.fixture
+def generalized(terms):
+    """Generalized velocities in the controller's order."""
+    return np.concatenate([terms.V_WP, terms.v])
+
+
+def moved(model, state, generalized, time):
+    """Terms after going on for ``time`` [s] with constant generalized velocities."""
+    plant = model.plant
+    context = model.create_context()
+    velocity = np.empty(plant.num_velocities())
+    velocity[model.robot.indices(plant).generalized] = generalized
+    q = state[: plant.num_positions()]
+    plant.SetPositions(context, q)
+    rate = plant.MapVelocityToQDot(context, velocity)
+    return model.evaluate(context, np.concatenate([q + time * rate, velocity]))
+
+
+def derivative(model, state, generalized, quantity):
+    """Central difference of a quantity of the terms along the motion."""
+    after = quantity(moved(model, state, generalized, STEP))
+    before = quantity(moved(model, state, generalized, -STEP))
+    return (after - before) / (2.0 * STEP)
+
+
+def angular_velocity(model, state, generalized, rotation):
+    """Angular velocity in W of a rotation matrix that the terms hold."""
+    W = (
+        derivative(model, state, generalized, rotation)
+        @ rotation(moved(model, state, generalized, 0.0)).T
+    )
+    return np.array([W[2, 1] - W[1, 2], W[0, 2] - W[2, 0], W[1, 0] - W[0, 1]]) / 2.0
+
+
+@pytest.mark.parametrize("foot", [0, 1])
+def test_foot_jacobian_gives_the_velocity_of_the_sole(
+    model, state, terms, generalized, foot
+):
+    spatial = terms.feet[foot].J_WF @ generalized
+    linear = derivative(model, state, generalized, lambda t: t.feet[foot].p_WF)
+    angular = angular_velocity(model, state, generalized, lambda t: t.feet[foot].R_WF)
+    np.testing.assert_allclose(spatial[3:], linear, atol=1e-6)
+    np.testing.assert_allclose(spatial[:3], angular, atol=1e-6)
+    np.testing.assert_allclose(terms.feet[foot].V_WF, spatial, atol=1e-12)
+
+
+@pytest.mark.parametrize("foot", [0, 1])
+def test_foot_jacobian_column_by_column(model, state, terms, foot):
+    # One velocity at a time, so that an exchange of columns cannot go unseen.
+    for column in range(6 + model.robot.num_joints):
+        unit = np.zeros(6 + model.robot.num_joints)
+        unit[column] = 1.0
+        linear = derivative(model, state, unit, lambda t: t.feet[foot].p_WF)
+        np.testing.assert_allclose(
+            terms.feet[foot].J_WF[3:, column], linear, atol=1e-6, err_msg=str(column)
+        )
+
+
+@pytest.mark.parametrize("foot", [0, 1])
+def test_foot_bias_is_the_rate_of_the_jacobian(model, state, terms, generalized, foot):
+    rate = derivative(model, state, generalized, lambda t: t.feet[foot].J_WF)
+    np.testing.assert_allclose(terms.feet[foot].bias, rate @ generalized, atol=1e-5)
+
+
+def test_chest_jacobian_and_bias(model, state, terms, generalized):
+    angular = angular_velocity(model, state, generalized, lambda t: t.R_WC)
+    rate = derivative(model, state, generalized, lambda t: t.J_chest)
+    np.testing.assert_allclose(terms.J_chest @ generalized, angular, atol=1e-6)
+    np.testing.assert_allclose(terms.chest_bias, rate @ generalized, atol=1e-5)
+
+
+def test_pelvis_velocity_is_that_of_its_pose(model, state, terms, generalized):
+    linear = derivative(model, state, generalized, lambda t: t.p_WP)
+    angular = angular_velocity(model, state, generalized, lambda t: t.R_WP)
+    np.testing.assert_allclose(terms.V_WP, [*angular, *linear], atol=1e-6)
+
+
+def test_centre_of_mass(model, state, terms, generalized):
+    velocity = derivative(model, state, generalized, lambda t: t.com)
+    np.testing.assert_allclose(terms.com_velocity, velocity, atol=1e-6)
+    # The momentum of a uniform motion of all masses is that of the CoM.
+    momentum = terms.M[3:6] @ generalized
+    np.testing.assert_allclose(momentum, model.mass * terms.com_velocity, atol=1e-8)
+
+
+def test_mass_matrix_gives_the_kinetic_energy(model, state, terms, generalized):
+    context = model.create_context()
+    model.plant.SetPositionsAndVelocities(context, state)
+    energy = model.plant.CalcKineticEnergy(context)
+    assert 0.5 * generalized @ terms.M @ generalized == pytest.approx(energy)
+    np.testing.assert_allclose(terms.M, terms.M.T, atol=1e-9)
+    assert np.linalg.eigvalsh(terms.M)[0] > 0.0
+
+
+def test_h_is_coriolis_less_gravity_force(model, state, terms):
+    plant = model.plant
+    context = model.create_context()
+    plant.SetPositionsAndVelocities(context, state)
+    order = model.robot.indices(plant).generalized
+    expected = plant.CalcBiasTerm(context) - plant.CalcGravityGeneralizedForces(context)
+    np.testing.assert_allclose(terms.h, expected[order], atol=1e-8)
+
+
+def test_equations_of_motion_are_drakes_but_for_joint_damping(model, state, terms):
+    plant = model.plant
+    context = model.create_context()
+    plant.SetPositionsAndVelocities(context, state)
+    order = model.robot.indices(plant).generalized
+    acceleration = np.random.default_rng(1).normal(size=len(order))
+    in_plant_order = np.empty_like(acceleration)
+    in_plant_order[order] = acceleration
+    forces = MultibodyForces(plant)
+    plant.CalcForceElementsContribution(context, forces)
+    expected = plant.CalcInverseDynamics(context, in_plant_order, forces)[order]
+    names = model.robot.joint_names
+    damping = [plant.GetJointByName(name).default_damping_vector()[0] for name in names]
+    expected[6:] -= damping * terms.v
+    np.testing.assert_allclose(terms.M @ acceleration + terms.h, expected, atol=1e-8)
+
+
+def test_gravity_is_the_plants(model):
+    np.testing.assert_array_equal(
+        model.plant.gravity_field().gravity_vector(), [0.0, 0.0, -GRAVITY]
+    )
+
+
+def test_joints_are_in_message_order(model, random_state):
+    robot, plant = model.robot, model.plant
+    context = model.create_context()
+    for index, name in enumerate(robot.joint_names):
+        joint = plant.GetJointByName(name)
+        state = random_state(0)
+        state[plant.num_positions() :] = 0.0
+        state[joint.position_start()] = 0.123
+        state[plant.num_positions() + joint.velocity_start()] = 0.456
+        terms = model.evaluate(context, state)
+        assert terms.q[index] == 0.123
+        np.testing.assert_array_equal(np.flatnonzero(terms.v), [index])
+        assert terms.v[index] == 0.456
+
+
+def test_terms_do_not_depend_on_what_a_context_was_used_for(model, random_state):
+    context = model.create_context()
+    first = model.evaluate(context, random_state(0))
+    kept = copy.deepcopy(first)
+    model.evaluate(context, random_state(1))
+    fresh = model.evaluate(model.create_context(), random_state(0))
+    again = model.evaluate(context, random_state(0))
+    for field in dataclasses.fields(first):
+        if field.name != "feet":
+            for terms in (first, fresh, again):
+                np.testing.assert_array_equal(
+                    getattr(terms, field.name), getattr(kept, field.name), field.name
+                )
+
+
+def test_the_nominal_height_counts_from_the_soles(model, standing):
+    assert nominal_com_height(model) == pytest.approx(standing.com[2])
+    assert standing.com[2] > 0.5
