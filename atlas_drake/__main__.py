@@ -1,0 +1,11 @@
+"""Makes ``python -m atlas_drake`` the same as the command ``atlas-drake``.
+
+Nothing else lives here.
+"""
+
+import sys
+
+from atlas_drake.cli import main
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,224 @@
+"""The command ``atlas-drake``: its sub-commands, options and help.
+
+Parses and dispatches; a run is in ``run_command``, the picture in ``diagram_picture``.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from atlas_drake.errors import AtlasError
+
+EXIT_OK, EXIT_FAILED, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 0, 1, 2, 130
+"""Did what was asked; fell or failed; input that cannot be used; stopped by Ctrl-C."""
+
+_EXIT_STATUS = (
+    "exit status: 0 Atlas ended upright and did what was asked, 1 it did not, "
+    "2 bad input, 130 stopped by Ctrl-C"
+)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Runs one command.
+
+    Args:
+        arguments: Of the command line; None takes the process's own.
+
+    Returns:
+        The exit status.
+    """
+    options = _parser().parse_args(arguments)
+    try:
+        return options.run(options)
+    except AtlasError as error:
+        print(f"atlas-drake: error: {error}", file=sys.stderr)
+        return EXIT_BAD_INPUT
+    except KeyboardInterrupt:
+        return EXIT_INTERRUPTED
+
+
+def _demo(options: argparse.Namespace) -> int:
+    from atlas_drake.run_command import run_scenario
+    from atlas_drake.scenario import Scenario
+    from atlas_drake.tutorial import DURATION
+
+    scenario = Scenario(
+        name="demo",
+        programme="tutorial_literal" if options.literal else "tutorial",
+        duration=DURATION,
+    )
+    return run_scenario(scenario, options)
+
+
+def _run(options: argparse.Namespace) -> int:
+    from atlas_drake.run_command import run_scenario
+    from atlas_drake.scenario import load_scenario
+
+    return run_scenario(load_scenario(options.scenario), options)
+
+
+def _diagram(options: argparse.Namespace) -> int:
+    from atlas_drake.diagram_picture import write_diagram_picture
+
+    written, hint = write_diagram_picture(options.file)
+    print(f"Wrote {written}.{hint}")
+    return EXIT_OK
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="atlas-drake",
+        description="Simulate the humanoid robot Atlas, under your own joint commands "
+        "and under behaviours that stand and walk.",
+        epilog="Begin with `atlas-drake demo`: it opens a 3D view in the browser and "
+        "shows Atlas standing, moving its arms and walking. "
+        "`atlas-drake COMMAND --help` lists the options of a command.",
+    )
+    parser.add_argument("--version", action=_Version, help="print the version")
+    commands = parser.add_subparsers(
+        title="commands", metavar="COMMAND", required=True, dest="command"
+    )
+
+    demo = commands.add_parser(
+        "demo",
+        help="watch the tutorial: stand, move the arms, walk (17 s)",
+        description="Atlas changes control modes: it stands by itself, stands under "
+        "joint commands, lets go of its arms while it balances, walks four steps "
+        "and ends under joint commands again.",
+        epilog=_EXIT_STATUS,
+    )
+    demo.add_argument(
+        "--literal",
+        action="store_true",
+        help="send the arm command exactly as the tutorial published it, without the "
+        "damping that its own comment means",
+    )
+    _add_run_options(demo)
+    demo.set_defaults(run=_demo)
+
+    run = commands.add_parser(
+        "run",
+        help="simulate a scenario described in a YAML file",
+        description="Simulate a scenario; examples are in examples/scenarios/. "
+        "Options given here win over the file.",
+        epilog=_EXIT_STATUS,
+    )
+    run.add_argument("scenario", metavar="SCENARIO.yaml", type=Path)
+    _add_run_options(run)
+    run.set_defaults(run=_run)
+
+    diagram = commands.add_parser(
+        "diagram",
+        help="draw the block diagram of the simulation",
+        description="Draw the diagram that a run simulates, as the code wires it. "
+        "Pictures need Graphviz; its source, .dot, does not.",
+    )
+    diagram.add_argument(
+        "file",
+        nargs="?",
+        type=Path,
+        default=Path("atlas_drake.svg"),
+        metavar="FILE",
+        help="a .svg, .png, .pdf or .dot file (default: %(default)s)",
+    )
+    diagram.set_defaults(run=_diagram)
+    return parser
+
+
+def _add_run_options(parser: argparse.ArgumentParser) -> None:
+    robot = parser.add_argument_group("what is simulated")
+    robot.add_argument(
+        "--model",
+        metavar="NAME",
+        help="the robot: atlas (91 kg, the default) or atlas_v3 (148 kg)",
+    )
+    robot.add_argument(
+        "--seed",
+        type=int,
+        metavar="N",
+        help="what sensor noise and random variations of a scenario are drawn from",
+    )
+    robot.add_argument(
+        "--physics-step",
+        type=float,
+        metavar="SECONDS",
+        help="0.0005, 0.001 (the default) or 0.002: smaller is slower and more exact",
+    )
+    view = parser.add_argument_group("how you watch it")
+    view.add_argument(
+        "--headless",
+        action="store_true",
+        help="no 3D view: as fast as possible, for scripts and servers",
+    )
+    view.add_argument(
+        "--realtime-rate",
+        type=_rate,
+        metavar="R",
+        help="simulated seconds per second, at most; 0 is as fast as possible "
+        "(default: 1 with the 3D view, 0 without)",
+    )
+    view.add_argument(
+        "--port",
+        type=_port,
+        metavar="P",
+        help="port of the 3D view (default: the first free one from 7000)",
+    )
+    view.add_argument(
+        "--host",
+        default="localhost",
+        metavar="H",
+        help="address that the 3D view listens on; * lets other computers watch "
+        "(default: %(default)s)",
+    )
+    keep = parser.add_argument_group("what you keep")
+    keep.add_argument(
+        "--json",
+        type=Path,
+        metavar="FILE",
+        help="write what happened, with all figures, as JSON",
+    )
+    keep.add_argument(
+        "--record",
+        type=Path,
+        metavar="FILE.html",
+        help="write the 3D animation as one web page that plays without this program",
+    )
+
+
+def _rate(text: str) -> float:
+    rate = float(text)
+    if not (math.isfinite(rate) and rate >= 0.0):
+        raise argparse.ArgumentTypeError("must be a number not below 0")
+    return rate
+
+
+def _port(text: str) -> int:
+    port = int(text)
+    # What Meshcat accepts; below 1024 only administrators may listen.
+    if not 1024 <= port <= 65535:
+        raise argparse.ArgumentTypeError("must lie in 1024..65535")
+    return port
+
+
+class _Version(argparse.Action):
+    """Looks the version up only when it is asked for."""
+
+    def __init__(self, option_strings: list[str], dest: str, help: str) -> None:
+        super().__init__(option_strings, argparse.SUPPRESS, nargs=0, help=help)
+
+    def __call__(self, parser, *_arguments) -> None:  # type: ignore[no-untyped-def]
+        """Prints the versions that matter in a bug report."""
+        from importlib.metadata import PackageNotFoundError, version
+
+        def of(name: str) -> str:
+            try:
+                return version(name)
+            except PackageNotFoundError:
+                return "(not installed)"
+
+        print(f"atlas-drake {of('atlas-drake')}, drake {of('drake')}")
+        parser.exit()

@@ -1,0 +1,88 @@
+"""What a run prints while it goes on: events, and how far it is.
+
+Text and terminals only; what there is to say comes from the simulation.
+"""
+
+from __future__ import annotations
+
+import shutil
+import time
+from collections import deque
+from typing import TextIO
+
+from atlas_drake.behaviors.base import Event
+
+REPEAT = 5.0
+"""Between lines of progress where lines cannot be rewritten [s of wall time]."""
+RATE_WINDOW = 1.0
+"""Wall time over which the real-time factor is measured [s]."""
+
+_FEET = ("left", "right")
+
+
+class Progress:
+    """Prints events as lines, and progress below them.
+
+    On a terminal progress is one line that is rewritten; elsewhere, such as in a log,
+    it is a new line every few seconds.
+    """
+
+    def __init__(self, stream: TextIO, end: float) -> None:
+        """Prints to ``stream`` about a run that ends at ``end`` [s]."""
+        self._stream = stream
+        self._end = end
+        self._live = stream.isatty()
+        self._shown = 0
+        self._last_line = time.perf_counter()
+        self._times: deque[tuple[float, float]] = deque()
+
+    def event(self, event: Event) -> None:
+        """Prints an event as it happens."""
+        self.say(event_line(event))
+
+    def say(self, line: str) -> None:
+        """Prints a line that stays."""
+        self._clear()
+        self._stream.write(line + "\n")
+        self._stream.flush()
+
+    def update(self, sim_time: float, behavior: str) -> None:
+        """Says how far the run is.
+
+        Args:
+            sim_time: Simulated time [s].
+            behavior: Name of the behaviour that is active.
+        """
+        now = time.perf_counter()
+        self._times.append((now, sim_time))
+        while len(self._times) > 2 and now - self._times[1][0] > RATE_WINDOW:
+            self._times.popleft()
+        wall = now - self._times[0][0]
+        simulated = sim_time - self._times[0][1]
+        rate = f"{simulated / wall:.2f} x real time" if wall > 0.0 else ""
+        text = f"{sim_time:7.2f} s of {self._end:g} s | {rate:>16} | {behavior}"
+        if self._live:
+            # A line that is wider than the terminal could not be rewritten.
+            text = text[: shutil.get_terminal_size().columns - 1]
+            self._stream.write("\r" + text.ljust(self._shown))
+            self._stream.flush()
+            self._shown = len(text)
+        elif now - self._last_line >= REPEAT:
+            self._last_line = now
+            self.say(text)
+
+    def _clear(self) -> None:
+        if self._shown:
+            self._stream.write("\r" + " " * self._shown + "\r")
+            self._shown = 0
+
+
+def event_line(event: Event) -> str:
+    """One line about an event; commands stand out, consequences are indented."""
+    text = event.text
+    if event.kind == "footstep" and "error_m" in event.data:
+        error = 1000.0 * event.data["error_m"]
+        text += f" ({_FEET[event.data['foot']]}, {error:.0f} mm off)"
+    indent = "" if event.kind in ("command", "push") else "  "
+    warning = "! " if event.kind in ("fall", "refusal", "warning") else ""
+    return f"{event.time:7.2f} s {indent}{warning}{text}"

@@ -1,0 +1,253 @@
+"""One run on the command line: watch it, record it, save it, judge it.
+
+The simulation itself is ``AtlasSimulation``; options are parsed in ``cli``.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import logging
+import math
+import os
+import signal
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from atlas_drake.cli import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK
+from atlas_drake.errors import ScenarioError
+from atlas_drake.progress import Progress
+from atlas_drake.scenario import Scenario
+from atlas_drake.simulation import AtlasSimulation, SimulationError
+
+if TYPE_CHECKING:
+    from pydrake.geometry import Meshcat
+
+PIECE = 0.1
+"""Simulated time between updates of the progress line [s]."""
+AFTER_FALL = 2.0
+"""How long a fall is watched before the run ends [s]."""
+
+
+def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
+    """Runs a scenario as the command line asks for.
+
+    Args:
+        scenario: As read; the options' model, seed and physics step replace its own.
+        options: Of ``atlas-drake demo`` and ``atlas-drake run``.
+
+    Returns:
+        The exit status.
+
+    Raises:
+        ScenarioError: If anything asked for cannot be done, before anything is.
+    """
+    for name in ("model", "seed", "physics_step"):
+        if getattr(options, name) is not None:
+            setattr(scenario, name, getattr(options, name))
+    scenario.validate()
+    for option, path in (("--json", options.json), ("--record", options.record)):
+        if path is not None:
+            _check_writable(option, path)
+    _quiet_logs()
+
+    meshcat = None
+    if not options.headless or options.record is not None:
+        meshcat = _start_meshcat(options.host, options.port)
+    progress = Progress(sys.stdout, scenario.duration)
+    if meshcat is not None and not options.headless:
+        progress.say(f"Watch at {meshcat.web_url()}")
+        if _interactive():
+            _await_viewer(meshcat, progress)
+    sim = AtlasSimulation(scenario, meshcat=meshcat, on_event=progress.event)
+    rate = options.realtime_rate
+    if rate is None:
+        rate = 0.0 if options.headless else 1.0
+    sim.set_realtime_rate(rate)
+    if options.record is not None:
+        _start_recording(meshcat, live=not options.headless)
+
+    stopped = _simulate(sim, progress)
+
+    summary = sim.summary()
+    summary["stopped"] = stopped
+    if stopped is not None:
+        summary["success"] = False
+    progress.say(verdict(summary))
+    if options.json is not None:
+        options.json.write_text(json.dumps(_plain(summary), indent=2) + "\n")
+        progress.say(f"Wrote {options.json}.")
+    if options.record is not None:
+        meshcat.StopRecording()
+        meshcat.PublishRecording()
+        options.record.write_text(meshcat.StaticHtml())
+        progress.say(f"Wrote {options.record}; open it in a browser.")
+    if stopped == INTERRUPTED:
+        return EXIT_INTERRUPTED
+    if meshcat is not None and not options.headless and _interactive():
+        _keep_serving(progress)
+    return EXIT_OK if summary["success"] else EXIT_FAILED
+
+
+INTERRUPTED = "interrupted"
+"""What the summary's ``stopped`` says after Ctrl-C."""
+
+
+def _simulate(sim: AtlasSimulation, progress: Progress) -> str | None:
+    """Advances to the scenario's end.
+
+    Returns:
+        None, or why the run ended before that, other than by a fall.
+    """
+    end = sim.scenario.duration
+    with _ctrl_c() as asked_to_stop:
+        try:
+            while sim.time < end - 1e-9:
+                if asked_to_stop.is_set():
+                    return INTERRUPTED
+                sim.advance_to(min(sim.time + PIECE, end))
+                progress.update(sim.time, sim.current_behavior.name)
+                if sim.has_fallen:
+                    falls = [e.time for e in sim.events if e.kind == "fall"]
+                    end = min(end, falls[0] + AFTER_FALL)
+        except SimulationError as error:
+            return str(error)
+        return INTERRUPTED if asked_to_stop.is_set() else None
+
+
+@contextmanager
+def _ctrl_c() -> Iterator[threading.Event]:
+    """Turns Ctrl-C into a flag, so that no simulation step is torn apart.
+
+    A second Ctrl-C interrupts at once.
+    """
+    asked = threading.Event()
+    before = signal.getsignal(signal.SIGINT)
+
+    def notice(_number: int, _frame: object) -> None:
+        asked.set()
+        signal.signal(signal.SIGINT, before)
+
+    # Only the main thread receives signals, and only it may change their handlers.
+    main = threading.current_thread() is threading.main_thread()
+    if main:
+        signal.signal(signal.SIGINT, notice)
+    try:
+        yield asked
+    finally:
+        if main:
+            signal.signal(signal.SIGINT, before)
+
+
+def verdict(summary: dict[str, Any]) -> str:
+    """What became of a run, in one or two sentences."""
+    errors = [step["error_m"] for step in summary["footsteps"]]
+    steps = ""
+    if errors:
+        steps = f", {len(errors)} steps taken (at most {1e3 * max(errors):.0f} mm off)"
+    first = {event["kind"]: event for event in reversed(summary["events"])}
+    if summary["stopped"] == INTERRUPTED:
+        text = f"Stopped at {summary['sim_time']:.1f} s{steps}."
+    elif summary["stopped"] is not None:
+        text = f"Failed: {summary['stopped']}."
+    elif summary["fell"]:
+        fall = first["fall"]
+        text = f"Failed: Atlas fell at {fall['time']:.1f} s: {fall['text']}."
+    elif summary["success"]:
+        text = f"Success: Atlas is upright after {summary['sim_time']:.1f} s{steps}."
+    elif "refusal" in first:
+        why = first["refusal"]["text"]
+        text = f"Failed: Atlas is upright but did not obey: {why}."
+    else:
+        text = f"Failed: Atlas did not do all that it was told{steps}."
+    factor = summary["real_time_factor"]
+    return text if factor is None else f"{text} Ran at {factor:.2f} x real time."
+
+
+def _quiet_logs() -> None:
+    """Keeps out of the run's lines what they say themselves, or what is no news."""
+    # Refusals are events, printed with all others.
+    logging.getLogger("atlas_drake").propagate = False
+    drake = logging.getLogger("drake")
+    # The address of the 3D view is a line of its own.
+    drake.setLevel(logging.WARNING)
+    # Drake warns whenever there is a half space; nothing here is deformable.
+    drake.addFilter(lambda record: "deformable contact" not in record.getMessage())
+
+
+def _start_meshcat(host: str, port: int | None) -> Meshcat:
+    from pydrake.geometry import Meshcat, MeshcatParams
+
+    try:
+        return Meshcat(MeshcatParams(host=host, port=port))
+    except RuntimeError as error:
+        raise ScenarioError(
+            "--port", port, f"no 3D view on {host}:{port or '7000...'}: {error}"
+        ) from error
+
+
+def _start_recording(meshcat: Meshcat, live: bool) -> None:
+    from atlas_drake.visualization import FRAME_RATE
+
+    meshcat.StartRecording(
+        frames_per_second=FRAME_RATE, set_visualizations_while_recording=live
+    )
+
+
+def _interactive() -> bool:
+    """Whether somebody sits there who can press keys."""
+    return sys.stdin.isatty() and sys.stdout.isatty()
+
+
+VIEWER_PATIENCE = 15.0
+"""How long the start waits for a browser [s]."""
+
+
+def _await_viewer(meshcat: Meshcat, progress: Progress) -> None:
+    """Opens the browser, and gives it the time to show the start."""
+    import time
+    import webbrowser
+
+    graphical = sys.platform == "darwin" or any(
+        os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY")
+    )
+    # Without a graphical desktop the "browser" would take over this terminal.
+    if not (graphical and webbrowser.open(meshcat.web_url())):
+        progress.say("Open that address in a browser.")
+    give_up = time.monotonic() + VIEWER_PATIENCE
+    while meshcat.GetNumActiveConnections() == 0 and time.monotonic() < give_up:
+        time.sleep(0.1)
+
+
+def _keep_serving(progress: Progress) -> None:
+    progress.say("The 3D view stays open. Press Enter to quit.")
+    try:
+        sys.stdin.readline()
+    except KeyboardInterrupt:
+        progress.say("")
+
+
+def _check_writable(option: str, path: Path) -> None:
+    """Refuses a path now rather than after the run."""
+    folder = path.parent
+    if path.is_dir():
+        raise ScenarioError(option, str(path), f"{path} is a folder")
+    if not folder.is_dir():
+        raise ScenarioError(option, str(path), f"there is no folder {folder}")
+    if not os.access(path if path.exists() else folder, os.W_OK):
+        raise ScenarioError(option, str(path), f"{path} cannot be written")
+
+
+def _plain(value: Any) -> Any:
+    """The same without infinities and NaN, which JSON does not know."""
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

@@ -1,0 +1,7 @@
+"""What is shown in Meshcat beside the robot itself.
+
+Reads ports; nothing here changes what is simulated.
+"""
+
+FRAME_RATE = 32.0
+"""Pictures per simulated second, of everything that is shown [1/s]."""
