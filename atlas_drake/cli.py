@@ -190,18 +190,20 @@ def _add_run_options(parser: argparse.ArgumentParser) -> None:
 
 
 def _rate(text: str) -> float:
-    rate = float(text)
+    try:
+        rate = float(text)
+    except ValueError:
+        rate = math.nan
     if not (math.isfinite(rate) and rate >= 0.0):
-        raise argparse.ArgumentTypeError("must be a number not below 0")
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number from 0 up")
     return rate
 
 
 def _port(text: str) -> int:
-    port = int(text)
-    # What Meshcat accepts; below 1024 only administrators may listen.
-    if not 1024 <= port <= 65535:
-        raise argparse.ArgumentTypeError("must lie in 1024..65535")
-    return port
+    # Below 1024 only administrators may listen, and Meshcat does not.
+    if not (text.isdecimal() and 1024 <= int(text) <= 65535):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a port in 1024..65535")
+    return int(text)
 
 
 class _Version(argparse.Action):

@@ -23,6 +23,7 @@ from atlas_drake.errors import ScenarioError
 from atlas_drake.progress import Progress
 from atlas_drake.scenario import Scenario
 from atlas_drake.simulation import AtlasSimulation, SimulationError
+from atlas_drake.visualization import FRAME_RATE
 
 if TYPE_CHECKING:
     from pydrake.geometry import Meshcat
@@ -68,8 +69,11 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
     if rate is None:
         rate = 0.0 if options.headless else 1.0
     sim.set_realtime_rate(rate)
-    if options.record is not None:
-        _start_recording(meshcat, live=not options.headless)
+    if meshcat is not None and options.record is not None:
+        meshcat.StartRecording(
+            frames_per_second=FRAME_RATE,
+            set_visualizations_while_recording=not options.headless,
+        )
 
     stopped = _simulate(sim, progress)
 
@@ -81,7 +85,7 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
     if options.json is not None:
         options.json.write_text(json.dumps(_plain(summary), indent=2) + "\n")
         progress.say(f"Wrote {options.json}.")
-    if options.record is not None:
+    if meshcat is not None and options.record is not None:
         meshcat.StopRecording()
         meshcat.PublishRecording()
         options.record.write_text(meshcat.StaticHtml())
@@ -188,14 +192,6 @@ def _start_meshcat(host: str, port: int | None) -> Meshcat:
         raise ScenarioError(
             "--port", port, f"no 3D view on {host}:{port or '7000...'}: {error}"
         ) from error
-
-
-def _start_recording(meshcat: Meshcat, live: bool) -> None:
-    from atlas_drake.visualization import FRAME_RATE
-
-    meshcat.StartRecording(
-        frames_per_second=FRAME_RATE, set_visualizations_while_recording=live
-    )
 
 
 def _interactive() -> bool:
