@@ -1,0 +1,107 @@
+"""The DCM plan: obeys the pendulum's dynamics, is continuous, ends at rest."""
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+from atlas_drake.control.dcm_plan import CopSegment, DcmPlan
+
+OMEGA = 3.3
+"""Natural frequency of the pendulum [1/s]."""
+
+
+def random_segments(seed):
+    """A CoP that moves on without a jump through five segments."""
+    random = np.random.default_rng(seed)
+    points = random.uniform(-0.3, 0.3, (6, 2)).cumsum(axis=0)
+    return [
+        CopSegment(random.uniform(0.1, 0.9), start, end)
+        for start, end in itertools.pairwise(points)
+    ]
+
+
+@pytest.fixture(params=range(5))
+def segments(request):
+    return random_segments(request.param)
+
+
+@pytest.fixture
+def plan(segments):
+    return DcmPlan(segments, OMEGA)
+
+
+def times_inside(segments, margin):
+    """Times away from the segments' ends, where derivatives exist."""
+    start = 0.0
+    for segment in segments:
+        yield from np.linspace(start + margin, start + segment.duration - margin, 7)
+        start += segment.duration
+
+
+def test_dcm_moves_away_from_the_cop(segments, plan):
+    step = 1e-6
+    for time in times_inside(segments, 1e-3):
+        before, after = plan.evaluate(time - step), plan.evaluate(time + step)
+        here = plan.evaluate(time)
+        rate = (after.dcm - before.dcm) / (2.0 * step)
+        np.testing.assert_allclose(rate, OMEGA * (here.dcm - here.cop), atol=1e-7)
+
+
+def test_cop_is_the_segments(segments, plan):
+    start = 0.0
+    for segment in segments:
+        for share in (0.0, 0.3, 0.999):
+            cop = plan.evaluate(start + share * segment.duration).cop
+            expected = segment.start + share * (segment.end - segment.start)
+            np.testing.assert_allclose(cop, expected, atol=1e-12)
+        start += segment.duration
+
+
+def test_no_jumps_between_segments(segments, plan):
+    ends = np.cumsum([segment.duration for segment in segments])
+    for end in ends[:-1]:
+        before, after = plan.evaluate(end - 1e-9), plan.evaluate(end + 1e-9)
+        np.testing.assert_allclose(before.dcm, after.dcm, atol=1e-7)
+        np.testing.assert_allclose(before.cop, after.cop, atol=1e-7)
+
+
+def test_dcm_is_continuous_even_where_the_cop_jumps():
+    first = CopSegment(0.4, np.array([0.0, 0.1]), np.array([0.0, 0.1]))
+    second = CopSegment(0.5, np.array([0.3, -0.1]), np.array([0.3, -0.1]))
+    plan = DcmPlan([first, second], OMEGA)
+    before, after = plan.evaluate(0.4 - 1e-9), plan.evaluate(0.4 + 1e-9)
+    np.testing.assert_allclose(before.dcm, after.dcm, atol=1e-7)
+    assert np.abs(before.cop - after.cop).max() > 0.1
+
+
+def test_ends_at_rest_over_the_last_cop(segments, plan):
+    end = plan.evaluate(plan.duration)
+    np.testing.assert_allclose(end.dcm, segments[-1].end, atol=1e-12)
+    np.testing.assert_allclose(end.cop, segments[-1].end, atol=1e-12)
+
+
+def test_duration_and_ends_are_held(segments, plan):
+    assert plan.duration == pytest.approx(sum(s.duration for s in segments))
+    for outside, at in ((-1.0, 0.0), (plan.duration + 5.0, plan.duration)):
+        held, end = plan.evaluate(outside), plan.evaluate(at)
+        np.testing.assert_array_equal(held.dcm, end.dcm)
+        np.testing.assert_array_equal(held.cop, end.cop)
+
+
+def test_a_constant_cop_has_the_dcm_at_rest_on_it():
+    cop = np.array([0.2, -0.4])
+    plan = DcmPlan([CopSegment(0.7, cop, cop)], OMEGA)
+    for time in (0.0, 0.3, 0.7):
+        np.testing.assert_allclose(plan.evaluate(time).dcm, cop, atol=1e-15)
+
+
+def test_initial_dcm_is_the_discounted_future_cop(segments, plan):
+    # ξ(0) = ω ∫ e^{-ωt} p(t) dt, with the CoP held for ever after the end.
+    times = np.linspace(0.0, plan.duration, 20_001)
+    cops = np.array([plan.evaluate(time).cop for time in times])
+    weighted = OMEGA * np.exp(-OMEGA * times)[:, None] * cops
+    integral = np.trapezoid(weighted, times, axis=0)
+    tail = math.exp(-OMEGA * plan.duration) * segments[-1].end
+    np.testing.assert_allclose(plan.evaluate(0.0).dcm, integral + tail, atol=1e-6)

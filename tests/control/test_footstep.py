@@ -1,0 +1,136 @@
+"""Footsteps: what the legs can reach, the same on both sides."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from atlas_drake.control.footstep import (
+    LEFT,
+    RIGHT,
+    FootPose,
+    Footstep,
+    StepLimits,
+    landing_error,
+    outward,
+    saturate,
+)
+from atlas_drake.control.rotations import rotation_z, wrap_angle
+
+LIMITS = StepLimits()
+FAR = st.floats(-2.0, 2.0)
+YAWS = st.floats(-7.0, 7.0)
+MIRROR = np.array([1.0, -1.0, 1.0])
+"""Reflection at the plane y = 0."""
+
+
+@st.composite
+def situations(draw):
+    """A wish for a step and the foot that it is taken from."""
+    stance_at = np.array([draw(FAR), draw(FAR), draw(FAR)])
+    stance = FootPose(stance_at, rotation_z(draw(YAWS)))
+    step = Footstep(
+        index=draw(st.integers(1, 99)),
+        foot=draw(st.sampled_from([LEFT, RIGHT])),
+        p_WF=stance_at + [draw(FAR), draw(FAR), draw(FAR)],
+        yaw=draw(YAWS),
+        duration=draw(st.floats(0.01, 9.0)),
+        swing_height=draw(st.floats(0.0, 2.0)),
+    )
+    return step, stance
+
+
+def in_stance_frame(step, stance):
+    """Forward, outward and upward distance, and the turn outward."""
+    sign = outward(step.foot)
+    x, y, z = rotation_z(stance.yaw).T @ (step.p_WF - stance.p_WF)
+    return x, sign * y, z, sign * wrap_angle(step.yaw - stance.yaw)
+
+
+def assert_same(step, other):
+    for field in dataclasses.fields(Footstep):
+        np.testing.assert_allclose(
+            getattr(step, field.name), getattr(other, field.name), atol=1e-9
+        )
+
+
+@given(situation=situations())
+def test_saturated_steps_are_within_all_limits(situation):
+    wish, stance = situation
+    step = saturate(wish, stance, LIMITS)
+    forward, width, rise, turn = in_stance_frame(step, stance)
+    slack = 1e-9
+    assert -LIMITS.backward - slack <= forward <= LIMITS.forward + slack
+    assert LIMITS.min_width - slack <= width <= LIMITS.max_width + slack
+    assert abs(rise) <= LIMITS.rise + slack
+    assert -LIMITS.toe_in - slack <= turn <= LIMITS.toe_out + slack
+    assert LIMITS.min_duration <= step.duration <= LIMITS.max_duration
+    assert LIMITS.min_swing_height <= step.swing_height <= LIMITS.max_swing_height
+    assert (step.index, step.foot) == (wish.index, wish.foot)
+
+
+@given(situation=situations())
+def test_saturating_twice_changes_nothing(situation):
+    wish, stance = situation
+    once = saturate(wish, stance, LIMITS)
+    assert_same(saturate(once, stance, LIMITS), once)
+
+
+@given(situation=situations())
+def test_left_and_right_are_mirror_images(situation):
+    wish, stance = situation
+    mirrored = saturate(
+        dataclasses.replace(
+            wish, foot=1 - wish.foot, p_WF=MIRROR * wish.p_WF, yaw=-wish.yaw
+        ),
+        FootPose(MIRROR * stance.p_WF, rotation_z(-stance.yaw)),
+        LIMITS,
+    )
+    step = saturate(wish, stance, LIMITS)
+    np.testing.assert_allclose(mirrored.p_WF, MIRROR * step.p_WF, atol=1e-9)
+    # A half turn has no side: it may saturate to either.
+    if abs(abs(wrap_angle(wish.yaw - stance.yaw)) - math.pi) > 1e-6:
+        assert wrap_angle(mirrored.yaw + step.yaw) == pytest.approx(0.0, abs=1e-9)
+
+
+@given(
+    forward=st.floats(-LIMITS.backward, LIMITS.forward),
+    width=st.floats(LIMITS.min_width, LIMITS.max_width),
+    rise=st.floats(-LIMITS.rise, LIMITS.rise),
+    turn=st.floats(-LIMITS.toe_in, LIMITS.toe_out),
+    yaw=YAWS,
+    foot=st.sampled_from([LEFT, RIGHT]),
+)
+def test_a_step_within_reach_is_taken_as_it_is(forward, width, rise, turn, yaw, foot):
+    sign = outward(foot)
+    stance = FootPose(np.array([0.3, -0.2, 0.1]), rotation_z(yaw))
+    wish = Footstep(
+        index=3,
+        foot=foot,
+        p_WF=stance.p_WF + rotation_z(yaw) @ [forward, sign * width, rise],
+        yaw=stance.yaw + sign * turn,
+        duration=0.5 * (LIMITS.min_duration + LIMITS.max_duration),
+        swing_height=0.5 * (LIMITS.min_swing_height + LIMITS.max_swing_height),
+    )
+    assert_same(saturate(wish, stance, LIMITS), wish)
+
+
+def test_outward_leads_away_from_the_other_foot():
+    assert outward(LEFT) == 1.0
+    assert outward(RIGHT) == -1.0
+
+
+def test_pose_is_level_and_heads_along_the_yaw():
+    step = Footstep(1, LEFT, np.array([1.0, 2.0, 3.0]), 0.6, 0.7, 0.1)
+    np.testing.assert_array_equal(step.pose.p_WF, step.p_WF)
+    np.testing.assert_allclose(step.pose.R_WF, rotation_z(0.6), atol=1e-15)
+    assert step.pose.yaw == pytest.approx(0.6)
+
+
+def test_landing_error_is_horizontal():
+    step = Footstep(1, LEFT, np.array([1.0, 2.0, 0.0]), 0.0, 0.7, 0.1)
+    landed = FootPose(np.array([1.03, 1.96, 0.5]), np.eye(3))
+    assert landing_error(step, landed) == pytest.approx(0.05)

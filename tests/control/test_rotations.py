@@ -1,0 +1,90 @@
+"""Rotation helpers against Drake's and against their definitions."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pydrake.common.eigen_geometry import AngleAxis
+from pydrake.math import RollPitchYaw, RotationMatrix
+
+from atlas_drake.control.rotations import (
+    mean_yaw,
+    rotation_error,
+    rotation_with_normal,
+    rotation_y,
+    rotation_z,
+    wrap_angle,
+    yaw_of,
+)
+
+ANGLES = st.floats(-50.0, 50.0)
+SMALL = st.floats(-3.0, 3.0)
+
+
+@given(angle=ANGLES)
+def test_elementary_rotations_are_drakes(angle):
+    np.testing.assert_allclose(
+        rotation_z(angle), RotationMatrix.MakeZRotation(angle).matrix(), atol=1e-14
+    )
+    np.testing.assert_allclose(
+        rotation_y(angle), RotationMatrix.MakeYRotation(angle).matrix(), atol=1e-14
+    )
+
+
+@given(angle=ANGLES)
+def test_wrapped_angle_is_the_same_direction_and_small(angle):
+    wrapped = wrap_angle(angle)
+    assert abs(wrapped) <= math.pi
+    assert math.cos(wrapped - angle) == pytest.approx(1.0)
+
+
+@given(yaw=st.floats(-3.1, 3.1), pitch=st.floats(-1.5, 1.5), roll=SMALL)
+def test_yaw_is_that_of_roll_pitch_yaw(yaw, pitch, roll):
+    R = RollPitchYaw(roll, pitch, yaw).ToRotationMatrix().matrix()
+    assert yaw_of(R) == pytest.approx(yaw)
+
+
+@given(yaw=ANGLES, turn=st.floats(-3.1, 3.1))
+def test_mean_yaw_lies_halfway_on_the_short_way(yaw, turn):
+    mean = mean_yaw(yaw, yaw + turn)
+    assert wrap_angle(mean - yaw) == pytest.approx(0.5 * turn, abs=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_rotation_error_is_sine_of_the_angle_along_the_axis(seed):
+    random = np.random.default_rng(seed)
+    axis = random.normal(size=3)
+    axis /= np.linalg.norm(axis)
+    angle = random.uniform(-math.pi, math.pi)
+    R_WB = RollPitchYaw(random.uniform(-3, 3, 3)).ToRotationMatrix()
+    R_WD = RotationMatrix(AngleAxis(angle, axis)) @ R_WB
+    np.testing.assert_allclose(
+        rotation_error(R_WD.matrix(), R_WB.matrix()),
+        math.sin(angle) * axis,
+        atol=1e-12,
+    )
+
+
+@given(yaw=ANGLES, tilt=st.floats(-0.6, 0.6), heading=ANGLES)
+def test_rotation_with_normal_keeps_normal_and_heading(yaw, tilt, heading):
+    normal = np.array(
+        [
+            math.sin(tilt) * math.cos(heading),
+            math.sin(tilt) * math.sin(heading),
+            math.cos(tilt),
+        ]
+    )
+    R = rotation_with_normal(yaw, normal)
+    np.testing.assert_allclose(R.T @ R, np.eye(3), atol=1e-12)
+    assert np.linalg.det(R) == pytest.approx(1.0)
+    np.testing.assert_allclose(R[:, 2], normal, atol=1e-15)
+    # The x axis lies in the vertical plane of the heading's projection on the slope.
+    sideways = np.array([-math.sin(yaw), math.cos(yaw), 0.0])
+    along = np.array([math.cos(yaw), math.sin(yaw), 0.0])
+    projected = along - normal * (normal @ along)
+    np.testing.assert_allclose(np.cross(R[:, 0], projected), 0.0, atol=1e-12)
+    assert R[:, 0] @ along > 0.0
+    if tilt == 0.0:
+        assert abs(R[:, 0] @ sideways) < 1e-12

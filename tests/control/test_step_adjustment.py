@@ -1,0 +1,100 @@
+"""Step adjustment: none for small errors, bounded for large, the same on all sides."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from atlas_drake.control.footstep import FootPose
+from atlas_drake.control.rotations import rotation_z
+from atlas_drake.control.step_adjustment import StepAdjustmentLimits, step_shift
+
+LIMITS = StepAdjustmentLimits()
+OMEGA = 3.2
+SENSITIVITY = 0.8
+"""Planned DCM at touchdown per metre that the foot moves [-]."""
+
+ERRORS = st.tuples(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0)).map(np.array)
+TIMES = st.floats(0.0, 1.0)
+YAWS = st.floats(-4.0, 4.0)
+
+
+def shift_of(error, remaining, yaw=0.0, sensitivity=SENSITIVITY):
+    stance = FootPose(np.array([0.4, 0.1, 0.0]), rotation_z(yaw))
+    return step_shift(error, remaining, OMEGA, sensitivity, stance, LIMITS)
+
+
+def taken_by_ankles(remaining):
+    """DCM error now that ankles and double support take up, along and across [m]."""
+    growth = math.exp(OMEGA * remaining)
+    ankles = np.array([LIMITS.cop_forward, LIMITS.cop_sideways]) * (growth - 1.0)
+    tolerated = np.array([LIMITS.tolerated_forward, LIMITS.tolerated_sideways])
+    return (ankles + tolerated) / growth
+
+
+@given(
+    share=st.tuples(st.floats(-0.999, 0.999), st.floats(-0.999, 0.999)),
+    remaining=TIMES,
+    yaw=YAWS,
+)
+def test_errors_within_the_ankles_reach_move_no_step(share, remaining, yaw):
+    error = rotation_z(yaw)[:2, :2] @ (np.array(share) * taken_by_ankles(remaining))
+    np.testing.assert_array_equal(np.abs(shift_of(error, remaining, yaw)), 0.0)
+
+
+@given(remaining=TIMES, yaw=YAWS, axis=st.integers(0, 1))
+def test_errors_beyond_it_do(remaining, yaw, axis):
+    error = np.zeros(2)
+    error[axis] = 1.05 * taken_by_ankles(remaining)[axis]
+    R_WS = rotation_z(yaw)[:2, :2]
+    shift = R_WS.T @ shift_of(R_WS @ error, remaining, yaw)
+    assert shift[axis] > 0.0
+    assert shift[1 - axis] == pytest.approx(0.0, abs=1e-12)
+
+
+@given(error=ERRORS, remaining=TIMES, yaw=YAWS)
+def test_opposite_errors_give_opposite_shifts(error, remaining, yaw):
+    np.testing.assert_allclose(
+        shift_of(-error, remaining, yaw), -shift_of(error, remaining, yaw), atol=1e-15
+    )
+
+
+@given(error=ERRORS, remaining=TIMES, yaw=YAWS)
+def test_shift_is_bounded_and_towards_the_error(error, remaining, yaw):
+    R_WS = rotation_z(yaw)[:2, :2]
+    shift = R_WS.T @ shift_of(100.0 * error, remaining, yaw)
+    assert abs(shift[0]) <= LIMITS.forward + 1e-12
+    assert abs(shift[1]) <= LIMITS.sideways + 1e-12
+    assert (shift * (R_WS.T @ error) >= -1e-12).all()
+
+
+@given(error=ERRORS, remaining=TIMES, yaw=YAWS)
+def test_shift_turns_with_the_stance_foot(error, remaining, yaw):
+    R_WS = rotation_z(yaw)[:2, :2]
+    np.testing.assert_allclose(
+        shift_of(R_WS @ error, remaining, yaw),
+        R_WS @ shift_of(error, remaining),
+        atol=1e-9,
+    )
+
+
+@given(error=ERRORS, remaining=TIMES)
+def test_with_ankles_and_tolerance_the_shift_makes_up_for_the_error(error, remaining):
+    shift = shift_of(error, remaining)
+    reach = np.array([LIMITS.forward, LIMITS.sideways])
+    assume((np.abs(shift) < 0.999 * reach).all())
+    final = np.abs(error) * math.exp(OMEGA * remaining)
+    budget = taken_by_ankles(remaining) * math.exp(OMEGA * remaining)
+    left = final - SENSITIVITY * np.abs(shift)
+    assert (left <= budget + 1e-9).all()
+    # No more than needed.
+    np.testing.assert_allclose(left[shift != 0.0], budget[shift != 0.0], atol=1e-9)
+
+
+@given(error=ERRORS, remaining=TIMES)
+def test_steps_that_move_the_plan_less_move_further(error, remaining):
+    less = np.abs(shift_of(error, remaining, sensitivity=2.0))
+    more = np.abs(shift_of(error, remaining, sensitivity=0.5))
+    assert (more >= less).all()
