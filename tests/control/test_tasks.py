@@ -1,0 +1,94 @@
+"""Feedback laws of single tasks: each closes its own loop as it says."""
+
+import math
+
+import numpy as np
+import pytest
+
+from atlas_drake.control.gains import PdGains
+from atlas_drake.control.rotations import rotation_z
+from atlas_drake.control.support_polygon import SupportPolygon
+from atlas_drake.control.tasks import (
+    chest_angular_velocity,
+    clamp_to_support,
+    com_acceleration_for_cop,
+    dcm,
+    feedback_cop,
+    height_acceleration,
+    orientation_acceleration,
+    pendulum_frequency,
+    stance_acceleration,
+)
+from atlas_drake.control.whole_body_model import GRAVITY
+
+GAINS = PdGains(kp=50.0, kd=8.0)
+
+
+@pytest.fixture
+def terms(model, random_state):
+    return model.evaluate(model.create_context(), random_state(2))
+
+
+def test_pendulum_frequency():
+    assert pendulum_frequency(0.9) ** 2 * 0.9 == pytest.approx(GRAVITY)
+
+
+def test_dcm_is_the_com_and_its_velocity(terms):
+    expected = terms.com[:2] + terms.com_velocity[:2] / 3.0
+    np.testing.assert_allclose(dcm(terms, 3.0), expected)
+
+
+def test_feedback_shrinks_the_dcm_error_at_its_rate():
+    omega, gain, dt = 3.0, 1.7, 1e-4
+    reference = np.array([0.1, -0.2])
+    error = np.array([0.02, -0.01])
+    # A reference at rest: its CoP is its DCM. ξ̇ = ω(ξ - p).
+    now = error.copy()
+    for _ in range(2000):
+        cop = feedback_cop(now, reference, gain)
+        now = now + dt * omega * (reference + now - cop)
+    np.testing.assert_allclose(now, error * math.exp(-gain * omega * 0.2), rtol=1e-3)
+
+
+def test_pendulum_accelerates_away_from_the_cop():
+    com, cop = np.array([0.1, 0.2, 0.9]), np.array([0.05, 0.25])
+    np.testing.assert_allclose(com_acceleration_for_cop(com, cop, 3.0), [0.45, -0.45])
+    np.testing.assert_array_equal(com_acceleration_for_cop(com, com[:2], 3.0), 0.0)
+
+
+def test_height_acceleration(terms):
+    z, rate = terms.com[2], terms.com_velocity[2]
+    assert height_acceleration(terms, z, rate, GAINS) == 0.0
+    assert height_acceleration(terms, z + 0.1, rate, GAINS) == pytest.approx(5.0)
+    assert height_acceleration(terms, z, rate + 0.1, GAINS) == pytest.approx(0.8)
+
+
+def test_orientation_acceleration_turns_towards_the_target():
+    w = np.array([0.1, -0.2, 0.3])
+    now, wanted = rotation_z(0.5), rotation_z(0.6)
+    still = orientation_acceleration(now, w, now, w, GAINS)
+    np.testing.assert_allclose(still, 0.0, atol=1e-15)
+    towards = orientation_acceleration(wanted, w, now, w, GAINS)
+    np.testing.assert_allclose(towards, [0.0, 0.0, 50.0 * math.sin(0.1)], atol=1e-12)
+    braked = orientation_acceleration(now, 0.0 * w, now, w, GAINS)
+    np.testing.assert_allclose(braked, -8.0 * w, atol=1e-12)
+
+
+def test_stance_acceleration_opposes_the_soles_velocity(terms):
+    foot = terms.feet[1]
+    np.testing.assert_allclose(stance_acceleration(foot, 12.0), -12.0 * foot.V_WF)
+
+
+def test_chest_angular_velocity_includes_the_pelvis(terms):
+    generalized = np.concatenate([terms.V_WP, terms.v])
+    np.testing.assert_allclose(
+        chest_angular_velocity(terms), terms.J_chest @ generalized
+    )
+
+
+def test_clamp_to_support():
+    corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
+    support = SupportPolygon([np.array(corner) for corner in corners])
+    np.testing.assert_array_equal(
+        clamp_to_support(np.array([1.5, 0.5]), support), [1.0, 0.5]
+    )
