@@ -35,7 +35,7 @@ def situations(draw):
     step = Footstep(
         index=draw(st.integers(1, 99)),
         foot=draw(st.sampled_from([LEFT, RIGHT])),
-        p_WF=stance_at + [draw(FAR), draw(FAR), draw(FAR)],
+        p_WF=stance_at + np.array([draw(FAR), draw(FAR), draw(FAR)]),
         yaw=draw(YAWS),
         duration=draw(st.floats(0.01, 9.0)),
         swing_height=draw(st.floats(0.0, 2.0)),
