@@ -1,0 +1,164 @@
+"""The reference of trunk and posture: starts at what is, moves at limited speed."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from pydrake.math import RollPitchYaw
+
+from atlas_drake.behaviors.body_reference import (
+    BodyRates,
+    BodyTarget,
+    advance_body,
+    capture_body,
+)
+from atlas_drake.control.rotations import wrap_angle
+from atlas_drake.control.whole_body_model import WholeBodyModel
+from atlas_drake.robot import load_robot
+
+DT = 0.01
+RATES = BodyRates()
+
+
+@pytest.fixture(scope="module")
+def model():
+    return WholeBodyModel(load_robot())
+
+
+@pytest.fixture(scope="module")
+def terms(model):
+    """The robot with its trunk tilted and its joints anywhere."""
+    random = np.random.default_rng(3)
+    robot, context = model.robot, model.create_context()
+    state = np.zeros(model.num_states)
+    rotation = RollPitchYaw(0.2, -0.15, 2.5).ToQuaternion()
+    state[:4] = rotation.wxyz()
+    state[4:7] = [0.4, -0.3, 0.9]
+    state[robot.indices(model.plant).q] = random.uniform(
+        0.5 * robot.position_lower, 0.5 * robot.position_upper
+    )
+    return model.evaluate(context, state)
+
+
+@pytest.fixture
+def captured(terms):
+    return capture_body(terms)
+
+
+@pytest.fixture
+def target(model):
+    return BodyTarget(
+        height=1.0,
+        yaw=-2.9,
+        joints=model.robot.stand_prep,
+        pelvis_tilt=np.array([0.0, 0.1]),
+    )
+
+
+@pytest.fixture
+def nobody(model):
+    return np.zeros(model.robot.num_joints, dtype=bool)
+
+
+def advance(body, target, held, measured=None, steps=1):
+    if measured is None:
+        measured = np.zeros_like(body.joints)
+    for _ in range(steps):
+        body = advance_body(body, target, RATES, DT, measured, held)
+    return body
+
+
+def test_what_is_captured_asks_for_what_is(terms, captured):
+    np.testing.assert_allclose(captured.R_WP, terms.R_WP, atol=1e-12)
+    np.testing.assert_allclose(
+        captured.R_WP[:, 0], terms.R_WP[:, 0], atol=1e-12, err_msg="heading"
+    )
+    assert captured.height == terms.com[2]
+    assert captured.height_rate == captured.yaw_rate == 0.0
+    np.testing.assert_array_equal(captured.joints, terms.q)
+
+
+def test_chest_keeps_its_tilt_but_heads_as_the_pelvis(terms, captured):
+    chest = RollPitchYaw(captured.R_WC)
+    was = RollPitchYaw(terms.R_WC)
+    assert chest.roll_angle() == pytest.approx(was.roll_angle())
+    assert chest.pitch_angle() == pytest.approx(was.pitch_angle())
+    assert chest.yaw_angle() == pytest.approx(captured.yaw)
+
+
+def test_captured_joints_are_a_copy(terms, captured, target, nobody):
+    kept = terms.q.copy()
+    moved = advance(captured, target, nobody)
+    np.testing.assert_array_equal(terms.q, kept)
+    np.testing.assert_array_equal(captured.joints, kept)
+    assert np.abs(moved.joints - kept).max() > 0.0
+
+
+def test_one_step_keeps_all_rates(captured, target, nobody):
+    body = captured
+    slack = 1e-12
+    for _ in range(300):
+        after = advance(body, target, nobody)
+        assert abs(after.height - body.height) <= RATES.height * DT + slack
+        assert abs(after.yaw - body.yaw) <= RATES.yaw * DT + slack
+        for name, rate in (
+            ("joints", RATES.joints),
+            ("pelvis_tilt", RATES.tilt),
+            ("chest_tilt", RATES.tilt),
+        ):
+            change = np.abs(getattr(after, name) - getattr(body, name))
+            assert change.max() <= rate * DT + slack
+        assert after.height_rate == pytest.approx((after.height - body.height) / DT)
+        assert after.yaw_rate == pytest.approx((after.yaw - body.yaw) / DT)
+        body = after
+
+
+def test_it_arrives_and_stays(captured, target, nobody):
+    body = advance(captured, target, nobody, steps=3000)
+    assert body.height == pytest.approx(target.height)
+    assert wrap_angle(body.yaw - target.yaw) == pytest.approx(0.0, abs=1e-12)
+    np.testing.assert_allclose(body.joints, target.joints)
+    # Pelvis and chest both go to the tilt wanted of the pelvis.
+    np.testing.assert_allclose(body.pelvis_tilt, target.pelvis_tilt)
+    np.testing.assert_allclose(body.chest_tilt, target.pelvis_tilt)
+    after = advance(body, target, nobody)
+    for field in dataclasses.fields(body):
+        np.testing.assert_allclose(
+            getattr(after, field.name), getattr(body, field.name), atol=1e-12
+        )
+    assert after.height_rate == pytest.approx(0.0, abs=1e-9)
+    assert after.yaw_rate == pytest.approx(0.0, abs=1e-9)
+
+
+def test_it_turns_the_short_way(captured, target, nobody):
+    # From 2.5 to -2.9 rad the short way leads over π.
+    after = advance(captured, target, nobody, steps=5)
+    assert after.yaw > captured.yaw
+    assert after.yaw_rate == pytest.approx(RATES.yaw)
+
+
+@pytest.mark.parametrize("turns", [-2, 1])
+def test_whole_turns_of_the_target_do_not_matter(captured, target, nobody, turns):
+    turned = dataclasses.replace(target, yaw=target.yaw + turns * 2.0 * math.pi)
+    one, other = (advance(captured, t, nobody, steps=9) for t in (target, turned))
+    assert one.yaw == pytest.approx(other.yaw)
+
+
+def test_user_held_joints_follow_what_is_measured(model, captured, target):
+    held = model.robot.limb("l_arm", "r_arm", "neck")
+    measured = np.linspace(-1.0, 1.0, len(held))
+    after = advance(captured, target, held, measured)
+    np.testing.assert_array_equal(after.joints[held], measured[held])
+    free = advance(captured, target, np.zeros_like(held), measured)
+    np.testing.assert_array_equal(after.joints[~held], free.joints[~held])
+    # Given back, they set off from where the user left them.
+    back = advance(after, target, np.zeros_like(held), measured)
+    assert np.abs(back.joints - after.joints).max() <= RATES.joints * DT + 1e-12
+
+
+@pytest.mark.parametrize("tilt", [(0.0, 0.0), (0.3, -0.2), (-0.1, 0.4)])
+def test_orientation_is_roll_pitch_yaw(captured, tilt):
+    body = dataclasses.replace(captured, yaw=0.7, pelvis_tilt=np.array(tilt))
+    expected = RollPitchYaw(tilt[0], tilt[1], 0.7).ToRotationMatrix().matrix()
+    np.testing.assert_allclose(body.R_WP, expected, atol=1e-14)

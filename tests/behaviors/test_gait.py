@@ -1,0 +1,193 @@
+"""The walk's DCM plan: the CoP over the stance feet, phase by phase, and to rest."""
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+from atlas_drake.behaviors.gait import GaitTiming, plan_walk, stance_cop
+from atlas_drake.control.footstep import LEFT, RIGHT, FootPose, Footstep, outward
+from atlas_drake.control.rotations import rotation_z
+
+OMEGA = 3.3
+TIMING = GaitTiming()
+FIRST = 0.37
+"""Time left in the first phase [s]."""
+WIDTH = 0.23
+"""Between the soles' middles [m]."""
+
+
+@pytest.fixture
+def feet():
+    return tuple(
+        FootPose(np.array([0.0, outward(foot) * WIDTH / 2, 0.0]), np.eye(3))
+        for foot in (LEFT, RIGHT)
+    )
+
+
+@pytest.fixture
+def steps():
+    """Three steps ahead, durations all different."""
+    return tuple(
+        Footstep(
+            index=number,
+            foot=foot,
+            p_WF=np.array([0.25 * number, outward(foot) * WIDTH / 2, 0.0]),
+            yaw=0.1 * number,
+            duration=0.6 + 0.05 * number,
+            swing_height=0.1,
+        )
+        for number, foot in enumerate((LEFT, RIGHT, LEFT), 1)
+    )
+
+
+@pytest.fixture
+def cop():
+    return np.array([0.01, -0.02])
+
+
+def phases(first, steps, swinging):
+    """Durations of all phases as (kind, step, duration)."""
+    sequence = []
+    for number, step in enumerate(steps):
+        if not (number == 0 and swinging):
+            sequence.append(("transfer", step, TIMING.transfer(step)))
+        sequence.append(("swing", step, TIMING.swing(step)))
+    sequence.append(("settle", None, TIMING.settle))
+    kind, step, _ = sequence[0]
+    sequence[0] = (kind, step, first)
+    return sequence
+
+
+def with_times(sequence):
+    ends = itertools.accumulate(duration for *_, duration in sequence)
+    for (kind, step, duration), end in zip(sequence, ends, strict=True):
+        yield kind, step, end - duration, end
+
+
+def test_a_step_is_all_transfer_and_swing(steps):
+    for step in steps:
+        assert TIMING.transfer(step) > 0.0
+        assert TIMING.swing(step) > 0.0
+        total = TIMING.transfer(step) + TIMING.swing(step)
+        assert total == pytest.approx(step.duration)
+
+
+@pytest.mark.parametrize("swinging", [False, True])
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_duration_is_the_sum_of_its_phases(feet, steps, cop, swinging, count):
+    taken = steps[:count]
+    plan = plan_walk(cop, FIRST, feet, taken, swinging, TIMING, OMEGA)
+    expected = sum(duration for *_, duration in phases(FIRST, taken, swinging))
+    assert plan.duration == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("swinging", [False, True])
+def test_starts_from_the_present_cop_and_never_jumps(feet, steps, cop, swinging):
+    plan = plan_walk(cop, FIRST, feet, steps, swinging, TIMING, OMEGA)
+    np.testing.assert_allclose(plan.evaluate(0.0).cop, cop, atol=1e-12)
+    times = np.linspace(0.0, plan.duration, 5000)
+    cops = np.array([plan.evaluate(time).cop for time in times])
+    dcms = np.array([plan.evaluate(time).dcm for time in times])
+    # A walker's CoP crosses from foot to foot in a tenth of a second or longer.
+    assert np.abs(np.diff(cops, axis=0)).max() < 10.0 * (times[1] - times[0])
+    assert np.abs(np.diff(dcms, axis=0)).max() < 10.0 * (times[1] - times[0])
+
+
+@pytest.mark.parametrize("swinging", [False, True])
+def test_one_foot_alone_has_the_cop_under_it(feet, steps, cop, swinging):
+    plan = plan_walk(cop, FIRST, feet, steps, swinging, TIMING, OMEGA)
+    poses = list(feet)
+    sequence = phases(FIRST, steps, swinging)
+    for number, (kind, step, start, end) in enumerate(with_times(sequence)):
+        if kind != "swing":
+            continue
+        stance = 1 - step.foot
+        under = stance_cop(poses[stance], stance)
+        np.testing.assert_allclose(plan.evaluate(end - 1e-9).cop, under, atol=1e-6)
+        if number > 0 or not swinging:
+            for share in (0.01, 0.5, 0.99):
+                now = plan.evaluate(start + share * (end - start)).cop
+                np.testing.assert_allclose(now, under, atol=1e-9)
+        poses[step.foot] = step.pose
+
+
+@pytest.mark.parametrize("swinging", [False, True])
+@pytest.mark.parametrize("count", [0, 1, 2, 3])
+def test_ends_at_rest_between_the_feet_that_it_leaves(
+    feet, steps, cop, swinging, count
+):
+    taken = steps[:count]
+    plan = plan_walk(cop, FIRST, feet, taken, swinging and count > 0, TIMING, OMEGA)
+    poses = list(feet)
+    for step in taken:
+        poses[step.foot] = step.pose
+    middle = 0.5 * (poses[LEFT].p_WF + poses[RIGHT].p_WF)[:2]
+    end = plan.evaluate(plan.duration)
+    np.testing.assert_allclose(end.cop, middle, atol=1e-12)
+    np.testing.assert_allclose(end.dcm, middle, atol=1e-12)
+
+
+def test_without_steps_it_settles_in_the_time_left(feet, cop):
+    plan = plan_walk(cop, FIRST, feet, (), False, TIMING, OMEGA)
+    assert plan.duration == pytest.approx(FIRST)
+    np.testing.assert_allclose(plan.evaluate(0.0).cop, cop, atol=1e-15)
+
+
+def test_planning_again_midway_goes_on_with_the_same_plan(feet, steps, cop):
+    # Where the plan comes from must not matter: the same future, the same DCM.
+    plan = plan_walk(cop, FIRST, feet, steps, False, TIMING, OMEGA)
+    passed = 0.6 * FIRST
+    now = plan.evaluate(passed)
+    again = plan_walk(now.cop, FIRST - passed, feet, steps, False, TIMING, OMEGA)
+    into_swing = FIRST + 0.4 * TIMING.swing(steps[0])
+    left = 0.6 * TIMING.swing(steps[0])
+    there = plan.evaluate(into_swing)
+    swinging = plan_walk(there.cop, left, feet, steps, True, TIMING, OMEGA)
+    for time in np.linspace(0.0, plan.duration - into_swing, 50):
+        expected = plan.evaluate(into_swing + time)
+        for other, start in ((again, into_swing - passed), (swinging, 0.0)):
+            now = other.evaluate(start + time)
+            np.testing.assert_allclose(now.dcm, expected.dcm, atol=1e-9)
+            np.testing.assert_allclose(now.cop, expected.cop, atol=1e-9)
+
+
+def test_mirrored_walks_have_mirrored_plans(feet, steps, cop):
+    mirror = np.array([1.0, -1.0])
+
+    def mirrored_pose(pose):
+        return FootPose(pose.p_WF * [1.0, -1.0, 1.0], rotation_z(-pose.yaw))
+
+    other_feet = (mirrored_pose(feet[RIGHT]), mirrored_pose(feet[LEFT]))
+    other_steps = tuple(
+        Footstep(
+            s.index,
+            1 - s.foot,
+            s.p_WF * [1.0, -1.0, 1.0],
+            -s.yaw,
+            s.duration,
+            s.swing_height,
+        )
+        for s in steps
+    )
+    plan = plan_walk(cop, FIRST, feet, steps, False, TIMING, OMEGA)
+    other = plan_walk(
+        cop * mirror, FIRST, other_feet, other_steps, False, TIMING, OMEGA
+    )
+    for time in np.linspace(0.0, plan.duration, 40):
+        here, there = plan.evaluate(time), other.evaluate(time)
+        np.testing.assert_allclose(there.dcm, here.dcm * mirror, atol=1e-12)
+        np.testing.assert_allclose(there.cop, here.cop * mirror, atol=1e-12)
+
+
+@pytest.mark.parametrize("foot", [LEFT, RIGHT])
+@pytest.mark.parametrize("yaw", [0.0, 0.8, -2.0])
+def test_stance_cop_is_inside_and_turns_with_the_foot(foot, yaw):
+    middle = np.array([1.0, 2.0, 0.3])
+    level = stance_cop(FootPose(middle, np.eye(3)), foot) - middle[:2]
+    turned = stance_cop(FootPose(middle, rotation_z(yaw)), foot) - middle[:2]
+    np.testing.assert_allclose(turned, rotation_z(yaw)[:2, :2] @ level, atol=1e-12)
+    # Towards the other foot, and not out of a sole of 0.12 m.
+    assert -outward(foot) * level[1] >= 0.0
+    assert math.hypot(*level) < 0.06

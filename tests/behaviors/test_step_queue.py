@@ -1,0 +1,135 @@
+"""The queue of steps: read from messages, merged by index, checked for order."""
+
+import math
+
+import numpy as np
+import pytest
+
+from atlas_drake.behaviors.step_queue import (
+    NO_STEP,
+    alternating,
+    footstep_from,
+    merge,
+    next_runs,
+    step_data_from,
+)
+from atlas_drake.control.footstep import LEFT, RIGHT, Footstep
+from atlas_drake.messages import AtlasBehaviorStepData, Pose, Quaternion, Vector3
+
+
+def data(index, foot=LEFT, yaw=0.0, scale=1.0, x=0.0):
+    """A step as a message has it; its quaternion's length is ``scale``."""
+    half = 0.5 * yaw
+    return AtlasBehaviorStepData(
+        step_index=index,
+        foot_index=foot,
+        duration=0.63,
+        swing_height=0.2,
+        pose=Pose(
+            Vector3(x, 0.15, 0.02),
+            Quaternion(0.0, 0.0, scale * math.sin(half), scale * math.cos(half)),
+        ),
+    )
+
+
+def step(index, foot=LEFT, x=0.0):
+    return Footstep(index, foot, np.array([x, 0.15, 0.02]), 0.0, 0.63, 0.2)
+
+
+def indices(steps):
+    return [step.index for step in steps]
+
+
+def test_a_footstep_is_what_the_message_says():
+    footstep = footstep_from(data(3, RIGHT, yaw=0.7, x=1.5))
+    assert (footstep.index, footstep.foot) == (3, RIGHT)
+    np.testing.assert_array_equal(footstep.p_WF, [1.5, 0.15, 0.02])
+    assert footstep.yaw == pytest.approx(0.7)
+    assert (footstep.duration, footstep.swing_height) == (0.63, 0.2)
+
+
+@pytest.mark.parametrize("yaw", [-3.1, -1.0, 0.0, 0.4, 1.5, 2.5, 3.1])
+@pytest.mark.parametrize("scale", [1.0, 0.01, 7.0, -1.0, -20.0])
+def test_yaw_does_not_depend_on_the_quaternions_length(yaw, scale):
+    assert footstep_from(data(1, yaw=yaw, scale=scale)).yaw == pytest.approx(yaw)
+
+
+@pytest.mark.parametrize("scale", [1.0, 0.5, 3.0])
+def test_yaw_of_a_tilted_pose_is_the_heading_of_its_toes(scale):
+    # Yaw 0.5, then pitch 0.3, then roll 0.2, as a product of quaternions.
+    cz, sz, cy, sy, cx, sx = (
+        f(0.5 * angle) for angle in (0.5, 0.3, 0.2) for f in (math.cos, math.sin)
+    )
+    sent = data(1)
+    sent.pose.orientation = Quaternion.from_wxyz(
+        scale
+        * np.array(
+            [
+                cz * cy * cx + sz * sy * sx,
+                cz * cy * sx - sz * sy * cx,
+                cz * sy * cx + sz * cy * sx,
+                sz * cy * cx - cz * sy * sx,
+            ]
+        )
+    )
+    assert footstep_from(sent).yaw == pytest.approx(0.5)
+
+
+@pytest.mark.parametrize("yaw", [-2.0, 0.0, 1.2])
+def test_there_and_back_again(yaw):
+    footstep = footstep_from(data(4, RIGHT, yaw=yaw, x=0.3))
+    again = footstep_from(step_data_from(footstep))
+    np.testing.assert_array_equal(again.p_WF, footstep.p_WF)
+    assert again.yaw == pytest.approx(footstep.yaw)
+    for name in ("index", "foot", "duration", "swing_height"):
+        assert getattr(again, name) == getattr(footstep, name)
+
+
+def test_merge_sorts_and_leaves_out_empty_places():
+    sent = [data(2), data(NO_STEP), data(1, RIGHT), AtlasBehaviorStepData()]
+    assert indices(merge((), sent, first_open=1)) == [1, 2]
+
+
+def test_later_news_replaces_what_has_not_begun():
+    pending = (step(3, x=0.3), step(4, x=0.4))
+    merged = merge(pending, [data(4, x=9.0), data(5, x=0.5)], first_open=3)
+    assert indices(merged) == [3, 4, 5]
+    assert [s.p_WF[0] for s in merged] == [0.3, 9.0, 0.5]
+
+
+def test_steps_that_have_begun_are_not_changed():
+    merged = merge((step(3),), [data(1), data(2), data(3, x=9.0)], first_open=3)
+    assert indices(merged) == [3]
+    assert merged[0].p_WF[0] == 9.0
+    assert merge((), [data(1), data(2)], first_open=3) == ()
+
+
+def test_merging_nothing_changes_nothing():
+    pending = (step(3), step(4))
+    assert merge(pending, [AtlasBehaviorStepData()] * 4, first_open=3) == pending
+
+
+def test_next_runs_stops_at_a_gap():
+    pending = (step(3), step(4), step(6), step(7))
+    assert indices(next_runs(pending, 3)) == [3, 4]
+    assert indices(next_runs(pending, 4)) == [4]
+    assert indices(next_runs(pending, 6)) == [6, 7]
+    assert next_runs(pending, 5) == ()
+    assert next_runs((), 1) == ()
+
+
+@pytest.mark.parametrize(
+    ("feet", "last", "expected"),
+    [
+        ([], None, True),
+        ([LEFT, RIGHT, LEFT], None, True),
+        ([LEFT, RIGHT, LEFT], RIGHT, True),
+        ([LEFT, RIGHT, LEFT], LEFT, False),
+        ([LEFT, LEFT], None, False),
+        ([LEFT, RIGHT, RIGHT], None, False),
+        ([RIGHT], RIGHT, False),
+    ],
+)
+def test_alternating(feet, last, expected):
+    steps = tuple(step(number, foot) for number, foot in enumerate(feet, 1))
+    assert alternating(steps, last) is expected
