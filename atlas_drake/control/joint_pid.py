@@ -63,6 +63,18 @@ def integrate(
     return np.where(active, clamped, state.integral)
 
 
+def static_effort(
+    command: PidInput, integral: np.ndarray, q: np.ndarray
+) -> np.ndarray:
+    """All of the law but what depends on the joint's velocity [N·m], shape (n,)."""
+    return (
+        command.kp_position * (command.position - q)
+        + integral
+        + command.kp_velocity * command.velocity
+        + command.effort
+    )
+
+
 def explicit_effort(
     command: PidInput, integral: np.ndarray, q: np.ndarray, v: np.ndarray
 ) -> np.ndarray:
@@ -70,13 +82,24 @@ def explicit_effort(
 
     The set-point is constant between commands, so ė = -v.
     """
-    return (
-        command.kp_position * (command.position - q)
-        + integral
-        - command.kd_position * v
-        + command.kp_velocity * (command.velocity - v)
-        + command.effort
-    )
+    damping = command.kd_position + command.kp_velocity
+    return static_effort(command, integral, q) - damping * v
+
+
+def implicit_gain(
+    damping: np.ndarray, share: np.ndarray, mobility: np.ndarray, dt: float
+) -> np.ndarray:
+    """The matrix G = (1 + h·D·Λ·K)⁻¹ of ``user_effort``, shape (n, n).
+
+    Args:
+        damping: All gains on velocity together d [N·m·s/rad], shape (n,).
+        share: The user's share k of each joint, 0 to 1.
+        mobility: Λ, accelerations per effort [rad/s² per N·m], shape (n, n).
+        dt: The step h [s].
+    """
+    coupling = dt * damping[:, None] * mobility * share
+    coupling.reshape(-1)[:: len(damping) + 1] += 1.0
+    return np.linalg.inv(coupling)
 
 
 def user_effort(
@@ -85,31 +108,23 @@ def user_effort(
     integral: np.ndarray,
     q: np.ndarray,
     v: np.ndarray,
-    share: np.ndarray,
-    inertia: np.ndarray,
+    gain: np.ndarray,
     effort_limit: np.ndarray,
-    dt: float,
 ) -> np.ndarray:
     """The law with its damping taken implicitly [N·m], shape (n,).
 
-    An explicit torque -d·v at step h diverges when d·h exceeds twice the inertia I,
-    which the tutorial's own gains do at the wrists. The implicit law asks for the
-    damping of the velocity at the step's end, v⁺ = v + (h/I)·(τ + τ_other). What all
-    other forces (gravity, contact, the rest of the body) do is not known, so it is
-    taken from the last step: τ_other = I·(v - v_last)/h - τ_last. Solving for τ gives
+    An explicit torque -d·v at step h diverges when d·h exceeds twice the inertia of
+    the joint, which the tutorial's own gains do at the wrists. The implicit law asks
+    for the damping of the velocity at the step's end, v⁺ = v + h·Λ·(K·τ + τ_other).
+    What all other forces (gravity, contact, the behaviour) do is not known, so it is
+    taken from the last step: h·Λ·τ_other = v - v_last - h·Λ·K·τ_last. Solving for τ,
 
-        τ = τ_last + (τ_law(q, 2v - v_last) - τ_last) / (1 + a),   a = h·k·d / I
+        τ = τ_last + G·(τ_law(q, 2v - v_last) - τ_last),   G = (1 + h·D·Λ·K)⁻¹
 
-    which is the law itself wherever d is small or the joint is at rest, so that
-    set-points and gravity droop are those of the gains, and stays stable for any d as
-    long as I is not above 4/3 of the joint's true inertia.
-
-    A joint that is much heavier than I lags behind the law by a·h. Its stiffness,
-    taken late, then drives it like a negative damping of s·d with s = h²·k·kp / I,
-    which would outweigh d from s = 1 on: ankles and shoulders at 2 ms. τ_law
-    therefore has the damping (s - s_max)·d added where s is above s_max. That is
-    stable for s up to 1 + s_max at the inertia I itself and for more at a greater
-    one; a joint's true inertia is three times I and more.
+    This is the law itself wherever damping is small or joints move steadily, so that
+    set-points and gravity droop are those of the gains, and it is stable for any
+    damping. A limb that the ground holds moves less than Λ says: its effort then
+    follows the law with a lag of a few steps.
 
     Args:
         state: Of the last step.
@@ -117,17 +132,11 @@ def user_effort(
         integral: The integral term now [N·m].
         q: Positions [rad].
         v: Velocities [rad/s].
-        share: The user's share k of each joint, 0 to 1.
-        inertia: Lower estimate of each joint's inertia, all else free [kg·m²].
+        gain: G from ``implicit_gain``.
         effort_limit: [N·m]
-        dt: The step h [s].
     """
-    damping = command.kd_position + command.kp_velocity
-    a = (dt * share * damping) / inertia
     law = explicit_effort(command, integral, q, 2.0 * v - state.velocity)
-    stiffness = (dt * dt * share * command.kp_position) / inertia
-    law -= np.maximum(stiffness - _MAX_STIFFNESS, 0.0) * damping * v
-    effort = state.effort + (law - state.effort) / (1.0 + a)
+    effort = state.effort + gain @ (law - state.effort)
     return np.minimum(np.maximum(effort, -effort_limit), effort_limit)
 
 

@@ -68,8 +68,11 @@ class EffortBounds:
         lower: Least total effort [N·m], shape (n,).
         upper: Greatest total effort [N·m], shape (n,).
         user_held: Joints whose effort the user decides alone, bool, shape (n,).
+        added_inertia: By how much the bounds fall per acceleration of the joint,
+            because the user's law resists it [kg·m²], shape (n,).
     """
 
     lower: np.ndarray
     upper: np.ndarray
     user_held: np.ndarray
+    added_inertia: np.ndarray | float = 0.0

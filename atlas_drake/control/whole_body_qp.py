@@ -110,7 +110,7 @@ class WholeBodyQp:
         answer = solve(problem)
         if not answer.found:
             return self._carry_weight(terms, bounds, contacts)
-        effort = np.clip(T @ answer.x + t, bounds.lower, bounds.upper)
+        effort = T @ answer.x + t
         wrenches = np.zeros((2, _WRENCH))
         for k, i in enumerate(contacts):
             wrenches[i] = answer.x[n + _WRENCH * k : n + _WRENCH * (k + 1)]
@@ -205,6 +205,7 @@ class WholeBodyQp:
 
         size = layout.size
         A[:n] = T
+        A[layout.joints, layout.joints] += bounds.added_inertia
         lower[size : size + n] = bounds.lower - t
         upper[size : size + n] = bounds.upper - t
         kind[size : size + n][free] = EQUALITY
@@ -255,6 +256,7 @@ class _Layout:
     def __init__(self, num_joints: int, feet: int, cone_size: int):
         n = num_joints
         self.size = n + _WRENCH * feet
+        self.joints = np.arange(n)
         self._first_cone_row = n
         self._cone_size = cone_size
         rows = n + feet * cone_size

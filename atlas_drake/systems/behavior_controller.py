@@ -65,7 +65,7 @@ class BehaviorController(LeafSystem):
         state: Measured positions and velocities, in plant order.
         foot_wrenches: Of the ground on the left and the right sole, in W at the
             sole's centre [N·m; N], shape (12,).
-        user_effort: What the user asks of each joint [N·m], shape (n,).
+        user_forecast: ``UserForecast``, what the user's law will do in the tick.
         k_effort: The user's share of each joint, 0 to 255, shape (n,).
         commands: ``CommandsInForce``
 
@@ -100,7 +100,9 @@ class BehaviorController(LeafSystem):
             "state", self._model.num_states
         )
         self._wrench_input = self.DeclareVectorInputPort("foot_wrenches", 12)
-        self._user_input = self.DeclareVectorInputPort("user_effort", n)
+        self._user_input = self.DeclareAbstractInputPort(
+            "user_forecast", AbstractValue.Make(None)
+        )
         self._share_input = self.DeclareVectorInputPort("k_effort", n)
         self._command_input = self.DeclareAbstractInputPort(
             "commands", AbstractValue.Make(None)
@@ -159,9 +161,9 @@ class BehaviorController(LeafSystem):
             foot_force=wrenches[[5, 11]],
             user_held=user_held,
         )
-        request = self._command_input.Eval(context).request
+        commands = self._command_input.Eval(context)
         supervisor, command = self._supervisor.update(
-            before.supervisor, seen, request
+            before.supervisor, seen, commands.request
         )
         if command is None:
             return ControllerState(
@@ -169,12 +171,15 @@ class BehaviorController(LeafSystem):
                 np.zeros(self._robot.num_joints),
                 unsolved=before.unsolved,
             )
+        limit = self._robot.effort_limit
         user = self._user_input.Eval(context)
-        bounds = effort_bounds(share, user, self._robot.effort_limit)
+        bounds = effort_bounds(share, user, limit)
         solution = self._qp.solve(terms, command, bounds)
         return ControllerState(
             supervisor,
-            behavior_share(solution.effort, share, user, self._robot.effort_limit),
+            behavior_share(
+                solution.effort, solution.joint_acceleration, share, user, limit
+            ),
             solution,
             before.unsolved + (not solution.found),
         )

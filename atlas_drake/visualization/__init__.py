@@ -1,4 +1,4 @@
-"""What is shown in Meshcat beside the robot itself.
+"""What is shown in Meshcat: the world around the robot, footsteps and a caption.
 
 Reads ports; nothing here changes what is simulated.
 """

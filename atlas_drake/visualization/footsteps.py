@@ -1,0 +1,189 @@
+"""The footsteps on the ground: as commanded, as they will be taken, as they landed.
+
+All poses are those of the sole frame. Height is not drawn: the ground is level.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from enum import Enum
+
+import numpy as np
+from pydrake.common.value import AbstractValue
+from pydrake.geometry import Meshcat, Rgba
+from pydrake.math import RigidTransform, RotationMatrix
+from pydrake.systems.framework import Context, LeafSystem
+
+from atlas_drake.behaviors.base import Event
+from atlas_drake.behaviors.step_queue import NO_STEP, footstep_from
+from atlas_drake.commands import BehaviorRequest
+from atlas_drake.messages import AtlasSimInterfaceState, Behavior
+from atlas_drake.robot import SoleSize
+from atlas_drake.visualization.marks import Marks
+
+COLORS = (Rgba(0.10, 0.42, 0.85, 1.0), Rgba(0.90, 0.42, 0.08, 1.0))
+"""Of the left and the right foot."""
+LANDED_OPACITY = 0.45
+KEPT = 40
+"""How many landed steps stay in view."""
+VISIBLE_SHIFT, VISIBLE_TURN = 0.01, 0.03
+"""A step moved by less [m] or turned by less [rad] is shown as commanded."""
+LINE_WIDTH = 3.0
+"""[pixel]"""
+CORNER_POINTS = 7
+"""Points of each rounded corner."""
+TOE_ROUNDING, HEEL_ROUNDING = 1.0, 0.55
+"""Radius of the corners in half widths of the sole: one sees where the toes are."""
+
+
+class Kind(Enum):
+    """What a mark says about a step, and how high above the ground it is drawn [m]."""
+
+    LANDED = 0.003
+    COMMANDED = 0.004
+    SATURATED = 0.005
+
+
+@dataclass(frozen=True)
+class FootstepMark:
+    """One sole on the ground; position in W [m], heading [rad]."""
+
+    kind: Kind
+    foot: int
+    x: float
+    y: float
+    yaw: float
+
+
+def footstep_marks(
+    request: BehaviorRequest, report: AtlasSimInterfaceState, events: Iterable[Event]
+) -> list[FootstepMark]:
+    """What there is to draw.
+
+    Args:
+        request: The behaviour command in force.
+        report: Of the behaviours.
+        events: The latest events; those about footsteps count.
+    """
+    marks = []
+    for event in [e for e in events if e.kind == "footstep"][-KEPT:]:
+        foot = event.data["foot"]
+        commanded, saturated = event.data["commanded"], event.data["saturated"]
+        marks.append(_mark(Kind.LANDED, foot, event.data["landed"]))
+        marks.append(_mark(Kind.COMMANDED, foot, commanded))
+        if _differ(commanded, saturated):
+            marks.append(_mark(Kind.SATURATED, foot, saturated))
+    if report.current_behavior != Behavior.WALK:
+        return marks
+    first = max(report.walk_feedback.current_step_index, 1)
+    coming = {}
+    params = request.command.walk_params
+    if request.behavior is Behavior.WALK and not params.use_demo_walk:
+        for index, (foot, pose) in _poses(params.step_queue).items():
+            if index >= first:
+                coming[index] = pose
+                marks.append(_mark(Kind.COMMANDED, foot, pose))
+    for index, (foot, pose) in _poses(
+        report.walk_feedback.step_queue_saturated
+    ).items():
+        if index >= first and _differ(coming.get(index, pose), pose):
+            # Balance moves a step a little all the time; not every move is a new mark.
+            steps = [VISIBLE_SHIFT, VISIBLE_SHIFT, VISIBLE_TURN]
+            rounded = [
+                s * round(value / s) for value, s in zip(pose, steps, strict=True)
+            ]
+            marks.append(_mark(Kind.SATURATED, foot, rounded))
+    return marks
+
+
+def _poses(queue: Sequence) -> dict[int, tuple[int, list[float]]]:
+    """Foot and pose (x, y, yaw) of each step in a queue, by index."""
+    steps = [footstep_from(data) for data in queue if data.step_index != NO_STEP]
+    return {s.index: (s.foot, [*map(float, s.p_WF[:2]), s.yaw]) for s in steps}
+
+
+def _mark(kind: Kind, foot: int, pose: Sequence[float]) -> FootstepMark:
+    # Rounded, so that a step looks the same before and after it is taken.
+    x, y, yaw = (round(float(value), 4) for value in pose)
+    return FootstepMark(kind, foot, x, y, yaw)
+
+
+def _differ(a: Sequence[float], b: Sequence[float]) -> bool:
+    shift = float(np.hypot(a[0] - b[0], a[1] - b[1]))
+    return shift > VISIBLE_SHIFT or abs(a[2] - b[2]) > VISIBLE_TURN
+
+
+def sole_outline(sole: SoleSize) -> np.ndarray:
+    """Outline of a sole, rounder at the toes.
+
+    Args:
+        sole: Its size.
+
+    Returns:
+        Points in the sole frame, counter-clockwise and not closed [m], shape
+        (3, number of points); z is zero.
+    """
+    half = np.array([0.5 * sole.length, 0.5 * sole.width])
+    points = []
+    corners = [(1, 1, 0.0), (-1, 1, 0.5), (-1, -1, 1.0), (1, -1, 1.5)]
+    for sign_x, sign_y, begin in corners:
+        radius = half[1] * (TOE_ROUNDING if sign_x > 0 else HEEL_ROUNDING)
+        centre = np.array([sign_x, sign_y]) * (half - radius)
+        for angle in np.pi * np.linspace(begin, begin + 0.5, CORNER_POINTS):
+            points.append(centre + radius * np.array([np.cos(angle), np.sin(angle)]))
+    outline = np.zeros((3, len(points)), order="F")
+    outline[:2] = np.array(points).T
+    return outline
+
+
+class FootstepDisplay(LeafSystem):
+    """Draws footsteps: outlines where commanded, filled where landed.
+
+    A dashed outline shows where a step goes that is not taken as commanded.
+
+    Input ports:
+        commands: ``CommandsInForce``
+        controller_state: ``ControllerState``
+        atlas_sim_interface_state: ``AtlasSimInterfaceState``
+    """
+
+    def __init__(self, meshcat: Meshcat, sole: SoleSize, period: float) -> None:
+        """Looks every ``period`` [s]."""
+        super().__init__()
+        self._meshcat = meshcat
+        self._outline = sole_outline(sole)
+        self._commands, self._controller, self._report = (
+            self.DeclareAbstractInputPort(name, AbstractValue.Make(None))
+            for name in ("commands", "controller_state", "atlas_sim_interface_state")
+        )
+        self._marks = Marks(meshcat, "/atlas_drake/footsteps", self._draw)
+        self.DeclarePeriodicPublishEvent(period, 0.0, self._publish)
+
+    def _publish(self, context: Context) -> None:
+        marks = footstep_marks(
+            self._commands.Eval(context).request,
+            self._report.Eval(context),
+            self._controller.Eval(context).supervisor.events,
+        )
+        self._marks.show(marks, context.get_time())
+
+    def _draw(self, path: str, mark: object) -> None:
+        assert isinstance(mark, FootstepMark)
+        color = COLORS[mark.foot]
+        outline = self._outline
+        if mark.kind is Kind.LANDED:
+            last = outline.shape[1] - 1
+            fan = [[0, i, i + 1] for i in range(1, last)]
+            color = Rgba(color.r(), color.g(), color.b(), LANDED_OPACITY)
+            self._meshcat.SetTriangleMesh(
+                path, outline, np.array(fan, dtype=np.int32).T, color
+            )
+        else:
+            every = slice(None, None, 2 if mark.kind is Kind.SATURATED else 1)
+            starts = outline[:, every]
+            ends = np.roll(outline, -1, axis=1)[:, every]
+            self._meshcat.SetLineSegments(path, starts, ends, LINE_WIDTH, color)
+        R_WF = RotationMatrix.MakeZRotation(mark.yaw)
+        X_WF = RigidTransform(R_WF, [mark.x, mark.y, mark.kind.value])
+        self._meshcat.SetTransform(path, X_WF)

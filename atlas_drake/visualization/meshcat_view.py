@@ -1,0 +1,44 @@
+"""Everything that Meshcat shows of a station, added to a diagram in one call.
+
+Wiring only; what is drawn is in the files beside this one.
+"""
+
+from __future__ import annotations
+
+from pydrake.geometry import Meshcat, MeshcatVisualizer, MeshcatVisualizerParams
+from pydrake.systems.framework import Diagram, DiagramBuilder
+
+from atlas_drake.robot import Robot
+from atlas_drake.visualization import FRAME_RATE
+from atlas_drake.visualization.caption import CaptionDisplay
+from atlas_drake.visualization.footsteps import FootstepDisplay
+from atlas_drake.visualization.scene import prepare_scene
+
+
+def add_meshcat_view(
+    builder: DiagramBuilder, station: Diagram, robot: Robot, meshcat: Meshcat
+) -> None:
+    """Adds the robot's visualiser, footsteps and caption, and dresses the scene.
+
+    Args:
+        builder: Of the diagram that holds the station.
+        station: An AtlasStation.
+        robot: Its robot.
+        meshcat: Where to show it.
+    """
+    period = 1.0 / FRAME_RATE
+    prepare_scene(meshcat)
+    MeshcatVisualizer.AddToBuilder(
+        builder,
+        station.GetOutputPort("query_object"),
+        meshcat,
+        MeshcatVisualizerParams(publish_period=period, enable_alpha_slider=False),
+    )
+    for name, display in (
+        ("footstep_display", FootstepDisplay(meshcat, robot.file.sole, period)),
+        ("caption_display", CaptionDisplay(meshcat, period)),
+    ):
+        builder.AddNamedSystem(name, display)
+        for index in range(display.num_input_ports()):
+            port = display.get_input_port(index)
+            builder.Connect(station.GetOutputPort(port.get_name()), port)
