@@ -6,13 +6,15 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from pydrake.multibody.plant import MultibodyPlant
 
-from atlas_drake.control.joint_inertia import lower_joint_inertia
+from atlas_drake.control.joint_mobility import JointMobility
 from atlas_drake.control.joint_pid import (
     PidInput,
     PidState,
     damping_bound,
     explicit_effort,
+    implicit_gain,
     integrate,
     user_effort,
 )
@@ -61,6 +63,23 @@ def written_law(c, integral, q, v):
     )
 
 
+def gain_of(command, inertia, dt, share=1.0):
+    """The implicit gain of joints that do not move each other."""
+    n = len(command.position)
+    return implicit_gain(
+        command.kd_position + command.kp_velocity,
+        np.full(n, share),
+        np.diag(1.0 / np.broadcast_to(inertia, n)),
+        dt,
+    )
+
+
+def effort_of(state, command, integral, q, v, inertia, dt, limit=UNLIMITED):
+    """The law for joints that do not move each other."""
+    gain = gain_of(command, inertia, dt)
+    return user_effort(state, command, integral, q, v, gain, np.full_like(q, limit))
+
+
 @pytest.fixture
 def random():
     return np.random.default_rng(5)
@@ -85,34 +104,15 @@ def test_without_damping_the_law_holds_in_any_motion(random, random_command):
     zero = np.zeros(10)
     undamped = dataclasses.replace(random_command, kd_position=zero, kp_velocity=zero)
     q, v, last_v, last_effort, integral = random.normal(size=(5, 10))
-    effort = user_effort(
-        PidState(integral, last_v, last_effort),
-        undamped,
-        integral,
-        q,
-        v,
-        np.ones(10),
-        np.full(10, 0.01),
-        np.full(10, UNLIMITED),
-        0.001,
-    )
+    state = PidState(integral, last_v, last_effort)
+    effort = effort_of(state, undamped, integral, q, v, 0.01, 0.001)
     np.testing.assert_allclose(effort, written_law(undamped, integral, q, v))
 
 
 def test_the_law_holds_for_small_damping(random, random_command):
     q, v, last_effort, integral = random.normal(size=(4, 10))
-    heavy = np.full(10, 1e9)
-    effort = user_effort(
-        PidState(integral, v, last_effort),
-        random_command,
-        integral,
-        q,
-        v,
-        np.ones(10),
-        heavy,
-        np.full(10, UNLIMITED),
-        0.001,
-    )
+    state = PidState(integral, v, last_effort)
+    effort = effort_of(state, random_command, integral, q, v, 1e9, 0.001)
     np.testing.assert_allclose(
         effort, written_law(random_command, integral, q, v), rtol=1e-6
     )
@@ -124,39 +124,43 @@ def test_at_steady_velocity_the_effort_settles_at_the_law(random_command, veloci
     command = dataclasses.replace(random_command, kp_position=np.zeros(10))
     v, nothing = np.full(10, velocity), np.zeros(10)
     state = PidState(nothing, v, nothing)
-    for _ in range(2000):
-        effort = user_effort(
-            state,
-            command,
-            nothing,
-            nothing,
-            v,
-            np.ones(10),
-            np.full(10, 0.002),
-            np.full(10, UNLIMITED),
-            0.001,
-        )
+    for _ in range(200):
+        effort = effort_of(state, command, nothing, nothing, v, 0.01, 0.001)
         state = PidState(nothing, v, effort)
     np.testing.assert_allclose(effort, written_law(command, nothing, nothing, v))
 
 
 def test_effort_keeps_its_limit(random_command):
-    far = dataclasses.replace(random_command, position=np.full(10, 1e6))
-    limit = np.linspace(1.0, 10.0, 10)
+    limit, nothing = np.linspace(1.0, 10.0, 10), np.zeros(10)
     for sign in (1.0, -1.0):
-        command = dataclasses.replace(far, position=sign * far.position)
-        effort = user_effort(
-            state_of(10),
-            command,
-            np.zeros(10),
-            np.zeros(10),
-            np.zeros(10),
-            np.ones(10),
-            np.ones(10),
-            limit,
-            0.001,
+        command = dataclasses.replace(random_command, position=np.full(10, sign * 1e6))
+        effort = effort_of(
+            state_of(10), command, nothing, nothing, nothing, 1.0, 0.001, limit=limit
         )
         np.testing.assert_array_equal(effort, sign * limit)
+
+
+def test_the_gain_solves_for_the_damping_at_the_steps_end(random, random_command):
+    # In free motion without other forces the effort is the law at the next velocity.
+    root = random.normal(size=(10, 10))
+    mobility = root @ root.T + np.eye(10)
+    share, dt = random.uniform(0.1, 1.0, 10), 0.01
+    damping = random_command.kd_position + random_command.kp_velocity
+    gain = implicit_gain(damping, share, mobility, dt)
+    q, v, last_effort, integral = random.normal(size=(4, 10))
+    # The last step had no other forces either.
+    last_v = v - dt * mobility @ (share * last_effort)
+    effort = user_effort(
+        PidState(integral, last_v, last_effort),
+        random_command,
+        integral,
+        q,
+        v,
+        gain,
+        np.full(10, UNLIMITED),
+    )
+    next_v = v + dt * mobility @ (share * effort)
+    np.testing.assert_allclose(effort, written_law(random_command, integral, q, next_v))
 
 
 def test_integral_grows_by_the_error_times_its_gain():
@@ -217,25 +221,27 @@ def test_damping_bound():
     )
 
 
-def simulate(kp, kd, assumed, true, dt, duration, disturbance=0.0):
+def simulate(command, assumed, true, dt, duration, disturbance=0.0, share=1.0):
     """Single joints under the law from 0.1 rad; returns positions and velocities."""
-    n = len(kp)
-    command = dataclasses.replace(
-        command_of(n, kp_velocity=TUTORIAL_KP_VELOCITY), kp_position=kp, kd_position=kd
-    )
+    n = len(command.position)
     state, q, v = state_of(n), np.full(n, 0.1), np.zeros(n)
-    limit = np.full(n, UNLIMITED)
+    gain, limit = gain_of(command, assumed, dt, share), np.full(n, UNLIMITED)
     positions, velocities = [], []
     for _ in range(round(duration / dt)):
-        effort = user_effort(
-            state, command, state.integral, q, v, np.ones(n), assumed, limit, dt
-        )
+        effort = user_effort(state, command, state.integral, q, v, gain, limit)
         state = PidState(state.integral, v, effort)
-        v = v + dt * (effort + disturbance) / true
+        v = v + dt * (share * effort + disturbance) / true
         q = q + dt * v
         positions.append(q)
         velocities.append(v)
     return np.array(positions), np.array(velocities)
+
+
+@pytest.fixture
+def tutorial_command():
+    """The tutorial's gains; all set-points are zero."""
+    command = command_of(len(TUTORIAL_KP), kp_velocity=TUTORIAL_KP_VELOCITY)
+    return dataclasses.replace(command, kp_position=TUTORIAL_KP)
 
 
 @pytest.fixture(scope="module")
@@ -246,17 +252,23 @@ def tutorial_robot():
 
 @pytest.fixture(scope="module")
 def tutorial_inertia(tutorial_robot):
-    return lower_joint_inertia(tutorial_robot)
+    """What each joint feels alone, all others free [kg·m²]."""
+    plant = MultibodyPlant(time_step=0.0)
+    tutorial_robot.add_to(plant)
+    plant.Finalize()
+    q = plant.GetPositions(plant.CreateDefaultContext())
+    q[tutorial_robot.indices(plant).q] = tutorial_robot.stand_prep
+    mobility = JointMobility(tutorial_robot)
+    return 1.0 / np.diag(mobility.evaluate(mobility.create_context(), q))
 
 
 @pytest.mark.parametrize("dt", PHYSICS_STEPS)
 @pytest.mark.parametrize("factor", [1.0, 2.0, 1000.0])
 def test_single_joints_with_the_tutorials_gains_come_to_rest(
-    tutorial_inertia, dt, factor
+    tutorial_command, tutorial_inertia, dt, factor
 ):
-    n = len(TUTORIAL_KP)
     true = factor * tutorial_inertia
-    q, v = simulate(TUTORIAL_KP, np.zeros(n), tutorial_inertia, true, dt, DURATION)
+    q, v = simulate(tutorial_command, tutorial_inertia, true, dt, DURATION)
     # No joint ever has more energy than it began with ...
     energy = 0.5 * TUTORIAL_KP * q**2 + 0.5 * true * v**2
     assert (energy.max(axis=0) <= 1.001 * 0.5 * TUTORIAL_KP * 0.1**2).all()
@@ -279,35 +291,21 @@ def test_an_explicit_law_would_not_do(tutorial_inertia, dt):
 def test_under_a_constant_load_joints_droop_by_load_over_stiffness(
     tutorial_inertia, dt
 ):
-    load = -3.0
-    kp = np.full_like(tutorial_inertia, 200.0)
-    q, _ = simulate(
-        kp, 0.0 * kp, tutorial_inertia, 3.0 * tutorial_inertia, dt, 4.0, load
+    load, stiffness = -3.0, 200.0
+    command = command_of(
+        len(tutorial_inertia),
+        kp_position=stiffness,
+        kp_velocity=TUTORIAL_KP_VELOCITY,
     )
-    np.testing.assert_allclose(q[-1], load / 200.0, atol=1e-5)
+    true = 3.0 * tutorial_inertia
+    q, _ = simulate(command, tutorial_inertia, true, dt, 4.0, load)
+    np.testing.assert_allclose(q[-1], load / stiffness, atol=1e-5)
 
 
 @pytest.mark.parametrize("share", [0.1, 0.5, 1.0])
-def test_a_share_of_the_law_is_stable_too(tutorial_inertia, share):
-    inertia, n = tutorial_inertia, len(tutorial_inertia)
-    command = dataclasses.replace(
-        command_of(n, kp_velocity=TUTORIAL_KP_VELOCITY), kp_position=TUTORIAL_KP
+def test_a_share_of_the_law_is_stable_too(tutorial_command, tutorial_inertia, share):
+    q, v = simulate(
+        tutorial_command, tutorial_inertia, tutorial_inertia, 0.001, 2.0, share=share
     )
-    state, q, v = state_of(n), np.full(n, 0.1), np.zeros(n)
-    for _ in range(2000):
-        effort = user_effort(
-            state,
-            command,
-            state.integral,
-            q,
-            v,
-            np.full(n, share),
-            inertia,
-            np.full(n, UNLIMITED),
-            0.001,
-        )
-        state = PidState(state.integral, v, effort)
-        v = v + 0.001 * share * effort / inertia
-        q = q + 0.001 * v
-        assert np.abs(q).max() <= 0.1 + 1e-9
-    assert np.abs(v).max() < 0.1
+    assert np.abs(q).max() <= 0.1 + 1e-9
+    assert np.abs(v[-1]).max() < 0.1

@@ -15,6 +15,9 @@ from atlas_drake.control.whole_body_model import GRAVITY
 from atlas_drake.control.whole_body_qp import WholeBodyQp
 
 FEET = {"both": (0, 1), "left": (0,), "right": (1,), "none": ()}
+TOLERANCE = 1e-5
+"""To which the solver keeps bounds and equalities [N·m]."""
+
 UNBOUNDED = 1e5
 """Normal force that no foot here reaches [N]."""
 
@@ -93,7 +96,7 @@ def test_solution_obeys_the_equations_of_motion(
     solution = qp.solve(terms, command_for(robot, FEET[feet], random), bounds)
     assert solution.found
     np.testing.assert_allclose(residual(terms, solution), 0.0, atol=1e-6)
-    assert (np.abs(solution.effort) <= robot.effort_limit).all()
+    assert (np.abs(solution.effort) <= robot.effort_limit + TOLERANCE).all()
 
 
 @pytest.mark.parametrize("feet", ["both", "left", "right"])
@@ -199,11 +202,30 @@ def test_user_held_joints_get_exactly_the_users_effort(
     command = command_for(robot, FEET[feet])
     solution = qp.solve(standing, command, mixed)
     assert solution.found
-    np.testing.assert_array_equal(solution.effort[held], effort[held])
+    np.testing.assert_allclose(solution.effort[held], effort[held], atol=TOLERANCE)
     # Their motion is what these efforts give, and the rest of the body knows of it.
     np.testing.assert_allclose(residual(standing, solution), 0.0, atol=1e-6)
     free = qp.solve(standing, command, bounds)
     assert np.abs(solution.joint_acceleration - free.joint_acceleration)[held].max() > 1
+
+
+def test_users_that_resist_acceleration_are_reckoned_with(robot, qp, bounds, standing):
+    # The user's damper takes an effort of inertia·v̇ off what the bounds say.
+    held = robot.limb("l_arm", "r_arm", "neck")
+    effort = np.where(held, np.linspace(-5.0, 5.0, robot.num_joints), 0.0)
+    inertia = np.where(held, 0.3, 0.0)
+    mixed = EffortBounds(
+        np.where(held, effort, bounds.lower),
+        np.where(held, effort, bounds.upper),
+        held,
+        inertia,
+    )
+    solution = qp.solve(standing, command_for(robot, (0, 1)), mixed)
+    assert solution.found
+    np.testing.assert_allclose(residual(standing, solution), 0.0, atol=1e-6)
+    resisted = effort - inertia * solution.joint_acceleration
+    np.testing.assert_allclose(solution.effort[held], resisted[held], atol=TOLERANCE)
+    assert np.abs(inertia * solution.joint_acceleration).max() > 0.1
 
 
 def test_effort_bounds_of_blended_joints_are_kept(robot, qp, bounds, standing):
@@ -212,7 +234,7 @@ def test_effort_bounds_of_blended_joints_are_kept(robot, qp, bounds, standing):
     tight = EffortBounds(-half, half, bounds.user_held)
     solution = qp.solve(standing, command_for(robot, (0, 1)), tight)
     assert solution.found
-    assert (np.abs(solution.effort) <= half).all()
+    assert (np.abs(solution.effort) <= half + TOLERANCE).all()
     np.testing.assert_allclose(residual(standing, solution), 0.0, atol=1e-6)
 
 
