@@ -10,13 +10,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-_MAX_STIFFNESS = 0.9
-"""Share of its damping that a stiff joint may lose to the lag of the implicit law.
-
-This is s_max: below 1, so that some damping is always left, but near it, so that
-few joints see another law than the one written.
-"""
-
 
 @dataclass(frozen=True)
 class PidInput:
@@ -63,9 +56,7 @@ def integrate(
     return np.where(active, clamped, state.integral)
 
 
-def static_effort(
-    command: PidInput, integral: np.ndarray, q: np.ndarray
-) -> np.ndarray:
+def static_effort(command: PidInput, integral: np.ndarray, q: np.ndarray) -> np.ndarray:
     """All of the law but what depends on the joint's velocity [N·m], shape (n,)."""
     return (
         command.kp_position * (command.position - q)

@@ -2,7 +2,8 @@
 
 The QP reasons about total efforts. A joint's total lies between what the behaviour's
 own limits can add to the user's share; where the user has the joint alone it is the
-user's effort and nothing else. Whether and why a joint is shared is the user's business.
+user's effort and nothing else. Whether and why a joint is shared is the user's
+business.
 """
 
 from __future__ import annotations
