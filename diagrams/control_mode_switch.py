@@ -5,11 +5,11 @@ Wiring only; the programme is in ``atlas_drake.tutorial``.
 
 from collections.abc import Sequence
 
-from pydrake.geometry import Meshcat, MeshcatVisualizer, MeshcatVisualizerParams
+from pydrake.geometry import Meshcat
 from pydrake.systems.framework import Diagram, DiagramBuilder
 
 from atlas_drake.diagrams.atlas_station import StationConfig, make_atlas_station
-from atlas_drake.robot import Robot
+from atlas_drake.robot import Robot, load_robot
 from atlas_drake.systems.command_scheduler import CommandScheduler, ScheduledCommand
 
 
@@ -19,7 +19,7 @@ def make_control_mode_switch(
     config: StationConfig | None = None,
     meshcat: Meshcat | None = None,
 ) -> Diagram:
-    """Builds scheduler and station, and a visualiser when there is a Meshcat.
+    """Builds scheduler and station, and a 3D view when there is a Meshcat.
 
     Input ports, all optional:
         other_atlas_command, other_atlas_sim_interface_command: Messages of a script or
@@ -28,6 +28,7 @@ def make_control_mode_switch(
 
     Output ports: those of the station, and ``sent`` of the scheduler.
     """
+    robot = robot or load_robot()
     config = config or StationConfig()
     builder = DiagramBuilder()
     station = builder.AddNamedSystem("station", make_atlas_station(robot, config))
@@ -48,12 +49,10 @@ def make_control_mode_switch(
         builder.ExportOutput(port, port.get_name())
     builder.ExportOutput(scheduler.GetOutputPort("sent"), "sent")
     if meshcat is not None:
-        MeshcatVisualizer.AddToBuilder(
-            builder,
-            station.GetOutputPort("query_object"),
-            meshcat,
-            MeshcatVisualizerParams(publish_period=1.0 / 32.0, enable_alpha_slider=False),
-        )
+        # Meshcat's part loads only where there is something to see.
+        from atlas_drake.visualization.meshcat_view import add_meshcat_view
+
+        add_meshcat_view(builder, station, robot, meshcat)
     diagram = builder.Build()
     diagram.set_name("control_mode_switch")
     return diagram

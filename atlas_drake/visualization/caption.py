@@ -6,6 +6,11 @@ appears in recordings, which a label beside the 3D view would not.
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
 from pydrake.common.value import AbstractValue
 from pydrake.geometry import Meshcat, Rgba
 from pydrake.math import RigidTransform
@@ -19,18 +24,20 @@ from atlas_drake.messages import (
     WalkStatus,
 )
 from atlas_drake.visualization.marks import Marks
+from atlas_drake.visualization.ribbons import draw_flat, ribbons
+from atlas_drake.visualization.scene import CAMERA, FIELD_OF_VIEW
 from atlas_drake.visualization.stroke_font import text_segments
 
-CAMERA = "/Cameras/default/rotated/<object>"
-"""Path of Meshcat's camera; what hangs below it moves with the view."""
-DISTANCE = 1.0
-"""Of the text from the camera [m]."""
-TITLE_HEIGHT, NOTE_HEIGHT = 0.055, 0.024
-"""Of the letters [m]; at DISTANCE the picture is 1.53 m high."""
-TITLE_Y, NOTE_Y = 0.62, 0.56
-"""Of the baselines, above the middle of the picture [m]."""
-TITLE_WIDTH, NOTE_WIDTH = 4.0, 2.0
-"""Of the strokes [pixel]."""
+DISTANCE = 0.5
+"""Of the text from the camera [m]: nearer than anything one looks at."""
+HALF_PICTURE = DISTANCE * math.tan(0.5 * math.radians(FIELD_OF_VIEW))
+"""Half the height of the picture there [m]; the numbers below are shares of it."""
+TITLE_HEIGHT, NOTE_HEIGHT = 0.075, 0.034
+"""Of the letters."""
+TITLE_Y, NOTE_Y = 0.83, 0.74
+"""Of the baselines, above the middle of the picture."""
+STROKE = 0.13
+"""Width of a stroke as a share of the letters' height."""
 COLOR = Rgba(0.13, 0.17, 0.22, 1.0)
 
 
@@ -57,6 +64,13 @@ def caption_of(report: AtlasSimInterfaceState) -> tuple[str, str]:
     return title, note
 
 
+@dataclass(frozen=True)
+class _Line:
+    text: str
+    height: float
+    y: float
+
+
 class CaptionDisplay(LeafSystem):
     """Keeps the caption up to date.
 
@@ -75,15 +89,18 @@ class CaptionDisplay(LeafSystem):
         self.DeclarePeriodicPublishEvent(period, 0.0, self._publish)
 
     def _publish(self, context: Context) -> None:
-        title, note = caption_of(self._report.Eval(context))
+        report: Any = self._report.Eval(context)
+        title, note = caption_of(report)
         marks = [
-            (title, TITLE_HEIGHT, TITLE_Y, TITLE_WIDTH),
-            (note, NOTE_HEIGHT, NOTE_Y, NOTE_WIDTH),
+            _Line(title, TITLE_HEIGHT, TITLE_Y),
+            _Line(note, NOTE_HEIGHT, NOTE_Y),
         ]
         self._marks.show(marks, context.get_time())
 
     def _draw(self, path: str, mark: object) -> None:
-        text, height, y, width = mark  # type: ignore[misc]
-        starts, ends = text_segments(text, height)
-        self._meshcat.SetLineSegments(path, starts, ends, width, COLOR)
-        self._meshcat.SetTransform(path, RigidTransform([0.0, y, -DISTANCE]))
+        assert isinstance(mark, _Line)
+        height = HALF_PICTURE * mark.height
+        starts, ends = text_segments(mark.text, height)
+        draw_flat(self._meshcat, path, *ribbons(starts, ends, STROKE * height), COLOR)
+        p_CT: Any = np.array([0.0, HALF_PICTURE * mark.y, -DISTANCE])
+        self._meshcat.SetTransform(path, RigidTransform(p_CT))

@@ -8,8 +8,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import Enum
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from pydrake.common.value import AbstractValue
 from pydrake.geometry import Meshcat, Rgba
 from pydrake.math import RigidTransform, RotationMatrix
@@ -18,9 +20,14 @@ from pydrake.systems.framework import Context, LeafSystem
 from atlas_drake.behaviors.base import Event
 from atlas_drake.behaviors.step_queue import NO_STEP, footstep_from
 from atlas_drake.commands import BehaviorRequest
-from atlas_drake.messages import AtlasSimInterfaceState, Behavior
+from atlas_drake.messages import (
+    AtlasBehaviorStepData,
+    AtlasSimInterfaceState,
+    Behavior,
+)
 from atlas_drake.robot import SoleSize
 from atlas_drake.visualization.marks import Marks
+from atlas_drake.visualization.ribbons import draw_flat, ribbons
 
 COLORS = (Rgba(0.10, 0.42, 0.85, 1.0), Rgba(0.90, 0.42, 0.08, 1.0))
 """Of the left and the right foot."""
@@ -29,8 +36,8 @@ KEPT = 40
 """How many landed steps stay in view."""
 VISIBLE_SHIFT, VISIBLE_TURN = 0.01, 0.03
 """A step moved by less [m] or turned by less [rad] is shown as commanded."""
-LINE_WIDTH = 3.0
-"""[pixel]"""
+LINE_WIDTH = 0.008
+"""Of the outlines [m]."""
 CORNER_POINTS = 7
 """Points of each rounded corner."""
 TOE_ROUNDING, HEEL_ROUNDING = 1.0, 0.55
@@ -97,7 +104,9 @@ def footstep_marks(
     return marks
 
 
-def _poses(queue: Sequence) -> dict[int, tuple[int, list[float]]]:
+def _poses(
+    queue: Iterable[AtlasBehaviorStepData],
+) -> dict[int, tuple[int, list[float]]]:
     """Foot and pose (x, y, yaw) of each step in a queue, by index."""
     steps = [footstep_from(data) for data in queue if data.step_index != NO_STEP]
     return {s.index: (s.foot, [*map(float, s.p_WF[:2]), s.yaw]) for s in steps}
@@ -114,7 +123,7 @@ def _differ(a: Sequence[float], b: Sequence[float]) -> bool:
     return shift > VISIBLE_SHIFT or abs(a[2] - b[2]) > VISIBLE_TURN
 
 
-def sole_outline(sole: SoleSize) -> np.ndarray:
+def sole_outline(sole: SoleSize) -> NDArray[np.float64]:
     """Outline of a sole, rounder at the toes.
 
     Args:
@@ -161,11 +170,11 @@ class FootstepDisplay(LeafSystem):
         self.DeclarePeriodicPublishEvent(period, 0.0, self._publish)
 
     def _publish(self, context: Context) -> None:
-        marks = footstep_marks(
-            self._commands.Eval(context).request,
-            self._report.Eval(context),
-            self._controller.Eval(context).supervisor.events,
-        )
+        commands: Any = self._commands.Eval(context)
+        report: Any = self._report.Eval(context)
+        controller: Any = self._controller.Eval(context)
+        events = controller.supervisor.events
+        marks = footstep_marks(commands.request, report, events)
         self._marks.show(marks, context.get_time())
 
     def _draw(self, path: str, mark: object) -> None:
@@ -176,14 +185,13 @@ class FootstepDisplay(LeafSystem):
             last = outline.shape[1] - 1
             fan = [[0, i, i + 1] for i in range(1, last)]
             color = Rgba(color.r(), color.g(), color.b(), LANDED_OPACITY)
-            self._meshcat.SetTriangleMesh(
-                path, outline, np.array(fan, dtype=np.int32).T, color
-            )
+            faces = np.array(fan, dtype=np.int32).T
+            draw_flat(self._meshcat, path, outline, faces, color)
         else:
             every = slice(None, None, 2 if mark.kind is Kind.SATURATED else 1)
             starts = outline[:, every]
             ends = np.roll(outline, -1, axis=1)[:, every]
-            self._meshcat.SetLineSegments(path, starts, ends, LINE_WIDTH, color)
+            draw_flat(self._meshcat, path, *ribbons(starts, ends, LINE_WIDTH), color)
         R_WF = RotationMatrix.MakeZRotation(mark.yaw)
-        X_WF = RigidTransform(R_WF, [mark.x, mark.y, mark.kind.value])
-        self._meshcat.SetTransform(path, X_WF)
+        p_WF: Any = np.array([mark.x, mark.y, mark.kind.value])
+        self._meshcat.SetTransform(path, RigidTransform(R_WF, p_WF))

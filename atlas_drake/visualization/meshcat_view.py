@@ -6,7 +6,7 @@ Wiring only; what is drawn is in the files beside this one.
 from __future__ import annotations
 
 from pydrake.geometry import Meshcat, MeshcatVisualizer, MeshcatVisualizerParams
-from pydrake.systems.framework import Diagram, DiagramBuilder
+from pydrake.systems.framework import DiagramBuilder, System
 
 from atlas_drake.robot import Robot
 from atlas_drake.visualization import FRAME_RATE
@@ -16,7 +16,7 @@ from atlas_drake.visualization.scene import prepare_scene
 
 
 def add_meshcat_view(
-    builder: DiagramBuilder, station: Diagram, robot: Robot, meshcat: Meshcat
+    builder: DiagramBuilder, station: System, robot: Robot, meshcat: Meshcat
 ) -> None:
     """Adds the robot's visualiser, footsteps and caption, and dresses the scene.
 

@@ -5,11 +5,16 @@ Only looks; the ground that the robot stands on is part of the plant.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from pydrake.geometry import Box, Meshcat, Rgba
 from pydrake.math import RigidTransform
 
-GROUND_SIZE, GROUND_THICKNESS = 24.0, 0.02
+Array = Any
+"""An array for Meshcat, whose declared types those of numpy do not match."""
+
+GROUND_SIZE, GROUND_THICKNESS = 80.0, 0.02
 """Side and thickness of the slab that is drawn [m]."""
 GRID_SPACING, GRID_BOLD = 0.25, 4
 """Between lines [m]; every so many lines are darker."""
@@ -18,9 +23,16 @@ GRID_SIZE = 8.0
 GRID_LIFT = 0.001
 """Of the lines above the ground, so that they are not hidden in it [m]."""
 
-CAMERA_POSITION = np.array([2.35, -1.75, 1.25])
-CAMERA_TARGET = np.array([0.3, 0.0, 0.88])
+CAMERA = "/Cameras/default/rotated/<object>"
+"""Path of Meshcat's camera; what hangs below it moves with the view."""
+FIELD_OF_VIEW = 38.0
+"""Of the camera, upright [degree]: narrower than Meshcat's own, which distorts."""
+CAMERA_POSITION: Array = np.array([3.3, -2.5, 1.45])
+CAMERA_TARGET: Array = np.array([0.2, 0.0, 0.98])
 """In W [m]: three quarters from the front, start and end of the tutorial in view."""
+
+SUN_POSITION = np.array([2.5, -1.0, 6.0])
+"""Of the lamp that throws the shadows, in W [m]."""
 
 
 def prepare_scene(meshcat: Meshcat) -> None:
@@ -31,16 +43,16 @@ def prepare_scene(meshcat: Meshcat) -> None:
     meshcat.SetProperty("/Background", "bottom_color", [0.97, 0.98, 0.99])
     _add_ground(meshcat)
     _add_light(meshcat)
+    meshcat.SetProperty(CAMERA, "fov", FIELD_OF_VIEW)
     meshcat.SetCameraPose(CAMERA_POSITION, CAMERA_TARGET)
 
 
 def _add_ground(meshcat: Meshcat) -> None:
     path = "/atlas_drake/ground"
     slab = Box(GROUND_SIZE, GROUND_SIZE, GROUND_THICKNESS)
-    meshcat.SetObject(f"{path}/slab", slab, Rgba(0.86, 0.88, 0.90, 1.0))
-    meshcat.SetTransform(
-        f"{path}/slab", RigidTransform([0.0, 0.0, -0.5 * GROUND_THICKNESS])
-    )
+    meshcat.SetObject(f"{path}/slab", slab, Rgba(0.93, 0.94, 0.95, 1.0))
+    p_WS: Array = np.array([0.0, 0.0, -0.5 * GROUND_THICKNESS])
+    meshcat.SetTransform(f"{path}/slab", RigidTransform(p_WS))
     count = round(0.5 * GRID_SIZE / GRID_SPACING)
     numbers = np.arange(-count, count + 1)
     for name, chosen, color in (
@@ -50,11 +62,36 @@ def _add_ground(meshcat: Meshcat) -> None:
         at = GRID_SPACING * chosen
         end = np.full(at.size, 0.5 * GRID_SIZE)
         lift = np.full(at.size, GRID_LIFT)
-        starts = np.hstack([[at, -end, lift], [-end, at, lift]])
-        ends = np.hstack([[at, end, lift], [end, at, lift]])
+        starts: Array = np.hstack([[at, -end, lift], [-end, at, lift]])
+        ends: Array = np.hstack([[at, end, lift], [end, at, lift]])
         meshcat.SetLineSegments(f"{path}/{name}", starts, ends, 1.0, color)
 
 
 def _add_light(meshcat: Meshcat) -> None:
-    meshcat.SetProperty("/Lights/SpotLight", "visible", True)
-    meshcat.SetProperty("/Lights/SpotLight/<object>", "castShadow", True)
+    """One lamp from above with soft shadows; the others do not fade with distance."""
+    for name, intensity in (
+        ("PointLightNegativeX", 0.5),
+        ("PointLightPositiveX", 0.4),
+        ("FillLight", 0.4),
+        ("AmbientLight", 1.8),
+    ):
+        meshcat.SetProperty(f"/Lights/{name}/<object>", "intensity", intensity)
+    for name in ("PointLightNegativeX", "PointLightPositiveX"):
+        meshcat.SetProperty(f"/Lights/{name}/<object>", "decay", 0.0)
+        meshcat.SetProperty(f"/Lights/{name}/<object>", "distance", 0.0)
+    sun = "/Lights/SpotLight"
+    meshcat.SetProperty(sun, "visible", True)
+    sun += "/<object>"
+    meshcat.SetProperty(sun, "position", SUN_POSITION.tolist())
+    for name, value in (
+        ("intensity", 1.5),
+        ("decay", 0.0),
+        ("angle", 1.25),
+        ("penumbra", 1.0),
+        ("castShadow", True),
+        ("shadow.radius", 4.0),
+        ("shadow.bias", -0.0005),
+        ("shadow.mapSize.width", 2048.0),
+        ("shadow.mapSize.height", 2048.0),
+    ):
+        meshcat.SetProperty(sun, name, value)

@@ -82,7 +82,7 @@ def text_segments(text: str, height: float) -> tuple[np.ndarray, np.ndarray]:
     left = -0.5 * (ADVANCE * (len(text) - 1) + GLYPH_WIDTH)
     for letter in text.upper():
         for stroke in _GLYPHS.get(letter, _UNKNOWN):
-            chain = [(left + int(x), float(y)) for x, y in stroke.split()]
+            chain = [(left + int(xy[0]), float(xy[1])) for xy in stroke.split()]
             starts += chain[:-1]
             ends += chain[1:]
         left += ADVANCE
