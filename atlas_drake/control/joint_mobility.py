@@ -5,6 +5,8 @@ A model evaluation only; the law that uses it is ``joint_pid``.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context
@@ -17,7 +19,8 @@ class JointMobility:
 
     def __init__(self, robot: Robot):
         """Builds a plant of its own without geometry."""
-        self._plant = MultibodyPlant(time_step=0.0)
+        # Untyped, because pydrake's stubs misname the type of every array.
+        self._plant: Any = MultibodyPlant(time_step=0.0)
         robot.add_to(self._plant)
         self._plant.Finalize()
         indices = robot.indices(self._plant)
