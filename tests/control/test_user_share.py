@@ -1,0 +1,86 @@
+"""Shared joints: the user's forecast, the total's bounds, the behaviour's own part."""
+
+import numpy as np
+import pytest
+
+from atlas_drake.control.user_share import (
+    UserForecast,
+    behavior_share,
+    effort_bounds,
+    forecast_user_effort,
+)
+
+LIMIT = np.array([10.0, 20.0, 30.0, 40.0])
+SHARE = np.array([0.0, 0.25, 0.8, 1.0])
+FORECAST = UserForecast(
+    effort=np.array([4.0, -8.0, 12.0, -16.0]), inertia=np.array([0.1, 0.2, 0.3, 0.4])
+)
+DT = 0.005
+"""Control tick [s]."""
+
+
+def test_total_effort_is_within_the_bounds_whatever_the_behavior_does():
+    bounds = effort_bounds(SHARE, FORECAST, LIMIT)
+    for behavior in np.linspace(-1.0, 1.0, 5):
+        total = SHARE * FORECAST.effort + (1.0 - SHARE) * behavior * LIMIT
+        assert (total >= bounds.lower - 1e-12).all()
+        assert (total <= bounds.upper + 1e-12).all()
+    # And the bounds are reached.
+    np.testing.assert_allclose(
+        bounds.upper, SHARE * FORECAST.effort + (1.0 - SHARE) * LIMIT
+    )
+    np.testing.assert_allclose(bounds.added_inertia, SHARE * FORECAST.inertia)
+
+
+def test_only_joints_that_the_user_has_alone_are_held():
+    bounds = effort_bounds(SHARE, FORECAST, LIMIT)
+    np.testing.assert_array_equal(bounds.user_held, [False, False, False, True])
+    assert bounds.lower[3] == bounds.upper[3] == FORECAST.effort[3]
+    np.testing.assert_array_equal([bounds.lower[0], bounds.upper[0]], [-10.0, 10.0])
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_shares_add_up_to_the_total(seed):
+    random = np.random.default_rng(seed)
+    own = random.uniform(-1.0, 1.0, 4) * LIMIT
+    acceleration = random.normal(size=4)
+    user = FORECAST.effort - FORECAST.inertia * acceleration
+    total = SHARE * user + (1.0 - SHARE) * own
+    found = behavior_share(total, acceleration, SHARE, FORECAST, LIMIT)
+    np.testing.assert_allclose(found[:3], own[:3])
+    # Of a joint without a share the behaviour would go on with the total.
+    assert found[3] == pytest.approx(total[3])
+
+
+def test_the_behaviors_part_keeps_the_effort_limit():
+    found = behavior_share(1e3 * np.ones(4), np.zeros(4), SHARE, FORECAST, LIMIT)
+    np.testing.assert_array_equal(found, LIMIT)
+
+
+@pytest.mark.parametrize("acceleration", [0.0, 3.0, -40.0])
+def test_forecast_is_the_law_at_the_velocity_of_the_ticks_end(acceleration):
+    static, stiffness, damping, v = 6.0, 300.0, 20.0, -0.7
+    forecast = forecast_user_effort(
+        *(np.array([x]) for x in (static, stiffness, damping, v, 1e9)), DT
+    )
+    velocity = v + acceleration * DT
+    # The stiffness at the middle of the tick, which is half the way at that velocity.
+    expected = static - stiffness * velocity * DT / 2 - damping * velocity
+    found = forecast.effort - forecast.inertia * acceleration
+    np.testing.assert_allclose(found, expected)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_motor_at_its_limit_does_not_yield(sign):
+    forecast = forecast_user_effort(
+        *(np.array([x]) for x in (sign * 15.0, 300.0, 20.0, 2.0, 10.0)), DT
+    )
+    assert forecast.effort[0] == sign * 10.0
+    assert forecast.inertia[0] == 0.0
+
+
+def test_without_gains_the_forecast_is_the_feed_forward():
+    forecast = forecast_user_effort(
+        *(np.array([x]) for x in (3.0, 0.0, 0.0, 2.0, 10.0)), DT
+    )
+    assert (forecast.effort[0], forecast.inertia[0]) == (3.0, 0.0)
