@@ -91,16 +91,16 @@ def footstep_marks(
             if index >= first:
                 coming[index] = pose
                 marks.append(_mark(Kind.COMMANDED, foot, pose))
-    for index, (foot, pose) in _poses(
-        report.walk_feedback.step_queue_saturated
-    ).items():
-        if index >= first and _differ(coming.get(index, pose), pose):
-            # Balance moves a step a little all the time; not every move is a new mark.
-            steps = [VISIBLE_SHIFT, VISIBLE_SHIFT, VISIBLE_TURN]
-            rounded = [
-                s * round(value / s) for value, s in zip(pose, steps, strict=True)
-            ]
-            marks.append(_mark(Kind.SATURATED, foot, rounded))
+    taken = _poses(report.walk_feedback.step_queue_saturated)
+    for index, (foot, pose) in taken.items():
+        # Steps of an earlier message are known from the report alone.
+        known = index in coming
+        if index < first or (known and not _differ(coming[index], pose)):
+            continue
+        # Balance moves a step a little all the time; not every move is a new mark.
+        grid = (VISIBLE_SHIFT, VISIBLE_SHIFT, VISIBLE_TURN)
+        rounded = [g * round(value / g) for value, g in zip(pose, grid, strict=True)]
+        marks.append(_mark(Kind.SATURATED if known else Kind.COMMANDED, foot, rounded))
     return marks
 
 

@@ -73,7 +73,7 @@ def _add_light(meshcat: Meshcat) -> None:
         ("PointLightNegativeX", 0.5),
         ("PointLightPositiveX", 0.4),
         ("FillLight", 0.4),
-        ("AmbientLight", 1.8),
+        ("AmbientLight", 1.35),
     ):
         meshcat.SetProperty(f"/Lights/{name}/<object>", "intensity", intensity)
     for name in ("PointLightNegativeX", "PointLightPositiveX"):
@@ -84,7 +84,7 @@ def _add_light(meshcat: Meshcat) -> None:
     sun += "/<object>"
     meshcat.SetProperty(sun, "position", SUN_POSITION.tolist())
     for name, value in (
-        ("intensity", 1.5),
+        ("intensity", 1.8),
         ("decay", 0.0),
         ("angle", 1.25),
         ("penumbra", 1.0),

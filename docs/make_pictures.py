@@ -1,0 +1,65 @@
+"""Makes the pictures of the README from a run of the tutorial.
+
+Needs Chromium for the views and Graphviz for the diagram::
+
+    python docs/make_pictures.py [--browser chromium]
+"""
+
+# ruff: noqa: T201
+
+import argparse
+import subprocess
+import tempfile
+from pathlib import Path
+
+from pydrake.geometry import Meshcat
+
+from atlas_drake import AtlasSimulation, Scenario
+from atlas_drake.diagram_picture import write_diagram_picture
+
+IMAGES = Path(__file__).parent / "images"
+MOMENTS = {"atlas.png": 10.5, "walk.png": 11.72}
+"""Which picture, and when in the tutorial [s]: in the second and in the last step."""
+SIZE = "1200,800"
+"""Of the pictures [pixel]."""
+BROWSER_OPTIONS = (
+    "--headless",
+    "--no-sandbox",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--hide-scrollbars",
+    "--no-first-run",
+    "--virtual-time-budget=6000",
+    f"--window-size={SIZE}",
+)
+HIDE_CONTROLS = "<style>.dg { display: none }</style>"
+
+
+def photograph(browser: str, page: str, picture: Path) -> None:
+    """Opens a web page and writes what is seen."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "page.html"
+        file.write_text(page.replace("</head>", f"{HIDE_CONTROLS}</head>", 1))
+        command = [browser, *BROWSER_OPTIONS, f"--user-data-dir={folder}/profile"]
+        command += [f"--screenshot={picture}", file.as_uri()]
+        subprocess.run(command, check=True, capture_output=True)
+    print(f"Wrote {picture} ({picture.stat().st_size / 1e3:.0f} kB).")
+
+
+def main() -> None:
+    """Makes all pictures."""
+    parser = argparse.ArgumentParser(description="Make the pictures of the README.")
+    parser.add_argument("--browser", default="chromium", help="default: %(default)s")
+    options = parser.parse_args()
+    IMAGES.mkdir(exist_ok=True)
+    print(f"Wrote {write_diagram_picture(IMAGES / 'diagram.svg')[0]}.")
+    meshcat = Meshcat()
+    sim = AtlasSimulation(Scenario(programme="tutorial"), meshcat=meshcat)
+    for name, time in sorted(MOMENTS.items(), key=lambda item: item[1]):
+        sim.advance_to(time)
+        photograph(options.browser, meshcat.StaticHtml(), IMAGES / name)
+
+
+if __name__ == "__main__":
+    main()

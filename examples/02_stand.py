@@ -1,0 +1,44 @@
+"""Behaviour mode: STAND balances, also when Atlas is pushed."""
+
+import argparse
+import sys
+
+from pydrake.geometry import Meshcat
+
+from atlas_drake import AtlasSimInterfaceCommand, AtlasSimulation, Behavior
+
+parser = argparse.ArgumentParser(description=__doc__)
+parser.add_argument("--headless", action="store_true", help="no 3D view")
+options = parser.parse_args()
+
+meshcat = None if options.headless else Meshcat()
+sim = AtlasSimulation(meshcat=meshcat)
+if meshcat is not None:
+    sim.set_realtime_rate(1.0)
+    input("Open the address above in a browser, then press Enter to start.")
+
+command = AtlasSimInterfaceCommand()
+command.behavior = command.STAND
+command.k_effort = [0] * sim.robot.num_joints  # 0: all joints are the behaviour's
+sim.publish(command)
+sim.advance(1.0)
+
+
+def report(what: str) -> None:
+    """Prints the behaviour and where the pelvis is."""
+    state = sim.atlas_sim_interface_state
+    at = state.pos_est.position
+    name = Behavior(state.current_behavior).name
+    print(f"{sim.time:5.2f} s  {name:6} pelvis at x {at.x:+.3f} y {at.y:+.3f}  {what}")
+
+
+report("at rest")
+for force, where in (([150.0, 0.0, 0.0], "forward"), ([0.0, 100.0, 0.0], "left")):
+    sim.apply_push("utorso", force, 0.1)  # [N] for 0.1 s
+    sim.advance(0.3)
+    report(f"pushed {where}")
+    sim.advance(2.0)
+    report("recovered")
+
+print("Atlas fell." if sim.has_fallen else "Atlas still stands.")
+sys.exit(sim.has_fallen)
