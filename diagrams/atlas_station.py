@@ -86,7 +86,13 @@ def make_atlas_station(
     )
     pid = builder.AddNamedSystem(
         "joint_pid_bank",
-        JointPidBank(robot, indices, plant.num_positions(), config.physics_step),
+        JointPidBank(
+            robot,
+            indices,
+            plant.num_positions(),
+            config.physics_step,
+            config.control_period,
+        ),
     )
     behaviors = builder.AddNamedSystem(
         "behavior_controller",
@@ -97,7 +103,14 @@ def make_atlas_station(
     selector = builder.AddNamedSystem("effort_selector", EffortSelector(robot, indices))
     sensors = builder.AddNamedSystem(
         "robot_sensors",
-        RobotSensors(robot, plant, config.noise, config.seed, config.physics_step),
+        RobotSensors(
+            robot,
+            plant,
+            config.noise,
+            config.seed,
+            config.physics_step,
+            config.control_period,
+        ),
     )
     statistics = builder.AddNamedSystem(
         "run_statistics",
@@ -117,13 +130,15 @@ def make_atlas_station(
     connect(commands, "commands", behaviors)
     connect(commands, "commands", sensors)
     connect(pid, "user_effort", selector)
-    connect(pid, "user_effort", behaviors)
+    connect(pid, "user_forecast", behaviors)
     connect(behaviors, "behavior_effort", selector)
+    connect(behaviors, "behavior_effort", pid)
     connect(selector, "actuation", plant)
     connect(selector, "effort", sensors)
     connect(selector, "effort", statistics)
     connect(sensors, "measured_state", behaviors, "state")
     connect(sensors, "foot_wrenches", behaviors)
+    connect(sensors, "foot_wrenches", pid)
     connect(plant, "contact_results", sensors)
     connect(plant, "body_spatial_accelerations", sensors, "body_accelerations")
     for reader in (sensors, pid, statistics):
@@ -160,6 +175,9 @@ def _add_world(
             time_step=config.physics_step,
             discrete_contact_approximation=config.contact_approximation,
             contact_model="point",
+            # Sampled ports would make the plant's step an unrestricted update, which
+            # could not see what the controller's update of the same instant decided.
+            use_sampled_output_ports=False,
         ),
         builder,
     )

@@ -7,15 +7,21 @@ from __future__ import annotations
 
 from typing import Any
 
+from collections.abc import Sequence
+
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import JacobianWrtVariable
 from pydrake.systems.framework import Context
 
 from atlas_drake.robot import Robot
 
+REGULARIZATION = 1e-6
+"""Mobility [1/kg; 1/(kg·m²)] below which a constraint counts as dependent."""
+
 
 class JointMobility:
-    """The joints' block of M⁻¹, pelvis and all joints free. Holds no state."""
+    """The joints' block of M⁻¹, the pelvis free. Holds no state."""
 
     def __init__(self, robot: Robot):
         """Builds a plant of its own without geometry."""
@@ -25,17 +31,52 @@ class JointMobility:
         self._plant.Finalize()
         indices = robot.indices(self._plant)
         self._block = np.ix_(indices.v, indices.v)
+        self._soles = [
+            self._plant.GetFrameByName(foot.sole_frame) for foot in robot.file.feet
+        ]
 
     def create_context(self) -> Context:
         """A scratch context for ``evaluate``."""
         return self._plant.CreateDefaultContext()
 
-    def evaluate(self, context: Context, positions: np.ndarray) -> np.ndarray:
+    def evaluate(
+        self, context: Context, positions: np.ndarray, planted: Sequence[bool]
+    ) -> np.ndarray:
         """Joint accelerations per effort Λ [rad/s² per N·m], shape (n, n).
+
+        A planted sole does not move: with N the projection on motions that leave it
+        where it is, Λ = N·M⁻¹. A leg on the ground gives way far less than one in
+        the air.
 
         Args:
             context: A scratch context; overwritten.
             positions: Of the plant, in plant order.
+            planted: Whether the left and the right sole are held by the ground.
         """
-        self._plant.SetPositions(context, positions)
-        return np.linalg.inv(self._plant.CalcMassMatrix(context))[self._block]
+        plant = self._plant
+        plant.SetPositions(context, positions)
+        mobility = np.linalg.inv(plant.CalcMassMatrix(context))
+        world = plant.world_frame()
+        soles = [
+            sole for sole, held in zip(self._soles, planted, strict=True) if held
+        ]
+        if soles:
+            J = np.concatenate(
+                [
+                    plant.CalcJacobianSpatialVelocity(
+                        context,
+                        JacobianWrtVariable.kV,
+                        sole,
+                        np.zeros(3),
+                        world,
+                        world,
+                    )
+                    for sole in soles
+                ]
+            )
+            to_soles = J @ mobility
+            # Both feet on the ground and a straight knee leave less than twelve
+            # independent constraints.
+            held = to_soles @ J.T + REGULARIZATION * np.eye(len(J))
+            mobility = mobility - to_soles.T @ np.linalg.solve(held, to_soles)
+        return mobility[self._block]

@@ -1,7 +1,6 @@
 """The joint controllers' law: PID with velocity gain and feed-forward, per joint.
 
-Pure. What makes it stable for any damping gain at any step is the second half: see
-``user_effort``.
+Pure. What makes it stable for any damping gain at any step is in ``user_effort``.
 """
 
 from __future__ import annotations
@@ -36,12 +35,15 @@ class PidState:
     Attributes:
         integral: Of the position error times its gain [N·m].
         velocity: At the last step [rad/s].
-        effort: The user's effort at the last step [N·m].
+        applied: Effort that the motors were to give in the last step [N·m].
+        drift: How much all forces but the motors' change the velocity in a step
+            [rad/s].
     """
 
     integral: np.ndarray
     velocity: np.ndarray
-    effort: np.ndarray
+    applied: np.ndarray
+    drift: np.ndarray
 
 
 def integrate(
@@ -77,10 +79,29 @@ def explicit_effort(
     return static_effort(command, integral, q) - damping * v
 
 
-def implicit_gain(
+DRIFT_TIME = 0.002
+"""Time in which the estimate of what is not the motors' doing follows it [s]."""
+
+
+@dataclass(frozen=True)
+class StepModel:
+    """How velocities respond to efforts within a step; arrays (n, n).
+
+    Attributes:
+        response: h·Λ, velocity change per effort [rad/s per N·m].
+        gain: G = (1 + D·h·Λ·K)⁻¹.
+        dt: The step h [s].
+    """
+
+    response: np.ndarray
+    gain: np.ndarray
+    dt: float
+
+
+def step_model(
     damping: np.ndarray, share: np.ndarray, mobility: np.ndarray, dt: float
-) -> np.ndarray:
-    """The matrix G = (1 + h·D·Λ·K)⁻¹ of ``user_effort``, shape (n, n).
+) -> StepModel:
+    """What ``user_effort`` needs to know of the robot.
 
     Args:
         damping: All gains on velocity together d [N·m·s/rad], shape (n,).
@@ -88,46 +109,61 @@ def implicit_gain(
         mobility: Λ, accelerations per effort [rad/s² per N·m], shape (n, n).
         dt: The step h [s].
     """
-    coupling = dt * damping[:, None] * mobility * share
+    response = dt * mobility
+    coupling = damping[:, None] * (response * share)
     coupling.reshape(-1)[:: len(damping) + 1] += 1.0
-    return np.linalg.inv(coupling)
+    return StepModel(response, np.linalg.inv(coupling), dt)
+
+
+def estimate_drift(state: PidState, v: np.ndarray, model: StepModel) -> np.ndarray:
+    """What gravity, contact and the body's own motion do to velocities per step.
+
+    The part of the last change of velocity that the motors do not explain, smoothed:
+    an unsmoothed estimate answers every jolt twice, and rings.
+    """
+    unexplained = v - state.velocity - model.response @ state.applied
+    blend = model.dt / (model.dt + DRIFT_TIME)
+    return state.drift + blend * (unexplained - state.drift)
 
 
 def user_effort(
-    state: PidState,
     command: PidInput,
-    integral: np.ndarray,
-    q: np.ndarray,
+    static: np.ndarray,
     v: np.ndarray,
-    gain: np.ndarray,
+    drift: np.ndarray,
+    others: np.ndarray,
+    model: StepModel,
     effort_limit: np.ndarray,
 ) -> np.ndarray:
     """The law with its damping taken implicitly [N·m], shape (n,).
 
     An explicit torque -d·v at step h diverges when d·h exceeds twice the inertia of
     the joint, which the tutorial's own gains do at the wrists. The implicit law asks
-    for the damping of the velocity at the step's end, v⁺ = v + h·Λ·(K·τ + τ_other).
-    What all other forces (gravity, contact, the behaviour) do is not known, so it is
-    taken from the last step: h·Λ·τ_other = v - v_last - h·Λ·K·τ_last. Solving for τ,
+    for the damping of the velocity at the step's end,
 
-        τ = τ_last + G·(τ_law(q, 2v - v_last) - τ_last),   G = (1 + h·D·Λ·K)⁻¹
+        v⁺ = v + o + h·Λ·((1 - K)·τ_behaviour + K·τ),
 
-    This is the law itself wherever damping is small or joints move steadily, so that
-    set-points and gravity droop are those of the gains, and it is stable for any
-    damping. A limb that the ground holds moves less than Λ says: its effort then
-    follows the law with a lag of a few steps.
+    where o is what no motor does, and the behaviour's efforts are known:
+
+        τ = τ_static - D·v⁺   ⇒
+        τ = G·(τ_static - D·(v + o + h·Λ·(1 - K)·τ_behaviour)),   G = (1 + D·h·Λ·K)⁻¹
+
+    When joints move steadily v⁺ is v, and this is the law itself: set-points and
+    gravity droop are those of the gains, whatever the step. The scalar loop is stable
+    for any damping as long as Λ is not below 3/4 of the true mobility.
 
     Args:
-        state: Of the last step.
         command: Set-points and gains.
-        integral: The integral term now [N·m].
-        q: Positions [rad].
+        static: The law without its velocity terms, ``static_effort`` [N·m].
         v: Velocities [rad/s].
-        gain: G from ``implicit_gain``.
+        drift: o from ``estimate_drift``.
+        others: The behaviour's part of the motors' efforts (1 - K)·τ_behaviour [N·m].
+        model: From ``step_model``.
         effort_limit: [N·m]
     """
-    law = explicit_effort(command, integral, q, 2.0 * v - state.velocity)
-    effort = state.effort + gain @ (law - state.effort)
+    damping = command.kd_position + command.kp_velocity
+    coasting = v + drift + model.response @ others
+    effort = model.gain @ (static - damping * coasting)
     return np.minimum(np.maximum(effort, -effort_limit), effort_limit)
 
 

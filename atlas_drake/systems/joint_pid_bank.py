@@ -20,19 +20,26 @@ from atlas_drake.commands import JointCommand
 from atlas_drake.control.joint_mobility import JointMobility
 from atlas_drake.control.joint_pid import (
     PidState,
+    StepModel,
     damping_bound,
-    implicit_gain,
+    estimate_drift,
     integrate,
     static_effort,
+    step_model,
     user_effort,
 )
 from atlas_drake.control.user_share import UserForecast, forecast_user_effort
+from atlas_drake.control.whole_body_model import GRAVITY
 from atlas_drake.messages import K_EFFORT_MAX
 from atlas_drake.robot import PlantIndices, Robot
 
 
 MOVED = 0.1
-"""A joint that moved this far makes the implicit damping worth computing anew [rad]."""
+"""A joint that moved this far makes the step's model worth computing anew [rad]."""
+PLANTED_SHARE = 0.1
+"""A sole that carries this share of the robot's weight is held by the ground [-]."""
+PLANTED_LEVER = 0.8
+"""As long as its centre of pressure is within this share of its half width [-]."""
 
 
 @dataclass(frozen=True)
@@ -45,14 +52,16 @@ class PreparedLaw:
         q: Joint positions that it was prepared at [rad].
         command: ``source`` with set-points within the joints' limits and damping
             within what counts.
-        gain: Of the implicit damping.
+        planted: Which soles the ground held.
+        model: How velocities respond to efforts.
     """
 
     source: JointCommand
     share: np.ndarray
     q: np.ndarray
     command: JointCommand
-    gain: np.ndarray
+    planted: tuple[bool, bool]
+    model: StepModel
 
     def __deepcopy__(self, memo: dict) -> "PreparedLaw":
         """Frozen, so its copy is itself."""
@@ -63,6 +72,14 @@ class PreparedLaw:
         return source is self.source and np.array_equal(share, self.share)
 
 
+@dataclass(frozen=True)
+class PidStep:
+    """One step's result: what to remember, and the user's effort now [N·m]."""
+
+    after: PidState
+    effort: np.ndarray
+
+
 class JointPidBank(LeafSystem):
     """Set-points, gains and measured joints in, the user's efforts out.
 
@@ -70,14 +87,15 @@ class JointPidBank(LeafSystem):
         state: Positions and velocities of the plant, in plant order.
         joint_command: ``JointCommand``
         k_effort: The user's share of each joint, 0 to 255, shape (n,).
+        behavior_effort: What the behaviour gives to its share [N·m], shape (n,).
+        foot_wrenches: Of the ground on the soles [N·m; N], shape (12,).
 
     Output ports:
         user_effort: [N·m], shape (n,), message order; 0 for joints with share 0.
         user_forecast: ``UserForecast`` for the coming control tick.
 
-    State: integral term, last velocity and last effort of each joint, updated at
-    every physics step; the gain matrix of the implicit damping, updated at the control
-    rate when the pose or the commands have changed.
+    State: what ``PidState`` holds, updated at every physics step; the prepared law,
+    updated at the control rate when pose, contact or commands have changed.
     """
 
     def __init__(
@@ -108,15 +126,15 @@ class JointPidBank(LeafSystem):
             "joint_command", AbstractValue.Make(None)
         )
         self._share_input = self.DeclareVectorInputPort("k_effort", n)
-        self._memory = self.DeclareDiscreteState(3 * n)
+        self._behavior_input = self.DeclareVectorInputPort("behavior_effort", n)
+        self._wrench_input = self.DeclareVectorInputPort("foot_wrenches", 12)
+        self._memory = self.DeclareDiscreteState(4 * n)
         nothing = np.zeros(n)
-        # One step's result: (integral, velocity, effort), read by output and update.
+        # Output and update read the same step.
         self._step = self.DeclareCacheEntry(
             "one step of the law",
             ValueProducer(
-                allocate=lambda: AbstractValue.Make(
-                    PidState(nothing, nothing, nothing)
-                ),
+                allocate=lambda: AbstractValue.Make(None),
                 calc=self._calc_step,
             ),
             {self.all_input_ports_ticket(), self.xd_ticket(), self.xa_ticket()},
@@ -150,34 +168,47 @@ class JointPidBank(LeafSystem):
         state = self._state_input.Eval(context)
         q, v = state[self._q], state[self._v]
         share = self._share_input.Eval(context) * (1.0 / K_EFFORT_MAX)
-        integral, last_v, last_effort = np.split(
-            context.get_discrete_state(self._memory).value(), 3
+        memory = context.get_discrete_state(self._memory).value()
+        n = len(share)
+        last = PidState(
+            memory[:n], memory[n : 2 * n], memory[2 * n : 3 * n], memory[3 * n :]
         )
         active = share > 0.0
         if not active.any():
-            result.set_value(PidState(integral, v, np.zeros_like(v)))
+            nothing = np.zeros(n)
+            result.set_value(
+                PidStep(PidState(last.integral, v, nothing, nothing), nothing)
+            )
             return
+        others = (1.0 - share) * self._behavior_input.Eval(context)
         law = self._law(context, share)
-        memory = PidState(integral, last_v, last_effort)
-        grown = integrate(memory, law.command, q, active, self._dt)
+        integral = integrate(last, law.command, q, active, self._dt)
+        drift = estimate_drift(last, v, law.model)
         effort = user_effort(
-            memory,
             law.command,
-            grown,
-            q,
+            static_effort(law.command, integral, q),
             v,
-            law.gain,
+            drift,
+            others,
+            law.model,
             self._robot.effort_limit,
         )
-        result.set_value(PidState(grown, v, np.where(active, effort, 0.0)))
+        result.set_value(
+            PidStep(
+                PidState(integral, v, others + share * effort, drift),
+                np.where(active, effort, 0.0),
+            )
+        )
 
     def _calc_effort(self, context: Context, output: BasicVector) -> None:
         output.SetFromVector(self._step.Eval(context).effort)
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
-        step: PidState = self._step.Eval(context)
+        after = self._step.Eval(context).after
         discrete.get_mutable_vector(self._memory).SetFromVector(
-            np.concatenate([step.integral, step.velocity, step.effort])
+            np.concatenate(
+                [after.integral, after.velocity, after.applied, after.drift]
+            )
         )
 
     def _calc_forecast(self, context: Context, output: AbstractValue) -> None:
@@ -213,8 +244,9 @@ class JointPidBank(LeafSystem):
         robot = self._robot
         source: JointCommand = self._command_input.Eval(context)
         state = self._state_input.Eval(context)
+        planted = self._planted(context)
         mobility = self._mobility.evaluate(
-            self._scratch.Eval(context), state[: self._num_positions]
+            self._scratch.Eval(context), state[: self._num_positions], planted
         )
         command = replace(
             source,
@@ -229,8 +261,23 @@ class JointPidBank(LeafSystem):
             share,
             state[self._q],
             command,
-            implicit_gain(damping, share, mobility, self._dt),
+            planted,
+            step_model(damping, share, mobility, self._dt),
         )
+
+    def _planted(self, context: Context) -> tuple[bool, bool]:
+        """Which soles the ground holds: they carry weight, and not on an edge."""
+        wrenches = self._wrench_input.Eval(context)
+        return self._held(wrenches[:6]), self._held(wrenches[6:])
+
+    def _held(self, wrench: np.ndarray) -> bool:
+        load = wrench[5]
+        if load < PLANTED_SHARE * self._robot.mass * GRAVITY:
+            return False
+        sole = self._robot.file.sole
+        # The lever of the load about the sole's centre, whatever the foot's heading.
+        lever = np.hypot(wrench[0], wrench[1]) / load
+        return bool(lever < PLANTED_LEVER * 0.5 * min(sole.length, sole.width))
 
     def _update_law(self, context: Context, state: State) -> None:
         share = self._share_input.Eval(context) * (1.0 / K_EFFORT_MAX)
@@ -241,7 +288,8 @@ class JointPidBank(LeafSystem):
             self._command_input.Eval(context), share
         ):
             q = self._state_input.Eval(context)[self._q]
-            if np.abs(q - known.q).max() < MOVED:
+            moved = np.abs(q - known.q).max() > MOVED
+            if not moved and self._planted(context) == known.planted:
                 return
         state.get_mutable_abstract_state(self._prepared).set_value(
             self._prepare(context, share)

@@ -6,7 +6,13 @@ Messages are made only when somebody reads them; the controller reads plain vect
 import numpy as np
 from pydrake.common.value import AbstractValue
 from pydrake.multibody.plant import ContactResults, MultibodyPlant
-from pydrake.systems.framework import BasicVector, Context, LeafSystem, ValueProducer
+from pydrake.systems.framework import (
+    BasicVector,
+    Context,
+    DiscreteValues,
+    LeafSystem,
+    ValueProducer,
+)
 
 from atlas_drake.control.whole_body_model import GRAVITY
 from atlas_drake.messages import (
@@ -34,7 +40,7 @@ class RobotSensors(LeafSystem):
         measured_state: The state as measured: noise on the pelvis' angular velocity
             and on the joints, if the noise model has any.
         foot_wrenches: Of the ground on the left and the right sole, in W at the
-            sole's centre [N·m; N], shape (12,).
+            sole's centre [N·m; N], shape (12,), as they were one control tick ago.
         atlas_state: ``AtlasState``
         imu: ``Imu``
     """
@@ -45,15 +51,16 @@ class RobotSensors(LeafSystem):
         plant: MultibodyPlant,
         noise: NoiseModel,
         seed: int,
-        period: float,
+        physics_step: float,
+        control_period: float,
     ):
-        """Measures ``robot`` in ``plant`` every ``period`` [s]."""
+        """Measures ``robot`` in ``plant``; noise is new at every ``physics_step`` [s]."""
         super().__init__()
         n = robot.num_joints
         self._robot = robot
         self._plant = plant
         self._indices = robot.indices(plant)
-        self._noise = SensorNoise(noise, seed, n, period)
+        self._noise = SensorNoise(noise, seed, n, physics_step)
         self._pelvis = plant.GetBodyByName(robot.file.pelvis)
         imu_frame = plant.GetFrameByName(robot.file.imu_frame)
         self._X_PI = imu_frame.GetFixedPoseInBodyFrame()
@@ -84,18 +91,23 @@ class RobotSensors(LeafSystem):
             {self.nothing_ticket()},
         )
         state_ticket = self.input_port_ticket(self._state.get_index())
-        contact_ticket = self.input_port_ticket(self._contacts.get_index())
         self.DeclareVectorOutputPort(
             "measured_state",
             plant.num_multibody_states(),
             self._calc_measured_state,
             prerequisites_of_calc={state_ticket},
         )
+        self._wrenches = self.DeclareDiscreteState(12)
         self.DeclareVectorOutputPort(
             "foot_wrenches",
             12,
-            self._calc_foot_wrenches,
-            prerequisites_of_calc={state_ticket, contact_ticket},
+            lambda context, output: output.SetFromVector(
+                context.get_discrete_state(self._wrenches).value()
+            ),
+            prerequisites_of_calc={self.xd_ticket()},
+        )
+        self.DeclarePeriodicDiscreteUpdateEvent(
+            control_period, 0.0, self._sample_foot_wrenches
         )
         self.DeclareAbstractOutputPort(
             "atlas_state", lambda: AbstractValue.Make(AtlasState()), self._calc_state
@@ -120,7 +132,12 @@ class RobotSensors(LeafSystem):
             state[num_q + indices.generalized[:3]] += noise.angular_velocity
         output.SetFromVector(state)
 
-    def _calc_foot_wrenches(self, context: Context, output: BasicVector) -> None:
+    def _sample_foot_wrenches(self, context: Context, discrete: DiscreteValues) -> None:
+        """Reads the contacts that the plant's step at this instant solves anyway.
+
+        Read before the controller's update they would have to be solved once more,
+        with efforts that are about to change.
+        """
         results: ContactResults = self._contacts.Eval(context)
         wrenches = [[0.0] * 6, [0.0] * 6]
         centres = None
@@ -150,7 +167,9 @@ class RobotSensors(LeafSystem):
                 wrench[3] += fx
                 wrench[4] += fy
                 wrench[5] += fz
-        output.SetFromVector(wrenches[0] + wrenches[1])
+        discrete.get_mutable_vector(self._wrenches).SetFromVector(
+            wrenches[0] + wrenches[1]
+        )
 
     def _calc_imu(self, context: Context, output: AbstractValue) -> None:
         scratch = self._at_state(context)
