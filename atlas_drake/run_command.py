@@ -213,7 +213,9 @@ def _await_viewer(meshcat: Meshcat, progress: Progress) -> None:
     )
     # Without a graphical desktop the "browser" would take over this terminal.
     if not (graphical and webbrowser.open(meshcat.web_url())):
-        progress.say("Open that address in a browser.")
+        progress.say(
+            f"Open that address; the run begins then, or in {VIEWER_PATIENCE:g} s."
+        )
     give_up = time.monotonic() + VIEWER_PATIENCE
     while meshcat.GetNumActiveConnections() == 0 and time.monotonic() < give_up:
         time.sleep(0.1)

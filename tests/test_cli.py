@@ -1,0 +1,307 @@
+"""The command line: what it prints, writes and returns."""
+
+import json
+import logging
+import re
+import shutil
+import signal
+import subprocess
+import sys
+
+import pytest
+
+from atlas_drake import run_command
+from atlas_drake.cli import main
+from atlas_drake.run_command import AFTER_FALL, verdict
+
+SUMMARY_KEYS = {
+    "success",
+    "fell",
+    "model",
+    "seed",
+    "sim_time",
+    "wall_time",
+    "real_time_factor",
+    "physics_step",
+    "control_period",
+    "controller_tick_ms",
+    "min_pelvis_height",
+    "max_pelvis_tilt_rad",
+    "final_pelvis_pose",
+    "footsteps",
+    "peak_effort_fraction",
+    "events",
+}
+SHORT = "duration: 0.1\n"
+FALL = "initial_behavior: USER\nduration: 30.0\njitter: {joints: 0.6}\n"
+"""All joints in the user's hands, in a pose that does not stand: down within 1 s."""
+
+
+@pytest.fixture(autouse=True)
+def _restore_logs():
+    loggers = [logging.getLogger(name) for name in ("atlas_drake", "drake")]
+    before = [(log.propagate, log.level, list(log.filters)) for log in loggers]
+    yield
+    for log, (propagate, level, filters) in zip(loggers, before, strict=True):
+        log.propagate, log.filters = propagate, filters
+        log.setLevel(level)
+
+
+@pytest.fixture
+def scenario(tmp_path):
+    def write(text):
+        path = tmp_path / "scenario.yaml"
+        path.write_text(text)
+        return str(path)
+
+    return write
+
+
+# ---- parsing -----------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--help"], ["demo", "run", "diagram", "Begin with"]),
+        (
+            ["demo", "--help"],
+            ["--headless", "--realtime-rate", "--json", "exit status"],
+        ),
+        (["run", "--help"], ["SCENARIO.yaml", "--model", "--seed", "--record"]),
+        (["--version"], ["atlas-drake", "drake"]),
+    ],
+)
+def test_help_names_what_there_is(arguments, words, capsys):
+    with pytest.raises(SystemExit) as stop:
+        main(arguments)
+    assert stop.value.code == 0
+    out = capsys.readouterr().out
+    for word in words:
+        assert word in out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        ([], "COMMAND"),
+        (["dance"], "dance"),
+        (["run"], "SCENARIO.yaml"),
+        (["demo", "--realtime-rate", "-1"], "number from 0 up"),
+        (["demo", "--realtime-rate", "fast"], "number from 0 up"),
+        (["demo", "--port", "80"], "1024..65535"),
+        (["demo", "--seed", "x"], "--seed"),
+    ],
+)
+def test_arguments_that_cannot_be_used_exit_with_2(arguments, complaint, capsys):
+    with pytest.raises(SystemExit) as stop:
+        main(arguments)
+    assert stop.value.code == 2
+    assert complaint in capsys.readouterr().err
+
+
+def test_python_m_is_the_same_command():
+    command = [sys.executable, "-m", "atlas_drake", "--help"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0
+    assert "usage: atlas-drake" in done.stdout
+
+
+# ---- bad input ---------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("text", "field"),
+    [
+        ("durration: 1.0\n", "durration"),
+        ("duration: -1.0\n", "duration"),
+        ("physics_step: 0.003\n", "physics_step"),
+        ("initial_behavior: DANCE\n", "initial_behavior"),
+        ("model: spot\n", "model"),
+        ("jitter: {mass: -0.1}\n", "jitter.mass"),
+        ("duration: [\n", "file"),
+    ],
+)
+def test_a_bad_scenario_is_named_by_field(text, field, scenario, capsys):
+    assert main(["run", scenario(text), "--headless"]) == 2
+    assert field in capsys.readouterr().err
+
+
+def test_a_missing_scenario_is_bad_input(tmp_path, capsys):
+    assert main(["run", str(tmp_path / "none.yaml"), "--headless"]) == 2
+    assert "none.yaml" in capsys.readouterr().err
+
+
+def test_an_unknown_model_is_answered_with_the_known_ones(capsys):
+    assert main(["demo", "--headless", "--model", "spot"]) == 2
+    error = capsys.readouterr().err
+    assert "spot" in error
+    assert "atlas, atlas_v3" in error
+
+
+def test_options_are_checked_like_the_file(capsys):
+    assert main(["demo", "--headless", "--physics-step", "0.01"]) == 2
+    assert "physics_step" in capsys.readouterr().err
+    assert main(["demo", "--headless", "--seed", "-1"]) == 2
+    assert "seed" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("option", ["--json", "--record"])
+def test_a_path_that_cannot_be_written_is_noticed_before_the_run(
+    option, scenario, tmp_path, capsys, monkeypatch
+):
+    monkeypatch.setattr(run_command, "AtlasSimulation", None)  # must not be reached
+    file = scenario(SHORT)
+    missing = tmp_path / "missing" / "file"
+    assert main(["run", file, "--headless", option, str(missing)]) == 2
+    assert option in capsys.readouterr().err
+    assert main(["run", file, "--headless", option, str(tmp_path)]) == 2
+    assert "is a folder" in capsys.readouterr().err
+
+
+# ---- runs --------------------------------------------------------------------
+
+
+def test_a_run_that_stays_upright_succeeds(scenario, tmp_path, capsys):
+    file = tmp_path / "out.json"
+    arguments = ["--model", "atlas_v3", "--seed", "7", "--physics-step", "0.002"]
+    arguments += ["--headless", "--json", str(file)]
+    assert main(["run", scenario(SHORT), *arguments]) == 0
+    assert "Success: Atlas is upright after 0.1 s" in capsys.readouterr().out
+    summary = json.loads(file.read_text())
+    assert summary.keys() >= SUMMARY_KEYS
+    assert summary["success"] is True
+    assert summary["stopped"] is None
+    assert (summary["model"], summary["seed"]) == ("atlas_v3", 7)
+    assert summary["physics_step"] == 0.002
+    assert summary["sim_time"] == pytest.approx(0.1)
+    assert summary["controller_tick_ms"].keys() == {"median", "p99", "max"}
+    assert len(summary["peak_effort_fraction"]) == 28
+
+
+def test_a_fall_fails_and_ends_the_run(scenario, tmp_path, capsys):
+    file = tmp_path / "out.json"
+    assert main(["run", scenario(FALL), "--headless", "--json", str(file)]) == 1
+    assert "Failed: Atlas fell at" in capsys.readouterr().out
+    summary = json.loads(file.read_text())
+    assert summary["fell"] is True
+    assert summary["success"] is False
+    falls = [event["time"] for event in summary["events"] if event["kind"] == "fall"]
+    assert summary["sim_time"] == pytest.approx(falls[0] + AFTER_FALL, abs=0.2)
+
+
+def test_ctrl_c_stops_cleanly_and_keeps_what_was_recorded(
+    scenario, tmp_path, capsys, monkeypatch
+):
+    def interrupt(_self, _time, _behavior):
+        signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr(run_command.Progress, "update", interrupt)
+    before = signal.getsignal(signal.SIGINT)
+    file, page = tmp_path / "out.json", tmp_path / "out.html"
+    keep = ["--json", str(file), "--record", str(page)]
+    assert main(["run", scenario("duration: 60.0\n"), "--headless", *keep]) == 130
+    assert signal.getsignal(signal.SIGINT) is before
+    summary = json.loads(file.read_text())
+    assert summary["stopped"] == "interrupted"
+    assert summary["success"] is False
+    assert summary["sim_time"] == pytest.approx(run_command.PIECE)
+    text = page.read_text()
+    assert text.rstrip().endswith("</html>")
+    assert "Stopped at 0.1 s" in capsys.readouterr().out
+
+
+def test_a_run_with_view_ends_by_itself_when_nobody_sits_there(scenario, capsys):
+    assert main(["run", scenario(SHORT), "--realtime-rate", "0"]) == 0
+    assert re.search(r"Watch at http://localhost:\d+", capsys.readouterr().out)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("options", [[], ["--physics-step", "0.002"], ["--literal"]])
+def test_the_demo_does_the_whole_tutorial(options, tmp_path, capsys):
+    file = tmp_path / "out.json"
+    status = main(["demo", "--headless", "--json", str(file), *options])
+    out = capsys.readouterr().out
+    summary = json.loads(file.read_text())
+    lines = [
+        "[USER] Going to stand prep position...",
+        "[USER] Warming up BDI stand...",
+        "[BDI] Standing...",
+        "[USER/BDI] Command neck and arms...",
+        "[USER/BDI] Walking...",
+        "[USER] Going to home position...",
+    ]
+    places = [out.index(line) for line in lines]
+    assert places == sorted(places)
+    assert summary["fell"] is False
+    changes = [e["text"] for e in summary["events"] if e["kind"] == "behavior"]
+    assert changes[-1] == "WALK -> STAND (by itself)"
+    assert [step["foot"] for step in summary["footsteps"]] == [0, 1, 0, 1]
+    assert all(step["error_m"] < 0.02 for step in summary["footsteps"])
+    assert status == 0
+
+
+# ---- verdicts ----------------------------------------------------------------
+
+
+def outcome(**changes):
+    summary = {
+        "success": True,
+        "fell": False,
+        "stopped": None,
+        "sim_time": 17.0,
+        "real_time_factor": 1.5,
+        "footsteps": [{"error_m": 0.004}],
+        "events": [],
+    }
+    return summary | changes
+
+
+def test_verdicts_tell_apart_what_can_happen():
+    assert verdict(outcome()).startswith("Success: Atlas is upright after 17.0 s, 1 st")
+    fall = [{"time": 3.2, "kind": "fall", "text": "falling in WALK"}]
+    fell = verdict(outcome(success=False, fell=True, events=fall))
+    assert "fell at 3.2 s: falling in WALK" in fell
+    refusal = [{"time": 1.0, "kind": "refusal", "text": "no such thing"}]
+    refused = verdict(outcome(success=False, events=refusal))
+    assert "did not obey: no such thing" in refused
+    assert "did not do all" in verdict(outcome(success=False))
+    assert "diverged" in verdict(outcome(success=False, stopped="diverged"))
+
+
+# ---- the diagram's picture ---------------------------------------------------
+
+
+def test_the_diagram_is_drawn_as_it_is_wired(tmp_path, capsys):
+    file = tmp_path / "diagram.dot"
+    assert main(["diagram", str(file)]) == 0
+    source = file.read_text()
+    for edge in (
+        "scheduler -> command_interface",
+        "behavior_controller -> effort_selector",
+        "effort_selector -> plant",
+        "plant -> robot_sensors",
+    ):
+        assert edge in source
+    assert str(file) in capsys.readouterr().out
+
+
+@pytest.mark.skipif(shutil.which("dot") is None, reason="Graphviz is not installed")
+def test_the_diagram_becomes_a_picture(tmp_path):
+    file = tmp_path / "diagram.svg"
+    assert main(["diagram", str(file)]) == 0
+    assert "behavior_controller" in file.read_text()
+
+
+def test_without_graphviz_there_is_its_source_and_a_hint(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(shutil, "which", lambda _name: None)
+    assert main(["diagram", str(tmp_path / "diagram.png")]) == 0
+    assert (tmp_path / "diagram.dot").is_file()
+    assert "install Graphviz" in capsys.readouterr().out
+
+
+def test_a_picture_of_unknown_kind_is_bad_input(tmp_path, capsys):
+    assert main(["diagram", str(tmp_path / "diagram.gif")]) == 2
+    assert ".svg" in capsys.readouterr().err
+    assert main(["diagram", str(tmp_path / "missing" / "diagram.dot")]) == 2
+    assert "cannot be written" in capsys.readouterr().err

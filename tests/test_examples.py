@@ -1,0 +1,47 @@
+"""The examples: every one explains itself, runs without a view and ends well."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+FOLDER = Path(__file__).parents[1] / "examples"
+EXPECTED = {
+    "01_user_mode": "Atlas still stands.",
+    "02_stand": "Atlas still stands.",
+    "03_mixed_control": "Atlas still stands.",
+    "04_walk": "Atlas walked its curve.",
+    "05_control_mode_switch": "Atlas stands, 4 steps further on.",
+}
+"""What each prints last when all is well."""
+
+
+def run(name, *arguments):
+    command = [sys.executable, str(FOLDER / f"{name}.py"), *arguments]
+    return subprocess.run(
+        command,
+        capture_output=True,
+        text=True,
+        stdin=subprocess.DEVNULL,  # Nobody answers, should it ask.
+        check=False,
+    )
+
+
+def test_every_example_is_expected_here():
+    assert {path.stem for path in FOLDER.glob("*.py")} == set(EXPECTED)
+
+
+@pytest.mark.parametrize("name", EXPECTED)
+def test_examples_explain_themselves(name):
+    done = run(name, "--help")
+    assert done.returncode == 0, done.stderr
+    assert "--headless" in done.stdout
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "last"), EXPECTED.items(), ids=EXPECTED)
+def test_examples_run_to_a_good_end(name, last):
+    done = run(name, "--headless")
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert last in done.stdout.splitlines()[-1]

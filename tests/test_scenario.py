@@ -1,0 +1,116 @@
+"""Scenarios: every field checked, every fault named."""
+
+import math
+from pathlib import Path
+
+import pytest
+
+from atlas_drake import Scenario, ScenarioError, load_scenario
+from atlas_drake.messages import Behavior
+from atlas_drake.scenario import PHYSICS_STEPS
+
+EXAMPLES = sorted((Path(__file__).parents[1] / "examples/scenarios").glob("*.yaml"))
+
+
+def load(tmp_path, text):
+    path = tmp_path / "scenario.yaml"
+    path.write_text(text)
+    return load_scenario(path)
+
+
+def test_what_is_left_out_has_its_default(tmp_path):
+    scenario = load(tmp_path, "seed: 3\njitter: {mass: 0.05}\n")
+    assert scenario.seed == 3
+    assert scenario.jitter.mass == 0.05
+    assert scenario.jitter.position == 0.0
+    assert scenario.model == Scenario().model
+    assert scenario.duration == Scenario().duration
+
+
+def test_validate_returns_the_scenario_itself():
+    scenario = Scenario()
+    assert scenario.validate() is scenario
+
+
+@pytest.mark.parametrize("step", PHYSICS_STEPS)
+def test_every_physics_step_on_offer_is_accepted(step):
+    assert Scenario(physics_step=step).validate().physics_step == step
+
+
+@pytest.mark.parametrize("name", ["STAND", "stand", "Stand-Prep", "user", "FREEZE"])
+def test_behaviors_are_named_in_any_case(name):
+    behavior = Scenario(initial_behavior=name).validate().behavior()
+    assert behavior.name == name.upper().replace("-", "_")
+    assert isinstance(behavior, Behavior)
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [
+        ("model", "spot"),
+        ("programme", "dance"),
+        ("noise", "deafening"),
+        ("physics_step", 0.003),
+        ("physics_step", -0.001),
+        ("physics_step", math.nan),
+        ("contact_approximation", "exact"),
+        ("initial_behavior", "SITT"),
+        ("initial_behavior", "WALK"),
+        ("duration", 0.0),
+        ("duration", math.inf),
+        ("ground_friction", -0.1),
+        ("ground_friction", math.nan),
+        ("control_period", 0.0),
+        ("control_period", 0.0015),
+        ("seed", -1),
+        ("friction_jitter", 0.9),
+        ("friction_jitter", -0.1),
+        ("friction_jitter", math.nan),
+    ],
+)
+def test_a_value_that_cannot_be_used_is_named(field, value):
+    scenario = Scenario(**{field: value})
+    with pytest.raises(ScenarioError) as error:
+        scenario.validate()
+    assert error.value.field == field
+    assert error.value.value is value
+    assert str(error.value).startswith(f"{field}: ")
+
+
+@pytest.mark.parametrize("field", ["position", "orientation", "joints", "mass"])
+@pytest.mark.parametrize("value", [-0.1, math.nan, math.inf])
+def test_jitter_is_checked_field_by_field(field, value):
+    scenario = Scenario()
+    setattr(scenario.jitter, field, value)
+    with pytest.raises(ScenarioError) as error:
+        scenario.validate()
+    assert error.value.field == f"jitter.{field}"
+
+
+@pytest.mark.parametrize(
+    ("text", "word"),
+    [
+        ("durration: 3.0\n", "durration"),
+        ("jitter: {weight: 0.1}\n", "weight"),
+        ("duration: soon\n", "soon"),
+        ("duration: [\n", "file"),
+        ("- duration\n", "file"),
+    ],
+)
+def test_a_file_that_is_no_scenario_is_refused(text, word, tmp_path):
+    with pytest.raises(ScenarioError, match=word):
+        load(tmp_path, text)
+
+
+def test_a_file_that_is_missing_is_named(tmp_path):
+    with pytest.raises(ScenarioError, match="nowhere"):
+        load_scenario(tmp_path / "nowhere.yaml")
+
+
+def test_the_examples_are_found():
+    assert {path.stem for path in EXAMPLES} >= {"tutorial", "rough"}
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_the_examples_load_under_their_own_name(path):
+    assert load_scenario(path).name == path.stem

@@ -1,0 +1,70 @@
+"""The caption says what the report says, in letters that the font has."""
+
+import pytest
+
+from atlas_drake.messages import (
+    AtlasSimInterfaceState,
+    Behavior,
+    BehaviorStatus,
+    WalkStatus,
+)
+from atlas_drake.visualization.caption import caption_of
+from atlas_drake.visualization.stroke_font import _GLYPHS
+
+
+def report(behavior, k_effort, falling=False, walk_flags=0, step=0):
+    state = AtlasSimInterfaceState()
+    state.current_behavior = behavior
+    state.k_effort = k_effort
+    if falling:
+        state.behavior_feedback.status_flags = BehaviorStatus.ERROR_FALLING
+    state.walk_feedback.status_flags = walk_flags
+    state.walk_feedback.current_step_index = step
+    return state
+
+
+BEHAVIORS = "all joints under behavior control"
+USERS = "all joints under user control"
+
+
+@pytest.mark.parametrize(
+    ("state", "title", "note"),
+    [
+        (report(Behavior.STAND, [0, 0, 0]), "STAND", BEHAVIORS),
+        (report(Behavior.STAND, [255, 255, 255]), "user", USERS),
+        (report(Behavior.USER, [255, 255, 255]), "user", USERS),
+        (
+            report(Behavior.STAND_PREP, [255, 0, 0]),
+            "STAND PREP",
+            "1 of 3 joints under user control",
+        ),
+        (
+            report(Behavior.STAND, [255, 128, 0]),
+            "STAND",
+            "1 of 3 joints under user control, 1 shared",
+        ),
+        (
+            report(Behavior.WALK, [0], walk_flags=WalkStatus.SUBSTATE_SWAYING),
+            "WALK",
+            BEHAVIORS,
+        ),
+        (
+            report(Behavior.WALK, [0], walk_flags=WalkStatus.SUBSTATE_STEPPING, step=3),
+            "WALK - step 3",
+            BEHAVIORS,
+        ),
+        (report(Behavior.WALK, [0], falling=True), "falling", BEHAVIORS),
+    ],
+)
+def test_captions(state, title, note):
+    assert caption_of(state) == (title, note)
+
+
+@pytest.mark.parametrize("behavior", Behavior)
+def test_the_font_has_every_letter_of_every_caption(behavior):
+    flags = WalkStatus.SUBSTATE_STEPPING
+    for k_effort in ([0] * 28, [255] * 28, [255] * 5 + [128] * 23):
+        for falling in (False, True):
+            state = report(behavior, k_effort, falling, flags, step=1234567890)
+            for line in caption_of(state):
+                assert set(line.upper()) <= set(_GLYPHS)

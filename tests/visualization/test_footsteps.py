@@ -1,0 +1,135 @@
+"""Which footsteps are drawn, and what a sole looks like."""
+
+import math
+
+import numpy as np
+import pytest
+
+from atlas_drake.behaviors.base import Event
+from atlas_drake.commands import BehaviorRequest
+from atlas_drake.messages import (
+    AtlasBehaviorStepData,
+    AtlasSimInterfaceCommand,
+    AtlasSimInterfaceState,
+    Behavior,
+)
+from atlas_drake.robot import SoleSize
+from atlas_drake.visualization.footsteps import (
+    KEPT,
+    FootstepMark,
+    Kind,
+    footstep_marks,
+    sole_outline,
+)
+
+
+def step(index, x, y=0.1, yaw=0.0):
+    data = AtlasBehaviorStepData()
+    data.step_index = index
+    data.foot_index = (index - 1) % 2
+    data.pose.position.x, data.pose.position.y = x, y
+    data.pose.position.z = 0.9  # The height of a step is not drawn.
+    data.pose.orientation.z = math.sin(0.5 * yaw)
+    data.pose.orientation.w = math.cos(0.5 * yaw)
+    return data
+
+
+def walking(steps, taken=(), current=0):
+    command = AtlasSimInterfaceCommand()
+    command.behavior = command.WALK
+    report = AtlasSimInterfaceState()
+    report.current_behavior = Behavior.WALK
+    report.walk_feedback.current_step_index = current
+    for place, data in enumerate(steps):
+        command.walk_params.step_queue[place] = data
+    for place, data in enumerate(taken or steps):
+        report.walk_feedback.step_queue_saturated[place] = data
+    return BehaviorRequest(Behavior.WALK, command, 1), report
+
+
+def landed(index, commanded, saturated=None, at=None):
+    data = {"index": index, "foot": (index - 1) % 2, "commanded": commanded}
+    data |= {"saturated": saturated or commanded, "landed": at or commanded}
+    return Event(1.0, "footstep", f"step {index} landed", data)
+
+
+def test_steps_to_come_are_drawn_where_commanded():
+    request, report = walking([step(1, 0.25, yaw=0.2), step(2, 0.5, -0.1)])
+    assert footstep_marks(request, report, []) == [
+        FootstepMark(Kind.COMMANDED, 0, 0.25, 0.1, 0.2),
+        FootstepMark(Kind.COMMANDED, 1, 0.5, -0.1, 0.0),
+    ]
+
+
+def test_a_step_that_is_not_taken_as_commanded_is_drawn_twice():
+    request, report = walking([step(1, 0.9)], taken=[step(1, 0.42)])
+    marks = footstep_marks(request, report, [])
+    assert [mark.kind for mark in marks] == [Kind.COMMANDED, Kind.SATURATED]
+    assert marks[1].x == pytest.approx(0.42, abs=0.005)
+
+
+def test_a_small_correction_is_not_drawn():
+    request, report = walking([step(1, 0.25)], taken=[step(1, 0.255)])
+    assert [m.kind for m in footstep_marks(request, report, [])] == [Kind.COMMANDED]
+
+
+def test_a_step_of_an_earlier_message_stays_in_view():
+    request, report = walking([step(2, 0.5)], taken=[step(1, 0.25), step(2, 0.5)])
+    marks = footstep_marks(request, report, [])
+    assert {(m.kind, m.foot) for m in marks} == {
+        (Kind.COMMANDED, 0),
+        (Kind.COMMANDED, 1),
+    }
+
+
+def test_a_landed_step_is_drawn_as_landed_and_where_it_was_commanded():
+    event = landed(1, [0.25, 0.1, 0.0], at=[0.26, 0.1, 0.0])
+    request, report = walking([step(1, 0.25), step(2, 0.5)], current=2)
+    marks = footstep_marks(request, report, [event])
+    assert marks[:2] == [
+        FootstepMark(Kind.LANDED, 0, 0.26, 0.1, 0.0),
+        FootstepMark(Kind.COMMANDED, 0, 0.25, 0.1, 0.0),
+    ]
+    # Step 1 is over: what is left to come is step 2 alone.
+    assert [mark.foot for mark in marks[2:]] == [1]
+
+
+def test_landed_steps_look_the_same_before_and_after_the_walk_ends():
+    event = landed(1, [0.25, 0.1, 0.0], saturated=[0.2, 0.1, 0.0])
+    request, report = walking([step(1, 0.25)], current=2)
+    before = set(footstep_marks(request, report, [event]))
+    report.current_behavior = Behavior.STAND
+    assert set(footstep_marks(request, report, [event])) == before
+    assert {mark.kind for mark in before} == set(Kind)
+
+
+def test_nothing_to_come_is_drawn_unless_atlas_walks():
+    request, report = walking([step(1, 0.25)])
+    report.current_behavior = Behavior.STAND
+    assert footstep_marks(request, report, []) == []
+
+
+def test_the_trail_ends_somewhere():
+    request, report = walking([])
+    events = [landed(i, [0.1 * i, 0.1, 0.0]) for i in range(1, KEPT + 11)]
+    other = [Event(0.0, "behavior", "STAND -> WALK")]
+    marks = footstep_marks(request, report, [*events, *other])
+    shown = [mark.x for mark in marks if mark.kind is Kind.LANDED]
+    assert len(shown) == KEPT
+    assert min(shown) == pytest.approx(1.1)
+
+
+def test_the_outline_is_the_sole_and_shows_where_the_toes_are():
+    sole = SoleSize(length=0.26, width=0.12)
+    outline = sole_outline(sole)
+    assert outline[0].max() == pytest.approx(0.13)
+    assert outline[0].min() == pytest.approx(-0.13)
+    assert np.abs(outline[1]).max() == pytest.approx(0.06)
+    assert np.all(outline[2] == 0.0)
+    at_front = outline[1][np.isclose(outline[0], 0.13)]
+    at_back = outline[1][np.isclose(outline[0], -0.13)]
+    assert np.ptp(at_front) < np.ptp(at_back)
+    # Counter-clockwise, so that the sole is seen from above.
+    x, y = outline[0], outline[1]
+    area = 0.5 * np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y)
+    assert 0.9 * 0.26 * 0.12 < area < 0.26 * 0.12

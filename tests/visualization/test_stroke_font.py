@@ -1,0 +1,85 @@
+"""The stroke font, and the ribbons that give its strokes a width."""
+
+import string
+
+import numpy as np
+import pytest
+
+from atlas_drake.visualization.ribbons import ribbons
+from atlas_drake.visualization.stroke_font import text_segments
+
+HEIGHT = 0.06
+
+
+def test_text_is_centred_and_as_high_as_asked():
+    starts, ends = text_segments("HOH", HEIGHT)
+    points = np.hstack([starts, ends])
+    assert points[0].min() == pytest.approx(-points[0].max())
+    assert points[1].min() == pytest.approx(0.0)
+    assert points[1].max() == pytest.approx(HEIGHT)
+    assert np.all(points[2] == 0.0)
+
+
+def test_lower_case_is_written_in_capitals():
+    for one, other in zip(
+        text_segments("walk", HEIGHT), text_segments("WALK", HEIGHT), strict=True
+    ):
+        np.testing.assert_array_equal(one, other)
+
+
+@pytest.mark.parametrize("letter", string.ascii_uppercase + string.digits + "-.,:()/>!")
+def test_every_letter_stays_in_its_cell_and_has_its_own_shape(letter):
+    starts, ends = text_segments(letter, HEIGHT)
+    points = np.hstack([starts, ends])
+    assert starts.shape[1] > 0
+    assert np.abs(points[0]).max() <= HEIGHT * 2 / 6 + 1e-12
+    assert points[1].min() >= -1e-12
+    assert points[1].max() <= HEIGHT + 1e-12
+    box, _ = text_segments("\u20ac", HEIGHT)
+    assert not np.array_equal(starts, box)
+
+
+def test_no_two_letters_look_the_same():
+    shapes = {
+        tuple(np.vstack(text_segments(letter, HEIGHT)).ravel().round(6))
+        for letter in string.ascii_uppercase + string.digits
+    }
+    assert len(shapes) == 36
+
+
+def test_what_the_font_lacks_is_a_box_and_no_error():
+    starts, _ = text_segments("\u20ac", HEIGHT)
+    assert starts.shape == (3, 4)
+
+
+def test_no_text_has_no_strokes():
+    for text in ("", "  "):
+        starts, ends = text_segments(text, HEIGHT)
+        assert starts.shape == ends.shape == (3, 0)
+
+
+def area(vertices, faces):
+    a, b, c = (vertices[:2, faces[i]] for i in range(3))
+    u, v = b - a, c - a
+    return 0.5 * (u[0] * v[1] - u[1] * v[0])
+
+
+def test_a_ribbon_covers_its_line_and_half_its_width_beyond():
+    starts = np.array([[0.0, 1.0], [0.0, 1.0], [0.0, 0.0]])
+    ends = np.array([[3.0, 1.0], [4.0, 3.0], [0.0, 0.0]])
+    vertices, faces = ribbons(starts, ends, 0.2)
+    assert vertices.shape == (3, 8)
+    assert faces.dtype == np.int32
+    areas = area(vertices, faces)
+    # All faces look to the same side: up.
+    assert np.all(areas > 0.0)
+    assert areas.sum() == pytest.approx((5.0 + 0.2) * 0.2 + (2.0 + 0.2) * 0.2)
+    across = vertices[:2, 0] - vertices[:2, 1]
+    assert np.linalg.norm(across) == pytest.approx(0.2)
+    assert across @ np.array([3.0, 4.0]) == pytest.approx(0.0)
+
+
+def test_a_dot_is_a_ribbon_too():
+    point = np.zeros((3, 1))
+    vertices, _ = ribbons(point, point, 0.2)
+    assert np.isfinite(vertices).all()
