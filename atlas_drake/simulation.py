@@ -16,6 +16,7 @@ from pydrake.math import RigidTransform, RollPitchYaw
 from pydrake.multibody.math import SpatialForce
 from pydrake.multibody.plant import ExternallyAppliedSpatialForce
 from pydrake.systems.analysis import Simulator
+from threadpoolctl import ThreadpoolController
 
 from atlas_drake.behaviors.base import Event
 from atlas_drake.diagrams.atlas_station import StationConfig
@@ -37,6 +38,10 @@ from atlas_drake.scenario import Scenario
 from atlas_drake.start import draw_variation, place_robot
 from atlas_drake.summary import make_summary
 from atlas_drake.tutorial import control_mode_switch_programme
+
+_LINEAR_ALGEBRA = ThreadpoolController()
+"""The libraries behind numpy. Their threads are meant for large matrices: on the small
+ones of a control tick they cost a third of it, and make its length erratic."""
 
 CHUNK = 0.02
 """Simulated time between looks at events, pushes and Ctrl-C [s]."""
@@ -189,17 +194,22 @@ class AtlasSimulation:
             raise ValueError(f"cannot advance to {t!r}: it is {self.time:.3f} s already")
         begin = time.perf_counter()
         try:
-            while self.time < t - 1e-9:
-                self._exert_pushes()
-                stops = [t, self.time + CHUNK, *(p.end for p in self._pushes)]
-                self.simulator.AdvanceTo(min(s for s in stops if s > self.time + 1e-9))
-                self._collect_events()
+            with _LINEAR_ALGEBRA.limit(limits=1, user_api="blas"):
+                while self.time < t - 1e-9:
+                    self._advance_chunk(t)
         except RuntimeError as error:
             raise SimulationError(
                 f"the simulation stopped at {self.time:.3f} s: {error}"
             ) from error
         finally:
             self._wall_time += time.perf_counter() - begin
+
+    def _advance_chunk(self, t: float) -> None:
+        """Simulates until the next look at the events, at most until ``t``."""
+        self._exert_pushes()
+        stops = [t, self.time + CHUNK, *(push.end for push in self._pushes)]
+        self.simulator.AdvanceTo(min(stop for stop in stops if stop > self.time + 1e-9))
+        self._collect_events()
 
     def set_realtime_rate(self, rate: float) -> None:
         """Keeps simulated time at ``rate`` times real time; 0 is as fast as can be."""

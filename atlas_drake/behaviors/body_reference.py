@@ -7,7 +7,7 @@ feet and centre of mass go is each behaviour's own business.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -113,27 +113,27 @@ def advance_body(
     height = _approach(body.height, target.height, rates.height * dt)
     turn = wrap_angle(target.yaw - body.yaw)
     yaw = body.yaw + _approach(0.0, turn, rates.yaw * dt)
-    joints = body.joints + np.clip(
-        target.joints - body.joints, -rates.joints * dt, rates.joints * dt
+    joints = np.where(
+        user_held, measured, _approach_all(body.joints, target.joints, rates.joints * dt)
     )
-    joints[user_held] = measured[user_held]
     tilt = rates.tilt * dt
-    return replace(
-        body,
+    return BodyReference(
         height=height,
         height_rate=(height - body.height) / dt,
         yaw=yaw,
         yaw_rate=(yaw - body.yaw) / dt,
-        pelvis_tilt=body.pelvis_tilt
-        + np.clip(target.pelvis_tilt - body.pelvis_tilt, -tilt, tilt),
-        chest_tilt=body.chest_tilt
-        + np.clip(target.pelvis_tilt - body.chest_tilt, -tilt, tilt),
+        pelvis_tilt=_approach_all(body.pelvis_tilt, target.pelvis_tilt, tilt),
+        chest_tilt=_approach_all(body.chest_tilt, target.pelvis_tilt, tilt),
         joints=joints,
     )
 
 
 def _approach(value: float, goal: float, step: float) -> float:
     return value + min(max(goal - value, -step), step)
+
+
+def _approach_all(value: np.ndarray, goal: np.ndarray, step: float) -> np.ndarray:
+    return value + np.minimum(np.maximum(goal - value, -step), step)
 
 
 def _tilt(R: np.ndarray) -> np.ndarray:

@@ -6,10 +6,9 @@ Which changes are allowed is in ``transitions``.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import Any
-
-import numpy as np
 
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.base import Behavior as BehaviorProtocol
@@ -116,8 +115,8 @@ class Supervisor:
             The next state, and the command for the whole-body QP; None when no
             behaviour acts.
         """
-        body = state.body or capture_body(seen.terms)
-        state = replace(state, body=body)
+        if state.body is None:
+            state = replace(state, body=capture_body(seen.terms))
         state = self._watch_for_fall(state, seen)
         if request.number != state.request_number:
             state = self._take_request(state, seen, request)
@@ -264,7 +263,7 @@ class Supervisor:
         if state.falling:
             return state
         terms = seen.terms
-        tilt = float(np.arccos(np.clip(terms.R_WP[2, 2], -1.0, 1.0)))
+        tilt = math.acos(min(max(float(terms.R_WP[2, 2]), -1.0), 1.0))
         sole = min(terms.feet[0].p_WF[2], terms.feet[1].p_WF[2])
         height = float(terms.com[2] - sole)
         limits = self._fall_limits

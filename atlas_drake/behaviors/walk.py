@@ -98,6 +98,7 @@ class WalkMemory:
         swing: Reference of the swinging foot, in SWING.
         plan: Of the DCM.
         plan_time: Time into the plan [s].
+        unloading: Foot that leaves the ground when this phase is over, if any.
         sensitivity: How the DCM planned for touchdown moves with the next foot [-].
         support: Where the CoP may lie.
         omega: Natural frequency used in the plan [1/s].
@@ -115,6 +116,7 @@ class WalkMemory:
     swing: Swing | None
     plan: DcmPlan
     plan_time: float
+    unloading: int | None
     sensitivity: float
     support: SupportPolygon
     omega: float
@@ -171,6 +173,7 @@ class Walk:
             swing=None,
             plan=None,  # type: ignore[arg-type]  # set on the next line
             plan_time=0.0,
+            unloading=None,
             sensitivity=1.0,
             support=self._balance.support(*feet),
             omega=omega,
@@ -279,16 +282,19 @@ class Walk:
     def _replan(
         self, memory: WalkMemory, cop: np.ndarray, first_phase: float
     ) -> WalkMemory:
+        coming = self._coming(memory)
+        swinging = memory.phase is Phase.SWING
         plan = plan_walk(
             cop,
             first_phase,
             memory.feet,
-            self._coming(memory),
-            memory.phase is Phase.SWING,
+            coming,
+            swinging,
             self._timing,
             memory.omega,
         )
-        return replace(memory, plan=plan, plan_time=0.0)
+        unloading = coming[0].foot if coming and not swinging else None
+        return replace(memory, plan=plan, plan_time=0.0, unloading=unloading)
 
     # ---- phases --------------------------------------------------------------
 
@@ -441,15 +447,18 @@ class Walk:
         return replace(memory, plan_time=plan_time)
 
     def _body_target(self, memory: WalkMemory) -> BodyTarget:
-        poses = list(memory.feet)
+        left, right = memory.feet
+        yaws = [left.yaw, right.yaw]
+        heights = [left.p_WF[2], right.p_WF[2]]
         if memory.phase is Phase.SWING:
-            poses[memory.current.foot] = memory.current.pose
-            ground = min(poses[0].p_WF[2], poses[1].p_WF[2])
+            step = memory.current
+            yaws[step.foot], heights[step.foot] = step.yaw, step.p_WF[2]
+            ground = min(heights)
         else:
-            ground = 0.5 * (poses[0].p_WF[2] + poses[1].p_WF[2])
+            ground = 0.5 * (heights[0] + heights[1])
         return BodyTarget(
             height=float(ground) + self._nominal_height,
-            yaw=mean_yaw(poses[0].yaw, poses[1].yaw),
+            yaw=mean_yaw(*yaws),
             joints=self._balance.robot.stand_prep,
             pelvis_tilt=_UPRIGHT,
         )
@@ -462,11 +471,10 @@ class Walk:
             feet[foot] = balance.swinging(seen, foot, swing_reference)
             return tuple(feet)
         loads = [FULL_LOAD, FULL_LOAD]
-        coming = self._coming(memory) if memory.phase is not Phase.SETTLE else ()
-        if coming:
+        if memory.unloading is not None:
             left_share = 1.0 - memory.elapsed / memory.duration
             unload = min(max(left_share / self._rules.unload_share, 0.01), 1.0)
-            loads[coming[0].foot] = unload
+            loads[memory.unloading] = unload
         return (balance.planted(seen, 0, loads[0]), balance.planted(seen, 1, loads[1]))
 
     def _flags(self, memory: WalkMemory) -> int:

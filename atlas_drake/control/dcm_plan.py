@@ -9,8 +9,10 @@ component of motion", T-RO 2015. Knows nothing of feet or phases.
 from __future__ import annotations
 
 import math
+from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import accumulate
 
 import numpy as np
 
@@ -50,7 +52,7 @@ class DcmPlan:
         """
         self.omega = omega
         self._segments = tuple(segments)
-        self._ends = np.cumsum([segment.duration for segment in segments])
+        self._ends = list(accumulate(segment.duration for segment in segments))
         finals = []
         final = np.asarray(segments[-1].end, dtype=float)
         for segment in reversed(self._segments):
@@ -61,13 +63,13 @@ class DcmPlan:
     @property
     def duration(self) -> float:
         """Time of the last segment's end [s]."""
-        return float(self._ends[-1])
+        return self._ends[-1]
 
     def evaluate(self, time: float) -> DcmReference:
         """The reference at ``time`` [s], held beyond either end."""
         time = min(max(time, 0.0), self.duration)
         last = len(self._segments) - 1
-        index = min(int(np.searchsorted(self._ends, time, side="right")), last)
+        index = min(bisect_right(self._ends, time), last)
         segment = self._segments[index]
         into = time - (self._ends[index] - segment.duration)
         rate = (segment.end - segment.start) / segment.duration

@@ -140,33 +140,25 @@ class RobotSensors(LeafSystem):
         """
         results: ContactResults = self._contacts.Eval(context)
         wrenches = [[0.0] * 6, [0.0] * 6]
-        centres = None
+        scratch = self._at_state(context)
+        centres = [sole.CalcPoseInWorld(scratch).translation() for sole in self._soles]
         for k in range(results.num_point_pair_contacts()):
             info = results.point_pair_contact_info(k)
-            for body, sign in (
-                (int(info.bodyB_index()), 1.0),
-                (int(info.bodyA_index()), -1.0),
-            ):
-                foot = self._foot_of.get(body)
+            # The force is that on body B.
+            foot, sign = self._foot_of.get(int(info.bodyB_index())), 1.0
+            if foot is None:
+                foot, sign = self._foot_of.get(int(info.bodyA_index())), -1.0
                 if foot is None:
                     continue
-                if centres is None:
-                    scratch = self._at_state(context)
-                    centres = [
-                        sole.CalcPoseInWorld(scratch).translation().tolist()
-                        for sole in self._soles
-                    ]
-                fx, fy, fz = (sign * info.contact_force()).tolist()
-                px, py, pz = info.contact_point().tolist()
-                cx, cy, cz = centres[foot]
-                rx, ry, rz = px - cx, py - cy, pz - cz
-                wrench = wrenches[foot]
-                wrench[0] += ry * fz - rz * fy
-                wrench[1] += rz * fx - rx * fz
-                wrench[2] += rx * fy - ry * fx
-                wrench[3] += fx
-                wrench[4] += fy
-                wrench[5] += fz
+            fx, fy, fz = (sign * info.contact_force()).tolist()
+            rx, ry, rz = (info.contact_point() - centres[foot]).tolist()
+            wrench = wrenches[foot]
+            wrench[0] += ry * fz - rz * fy
+            wrench[1] += rz * fx - rx * fz
+            wrench[2] += rx * fy - ry * fx
+            wrench[3] += fx
+            wrench[4] += fy
+            wrench[5] += fz
         discrete.get_mutable_vector(self._wrenches).SetFromVector(
             wrenches[0] + wrenches[1]
         )

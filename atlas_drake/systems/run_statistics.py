@@ -3,6 +3,8 @@
 Only what a summary reports; it controls nothing.
 """
 
+import math
+
 import numpy as np
 from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
 
@@ -45,11 +47,10 @@ class RunStatistics(LeafSystem):
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
         # The free pelvis comes first in the plant's positions: quaternion, position.
         _, qx, qy, _, _, _, height = self._state.Eval(context)[:7].tolist()
-        tilt = np.arccos(min(max(1.0 - 2.0 * (qx * qx + qy * qy), -1.0), 1.0))
-        extremes = context.get_discrete_state(self._extremes).value()
-        share = np.abs(self._effort.Eval(context)) / self._limit
-        after = np.append(
-            np.maximum(extremes[:-2], share),
-            [min(extremes[-2], height), max(extremes[-1], tilt)],
-        )
+        tilt = math.acos(min(max(1.0 - 2.0 * (qx * qx + qy * qy), -1.0), 1.0))
+        after = context.get_discrete_state(self._extremes).value().copy()
+        shares = after[:-2]
+        np.maximum(shares, np.abs(self._effort.Eval(context)) / self._limit, out=shares)
+        after[-2] = min(after[-2], height)
+        after[-1] = max(after[-1], tilt)
         discrete.get_mutable_vector(self._extremes).SetFromVector(after)
