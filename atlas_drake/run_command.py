@@ -16,17 +16,20 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from atlas_drake.cli import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK
 from atlas_drake.errors import ScenarioError
 from atlas_drake.progress import Progress
 from atlas_drake.scenario import Scenario
 from atlas_drake.simulation import AtlasSimulation, SimulationError
+from atlas_drake.viewer import (
+    await_viewer,
+    interactive,
+    keep_serving,
+    start_meshcat,
+)
 from atlas_drake.visualization import FRAME_RATE
-
-if TYPE_CHECKING:
-    from pydrake.geometry import Meshcat
 
 PIECE = 0.1
 """Simulated time between updates of the progress line [s]."""
@@ -58,12 +61,12 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
 
     meshcat = None
     if not options.headless or options.record is not None:
-        meshcat = _start_meshcat(options.host, options.port)
+        meshcat = start_meshcat(options.host, options.port)
     progress = Progress(sys.stdout, scenario.duration)
     if meshcat is not None and not options.headless:
         progress.say(f"Watch at {meshcat.web_url()}")
-        if _interactive():
-            _await_viewer(meshcat, progress)
+        if interactive():
+            await_viewer(meshcat, progress)
     sim = AtlasSimulation(scenario, meshcat=meshcat, on_event=progress.event)
     rate = options.realtime_rate
     if rate is None:
@@ -92,8 +95,8 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
         progress.say(f"Wrote {options.record}; open it in a browser.")
     if stopped == INTERRUPTED:
         return EXIT_INTERRUPTED
-    if meshcat is not None and not options.headless and _interactive():
-        _keep_serving(progress)
+    if meshcat is not None and not options.headless and interactive():
+        keep_serving(progress)
     return EXIT_OK if summary["success"] else EXIT_FAILED
 
 
@@ -181,52 +184,6 @@ def _quiet_logs() -> None:
     drake.setLevel(logging.WARNING)
     # Drake warns whenever there is a half space; nothing here is deformable.
     drake.addFilter(lambda record: "deformable contact" not in record.getMessage())
-
-
-def _start_meshcat(host: str, port: int | None) -> Meshcat:
-    from pydrake.geometry import Meshcat, MeshcatParams
-
-    try:
-        return Meshcat(MeshcatParams(host=host, port=port))
-    except RuntimeError as error:
-        raise ScenarioError(
-            "--port", port, f"no 3D view on {host}:{port or '7000...'}: {error}"
-        ) from error
-
-
-def _interactive() -> bool:
-    """Whether somebody sits there who can press keys."""
-    return sys.stdin.isatty() and sys.stdout.isatty()
-
-
-VIEWER_PATIENCE = 15.0
-"""How long the start waits for a browser [s]."""
-
-
-def _await_viewer(meshcat: Meshcat, progress: Progress) -> None:
-    """Opens the browser, and gives it the time to show the start."""
-    import time
-    import webbrowser
-
-    graphical = sys.platform == "darwin" or any(
-        os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY")
-    )
-    # Without a graphical desktop the "browser" would take over this terminal.
-    if not (graphical and webbrowser.open(meshcat.web_url())):
-        progress.say(
-            f"Open that address; the run begins then, or in {VIEWER_PATIENCE:g} s."
-        )
-    give_up = time.monotonic() + VIEWER_PATIENCE
-    while meshcat.GetNumActiveConnections() == 0 and time.monotonic() < give_up:
-        time.sleep(0.1)
-
-
-def _keep_serving(progress: Progress) -> None:
-    progress.say("The 3D view stays open. Press Enter to quit.")
-    try:
-        sys.stdin.readline()
-    except KeyboardInterrupt:
-        progress.say("")
 
 
 def _check_writable(option: str, path: Path) -> None:

@@ -5,6 +5,7 @@ import logging
 import re
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 
@@ -214,6 +215,15 @@ def test_ctrl_c_stops_cleanly_and_keeps_what_was_recorded(
 def test_a_run_with_view_ends_by_itself_when_nobody_sits_there(scenario, capsys):
     assert main(["run", scenario(SHORT), "--realtime-rate", "0"]) == 0
     assert re.search(r"Watch at http://localhost:\d+", capsys.readouterr().out)
+
+
+def test_a_port_that_is_taken_is_bad_input(scenario, capsys):
+    with socket.socket() as taken:
+        taken.bind(("localhost", 0))
+        taken.listen()
+        port = str(taken.getsockname()[1])
+        assert main(["run", scenario(SHORT), "--port", port]) == 2
+    assert port in capsys.readouterr().err
 
 
 @pytest.mark.slow
