@@ -63,11 +63,11 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
     if not options.headless or options.record is not None:
         meshcat = start_meshcat(options.host, options.port)
     progress = Progress(sys.stdout, scenario.duration)
+    sim = AtlasSimulation(scenario, meshcat=meshcat, on_event=progress.event)
     if meshcat is not None and not options.headless:
         progress.say(f"Watch at {meshcat.web_url()}")
         if interactive():
             await_viewer(meshcat, progress)
-    sim = AtlasSimulation(scenario, meshcat=meshcat, on_event=progress.event)
     rate = options.realtime_rate
     if rate is None:
         rate = 0.0 if options.headless else 1.0

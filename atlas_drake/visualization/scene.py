@@ -39,8 +39,8 @@ def prepare_scene(meshcat: Meshcat) -> None:
     """Dresses an empty Meshcat."""
     meshcat.SetProperty("/Grid", "visible", False)
     meshcat.SetProperty("/Axes", "visible", False)
-    meshcat.SetProperty("/Background", "top_color", [0.80, 0.87, 0.94])
-    meshcat.SetProperty("/Background", "bottom_color", [0.97, 0.98, 0.99])
+    meshcat.SetProperty("/Background/<object>", "top_color", [0.80, 0.87, 0.94])
+    meshcat.SetProperty("/Background/<object>", "bottom_color", [0.97, 0.98, 0.99])
     _add_ground(meshcat)
     _add_light(meshcat)
     meshcat.SetProperty(CAMERA, "fov", FIELD_OF_VIEW)
