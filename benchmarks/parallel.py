@@ -1,0 +1,93 @@
+"""Runs in processes of their own, a few at a time, with results as they come.
+
+Knows nothing of robots. A run that dies takes no other with it.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import signal
+import traceback
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from multiprocessing.connection import wait
+from typing import Any
+
+ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
+"""Variables that keep numpy from starting threads that fight over the cores."""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of one run.
+
+    Attributes:
+        item: What it was called with.
+        result: What it returned; None if it failed.
+        error: Why it failed; None if it did not.
+    """
+
+    item: Any
+    result: Any
+    error: str | None = None
+
+
+def run_in_processes(
+    function: Callable[[Any], Any], items: Sequence[Any], jobs: int
+) -> Iterator[Outcome]:
+    """Calls ``function`` with each item, each in a fresh process.
+
+    Args:
+        function: Defined at the top level of a module, so that it can be sent.
+        items: Arguments, one per run.
+        jobs: Processes at a time.
+
+    Yields:
+        Outcomes in the order in which the runs end. When the caller stops reading or
+        is interrupted, the processes that still run are ended.
+    """
+    for name in ONE_THREAD:
+        os.environ.setdefault(name, "1")
+    spawn = multiprocessing.get_context("spawn")
+    waiting = list(items)
+    running: dict[Any, tuple[Any, Any]] = {}
+    # Ctrl-C goes to all processes of a terminal, but only this one should act on it.
+    # A process inherits that a signal is ignored.
+    try:
+        while waiting or running:
+            while waiting and len(running) < jobs:
+                item = waiting.pop(0)
+                receiver, sender = spawn.Pipe(duplex=False)
+                process = spawn.Process(
+                    target=_call, args=(sender, function, item), daemon=True
+                )
+                before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+                try:
+                    process.start()
+                finally:
+                    signal.signal(signal.SIGINT, before)
+                sender.close()
+                running[receiver] = (process, item)
+            for receiver in wait(list(running)):
+                process, item = running.pop(receiver)
+                try:
+                    result, error = receiver.recv()
+                except EOFError:
+                    process.join()
+                    result, error = None, f"process died ({process.exitcode})"
+                process.join()
+                yield Outcome(item, result, error)
+    finally:
+        for process, _ in running.values():
+            process.terminate()
+            process.join()
+
+
+def _call(sender: Any, function: Callable[[Any], Any], item: Any) -> None:
+    try:
+        message = (function(item), None)
+    except Exception as error:
+        traceback.print_exc()
+        message = (None, f"{type(error).__name__}: {error}")
+    sender.send(message)

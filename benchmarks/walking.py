@@ -1,0 +1,288 @@
+"""Twenty steps on both robots, and how hard a push they bear on the way.
+
+Steps are streamed as a script would: four at a time, when the robot asks for them.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import math
+import random
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from disturbed import disturbed_simulation, falls, fresh_seed
+from parallel import Outcome, run_in_processes
+
+from atlas_drake import (
+    AtlasBehaviorStepData,
+    AtlasSimInterfaceCommand,
+    AtlasSimulation,
+    Behavior,
+)
+from atlas_drake.robot import available_robots
+
+NUM_STEPS = 20
+STEP_LENGTH = 0.25
+"""From one foot to the next; the last step puts the feet side by side [m]."""
+STEP_DURATION = 0.63
+"""[s]"""
+SWING_HEIGHT = 0.1
+"""[m]"""
+QUEUE = 4
+"""Steps per message."""
+STANDING = 1.0
+"""Time in STAND before the first step, and after the last [s]."""
+LONGEST = 25.0
+"""A walk that is not over by then never will be [s]."""
+POLL = 0.05
+"""Time between looks at what the robot asks for [s]."""
+LANDING_GOAL = 0.02
+"""Largest distance of a foot from where it was sent [m]."""
+
+PUSH_DURATION = 0.1
+"""[s]"""
+PUSH_WINDOW = (6.0, 6.0 + 2.0 * STEP_DURATION)
+"""A push begins somewhere within these two steps [s]."""
+PUSH_INCREMENT = 10.0
+"""Between one impulse and the next [N·s]."""
+PUSH_TRIALS = 5
+PUSH_PASSES = 4
+"""Of the trials, so that one unlucky phase of the step does not decide."""
+DIRECTIONS = {
+    "forward": (1.0, 0.0),
+    "backward": (-1.0, 0.0),
+    "left": (0.0, 1.0),
+    "right": (0.0, -1.0),
+}
+"""Of the pushes, in the frame in which the robot walks along x."""
+
+
+@dataclass(frozen=True)
+class Push:
+    """A blow on the chest: its impulse [N·s] and its direction, one of DIRECTIONS."""
+
+    impulse: float
+    direction: str
+
+
+@dataclass(frozen=True)
+class Job:
+    """One walk: the robot's name, what it is drawn from, and a push if any."""
+
+    model: str
+    seed: int
+    push: Push | None = None
+
+
+def plan(sim: AtlasSimulation) -> tuple[list[AtlasBehaviorStepData], float]:
+    """Steps straight ahead of the feet, and the heading [rad]."""
+    left, right = (
+        pose.position.to_array()[:2]
+        for pose in sim.atlas_sim_interface_state.foot_pos_est
+    )
+    # From the right foot to the left one is the robot's y.
+    across = (left - right) / np.linalg.norm(left - right)
+    ahead = np.array([across[1], -across[0]])
+    heading = math.atan2(ahead[1], ahead[0])
+    steps = []
+    for i in range(NUM_STEPS):
+        distance = STEP_LENGTH * min(i + 1, NUM_STEPS - 1)
+        place = (left, right)[i % 2] + distance * ahead
+        step = AtlasBehaviorStepData()
+        step.step_index = i + 1
+        step.foot_index = i % 2
+        step.duration = STEP_DURATION
+        step.swing_height = SWING_HEIGHT
+        step.pose.position.x, step.pose.position.y = map(float, place)
+        step.pose.orientation.z = math.sin(0.5 * heading)
+        step.pose.orientation.w = math.cos(0.5 * heading)
+        steps.append(step)
+    return steps, heading
+
+
+def walk_once(job: Job) -> dict:
+    """One walk from STAND to STAND."""
+    sim = disturbed_simulation(job.seed, model=job.model)
+    sim.advance(STANDING)
+    steps, heading = plan(sim)
+    push_time = math.inf
+    if job.push is not None:
+        push_time = random.Random(job.seed).uniform(*PUSH_WINDOW)
+    sent = 0
+    while not sim.has_fallen and sim.time < LONGEST:
+        needed = sim.atlas_sim_interface_state.walk_feedback.next_step_index_needed
+        if sent < NUM_STEPS and (sent == 0 or needed > sent):
+            command = AtlasSimInterfaceCommand()
+            command.behavior = command.WALK
+            first = sent if sent == 0 else needed - 1
+            queue = steps[first : first + QUEUE]
+            for place, step in enumerate(queue):
+                command.walk_params.step_queue[place] = step
+            sim.publish(command)
+            sent = queue[-1].step_index
+        target = sim.time + POLL
+        if sim.time < push_time <= target:
+            sim.advance_to(push_time)
+            _push(sim, job.push, heading)
+            push_time = math.inf
+        sim.advance_to(target)
+        if sent == NUM_STEPS and sim.current_behavior is Behavior.STAND:
+            break
+    if not sim.has_fallen:
+        sim.advance(STANDING)
+    landed = [step["error_m"] for step in sim.footsteps]
+    problems = falls(sim)
+    if not problems and sim.current_behavior is not Behavior.STAND:
+        problems.append(f"ended in {sim.current_behavior.name}")
+    if len(landed) != NUM_STEPS:
+        problems.append(f"{len(landed)} steps taken")
+    # After a push the robot is free to save itself by another landing place.
+    if job.push is None and max(landed, default=0.0) > LANDING_GOAL:
+        problems.append(f"foot landed {1e3 * max(landed):.1f} mm off")
+    return {
+        "model": job.model,
+        "seed": job.seed,
+        "ok": not problems,
+        "problems": problems,
+        "steps": len(landed),
+        "landing_error_m": max(landed, default=None),
+        "max_pelvis_tilt_rad": sim.summary()["max_pelvis_tilt_rad"],
+    }
+
+
+def _push(sim: AtlasSimulation, push: Push, heading: float) -> None:
+    x, y = DIRECTIONS[push.direction]
+    force = push.impulse / PUSH_DURATION
+    c, s = math.cos(heading), math.sin(heading)
+    force_W = [force * (c * x - s * y), force * (s * x + c * y), 0.0]
+    sim.apply_push(sim.robot.file.chest, force_W, PUSH_DURATION)
+
+
+def as_record(outcome: Outcome) -> dict:
+    """A walk's record, also of a walk that broke."""
+    if outcome.error is None:
+        return outcome.result
+    job = outcome.item
+    return {
+        "model": job.model,
+        "seed": job.seed,
+        "ok": False,
+        "problems": [outcome.error],
+        "landing_error_m": None,
+    }
+
+
+def walk_all(models: list[str], seeds: range, jobs: int) -> list[dict]:
+    """Walks without pushes; what was done counts when it is interrupted."""
+    records: list[dict] = []
+    work = [Job(model, seed) for model in models for seed in seeds]
+    try:
+        for outcome in run_in_processes(walk_once, work, jobs):
+            record = as_record(outcome)
+            records.append(record)
+            verdict = (
+                "ok" if record["ok"] else "FAILED: " + "; ".join(record["problems"])
+            )
+            error = record["landing_error_m"]
+            feet = "" if error is None else f"feet {1e3 * error:4.1f} mm  "
+            print(
+                f"{len(records):3}/{len(work)}  {record['model']:8} seed"
+                f" {record['seed']}  {feet}{verdict}",
+                flush=True,
+            )
+    except KeyboardInterrupt:
+        print("Interrupted; what was done counts.")
+    return records
+
+
+def largest_push(
+    model: str, direction: str, seeds: range, jobs: int, start: float
+) -> float:
+    """Largest impulse up to which every one is borne [N·s]; 0 if the first is not."""
+    borne, impulse = 0.0, start
+    while True:
+        work = [Job(model, seed, Push(impulse, direction)) for seed in seeds]
+        passes = fails = 0
+        for outcome in run_in_processes(walk_once, work, jobs):
+            ok = as_record(outcome)["ok"]
+            passes, fails = passes + ok, fails + (not ok)
+            # The rest cannot change the verdict.
+            if passes >= PUSH_PASSES or fails > PUSH_TRIALS - PUSH_PASSES:
+                break
+        verdict = "borne" if passes >= PUSH_PASSES else "too much"
+        print(f"{model:8} {direction:8} {impulse:3.0f} N·s  {verdict}", flush=True)
+        if passes < PUSH_PASSES:
+            return borne
+        borne, impulse = impulse, impulse + PUSH_INCREMENT
+
+
+def main() -> int:
+    """The command line; status 1 when a walk failed."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--runs", type=int, default=20, help="per robot (default: 20)")
+    parser.add_argument(
+        "--seed", type=int, help="of the first run, then counted up (default: fresh)"
+    )
+    parser.add_argument("--jobs", type=int, default=2, help="processes (default: 2)")
+    parser.add_argument(
+        "--model", choices=available_robots(), help="one robot (default: all)"
+    )
+    parser.add_argument(
+        "--push", action="store_true", help="find the largest pushes instead"
+    )
+    parser.add_argument(
+        "--push-from",
+        type=float,
+        default=PUSH_INCREMENT,
+        metavar="NS",
+        help="first impulse [N·s] (default: %(default)g)",
+    )
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write figures here")
+    options = parser.parse_args()
+    models = [options.model] if options.model else available_robots()
+    first = fresh_seed() if options.seed is None else options.seed
+    print(f"Seeds from {first}; again with --seed {first}.", flush=True)
+    if options.push:
+        seeds = range(first, first + PUSH_TRIALS)
+        result = {
+            model: {
+                direction: largest_push(
+                    model, direction, seeds, options.jobs, options.push_from
+                )
+                for direction in DIRECTIONS
+            }
+            for model in models
+        }
+        for model, borne in result.items():
+            text = ", ".join(f"{name} {value:.0f}" for name, value in borne.items())
+            print(f"{model}: {text} N·s")
+        complete = True
+    else:
+        seeds = range(first, first + options.runs)
+        records = walk_all(models, seeds, options.jobs)
+        result = {"first_seed": first, "records": records}
+        for model in models:
+            mine = [record for record in records if record["model"] == model]
+            good = sum(record["ok"] for record in mine)
+            errors = [r["landing_error_m"] for r in mine if r["landing_error_m"]]
+            print(
+                f"{model}: {good} of {len(mine)} walks, feet at most"
+                f" {1e3 * max(errors, default=0.0):.1f} mm off"
+            )
+            failed = [str(record["seed"]) for record in mine if not record["ok"]]
+            if failed:
+                print("  failing seeds: " + ", ".join(failed))
+        complete = len(records) == len(models) * options.runs and all(
+            record["ok"] for record in records
+        )
+    if options.json is not None:
+        options.json.write_text(json.dumps(result, indent=2) + "\n")
+    return 0 if complete else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
