@@ -7,7 +7,9 @@ from atlas_drake.control.joint_mobility import JointMobility
 from atlas_drake.control.joint_pid import (
     PidInput,
     PidState,
-    implicit_gain,
+    estimate_drift,
+    static_effort,
+    step_model,
     user_effort,
 )
 
@@ -16,6 +18,10 @@ STEPS = 2**15
 
 PHYSICS_STEPS = (0.0005, 0.001, 0.002)
 """Those that the project offers [s]."""
+
+IN_AIR = (False, False)
+FOOTHOLDS = {"air": IN_AIR, "left": (True, False), "both": (True, True)}
+"""Which soles the ground holds."""
 
 
 @pytest.fixture(scope="module")
@@ -29,7 +35,7 @@ def test_it_is_the_acceleration_that_efforts_give(model, mobility, random_state)
         state = random_state(seed)
         state[model.plant.num_positions() :] = 0.0
         terms = model.evaluate(model.create_context(), state)
-        found = mobility.evaluate(context, state[: model.plant.num_positions()])
+        found = mobility.evaluate(context, state[: model.plant.num_positions()], IN_AIR)
         for joint in range(0, model.robot.num_joints, 5):
             force = np.zeros(6 + model.robot.num_joints)
             force[6 + joint] = 1.0
@@ -39,7 +45,7 @@ def test_it_is_the_acceleration_that_efforts_give(model, mobility, random_state)
 
 def test_it_is_symmetric_and_positive(model, mobility, random_state):
     q = random_state(7)[: model.plant.num_positions()]
-    found = mobility.evaluate(mobility.create_context(), q)
+    found = mobility.evaluate(mobility.create_context(), q, IN_AIR)
     np.testing.assert_allclose(found, found.T, rtol=1e-8, atol=1e-8)
     assert np.linalg.eigvalsh(0.5 * (found + found.T))[0] > 0.0
 
@@ -48,21 +54,63 @@ def test_it_does_not_depend_on_where_the_robot_is(model, mobility, random_state)
     q, other = (random_state(3)[: model.plant.num_positions()] for _ in range(2))
     other[:7] = random_state(4)[:7]
     context = mobility.create_context()
-    first = mobility.evaluate(context, q)
-    np.testing.assert_allclose(mobility.evaluate(context, other), first, rtol=1e-6)
+    first = mobility.evaluate(context, q, IN_AIR)
+    np.testing.assert_allclose(
+        mobility.evaluate(context, other, IN_AIR), first, rtol=1e-6
+    )
     # A used context is as good as a new one, to the bit.
-    fresh = mobility.evaluate(mobility.create_context(), q)
-    assert mobility.evaluate(context, q).tobytes() == fresh.tobytes()
+    fresh = mobility.evaluate(mobility.create_context(), q, IN_AIR)
+    assert mobility.evaluate(context, q, IN_AIR).tobytes() == fresh.tobytes()
+
+
+def constrained(terms, planted):
+    """How the whole robot gives way when soles do not move, shape (6 + n, 6 + n)."""
+    free = np.linalg.inv(terms.M)
+    feet = [terms.feet[foot].J_WF for foot in (0, 1) if planted[foot]]
+    if not feet:
+        return free
+    J = np.vstack(feet)
+    return free - free @ J.T @ np.linalg.pinv(J @ free @ J.T) @ J @ free
+
+
+def bent_knees(model):
+    """The stand-prep pose: knees bent, so that twelve constraints are independent."""
+    robot = model.robot
+    state = np.zeros(model.num_states)
+    state[0] = 1.0
+    state[robot.indices(model.plant).q] = robot.stand_prep
+    return state
+
+
+@pytest.mark.parametrize("planted", [(True, False), (False, True), (True, True)])
+def test_a_planted_sole_stays_where_it_is(model, mobility, planted):
+    state = bent_knees(model)
+    terms = model.evaluate(model.create_context(), state)
+    found = mobility.evaluate(
+        mobility.create_context(), state[: model.plant.num_positions()], planted
+    )
+    expected = constrained(terms, planted)[6:, 6:]
+    np.testing.assert_allclose(found, expected, atol=2e-4 * np.abs(found).max())
+    free = mobility.evaluate(
+        mobility.create_context(), state[: model.plant.num_positions()], IN_AIR
+    )
+    # The legs that stand give way less, and no joint more.
+    assert (np.diag(found) <= np.diag(free) * (1.0 + 1e-6)).all()
+    for side, held in zip(("l_leg", "r_leg"), planted, strict=True):
+        leg = model.robot.limb(side)
+        if held:
+            assert (np.diag(found)[leg] < 0.9 * np.diag(free)[leg]).any()
 
 
 def step_matrix(kp, kd, assumed, true, dt):
-    """One step of all joints under the law, linear in [q; v; v_last; τ_last].
+    """One step of all joints under the law, linear in what they are and remember.
 
-    Column by column from the law itself. ``assumed`` is the mobility that it relies
-    on, ``true`` the one that the joints have; both frozen at a pose.
+    That is [q; v; last v; last effort; drift]. Column by column from the law itself.
+    ``assumed`` is the mobility that it relies on, ``true`` the one that the joints
+    have; both frozen at a pose.
     """
     n = len(kp)
-    q, v, last_v, last_effort = np.split(np.eye(4 * n), 4)
+    q, v, last_v, applied, drift = np.split(np.eye(5 * n), 5)
     zero = np.zeros((n, 1))
     command = PidInput(
         position=zero,
@@ -75,17 +123,18 @@ def step_matrix(kp, kd, assumed, true, dt):
         i_effort_min=zero,
         i_effort_max=zero,
     )
+    law = step_model(kd, np.ones(n), assumed, dt)
+    drift = estimate_drift(PidState(zero, last_v, applied, drift), v, law)
     effort = user_effort(
-        PidState(zero, last_v, last_effort),
-        command,
-        zero,
-        q,
+        static_effort(command, zero, q),
         v,
-        implicit_gain(kd, np.ones(n), assumed, dt),
+        drift,
+        np.zeros_like(q),
+        law,
         np.full((n, 1), np.inf),
     )
     next_v = v + dt * true @ effort
-    return np.vstack([q + dt * next_v, next_v, v, effort])
+    return np.vstack([q + dt * next_v, next_v, v, effort, drift])
 
 
 def grows(step):
@@ -99,30 +148,25 @@ def grows(step):
         return not np.abs(half @ half).max() <= 3.0 * np.abs(half).max()
 
 
-@pytest.mark.parametrize("feet", [(), (0,), (0, 1)], ids=["air", "left", "both"])
+@pytest.mark.parametrize("planted", FOOTHOLDS.values(), ids=FOOTHOLDS)
 @pytest.mark.parametrize("dt", PHYSICS_STEPS)
 @pytest.mark.parametrize("extra_damping", [0.0, 50.0])
 def test_the_whole_robot_is_stable_under_the_law(
-    model, robot, mobility, feet, dt, extra_damping
+    model, robot, mobility, planted, dt, extra_damping
 ):
-    random = np.random.default_rng(8)
-    anywhere = random.uniform(robot.position_lower, robot.position_upper)
-    state = np.zeros(model.num_states)
-    state[0] = 1.0
-    state[robot.indices(model.plant).q] = robot.stand_prep if feet else anywhere
+    state = bent_knees(model)
+    if not any(planted):
+        random = np.random.default_rng(8)
+        anywhere = random.uniform(robot.position_lower, robot.position_upper)
+        state[robot.indices(model.plant).q] = anywhere
     terms = model.evaluate(model.create_context(), state)
-    true = np.linalg.inv(terms.M)
-    if feet:
-        # Soles on the ground make joints heavier than the law knows.
-        J = np.vstack([terms.feet[foot].J_WF for foot in feet])
-        true = true - true @ J.T @ np.linalg.inv(J @ true @ J.T) @ J @ true
     step = step_matrix(
         robot.default_kp,
         robot.default_kd + extra_damping,
         mobility.evaluate(
-            mobility.create_context(), state[: model.plant.num_positions()]
+            mobility.create_context(), state[: model.plant.num_positions()], planted
         ),
-        true[6:, 6:],
+        constrained(terms, planted)[6:, 6:],
         dt,
     )
     assert not grows(step)
@@ -132,6 +176,6 @@ def test_a_robot_far_lighter_than_assumed_is_not(robot, mobility, model):
     # That the test above can fail: the law relies on the mobility it is given.
     q = np.zeros(model.plant.num_positions())
     q[0] = 1.0
-    assumed = mobility.evaluate(mobility.create_context(), q)
+    assumed = mobility.evaluate(mobility.create_context(), q, IN_AIR)
     kd = np.full(robot.num_joints, 50.0)
     assert grows(step_matrix(robot.default_kp, kd, assumed, 2.0 * assumed, 0.001))
