@@ -63,6 +63,12 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
     if not options.headless or options.record is not None:
         meshcat = start_meshcat(options.host, options.port)
     progress = Progress(sys.stdout, scenario.duration)
+    if meshcat is not None and options.record is not None:
+        # Before the simulation, whose first picture belongs to the recording.
+        meshcat.StartRecording(
+            frames_per_second=FRAME_RATE,
+            set_visualizations_while_recording=not options.headless,
+        )
     sim = AtlasSimulation(scenario, meshcat=meshcat, on_event=progress.event)
     if meshcat is not None and not options.headless:
         progress.say(f"Watch at {meshcat.web_url()}")
@@ -72,11 +78,6 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
     if rate is None:
         rate = 0.0 if options.headless else 1.0
     sim.set_realtime_rate(rate)
-    if meshcat is not None and options.record is not None:
-        meshcat.StartRecording(
-            frames_per_second=FRAME_RATE,
-            set_visualizations_while_recording=not options.headless,
-        )
 
     stopped = _simulate(sim, progress)
 

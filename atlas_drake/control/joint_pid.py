@@ -90,11 +90,13 @@ class StepModel:
     Attributes:
         response: h·Λ, velocity change per effort [rad/s per N·m].
         gain: G = (1 + D·h·Λ·K)⁻¹.
+        damping_gain: G·D [N·m·s/rad].
         dt: The step h [s].
     """
 
     response: np.ndarray
     gain: np.ndarray
+    damping_gain: np.ndarray
     dt: float
 
 
@@ -112,7 +114,8 @@ def step_model(
     response = dt * mobility
     coupling = damping[:, None] * (response * share)
     coupling.reshape(-1)[:: len(damping) + 1] += 1.0
-    return StepModel(response, np.linalg.inv(coupling), dt)
+    gain = np.linalg.inv(coupling)
+    return StepModel(response, gain, gain * damping, dt)
 
 
 def estimate_drift(state: PidState, v: np.ndarray, model: StepModel) -> np.ndarray:
@@ -127,7 +130,6 @@ def estimate_drift(state: PidState, v: np.ndarray, model: StepModel) -> np.ndarr
 
 
 def user_effort(
-    command: PidInput,
     static: np.ndarray,
     v: np.ndarray,
     drift: np.ndarray,
@@ -153,7 +155,6 @@ def user_effort(
     for any damping as long as Λ is not below 3/4 of the true mobility.
 
     Args:
-        command: Set-points and gains.
         static: The law without its velocity terms, ``static_effort`` [N·m].
         v: Velocities [rad/s].
         drift: o from ``estimate_drift``.
@@ -161,9 +162,8 @@ def user_effort(
         model: From ``step_model``.
         effort_limit: [N·m]
     """
-    damping = command.kd_position + command.kp_velocity
     coasting = v + drift + model.response @ others
-    effort = model.gain @ (static - damping * coasting)
+    effort = model.gain @ static - model.damping_gain @ coasting
     return np.minimum(np.maximum(effort, -effort_limit), effort_limit)
 
 

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import JacobianWrtVariable
+from pydrake.multibody.tree import Frame, JacobianWrtVariable
 from pydrake.systems.framework import Context
 
 from atlas_drake.robot import Robot
@@ -57,8 +57,9 @@ class WholeBodyTerms:
         p_WP: Position of the pelvis [m].
         V_WP: Spatial velocity of the pelvis [rad/s; m/s] in W.
         R_WC: Orientation of the chest.
-        J_chest: Angular-velocity Jacobian of the chest in W, shape (3, 6 + n).
-        chest_bias: J̇·v of the chest's angular velocity [rad/s²].
+        J: Jacobians of left sole, right sole and the chest's angular velocity in W,
+            stacked, shape (15, 6 + n).
+        bias: J̇·v of the same [rad/s²; m/s²], shape (15,).
         com: Centre of mass in W [m].
         com_velocity: Its velocity in W [m/s].
         feet: Left and right sole.
@@ -72,11 +73,16 @@ class WholeBodyTerms:
     p_WP: np.ndarray
     V_WP: np.ndarray
     R_WC: np.ndarray
-    J_chest: np.ndarray
-    chest_bias: np.ndarray
+    J: np.ndarray
+    bias: np.ndarray
     com: np.ndarray
     com_velocity: np.ndarray
     feet: tuple[FootTerms, FootTerms]
+
+    @property
+    def J_chest(self) -> np.ndarray:
+        """Angular-velocity Jacobian of the chest in W, shape (3, 6 + n)."""
+        return self.J[12:]
 
 
 class WholeBodyModel:
@@ -96,7 +102,7 @@ class WholeBodyModel:
         self._chest = plant.GetFrameByName(robot.file.chest)
         self._soles = [plant.GetFrameByName(f.sole_frame) for f in robot.file.feet]
         generalized = self._indices.generalized
-        self._square = np.ix_(generalized, generalized)
+        self._square = generalized[:, None] * plant.num_velocities() + generalized
 
     @property
     def num_states(self) -> int:
@@ -123,56 +129,72 @@ class WholeBodyModel:
         plant.SetPositionsAndVelocities(context, state)
         velocity = state[plant.num_positions() :]
         order = indices.generalized
-        v = velocity[order]
+        v = velocity.take(order)
 
-        M = plant.CalcMassMatrix(context)[self._square]
-        h = plant.CalcBiasTerm(context)[order]
+        M = plant.CalcMassMatrix(context).take(self._square)
+        h = plant.CalcBiasTerm(context).take(order)
         # Gravity is a uniform acceleration, so its generalized force is the column
         # sum that the mass matrix already holds for the pelvis' vertical motion.
         h += GRAVITY * M[:, 5]
 
+        J = np.empty((15, len(order)))
+        bias = np.empty(15)
+        for foot, sole in enumerate(self._soles):
+            part = slice(6 * foot, 6 * foot + 6)
+            J[part], bias[part] = self._differential(context, sole, order)
+        J_chest, chest_bias = self._differential(context, self._chest, order)
+        J[12:], bias[12:] = J_chest[:3], chest_bias[:3]
+        V_WF = J[:12] @ v
+
         X_WP = plant.EvalBodyPoseInWorld(context, self._pelvis)
-        X_WC = self._chest.CalcPoseInWorld(context)
-        J_chest = plant.CalcJacobianSpatialVelocity(
-            context, JacobianWrtVariable.kV, self._chest, _ORIGIN, world, world
-        )[:3, order]
-        chest_bias = plant.CalcBiasSpatialAcceleration(
-            context, JacobianWrtVariable.kV, self._chest, _ORIGIN, world, world
-        ).rotational()
         return WholeBodyTerms(
-            q=state[indices.q],
+            q=state.take(indices.q),
             v=v[6:],
             M=M,
             h=h,
             R_WP=X_WP.rotation().matrix(),
             p_WP=X_WP.translation(),
             V_WP=v[:6],
-            R_WC=X_WC.rotation().matrix(),
-            J_chest=J_chest,
-            chest_bias=chest_bias,
+            R_WC=self._chest.CalcPoseInWorld(context).rotation().matrix(),
+            J=J,
+            bias=bias,
             com=plant.CalcCenterOfMassPositionInWorld(context),
             com_velocity=plant.CalcCenterOfMassTranslationalVelocityInWorld(context),
             feet=(
-                self._foot(context, self._soles[0], v),
-                self._foot(context, self._soles[1], v),
+                self._foot(context, 0, V_WF, J, bias),
+                self._foot(context, 1, V_WF, J, bias),
             ),
         )
 
-    def _foot(self, context: Context, sole: Any, v: np.ndarray) -> FootTerms:
+    def _differential(
+        self, context: Context, frame: Frame, order: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Spatial Jacobian and J̇·v of a frame's origin in W, message order."""
         plant, world = self._plant, self._world
-        X_WF = sole.CalcPoseInWorld(context)
-        J_WF = plant.CalcJacobianSpatialVelocity(
-            context, JacobianWrtVariable.kV, sole, _ORIGIN, world, world
-        )[:, self._indices.generalized]
-        bias = plant.CalcBiasSpatialAcceleration(
-            context, JacobianWrtVariable.kV, sole, _ORIGIN, world, world
+        J = plant.CalcJacobianSpatialVelocity(
+            context, JacobianWrtVariable.kV, frame, _ORIGIN, world, world
         )
+        bias = plant.CalcBiasSpatialAcceleration(
+            context, JacobianWrtVariable.kV, frame, _ORIGIN, world, world
+        )
+        return J.take(order, axis=1), bias.get_coeffs()
+
+    def _foot(
+        self,
+        context: Context,
+        foot: int,
+        V_WF: np.ndarray,
+        J: np.ndarray,
+        bias: np.ndarray,
+    ) -> FootTerms:
+        X_WF = self._soles[foot].CalcPoseInWorld(context)
+        part = slice(6 * foot, 6 * foot + 6)
         return FootTerms(
             p_WF=X_WF.translation(),
             R_WF=X_WF.rotation().matrix(),
-            V_WF=J_WF @ v,
-            J_WF=J_WF,
-            bias=bias.get_coeffs(),
+            V_WF=V_WF[part],
+            J_WF=J[part],
+            bias=bias[part],
         )
 
 

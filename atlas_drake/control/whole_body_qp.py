@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from atlas_drake.control.gains import ControlGains
+from atlas_drake.control.gains import ControlGains, QpWeights
 from atlas_drake.control.quadratic_program import (
     EQUALITY,
     INEQUALITY,
@@ -63,16 +63,17 @@ class WholeBodyQp:
         self._num_joints = robot.num_joints
         self._cone = _wrench_cone(robot, gains)
         weights = gains.weights
-        n = self._num_joints
-        self._wrench_weight = np.repeat(
-            [weights.contact_moment, weights.contact_force], 3
-        )
-        self._stance_weight = np.full(6, weights.stance_foot)
-        self._swing_weight = np.repeat(
-            [weights.swing_foot_orientation, weights.swing_foot_position], 3
-        )
-        # Constant parts of the constraints for zero, one and two feet in contact.
-        self._layouts = [_Layout(n, feet, self._cone.shape[0]) for feet in range(3)]
+        # Constant parts of the program for zero, one and two feet in contact.
+        self._layouts = [_Layout(robot, gains, self._cone, k) for k in range(3)]
+        self._task_weights = {
+            (left, right, balance): _task_weight(weights, left, right, balance)
+            for left in (False, True)
+            for right in (False, True)
+            for balance in (False, True)
+        }
+        limits = gains.joint_limits
+        self._low = limits.kp * (robot.position_lower + limits.margin)
+        self._high = limits.kp * (robot.position_upper - limits.margin)
 
     def solve(
         self,
@@ -94,7 +95,7 @@ class WholeBodyQp:
             columns = slice(n + _WRENCH * k, n + _WRENCH * (k + 1))
             right[:, columns] = terms.feet[i].J_WF[:, :_BASE].T
         right[:, size] = -h[:_BASE]
-        solved = np.linalg.solve(M[:_BASE, :_BASE], right)
+        solved = _solve_base(M[:_BASE, :_BASE], right)
         B, b = solved[:, :size], solved[:, size]
 
         # Efforts = T z + t.
@@ -105,7 +106,7 @@ class WholeBodyQp:
             T[:, columns] -= terms.feet[i].J_WF[:, _BASE:].T
         t = M[_BASE:, :_BASE] @ b + h[_BASE:]
 
-        H, f = self._cost(terms, command, contacts, B, b, size)
+        H, f = self._cost(terms, command, layout, B, b)
         problem = self._constrain(terms, command, bounds, contacts, layout, H, f, T, t)
         answer = solve(problem)
         if not answer.found:
@@ -126,59 +127,44 @@ class WholeBodyQp:
         self,
         terms: WholeBodyTerms,
         command: WholeBodyCommand,
-        contacts: list[int],
+        layout: _Layout,
         B: np.ndarray,
         b: np.ndarray,
-        size: int,
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Hessian and linear cost from all tasks stacked as rows on z."""
+        """Hessian and linear cost: feet, chest and pelvis stacked as rows on z."""
         n = self._num_joints
-        weights = self._gains.weights
-        balance = float(command.balance)
-        rows = np.empty((21, 6 + n))
-        target = np.empty(21)
-        weight = np.empty(21)
-        for i in (0, 1):
-            part = slice(6 * i, 6 * i + 6)
-            foot, wanted = terms.feet[i], command.feet[i]
-            rows[part] = foot.J_WF
-            target[part] = wanted.acceleration - foot.bias
-            weight[part] = (
-                self._stance_weight if wanted.in_contact else self._swing_weight
-            )
-        rows[12:15] = terms.J_chest
-        target[12:15] = command.chest_angular_acceleration - terms.chest_bias
-        weight[12:15] = balance * weights.chest_orientation
-        rows[15:18] = 0.0
-        rows[15, 0] = rows[16, 1] = rows[17, 2] = 1.0
-        target[15:18] = command.pelvis_angular_acceleration
-        weight[15:18] = balance * weights.pelvis_orientation
-
-        tasks = np.empty((21, size))
-        base = rows[:18, :_BASE]
-        np.matmul(base, B, out=tasks[:18])
-        tasks[:18, :n] += rows[:18, _BASE:]
-        target[:18] -= base @ b
-        # Centre of mass through the contact forces: m·c̈ = Σ F + m·g.
-        tasks[18:] = 0.0
-        for k in range(len(contacts)):
-            start = n + _WRENCH * k + 3
-            tasks[18, start] = tasks[19, start + 1] = tasks[20, start + 2] = (
-                1.0 / self._robot.mass
-            )
-        target[18:] = command.com_acceleration
-        target[20] += GRAVITY
-        weight[18:] = balance * weights.com
+        left, right = command.feet
+        weight = self._task_weights[left.in_contact, right.in_contact, command.balance]
+        base = terms.J[:, :_BASE]
+        tasks = np.empty((18, layout.size))
+        np.matmul(base, B, out=tasks[:15])
+        tasks[:15, :n] += terms.J[:, _BASE:]
+        tasks[15:] = B[:3]
+        target = np.concatenate(
+            [
+                left.acceleration,
+                right.acceleration,
+                command.chest_angular_acceleration,
+                command.pelvis_angular_acceleration,
+            ]
+        )
+        target[:15] -= terms.bias
+        target[:15] -= base @ b
+        target[15:] -= b[:3]
 
         weighted = tasks.T * weight
         H = weighted @ tasks
-        f = -(weighted @ target)
-        diagonal = H.reshape(-1)[:: size + 1]
+        f = weighted @ -target
+        diagonal = H.reshape(-1)[:: layout.size + 1]
+        diagonal += layout.regularization
         diagonal[:n] += command.joint_weight
         f[:n] -= command.joint_weight * command.joint_acceleration
-        for k in range(len(contacts)):
-            start = n + _WRENCH * k
-            diagonal[start : start + _WRENCH] += self._wrench_weight
+        if command.balance:
+            # Centre of mass through the contact forces: m·c̈ = Σ F + m·g.
+            wanted = command.com_acceleration.copy()
+            wanted[2] += GRAVITY
+            H += layout.com_hessian
+            f -= layout.com_gradient @ wanted
         return H, f
 
     def _constrain(
@@ -198,14 +184,19 @@ class WholeBodyQp:
         A = layout.rows.copy()
         lower, upper = layout.lower.copy(), layout.upper.copy()
         kind = layout.kind.copy()
-        low, high = self._acceleration_bounds(terms)
+        # Accelerations that bring a joint to rest at its limits; what the user's
+        # joints do is not the behaviour's to bound.
+        limits = self._gains.joint_limits
+        approach = limits.kp * terms.q + limits.kd * terms.v
         free = bounds.user_held
-        lower[:n] = np.where(free, -_HUGE, low)
-        upper[:n] = np.where(free, _HUGE, high)
+        np.subtract(self._low, approach, out=lower[:n])
+        np.subtract(self._high, approach, out=upper[:n])
+        lower[:n][free] = -_HUGE
+        upper[:n][free] = _HUGE
 
         size = layout.size
         A[:n] = T
-        A[layout.joints, layout.joints] += bounds.added_inertia
+        A.reshape(-1)[: n * size : size + 1] += bounds.added_inertia
         lower[size : size + n] = bounds.lower - t
         upper[size : size + n] = bounds.upper - t
         kind[size : size + n][free] = EQUALITY
@@ -214,22 +205,13 @@ class WholeBodyQp:
             R_FW = terms.feet[i].R_WF.T
             cone_rows = layout.cone_rows(k)
             cone_bounds = slice(size + cone_rows.start, size + cone_rows.stop)
-            A[cone_rows, start : start + 3] = self._cone[:, :3] @ R_FW
-            A[cone_rows, start + 3 : start + 6] = self._cone[:, 3:] @ R_FW
+            # Moment and force turn alike: six columns as two rows of three.
+            turned = self._cone.reshape(-1, 3) @ R_FW
+            A[cone_rows, start : start + _WRENCH] = turned.reshape(-1, _WRENCH)
             last = cone_bounds.stop - 1
             lower[last] = command.feet[i].min_normal_force
             upper[last] = command.feet[i].max_normal_force
         return QuadraticProgram(H, f, A, lower, upper, kind)
-
-    def _acceleration_bounds(
-        self, terms: WholeBodyTerms
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """Bounds on joint accelerations that bring a joint to rest at its limits."""
-        robot, limits = self._robot, self._gains.joint_limits
-        braking = -limits.kd * terms.v
-        low = limits.kp * (robot.position_lower + limits.margin - terms.q) + braking
-        high = limits.kp * (robot.position_upper - limits.margin - terms.q) + braking
-        return low, high
 
     def _carry_weight(
         self, terms: WholeBodyTerms, bounds: EffortBounds, contacts: list[int]
@@ -251,28 +233,79 @@ class WholeBodyQp:
 
 
 class _Layout:
-    """Rows, bounds and kinds that are the same every tick for a number of feet."""
+    """What is the same every tick for a number of feet in contact."""
 
-    def __init__(self, num_joints: int, feet: int, cone_size: int):
-        n = num_joints
+    def __init__(self, robot: Robot, gains: ControlGains, cone: np.ndarray, feet: int):
+        n = robot.num_joints
         self.size = n + _WRENCH * feet
-        self.joints = np.arange(n)
         self._first_cone_row = n
-        self._cone_size = cone_size
-        rows = n + feet * cone_size
+        self._cone_size = len(cone)
+        rows = n + feet * self._cone_size
         self.rows = np.zeros((rows, self.size))
         self.lower = np.full(self.size + rows, -_HUGE)
         self.upper = np.full(self.size + rows, _HUGE)
         self.kind = np.full(self.size + rows, INEQUALITY, dtype=np.int32)
         self.kind[:n] = SOFT
+        weights = gains.weights
+        self.regularization = np.zeros(self.size)
+        com = np.zeros((3, self.size))
         for k in range(feet):
-            cone = self.cone_rows(k)
-            self.upper[self.size + cone.start : self.size + cone.stop] = 0.0
+            cone_part = self.cone_rows(k)
+            self.upper[self.size + cone_part.start : self.size + cone_part.stop] = 0.0
+            start = n + _WRENCH * k
+            self.regularization[start : start + 3] = weights.contact_moment
+            self.regularization[start + 3 : start + 6] = weights.contact_force
+            com[:, start + 3 : start + 6] = np.eye(3) / robot.mass
+        self.com_gradient = weights.com * com.T
+        self.com_hessian = self.com_gradient @ com
 
     def cone_rows(self, k: int) -> slice:
         """Rows of the k-th foot in contact."""
         start = self._first_cone_row + k * self._cone_size
         return slice(start, start + self._cone_size)
+
+
+def _solve_base(M: np.ndarray, right: np.ndarray) -> np.ndarray:
+    """X with M·X = ``right`` for the pelvis' block of the mass matrix.
+
+    The mass resists alike in all directions: M = [[I, C], [Cᵀ, m·1]]. Only the 3x3
+    inertia about the centre of mass I - C·Cᵀ/m is left to invert, in closed form,
+    which costs a third of a general solve of this size.
+
+    Args:
+        M: Shape (6, 6), rotation first.
+        right: Shape (6, k).
+    """
+    mass, C = M[5, 5], M[:3, 3:]
+    lever = C / mass
+    angular = _inverse_3x3(M[:3, :3] - lever @ C.T) @ (right[:3] - lever @ right[3:])
+    return np.concatenate([angular, right[3:] / mass - lever.T @ angular])
+
+
+def _inverse_3x3(A: np.ndarray) -> np.ndarray:
+    """Inverse of a 3x3 matrix by cofactors."""
+    (a, b, c), (d, e, f), (g, h, i) = A.tolist()
+    x, y, z = e * i - f * h, f * g - d * i, d * h - e * g
+    cofactors = np.array(
+        [
+            [x, c * h - b * i, b * f - c * e],
+            [y, a * i - c * g, c * d - a * f],
+            [z, b * g - a * h, a * e - b * d],
+        ]
+    )
+    return cofactors / (a * x + b * y + c * z)
+
+
+def _task_weight(
+    weights: QpWeights, left: bool, right: bool, balance: bool
+) -> np.ndarray:
+    """Weights of the stacked task rows, shape (18,)."""
+    foot = {
+        True: [weights.stance_foot] * 6,
+        False: [weights.swing_foot_orientation] * 3 + [weights.swing_foot_position] * 3,
+    }
+    trunk = [weights.chest_orientation] * 3 + [weights.pelvis_orientation] * 3
+    return np.array(foot[left] + foot[right] + [float(balance) * w for w in trunk])
 
 
 def _wrench_cone(robot: Robot, gains: ControlGains) -> np.ndarray:

@@ -54,6 +54,7 @@ class PreparedLaw:
             within what counts.
         planted: Which soles the ground held.
         model: How velocities respond to efforts.
+        integrates: Whether any joint has, or is to lose, an integral term.
     """
 
     source: JointCommand
@@ -62,6 +63,7 @@ class PreparedLaw:
     command: JointCommand
     planted: tuple[bool, bool]
     model: StepModel
+    integrates: bool
 
     def __deepcopy__(self, memo: dict) -> "PreparedLaw":
         """Frozen, so its copy is itself."""
@@ -183,10 +185,11 @@ class JointPidBank(LeafSystem):
             return
         others = (1.0 - share) * self._behavior_input.Eval(context)
         law = self._law(context, share)
-        integral = integrate(last, law.command, q, active, self._dt)
+        integral = last.integral
+        if law.integrates or integral.any():
+            integral = integrate(last, law.command, q, active, self._dt)
         drift = estimate_drift(last, v, law.model)
         effort = user_effort(
-            law.command,
             static_effort(law.command, integral, q),
             v,
             drift,
@@ -264,6 +267,7 @@ class JointPidBank(LeafSystem):
             command,
             planted,
             step_model(damping, share, mobility, self._dt),
+            bool(command.i_effort_min.any() or command.i_effort_max.any()),
         )
 
     def _planted(self, context: Context) -> tuple[bool, bool]:
