@@ -1,5 +1,6 @@
 """The command line: what it prints, writes and returns."""
 
+import base64
 import json
 import logging
 import re
@@ -215,6 +216,22 @@ def test_ctrl_c_stops_cleanly_and_keeps_what_was_recorded(
 def test_a_run_with_view_ends_by_itself_when_nobody_sits_there(scenario, capsys):
     assert main(["run", scenario(SHORT), "--realtime-rate", "0"]) == 0
     assert re.search(r"Watch at http://localhost:\d+", capsys.readouterr().out)
+
+
+@pytest.mark.parametrize("options", [["--headless"], ["--realtime-rate", "0"]])
+def test_a_recording_has_the_motion_and_the_caption(
+    options, scenario, tmp_path, capsys
+):
+    page = tmp_path / "out.html"
+    assert main(["run", scenario(SHORT), "--record", str(page), *options]) == 0
+    assert str(page) in capsys.readouterr().out
+    blobs = re.findall(r"base64,([A-Za-z0-9+/=]+)", page.read_text())
+    messages = [base64.b64decode(blob) for blob in blobs]
+    (animation,) = [message for message in messages if b"set_animation" in message]
+    assert b"/visualizer/atlas/pelvis" in animation
+    # Shown from the very first picture on, which is hence part of the recording.
+    assert b"/caption/0" in animation
+    assert b".visible" in animation
 
 
 def test_a_port_that_is_taken_is_bad_input(scenario, capsys):

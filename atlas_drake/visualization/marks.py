@@ -1,7 +1,8 @@
 """Things that appear and disappear in Meshcat, live and in a recording alike.
 
 A recording holds motions and visibility but no new objects; so objects are made once
-and then shown or hidden.
+and then shown or hidden. A recording has to be started before the simulation is built,
+or it lacks what is shown from the beginning.
 """
 
 from __future__ import annotations
