@@ -10,7 +10,7 @@ BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test fast check format constraints clean
+.PHONY: help setup demo test fast check format bench constraints clean
 
 help: ## Show this list.
 	@echo "Usage: make <target>"
@@ -36,6 +36,13 @@ check: $(STAMP) ## Check style, formatting and types.
 format: $(STAMP) ## Format the code and fix what can be fixed.
 	@$(BIN)/ruff check --fix .
 	@$(BIN)/ruff format .
+
+# Each goes on whether or not the one before it met its goals.
+bench: $(STAMP) ## Measure speed and reliability (about half an hour).
+	@failed=0; for name in startup realtime qp_solvers walking tutorial_campaign; do \
+	  echo; echo "== benchmarks/$$name.py"; \
+	  $(BIN)/python benchmarks/$$name.py || failed=1; \
+	done; exit $$failed
 
 clean: ## Delete the environment, caches and builds.
 	rm -rf $(VENV) build dist .hypothesis .mypy_cache .pytest_cache .ruff_cache

@@ -11,6 +11,7 @@ import argparse
 import json
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -120,17 +121,15 @@ def describe(record: dict) -> str:
 def worst_figures(records: list[dict]) -> dict:
     """The worst of each figure over the runs that went to their end."""
     whole = [record for record in records if "num_footsteps" in record]
+
+    def worst(figure: Callable[[dict], float | None]) -> float:
+        return max((figure(record) or 0.0 for record in whole), default=0.0)
+
     return {
-        "landing_error_m": max((r["landing_error_m"] or 0.0 for r in whole), default=0),
-        "settling_error_before_rad": max(
-            (r["settling_error_rad"]["before"] for r in whole), default=0
-        ),
-        "settling_error_after_rad": max(
-            (r["settling_error_rad"]["after"] for r in whole), default=0
-        ),
-        "max_pelvis_tilt_rad": max(
-            (r["max_pelvis_tilt_rad"] for r in whole), default=0
-        ),
+        "landing_error_m": worst(lambda r: r["landing_error_m"]),
+        "settling_error_before_rad": worst(lambda r: r["settling_error_rad"]["before"]),
+        "settling_error_after_rad": worst(lambda r: r["settling_error_rad"]["after"]),
+        "max_pelvis_tilt_rad": worst(lambda r: r["max_pelvis_tilt_rad"]),
     }
 
 

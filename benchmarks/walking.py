@@ -114,12 +114,13 @@ def walk_once(job: Job) -> dict:
         push_time = random.Random(job.seed).uniform(*PUSH_WINDOW)
     sent = 0
     while not sim.has_fallen and sim.time < LONGEST:
-        needed = sim.atlas_sim_interface_state.walk_feedback.next_step_index_needed
-        if sent < NUM_STEPS and (sent == 0 or needed > sent):
+        walk = sim.atlas_sim_interface_state.walk_feedback
+        needed = walk.next_step_index_needed if sent else 1
+        # Hold steps back as long as the robot knows of enough of them.
+        if sent < NUM_STEPS and needed - walk.current_step_index <= QUEUE:
+            queue = steps[needed - 1 : needed - 1 + QUEUE]
             command = AtlasSimInterfaceCommand()
             command.behavior = command.WALK
-            first = sent if sent == 0 else needed - 1
-            queue = steps[first : first + QUEUE]
             for place, step in enumerate(queue):
                 command.walk_params.step_queue[place] = step
             sim.publish(command)
