@@ -1,6 +1,7 @@
-"""Twenty steps on both robots, and how hard a push they bear on the way.
+"""Twenty steps on both robots, each time a little different.
 
 Steps are streamed as a script would: four at a time, when the robot asks for them.
+A walk may be given a push; how hard a one it bears is asked in ``pushes``.
 """
 
 from __future__ import annotations
@@ -47,11 +48,6 @@ PUSH_DURATION = 0.1
 """[s]"""
 PUSH_WINDOW = (6.0, 6.0 + 2.0 * STEP_DURATION)
 """A push begins somewhere within these two steps [s]."""
-PUSH_INCREMENT = 10.0
-"""Between one impulse and the next [N·s]."""
-PUSH_TRIALS = 5
-PUSH_PASSES = 4
-"""Of the trials, so that one unlucky phase of the step does not decide."""
 DIRECTIONS = {
     "forward": (1.0, 0.0),
     "backward": (-1.0, 0.0),
@@ -200,27 +196,6 @@ def walk_all(models: list[str], seeds: range, jobs: int) -> list[dict]:
     return records
 
 
-def largest_push(
-    model: str, direction: str, seeds: range, jobs: int, start: float
-) -> float:
-    """Largest impulse up to which every one is borne [N·s]; 0 if the first is not."""
-    borne, impulse = 0.0, start
-    while True:
-        work = [Job(model, seed, Push(impulse, direction)) for seed in seeds]
-        passes = fails = 0
-        for outcome in run_in_processes(walk_once, work, jobs):
-            ok = as_record(outcome)["ok"]
-            passes, fails = passes + ok, fails + (not ok)
-            # The rest cannot change the verdict.
-            if passes >= PUSH_PASSES or fails > PUSH_TRIALS - PUSH_PASSES:
-                break
-        verdict = "borne" if passes >= PUSH_PASSES else "too much"
-        print(f"{model:8} {direction:8} {impulse:3.0f} N·s  {verdict}", flush=True)
-        if passes < PUSH_PASSES:
-            return borne
-        borne, impulse = impulse, impulse + PUSH_INCREMENT
-
-
 def main() -> int:
     """The command line; status 1 when a walk failed."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -232,54 +207,28 @@ def main() -> int:
     parser.add_argument(
         "--model", choices=available_robots(), help="one robot (default: all)"
     )
-    parser.add_argument(
-        "--push", action="store_true", help="find the largest pushes instead"
-    )
-    parser.add_argument(
-        "--push-from",
-        type=float,
-        default=PUSH_INCREMENT,
-        metavar="NS",
-        help="first impulse [N·s] (default: %(default)g)",
-    )
     parser.add_argument("--json", type=Path, metavar="FILE", help="write figures here")
     options = parser.parse_args()
     models = [options.model] if options.model else available_robots()
     first = fresh_seed() if options.seed is None else options.seed
     print(f"Seeds from {first}; again with --seed {first}.", flush=True)
-    if options.push:
-        seeds = range(first, first + PUSH_TRIALS)
-        result = {
-            model: {
-                direction: largest_push(
-                    model, direction, seeds, options.jobs, options.push_from
-                )
-                for direction in DIRECTIONS
-            }
-            for model in models
-        }
-        for model, borne in result.items():
-            text = ", ".join(f"{name} {value:.0f}" for name, value in borne.items())
-            print(f"{model}: {text} N·s")
-        complete = True
-    else:
-        seeds = range(first, first + options.runs)
-        records = walk_all(models, seeds, options.jobs)
-        result = {"first_seed": first, "records": records}
-        for model in models:
-            mine = [record for record in records if record["model"] == model]
-            good = sum(record["ok"] for record in mine)
-            errors = [r["landing_error_m"] for r in mine if r["landing_error_m"]]
-            print(
-                f"{model}: {good} of {len(mine)} walks, feet at most"
-                f" {1e3 * max(errors, default=0.0):.1f} mm off"
-            )
-            failed = [str(record["seed"]) for record in mine if not record["ok"]]
-            if failed:
-                print("  failing seeds: " + ", ".join(failed))
-        complete = len(records) == len(models) * options.runs and all(
-            record["ok"] for record in records
+    seeds = range(first, first + options.runs)
+    records = walk_all(models, seeds, options.jobs)
+    result = {"first_seed": first, "records": records}
+    for model in models:
+        mine = [record for record in records if record["model"] == model]
+        good = sum(record["ok"] for record in mine)
+        errors = [r["landing_error_m"] for r in mine if r["landing_error_m"]]
+        print(
+            f"{model}: {good} of {len(mine)} walks, feet at most"
+            f" {1e3 * max(errors, default=0.0):.1f} mm off"
         )
+        failed = [str(record["seed"]) for record in mine if not record["ok"]]
+        if failed:
+            print("  failing seeds: " + ", ".join(failed))
+    complete = len(records) == len(models) * options.runs and all(
+        record["ok"] for record in records
+    )
     if options.json is not None:
         options.json.write_text(json.dumps(result, indent=2) + "\n")
     return 0 if complete else 1

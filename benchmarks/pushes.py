@@ -1,0 +1,86 @@
+"""How hard a push on the chest the robots bear while they walk.
+
+A threshold from a single walk is a matter of luck: every impulse is tried at several
+moments of the step, and only counts with all smaller ones.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from pathlib import Path
+
+from disturbed import fresh_seed
+from parallel import run_in_processes
+from walking import DIRECTIONS, Job, Push, as_record, walk_once
+
+from atlas_drake.robot import available_robots
+
+INCREMENT = 10.0
+"""Between one impulse and the next [N·s]."""
+TRIALS = 5
+PASSES = 4
+"""Walks out of TRIALS that must not end in a fall."""
+
+
+def largest_push(model: str, direction: str, seeds: range, jobs: int) -> float:
+    """Largest impulse up to which every one is borne [N·s]; 0 if the first is not."""
+    borne = 0.0
+    while True:
+        impulse = borne + INCREMENT
+        work = [Job(model, seed, Push(impulse, direction)) for seed in seeds]
+        passes = fails = 0
+        for outcome in run_in_processes(walk_once, work, jobs):
+            ok = as_record(outcome)["ok"]
+            passes, fails = passes + ok, fails + (not ok)
+            # The rest cannot change the verdict.
+            if passes >= PASSES or fails > TRIALS - PASSES:
+                break
+        verdict = "borne" if passes >= PASSES else "too much"
+        print(f"{model:8} {direction:8} {impulse:3.0f} N·s  {verdict}", flush=True)
+        if passes < PASSES:
+            return borne
+        borne = impulse
+
+
+def main() -> int:
+    """The command line."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument(
+        "--seed", type=int, help="of the first walk, then counted up (default: fresh)"
+    )
+    parser.add_argument("--jobs", type=int, default=2, help="processes (default: 2)")
+    parser.add_argument(
+        "--model", choices=available_robots(), help="one robot (default: all)"
+    )
+    parser.add_argument(
+        "--direction", choices=DIRECTIONS, help="one direction (default: all)"
+    )
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write figures here")
+    options = parser.parse_args()
+    models = [options.model] if options.model else available_robots()
+    directions = [options.direction] if options.direction else list(DIRECTIONS)
+    first = fresh_seed() if options.seed is None else options.seed
+    print(f"Seeds from {first}; again with --seed {first}.", flush=True)
+    seeds = range(first, first + TRIALS)
+    borne: dict[str, dict[str, float]] = {model: {} for model in models}
+    try:
+        for model in models:
+            for direction in directions:
+                borne[model][direction] = largest_push(
+                    model, direction, seeds, options.jobs
+                )
+    except KeyboardInterrupt:
+        print("Interrupted; what was done counts.")
+    for model, impulses in borne.items():
+        text = ", ".join(f"{name} {value:.0f}" for name, value in impulses.items())
+        print(f"{model}: {text or 'nothing done'} [N·s]")
+    if options.json is not None:
+        result = {"first_seed": first, "largest_impulse_ns": borne}
+        options.json.write_text(json.dumps(result, indent=2) + "\n")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
