@@ -1,0 +1,235 @@
+"""The two command ports: optional, latched at once, refused whole and counted once."""
+
+import numpy as np
+import pytest
+from pydrake.systems.analysis import Simulator
+
+from atlas_drake.commands import JOINT_FIELDS
+from atlas_drake.errors import ErrorCode
+from atlas_drake.messages import (
+    AtlasBehaviorStepData,
+    AtlasCommand,
+    AtlasSimInterfaceCommand,
+    Behavior,
+)
+from atlas_drake.systems.command_interface import CommandInterface
+
+PERIOD = 0.002
+"""Of the updates [s]."""
+
+ATLAS, SIM = "atlas_command", "atlas_sim_interface_command"
+
+
+class Sender:
+    """A command interface on its own, and somebody who sends to it."""
+
+    def __init__(self, robot):
+        self.system = CommandInterface(robot, PERIOD, Behavior.STAND)
+        self.simulator = Simulator(self.system)
+        self.simulator.Initialize()
+
+    def put(self, port, message):
+        """Leaves a message on a port."""
+        context = self.simulator.get_mutable_context()
+        self.system.GetInputPort(port).FixValue(context, message)
+
+    def tick(self, count=1):
+        self.simulator.AdvanceTo(
+            self.simulator.get_context().get_time() + count * PERIOD
+        )
+
+    def out(self, port="commands"):
+        return self.system.GetOutputPort(port).Eval(self.simulator.get_context())
+
+
+@pytest.fixture
+def sender(robot):
+    return Sender(robot)
+
+
+def joint_command(**fields):
+    command = AtlasCommand()
+    for name, value in fields.items():
+        setattr(command, name, [value] * 28)
+    return command
+
+
+def behavior_command(behavior, **fields):
+    command = AtlasSimInterfaceCommand()
+    command.behavior = behavior
+    for name, value in fields.items():
+        setattr(command, name, [value] * 28)
+    return command
+
+
+def test_nobody_need_be_connected(sender, robot):
+    for _ in range(2):
+        np.testing.assert_array_equal(
+            sender.out("joint_command").position, robot.stand_prep
+        )
+        np.testing.assert_array_equal(sender.out("k_effort"), np.zeros(28))
+        assert sender.out("behavior_request").behavior is Behavior.STAND
+        sender.tick(3)
+
+
+def test_a_port_without_message_is_no_message(sender):
+    before = sender.out()
+    sender.put(ATLAS, None)
+    sender.put(SIM, None)
+    sender.tick(2)
+    assert sender.out() is before
+
+
+def test_a_message_is_in_force_at_the_instant_at_which_it_is_sent(sender):
+    sender.put(ATLAS, joint_command(position=0.3, k_effort=100).snapshot())
+    np.testing.assert_array_equal(
+        sender.out("joint_command").position, np.full(28, 0.3)
+    )
+    np.testing.assert_array_equal(sender.out("k_effort"), np.full(28, 100.0))
+    sender.put(SIM, behavior_command("freeze").snapshot())
+    assert sender.out("behavior_request").behavior is Behavior.FREEZE
+
+
+def test_a_message_stays_in_force_when_it_leaves_the_port(sender):
+    sender.put(ATLAS, joint_command(position=0.3, k_effort=100).snapshot())
+    sender.tick()
+    sender.put(ATLAS, None)
+    sender.tick()
+    np.testing.assert_array_equal(
+        sender.out("joint_command").position, np.full(28, 0.3)
+    )
+    np.testing.assert_array_equal(sender.out("k_effort"), np.full(28, 100.0))
+
+
+def test_the_outputs_tell_the_same(sender):
+    sender.put(SIM, behavior_command("WALK", k_effort=17).snapshot())
+    force = sender.out()
+    assert sender.out("joint_command") is force.joints
+    assert sender.out("behavior_request") is force.request
+    np.testing.assert_array_equal(sender.out("k_effort"), force.k_effort)
+
+
+def test_a_message_that_stays_on_the_port_is_taken_once(sender):
+    message = behavior_command("STAND").snapshot()
+    sender.put(SIM, message)
+    sender.tick(5)
+    sender.put(SIM, message)
+    sender.tick(5)
+    assert sender.out("behavior_request").number == 1
+    assert sender.out("behavior_request").command is message
+
+
+def test_an_equal_message_that_is_another_object_is_taken_again(sender):
+    for number in (1, 2, 3):
+        sender.put(SIM, behavior_command("STAND").snapshot())
+        sender.tick(2)
+        assert sender.out("behavior_request").number == number
+
+
+def test_the_later_message_sets_the_shares(sender):
+    sender.put(ATLAS, joint_command(k_effort=10).snapshot())
+    sender.tick()
+    sender.put(SIM, behavior_command("STAND", k_effort=20).snapshot())
+    sender.tick()
+    np.testing.assert_array_equal(sender.out("k_effort"), np.full(28, 20.0))
+    sender.put(ATLAS, joint_command(k_effort=30).snapshot())
+    np.testing.assert_array_equal(sender.out("k_effort"), np.full(28, 30.0))
+
+
+def test_user_gives_every_joint_to_the_user(sender):
+    sender.put(SIM, behavior_command("user", k_effort=0).snapshot())
+    np.testing.assert_array_equal(sender.out("k_effort"), np.full(28, 255.0))
+
+
+def wrong_length():
+    command = joint_command(position=0.1, k_effort=7)
+    command.kp_position = [1.0] * 27
+    return ATLAS, command, ErrorCode.VALUE_OUT_OF_RANGE, "kp_position"
+
+
+def not_a_number():
+    command = joint_command(position=0.1, k_effort=7)
+    command.velocity = [0.0] * 27 + [float("nan")]
+    return ATLAS, command, ErrorCode.VALUE_OUT_OF_RANGE, "velocity[27]"
+
+
+def share_above_255():
+    command = joint_command(position=0.1)
+    command.k_effort = [0] * 27 + [256]
+    return ATLAS, command, ErrorCode.VALUE_OUT_OF_RANGE, "k_effort[27]"
+
+
+def unknown_behavior():
+    command = behavior_command("DANCE", k_effort=7)
+    return SIM, command, ErrorCode.NO_SUCH_BEHAVIOR, "behavior"
+
+
+def steps_out_of_order():
+    command = behavior_command("WALK", k_effort=7)
+    for place, index in ((0, 2), (1, 1)):
+        step = AtlasBehaviorStepData(step_index=index, duration=0.63)
+        command.walk_params.step_queue[place] = step
+    return SIM, command, ErrorCode.INVALID_INDEX, "walk_params.step_queue[1].step_index"
+
+
+def wrong_share_length():
+    command = behavior_command("WALK")
+    command.k_effort = [0] * 30
+    return SIM, command, ErrorCode.VALUE_OUT_OF_RANGE, "k_effort"
+
+
+@pytest.mark.parametrize(
+    "fault",
+    [
+        wrong_length,
+        not_a_number,
+        share_above_255,
+        unknown_behavior,
+        steps_out_of_order,
+        wrong_share_length,
+    ],
+)
+def test_a_refusal_changes_nothing_but_the_error_and_is_counted_once(sender, fault):
+    sender.put(ATLAS, joint_command(position=0.2, ki_position=3.0).snapshot())
+    sender.put(SIM, behavior_command("STAND", k_effort=50).snapshot())
+    sender.tick()
+    before = sender.out()
+    port, message, code, field = fault()
+    sender.put(port, message.snapshot())
+    # At once, and after as many ticks as it stays on the port.
+    for _ in range(3):
+        after = sender.out()
+        for name in JOINT_FIELDS:
+            np.testing.assert_array_equal(
+                getattr(after.joints, name), getattr(before.joints, name)
+            )
+        np.testing.assert_array_equal(after.k_effort, before.k_effort)
+        assert after.request is before.request
+        assert after.error_code is code
+        assert after.refused == 1
+        assert [field in refusal.text for refusal in after.refusals] == [True]
+        sender.tick(2)
+
+
+def test_time_that_runs_backward_is_refused(sender):
+    for number, stamp in enumerate((5.0, 4.0), 1):
+        command = behavior_command("STAND")
+        command.header.stamp = stamp
+        sender.put(SIM, command.snapshot())
+        sender.tick()
+        assert sender.out().request.number == 1
+        assert sender.out().refused == number - 1
+    assert sender.out().error_code is ErrorCode.TIME_RAN_BACKWARD
+
+
+def test_the_next_good_message_clears_the_error_but_not_the_count(sender):
+    for number in (1, 2):
+        sender.put(SIM, behavior_command("DANCE").snapshot())
+        sender.tick()
+        assert sender.out().refused == number
+    sender.put(SIM, behavior_command("STAND").snapshot())
+    sender.tick()
+    assert sender.out().error_code is ErrorCode.NO_ERRORS
+    assert sender.out().refused == 2
+    assert sender.out().refusals[0].error_code is ErrorCode.NO_SUCH_BEHAVIOR
+    assert sender.out().refusals[0].time == 0.0

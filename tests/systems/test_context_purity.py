@@ -1,0 +1,128 @@
+"""All that a run remembers is in its Context: contexts do not know of each other."""
+
+import numpy as np
+import pytest
+from pydrake.systems.analysis import Simulator
+
+from atlas_drake.diagrams.atlas_station import StationConfig
+from atlas_drake.diagrams.control_mode_switch import make_control_mode_switch
+from atlas_drake.messages import AtlasCommand, Behavior
+from atlas_drake.noise import NOISE_MODELS
+from atlas_drake.scenario import Scenario
+from atlas_drake.start import draw_variation, place_robot
+from atlas_drake.systems.command_scheduler import ScheduledCommand
+from atlas_drake.tutorial import walk_command
+
+WALK_AT = 0.05
+"""When the robot is told to walk [s]."""
+END = 0.3005
+"""Of short runs [s], between two updates: at an update's own instant a simulator may
+or may not have done it yet."""
+STEPPING = 1.1005
+"""Its first foot is in the air [s]."""
+
+
+@pytest.fixture(scope="module")
+def diagram(robot):
+    """A robot with noisy sensors and shared joints that is about to walk."""
+    arms = AtlasCommand()
+    arms.k_effort = [0] * 16 + [255] * 6 + [100] * 6
+    arms.ki_position = [5.0] * 28
+    arms.i_effort_max = [3.0] * 28
+    programme = [
+        ScheduledCommand(0.02, arms),
+        ScheduledCommand(WALK_AT, walk_command),
+    ]
+    config = StationConfig(noise=NOISE_MODELS["rough"], seed=3)
+    return make_control_mode_switch(robot, programme, config)
+
+
+@pytest.fixture
+def start(diagram, robot):
+    """Makes a context with the robot on its feet."""
+
+    def make():
+        context = diagram.CreateDefaultContext()
+        plant = diagram.GetSubsystemByName("station").GetSubsystemByName("plant")
+        variation = draw_variation(Scenario(), robot)
+        place_robot(plant, plant.GetMyMutableContextFromRoot(context), robot, variation)
+        return context
+
+    return make
+
+
+def remembered(diagram, context):
+    """Every number in the context, and what the behaviours report, to the bit."""
+    discrete = context.get_discrete_state()
+    numbers = [discrete.get_vector(i).value() for i in range(discrete.num_groups())]
+    outputs = {
+        name: diagram.GetOutputPort(name).Eval(context)
+        for name in ("effort", "extremes", "imu", "atlas_state", "sent")
+    }
+    report = diagram.GetOutputPort("atlas_sim_interface_state").Eval(context)
+    controller = diagram.GetOutputPort("controller_state").Eval(context)
+    return [
+        context.get_time(),
+        np.concatenate(numbers).tobytes(),
+        outputs["effort"].tobytes(),
+        outputs["extremes"].tobytes(),
+        outputs["imu"],
+        outputs["atlas_state"],
+        outputs["sent"],
+        report,
+        controller.effort.tobytes(),
+        controller.supervisor.body.joints.tobytes(),
+        controller.supervisor.event_count,
+    ]
+
+
+def test_a_context_knows_nothing_of_another_that_runs_in_turns(diagram, start):
+    alone = Simulator(diagram, start())
+    alone.AdvanceTo(END)
+    expected = remembered(diagram, alone.get_context())
+
+    first, second = Simulator(diagram, start()), Simulator(diagram, start())
+    disturbance = AtlasCommand()
+    disturbance.position = [0.5] * 28
+    disturbance.k_effort = [200] * 28
+    other = diagram.GetInputPort("other_atlas_command")
+    other.FixValue(second.get_mutable_context(), disturbance.snapshot())
+    for k in range(1, 11):
+        second.AdvanceTo(0.1 * k * END)
+        first.AdvanceTo(END if k == 10 else 0.1 * k * END + 0.01)
+    assert remembered(diagram, first.get_context()) == expected
+    second.AdvanceTo(END)
+    assert remembered(diagram, second.get_context()) != expected
+
+
+def test_the_same_simulator_runs_the_same_again(diagram, start):
+    simulator = Simulator(diagram, start())
+    begin = simulator.get_context().Clone()
+    runs = []
+    for _ in range(2):
+        simulator.Initialize()
+        simulator.AdvanceTo(END)
+        runs.append(remembered(diagram, simulator.get_context()))
+        simulator.reset_context(begin.Clone())
+    assert runs[0] == runs[1]
+
+
+@pytest.mark.slow
+def test_a_clone_in_mid_step_goes_on_as_the_original_does(diagram, start):
+    original = Simulator(diagram, start())
+    original.AdvanceTo(STEPPING)
+    clone = Simulator(diagram, original.get_context().Clone())
+    report = diagram.GetOutputPort("atlas_sim_interface_state")
+    state = report.Eval(original.get_context())
+    assert state.current_behavior is Behavior.WALK
+    assert state.walk_feedback.status_flags & state.walk_feedback.WALK_SUBSTATE_STEPPING
+    clone.AdvanceTo(STEPPING + 0.5)
+    # Meanwhile the original has stood still; it is not where the clone is.
+    before = remembered(diagram, original.get_context())
+    assert before != remembered(diagram, clone.get_context())
+    original.AdvanceTo(STEPPING + 0.5)
+    assert remembered(diagram, original.get_context()) == remembered(
+        diagram, clone.get_context()
+    )
+    index = report.Eval(clone.get_context()).walk_feedback.current_step_index
+    assert index >= 1

@@ -1,0 +1,61 @@
+"""The k_effort selector: blended joint by joint, within the motors' limits."""
+
+import numpy as np
+import pytest
+from pydrake.multibody.plant import MultibodyPlant
+
+from atlas_drake.systems.effort_selector import EffortSelector, blend
+
+
+def test_the_blend_is_the_formula_within_the_limits():
+    random = np.random.default_rng(2)
+    user, behavior = random.normal(0.0, 100.0, size=(2, 500))
+    share = random.integers(0, 256, 500) / 255.0
+    limit = random.uniform(1.0, 100.0, 500)
+    expected = np.clip(share * user + (1.0 - share) * behavior, -limit, limit)
+    np.testing.assert_allclose(blend(user, behavior, share, limit), expected)
+    # The draw has joints on both limits, and joints on none.
+    assert (expected == limit).any()
+    assert (expected == -limit).any()
+    assert (np.abs(expected) < limit).any()
+
+
+@pytest.mark.parametrize(("k", "owner"), [(0, "behavior"), (255, "user")])
+def test_at_the_ends_one_side_has_the_joint_alone(k, owner):
+    efforts = {"user": np.array([1.25, -30.0]), "behavior": np.array([7.5, 0.1])}
+    blended = blend(**efforts, share=np.full(2, k / 255.0), limit=np.full(2, 100.0))
+    np.testing.assert_array_equal(blended, efforts[owner])
+
+
+@pytest.fixture
+def plant(robot):
+    plant = MultibodyPlant(time_step=0.0)
+    robot.add_to(plant)
+    plant.Finalize()
+    return plant
+
+
+def test_the_system_blends_per_joint_and_in_the_plants_order(robot, plant):
+    selector = EffortSelector(robot, robot.indices(plant))
+    context = selector.CreateDefaultContext()
+    random = np.random.default_rng(3)
+    limit = robot.effort_limit
+    user, behavior = random.uniform(-1.5, 1.5, size=(2, 28)) * limit
+    k = np.array(([0, 255, 51, 204] * 7), dtype=float)
+    for name, value in (
+        ("user_effort", user),
+        ("behavior_effort", behavior),
+        ("k_effort", k),
+    ):
+        selector.GetInputPort(name).FixValue(context, value)
+    effort = selector.GetOutputPort("effort").Eval(context)
+    expected = np.clip(k / 255 * user + (1 - k / 255) * behavior, -limit, limit)
+    np.testing.assert_allclose(effort, expected)
+    actuation = selector.GetOutputPort("actuation").Eval(context)
+    for joint, name in enumerate(robot.joint_names):
+        actuator = next(
+            plant.get_joint_actuator(index)
+            for index in plant.GetJointActuatorIndices()
+            if plant.get_joint_actuator(index).joint().name() == name
+        )
+        assert actuation[actuator.input_start()] == effort[joint]

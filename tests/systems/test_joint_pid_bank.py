@@ -1,0 +1,217 @@
+"""The joint PID bank: the reference's formula at steady state, per joint, in bounds."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.systems.analysis import Simulator
+
+from atlas_drake.commands import commands_at_start
+from atlas_drake.messages import Behavior
+from atlas_drake.systems.joint_pid_bank import JointPidBank
+
+PHYSICS_STEP, CONTROL_PERIOD = 0.001, 0.002
+"""[s]"""
+
+SETTLED = 0.2
+"""Long after the estimate of outer forces has settled [s]."""
+
+
+class Bench:
+    """A bank on its own whose inputs the test holds."""
+
+    def __init__(self, robot):
+        plant = MultibodyPlant(time_step=0.0)
+        robot.add_to(plant)
+        plant.Finalize()
+        self.robot = robot
+        self.indices = robot.indices(plant)
+        self.num_positions = plant.num_positions()
+        self.system = JointPidBank(
+            robot, self.indices, self.num_positions, PHYSICS_STEP, CONTROL_PERIOD
+        )
+        self.simulator = Simulator(self.system)
+        self.command = commands_at_start(robot, Behavior.USER).joints
+        self.num_states = self.num_positions + plant.num_velocities()
+        self.hold("behavior_effort", np.zeros(robot.num_joints))
+        self.hold("foot_wrenches", np.zeros(12))
+        self.hold("k_effort", np.full(robot.num_joints, 255.0))
+        # Away from all end stops.
+        margin = 0.15 * (robot.position_upper - robot.position_lower)
+        lower, upper = robot.position_lower + margin, robot.position_upper - margin
+        pose = np.clip(robot.stand_prep, lower, upper)
+        self.move(pose, np.zeros(robot.num_joints))
+        self.order()
+
+    def hold(self, port, value):
+        context = self.simulator.get_mutable_context()
+        self.system.GetInputPort(port).FixValue(context, value)
+
+    def move(self, q, v):
+        """Joints at q [rad] that go at v [rad/s] all the time."""
+        state = np.zeros(self.num_states)
+        state[0] = 1.0
+        state[self.indices.q] = q
+        state[self.num_positions + self.indices.v] = v
+        self.q, self.v = q, v
+        self.hold("state", state)
+
+    def order(self, **fields):
+        """Puts a command in force; what is not given stays."""
+        n = self.robot.num_joints
+        given = {
+            name: np.broadcast_to(np.asarray(value, dtype=float), n).copy()
+            for name, value in fields.items()
+        }
+        self.command = dataclasses.replace(self.command, **given)
+        self.hold("joint_command", self.command)
+
+    def run(self, seconds):
+        time = self.simulator.get_context().get_time()
+        self.simulator.AdvanceTo(time + seconds)
+
+    @property
+    def effort(self):
+        context = self.simulator.get_context()
+        return self.system.GetOutputPort("user_effort").Eval(context)
+
+    def written_law(self, integral=0.0):
+        """The reference's formula before its limit, with ė = -v."""
+        c, robot = self.command, self.robot
+        position = np.clip(c.position, robot.position_lower, robot.position_upper)
+        bound = 50.0 * robot.effort_limit / robot.velocity_limit
+        return (
+            c.kp_position * (position - self.q)
+            + integral
+            - c.kd_position * self.v
+            + np.minimum(c.kp_velocity, bound) * (c.velocity - self.v)
+            + c.effort
+        )
+
+
+@pytest.fixture
+def bench(robot):
+    return Bench(robot)
+
+
+@pytest.fixture
+def random():
+    return np.random.default_rng(11)
+
+
+def small(bench, random, scale=0.01):
+    """A command that is at work everywhere and far from the motors' limits."""
+    share = bench.robot.effort_limit
+    bench.move(
+        bench.q + random.uniform(-0.1, 0.1, 28),
+        random.uniform(-0.2, 0.2, 28),
+    )
+    bench.order(
+        position=bench.q + random.uniform(-0.1, 0.1, 28),
+        velocity=random.uniform(-0.2, 0.2, 28),
+        effort=scale * share * random.uniform(-1.0, 1.0, 28),
+        kp_position=share * random.uniform(0.1, 1.0, 28),
+        kd_position=scale * share * random.uniform(0.1, 1.0, 28),
+        kp_velocity=scale * share * random.uniform(0.1, 1.0, 28),
+    )
+
+
+def test_without_damping_the_formula_holds_from_the_first_step(bench, random):
+    small(bench, random)
+    bench.order(kd_position=0.0, kp_velocity=0.0)
+    np.testing.assert_allclose(bench.effort, bench.written_law(), atol=1e-9)
+
+
+@pytest.mark.parametrize("k", [1, 80, 255])
+@pytest.mark.parametrize("load", [0.0, 450.0])
+def test_at_steady_velocity_the_formula_holds_for_every_share(bench, random, k, load):
+    small(bench, random)
+    bench.hold("k_effort", np.full(28, float(k)))
+    bench.hold("behavior_effort", random.uniform(-5.0, 5.0, 28))
+    bench.hold("foot_wrenches", np.array([0.0, 0, 0, 0, 0, load] * 2))
+    bench.run(SETTLED)
+    np.testing.assert_allclose(bench.effort, bench.written_law(), rtol=1e-6, atol=1e-6)
+
+
+def test_shares_differ_from_joint_to_joint(bench, random):
+    small(bench, random)
+    k = np.array([0, 1, 128, 255] * 7, dtype=float)
+    bench.hold("k_effort", k)
+    bench.hold("behavior_effort", random.uniform(-5.0, 5.0, 28))
+    bench.run(SETTLED)
+    expected = np.where(k > 0, bench.written_law(), 0.0)
+    np.testing.assert_allclose(bench.effort, expected, rtol=1e-6, atol=1e-6)
+
+
+def test_a_new_command_acts_at_the_instant_at_which_it_is_in_force(bench):
+    bench.order(kp_position=10.0, kd_position=0.0)
+    bench.run(0.01)
+    for error in (0.05, -0.02):
+        bench.order(position=bench.q + error)
+        np.testing.assert_allclose(bench.effort, 10.0 * error, rtol=1e-9)
+
+
+def test_setpoints_beyond_the_joints_limits_are_as_good_as_the_limits(bench, robot):
+    bench.order(kp_position=0.1, kd_position=0.0, position=100.0)
+    np.testing.assert_allclose(bench.effort, 0.1 * (robot.position_upper - bench.q))
+    bench.order(position=-100.0)
+    np.testing.assert_allclose(bench.effort, 0.1 * (robot.position_lower - bench.q))
+
+
+def test_the_velocity_gain_is_bounded(bench, robot):
+    bench.order(kp_position=0.0, kd_position=0.0, kp_velocity=1e9, velocity=1e-4)
+    # Joints damped this much take longer to tell the law from outer forces.
+    bench.run(20.0 * SETTLED)
+    bound = 50.0 * robot.effort_limit / robot.velocity_limit
+    np.testing.assert_allclose(bench.effort, 1e-4 * bound, rtol=0.02)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_effort_keeps_the_motors_limits(bench, robot, sign):
+    bench.order(kp_position=1e6, position=bench.q + sign * 0.05)
+    np.testing.assert_array_equal(bench.effort, sign * robot.effort_limit)
+
+
+def test_the_integral_grows_to_its_clamp_and_returns_at_once(bench):
+    bench.order(
+        kp_position=0.0,
+        kd_position=0.0,
+        ki_position=20.0,
+        i_effort_min=-0.5,
+        i_effort_max=1.5,
+        position=bench.q + 0.1,
+    )
+    bench.run(0.5)
+    # 2 N·m a second, and one step more at the instant itself.
+    np.testing.assert_allclose(bench.effort, 1.0, atol=0.01)
+    bench.run(1.0)
+    np.testing.assert_array_equal(bench.effort, np.full(28, 1.5))
+    bench.order(position=bench.q - 0.1)
+    bench.run(0.25)
+    np.testing.assert_allclose(bench.effort, 1.0, atol=0.01)
+    bench.run(1.0)
+    np.testing.assert_array_equal(bench.effort, np.full(28, -0.5))
+
+
+def test_the_integral_holds_still_while_the_behavior_has_the_joint(bench):
+    bench.order(
+        kp_position=0.0,
+        kd_position=0.0,
+        ki_position=20.0,
+        i_effort_min=-5.0,
+        i_effort_max=5.0,
+        position=bench.q + 0.1,
+    )
+    k = np.array([0.0] * 14 + [255.0] * 14)
+    bench.hold("k_effort", k)
+    bench.run(0.5)
+    bench.hold("k_effort", np.full(28, 255.0))
+    one_step = 20.0 * 0.1 * PHYSICS_STEP
+    np.testing.assert_allclose(bench.effort[:14], one_step)
+    np.testing.assert_allclose(bench.effort[14:], 1.0, atol=0.01)
+    # Neither forgets while it is the behaviour's.
+    bench.hold("k_effort", np.zeros(28))
+    bench.run(0.5)
+    bench.hold("k_effort", np.full(28, 255.0))
+    np.testing.assert_allclose(bench.effort[14:], 1.0, atol=0.01)
