@@ -1,0 +1,115 @@
+"""What behaviours see and remember, made up or simulated; no test is here."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from atlas_drake import AtlasBehaviorStepData, AtlasSimInterfaceCommand, AtlasSimulation
+from atlas_drake.behaviors.base import Observation
+from atlas_drake.control.whole_body_model import WholeBodyModel
+from atlas_drake.messages import AtlasSimInterfaceState
+from atlas_drake.robot import load_robot
+
+LOOK = 0.02
+"""Time between looks at a running simulation [s]."""
+
+
+@pytest.fixture(scope="session")
+def robot():
+    """The default robot."""
+    return load_robot()
+
+
+@pytest.fixture(scope="session")
+def model(robot):
+    """The controller's model of it."""
+    return WholeBodyModel(robot)
+
+
+@pytest.fixture(scope="session")
+def observe(model):
+    """Makes what a behaviour sees of the robot in the stand-prep pose.
+
+    Tilted by ``pitch`` [rad] forward, moving ahead at ``speed`` [m/s], with joints that
+    move by name [rad/s], the ``held`` ones in the user's hands.
+    """
+    robot, plant = model.robot, model.plant
+    indices = robot.indices(plant)
+
+    def make(pitch=0.0, speed=0.0, joints=None, held=()):
+        state = np.zeros(model.num_states)
+        state[[0, 2]] = np.cos(0.5 * pitch), np.sin(0.5 * pitch)
+        state[indices.q] = robot.stand_prep
+        velocities = state[plant.num_positions() :]
+        velocities[3] = speed
+        for name, velocity in (joints or {}).items():
+            velocities[indices.v[robot.joint_names.index(name)]] = velocity
+        return Observation(
+            time=1.0,
+            dt=0.002,
+            terms=model.evaluate(model.create_context(), state),
+            foot_force=np.full(2, 0.5 * robot.mass * 9.81),
+            user_held=np.isin(robot.joint_names, held),
+        )
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def walk_message():
+    """Makes a WALK command from (index, foot, x, y) of each step."""
+
+    def make(*steps, duration=0.63):
+        command = AtlasSimInterfaceCommand()
+        command.behavior = command.WALK
+        for place, (index, foot, x, y) in enumerate(steps):
+            step = AtlasBehaviorStepData()
+            step.step_index, step.foot_index = index, foot
+            step.duration, step.swing_height = duration, 0.1
+            step.pose.position.x, step.pose.position.y = x, y
+            command.walk_params.step_queue[place] = step
+        return command
+
+    return make
+
+
+@dataclasses.dataclass
+class Look:
+    """The robot's report at one moment, and its state in the plant."""
+
+    time: float
+    report: AtlasSimInterfaceState
+    state: np.ndarray
+
+
+class Recording:
+    """A simulation that is looked at every LOOK seconds."""
+
+    def __init__(self, scenario=None):
+        self.sim = AtlasSimulation(scenario)
+        self.looks: list[Look] = []
+
+    def advance(self, seconds, until=None):
+        """Runs for so long, or until ``until`` is true of the latest report."""
+        end = self.sim.time + seconds
+        while self.sim.time < end - 1e-9:
+            self.sim.advance_to(min(end, self.sim.time + LOOK))
+            report = self.sim.atlas_sim_interface_state
+            state = self.sim.diagram.GetOutputPort("state").Eval(self.sim.context)
+            self.looks.append(Look(self.sim.time, report, state))
+            if until is not None and until(report):
+                return True
+        return False
+
+    def ask(self, behavior):
+        """Asks for a behaviour."""
+        command = AtlasSimInterfaceCommand()
+        command.behavior = behavior
+        self.sim.publish(command)
+
+
+@pytest.fixture(scope="session")
+def record():
+    """Makes a ``Recording`` of a scenario."""
+    return Recording

@@ -1,0 +1,263 @@
+"""Every change of behaviour, legal and not, and what is reported of it."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+from atlas_drake.behaviors.supervisor import Supervisor
+from atlas_drake.behaviors.transitions import LEGAL_TRANSITIONS
+from atlas_drake.commands import BehaviorRequest
+from atlas_drake.control.gains import ControlGains
+from atlas_drake.errors import ErrorCode
+from atlas_drake.messages import (
+    AtlasSimInterfaceCommand,
+    AtlasSimInterfaceState,
+    AtlasState,
+    Behavior,
+    BehaviorStatus,
+)
+
+NONE, FREEZE, STAND_PREP, STAND, WALK, STEP, MANIPULATE, USER = Behavior
+
+ALWAYS = {NONE, FREEZE, USER}
+"""What may be asked for at any moment."""
+LEGAL = {
+    NONE: ALWAYS | {STAND_PREP, STAND},
+    FREEZE: ALWAYS | {STAND_PREP, STAND},
+    USER: ALWAYS | {STAND_PREP, STAND},
+    STAND_PREP: ALWAYS | {STAND_PREP, STAND},
+    STAND: ALWAYS | {STAND_PREP, STAND, WALK},
+    WALK: ALWAYS | {STAND, WALK},
+}
+"""The rules as they are promised, written down a second time."""
+UNBUILT = (STEP, MANIPULATE)
+
+WRIST = "l_arm_wry"
+WRIST_INDEX = AtlasState.l_arm_wry
+"""A joint so light that its speed hardly moves the robot."""
+
+
+class Robot:
+    """A supervisor with its state, asked and ticked by the test."""
+
+    def __init__(self, robot, observe, behavior):
+        # The height is what the pose has, so that nothing counts as a fall.
+        terms = observe().terms
+        height = float(terms.com[2] - terms.feet[0].p_WF[2])
+        self.supervisor = Supervisor(robot, ControlGains(), height)
+        self.state = self.supervisor.start(behavior)
+        self.request = self._request(behavior, 0)
+        self.command = None
+        self.tick(observe())
+
+    def _request(self, behavior, number):
+        command = AtlasSimInterfaceCommand()
+        command.behavior = behavior
+        return BehaviorRequest(behavior, command.snapshot(), number)
+
+    def ask(self, behavior):
+        self.request = self._request(behavior, self.request.number + 1)
+
+    def tick(self, seen):
+        self.state, self.command = self.supervisor.update(
+            self.state, seen, self.request
+        )
+
+    @property
+    def report(self):
+        message = AtlasSimInterfaceState()
+        self.supervisor.report(self.state, message)
+        return message
+
+    def texts(self, kind):
+        return [event.text for event in self.state.events if event.kind == kind]
+
+
+@pytest.fixture
+def make(robot, observe):
+    """Makes a robot that is in a behaviour already."""
+    return lambda behavior: Robot(robot, observe, behavior)
+
+
+def assert_refused(robot, source, target, flags, code):
+    report = robot.report
+    assert (report.current_behavior, report.desired_behavior) == (source, source)
+    feedback = report.behavior_feedback
+    assert feedback.status_flags == flags
+    assert (feedback.trans_from, feedback.trans_to) == (source, target)
+    assert report.error_code is code
+    (text,) = robot.texts("refusal")
+    assert target.name in text
+
+
+def test_the_table_is_what_is_promised():
+    assert LEGAL_TRANSITIONS == LEGAL
+
+
+@pytest.mark.parametrize(
+    ("source", "target"),
+    [
+        (source, target)
+        for source, target in itertools.product(LEGAL, LEGAL)
+        if target in LEGAL[source] and (source, target) != (WALK, STAND)
+    ],
+    ids=lambda behavior: behavior.name,
+)
+def test_a_legal_change_happens_in_the_same_tick(make, observe, source, target):
+    robot = make(source)
+    robot.ask(target)
+    robot.tick(observe())
+    report = robot.report
+    assert (report.current_behavior, report.desired_behavior) == (target, target)
+    assert report.error_code is ErrorCode.NO_ERRORS
+    feedback = report.behavior_feedback
+    if source is target:
+        # More of the same is no transition.
+        assert feedback.status_flags == BehaviorStatus.OK
+        assert robot.texts("behavior") == []
+    else:
+        assert feedback.status_flags == BehaviorStatus.TRANSITION_SUCCESS
+        assert (feedback.trans_from, feedback.trans_to) == (source, target)
+        assert robot.texts("behavior") == [f"{source.name} -> {target.name}"]
+    # NONE and USER give no effort; all others say what they want.
+    assert (robot.command is None) == (target in (NONE, USER))
+
+
+@pytest.mark.parametrize(
+    ("source", "target"),
+    [
+        (source, target)
+        for source, target in itertools.product(LEGAL, LEGAL)
+        if target not in LEGAL[source]
+    ],
+    ids=lambda behavior: behavior.name,
+)
+def test_an_illegal_change_is_refused(make, observe, source, target):
+    robot = make(source)
+    robot.ask(target)
+    for _ in range(3):
+        robot.tick(observe())
+        assert_refused(
+            robot,
+            source,
+            target,
+            BehaviorStatus.FAILED_TRANS_ILLEGAL_BEHAVIOR,
+            ErrorCode.FAILED_TO_START_BEHAVIOR,
+        )
+    assert (robot.command is None) == (source in (NONE, USER))
+
+
+@pytest.mark.parametrize("source", LEGAL, ids=lambda behavior: behavior.name)
+@pytest.mark.parametrize("target", UNBUILT, ids=lambda behavior: behavior.name)
+def test_what_is_not_built_says_so(make, observe, source, target):
+    robot = make(source)
+    robot.ask(target)
+    robot.tick(observe())
+    assert_refused(
+        robot,
+        source,
+        target,
+        BehaviorStatus.FAILED_TRANS_UNKNOWN_BEHAVIOR,
+        ErrorCode.BEHAVIOR_NOT_IMPLEMENTED,
+    )
+
+
+@pytest.mark.parametrize("source", [NONE, USER, FREEZE, STAND_PREP])
+@pytest.mark.parametrize(
+    ("bad", "flag"),
+    [
+        ({"pitch": 0.5}, BehaviorStatus.FAILED_TRANS_COM_POS),
+        ({"pitch": -0.5}, BehaviorStatus.FAILED_TRANS_COM_POS),
+        ({"speed": 0.8}, BehaviorStatus.FAILED_TRANS_COM_VEL),
+        ({"joints": {WRIST: 8.0}}, BehaviorStatus.FAILED_TRANS_VEL),
+        ({"joints": {WRIST: -8.0}}, BehaviorStatus.FAILED_TRANS_VEL),
+    ],
+    ids=["ahead", "behind", "fast", "turning", "turning back"],
+)
+def test_stand_takes_over_only_a_robot_that_it_can_hold(
+    make, observe, source, bad, flag
+):
+    robot = make(source)
+    robot.ask(STAND)
+    robot.tick(observe(**bad))
+    assert_refused(robot, source, STAND, flag, ErrorCode.FAILED_TO_START_BEHAVIOR)
+    # Asked again when all is well, it does.
+    robot.tick(observe())
+    assert robot.report.current_behavior is source
+    robot.ask(STAND)
+    robot.tick(observe())
+    assert robot.report.current_behavior is STAND
+    assert robot.report.error_code is ErrorCode.NO_ERRORS
+
+
+def test_joints_that_stay_with_the_user_may_move_as_they_like(make, observe):
+    robot = make(USER)
+    robot.ask(STAND)
+    robot.tick(observe(joints={WRIST: 8.0}, held=(WRIST,)))
+    assert robot.report.current_behavior is STAND
+
+
+@pytest.mark.parametrize("target", [STAND_PREP, FREEZE, NONE, USER])
+def test_only_stand_has_conditions(make, observe, target):
+    robot = make(USER)
+    robot.ask(target)
+    robot.tick(observe(pitch=0.5, speed=0.8))
+    assert robot.report.current_behavior is target
+
+
+def test_stand_from_walk_takes_its_time(make, observe):
+    robot = make(WALK)
+    robot.ask(STAND)
+    robot.tick(observe())
+    report = robot.report
+    assert (report.current_behavior, report.desired_behavior) == (WALK, STAND)
+    flags = report.behavior_feedback.status_flags
+    assert flags == BehaviorStatus.TRANSITION_IN_PROGRESS
+    # Second thoughts.
+    robot.ask(WALK)
+    robot.tick(observe())
+    assert robot.report.desired_behavior is WALK
+
+
+def test_one_request_is_acted_upon_once(make, observe):
+    robot = make(STAND)
+    robot.ask(FREEZE)
+    for _ in range(5):
+        robot.tick(observe())
+    assert robot.texts("behavior") == ["STAND -> FREEZE"]
+
+
+def test_freeze_holds_the_joints_where_they_are(make, observe):
+    robot = make(STAND)
+    robot.ask(FREEZE)
+    robot.tick(observe(joints={WRIST: 1.0}))
+    wanted = robot.command.joint_acceleration
+    moving = WRIST_INDEX
+    assert wanted[moving] < 0.0
+    np.testing.assert_array_equal(np.delete(wanted, moving), np.zeros(27))
+
+
+@pytest.mark.parametrize("behavior", LEGAL, ids=lambda behavior: behavior.name)
+def test_a_fall_is_noticed_once_and_ends_all_effort(make, observe, behavior):
+    robot = make(behavior)
+    assert not robot.state.falling
+    for _ in range(3):
+        robot.tick(observe(pitch=1.0))
+        flags = robot.report.behavior_feedback.status_flags
+        assert flags & BehaviorStatus.ERROR_FALLING
+        assert robot.command is None
+    assert len(robot.texts("fall")) == 1
+    # It stays so until another behaviour begins ...
+    robot.tick(observe())
+    assert robot.command is None
+    robot.ask(USER)
+    robot.tick(observe())
+    flags = robot.report.behavior_feedback.status_flags
+    assert flags & BehaviorStatus.ERROR_FALLING
+    # ... that keeps the robot up.
+    robot.ask(STAND)
+    robot.tick(observe())
+    flags = robot.report.behavior_feedback.status_flags
+    assert not flags & BehaviorStatus.ERROR_FALLING
+    assert robot.command is not None
