@@ -1,0 +1,177 @@
+"""STAND and its neighbours on the simulated robot: upright, still, and shared."""
+
+import numpy as np
+import pytest
+
+from atlas_drake import AtlasCommand, AtlasSimInterfaceCommand, AtlasState, Scenario
+from atlas_drake.messages import Behavior, BehaviorStatus
+
+
+def pelvis_height(look):
+    return look.state[6]
+
+
+def test_stand_stands_still(record):
+    recording = record()
+    recording.advance(1.5)
+    before = recording.looks[-1].state
+    recording.advance(0.5)
+    after = recording.looks[-1].state
+    np.testing.assert_allclose(after[:7], before[:7], atol=0.003)
+    assert not recording.sim.has_fallen
+    assert np.abs(recording.sim.atlas_state.velocity).max() < 0.1
+
+
+@pytest.mark.parametrize("spelling", ["freeze", "Freeze", " FREEZE ", 1])
+def test_behaviors_are_known_by_name_in_any_case_and_by_number(record, spelling):
+    recording = record()
+    recording.ask(spelling)
+    recording.advance(0.02)
+    assert recording.looks[-1].report.current_behavior is Behavior.FREEZE
+
+
+@pytest.mark.parametrize("behavior", ["STEP", "manipulate"])
+def test_what_is_not_built_leaves_the_robot_standing(record, behavior):
+    recording = record()
+    recording.ask(behavior)
+    recording.advance(0.1)
+    report = recording.looks[-1].report
+    assert report.current_behavior is Behavior.STAND
+    assert report.error_code is report.ERROR_BEHAVIOR_NOT_IMPLEMENTED
+    (event,) = recording.sim.events
+    assert event.kind == "refusal"
+    # The next request that can be met clears the error.
+    recording.ask("STAND")
+    recording.advance(0.02)
+    assert recording.looks[-1].report.error_code is report.NO_ERRORS
+
+
+def test_user_takes_all_joints_at_once(record):
+    recording = record()
+    command = AtlasSimInterfaceCommand()
+    command.behavior = "user"
+    command.k_effort = [0] * 28
+    recording.sim.publish(command)
+    recording.advance(0.02)
+    report = recording.looks[-1].report
+    assert report.current_behavior is Behavior.USER
+    assert list(report.k_effort) == [255] * 28
+    assert not np.any(report.f_out)
+    assert np.abs(recording.sim.atlas_state.effort).max() > 1.0
+
+
+def test_stand_prep_warms_up_under_the_users_joints_then_stand_takes_over(record):
+    recording = record(Scenario(initial_behavior="USER"))
+    warm_up = AtlasSimInterfaceCommand()
+    warm_up.behavior = warm_up.STAND_PREP
+    warm_up.k_effort = [255] * 28
+    recording.advance(0.1)
+    recording.sim.publish(warm_up)
+    recording.advance(0.5)
+    report = recording.looks[-1].report
+    assert report.current_behavior is Behavior.STAND_PREP
+    # It already says what it would do.
+    assert np.abs(report.f_out).max() > 1.0
+    stand = AtlasSimInterfaceCommand()
+    stand.behavior = stand.STAND
+    stand.k_effort = [0] * 28
+    recording.sim.publish(stand)
+    recording.advance(1.0)
+    report = recording.looks[-1].report
+    assert report.current_behavior is Behavior.STAND
+    assert report.behavior_feedback.status_flags == BehaviorStatus.TRANSITION_SUCCESS
+    assert not recording.sim.has_fallen
+
+
+@pytest.fixture(scope="module")
+def shared(record):
+    """A robot that stands, its left arm the user's, neck and right arm shared."""
+    recording = record()
+    command = AtlasCommand()
+    k_effort = [0] * 28
+    k_effort[AtlasState.l_arm_shy : AtlasState.l_arm_wrx + 1] = [255] * 6
+    k_effort[AtlasState.r_arm_shy : AtlasState.r_arm_wrx + 1] = [102] * 6
+    k_effort[AtlasState.neck_ry] = 204
+    command.k_effort = k_effort
+    # Well damped, as wrists with the default gains swing for long.
+    command.kd_position = [8.0] * 28
+    recording.sim.publish(command)
+    recording.advance(2.5)
+    return recording
+
+
+def written_law(state, robot):
+    """The user's law at the reported gains, with set-points in force from the start."""
+    return np.array(state.kp_position) * (
+        robot.stand_prep - np.array(state.position)
+    ) - np.array(state.kd_position) * np.array(state.velocity)
+
+
+@pytest.mark.slow
+def test_the_users_joints_droop_by_gravity_over_stiffness(shared, robot):
+    state = shared.sim.atlas_state
+    arm = np.flatnonzero(np.array(state.k_effort) == 255)
+    assert len(arm) == 6
+    plant, context = shared.sim.plant, shared.sim.plant.CreateDefaultContext()
+    plant.SetPositionsAndVelocities(context, shared.looks[-1].state)
+    gravity = plant.CalcGravityGeneralizedForces(context)[robot.indices(plant).v]
+    droop = np.array(state.position) - robot.stand_prep
+    np.testing.assert_allclose(
+        droop[arm], gravity[arm] / robot.default_kp[arm], atol=1e-3
+    )
+    # Some do hang visibly, and by their weight.
+    assert np.abs(droop[arm]).max() > 0.01
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("k", [0, 102, 204, 255])
+def test_efforts_are_blended_joint_by_joint(shared, robot, k):
+    state = shared.sim.atlas_state
+    joints = np.flatnonzero(np.array(state.k_effort) == k)
+    assert joints.size
+    user = written_law(state, robot)
+    behavior = np.array(shared.sim.atlas_sim_interface_state.f_out)
+    blended = (k * user + (255 - k) * behavior) / 255.0
+    # What is left is the user's damping, taken at the step's end.
+    atol = 0.0 if k == 0 else 0.05
+    np.testing.assert_allclose(
+        np.array(state.effort)[joints], blended[joints], atol=atol
+    )
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("force", "duration"), [((900.0, 0.0, 0.0), 0.3), ((0.0, -900.0, 0.0), 0.3)]
+)
+def test_a_fall_is_flagged_early_and_time_goes_on(record, force, duration):
+    recording = record()
+    recording.advance(0.1)
+    recording.sim.apply_push("utorso", force, duration)
+    recording.advance(3.0)
+    falling = [
+        bool(look.report.behavior_feedback.status_flags & BehaviorStatus.ERROR_FALLING)
+        for look in recording.looks
+    ]
+    assert not falling[0]
+    first = falling.index(True)
+    assert all(falling[first:])
+    assert pelvis_height(recording.looks[first]) > 0.4
+    # The robot lies, nothing has burst, and nobody acts.
+    assert pelvis_height(recording.looks[-1]) < 0.4
+    assert np.isfinite([look.state for look in recording.looks]).all()
+    assert recording.sim.time == pytest.approx(3.1)
+    assert recording.sim.has_fallen
+    assert recording.sim.summary()["fell"]
+    assert not recording.sim.summary()["success"]
+    assert not np.any(recording.looks[-1].report.f_out)
+    assert [event.kind for event in recording.sim.events].count("fall") == 1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("force", [(90.0, 0.0, 0.0), (-60.0, 0.0, 0.0), (0.0, 90.0, 0)])
+def test_a_small_push_is_no_fall(record, force):
+    recording = record()
+    recording.sim.apply_push("utorso", force, 0.2)
+    recording.advance(2.0)
+    assert not recording.sim.has_fallen
+    assert recording.sim.summary()["max_pelvis_tilt_rad"] < 0.2
