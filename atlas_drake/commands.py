@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from atlas_drake.errors import ErrorCode, InvalidMessageError
+from atlas_drake.joint_command import JOINT_FIELDS, JointCommand
 from atlas_drake.messages import (
     K_EFFORT_MAX,
     AtlasCommand,
@@ -25,40 +26,6 @@ from atlas_drake.messages import (
 from atlas_drake.robot import Robot
 
 _log = logging.getLogger(__name__)
-
-
-@dataclass(frozen=True)
-class JointCommand:
-    """Set-points and gains of the joint PID bank; arrays (n,) in message order.
-
-    Attributes:
-        position: [rad]
-        velocity: [rad/s]
-        effort: Feed-forward effort [N·m].
-        kp_position: [N·m/rad]
-        ki_position: [N·m/(rad·s)]
-        kd_position: [N·m·s/rad]
-        kp_velocity: [N·m·s/rad]
-        i_effort_min: Least effort of the integral term [N·m].
-        i_effort_max: Greatest effort of the integral term [N·m].
-    """
-
-    position: np.ndarray
-    velocity: np.ndarray
-    effort: np.ndarray
-    kp_position: np.ndarray
-    ki_position: np.ndarray
-    kd_position: np.ndarray
-    kp_velocity: np.ndarray
-    i_effort_min: np.ndarray
-    i_effort_max: np.ndarray
-
-    def __deepcopy__(self, memo: dict[int, Any]) -> "JointCommand":
-        """Frozen, so its copy is itself: cloning a Context costs nothing."""
-        return self
-
-
-JOINT_FIELDS = tuple(JointCommand.__dataclass_fields__)
 
 
 @dataclass(frozen=True)

@@ -72,9 +72,7 @@ class SensorNoise:
         self._num_joints = num_joints
         self._period = period
         random = np.random.Generator(np.random.Philox(key=[seed, 0]))
-        self._gyro_bias = _bias(
-            random, model.gyro_bias_mean, model.gyro_bias_sigma
-        )
+        self._gyro_bias = _bias(random, model.gyro_bias_mean, model.gyro_bias_sigma)
         self._accelerometer_bias = _bias(
             random, model.accelerometer_bias_mean, model.accelerometer_bias_sigma
         )

@@ -4,6 +4,7 @@ One dataclass, one comment per field, all defaults here. What is done with it is
 ``simulation``.
 """
 
+from collections.abc import Collection
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -152,7 +153,7 @@ def load_scenario(path: str | Path) -> Scenario:
     return scenario.validate()
 
 
-def _one_of(name: str, value, allowed) -> None:
+def _one_of(name: str, value: object, allowed: Collection[object]) -> None:
     if value not in allowed:
         raise ScenarioError(
             name, value, f"is {value!r}; must be one of {', '.join(map(str, allowed))}"

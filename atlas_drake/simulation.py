@@ -7,16 +7,17 @@ and reads messages out. It holds no control law.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from pydrake.geometry import Meshcat
-from pydrake.math import RigidTransform, RollPitchYaw
+from pydrake.math import RigidTransform
 from pydrake.multibody.math import SpatialForce
 from pydrake.multibody.plant import ExternallyAppliedSpatialForce
 from pydrake.systems.analysis import Simulator
-from threadpoolctl import ThreadpoolController
+from pydrake.systems.framework import Context
 
 from atlas_drake.behaviors.base import Event
 from atlas_drake.diagrams.atlas_station import StationConfig
@@ -29,6 +30,7 @@ from atlas_drake.messages import (
     AtlasState,
     Behavior,
     Imu,
+    Message,
     validate_atlas_command,
     validate_sim_interface_command,
 )
@@ -36,12 +38,9 @@ from atlas_drake.noise import NOISE_MODELS
 from atlas_drake.robot import load_robot
 from atlas_drake.scenario import Scenario
 from atlas_drake.start import draw_variation, place_robot
+from atlas_drake.steady import steady_ticks
 from atlas_drake.summary import make_summary
 from atlas_drake.tutorial import control_mode_switch_programme
-
-_LINEAR_ALGEBRA = ThreadpoolController()
-"""The libraries behind numpy. Their threads are meant for large matrices: on the small
-ones of a control tick they cost a third of it, and make its length erratic."""
 
 CHUNK = 0.02
 """Simulated time between looks at events, pushes and Ctrl-C [s]."""
@@ -87,7 +86,7 @@ class AtlasSimulation:
         self.scenario = (scenario or Scenario()).validate()
         self.robot = load_robot(self.scenario.model)
         self.events: list[Event] = []
-        self.footsteps: list[dict] = []
+        self.footsteps: list[dict[str, Any]] = []
         self._on_event = on_event
         self._meshcat = meshcat
         self._pushes: list[_Push] = []
@@ -111,9 +110,7 @@ class AtlasSimulation:
             programme = control_mode_switch_programme(
                 self.robot, literal=self.scenario.programme == "tutorial_literal"
             )
-        self.diagram = make_control_mode_switch(
-            self.robot, programme, config, meshcat
-        )
+        self.diagram = make_control_mode_switch(self.robot, programme, config, meshcat)
         self.station = self.diagram.GetSubsystemByName("station")
         self.plant = self.station.GetSubsystemByName("plant")
         self._scheduler = self.diagram.GetSubsystemByName("scheduler")
@@ -136,25 +133,27 @@ class AtlasSimulation:
                 reports the error's code, and what was in force stays in force.
             TypeError: If it is no command.
         """
+        force = self._output("commands")
+        names = self.robot.joint_names
         if isinstance(message, AtlasCommand):
-            port, validate = "other_atlas_command", validate_atlas_command
+            self._send("other_atlas_command", message)
+            validate_atlas_command(message, names, force.atlas_stamp)
         elif isinstance(message, AtlasSimInterfaceCommand):
-            port = "other_atlas_sim_interface_command"
-            validate = validate_sim_interface_command
+            self._send("other_atlas_sim_interface_command", message)
+            validate_sim_interface_command(message, names, force.sim_stamp)
         else:
             raise TypeError(
                 "publish takes an AtlasCommand or an AtlasSimInterfaceCommand, not "
                 f"{type(message).__name__}"
             )
-        snapshot = message.snapshot()
-        self.diagram.GetInputPort(port).FixValue(self.context, snapshot)
-        force = self._output("commands")
-        stamp = (
-            force.atlas_stamp if validate is validate_atlas_command else force.sim_stamp
-        )
-        validate(snapshot, self.robot.joint_names, stamp)
 
-    def apply_push(self, body: str, force_W, duration: float) -> None:
+    def _send(self, port: str, message: Message) -> None:
+        """Puts a copy on the port also if it is faulty: the robot refuses it itself."""
+        self.diagram.GetInputPort(port).FixValue(self.context, message.snapshot())
+
+    def apply_push(
+        self, body: str, force_W: Sequence[float] | np.ndarray, duration: float
+    ) -> None:
         """Pushes a body at its origin from now on.
 
         Args:
@@ -167,7 +166,9 @@ class AtlasSimulation:
         """
         force = np.asarray(force_W, dtype=float)
         if force.shape != (3,) or not np.isfinite(force).all():
-            raise InvalidMessageError("force_W", force_W, "must be three finite numbers")
+            raise InvalidMessageError(
+                "force_W", force_W, "must be three finite numbers"
+            )
         if not (np.isfinite(duration) and duration > 0.0):
             raise InvalidMessageError("duration", duration, "must be positive")
         if not self.plant.HasBodyNamed(body):
@@ -191,10 +192,12 @@ class AtlasSimulation:
                 until then is kept.
         """
         if not np.isfinite(t) or t < self.time - 1e-9:
-            raise ValueError(f"cannot advance to {t!r}: it is {self.time:.3f} s already")
+            raise ValueError(
+                f"cannot advance to {t!r}: it is {self.time:.3f} s already"
+            )
         begin = time.perf_counter()
         try:
-            with _LINEAR_ALGEBRA.limit(limits=1, user_api="blas"):
+            with steady_ticks():
                 while self.time < t - 1e-9:
                     self._advance_chunk(t)
         except RuntimeError as error:
@@ -218,7 +221,7 @@ class AtlasSimulation:
     # ---- state ---------------------------------------------------------------
 
     @property
-    def context(self):
+    def context(self) -> Context:
         """The root context of the diagram."""
         return self.simulator.get_mutable_context()
 
@@ -263,16 +266,16 @@ class AtlasSimulation:
         """Wall-clock times of the controller's ticks [s]."""
         return self._controller.tick_seconds
 
-    def summary(self) -> dict:
+    def summary(self) -> dict[str, Any]:
         """What happened so far, as plain numbers and text ready for JSON."""
         return make_summary(self, self._wall_time, self._output("extremes"))
 
     # ---- inside --------------------------------------------------------------
 
-    def _plant_context(self):
+    def _plant_context(self) -> Context:
         return self.plant.GetMyMutableContextFromRoot(self.context)
 
-    def _output(self, name: str):
+    def _output(self, name: str) -> Any:
         return self.diagram.GetOutputPort(name).Eval(self.context)
 
     def _exert_pushes(self) -> None:
@@ -298,7 +301,9 @@ class AtlasSimulation:
             fresh.append(Event(entry.time, "command", entry.text))
         self._seen_sent = sent
         force = self._output("commands")
-        for refusal in force.refusals[len(force.refusals) - (force.refused - self._seen_refusals) :]:
+        for refusal in force.refusals[
+            len(force.refusals) - (force.refused - self._seen_refusals) :
+        ]:
             fresh.append(Event(refusal.time, "refusal", refusal.text))
         self._seen_refusals = force.refused
         supervisor = self._output("controller_state").supervisor

@@ -5,6 +5,7 @@ Used once, before time starts; nothing here moves the robot afterwards.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -97,7 +98,9 @@ def place_robot(
     )
 
 
-def _corner_heights(plant: MultibodyPlant, context: Context, robot: Robot):
+def _corner_heights(
+    plant: MultibodyPlant, context: Context, robot: Robot
+) -> Iterator[float]:
     """Heights of the corners of both soles in W [m]."""
     half_length, half_width = robot.file.sole.length / 2, robot.file.sole.width / 2
     for foot in robot.file.feet:

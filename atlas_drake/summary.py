@@ -5,7 +5,7 @@ Reads; computes only what a reader would otherwise have to work out.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,7 +21,7 @@ UPRIGHT_TILT = 0.4
 
 def make_summary(
     sim: AtlasSimulation, wall_time: float, extremes: np.ndarray
-) -> dict:
+) -> dict[str, Any]:
     """Everything worth keeping of a run."""
     ticks = 1e3 * np.asarray(sim.tick_seconds)
     X_WP = sim.pelvis_pose

@@ -139,9 +139,7 @@ def walk_command(feedback: Feedback) -> AtlasSimInterfaceCommand:
     message.walk_params.use_demo_walk = False
     orientation = feedback.imu.orientation
     position = feedback.atlas_sim_interface_state.pos_est.position
-    X_WP = RigidTransform(
-        DrakeQuaternion(orientation.to_wxyz()), position.to_array()
-    )
+    X_WP = RigidTransform(DrakeQuaternion(orientation.to_wxyz()), position.to_array())
     for i in range(NUM_STEPS):
         step = AtlasBehaviorStepData()
         step.step_index = i + 1

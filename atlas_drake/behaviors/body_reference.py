@@ -114,7 +114,9 @@ def advance_body(
     turn = wrap_angle(target.yaw - body.yaw)
     yaw = body.yaw + _approach(0.0, turn, rates.yaw * dt)
     joints = np.where(
-        user_held, measured, _approach_all(body.joints, target.joints, rates.joints * dt)
+        user_held,
+        measured,
+        _approach_all(body.joints, target.joints, rates.joints * dt),
     )
     tilt = rates.tilt * dt
     return BodyReference(

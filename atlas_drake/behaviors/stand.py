@@ -7,6 +7,7 @@ it brings the robot to where STAND may begin.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -40,11 +41,15 @@ class StandMemory:
     Attributes:
         feet: Left and right sole as noted.
         support: Where the CoP may lie on them.
+        middle: Between them in W [m], shape (3,).
+        yaw: Their mean heading [rad].
         com: Reference of the centre of mass, horizontal in W [m], shape (2,).
     """
 
     feet: tuple[FootPose, FootPose]
     support: SupportPolygon
+    middle: np.ndarray
+    yaw: float
     com: np.ndarray
 
 
@@ -64,10 +69,10 @@ class Stand:
         request: AtlasSimInterfaceCommand,
     ) -> StandMemory:
         """Starts from where the DCM is, so that nothing moves abruptly."""
-        feet = (seen.foot_pose(0), seen.foot_pose(1))
-        support = self._balance.support(*feet)
-        omega = tasks.pendulum_frequency(self._height_above(seen, feet))
-        return StandMemory(feet, support, support.clamp(tasks.dcm(seen.terms, omega)))
+        memory = self._note_feet(seen, com=np.zeros(2))
+        omega = tasks.pendulum_frequency(self._height_above(seen, memory))
+        com = memory.support.clamp(tasks.dcm(seen.terms, omega))
+        return replace(memory, com=com)
 
     def update(
         self,
@@ -78,21 +83,16 @@ class Stand:
         leaving: bool,
     ) -> Outcome:
         """One tick of standing."""
-        memory = self._notice_slip(memory, seen)
-        left, right = memory.feet
-        middle = 0.5 * (left.p_WF + right.p_WF)
-        to_middle = middle[:2] - memory.com
-        distance = float(np.hypot(*to_middle))
-        step = COM_SPEED * seen.dt
-        com = middle[:2] if distance <= step else memory.com + to_middle * (
-            step / distance
-        )
-        memory = replace(memory, com=com)
+        com = _towards(memory.com, memory.middle, COM_SPEED * seen.dt)
+        if self._slipped(memory, seen):
+            memory = self._note_feet(seen, com)
+        elif com is not memory.com:
+            memory = replace(memory, com=com)
         body = advance_body(
             body,
             BodyTarget(
-                height=float(middle[2]) + self._nominal_height,
-                yaw=mean_yaw(left.yaw, right.yaw),
+                height=float(memory.middle[2]) + self._nominal_height,
+                yaw=memory.yaw,
                 joints=self._balance.robot.stand_prep,
                 pelvis_tilt=_UPRIGHT,
             ),
@@ -101,12 +101,11 @@ class Stand:
             seen.terms.q,
             seen.user_held,
         )
-        omega = tasks.pendulum_frequency(self._height_above(seen, memory.feet))
         command = self._balance.command(
             seen,
             body,
             DcmReference(dcm=com, cop=com),
-            omega,
+            tasks.pendulum_frequency(self._height_above(seen, memory)),
             memory.support,
             (self._balance.planted(seen, 0), self._balance.planted(seen, 1)),
         )
@@ -115,15 +114,33 @@ class Stand:
     def report(self, memory: StandMemory, state: AtlasSimInterfaceState) -> None:
         """There is nothing to report beyond the behaviour's name."""
 
-    def _height_above(self, seen: Observation, feet: tuple[FootPose, FootPose]):
-        ground = 0.5 * (feet[0].p_WF[2] + feet[1].p_WF[2])
-        return max(float(seen.terms.com[2] - ground), 0.3 * self._nominal_height)
+    def _height_above(self, seen: Observation, memory: StandMemory) -> float:
+        height = float(seen.terms.com[2] - memory.middle[2])
+        return max(height, 0.3 * self._nominal_height)
 
-    def _notice_slip(self, memory: StandMemory, seen: Observation) -> StandMemory:
-        for noted, now in zip(memory.feet, seen.terms.feet, strict=True):
-            if np.abs(noted.p_WF - now.p_WF).max() > FOOT_SLIP:
-                feet = (seen.foot_pose(0), seen.foot_pose(1))
-                return replace(
-                    memory, feet=feet, support=self._balance.support(*feet)
-                )
-        return memory
+    def _note_feet(self, seen: Observation, com: np.ndarray) -> StandMemory:
+        left, right = seen.foot_pose(0), seen.foot_pose(1)
+        return StandMemory(
+            feet=(left, right),
+            support=self._balance.support(left, right),
+            middle=0.5 * (left.p_WF + right.p_WF),
+            yaw=mean_yaw(left.yaw, right.yaw),
+            com=com,
+        )
+
+    def _slipped(self, memory: StandMemory, seen: Observation) -> bool:
+        return any(
+            abs(x - noted_x) > FOOT_SLIP
+            for noted, now in zip(memory.feet, seen.terms.feet, strict=True)
+            for x, noted_x in zip(now.p_WF.tolist(), noted.p_WF.tolist(), strict=True)
+        )
+
+
+def _towards(value: np.ndarray, goal: np.ndarray, step: float) -> np.ndarray:
+    """``value`` moved by at most ``step`` [m] to ``goal``; itself once it is there."""
+    x, y = float(goal[0] - value[0]), float(goal[1] - value[1])
+    distance = math.hypot(x, y)
+    if distance == 0.0:
+        return value
+    share = min(step / distance, 1.0)
+    return goal[:2].copy() if share == 1.0 else value + np.array([x, y]) * share

@@ -123,6 +123,7 @@ class Supervisor:
         if not state.entered:
             state = self._enter(state, seen, request)
 
+        assert state.body is not None
         behavior = self._behaviors[state.current]
         outcome = behavior.update(
             state.memory,

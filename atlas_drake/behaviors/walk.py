@@ -8,8 +8,7 @@ landing place.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from enum import Enum
+from dataclasses import replace
 
 import numpy as np
 
@@ -22,11 +21,14 @@ from atlas_drake.behaviors.body_reference import (
     advance_body,
 )
 from atlas_drake.behaviors.gait import GaitTiming, plan_walk, stance_cop
-from atlas_drake.behaviors.step_queue import alternating, merge, next_runs, step_data_from
+from atlas_drake.behaviors.step_queue import (
+    alternating,
+    merge,
+    step_data_from,
+)
+from atlas_drake.behaviors.walk_memory import Phase, WalkMemory, WalkRules
 from atlas_drake.control import tasks
-from atlas_drake.control.dcm_plan import DcmPlan
 from atlas_drake.control.footstep import (
-    FootPose,
     Footstep,
     StepLimits,
     landing_error,
@@ -34,13 +36,13 @@ from atlas_drake.control.footstep import (
 )
 from atlas_drake.control.rotations import mean_yaw
 from atlas_drake.control.step_adjustment import StepAdjustmentLimits, step_shift
-from atlas_drake.control.support_polygon import SupportPolygon
 from atlas_drake.control.swing_foot import (
-    Swing,
     SwingProfile,
+    SwingReference,
     advance_swing,
     begin_swing,
 )
+from atlas_drake.control.whole_body_command import FootCommand
 from atlas_drake.messages import (
     AtlasBehaviorWalkFeedback,
     AtlasSimInterfaceCommand,
@@ -50,78 +52,6 @@ from atlas_drake.messages import (
 _UPRIGHT = np.zeros(2)
 LOOK_AHEAD = 4
 """Steps that enter the plan, and that a message's queue holds."""
-
-
-class Phase(Enum):
-    """Where in the walk the robot is."""
-
-    SHIFT = "swaying"
-    SWING = "swing"
-    TRANSFER = "double support"
-    SETTLE = "catching"
-
-
-@dataclass(frozen=True)
-class WalkRules:
-    """Thresholds of the walk."""
-
-    touchdown_force: float = 0.08
-    """Normal force that counts as touchdown, in weights of the robot [-]."""
-    earliest_touchdown: float = 0.75
-    """Share of the swing before which contact is a stumble, not a touchdown."""
-    unload_share: float = 0.4
-    """Last share of a transfer in which the leaving foot is unloaded [-]."""
-    dcm_ready: float = 0.025
-    """DCM error across the stance foot with which a foot may lift off [m]."""
-    longest_wait: float = 0.25
-    """Time that lift-off waits at most for that [s]."""
-    frozen_end: float = 0.06
-    """Last part of a swing in which the landing place stays put [s]."""
-    rest_speed: float = 0.08
-    """Speed of the centre of mass below which the walk is over [m/s]."""
-    replan_shift: float = 0.002
-    """Change of the landing place that is worth a new plan [m]."""
-
-
-@dataclass(frozen=True)
-class WalkMemory:
-    """State of the walk.
-
-    Attributes:
-        phase: Of the walk.
-        elapsed: Time in this phase [s].
-        duration: Planned duration of this phase [s].
-        feet: Where the soles are or last were on the ground.
-        pending: Steps not begun, by index.
-        current: Step being taken (SWING) or taken last (TRANSFER, SETTLE).
-        commanded: ``current`` as it was sent.
-        swing: Reference of the swinging foot, in SWING.
-        plan: Of the DCM.
-        plan_time: Time into the plan [s].
-        unloading: Foot that leaves the ground when this phase is over, if any.
-        sensitivity: How the DCM planned for touchdown moves with the next foot [-].
-        support: Where the CoP may lie.
-        omega: Natural frequency used in the plan [1/s].
-        next_index: Index of the next step to begin.
-        seen_queue: The queue that was last read, to notice a new one.
-    """
-
-    phase: Phase
-    elapsed: float
-    duration: float
-    feet: tuple[FootPose, FootPose]
-    pending: tuple[Footstep, ...]
-    current: Footstep | None
-    commanded: Footstep | None
-    swing: Swing | None
-    plan: DcmPlan
-    plan_time: float
-    unloading: int | None
-    sensitivity: float
-    support: SupportPolygon
-    omega: float
-    next_index: int
-    seen_queue: object
 
 
 class Walk:
@@ -203,10 +133,10 @@ class Walk:
         )
         memory, events = self._change_phase(memory, seen)
         swing_reference = None
-        if memory.phase is Phase.SWING:
+        if memory.swinging:
             memory = self._adjust_step(memory, seen)
             swing, swing_reference = advance_swing(
-                memory.swing, memory.current, self._profile, seen.dt
+                memory.flight, memory.step, self._profile, seen.dt
             )
             memory = replace(memory, swing=swing)
         body = advance_body(
@@ -239,7 +169,7 @@ class Walk:
         feedback = state.walk_feedback
         feedback.t_step_rem = max(memory.duration - memory.elapsed, 0.0)
         feedback.current_step_index = memory.current.index if memory.current else 0
-        known = next_runs(memory.pending, memory.next_index)
+        known = memory.known
         feedback.next_step_index_needed = memory.next_index + len(known)
         for place, step in enumerate(self._coming(memory)[:LOOK_AHEAD]):
             feedback.step_queue_saturated[place] = step_data_from(step)
@@ -260,13 +190,13 @@ class Walk:
 
         The one in the air comes first and is taken as it is.
         """
-        swinging = memory.phase is Phase.SWING
-        steps = [memory.current] if swinging else []
+        steps: list[Footstep] = []
         last_foot = memory.current.foot if memory.current else None
         poses = list(memory.feet)
-        if swinging:
-            poses[memory.current.foot] = memory.current.pose
-        for step in next_runs(memory.pending, memory.next_index):
+        if memory.swinging:
+            steps.append(memory.step)
+            poses[memory.step.foot] = memory.step.pose
+        for step in memory.known:
             if step.foot == last_foot or len(steps) >= LOOK_AHEAD:
                 break
             stance = poses[1 - step.foot]
@@ -283,7 +213,7 @@ class Walk:
         self, memory: WalkMemory, cop: np.ndarray, first_phase: float
     ) -> WalkMemory:
         coming = self._coming(memory)
-        swinging = memory.phase is Phase.SWING
+        swinging = memory.swinging
         plan = plan_walk(
             cop,
             first_phase,
@@ -301,11 +231,10 @@ class Walk:
     def _change_phase(
         self, memory: WalkMemory, seen: Observation
     ) -> tuple[WalkMemory, tuple[Event, ...]]:
-        if memory.phase is Phase.SWING:
-            swing = memory.swing
+        if memory.swinging:
             touched = (
-                swing.progress >= self._rules.earliest_touchdown
-                and seen.foot_force[memory.current.foot] > self._touchdown_force
+                memory.flight.progress >= self._rules.earliest_touchdown
+                and seen.foot_force[memory.step.foot] > self._touchdown_force
             )
             return self._touch_down(memory, seen) if touched else (memory, ())
         if memory.phase is Phase.SETTLE or memory.elapsed < memory.duration:
@@ -349,7 +278,7 @@ class Walk:
     def _touch_down(
         self, memory: WalkMemory, seen: Observation
     ) -> tuple[WalkMemory, tuple[Event, ...]]:
-        step, sent = memory.current, memory.commanded
+        step, sent = memory.step, memory.sent
         landed = seen.foot_pose(step.foot)
         # Level ground: a sole that lands tilted will lie flat in a moment.
         feet = list(memory.feet)
@@ -407,7 +336,7 @@ class Walk:
         """∂ξ(touchdown)/∂(landing place), the same on both axes."""
         offset = np.array([1.0, 0.0, 0.0])
         moved = replace(
-            memory, current=replace(memory.current, p_WF=memory.current.p_WF + offset)
+            memory, current=replace(memory.step, p_WF=memory.step.p_WF + offset)
         )
         there = self._replan(moved, cop, memory.duration).plan
         return float(
@@ -420,7 +349,7 @@ class Walk:
         remaining = memory.duration - memory.elapsed
         if remaining < self._rules.frozen_end:
             return memory
-        step = memory.current
+        step = memory.step
         stance = memory.feet[1 - step.foot]
         error = tasks.dcm(seen.terms, memory.omega) - (
             memory.plan.evaluate(memory.plan_time).dcm
@@ -450,8 +379,8 @@ class Walk:
         left, right = memory.feet
         yaws = [left.yaw, right.yaw]
         heights = [left.p_WF[2], right.p_WF[2]]
-        if memory.phase is Phase.SWING:
-            step = memory.current
+        if memory.swinging:
+            step = memory.step
             yaws[step.foot], heights[step.foot] = step.yaw, step.p_WF[2]
             ground = min(heights)
         else:
@@ -463,13 +392,18 @@ class Walk:
             pelvis_tilt=_UPRIGHT,
         )
 
-    def _feet(self, memory: WalkMemory, seen: Observation, swing_reference):
+    def _feet(
+        self,
+        memory: WalkMemory,
+        seen: Observation,
+        swing_reference: SwingReference | None,
+    ) -> tuple[FootCommand, FootCommand]:
         balance = self._balance
-        if memory.phase is Phase.SWING:
+        if swing_reference is not None:
             feet = [balance.planted(seen, 0), balance.planted(seen, 1)]
-            foot = memory.current.foot
+            foot = memory.step.foot
             feet[foot] = balance.swinging(seen, foot, swing_reference)
-            return tuple(feet)
+            return feet[0], feet[1]
         loads = [FULL_LOAD, FULL_LOAD]
         if memory.unloading is not None:
             left_share = 1.0 - memory.elapsed / memory.duration

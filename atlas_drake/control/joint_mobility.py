@@ -5,9 +5,8 @@ A model evaluation only; the law that uses it is ``joint_pid``.
 
 from __future__ import annotations
 
-from typing import Any
-
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
@@ -57,9 +56,7 @@ class JointMobility:
         plant.SetPositions(context, positions)
         mobility = np.linalg.inv(plant.CalcMassMatrix(context))
         world = plant.world_frame()
-        soles = [
-            sole for sole, held in zip(self._soles, planted, strict=True) if held
-        ]
+        soles = [sole for sole, held in zip(self._soles, planted, strict=True) if held]
         if soles:
             J = np.concatenate(
                 [

@@ -9,23 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-
-@dataclass(frozen=True)
-class PidInput:
-    """Set-points, gains and measurement; arrays (n,) in message order.
-
-    Units as in ``JointCommand``; ``position`` already within the joints' limits.
-    """
-
-    position: np.ndarray
-    velocity: np.ndarray
-    effort: np.ndarray
-    kp_position: np.ndarray
-    ki_position: np.ndarray
-    kd_position: np.ndarray
-    kp_velocity: np.ndarray
-    i_effort_min: np.ndarray
-    i_effort_max: np.ndarray
+from atlas_drake.joint_command import JointCommand
 
 
 @dataclass(frozen=True)
@@ -47,7 +31,7 @@ class PidState:
 
 
 def integrate(
-    state: PidState, command: PidInput, q: np.ndarray, active: np.ndarray, dt: float
+    state: PidState, command: JointCommand, q: np.ndarray, active: np.ndarray, dt: float
 ) -> np.ndarray:
     """The integral term after a step, within its clamps [N·m], shape (n,).
 
@@ -58,7 +42,9 @@ def integrate(
     return np.where(active, clamped, state.integral)
 
 
-def static_effort(command: PidInput, integral: np.ndarray, q: np.ndarray) -> np.ndarray:
+def static_effort(
+    command: JointCommand, integral: np.ndarray, q: np.ndarray
+) -> np.ndarray:
     """All of the law but what depends on the joint's velocity [N·m], shape (n,)."""
     return (
         command.kp_position * (command.position - q)
@@ -69,7 +55,7 @@ def static_effort(command: PidInput, integral: np.ndarray, q: np.ndarray) -> np.
 
 
 def explicit_effort(
-    command: PidInput, integral: np.ndarray, q: np.ndarray, v: np.ndarray
+    command: JointCommand, integral: np.ndarray, q: np.ndarray, v: np.ndarray
 ) -> np.ndarray:
     """The law as written: kp·e + ∫ki·e + kd·ė + kp_velocity·(v_des - v) + effort.
 

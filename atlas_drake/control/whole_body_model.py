@@ -125,7 +125,7 @@ class WholeBodyModel:
             context: A scratch context from ``create_context``; overwritten.
             state: Positions and velocities in plant order, the free pelvis first.
         """
-        plant, world, indices = self._plant, self._world, self._indices
+        plant, indices = self._plant, self._indices
         plant.SetPositionsAndVelocities(context, state)
         velocity = state[plant.num_positions() :]
         order = indices.generalized

@@ -7,6 +7,7 @@ tick's efforts. There is no latency but the hold over the control period.
 
 import time
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from pydrake.common.value import AbstractValue
@@ -23,7 +24,12 @@ from atlas_drake.behaviors.base import Observation
 from atlas_drake.behaviors.supervisor import Supervisor, SupervisorState
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.control.user_share import behavior_share, effort_bounds
-from atlas_drake.control.whole_body_model import WholeBodyModel, nominal_com_height
+from atlas_drake.control.whole_body_model import (
+    FootTerms,
+    WholeBodyModel,
+    WholeBodyTerms,
+    nominal_com_height,
+)
 from atlas_drake.control.whole_body_qp import WholeBodyQp, WholeBodySolution
 from atlas_drake.errors import ErrorCode
 from atlas_drake.messages import (
@@ -53,7 +59,7 @@ class ControllerState:
     solution: WholeBodySolution | None = None
     unsolved: int = 0
 
-    def __deepcopy__(self, memo: dict) -> "ControllerState":
+    def __deepcopy__(self, memo: dict[int, Any]) -> "ControllerState":
         """Frozen, so its copy is itself: cloning a Context costs nothing."""
         return self
 
@@ -96,9 +102,7 @@ class BehaviorController(LeafSystem):
         the machine, no part of the Context."""
 
         start = ControllerState(self._supervisor.start(initial_behavior), np.zeros(n))
-        self._state_input = self.DeclareVectorInputPort(
-            "state", self._model.num_states
-        )
+        self._state_input = self.DeclareVectorInputPort("state", self._model.num_states)
         self._wrench_input = self.DeclareVectorInputPort("foot_wrenches", 12)
         self._user_input = self.DeclareAbstractInputPort(
             "user_forecast", AbstractValue.Make(None)
@@ -138,7 +142,7 @@ class BehaviorController(LeafSystem):
     def _remembered(self, context: Context) -> ControllerState:
         return context.get_abstract_state(self._memory).get_value()
 
-    def _evaluate(self, context: Context):
+    def _evaluate(self, context: Context) -> WholeBodyTerms:
         scratch = self._scratch.Eval(context)
         return self._model.evaluate(scratch, self._state_input.Eval(context))
 
@@ -204,7 +208,7 @@ class BehaviorController(LeafSystem):
         output.set_value(message)
 
 
-def _pose(foot) -> Pose:
+def _pose(foot: FootTerms) -> Pose:
     quaternion = RotationMatrix(foot.R_WF).ToQuaternion()
     return Pose(
         position=Vector3.from_array(foot.p_WF),

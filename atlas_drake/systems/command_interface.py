@@ -6,7 +6,7 @@ The rules of merging are in ``commands``; this is only their place in a diagram.
 from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context, LeafSystem, State, ValueProducer
 
-from atlas_drake.commands import CommandsInForce, commands_at_start, latch
+from atlas_drake.commands import commands_at_start, latch
 from atlas_drake.messages import Behavior
 from atlas_drake.robot import Robot
 
@@ -66,18 +66,22 @@ class CommandInterface(LeafSystem):
         self.DeclareVectorOutputPort(
             "k_effort",
             robot.num_joints,
-            lambda context, out: out.SetFromVector(self._commands.Eval(context).k_effort),
+            lambda context, out: out.SetFromVector(
+                self._commands.Eval(context).k_effort
+            ),
             prerequisites_of_calc=sources,
         )
         self.DeclarePeriodicUnrestrictedUpdateEvent(period, 0.0, self._update)
 
     def _calc_commands(self, context: Context, output: AbstractValue) -> None:
         force = context.get_abstract_state(self._state).get_value()
-        messages = [
+        atlas_command, sim_command = (
             port.Eval(context) if port.HasValue(context) else None
             for port in self._inputs
-        ]
-        output.set_value(latch(force, *messages, self._robot, context.get_time()))
+        )
+        output.set_value(
+            latch(force, atlas_command, sim_command, self._robot, context.get_time())
+        )
 
     def _update(self, context: Context, state: State) -> None:
         state.get_mutable_abstract_state(self._state).set_value(

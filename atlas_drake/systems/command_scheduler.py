@@ -7,6 +7,7 @@ moved to the world frame when they are sent.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context, LeafSystem, State, ValueProducer
@@ -66,7 +67,7 @@ class SchedulerState:
     seen_atlas: AtlasCommand | None = None
     seen_sim: AtlasSimInterfaceCommand | None = None
 
-    def __deepcopy__(self, memo: dict) -> "SchedulerState":
+    def __deepcopy__(self, memo: dict[int, Any]) -> "SchedulerState":
         """Frozen, so its copy is itself."""
         return self
 
@@ -98,9 +99,9 @@ class CommandScheduler(LeafSystem):
             for name in ("other_atlas_command", "other_atlas_sim_interface_command")
         ]
         self._state = self.DeclareAbstractState(AbstractValue.Make(SchedulerState()))
-        others = {
-            self.input_port_ticket(port.get_index()) for port in self._others
-        } | {self.xa_ticket()}
+        others = {self.input_port_ticket(port.get_index()) for port in self._others} | {
+            self.xa_ticket()
+        }
         self._now = self.DeclareCacheEntry(
             "messages on the output ports",
             ValueProducer(
@@ -147,8 +148,7 @@ class CommandScheduler(LeafSystem):
         # Half a physics step of slack: times are sums of rounded periods.
         now = context.get_time() + 1e-9
         while (
-            after.sent < len(self.programme)
-            and self.programme[after.sent].time <= now
+            after.sent < len(self.programme) and self.programme[after.sent].time <= now
         ):
             after = self._send(context, after, self.programme[after.sent])
         state.get_mutable_abstract_state(self._state).set_value(after)

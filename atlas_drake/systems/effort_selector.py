@@ -4,7 +4,7 @@ effort = k·user + (1 - k)·behaviour with k = k_effort/255, within the effort l
 """
 
 import numpy as np
-from pydrake.systems.framework import BasicVector, Context, LeafSystem
+from pydrake.systems.framework import Context, LeafSystem
 
 from atlas_drake.messages import K_EFFORT_MAX
 from atlas_drake.robot import PlantIndices, Robot
@@ -33,26 +33,27 @@ class EffortSelector(LeafSystem):
         self._behavior = self.DeclareVectorInputPort("behavior_effort", n)
         self._share = self.DeclareVectorInputPort("k_effort", n)
         inputs = {self.all_input_ports_ticket()}
-        self._effort = self.DeclareVectorOutputPort(
-            "effort", n, self._calc_effort, prerequisites_of_calc=inputs
+        self.DeclareVectorOutputPort(
+            "effort",
+            n,
+            lambda context, output: output.SetFromVector(self._blend(context)),
+            prerequisites_of_calc=inputs,
         )
         self.DeclareVectorOutputPort(
             "actuation",
             n,
             lambda context, output: output.SetFromVector(
-                self._effort.Eval(context)[self._to_plant]
+                self._blend(context).take(self._to_plant)
             ),
             prerequisites_of_calc=inputs,
         )
 
-    def _calc_effort(self, context: Context, output: BasicVector) -> None:
-        output.SetFromVector(
-            blend(
-                self._user.Eval(context),
-                self._behavior.Eval(context),
-                self._share.Eval(context) * (1.0 / K_EFFORT_MAX),
-                self._limit,
-            )
+    def _blend(self, context: Context) -> np.ndarray:
+        return blend(
+            self._user.Eval(context),
+            self._behavior.Eval(context),
+            self._share.Eval(context) * (1.0 / K_EFFORT_MAX),
+            self._limit,
         )
 
 

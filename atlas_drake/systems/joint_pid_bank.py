@@ -4,6 +4,7 @@ The law is ``control.joint_pid``; this is its place in a diagram.
 """
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from pydrake.common.value import AbstractValue
@@ -16,7 +17,6 @@ from pydrake.systems.framework import (
     ValueProducer,
 )
 
-from atlas_drake.commands import JointCommand
 from atlas_drake.control.joint_mobility import JointMobility
 from atlas_drake.control.joint_pid import (
     PidState,
@@ -30,12 +30,14 @@ from atlas_drake.control.joint_pid import (
 )
 from atlas_drake.control.user_share import UserForecast, forecast_user_effort
 from atlas_drake.control.whole_body_model import GRAVITY
+from atlas_drake.joint_command import JointCommand
 from atlas_drake.messages import K_EFFORT_MAX
 from atlas_drake.robot import PlantIndices, Robot
 
-
 MOVED = 0.1
 """A joint that moved this far makes the step's model worth computing anew [rad]."""
+PREPARATION_TICKS = 5
+"""Control ticks between looks at whether it is [-]."""
 PLANTED_SHARE = 0.1
 """A sole that carries this share of the robot's weight is held by the ground [-]."""
 PLANTED_LEVER = 0.8
@@ -65,7 +67,7 @@ class PreparedLaw:
     model: StepModel
     integrates: bool
 
-    def __deepcopy__(self, memo: dict) -> "PreparedLaw":
+    def __deepcopy__(self, memo: dict[int, Any]) -> "PreparedLaw":
         """Frozen, so its copy is itself."""
         return self
 
@@ -98,7 +100,7 @@ class JointPidBank(LeafSystem):
         user_forecast: ``UserForecast`` for the coming control tick.
 
     State: what ``PidState`` holds, updated at every physics step; the prepared law,
-    updated at the control rate when pose, contact or commands have changed.
+    updated every few control ticks when pose, contact or commands have changed.
     """
 
     def __init__(
@@ -164,7 +166,7 @@ class JointPidBank(LeafSystem):
         self._prepared = self.DeclareAbstractState(AbstractValue.Make(None))
         self.DeclarePeriodicDiscreteUpdateEvent(physics_step, 0.0, self._update)
         self.DeclarePeriodicUnrestrictedUpdateEvent(
-            control_period, 0.0, self._update_law
+            PREPARATION_TICKS * control_period, 0.0, self._update_law
         )
 
     def _calc_step(self, context: Context, result: AbstractValue) -> None:
@@ -210,9 +212,7 @@ class JointPidBank(LeafSystem):
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
         after = self._step.Eval(context).after
         discrete.get_mutable_vector(self._memory).SetFromVector(
-            np.concatenate(
-                [after.integral, after.velocity, after.applied, after.drift]
-            )
+            np.concatenate([after.integral, after.velocity, after.applied, after.drift])
         )
 
     def _calc_forecast(self, context: Context, output: AbstractValue) -> None:
@@ -238,9 +238,7 @@ class JointPidBank(LeafSystem):
     def _law(self, context: Context, share: np.ndarray) -> PreparedLaw:
         """The law in the state if it serves, else one prepared afresh."""
         known = context.get_abstract_state(self._prepared).get_value()
-        if known is not None and known.serves(
-            self._command_input.Eval(context), share
-        ):
+        if known is not None and known.serves(self._command_input.Eval(context), share):
             return known
         return self._prepare(context, share)
 
@@ -289,9 +287,7 @@ class JointPidBank(LeafSystem):
         if not share.any():
             return
         known = context.get_abstract_state(self._prepared).get_value()
-        if known is not None and known.serves(
-            self._command_input.Eval(context), share
-        ):
+        if known is not None and known.serves(self._command_input.Eval(context), share):
             q = self._state_input.Eval(context)[self._q]
             moved = np.abs(q - known.q).max() > MOVED
             if not moved and self._planted(context) == known.planted:

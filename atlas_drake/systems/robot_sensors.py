@@ -54,7 +54,7 @@ class RobotSensors(LeafSystem):
         physics_step: float,
         control_period: float,
     ):
-        """Measures ``robot`` in ``plant``; noise is new at every ``physics_step`` [s]."""
+        """Measures ``robot`` in ``plant``; noise changes every ``physics_step`` [s]."""
         super().__init__()
         n = robot.num_joints
         self._robot = robot
@@ -95,7 +95,10 @@ class RobotSensors(LeafSystem):
             "measured_state",
             plant.num_multibody_states(),
             self._calc_measured_state,
-            prerequisites_of_calc={state_ticket},
+            # Noise is new at every instant; without it the cache lasts longer.
+            prerequisites_of_calc={state_ticket}
+            if self._noise.silent
+            else {state_ticket, self.time_ticket()},
         )
         self._wrenches = self.DeclareDiscreteState(12)
         self.DeclareVectorOutputPort(

@@ -5,7 +5,7 @@ import pytest
 
 from atlas_drake.control.joint_mobility import JointMobility
 from atlas_drake.control.joint_pid import (
-    PidInput,
+    JointCommand,
     PidState,
     estimate_drift,
     static_effort,
@@ -112,7 +112,7 @@ def step_matrix(kp, kd, assumed, true, dt):
     n = len(kp)
     q, v, last_v, applied, drift = np.split(np.eye(5 * n), 5)
     zero = np.zeros((n, 1))
-    command = PidInput(
+    command = JointCommand(
         position=zero,
         velocity=zero,
         effort=zero,

@@ -10,7 +10,7 @@ from pydrake.multibody.plant import MultibodyPlant
 
 from atlas_drake.control.joint_mobility import JointMobility
 from atlas_drake.control.joint_pid import (
-    PidInput,
+    JointCommand,
     PidState,
     damping_bound,
     estimate_drift,
@@ -46,8 +46,8 @@ UNLIMITED = 1e9
 
 def command_of(n=1, **fields):
     """A command that is zero but for the fields given."""
-    values = {field.name: np.zeros(n) for field in dataclasses.fields(PidInput)}
-    return PidInput(**values | {k: np.full(n, v, float) for k, v in fields.items()})
+    values = {field.name: np.zeros(n) for field in dataclasses.fields(JointCommand)}
+    return JointCommand(**values | {k: np.full(n, v, float) for k, v in fields.items()})
 
 
 def state_of(n=1, integral=0.0):
@@ -98,8 +98,8 @@ def random():
 @pytest.fixture
 def random_command(random):
     """Every term of the law at work on ten joints."""
-    fields = [field.name for field in dataclasses.fields(PidInput)]
-    return PidInput(**{name: random.uniform(0.5, 2.0, 10) for name in fields})
+    fields = [field.name for field in dataclasses.fields(JointCommand)]
+    return JointCommand(**{name: random.uniform(0.5, 2.0, 10) for name in fields})
 
 
 def test_explicit_effort_is_the_law_as_written(random, random_command):

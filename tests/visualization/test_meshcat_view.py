@@ -92,18 +92,7 @@ def test_commanded_footsteps_appear(meshcat):
         assert meshcat.HasPath(path), path
 
 
-@pytest.mark.parametrize(
-    "noise",
-    [
-        "none",
-        pytest.param(
-            "reference",
-            marks=pytest.mark.xfail(
-                reason="measured_state is cached as if its noise did not depend on time"
-            ),
-        ),
-    ],
-)
+@pytest.mark.parametrize("noise", ["none", "reference"])
 def test_watching_changes_nothing(meshcat, noise):
     scenario = Scenario(noise=noise, seed=3)
     states = []

@@ -1,0 +1,115 @@
+"""What the walk remembers between ticks, and the thresholds it goes by.
+
+Frozen data; what is done with it is in ``walk``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+from atlas_drake.behaviors.step_queue import next_runs
+from atlas_drake.control.dcm_plan import DcmPlan
+from atlas_drake.control.footstep import FootPose, Footstep
+from atlas_drake.control.support_polygon import SupportPolygon
+from atlas_drake.control.swing_foot import Swing
+
+
+class Phase(Enum):
+    """Where in the walk the robot is."""
+
+    SHIFT = "swaying"
+    SWING = "swing"
+    TRANSFER = "double support"
+    SETTLE = "catching"
+
+
+@dataclass(frozen=True)
+class WalkRules:
+    """Thresholds of the walk."""
+
+    touchdown_force: float = 0.08
+    """Normal force that counts as touchdown, in weights of the robot [-]."""
+    earliest_touchdown: float = 0.75
+    """Share of the swing before which contact is a stumble, not a touchdown."""
+    unload_share: float = 0.4
+    """Last share of a transfer in which the leaving foot is unloaded [-]."""
+    dcm_ready: float = 0.025
+    """DCM error across the stance foot with which a foot may lift off [m]."""
+    longest_wait: float = 0.25
+    """Time that lift-off waits at most for that [s]."""
+    frozen_end: float = 0.06
+    """Last part of a swing in which the landing place stays put [s]."""
+    rest_speed: float = 0.08
+    """Speed of the centre of mass below which the walk is over [m/s]."""
+    replan_shift: float = 0.002
+    """Change of the landing place that is worth a new plan [m]."""
+
+
+@dataclass(frozen=True)
+class WalkMemory:
+    """State of the walk.
+
+    Attributes:
+        phase: Of the walk.
+        elapsed: Time in this phase [s].
+        duration: Planned duration of this phase [s].
+        feet: Where the soles are or last were on the ground.
+        pending: Steps not begun, by index.
+        current: Step being taken (SWING) or taken last (TRANSFER, SETTLE).
+        commanded: ``current`` as it was sent.
+        swing: Reference of the swinging foot, in SWING.
+        plan: Of the DCM.
+        plan_time: Time into the plan [s].
+        unloading: Foot that leaves the ground when this phase is over, if any.
+        sensitivity: How the DCM planned for touchdown moves with the next foot [-].
+        support: Where the CoP may lie.
+        omega: Natural frequency used in the plan [1/s].
+        next_index: Index of the next step to begin.
+        seen_queue: The queue that was last read, to notice a new one.
+    """
+
+    phase: Phase
+    elapsed: float
+    duration: float
+    feet: tuple[FootPose, FootPose]
+    pending: tuple[Footstep, ...]
+    current: Footstep | None
+    commanded: Footstep | None
+    swing: Swing | None
+    plan: DcmPlan
+    plan_time: float
+    unloading: int | None
+    sensitivity: float
+    support: SupportPolygon
+    omega: float
+    next_index: int
+    seen_queue: object
+
+    @property
+    def swinging(self) -> bool:
+        """Whether a foot is in the air."""
+        return self.phase is Phase.SWING
+
+    @property
+    def step(self) -> Footstep:
+        """The step being taken or taken last; there is one once a foot has lifted."""
+        assert self.current is not None
+        return self.current
+
+    @property
+    def sent(self) -> Footstep:
+        """The same step as it was sent."""
+        assert self.commanded is not None
+        return self.commanded
+
+    @property
+    def flight(self) -> Swing:
+        """The swing of the foot in the air; only while ``swinging``."""
+        assert self.swing is not None
+        return self.swing
+
+    @property
+    def known(self) -> tuple[Footstep, ...]:
+        """Steps to come that follow each other without a gap."""
+        return next_runs(self.pending, self.next_index)

@@ -1,0 +1,43 @@
+"""Set-points and gains of the joint controllers, as data.
+
+Made by ``commands`` from messages, used by ``control.joint_pid``; no law, no messages.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+
+@dataclass(frozen=True)
+class JointCommand:
+    """Set-points and gains of the joint PID bank; arrays (n,) in message order.
+
+    Attributes:
+        position: [rad]
+        velocity: [rad/s]
+        effort: Feed-forward effort [N·m].
+        kp_position: [N·m/rad]
+        ki_position: [N·m/(rad·s)]
+        kd_position: [N·m·s/rad]
+        kp_velocity: [N·m·s/rad]
+        i_effort_min: Least effort of the integral term [N·m].
+        i_effort_max: Greatest effort of the integral term [N·m].
+    """
+
+    position: np.ndarray
+    velocity: np.ndarray
+    effort: np.ndarray
+    kp_position: np.ndarray
+    ki_position: np.ndarray
+    kd_position: np.ndarray
+    kp_velocity: np.ndarray
+    i_effort_min: np.ndarray
+    i_effort_max: np.ndarray
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> "JointCommand":
+        """Frozen, so its copy is itself: cloning a Context costs nothing."""
+        return self
+
+
+JOINT_FIELDS = tuple(JointCommand.__dataclass_fields__)
