@@ -14,7 +14,7 @@ from pydrake.multibody.plant import (
     MultibodyPlant,
     MultibodyPlantConfig,
 )
-from pydrake.systems.framework import Diagram, DiagramBuilder
+from pydrake.systems.framework import Diagram, DiagramBuilder, System
 
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.messages import Behavior
@@ -119,7 +119,7 @@ def make_atlas_station(
         ),
     )
 
-    def connect(source, output: str, target, *inputs: str) -> None:
+    def connect(source: System, output: str, target: System, *inputs: str) -> None:
         for name in inputs or (output,):
             builder.Connect(source.GetOutputPort(output), target.GetInputPort(name))
 
