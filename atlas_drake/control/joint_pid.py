@@ -20,14 +20,14 @@ class PidState:
         integral: Of the position error times its gain [N·m].
         velocity: At the last step [rad/s].
         applied: Effort that the motors were to give in the last step [N·m].
-        drift: How much all forces but the motors' change the velocity in a step
-            [rad/s].
+        expected: How much the velocity was expected to change in the last step, by
+            the motors and by all other forces [rad/s].
     """
 
     integral: np.ndarray
     velocity: np.ndarray
     applied: np.ndarray
-    drift: np.ndarray
+    expected: np.ndarray
 
 
 def integrate(
@@ -108,11 +108,14 @@ def estimate_drift(state: PidState, v: np.ndarray, model: StepModel) -> np.ndarr
     """What gravity, contact and the body's own motion do to velocities per step.
 
     The part of the last change of velocity that the motors do not explain, smoothed:
-    an unsmoothed estimate answers every jolt twice, and rings.
+    an unsmoothed estimate answers every jolt twice, and rings. What is smoothed is the
+    whole change, which stays what it was when the model becomes another one, such as
+    that of a foot in the air: a drift remembered from the old one would belong to
+    efforts many times as large, and each change of the model would be a jolt.
     """
-    unexplained = v - state.velocity - model.response @ state.applied
     blend = model.dt / (model.dt + DRIFT_TIME)
-    return state.drift + blend * (unexplained - state.drift)
+    change = state.expected + blend * (v - state.velocity - state.expected)
+    return change - model.response @ state.applied
 
 
 def user_effort(

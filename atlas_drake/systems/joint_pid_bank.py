@@ -199,9 +199,10 @@ class JointPidBank(LeafSystem):
             law.model,
             self._robot.effort_limit,
         )
+        applied = others + share * effort
         result.set_value(
             PidStep(
-                PidState(integral, v, others + share * effort, drift),
+                PidState(integral, v, applied, drift + law.model.response @ applied),
                 np.where(active, effort, 0.0),
             )
         )
@@ -212,7 +213,9 @@ class JointPidBank(LeafSystem):
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
         after = self._step.Eval(context).after
         discrete.get_mutable_vector(self._memory).SetFromVector(
-            np.concatenate([after.integral, after.velocity, after.applied, after.drift])
+            np.concatenate(
+                [after.integral, after.velocity, after.applied, after.expected]
+            )
         )
 
     def _calc_forecast(self, context: Context, output: AbstractValue) -> None:

@@ -105,12 +105,12 @@ def test_a_planted_sole_stays_where_it_is(model, mobility, planted):
 def step_matrix(kp, kd, assumed, true, dt):
     """One step of all joints under the law, linear in what they are and remember.
 
-    That is [q; v; last v; last effort; drift]. Column by column from the law itself.
+    That is [q; v; last v; last effort; expected]. Column by column from the law itself.
     ``assumed`` is the mobility that it relies on, ``true`` the one that the joints
     have; both frozen at a pose.
     """
     n = len(kp)
-    q, v, last_v, applied, drift = np.split(np.eye(5 * n), 5)
+    q, v, last_v, applied, expected = np.split(np.eye(5 * n), 5)
     zero = np.zeros((n, 1))
     command = JointCommand(
         position=zero,
@@ -124,7 +124,7 @@ def step_matrix(kp, kd, assumed, true, dt):
         i_effort_max=zero,
     )
     law = step_model(kd, np.ones(n), assumed, dt)
-    drift = estimate_drift(PidState(zero, last_v, applied, drift), v, law)
+    drift = estimate_drift(PidState(zero, last_v, applied, expected), v, law)
     effort = user_effort(
         static_effort(command, zero, q),
         v,
@@ -134,7 +134,8 @@ def step_matrix(kp, kd, assumed, true, dt):
         np.full((n, 1), np.inf),
     )
     next_v = v + dt * true @ effort
-    return np.vstack([q + dt * next_v, next_v, v, effort, drift])
+    expected = drift + law.response @ effort
+    return np.vstack([q + dt * next_v, next_v, v, effort, expected])
 
 
 def grows(step):

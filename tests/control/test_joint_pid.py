@@ -56,6 +56,11 @@ def state_of(n=1, integral=0.0):
     return PidState(np.full(n, float(integral)), nothing, nothing, nothing)
 
 
+def remembered(integral, v, applied, drift, model):
+    """What the law remembers of a step in which it gave these efforts."""
+    return PidState(integral, v, applied, drift + model.response @ applied)
+
+
 def written_law(c, integral, q, v):
     """The reference's formula, with ė = -v as set-points are constant."""
     return (
@@ -140,7 +145,7 @@ def test_at_steady_velocity_the_effort_settles_at_the_law(
     for _ in range(400):
         drift = estimate_drift(state, v, model)
         effort = effort_of(random_command, q, q, v, drift, model, others)
-        state = PidState(q, v, others + share * effort, drift)
+        state = remembered(q, v, others + share * effort, drift, model)
     np.testing.assert_allclose(effort, written_law(random_command, q, q, v))
 
 
@@ -178,7 +183,8 @@ def test_drift_is_what_the_motors_do_not_explain(random):
     for _ in range(60):
         next_v = state.velocity + true + response @ state.applied
         drift = estimate_drift(state, next_v, model)
-        state = PidState(state.integral, next_v, random.normal(size=10), drift)
+        applied = random.normal(size=10)
+        state = remembered(state.integral, next_v, applied, drift, model)
     np.testing.assert_allclose(drift, true, rtol=1e-6)
 
 
@@ -189,9 +195,24 @@ def test_a_jolt_enters_the_drift_by_its_share_of_time_alone(dt):
     drift = estimate_drift(state_of(), jolt, model)
     assert 0.0 < drift[0] <= 0.5
     # It fades, and never turns round.
-    state = PidState(np.zeros(1), jolt, np.zeros(1), drift)
+    state = remembered(np.zeros(1), jolt, np.zeros(1), drift, model)
     after = estimate_drift(state, jolt, model)
     assert 0.0 <= after[0] < drift[0]
+
+
+def test_a_foot_that_lifts_off_is_no_jolt(random_command):
+    # A joint at rest under load stays so when the model becomes another one.
+    v = np.zeros(10)
+    command = dataclasses.replace(random_command, velocity=v)
+    planted = model_of(command, 10.0, 0.001)
+    lifted = model_of(command, 0.01, 0.001)
+    static = written_law(command, v, v, v)
+    held = PidState(v, v, static, v)
+    for model in (planted, lifted, planted):
+        drift = estimate_drift(held, v, model)
+        effort = effort_of(command, v, v, v, drift, model)
+        np.testing.assert_allclose(effort, static)
+        held = remembered(v, v, effort, drift, model)
 
 
 def test_integral_grows_by_the_error_times_its_gain():
@@ -261,7 +282,7 @@ def simulate(command, assumed, true, dt, duration, disturbance=0.0, share=1.0):
     for _ in range(round(duration / dt)):
         drift = estimate_drift(state, v, model)
         effort = effort_of(command, state.integral, q, v, drift, model)
-        state = PidState(state.integral, v, share * effort, drift)
+        state = remembered(state.integral, v, share * effort, drift, model)
         v = v + dt * (share * effort + disturbance) / true
         q = q + dt * v
         positions.append(q)
