@@ -10,6 +10,8 @@ import math
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.base import Behavior as BehaviorProtocol
 from atlas_drake.behaviors.base import Event, Observation
@@ -59,6 +61,7 @@ class SupervisorState:
         trans_to: Behaviour that the last transition was to.
         behavior_flags: The active behaviour's own flags, latched.
         error_code: Of the last request.
+        warned: Whether the user was told that walking on legs of theirs is risky.
         falling: Whether a fall was noticed and no behaviour begun since.
         events: The latest events.
         event_count: How many there have been.
@@ -75,6 +78,7 @@ class SupervisorState:
     trans_to: Behavior = Behavior.NONE
     behavior_flags: int = 0
     error_code: ErrorCode = ErrorCode.NO_ERRORS
+    warned: bool = False
     falling: bool = False
     events: tuple[Event, ...] = ()
     event_count: int = 0
@@ -93,6 +97,7 @@ class Supervisor:
         self._entry_limits = EntryLimits()
         self._fall_limits = FallLimits()
         self._nominal_height = nominal_height
+        self._legs = np.flatnonzero(robot.limb("l_leg", "r_leg"))
         self._behaviors: dict[Behavior, BehaviorProtocol] = {
             Behavior.NONE: idle,
             Behavior.USER: idle,
@@ -123,6 +128,8 @@ class Supervisor:
         if not state.entered:
             state = self._enter(state, seen, request)
 
+        if state.current is Behavior.WALK and not state.warned:
+            state = self._warn_of_user_legs(state, seen)
         assert state.body is not None
         behavior = self._behaviors[state.current]
         outcome = behavior.update(
@@ -233,6 +240,7 @@ class Supervisor:
             trans_from=state.current,
             trans_to=target,
             behavior_flags=0,
+            warned=False,
             falling=state.falling and not balancing,
         )
         return _log(
@@ -252,6 +260,17 @@ class Supervisor:
         behavior = self._behaviors[state.current]
         memory = behavior.enter(seen, state.body, request.command)
         return replace(state, memory=memory, entered=True)
+
+    def _warn_of_user_legs(
+        self, state: SupervisorState, seen: Observation
+    ) -> SupervisorState:
+        """Walking with a leg under user control is allowed, and seldom ends well."""
+        held = [i for i in self._legs if seen.user_held[i]]
+        if not held:
+            return state
+        names = ", ".join(self._balance.robot.joint_names[i] for i in held)
+        text = f"WALK with leg joints under user control: {names}"
+        return _log(replace(state, warned=True), Event(seen.time, "warning", text))
 
     def _watch_for_fall(
         self, state: SupervisorState, seen: Observation
