@@ -211,10 +211,10 @@ def load_robot(name: str = DEFAULT_ROBOT) -> Robot:
         plant.get_joint_actuator(index).joint().name(): plant.get_joint_actuator(index)
         for index in plant.GetJointActuatorIndices()
     }
-    if set(names) != set(actuators):
+    if sorted(names) != sorted(actuators):
         raise RobotDescriptionError(
             f"{path.name} and {file.urdf} name different actuated joints: "
-            f"{sorted(set(names) ^ set(actuators))}"
+            f"{sorted(set(names) ^ set(actuators)) or 'one is listed twice'}"
         )
     joints = [plant.GetJointByName(joint_name) for joint_name in names]
     return Robot(

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 from pydrake.common.eigen_geometry import Quaternion as DrakeQuaternion
-from pydrake.math import RigidTransform, RollPitchYaw, RotationMatrix
+from pydrake.math import RigidTransform
 
 from atlas_drake.messages import (
     K_EFFORT_MAX,
@@ -159,9 +159,3 @@ def pose_message(X_WF: RigidTransform) -> Pose:
         position=Vector3.from_array(X_WF.translation()),
         orientation=Quaternion.from_wxyz(X_WF.rotation().ToQuaternion().wxyz()),
     )
-
-
-def level(X_WP: RigidTransform) -> RigidTransform:
-    """The same place and heading, upright."""
-    yaw = RollPitchYaw(X_WP.rotation()).yaw_angle()
-    return RigidTransform(RotationMatrix.MakeZRotation(yaw), X_WP.translation())

@@ -11,10 +11,7 @@ import numpy as np
 
 from atlas_drake.control.footstep import Footstep
 from atlas_drake.control.rotations import yaw_of
-from atlas_drake.messages import AtlasBehaviorStepData
-
-NO_STEP = -1
-"""The step_index of an empty place in a message's queue."""
+from atlas_drake.messages import NO_STEP, AtlasBehaviorStepData
 
 
 def footstep_from(data: AtlasBehaviorStepData) -> Footstep:

@@ -49,6 +49,8 @@ def forecast_user_effort(
         τ = τ_static - kp·(v·dt/2 + v̇·dt²/2) - d·(v + v̇·dt)
 
     Where stiffness and feed-forward alone exceed the motor, the effort is its limit.
+    A damper that would exceed it for an instant is not cut off: with v̇ it brings the
+    joint to rest within the tick, by an effort far smaller than d·v.
 
     Args:
         static_effort: kp·e, integral and all that does not depend on the joint's

@@ -38,7 +38,8 @@ class WholeBodySolution:
     """The QP's answer; n joints in message order.
 
     Attributes:
-        effort: Joint efforts within the bounds given [N·m], shape (n,).
+        effort: Joint efforts [N·m], shape (n,), within the bounds given but for the
+            solver's tolerance.
         joint_acceleration: [rad/s²], shape (n,).
         foot_wrenches: Wrench of the ground on each sole's centre in W
             [N·m; N], shape (2, 6); zero for a foot in the air.

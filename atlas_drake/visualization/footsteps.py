@@ -18,9 +18,10 @@ from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.systems.framework import Context, LeafSystem
 
 from atlas_drake.behaviors.base import Event
-from atlas_drake.behaviors.step_queue import NO_STEP, footstep_from
+from atlas_drake.behaviors.step_queue import footstep_from
 from atlas_drake.commands import BehaviorRequest
 from atlas_drake.messages import (
+    NO_STEP,
     AtlasBehaviorStepData,
     AtlasSimInterfaceState,
     Behavior,
