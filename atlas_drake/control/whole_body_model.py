@@ -131,7 +131,8 @@ class WholeBodyModel:
         order = indices.generalized
         v = velocity.take(order)
 
-        M = plant.CalcMassMatrix(context).take(self._square)
+        # Drake's matrices come column by column: their transposes are read in order.
+        M = plant.CalcMassMatrix(context).T.take(self._square)
         h = plant.CalcBiasTerm(context).take(order)
         # Gravity is a uniform acceleration, so its generalized force is the column
         # sum that the mass matrix already holds for the pelvis' vertical motion.
@@ -177,7 +178,7 @@ class WholeBodyModel:
         bias = plant.CalcBiasSpatialAcceleration(
             context, JacobianWrtVariable.kV, frame, _ORIGIN, world, world
         )
-        return J.take(order, axis=1), bias.get_coeffs()
+        return J.T.take(order, axis=0).T, bias.get_coeffs()
 
     def _foot(
         self,
