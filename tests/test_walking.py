@@ -1,0 +1,165 @@
+"""Walking beyond the tutorial: far, backwards, sideways, round and in curves."""
+
+import math
+
+import numpy as np
+import pytest
+
+from atlas_drake import (
+    AtlasBehaviorStepData,
+    AtlasSimInterfaceCommand,
+    AtlasSimulation,
+    Behavior,
+    BehaviorStatus,
+    Scenario,
+)
+
+pytestmark = pytest.mark.slow
+
+HALF_WIDTH = 0.12
+"""Of each foot from the middle [m]."""
+DURATION = 0.63
+"""Of a step [s]."""
+LANDING_ERROR = 0.02
+"""[m]"""
+AHEAD = 2
+"""With so many steps known and not begun, the next ones are sent."""
+
+
+class Path:
+    """Footsteps along the way of a point between the feet, left foot first."""
+
+    def __init__(self, sim):
+        feet = sim.atlas_sim_interface_state.foot_pos_est
+        self._x = 0.5 * (feet[0].position.x + feet[1].position.x)
+        self._y = 0.5 * (feet[0].position.y + feet[1].position.y)
+        self._yaw = 0.0
+        self.steps = []
+
+    def step(self, ahead=0.0, left=0.0, turn=0.0):
+        """Moves the point in its own frame, and puts the next foot beside it."""
+        cos, sin = math.cos(self._yaw), math.sin(self._yaw)
+        self._x += cos * ahead - sin * left
+        self._y += sin * ahead + cos * left
+        self._yaw += turn
+        foot = len(self.steps) % 2
+        side = HALF_WIDTH if foot == 0 else -HALF_WIDTH
+        step = AtlasBehaviorStepData()
+        step.step_index, step.foot_index = len(self.steps) + 1, foot
+        step.duration, step.swing_height = DURATION, 0.1
+        step.pose.position.x = self._x - side * math.sin(self._yaw)
+        step.pose.position.y = self._y + side * math.cos(self._yaw)
+        step.pose.orientation.z = math.sin(0.5 * self._yaw)
+        step.pose.orientation.w = math.cos(0.5 * self._yaw)
+        self.steps.append(step)
+        return self
+
+
+def walk(sim, steps):
+    """Sends the steps four at a time as they are needed, until the robot stands."""
+    # Longer than the whole walk with its first shift and its last catch.
+    end = sim.time + (len(steps) + 1) * 1.5 * DURATION + 3.0
+    sent = 0
+    while sim.time < end and not sim.has_fallen:
+        feedback = sim.atlas_sim_interface_state.walk_feedback
+        needed = feedback.next_step_index_needed if sent else 1
+        current = feedback.current_step_index
+        if sent < needed <= len(steps) and needed - current - 1 <= AHEAD:
+            command = AtlasSimInterfaceCommand()
+            command.behavior = command.WALK
+            for place, step in enumerate(steps[needed - 1 : needed + 3]):
+                command.walk_params.step_queue[place] = step
+            sim.publish(command)
+            sent = needed
+        sim.advance(0.1)
+        if sim.current_behavior is Behavior.STAND:
+            return
+
+
+def assert_walked(sim, steps):
+    assert not sim.has_fallen
+    assert sim.current_behavior is Behavior.STAND
+    status = sim.atlas_sim_interface_state.behavior_feedback.status_flags
+    assert status == BehaviorStatus.WARNING_AUTO_TRANS
+    taken = [(step["index"], step["foot"]) for step in sim.footsteps]
+    assert taken == [(step.step_index, step.foot_index) for step in steps]
+    for step, sent in zip(sim.footsteps, steps, strict=True):
+        position = sent.pose.position
+        assert step["commanded"][:2] == [position.x, position.y]
+        error = math.dist(step["landed"][:2], (position.x, position.y))
+        assert error <= LANDING_ERROR, step
+        assert step["error_m"] == pytest.approx(error)
+    # One walk in one piece.
+    assert len([e for e in sim.events if e.kind == "behavior"]) == 2
+    summary = sim.summary()
+    assert summary["success"]
+    assert summary["max_pelvis_tilt_rad"] < 0.25
+    sim.advance(0.5)
+    assert not sim.has_fallen
+
+
+@pytest.fixture
+def sim():
+    return AtlasSimulation()
+
+
+@pytest.mark.parametrize("model", ["atlas", "atlas_v3"])
+def test_twenty_steps_ahead(model):
+    sim = AtlasSimulation(Scenario(model=model))
+    path = Path(sim)
+    for _ in range(19):
+        path.step(ahead=0.25)
+    path.step()
+    walk(sim, path.steps)
+    assert_walked(sim, path.steps)
+    assert sim.pelvis_pose.translation()[0] == pytest.approx(19 * 0.25, abs=0.05)
+    # At the pace that was asked for.
+    landings = [event.time for event in sim.events if event.kind == "footstep"]
+    assert np.mean(np.diff(landings)) == pytest.approx(DURATION, abs=0.05)
+
+
+def test_backwards(sim):
+    path = Path(sim)
+    for _ in range(8):
+        path.step(ahead=-0.2)
+    path.step()
+    walk(sim, path.steps)
+    assert_walked(sim, path.steps)
+    assert sim.pelvis_pose.translation()[0] == pytest.approx(-8 * 0.2, abs=0.05)
+
+
+def test_sideways(sim):
+    path = Path(sim)
+    for _ in range(4):
+        path.step(left=0.15).step()
+    walk(sim, path.steps)
+    assert_walked(sim, path.steps)
+    assert sim.pelvis_pose.translation()[1] == pytest.approx(4 * 0.15, abs=0.05)
+
+
+def test_a_full_turn_on_the_spot(sim):
+    path = Path(sim)
+    pairs = 21
+    for _ in range(pairs):
+        path.step(turn=0.3).step()
+    walk(sim, path.steps)
+    assert_walked(sim, path.steps)
+    turned = sim.pelvis_pose.rotation().ToAngleAxis()
+    yaw = turned.angle() * turned.axis()[2]
+    assert math.remainder(yaw - pairs * 0.3, 2 * math.pi) == pytest.approx(0, abs=0.05)
+    np.testing.assert_allclose(sim.pelvis_pose.translation()[:2], 0.0, atol=0.06)
+
+
+def test_an_s_curve(sim):
+    path = Path(sim)
+    for turn in [0.1] * 8 + [-0.1] * 8:
+        path.step(ahead=0.2, turn=turn)
+    path.step()
+    walk(sim, path.steps)
+    assert_walked(sim, path.steps)
+    # Bent to the left and back: it ends ahead, to the left, facing as it began.
+    x, y, _ = sim.pelvis_pose.translation()
+    assert x > 2.5
+    assert y > 0.8
+    turned = sim.pelvis_pose.rotation().ToAngleAxis()
+    assert turned.angle() == pytest.approx(0.0, abs=0.06)
