@@ -5,7 +5,13 @@ import itertools
 import numpy as np
 import pytest
 
-from atlas_drake.messages import NO_STEP, Behavior, BehaviorStatus, WalkStatus
+from atlas_drake.messages import (
+    NO_STEP,
+    AtlasState,
+    Behavior,
+    BehaviorStatus,
+    WalkStatus,
+)
 
 pytestmark = pytest.mark.slow
 
@@ -258,3 +264,43 @@ def test_freeze_and_user_do_not_wait_for_the_step(record, walk_message, behavior
     in_user = behavior is Behavior.USER
     assert list(report.k_effort) == [255 if in_user else 0] * 28
     assert np.any(report.f_out) != in_user
+
+
+def test_the_next_walk_counts_anew_and_begins_with_either_foot(record, walk_message):
+    recording = record()
+    recording.sim.publish(walk_message((1, 0, 0.1, 0.14), (2, 1, 0.1, -0.14)))
+    recording.advance(LONGEST, in_stand)
+    recording.sim.publish(walk_message((1, 1, 0.3, -0.14), (2, 0, 0.3, 0.14)))
+    recording.advance(0.1)
+    assert recording.looks[-1].report.current_behavior is Behavior.WALK
+    recording.advance(LONGEST, in_stand)
+    assert_returned_by_itself(recording)
+    assert_upright(recording)
+    steps = recording.sim.footsteps
+    taken = [(step["index"], step["foot"]) for step in steps]
+    assert taken == [(1, 0), (2, 1), (1, 1), (2, 0)]
+    assert all(step["error_m"] <= LANDING_ERROR for step in steps)
+
+
+@pytest.mark.parametrize(
+    ("joints", "named"),
+    [
+        (("l_leg_aky", "r_leg_kny"), ("l_leg_aky", "r_leg_kny")),
+        (("l_arm_ely", "neck_ry"), ()),
+    ],
+    ids=["legs", "arms"],
+)
+def test_walking_with_a_leg_in_the_users_hands_is_warned_about(
+    record, walk_message, joints, named
+):
+    recording = record()
+    command = walk_message((1, 0, 0.2, 0.14), (2, 1, 0.2, -0.14))
+    command.k_effort = [0] * 28
+    for name in joints:
+        command.k_effort[getattr(AtlasState, name)] = 255
+    recording.sim.publish(command)
+    recording.advance(0.04)
+    assert recording.looks[-1].report.current_behavior is Behavior.WALK
+    texts = [e.text for e in recording.sim.events if e.kind == "warning"]
+    assert len(texts) == bool(named)
+    assert all(name in texts[0] for name in named)
