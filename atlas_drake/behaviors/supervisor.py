@@ -196,7 +196,8 @@ class Supervisor:
         if target is state.current:
             # More of the same, such as further steps, or second thoughts about
             # leaving.
-            return replace(state, desired=target)
+            status = state.status & ~BehaviorStatus.TRANSITION_IN_PROGRESS
+            return replace(state, desired=target, status=status)
         why = refusal(state.current, target, seen, self._balance, self._entry_limits)
         if why is not BehaviorStatus.OK:
             text = f"{state.current.name} -> {target.name} refused: {why.name}"

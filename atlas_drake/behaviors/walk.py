@@ -160,7 +160,7 @@ class Walk:
             body=body,
             command=command,
             finished=self._at_rest(memory, seen),
-            status_flags=self._flags(memory),
+            status_flags=self._flags(memory, leaving),
             events=events,
         )
 
@@ -237,7 +237,10 @@ class Walk:
                 and seen.foot_force[memory.step.foot] > self._touchdown_force
             )
             return self._touch_down(memory, seen) if touched else (memory, ())
-        if memory.phase is Phase.SETTLE or memory.elapsed < memory.duration:
+        if memory.phase is Phase.SETTLE:
+            more = memory.pending and self._coming(memory)
+            return (self._shift(memory) if more else memory), ()
+        if memory.elapsed < memory.duration:
             return memory, ()
         coming = self._coming(memory)
         if not coming:
@@ -310,6 +313,14 @@ class Walk:
             return self._settle(memory, cop), (event,)
         memory = replace(memory, duration=self._timing.transfer(coming[0]))
         return self._replan(memory, cop, memory.duration), (event,)
+
+    def _shift(self, memory: WalkMemory) -> WalkMemory:
+        """Sets off once more: steps came while the robot was catching."""
+        cop = memory.plan.evaluate(memory.plan_time).cop
+        memory = replace(
+            memory, phase=Phase.SHIFT, elapsed=0.0, duration=self._timing.first_shift
+        )
+        return self._replan(memory, cop, memory.duration)
 
     def _settle(self, memory: WalkMemory, cop: np.ndarray | None = None) -> WalkMemory:
         if cop is None:
@@ -411,16 +422,17 @@ class Walk:
             loads[memory.unloading] = unload
         return (balance.planted(seen, 0, loads[0]), balance.planted(seen, 1, loads[1]))
 
-    def _flags(self, memory: WalkMemory) -> int:
+    def _flags(self, memory: WalkMemory, leaving: bool) -> int:
         flags = AtlasBehaviorWalkFeedback
         if memory.phase is Phase.SHIFT:
             return flags.WALK_SUBSTATE_SWAYING
         if memory.phase is Phase.SETTLE:
-            short = flags.WALK_WARNING_INSUFFICIENT_STEP_DATA
-            wrong = 0
-            if memory.pending and not alternating(
-                memory.pending[:1], memory.current.foot if memory.current else None
-            ):
-                wrong = flags.WALK_ERROR_INCONSISTENT_STEPS
-            return flags.WALK_SUBSTATE_CATCHING | (wrong or short)
+            if leaving:
+                return flags.WALK_SUBSTATE_CATCHING
+            last_foot = memory.current.foot if memory.current else None
+            if alternating(memory.pending[:1], last_foot):
+                why = flags.WALK_WARNING_INSUFFICIENT_STEP_DATA
+            else:
+                why = flags.WALK_ERROR_INCONSISTENT_STEPS
+            return flags.WALK_SUBSTATE_CATCHING | why
         return flags.WALK_SUBSTATE_STEPPING

@@ -193,7 +193,8 @@ def test_asked_to_stand_the_robot_finishes_its_step_and_catches(record, walk_mes
     assert recording.advance(LONGEST, in_stand)
     status = recording.looks[-1].report.behavior_feedback.status_flags
     assert status == BehaviorStatus.TRANSITION_SUCCESS
-    assert changes(recording, flags)[-1] & WalkStatus.SUBSTATE_CATCHING
+    # It was asked to stop: that there are no more steps is no warning.
+    assert changes(recording, flags)[-1] == WalkStatus.SUBSTATE_CATCHING
     assert [step["index"] for step in recording.sim.footsteps] == [1, 2]
     assert_upright(recording)
 
@@ -304,3 +305,37 @@ def test_walking_with_a_leg_in_the_users_hands_is_warned_about(
     texts = [e.text for e in recording.sim.events if e.kind == "warning"]
     assert len(texts) == bool(named)
     assert all(name in texts[0] for name in named)
+
+
+def catching(report):
+    return bool(flags(report) & WalkStatus.SUBSTATE_CATCHING)
+
+
+def test_steps_sent_while_catching_are_taken(record, walk_message):
+    recording = record()
+    recording.sim.publish(walk_message((1, 0, 0.1, 0.14), (2, 1, 0.1, -0.14)))
+    assert recording.advance(LONGEST, catching)
+    recording.sim.publish(walk_message((3, 0, 0.2, 0.14), (4, 1, 0.2, -0.14)))
+    recording.advance(0.1)
+    assert flags(recording.looks[-1].report) & WalkStatus.SUBSTATE_SWAYING
+    recording.advance(LONGEST, in_stand)
+    assert [step["index"] for step in recording.sim.footsteps] == [1, 2, 3, 4]
+    assert_returned_by_itself(recording)
+    assert_upright(recording)
+
+
+def test_second_thoughts_about_standing_go_on_walking(record, walk_message):
+    recording = record()
+    recording.sim.publish(walk_message((1, 0, 0.1, 0.14), (2, 1, 0.1, -0.14)))
+    assert recording.advance(LONGEST, stepping(1))
+    recording.ask("stand")
+    recording.advance(0.06)
+    recording.sim.publish(walk_message((2, 1, 0.2, -0.14), (3, 0, 0.2, 0.14)))
+    recording.advance(0.06)
+    report = recording.looks[-1].report
+    assert report.desired_behavior is Behavior.WALK
+    status = report.behavior_feedback.status_flags
+    assert not status & BehaviorStatus.TRANSITION_IN_PROGRESS
+    recording.advance(LONGEST, in_stand)
+    assert [step["index"] for step in recording.sim.footsteps] == [1, 2, 3]
+    assert_upright(recording)
