@@ -32,7 +32,7 @@ class Jitter:
     position: float = 0.0
     """Of the pelvis along x and y [m]."""
     orientation: float = 0.0
-    """Of the pelvis about z; about x and y a tenth of it [rad]."""
+    """Of the pelvis' roll, pitch and yaw [rad]."""
     joints: float = 0.0
     """Of each joint [rad]."""
     mass: float = 0.0

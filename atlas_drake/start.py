@@ -17,10 +17,6 @@ from pydrake.systems.framework import Context
 from atlas_drake.robot import Robot
 from atlas_drake.scenario import Scenario
 
-TILT_SHARE = 0.1
-"""Roll and pitch vary by this share of the heading's jitter: a robot that starts
-tilted stands on the edges of its soles."""
-
 
 @dataclass(frozen=True)
 class Variation:
