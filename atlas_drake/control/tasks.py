@@ -10,7 +10,6 @@ import numpy as np
 
 from atlas_drake.control.gains import PdGains
 from atlas_drake.control.rotations import rotation_error
-from atlas_drake.control.support_polygon import SupportPolygon
 from atlas_drake.control.whole_body_model import GRAVITY, FootTerms, WholeBodyTerms
 
 
@@ -69,8 +68,3 @@ def stance_acceleration(foot: FootTerms, damping: float) -> np.ndarray:
 def chest_angular_velocity(terms: WholeBodyTerms) -> np.ndarray:
     """Angular velocity of the chest in W [rad/s], shape (3,)."""
     return terms.J_chest[:, :6] @ terms.V_WP + terms.J_chest[:, 6:] @ terms.v
-
-
-def clamp_to_support(cop: np.ndarray, support: SupportPolygon) -> np.ndarray:
-    """The CoP that the feet can realise nearest to ``cop`` [m], shape (2,)."""
-    return support.clamp(cop)

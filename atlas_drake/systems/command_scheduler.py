@@ -145,7 +145,7 @@ class CommandScheduler(LeafSystem):
 
     def _update(self, context: Context, state: State) -> None:
         after = self._now.Eval(context)
-        # Half a physics step of slack: times are sums of rounded periods.
+        # A hair of slack: times are sums of rounded periods.
         now = context.get_time() + 1e-9
         while (
             after.sent < len(self.programme) and self.programme[after.sent].time <= now

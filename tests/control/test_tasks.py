@@ -10,7 +10,6 @@ from atlas_drake.control.rotations import rotation_z
 from atlas_drake.control.support_polygon import SupportPolygon
 from atlas_drake.control.tasks import (
     chest_angular_velocity,
-    clamp_to_support,
     com_acceleration_for_cop,
     dcm,
     feedback_cop,
@@ -86,9 +85,7 @@ def test_chest_angular_velocity_includes_the_pelvis(terms):
     )
 
 
-def test_clamp_to_support():
+def test_the_cop_is_clamped_to_the_support():
     corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
     support = SupportPolygon([np.array(corner) for corner in corners])
-    np.testing.assert_array_equal(
-        clamp_to_support(np.array([1.5, 0.5]), support), [1.0, 0.5]
-    )
+    np.testing.assert_array_equal(support.clamp(np.array([1.5, 0.5])), [1.0, 0.5])
