@@ -6,13 +6,14 @@ is applied; a refused message leaves everything as it was but for the error code
 
 import logging
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from numbers import Real
 from typing import Any
 
 import numpy as np
 
 from atlas_drake.errors import ErrorCode, InvalidMessageError
+from atlas_drake.frozen import Frozen, replace
 from atlas_drake.joint_command import JOINT_FIELDS, JointCommand
 from atlas_drake.messages import (
     K_EFFORT_MAX,
@@ -29,7 +30,7 @@ _log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
-class BehaviorRequest:
+class BehaviorRequest(Frozen):
     """The behaviour command in force.
 
     Attributes:
@@ -42,10 +43,6 @@ class BehaviorRequest:
     command: AtlasSimInterfaceCommand
     number: int
 
-    def __deepcopy__(self, memo: dict[int, Any]) -> "BehaviorRequest":
-        """Frozen, so its copy is itself."""
-        return self
-
 
 @dataclass(frozen=True)
 class Refusal:
@@ -57,12 +54,11 @@ class Refusal:
 
 
 @dataclass(frozen=True)
-class CommandsInForce:
+class CommandsInForce(Frozen):
     """Everything that commands have set.
 
     Attributes:
-        joints: For the PID bank.
-        k_effort: User's share per joint, 0 to 255, shape (n,).
+        joints: For the PID bank, and who has which joint.
         request: For the behaviour controller.
         error_code: Of the last message; NO_ERRORS once one is accepted.
         refusals: The latest refused messages, oldest first.
@@ -74,7 +70,6 @@ class CommandsInForce:
     """
 
     joints: JointCommand
-    k_effort: np.ndarray
     request: BehaviorRequest
     error_code: ErrorCode = ErrorCode.NO_ERRORS
     refusals: tuple[Refusal, ...] = ()
@@ -84,9 +79,10 @@ class CommandsInForce:
     atlas_stamp: float | None = None
     sim_stamp: float | None = None
 
-    def __deepcopy__(self, memo: dict[int, Any]) -> "CommandsInForce":
-        """Frozen, so its copy is itself."""
-        return self
+    @property
+    def k_effort(self) -> np.ndarray:
+        """User's share per joint, 0 to 255, shape (n,)."""
+        return self.joints.k_effort
 
 
 KEPT_REFUSALS = 50
@@ -114,8 +110,8 @@ def commands_at_start(robot: Robot, behavior: Behavior) -> CommandsInForce:
             kp_velocity=zero,
             i_effort_min=zero,
             i_effort_max=zero,
+            k_effort=np.full(robot.num_joints, float(K_EFFORT_MAX if user else 0)),
         ),
-        k_effort=np.full(robot.num_joints, float(K_EFFORT_MAX if user else 0)),
         request=BehaviorRequest(behavior, command.snapshot(), number=0),
     )
 
@@ -208,12 +204,7 @@ def _apply_atlas_command(
             f"would put i_effort_min ({lower:g}) above i_effort_max ({upper:g}), one "
             f"of them in force from before (joint {robot.joint_names[index]})",
         )
-    return replace(
-        force,
-        joints=joints,
-        k_effort=_k_effort(force, message),
-        atlas_stamp=message.header.stamp or time,
-    )
+    return replace(force, joints=joints, atlas_stamp=message.header.stamp or time)
 
 
 def _apply_sim_command(
@@ -224,21 +215,17 @@ def _apply_sim_command(
 ) -> CommandsInForce:
     validate_sim_interface_command(message, robot.joint_names, force.sim_stamp)
     behavior = behavior_from(message.behavior)
-    k_effort = _k_effort(force, message)
+    joints = force.joints
     if behavior is Behavior.USER:
         # USER returns every joint to the user at once, whatever the message says.
-        k_effort = np.full(robot.num_joints, float(K_EFFORT_MAX))
+        joints = replace(
+            joints, k_effort=np.full(robot.num_joints, float(K_EFFORT_MAX))
+        )
+    elif len(message.k_effort):
+        joints = replace(joints, k_effort=np.array(message.k_effort, dtype=float))
     return replace(
         force,
-        k_effort=k_effort,
+        joints=joints,
         request=BehaviorRequest(behavior, message, force.request.number + 1),
         sim_stamp=message.header.stamp or time,
     )
-
-
-def _k_effort(
-    force: CommandsInForce, message: AtlasCommand | AtlasSimInterfaceCommand
-) -> np.ndarray:
-    if len(message.k_effort):
-        return np.array(message.k_effort, dtype=float)
-    return force.k_effort

@@ -1,17 +1,18 @@
-"""Set-points and gains of the joint controllers, as data.
+"""Set-points, gains and shares of the joint controllers, as data.
 
 Made by ``commands`` from messages, used by ``control.joint_pid``; no law, no messages.
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
+from atlas_drake.frozen import Frozen
+
 
 @dataclass(frozen=True)
-class JointCommand:
-    """Set-points and gains of the joint PID bank; arrays (n,) in message order.
+class JointCommand(Frozen):
+    """Set-points, gains and shares of the joint PIDs; arrays (n,) in message order.
 
     Attributes:
         position: [rad]
@@ -23,6 +24,7 @@ class JointCommand:
         kp_velocity: [N·m·s/rad]
         i_effort_min: Least effort of the integral term [N·m].
         i_effort_max: Greatest effort of the integral term [N·m].
+        k_effort: The user's share of each joint, 0 to 255.
     """
 
     position: np.ndarray
@@ -34,10 +36,7 @@ class JointCommand:
     kp_velocity: np.ndarray
     i_effort_min: np.ndarray
     i_effort_max: np.ndarray
-
-    def __deepcopy__(self, memo: dict[int, Any]) -> "JointCommand":
-        """Frozen, so its copy is itself: cloning a Context costs nothing."""
-        return self
+    k_effort: np.ndarray
 
 
 JOINT_FIELDS = tuple(JointCommand.__dataclass_fields__)

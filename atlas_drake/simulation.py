@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -23,6 +23,7 @@ from atlas_drake.behaviors.base import Event
 from atlas_drake.diagrams.atlas_station import StationConfig
 from atlas_drake.diagrams.control_mode_switch import make_control_mode_switch
 from atlas_drake.errors import AtlasError, InvalidMessageError
+from atlas_drake.frozen import replace
 from atlas_drake.messages import (
     AtlasCommand,
     AtlasSimInterfaceCommand,

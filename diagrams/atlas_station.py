@@ -124,8 +124,6 @@ def make_atlas_station(
             builder.Connect(source.GetOutputPort(output), target.GetInputPort(name))
 
     connect(commands, "joint_command", pid)
-    connect(commands, "k_effort", pid)
-    connect(commands, "k_effort", behaviors)
     connect(commands, "k_effort", selector)
     connect(commands, "commands", behaviors)
     connect(commands, "commands", sensors)
@@ -137,7 +135,7 @@ def make_atlas_station(
     connect(selector, "effort", sensors)
     connect(selector, "effort", statistics)
     connect(sensors, "measured_state", behaviors, "state")
-    connect(sensors, "foot_wrenches", behaviors)
+    connect(sensors, "foot_loads", behaviors)
     connect(sensors, "foot_wrenches", pid)
     connect(plant, "contact_results", sensors)
     connect(plant, "body_spatial_accelerations", sensors, "body_accelerations")

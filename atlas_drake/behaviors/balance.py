@@ -72,7 +72,7 @@ class Balance:
                 body.R_WC,
                 turning,
                 terms.R_WC,
-                tasks.chest_angular_velocity(terms),
+                terms.w_WC,
                 gains.orientation,
             )
         return WholeBodyCommand(

@@ -113,11 +113,9 @@ def advance_body(
     height = _approach(body.height, target.height, rates.height * dt)
     turn = wrap_angle(target.yaw - body.yaw)
     yaw = body.yaw + _approach(0.0, turn, rates.yaw * dt)
-    joints = np.where(
-        user_held,
-        measured,
-        _approach_all(body.joints, target.joints, rates.joints * dt),
-    )
+    joints = _approach_all(body.joints, target.joints, rates.joints * dt)
+    if user_held.any():
+        joints = np.where(user_held, measured, joints)
     tilt = rates.tilt * dt
     return BodyReference(
         height=height,
@@ -135,7 +133,12 @@ def _approach(value: float, goal: float, step: float) -> float:
 
 
 def _approach_all(value: np.ndarray, goal: np.ndarray, step: float) -> np.ndarray:
-    return value + np.minimum(np.maximum(goal - value, -step), step)
+    if value is goal:
+        return goal
+    way = goal - value
+    if max(way.max(), -way.min()) <= step:
+        return goal
+    return value + np.minimum(np.maximum(way, -step), step)
 
 
 def _tilt(R: np.ndarray) -> np.ndarray:

@@ -8,7 +8,7 @@ it brings the robot to where STAND may begin.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from atlas_drake.control.dcm_plan import DcmReference
 from atlas_drake.control.footstep import FootPose
 from atlas_drake.control.rotations import mean_yaw
 from atlas_drake.control.support_polygon import SupportPolygon
+from atlas_drake.frozen import replace
 from atlas_drake.messages import AtlasSimInterfaceCommand, AtlasSimInterfaceState
 
 COM_SPEED = 0.08

@@ -7,7 +7,7 @@ Which changes are allowed is in ``transitions``.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -29,6 +29,7 @@ from atlas_drake.commands import BehaviorRequest
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.control.whole_body_command import WholeBodyCommand
 from atlas_drake.errors import ErrorCode
+from atlas_drake.frozen import replace
 from atlas_drake.messages import AtlasSimInterfaceState, Behavior, BehaviorStatus
 from atlas_drake.robot import Robot
 

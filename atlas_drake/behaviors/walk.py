@@ -8,8 +8,6 @@ landing place.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from atlas_drake.behaviors.balance import FULL_LOAD, Balance
@@ -43,6 +41,7 @@ from atlas_drake.control.swing_foot import (
     begin_swing,
 )
 from atlas_drake.control.whole_body_command import FootCommand
+from atlas_drake.frozen import replace
 from atlas_drake.messages import (
     AtlasBehaviorWalkFeedback,
     AtlasSimInterfaceCommand,

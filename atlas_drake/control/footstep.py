@@ -7,7 +7,7 @@ x to the toes, z along the sole's normal. No messages, no timing of a gait.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from atlas_drake.control.rotations import (
     wrap_angle,
     yaw_of,
 )
+from atlas_drake.frozen import replace
 
 LEFT, RIGHT = 0, 1
 

@@ -54,36 +54,25 @@ def static_effort(
     )
 
 
-def explicit_effort(
-    command: JointCommand, integral: np.ndarray, q: np.ndarray, v: np.ndarray
-) -> np.ndarray:
-    """The law as written: kp·e + ∫ki·e + kd·ė + kp_velocity·(v_des - v) + effort.
-
-    The set-point is constant between commands, so ė = -v.
-    """
-    damping = command.kd_position + command.kp_velocity
-    return static_effort(command, integral, q) - damping * v
-
-
 DRIFT_TIME = 0.002
 """Time in which the estimate of what is not the motors' doing follows it [s]."""
 
 
 @dataclass(frozen=True)
 class StepModel:
-    """How velocities respond to efforts within a step; arrays (n, n).
+    """How velocities respond to efforts within a step.
 
     Attributes:
-        response: h·Λ, velocity change per effort [rad/s per N·m].
-        gain: G = (1 + D·h·Λ·K)⁻¹.
-        damping_gain: G·D [N·m·s/rad].
-        dt: The step h [s].
+        response: h·Λ, velocity change per effort [rad/s per N·m], shape (n, n).
+        damping: d, all gains on velocity together [N·m·s/rad], shape (n,).
+        gain: G = (1 + D·h·Λ·K)⁻¹, shape (n, n).
+        blend: How much of a new change of velocity enters the estimate [-].
     """
 
     response: np.ndarray
+    damping: np.ndarray
     gain: np.ndarray
-    damping_gain: np.ndarray
-    dt: float
+    blend: float
 
 
 def step_model(
@@ -101,30 +90,33 @@ def step_model(
     coupling = damping[:, None] * (response * share)
     coupling.reshape(-1)[:: len(damping) + 1] += 1.0
     gain = np.linalg.inv(coupling)
-    return StepModel(response, gain, gain * damping, dt)
+    return StepModel(response, damping, gain, dt / (dt + DRIFT_TIME))
 
 
-def estimate_drift(state: PidState, v: np.ndarray, model: StepModel) -> np.ndarray:
-    """What gravity, contact and the body's own motion do to velocities per step.
+def change_without_user(
+    state: PidState, v: np.ndarray, others: np.ndarray, model: StepModel
+) -> np.ndarray:
+    """How velocities would change in this step by all but the user [rad/s], (n,).
 
-    The part of the last change of velocity that the motors do not explain, smoothed:
-    an unsmoothed estimate answers every jolt twice, and rings. What is smoothed is the
-    whole change, which stays what it was when the model becomes another one, such as
-    that of a foot in the air: a drift remembered from the old one would belong to
-    efforts many times as large, and each change of the model would be a jolt.
+    Gravity, contact and the body's own motion are the part of the last change of
+    velocity that the motors do not explain, smoothed: an unsmoothed estimate answers
+    every jolt twice, and rings. What is smoothed is the whole change, which stays what
+    it was when the model becomes another one, such as that of a foot in the air: a
+    drift remembered from the old one would belong to efforts many times as large, and
+    each change of the model would be a jolt.
+
+    Args:
+        state: Of the last step.
+        v: Velocities [rad/s].
+        others: The behaviour's part of the motors' efforts (1 - K)·τ_behaviour [N·m].
+        model: From ``step_model``.
     """
-    blend = model.dt / (model.dt + DRIFT_TIME)
-    change = state.expected + blend * (v - state.velocity - state.expected)
-    return change - model.response @ state.applied
+    change = state.expected + model.blend * (v - state.velocity - state.expected)
+    return change + model.response @ (others - state.applied)
 
 
 def user_effort(
-    static: np.ndarray,
-    v: np.ndarray,
-    drift: np.ndarray,
-    others: np.ndarray,
-    model: StepModel,
-    effort_limit: np.ndarray,
+    static: np.ndarray, coasting: np.ndarray, model: StepModel, effort_limit: np.ndarray
 ) -> np.ndarray:
     """The law with its damping taken implicitly [N·m], shape (n,).
 
@@ -132,12 +124,11 @@ def user_effort(
     the joint, which the tutorial's own gains do at the wrists. The implicit law asks
     for the damping of the velocity at the step's end,
 
-        v⁺ = v + o + h·Λ·((1 - K)·τ_behaviour + K·τ),
+        v⁺ = v_c + h·Λ·K·τ,
 
-    where o is what no motor does, and the behaviour's efforts are known:
+    where v_c is what it would be without the user's efforts:
 
-        τ = τ_static - D·v⁺   ⇒
-        τ = G·(τ_static - D·(v + o + h·Λ·(1 - K)·τ_behaviour)),   G = (1 + D·h·Λ·K)⁻¹
+        τ = τ_static - D·v⁺   ⇒   τ = G·(τ_static - D·v_c),   G = (1 + D·h·Λ·K)⁻¹
 
     When joints move steadily v⁺ is v, and this is the law itself: set-points and
     gravity droop are those of the gains, whatever the step. The scalar loop is stable
@@ -145,14 +136,11 @@ def user_effort(
 
     Args:
         static: The law without its velocity terms, ``static_effort`` [N·m].
-        v: Velocities [rad/s].
-        drift: o from ``estimate_drift``.
-        others: The behaviour's part of the motors' efforts (1 - K)·τ_behaviour [N·m].
+        coasting: v_c, velocities and ``change_without_user`` together [rad/s].
         model: From ``step_model``.
         effort_limit: [N·m]
     """
-    coasting = v + drift + model.response @ others
-    effort = model.gain @ static - model.damping_gain @ coasting
+    effort = model.gain @ (static - model.damping * coasting)
     return np.minimum(np.maximum(effort, -effort_limit), effort_limit)
 
 

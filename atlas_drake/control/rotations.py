@@ -21,14 +21,8 @@ def rotation_error(R_WD: np.ndarray, R_WB: np.ndarray) -> np.ndarray:
     Returns:
         The error [rad for small angles], shape (3,).
     """
-    E = R_WD @ R_WB.T
-    return np.array(
-        [
-            0.5 * (E[2, 1] - E[1, 2]),
-            0.5 * (E[0, 2] - E[2, 0]),
-            0.5 * (E[1, 0] - E[0, 1]),
-        ]
-    )
+    (_, xy, xz), (yx, _, yz), (zx, zy, _) = (R_WD @ R_WB.T).tolist()
+    return np.array([0.5 * (zy - yz), 0.5 * (xz - zx), 0.5 * (yx - xy)])
 
 
 def yaw_of(R: np.ndarray) -> float:

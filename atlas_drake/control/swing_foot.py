@@ -8,7 +8,7 @@ jump. Knows nothing of balance or of why the target moved.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from atlas_drake.control.rotations import (
     rotation_z,
     wrap_angle,
 )
+from atlas_drake.frozen import replace
 
 
 @dataclass(frozen=True)

@@ -63,8 +63,3 @@ def orientation_acceleration(
 def stance_acceleration(foot: FootTerms, damping: float) -> np.ndarray:
     """Spatial acceleration that brings a planted sole to rest, shape (6,)."""
     return -damping * foot.V_WF
-
-
-def chest_angular_velocity(terms: WholeBodyTerms) -> np.ndarray:
-    """Angular velocity of the chest in W [rad/s], shape (3,)."""
-    return terms.J_chest[:, :6] @ terms.V_WP + terms.J_chest[:, 6:] @ terms.v

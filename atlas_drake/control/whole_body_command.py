@@ -69,10 +69,10 @@ class EffortBounds:
         upper: Greatest total effort [N·m], shape (n,).
         user_held: Joints whose effort the user decides alone, bool, shape (n,).
         added_inertia: By how much the bounds fall per acceleration of the joint,
-            because the user's law resists it [kg·m²], shape (n,).
+            because the user's law resists it [kg·m²], shape (n,); None for nowhere.
     """
 
     lower: np.ndarray
     upper: np.ndarray
     user_held: np.ndarray
-    added_inertia: np.ndarray | float = 0.0
+    added_inertia: np.ndarray | None = None

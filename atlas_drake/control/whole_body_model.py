@@ -51,15 +51,14 @@ class WholeBodyTerms:
     Attributes:
         q: Joint positions [rad], shape (n,).
         v: Joint velocities [rad/s], shape (n,).
-        M: Mass matrix, shape (6 + n, 6 + n).
+        stack: Rows of ``M``, then those of ``J``, shape (6 + n + 15, 6 + n).
         h: Coriolis, centrifugal and gravity forces [N·m; N], shape (6 + n,).
         R_WP: Orientation of the pelvis.
         p_WP: Position of the pelvis [m].
         V_WP: Spatial velocity of the pelvis [rad/s; m/s] in W.
         R_WC: Orientation of the chest.
-        J: Jacobians of left sole, right sole and the chest's angular velocity in W,
-            stacked, shape (15, 6 + n).
-        bias: J̇·v of the same [rad/s²; m/s²], shape (15,).
+        w_WC: Its angular velocity in W [rad/s].
+        bias: J̇·v of the rows of ``J`` [rad/s²; m/s²], shape (15,).
         com: Centre of mass in W [m].
         com_velocity: Its velocity in W [m/s].
         feet: Left and right sole.
@@ -67,22 +66,30 @@ class WholeBodyTerms:
 
     q: np.ndarray
     v: np.ndarray
-    M: np.ndarray
+    stack: np.ndarray
     h: np.ndarray
     R_WP: np.ndarray
     p_WP: np.ndarray
     V_WP: np.ndarray
     R_WC: np.ndarray
-    J: np.ndarray
+    w_WC: np.ndarray
     bias: np.ndarray
     com: np.ndarray
     com_velocity: np.ndarray
     feet: tuple[FootTerms, FootTerms]
 
     @property
-    def J_chest(self) -> np.ndarray:
-        """Angular-velocity Jacobian of the chest in W, shape (3, 6 + n)."""
-        return self.J[12:]
+    def M(self) -> np.ndarray:
+        """Mass matrix, shape (6 + n, 6 + n)."""
+        return self.stack[: -len(self.bias)]
+
+    @property
+    def J(self) -> np.ndarray:
+        """Jacobians of left sole, right sole and the chest's angular velocity in W.
+
+        Shape (15, 6 + n).
+        """
+        return self.stack[-len(self.bias) :]
 
 
 class WholeBodyModel:
@@ -132,38 +139,40 @@ class WholeBodyModel:
         v = velocity.take(order)
 
         # Drake's matrices come column by column: their transposes are read in order.
-        M = plant.CalcMassMatrix(context).T.take(self._square)
+        size = len(order)
+        stack = np.empty((size + 15, size))
+        M, J = stack[:size], stack[size:]
+        plant.CalcMassMatrix(context).T.take(self._square, out=M)
         h = plant.CalcBiasTerm(context).take(order)
         # Gravity is a uniform acceleration, so its generalized force is the column
         # sum that the mass matrix already holds for the pelvis' vertical motion.
         h += GRAVITY * M[:, 5]
 
-        J = np.empty((15, len(order)))
         bias = np.empty(15)
         for foot, sole in enumerate(self._soles):
             part = slice(6 * foot, 6 * foot + 6)
             J[part], bias[part] = self._differential(context, sole, order)
         J_chest, chest_bias = self._differential(context, self._chest, order)
         J[12:], bias[12:] = J_chest[:3], chest_bias[:3]
-        V_WF = J[:12] @ v
+        velocities = J @ v
 
         X_WP = plant.EvalBodyPoseInWorld(context, self._pelvis)
         return WholeBodyTerms(
             q=state.take(indices.q),
             v=v[6:],
-            M=M,
+            stack=stack,
             h=h,
             R_WP=X_WP.rotation().matrix(),
             p_WP=X_WP.translation(),
             V_WP=v[:6],
             R_WC=self._chest.CalcPoseInWorld(context).rotation().matrix(),
-            J=J,
+            w_WC=velocities[12:],
             bias=bias,
             com=plant.CalcCenterOfMassPositionInWorld(context),
             com_velocity=plant.CalcCenterOfMassTranslationalVelocityInWorld(context),
             feet=(
-                self._foot(context, 0, V_WF, J, bias),
-                self._foot(context, 1, V_WF, J, bias),
+                self._foot(context, 0, velocities, J, bias),
+                self._foot(context, 1, velocities, J, bias),
             ),
         )
 
@@ -184,7 +193,7 @@ class WholeBodyModel:
         self,
         context: Context,
         foot: int,
-        V_WF: np.ndarray,
+        velocities: np.ndarray,
         J: np.ndarray,
         bias: np.ndarray,
     ) -> FootTerms:
@@ -193,7 +202,7 @@ class WholeBodyModel:
         return FootTerms(
             p_WF=X_WF.translation(),
             R_WF=X_WF.rotation().matrix(),
-            V_WF=V_WF[part],
+            V_WF=velocities[part],
             J_WF=J[part],
             bias=bias[part],
         )

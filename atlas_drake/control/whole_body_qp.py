@@ -85,62 +85,70 @@ class WholeBodyQp:
         """Finds the efforts for one tick."""
         n = self._num_joints
         contacts = [i for i in (0, 1) if command.feet[i].in_contact]
-        size = n + _WRENCH * len(contacts)
         layout = self._layouts[len(contacts)]
-        M, h = terms.M, terms.h
-
-        # Pelvis acceleration = B z + b, from the unactuated rows.
-        right = np.empty((_BASE, size + 1))
-        right[:, :n] = -M[:_BASE, _BASE:]
-        for k, i in enumerate(contacts):
-            columns = slice(n + _WRENCH * k, n + _WRENCH * (k + 1))
-            right[:, columns] = terms.feet[i].J_WF[:, :_BASE].T
-        right[:, size] = -h[:_BASE]
-        solved = _solve_base(M[:_BASE, :_BASE], right)
-        B, b = solved[:, :size], solved[:, size]
-
-        # Efforts = T z + t.
-        T = M[_BASE:, :_BASE] @ B
-        T[:, :n] += M[_BASE:, _BASE:]
-        for k, i in enumerate(contacts):
-            columns = slice(n + _WRENCH * k, n + _WRENCH * (k + 1))
-            T[:, columns] -= terms.feet[i].J_WF[:, _BASE:].T
-        t = M[_BASE:, :_BASE] @ b + h[_BASE:]
-
-        H, f = self._cost(terms, command, layout, B, b)
+        size = layout.size
+        rows = self._rows_on_unknowns(terms, contacts, size)
+        T, t = rows[:n, :size], rows[:n, size]
+        H, f = self._cost(command, layout, rows[n:, :size], rows[n:, size])
         problem = self._constrain(terms, command, bounds, contacts, layout, H, f, T, t)
         answer = solve(problem)
         if not answer.found:
             return self._carry_weight(terms, bounds, contacts)
-        effort = T @ answer.x + t
         wrenches = np.zeros((2, _WRENCH))
-        for k, i in enumerate(contacts):
-            wrenches[i] = answer.x[n + _WRENCH * k : n + _WRENCH * (k + 1)]
+        wrenches[contacts] = answer.x[n:].reshape(-1, _WRENCH)
         return WholeBodySolution(
-            effort=effort,
+            effort=T @ answer.x + t,
             joint_acceleration=answer.x[:n],
             foot_wrenches=wrenches,
             found=True,
             iterations=answer.iterations,
         )
 
+    def _rows_on_unknowns(
+        self, terms: WholeBodyTerms, contacts: list[int], size: int
+    ) -> np.ndarray:
+        """Efforts and task accelerations as affine functions of the unknowns z.
+
+        Returns:
+            Rows [A a] with A z + a: n joint efforts, then the accelerations of left
+            sole, right sole, chest and pelvis, shape (n + 18, size + 1).
+        """
+        n = self._num_joints
+        stack, J = terms.stack, terms.J
+        on_joints = stack[_BASE:, _BASE:]
+        J_contacts = J[: 2 * _WRENCH] if len(contacts) == 2 else None
+        if len(contacts) == 1:
+            J_contacts = terms.feet[contacts[0]].J_WF
+
+        # Pelvis acceleration = X [z; 1], from the rows that no motor acts on.
+        right = np.empty((_BASE, size + 1))
+        np.negative(stack[:_BASE, _BASE:], out=right[:, :n])
+        np.negative(terms.h[:_BASE], out=right[:, size])
+        if J_contacts is not None:
+            right[:, n:size] = J_contacts[:, :_BASE].T
+        X = _solve_base(stack[:_BASE, :_BASE], right)
+
+        rows = np.empty((n + 18, size + 1))
+        np.matmul(stack[_BASE:, :_BASE], X, out=rows[:-3])
+        rows[-3:] = X[:3]
+        rows[:-3, :n] += on_joints
+        rows[:n, size] += terms.h[_BASE:]
+        rows[n:-3, size] += terms.bias
+        if J_contacts is not None:
+            rows[:n, n:size] -= J_contacts[:, _BASE:].T
+        return rows
+
     def _cost(
         self,
-        terms: WholeBodyTerms,
         command: WholeBodyCommand,
         layout: _Layout,
-        B: np.ndarray,
-        b: np.ndarray,
+        tasks: np.ndarray,
+        drift: np.ndarray,
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Hessian and linear cost: feet, chest and pelvis stacked as rows on z."""
+        """Hessian and linear cost; accelerations of the tasks are tasks·z + drift."""
         n = self._num_joints
         left, right = command.feet
         weight = self._task_weights[left.in_contact, right.in_contact, command.balance]
-        base = terms.J[:, :_BASE]
-        tasks = np.empty((18, layout.size))
-        np.matmul(base, B, out=tasks[:15])
-        tasks[:15, :n] += terms.J[:, _BASE:]
-        tasks[15:] = B[:3]
         target = np.concatenate(
             [
                 left.acceleration,
@@ -149,13 +157,9 @@ class WholeBodyQp:
                 command.pelvis_angular_acceleration,
             ]
         )
-        target[:15] -= terms.bias
-        target[:15] -= base @ b
-        target[15:] -= b[:3]
-
         weighted = tasks.T * weight
         H = weighted @ tasks
-        f = weighted @ -target
+        f = weighted @ (drift - target)
         diagonal = H.reshape(-1)[:: layout.size + 1]
         diagonal += layout.regularization
         diagonal[:n] += command.joint_weight
@@ -192,15 +196,19 @@ class WholeBodyQp:
         free = bounds.user_held
         np.subtract(self._low, approach, out=lower[:n])
         np.subtract(self._high, approach, out=upper[:n])
-        lower[:n][free] = -_HUGE
-        upper[:n][free] = _HUGE
+        any_free = bool(free.any())
+        if any_free:
+            lower[:n][free] = -_HUGE
+            upper[:n][free] = _HUGE
 
         size = layout.size
         A[:n] = T
-        A.reshape(-1)[: n * size : size + 1] += bounds.added_inertia
         lower[size : size + n] = bounds.lower - t
         upper[size : size + n] = bounds.upper - t
-        kind[size : size + n][free] = EQUALITY
+        if any_free:
+            kind[size : size + n][free] = EQUALITY
+        if bounds.added_inertia is not None:
+            A.reshape(-1)[: n * size : size + 1] += bounds.added_inertia
         for k, i in enumerate(contacts):
             start = n + _WRENCH * k
             R_FW = terms.feet[i].R_WF.T

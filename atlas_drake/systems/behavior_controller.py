@@ -7,7 +7,6 @@ tick's efforts. There is no latency but the hold over the control period.
 
 import time
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from pydrake.common.value import AbstractValue
@@ -22,8 +21,10 @@ from pydrake.systems.framework import (
 
 from atlas_drake.behaviors.base import Observation
 from atlas_drake.behaviors.supervisor import Supervisor, SupervisorState
+from atlas_drake.commands import CommandsInForce
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.control.user_share import behavior_share, effort_bounds
+from atlas_drake.control.whole_body_command import EffortBounds, WholeBodyCommand
 from atlas_drake.control.whole_body_model import (
     FootTerms,
     WholeBodyModel,
@@ -32,6 +33,7 @@ from atlas_drake.control.whole_body_model import (
 )
 from atlas_drake.control.whole_body_qp import WholeBodyQp, WholeBodySolution
 from atlas_drake.errors import ErrorCode
+from atlas_drake.frozen import Frozen
 from atlas_drake.messages import (
     K_EFFORT_MAX,
     AtlasSimInterfaceState,
@@ -44,8 +46,8 @@ from atlas_drake.robot import Robot
 
 
 @dataclass(frozen=True)
-class ControllerState:
-    """What the controller remembers; frozen.
+class ControllerState(Frozen):
+    """What the controller remembers.
 
     Attributes:
         supervisor: Of the behaviours.
@@ -59,20 +61,14 @@ class ControllerState:
     solution: WholeBodySolution | None = None
     unsolved: int = 0
 
-    def __deepcopy__(self, memo: dict[int, Any]) -> "ControllerState":
-        """Frozen, so its copy is itself: cloning a Context costs nothing."""
-        return self
-
 
 class BehaviorController(LeafSystem):
     """State, user efforts and the behaviour request in, behaviour efforts out.
 
     Input ports:
         state: Measured positions and velocities, in plant order.
-        foot_wrenches: Of the ground on the left and the right sole, in W at the
-            sole's centre [N·m; N], shape (12,).
+        foot_loads: Vertical forces of the ground on left and right foot [N], (2,).
         user_forecast: ``UserForecast``, what the user's law will do in the tick.
-        k_effort: The user's share of each joint, 0 to 255, shape (n,).
         commands: ``CommandsInForce``
 
     Output ports:
@@ -93,6 +89,8 @@ class BehaviorController(LeafSystem):
         n = robot.num_joints
         self._robot = robot
         self._period = period
+        self._limit = limit = robot.effort_limit
+        self._own_bounds = EffortBounds(-limit, limit, np.zeros(n, dtype=bool))
         self._model = WholeBodyModel(robot)
         self._qp = WholeBodyQp(robot, gains)
         height = nominal_com_height(self._model) - gains.com_drop
@@ -103,11 +101,10 @@ class BehaviorController(LeafSystem):
 
         start = ControllerState(self._supervisor.start(initial_behavior), np.zeros(n))
         self._state_input = self.DeclareVectorInputPort("state", self._model.num_states)
-        self._wrench_input = self.DeclareVectorInputPort("foot_wrenches", 12)
+        self._load_input = self.DeclareVectorInputPort("foot_loads", 2)
         self._user_input = self.DeclareAbstractInputPort(
             "user_forecast", AbstractValue.Make(None)
         )
-        self._share_input = self.DeclareVectorInputPort("k_effort", n)
         self._command_input = self.DeclareAbstractInputPort(
             "commands", AbstractValue.Make(None)
         )
@@ -155,17 +152,15 @@ class BehaviorController(LeafSystem):
 
     def _tick(self, context: Context, before: ControllerState) -> ControllerState:
         terms = self._evaluate(context)
-        share = self._share_input.Eval(context) * (1.0 / K_EFFORT_MAX)
-        user_held = share >= 1.0
-        wrenches = self._wrench_input.Eval(context)
+        commands: CommandsInForce = self._command_input.Eval(context)
+        k_effort = commands.joints.k_effort
         seen = Observation(
             time=context.get_time(),
             dt=self._period,
             terms=terms,
-            foot_force=wrenches[[5, 11]],
-            user_held=user_held,
+            foot_force=self._load_input.Eval(context),
+            user_held=k_effort >= K_EFFORT_MAX,
         )
-        commands = self._command_input.Eval(context)
         supervisor, command = self._supervisor.update(
             before.supervisor, seen, commands.request
         )
@@ -175,18 +170,32 @@ class BehaviorController(LeafSystem):
                 np.zeros(self._robot.num_joints),
                 unsolved=before.unsolved,
             )
-        limit = self._robot.effort_limit
-        user = self._user_input.Eval(context)
-        bounds = effort_bounds(share, user, limit)
-        solution = self._qp.solve(terms, command, bounds)
+        if k_effort.any():
+            solution, effort = self._solve_shared(context, terms, command, k_effort)
+        else:
+            solution = self._qp.solve(terms, command, self._own_bounds)
+            effort = solution.effort
         return ControllerState(
-            supervisor,
-            behavior_share(
-                solution.effort, solution.joint_acceleration, share, user, limit
-            ),
-            solution,
-            before.unsolved + (not solution.found),
+            supervisor, effort, solution, before.unsolved + (not solution.found)
         )
+
+    def _solve_shared(
+        self,
+        context: Context,
+        terms: WholeBodyTerms,
+        command: WholeBodyCommand,
+        k_effort: np.ndarray,
+    ) -> tuple[WholeBodySolution, np.ndarray]:
+        """The QP's answer where the user has a share; the behaviour's part of it."""
+        share = k_effort * (1.0 / K_EFFORT_MAX)
+        user = self._user_input.Eval(context)
+        solution = self._qp.solve(
+            terms, command, effort_bounds(share, user, self._limit)
+        )
+        own = behavior_share(
+            solution.effort, solution.joint_acceleration, share, user, self._limit
+        )
+        return solution, own
 
     def _calc_effort(self, context: Context, output: BasicVector) -> None:
         output.SetFromVector(self._remembered(context).effort)

@@ -12,7 +12,7 @@ from atlas_drake.robot import Robot
 
 
 class CommandInterface(LeafSystem):
-    """Command ports in, set-points, gains, shares and behaviour request out.
+    """Command ports in, what is in force out.
 
     Input ports (both optional; they hold the sender's latest message as a snapshot,
     and None while there is none):
@@ -23,7 +23,6 @@ class CommandInterface(LeafSystem):
         commands: ``CommandsInForce``; a new message is in force at the instant at
             which it stands on the port, and stays so from the next update on.
         joint_command: ``JointCommand``
-        behavior_request: ``BehaviorRequest``
         k_effort: The user's share of each joint, 0 to 255, shape (n,).
     """
 
@@ -55,12 +54,6 @@ class CommandInterface(LeafSystem):
             "joint_command",
             lambda: AbstractValue.Make(start.joints),
             lambda context, out: out.set_value(self._commands.Eval(context).joints),
-            prerequisites_of_calc=sources,
-        )
-        self.DeclareAbstractOutputPort(
-            "behavior_request",
-            lambda: AbstractValue.Make(start.request),
-            lambda context, out: out.set_value(self._commands.Eval(context).request),
             prerequisites_of_calc=sources,
         )
         self.DeclareVectorOutputPort(

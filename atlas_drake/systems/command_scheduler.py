@@ -6,12 +6,12 @@ moved to the world frame when they are sent.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass
 
 from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context, LeafSystem, State, ValueProducer
 
+from atlas_drake.frozen import Frozen, replace
 from atlas_drake.messages import (
     AtlasCommand,
     AtlasSimInterfaceCommand,
@@ -50,8 +50,8 @@ class ScheduledCommand:
 
 
 @dataclass(frozen=True)
-class SchedulerState:
-    """What has been sent; frozen.
+class SchedulerState(Frozen):
+    """What has been sent.
 
     Attributes:
         sent: Entries of the programme sent so far.
@@ -66,10 +66,6 @@ class SchedulerState:
     sim_command: AtlasSimInterfaceCommand | None = None
     seen_atlas: AtlasCommand | None = None
     seen_sim: AtlasSimInterfaceCommand | None = None
-
-    def __deepcopy__(self, memo: dict[int, Any]) -> "SchedulerState":
-        """Frozen, so its copy is itself."""
-        return self
 
 
 class CommandScheduler(LeafSystem):

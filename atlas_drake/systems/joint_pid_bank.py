@@ -3,8 +3,7 @@
 The law is ``control.joint_pid``; this is its place in a diagram.
 """
 
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 from pydrake.common.value import AbstractValue
@@ -21,8 +20,8 @@ from atlas_drake.control.joint_mobility import JointMobility
 from atlas_drake.control.joint_pid import (
     PidState,
     StepModel,
+    change_without_user,
     damping_bound,
-    estimate_drift,
     integrate,
     static_effort,
     step_model,
@@ -30,6 +29,7 @@ from atlas_drake.control.joint_pid import (
 )
 from atlas_drake.control.user_share import UserForecast, forecast_user_effort
 from atlas_drake.control.whole_body_model import GRAVITY
+from atlas_drake.frozen import Frozen, replace
 from atlas_drake.joint_command import JointCommand
 from atlas_drake.messages import K_EFFORT_MAX
 from atlas_drake.robot import PlantIndices, Robot
@@ -45,36 +45,37 @@ PLANTED_LEVER = 0.8
 
 
 @dataclass(frozen=True)
-class PreparedLaw:
-    """What the law needs and that changes seldom; frozen.
+class PreparedLaw(Frozen):
+    """What the law needs and that changes seldom.
 
     Attributes:
         source: The command that it was prepared for.
-        share: The user's share of each joint, 0 to 1, likewise.
         q: Joint positions that it was prepared at [rad].
+        planted: Which soles the ground held.
         command: ``source`` with set-points within the joints' limits and damping
             within what counts.
-        planted: Which soles the ground held.
+        share: The user's share k of each joint, 0 to 1.
+        rest: 1 - k
+        active: Where k > 0.
+        offset: The static effort at joint positions zero, without integral [N·m].
+        integrates: Whether any joint has an integral term.
         model: How velocities respond to efforts.
-        integrates: Whether any joint has, or is to lose, an integral term.
     """
 
     source: JointCommand
-    share: np.ndarray
     q: np.ndarray
-    command: JointCommand
     planted: tuple[bool, bool]
-    model: StepModel
+    command: JointCommand
+    share: np.ndarray
+    rest: np.ndarray
+    active: np.ndarray
+    offset: np.ndarray
     integrates: bool
+    model: StepModel
 
-    def __deepcopy__(self, memo: dict[int, Any]) -> "PreparedLaw":
-        """Frozen, so its copy is itself."""
-        return self
-
-    def serves(self, source: JointCommand, share: np.ndarray) -> bool:
-        """Whether it was prepared for these commands."""
-        # Comparing the bytes costs a tenth of comparing the arrays.
-        return source is self.source and share.tobytes() == self.share.tobytes()
+    def static_effort(self, integral: np.ndarray, q: np.ndarray) -> np.ndarray:
+        """``static_effort`` of the command, with what does not change done before."""
+        return self.offset - self.command.kp_position * q + integral
 
 
 @dataclass(frozen=True)
@@ -91,7 +92,6 @@ class JointPidBank(LeafSystem):
     Input ports:
         state: Positions and velocities of the plant, in plant order.
         joint_command: ``JointCommand``
-        k_effort: The user's share of each joint, 0 to 255, shape (n,).
         behavior_effort: What the behaviour gives to its share [N·m], shape (n,).
         foot_wrenches: Of the ground on the soles [N·m; N], shape (12,).
 
@@ -118,6 +118,7 @@ class JointPidBank(LeafSystem):
         super().__init__()
         n = robot.num_joints
         self._robot = robot
+        self._limit = robot.effort_limit
         self._q = indices.q
         self._v = num_positions + indices.v
         self._dt = physics_step
@@ -130,11 +131,10 @@ class JointPidBank(LeafSystem):
         self._command_input = self.DeclareAbstractInputPort(
             "joint_command", AbstractValue.Make(None)
         )
-        self._share_input = self.DeclareVectorInputPort("k_effort", n)
         self._behavior_input = self.DeclareVectorInputPort("behavior_effort", n)
         self._wrench_input = self.DeclareVectorInputPort("foot_wrenches", 12)
         self._memory = self.DeclareDiscreteState(4 * n)
-        nothing = np.zeros(n)
+        self._nothing = np.zeros(n)
         # Output and update read the same step.
         self._step = self.DeclareCacheEntry(
             "one step of the law",
@@ -146,7 +146,7 @@ class JointPidBank(LeafSystem):
         )
         self.DeclareAbstractOutputPort(
             "user_forecast",
-            lambda: AbstractValue.Make(UserForecast(nothing, nothing)),
+            lambda: AbstractValue.Make(UserForecast(self._nothing, self._nothing)),
             self._calc_forecast,
         )
         self.DeclareVectorOutputPort(
@@ -170,40 +170,33 @@ class JointPidBank(LeafSystem):
         )
 
     def _calc_step(self, context: Context, result: AbstractValue) -> None:
+        source: JointCommand = self._command_input.Eval(context)
         state = self._state_input.Eval(context)
-        q, v = state[self._q], state[self._v]
-        share = self._share_input.Eval(context) * (1.0 / K_EFFORT_MAX)
+        v = state.take(self._v)
         memory = context.get_discrete_state(self._memory).value()
-        n = len(share)
-        last = PidState(
-            memory[:n], memory[n : 2 * n], memory[2 * n : 3 * n], memory[3 * n :]
-        )
-        active = share > 0.0
-        if not active.any():
-            nothing = np.zeros(n)
-            result.set_value(
-                PidStep(PidState(last.integral, v, nothing, nothing), nothing)
-            )
+        last = PidState(*memory.reshape(4, -1))
+        if not source.k_effort.any():
+            nothing = self._nothing
+            after = PidState(last.integral, v, nothing, nothing)
+            result.set_value(PidStep(after, nothing))
             return
-        others = (1.0 - share) * self._behavior_input.Eval(context)
-        law = self._law(context, share)
+        q = state.take(self._q)
+        law = self._law(context, source)
         integral = last.integral
         if law.integrates or integral.any():
-            integral = integrate(last, law.command, q, active, self._dt)
-        drift = estimate_drift(last, v, law.model)
+            integral = integrate(last, law.command, q, law.active, self._dt)
+        others = law.rest * self._behavior_input.Eval(context)
+        idle = change_without_user(last, v, others, law.model)
         effort = user_effort(
-            static_effort(law.command, integral, q),
-            v,
-            drift,
-            others,
-            law.model,
-            self._robot.effort_limit,
+            law.static_effort(integral, q), v + idle, law.model, self._limit
         )
-        applied = others + share * effort
+        users = law.share * effort
         result.set_value(
             PidStep(
-                PidState(integral, v, applied, drift + law.model.response @ applied),
-                np.where(active, effort, 0.0),
+                PidState(
+                    integral, v, others + users, idle + law.model.response @ users
+                ),
+                effort * law.active,
             )
         )
 
@@ -219,35 +212,33 @@ class JointPidBank(LeafSystem):
         )
 
     def _calc_forecast(self, context: Context, output: AbstractValue) -> None:
-        share = self._share_input.Eval(context) * (1.0 / K_EFFORT_MAX)
-        if not share.any():
-            nothing = np.zeros_like(share)
-            output.set_value(UserForecast(nothing, nothing))
+        source: JointCommand = self._command_input.Eval(context)
+        if not source.k_effort.any():
+            output.set_value(UserForecast(self._nothing, self._nothing))
             return
         state = self._state_input.Eval(context)
-        command = self._law(context, share).command
-        integral = context.get_discrete_state(self._memory).value()[: len(share)]
+        law = self._law(context, source)
+        integral = context.get_discrete_state(self._memory).value()[: len(law.q)]
         output.set_value(
             forecast_user_effort(
-                static_effort(command, integral, state[self._q]),
-                command.kp_position,
-                command.kd_position + command.kp_velocity,
-                state[self._v],
-                self._robot.effort_limit,
+                law.static_effort(integral, state.take(self._q)),
+                law.command.kp_position,
+                law.model.damping,
+                state.take(self._v),
+                self._limit,
                 self._control_period,
             )
         )
 
-    def _law(self, context: Context, share: np.ndarray) -> PreparedLaw:
+    def _law(self, context: Context, source: JointCommand) -> PreparedLaw:
         """The law in the state if it serves, else one prepared afresh."""
         known = context.get_abstract_state(self._prepared).get_value()
-        if known is not None and known.serves(self._command_input.Eval(context), share):
+        if known is not None and known.source is source:
             return known
-        return self._prepare(context, share)
+        return self._prepare(context, source)
 
-    def _prepare(self, context: Context, share: np.ndarray) -> PreparedLaw:
+    def _prepare(self, context: Context, source: JointCommand) -> PreparedLaw:
         robot = self._robot
-        source: JointCommand = self._command_input.Eval(context)
         state = self._state_input.Eval(context)
         planted = self._planted(context)
         mobility = self._mobility.evaluate(
@@ -261,14 +252,18 @@ class JointPidBank(LeafSystem):
             kp_velocity=np.minimum(source.kp_velocity, self._damping_bound),
         )
         damping = command.kd_position + command.kp_velocity
+        share = source.k_effort * (1.0 / K_EFFORT_MAX)
         return PreparedLaw(
-            source,
-            share,
-            state[self._q],
-            command,
-            planted,
-            step_model(damping, share, mobility, self._dt),
-            bool(command.i_effort_min.any() or command.i_effort_max.any()),
+            source=source,
+            q=state[self._q],
+            planted=planted,
+            command=command,
+            share=share,
+            rest=1.0 - share,
+            active=share > 0.0,
+            offset=static_effort(command, self._nothing, self._nothing),
+            integrates=bool(command.i_effort_min.any() or command.i_effort_max.any()),
+            model=step_model(damping, share, mobility, self._dt),
         )
 
     def _planted(self, context: Context) -> tuple[bool, bool]:
@@ -286,15 +281,15 @@ class JointPidBank(LeafSystem):
         return bool(lever < PLANTED_LEVER * 0.5 * min(sole.length, sole.width))
 
     def _update_law(self, context: Context, state: State) -> None:
-        share = self._share_input.Eval(context) * (1.0 / K_EFFORT_MAX)
-        if not share.any():
+        source: JointCommand = self._command_input.Eval(context)
+        if not source.k_effort.any():
             return
         known = context.get_abstract_state(self._prepared).get_value()
-        if known is not None and known.serves(self._command_input.Eval(context), share):
+        if known is not None and known.source is source:
             q = self._state_input.Eval(context)[self._q]
             moved = np.abs(q - known.q).max() > MOVED
             if not moved and self._planted(context) == known.planted:
                 return
         state.get_mutable_abstract_state(self._prepared).set_value(
-            self._prepare(context, share)
+            self._prepare(context, source)
         )

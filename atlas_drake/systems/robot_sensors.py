@@ -39,8 +39,10 @@ class RobotSensors(LeafSystem):
     Output ports:
         measured_state: The state as measured: noise on the pelvis' angular velocity
             and on the joints, if the noise model has any.
-        foot_wrenches: Of the ground on the left and the right sole, in W at the
-            sole's centre [N·m; N], shape (12,), as they were one control tick ago.
+        foot_loads: Vertical forces of contact on the left and the right foot [N],
+            shape (2,), as they were one control tick ago.
+        foot_wrenches: Of contact on both feet, in W at the sole's centre [N·m; N],
+            shape (12,), of the same instant.
         atlas_state: ``AtlasState``
         imu: ``Imu``
     """
@@ -65,11 +67,10 @@ class RobotSensors(LeafSystem):
         imu_frame = plant.GetFrameByName(robot.file.imu_frame)
         self._X_PI = imu_frame.GetFixedPoseInBodyFrame()
         self._soles = [plant.GetFrameByName(f.sole_frame) for f in robot.file.feet]
-        self._foot_of = {
-            int(plant.GetBodyByName(foot.body).index()): i
-            for i, foot in enumerate(robot.file.feet)
-        }
+        feet = [plant.GetBodyByName(foot.body) for foot in robot.file.feet]
+        self._foot_bodies = {int(body.index()): i for i, body in enumerate(feet)}
         self._hands = [plant.GetBodyByName(name) for name in robot.file.hands]
+        self._hand_bodies = {int(body.index()): i for i, body in enumerate(self._hands)}
         self._state = self.DeclareVectorInputPort("state", plant.num_multibody_states())
         self._contacts = self.DeclareAbstractInputPort(
             "contact_results", AbstractValue.Make(ContactResults())
@@ -100,14 +101,21 @@ class RobotSensors(LeafSystem):
             if self._noise.silent
             else {state_ticket, self.time_ticket()},
         )
+        # About W's origin: where the soles are costs more to find than it is needed.
         self._wrenches = self.DeclareDiscreteState(12)
+        self.DeclareVectorOutputPort(
+            "foot_loads",
+            2,
+            lambda context, output: output.SetFromVector(
+                self._sampled(context)[[5, 11]]
+            ),
+            prerequisites_of_calc={self.xd_ticket()},
+        )
         self.DeclareVectorOutputPort(
             "foot_wrenches",
             12,
-            lambda context, output: output.SetFromVector(
-                context.get_discrete_state(self._wrenches).value()
-            ),
-            prerequisites_of_calc={self.xd_ticket()},
+            self._calc_foot_wrenches,
+            prerequisites_of_calc={self.xd_ticket(), state_ticket},
         )
         self.DeclarePeriodicDiscreteUpdateEvent(
             control_period, 0.0, self._sample_foot_wrenches
@@ -141,30 +149,20 @@ class RobotSensors(LeafSystem):
         Read before the controller's update they would have to be solved once more,
         with efforts that are about to change.
         """
-        results: ContactResults = self._contacts.Eval(context)
-        wrenches = [[0.0] * 6, [0.0] * 6]
+        totals = contact_wrenches(self._contacts.Eval(context), self._foot_bodies)
+        discrete.get_mutable_vector(self._wrenches).SetFromVector(totals[0] + totals[1])
+
+    def _sampled(self, context: Context) -> np.ndarray:
+        """Wrenches on both feet about W's origin, shape (12,)."""
+        return context.get_discrete_state(self._wrenches).value()
+
+    def _calc_foot_wrenches(self, context: Context, output: BasicVector) -> None:
+        wrenches = self._sampled(context).copy()
         scratch = self._at_state(context)
-        centres = [sole.CalcPoseInWorld(scratch).translation() for sole in self._soles]
-        for k in range(results.num_point_pair_contacts()):
-            info = results.point_pair_contact_info(k)
-            # The force is that on body B.
-            foot, sign = self._foot_of.get(int(info.bodyB_index())), 1.0
-            if foot is None:
-                foot, sign = self._foot_of.get(int(info.bodyA_index())), -1.0
-                if foot is None:
-                    continue
-            fx, fy, fz = (sign * info.contact_force()).tolist()
-            rx, ry, rz = (info.contact_point() - centres[foot]).tolist()
-            wrench = wrenches[foot]
-            wrench[0] += ry * fz - rz * fy
-            wrench[1] += rz * fx - rx * fz
-            wrench[2] += rx * fy - ry * fx
-            wrench[3] += fx
-            wrench[4] += fy
-            wrench[5] += fz
-        discrete.get_mutable_vector(self._wrenches).SetFromVector(
-            wrenches[0] + wrenches[1]
-        )
+        for foot, sole in enumerate(self._soles):
+            centre = sole.CalcPoseInWorld(scratch).translation()
+            _shift(wrenches[6 * foot : 6 * foot + 6], centre)
+        output.SetFromVector(wrenches)
 
     def _calc_imu(self, context: Context, output: AbstractValue) -> None:
         scratch = self._at_state(context)
@@ -219,24 +217,49 @@ class RobotSensors(LeafSystem):
 
     def _hand_wrenches(self, context: Context) -> tuple[Wrench, Wrench]:
         """Contact forces on the hands, about their body origins, in W."""
-        results: ContactResults = self._contacts.Eval(context)
+        totals = contact_wrenches(self._contacts.Eval(context), self._hand_bodies)
         scratch = self._at_state(context)
-        totals = []
-        for hand in self._hands:
-            origin = self._plant.EvalBodyPoseInWorld(scratch, hand).translation()
-            total = np.zeros(6)
-            for k in range(results.num_point_pair_contacts()):
-                info = results.point_pair_contact_info(k)
-                for index, sign in (
-                    (int(info.bodyB_index()), 1.0),
-                    (int(info.bodyA_index()), -1.0),
-                ):
-                    if index == int(hand.index()):
-                        force = sign * info.contact_force()
-                        total[:3] += np.cross(info.contact_point() - origin, force)
-                        total[3:] += force
-            totals.append(_wrench(total))
-        return totals[0], totals[1]
+        wrenches = []
+        for hand, total in zip(self._hands, totals, strict=True):
+            wrench = np.array(total)
+            X_WH = self._plant.EvalBodyPoseInWorld(scratch, hand)
+            _shift(wrench, X_WH.translation())
+            wrenches.append(_wrench(wrench))
+        return wrenches[0], wrenches[1]
+
+
+def contact_wrenches(
+    results: ContactResults, bodies: dict[int, int]
+) -> list[list[float]]:
+    """Sums of the contact forces on some bodies, about W's origin.
+
+    Args:
+        results: Of the plant.
+        bodies: From index of a body in the plant to its place in the answer.
+
+    Returns:
+        For each place moment and force in W [N·m; N], six numbers.
+    """
+    totals = [[0.0] * 6 for _ in bodies]
+    for k in range(results.num_point_pair_contacts()):
+        info = results.point_pair_contact_info(k)
+        body_B, body_A = int(info.bodyB_index()), int(info.bodyA_index())
+        if body_B not in bodies and body_A not in bodies:
+            continue
+        x, y, z = info.contact_point().tolist()
+        fx, fy, fz = info.contact_force().tolist()
+        wrench = (y * fz - z * fy, z * fx - x * fz, x * fy - y * fx, fx, fy, fz)
+        # The force is that on body B.
+        for body, sign in ((body_B, 1.0), (body_A, -1.0)):
+            if body in bodies:
+                total = totals[bodies[body]]
+                total[:] = [a + sign * b for a, b in zip(total, wrench, strict=True)]
+    return totals
+
+
+def _shift(wrench: np.ndarray, p_WQ: np.ndarray) -> None:
+    """Moves a wrench from W's origin to the point Q, in place."""
+    wrench[:3] -= np.cross(p_WQ, wrench[3:])
 
 
 def _wrench(coefficients: np.ndarray) -> Wrench:

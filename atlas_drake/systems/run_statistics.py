@@ -29,7 +29,7 @@ class RunStatistics(LeafSystem):
         """Looks every ``period`` [s]."""
         super().__init__()
         n = robot.num_joints
-        self._limit = robot.effort_limit
+        self._per_limit = 1.0 / robot.effort_limit
         self._state = self.DeclareVectorInputPort("state", num_states)
         self._effort = self.DeclareVectorInputPort("effort", n)
         start = np.concatenate([np.zeros(n), [np.inf, 0.0]])
@@ -48,9 +48,10 @@ class RunStatistics(LeafSystem):
         # The free pelvis comes first in the plant's positions: quaternion, position.
         _, qx, qy, _, _, _, height = self._state.Eval(context)[:7].tolist()
         tilt = math.acos(min(max(1.0 - 2.0 * (qx * qx + qy * qy), -1.0), 1.0))
-        after = context.get_discrete_state(self._extremes).value().copy()
+        after = discrete.get_mutable_value(self._extremes)
         shares = after[:-2]
-        np.maximum(shares, np.abs(self._effort.Eval(context)) / self._limit, out=shares)
+        np.maximum(
+            shares, np.abs(self._effort.Eval(context)) * self._per_limit, out=shares
+        )
         after[-2] = min(after[-2], height)
         after[-1] = max(after[-1], tilt)
-        discrete.get_mutable_vector(self._extremes).SetFromVector(after)

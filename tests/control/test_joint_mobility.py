@@ -1,5 +1,7 @@
 """The joints' mobility, and the whole robot under the law that relies on it."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -7,7 +9,7 @@ from atlas_drake.control.joint_mobility import JointMobility
 from atlas_drake.control.joint_pid import (
     JointCommand,
     PidState,
-    estimate_drift,
+    change_without_user,
     static_effort,
     step_model,
     user_effort,
@@ -122,16 +124,14 @@ def step_matrix(kp, kd, assumed, true, dt):
         kp_velocity=zero,
         i_effort_min=zero,
         i_effort_max=zero,
+        k_effort=zero,
     )
     law = step_model(kd, np.ones(n), assumed, dt)
-    drift = estimate_drift(PidState(zero, last_v, applied, expected), v, law)
+    law = dataclasses.replace(law, damping=kd[:, None])
+    last = PidState(zero, last_v, applied, expected)
+    drift = change_without_user(last, v, np.zeros_like(q), law)
     effort = user_effort(
-        static_effort(command, zero, q),
-        v,
-        drift,
-        np.zeros_like(q),
-        law,
-        np.full((n, 1), np.inf),
+        static_effort(command, zero, q), v + drift, law, np.full((n, 1), np.inf)
     )
     next_v = v + dt * true @ effort
     expected = drift + law.response @ effort

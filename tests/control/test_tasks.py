@@ -9,7 +9,6 @@ from atlas_drake.control.gains import PdGains
 from atlas_drake.control.rotations import rotation_z
 from atlas_drake.control.support_polygon import SupportPolygon
 from atlas_drake.control.tasks import (
-    chest_angular_velocity,
     com_acceleration_for_cop,
     dcm,
     feedback_cop,
@@ -76,13 +75,6 @@ def test_orientation_acceleration_turns_towards_the_target():
 def test_stance_acceleration_opposes_the_soles_velocity(terms):
     foot = terms.feet[1]
     np.testing.assert_allclose(stance_acceleration(foot, 12.0), -12.0 * foot.V_WF)
-
-
-def test_chest_angular_velocity_includes_the_pelvis(terms):
-    generalized = np.concatenate([terms.V_WP, terms.v])
-    np.testing.assert_allclose(
-        chest_angular_velocity(terms), terms.J_chest @ generalized
-    )
 
 
 def test_the_cop_is_clamped_to_the_support():

@@ -68,7 +68,7 @@ def test_nobody_need_be_connected(sender, robot):
             sender.out("joint_command").position, robot.stand_prep
         )
         np.testing.assert_array_equal(sender.out("k_effort"), np.zeros(28))
-        assert sender.out("behavior_request").behavior is Behavior.STAND
+        assert sender.out().request.behavior is Behavior.STAND
         sender.tick(3)
 
 
@@ -87,7 +87,7 @@ def test_a_message_is_in_force_at_the_instant_at_which_it_is_sent(sender):
     )
     np.testing.assert_array_equal(sender.out("k_effort"), np.full(28, 100.0))
     sender.put(SIM, behavior_command("freeze").snapshot())
-    assert sender.out("behavior_request").behavior is Behavior.FREEZE
+    assert sender.out().request.behavior is Behavior.FREEZE
 
 
 def test_a_message_stays_in_force_when_it_leaves_the_port(sender):
@@ -105,7 +105,6 @@ def test_the_outputs_tell_the_same(sender):
     sender.put(SIM, behavior_command("WALK", k_effort=17).snapshot())
     force = sender.out()
     assert sender.out("joint_command") is force.joints
-    assert sender.out("behavior_request") is force.request
     np.testing.assert_array_equal(sender.out("k_effort"), force.k_effort)
 
 
@@ -115,15 +114,15 @@ def test_a_message_that_stays_on_the_port_is_taken_once(sender):
     sender.tick(5)
     sender.put(SIM, message)
     sender.tick(5)
-    assert sender.out("behavior_request").number == 1
-    assert sender.out("behavior_request").command is message
+    assert sender.out().request.number == 1
+    assert sender.out().request.command is message
 
 
 def test_an_equal_message_that_is_another_object_is_taken_again(sender):
     for number in (1, 2, 3):
         sender.put(SIM, behavior_command("STAND").snapshot())
         sender.tick(2)
-        assert sender.out("behavior_request").number == number
+        assert sender.out().request.number == number
 
 
 def test_the_later_message_sets_the_shares(sender):

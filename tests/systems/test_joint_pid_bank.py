@@ -36,7 +36,6 @@ class Bench:
         self.num_states = self.num_positions + plant.num_velocities()
         self.hold("behavior_effort", np.zeros(robot.num_joints))
         self.hold("foot_wrenches", np.zeros(12))
-        self.hold("k_effort", np.full(robot.num_joints, 255.0))
         # Away from all end stops.
         margin = 0.15 * (robot.position_upper - robot.position_lower)
         lower, upper = robot.position_lower + margin, robot.position_upper - margin
@@ -127,7 +126,7 @@ def test_without_damping_the_formula_holds_from_the_first_step(bench, random):
 @pytest.mark.parametrize("load", [0.0, 450.0])
 def test_at_steady_velocity_the_formula_holds_for_every_share(bench, random, k, load):
     small(bench, random)
-    bench.hold("k_effort", np.full(28, float(k)))
+    bench.order(k_effort=np.full(28, float(k)))
     bench.hold("behavior_effort", random.uniform(-5.0, 5.0, 28))
     bench.hold("foot_wrenches", np.array([0.0, 0, 0, 0, 0, load] * 2))
     bench.run(SETTLED)
@@ -137,7 +136,7 @@ def test_at_steady_velocity_the_formula_holds_for_every_share(bench, random, k, 
 def test_shares_differ_from_joint_to_joint(bench, random):
     small(bench, random)
     k = np.array([0, 1, 128, 255] * 7, dtype=float)
-    bench.hold("k_effort", k)
+    bench.order(k_effort=k)
     bench.hold("behavior_effort", random.uniform(-5.0, 5.0, 28))
     bench.run(SETTLED)
     expected = np.where(k > 0, bench.written_law(), 0.0)
@@ -204,14 +203,14 @@ def test_the_integral_holds_still_while_the_behavior_has_the_joint(bench):
         position=bench.q + 0.1,
     )
     k = np.array([0.0] * 14 + [255.0] * 14)
-    bench.hold("k_effort", k)
+    bench.order(k_effort=k)
     bench.run(0.5)
-    bench.hold("k_effort", np.full(28, 255.0))
+    bench.order(k_effort=np.full(28, 255.0))
     one_step = 20.0 * 0.1 * PHYSICS_STEP
     np.testing.assert_allclose(bench.effort[:14], one_step)
     np.testing.assert_allclose(bench.effort[14:], 1.0, atol=0.01)
     # Neither forgets while it is the behaviour's.
-    bench.hold("k_effort", np.zeros(28))
+    bench.order(k_effort=np.zeros(28))
     bench.run(0.5)
-    bench.hold("k_effort", np.full(28, 255.0))
+    bench.order(k_effort=np.full(28, 255.0))
     np.testing.assert_allclose(bench.effort[14:], 1.0, atol=0.01)

@@ -1,0 +1,39 @@
+"""Frozen values: changed copies leave the original as it was, copies are free."""
+
+import copy
+import dataclasses
+from dataclasses import FrozenInstanceError, dataclass
+
+import pytest
+
+from atlas_drake.frozen import Frozen, replace
+
+
+@dataclass(frozen=True)
+class Value(Frozen):
+    """Something with two fields."""
+
+    a: int
+    b: str = "b"
+
+
+def test_a_changed_value_is_what_the_standard_library_makes_of_it():
+    value = Value(1)
+    assert replace(value, a=2) == dataclasses.replace(value, a=2)
+    assert value == Value(1)
+    assert replace(value) == value
+
+
+def test_a_changed_value_is_frozen_too():
+    with pytest.raises(FrozenInstanceError):
+        replace(Value(1), a=2).a = 3
+
+
+def test_a_field_that_does_not_exist_is_refused():
+    with pytest.raises(TypeError, match="Value has no field c"):
+        replace(Value(1), c=2)
+
+
+def test_a_copy_is_the_value_itself():
+    value = Value(1)
+    assert copy.deepcopy(value) is value
