@@ -133,7 +133,7 @@ def make_atlas_station(
     connect(behaviors, "behavior_effort", pid)
     connect(selector, "actuation", plant)
     connect(selector, "effort", sensors)
-    connect(selector, "effort", statistics)
+    connect(selector, "actuation", statistics)
     connect(sensors, "measured_state", behaviors, "state")
     connect(sensors, "foot_loads", behaviors)
     connect(sensors, "foot_wrenches", pid)

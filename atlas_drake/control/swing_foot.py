@@ -180,15 +180,24 @@ def _quintic_step(
     dt: float,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """State after ``dt`` on the quintic from (p, v, a) to rest at ``goal`` in ``T``."""
-    d = goal - p - v * T - 0.5 * a * T * T
-    e = -v - a * T
-    f = -a
-    c3 = (10.0 * d - 4.0 * e * T + 0.5 * f * T * T) / T**3
-    c4 = (-15.0 * d + 7.0 * e * T - f * T * T) / T**4
-    c5 = (6.0 * d - 3.0 * e * T + 0.5 * f * T * T) / T**5
-    t = dt
-    return (
-        p + v * t + 0.5 * a * t * t + c3 * t**3 + c4 * t**4 + c5 * t**5,
-        v + a * t + 3.0 * c3 * t * t + 4.0 * c4 * t**3 + 5.0 * c5 * t**4,
-        a + 6.0 * c3 * t + 12.0 * c4 * t * t + 20.0 * c5 * t**3,
-    )
+    # On floats: numpy's own arithmetic on vectors of two costs ten times as much.
+    after = []
+    for x, vx, ax, goal_x in zip(
+        p.tolist(), v.tolist(), a.tolist(), goal.tolist(), strict=True
+    ):
+        d = goal_x - x - vx * T - 0.5 * ax * T * T
+        e = -(vx + ax * T) * T
+        f = -0.5 * ax * T * T
+        c3 = (10.0 * d - 4.0 * e + f) / T**3
+        c4 = (-15.0 * d + 7.0 * e - 2.0 * f) / T**4
+        c5 = (6.0 * d - 3.0 * e + f) / T**5
+        t = dt
+        after.append(
+            (
+                x + t * (vx + t * (0.5 * ax + t * (c3 + t * (c4 + t * c5)))),
+                vx + t * (ax + t * (3.0 * c3 + t * (4.0 * c4 + t * 5.0 * c5))),
+                ax + t * (6.0 * c3 + t * (12.0 * c4 + t * 20.0 * c5)),
+            )
+        )
+    moved, speed, push = np.array(after).T
+    return moved, speed, push

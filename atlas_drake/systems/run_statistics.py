@@ -6,17 +6,22 @@ Only what a summary reports; it controls nothing.
 import math
 
 import numpy as np
-from pydrake.systems.framework import Context, DiscreteValues, LeafSystem
+from pydrake.systems.framework import (
+    BasicVector,
+    Context,
+    DiscreteValues,
+    LeafSystem,
+)
 
 from atlas_drake.robot import PlantIndices, Robot
 
 
 class RunStatistics(LeafSystem):
-    """State and efforts in, their extremes so far out.
+    """State and actuation in, their extremes so far out.
 
     Input ports:
         state: Positions and velocities of the plant.
-        effort: What the motors do [N·m], shape (n,).
+        actuation: What the motors do [N·m], shape (n,), in the plant's order.
 
     Output ports:
         extremes: Peak effort of each joint as a share of its limit, then the lowest
@@ -29,29 +34,31 @@ class RunStatistics(LeafSystem):
         """Looks every ``period`` [s]."""
         super().__init__()
         n = robot.num_joints
+        self._order = indices.actuation
         self._per_limit = 1.0 / robot.effort_limit
         self._state = self.DeclareVectorInputPort("state", num_states)
-        self._effort = self.DeclareVectorInputPort("effort", n)
+        self._actuation = self.DeclareVectorInputPort("actuation", n)
         start = np.concatenate([np.zeros(n), [np.inf, 0.0]])
         self._extremes = self.DeclareDiscreteState(start)
         self.DeclareVectorOutputPort(
             "extremes",
             n + 2,
-            lambda context, output: output.SetFromVector(
-                context.get_discrete_state(self._extremes).value()
-            ),
+            self._calc_extremes,
             prerequisites_of_calc={self.xd_ticket()},
         )
         self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._update)
+
+    def _calc_extremes(self, context: Context, output: BasicVector) -> None:
+        extremes = context.get_discrete_state(self._extremes).value().copy()
+        extremes[:-2] = extremes[self._order] * self._per_limit
+        output.SetFromVector(extremes)
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
         # The free pelvis comes first in the plant's positions: quaternion, position.
         _, qx, qy, _, _, _, height = self._state.Eval(context)[:7].tolist()
         tilt = math.acos(min(max(1.0 - 2.0 * (qx * qx + qy * qy), -1.0), 1.0))
         after = discrete.get_mutable_value(self._extremes)
-        shares = after[:-2]
-        np.maximum(
-            shares, np.abs(self._effort.Eval(context)) * self._per_limit, out=shares
-        )
+        peaks = after[:-2]
+        np.maximum(peaks, np.abs(self._actuation.Eval(context)), out=peaks)
         after[-2] = min(after[-2], height)
         after[-1] = max(after[-1], tilt)
