@@ -85,6 +85,17 @@ class CommandsInForce(Frozen):
         return self.joints.k_effort
 
 
+SERVO_FIELDS = (
+    "position",
+    "velocity",
+    "effort",
+    "kp_position",
+    "ki_position",
+    "kp_velocity",
+    "k_effort",
+)
+"""Joint arrays that a behaviour command has too: the later message of the two counts."""
+
 KEPT_REFUSALS = 50
 """How many refusals are kept for the log."""
 
@@ -186,11 +197,7 @@ def _apply_atlas_command(
     force: CommandsInForce, message: AtlasCommand, robot: Robot, time: float
 ) -> CommandsInForce:
     validate_atlas_command(message, robot.joint_names, force.atlas_stamp)
-    given = {
-        name: np.array(getattr(message, name), dtype=float)
-        for name in JOINT_FIELDS
-        if len(getattr(message, name))
-    }
+    given = _given(message, JOINT_FIELDS)
     joints = replace(force.joints, **given)
     crossed = np.flatnonzero(joints.i_effort_min > joints.i_effort_max)
     if crossed.size:
@@ -215,17 +222,23 @@ def _apply_sim_command(
 ) -> CommandsInForce:
     validate_sim_interface_command(message, robot.joint_names, force.sim_stamp)
     behavior = behavior_from(message.behavior)
-    joints = force.joints
+    given = _given(message, SERVO_FIELDS)
     if behavior is Behavior.USER:
         # USER returns every joint to the user at once, whatever the message says.
-        joints = replace(
-            joints, k_effort=np.full(robot.num_joints, float(K_EFFORT_MAX))
-        )
-    elif len(message.k_effort):
-        joints = replace(joints, k_effort=np.array(message.k_effort, dtype=float))
+        given["k_effort"] = np.full(robot.num_joints, float(K_EFFORT_MAX))
     return replace(
         force,
-        joints=joints,
+        # The same object when nothing changes, so that nothing is prepared anew.
+        joints=replace(force.joints, **given) if given else force.joints,
         request=BehaviorRequest(behavior, message, force.request.number + 1),
         sim_stamp=message.header.stamp or time,
     )
+
+
+def _given(message: object, names: tuple[str, ...]) -> dict[str, np.ndarray]:
+    """Copies of a message's joint arrays that are not empty."""
+    return {
+        name: np.array(getattr(message, name), dtype=float)
+        for name in names
+        if len(getattr(message, name))
+    }

@@ -10,6 +10,7 @@ import pytest
 from atlas_drake.commands import (
     JOINT_FIELDS,
     KEPT_REFUSALS,
+    SERVO_FIELDS,
     CommandsInForce,
     commands_at_start,
     latch,
@@ -107,7 +108,7 @@ def test_all_arrays_of_a_command_come_into_force(robot, start, everything):
     assert after.request is start.request
 
 
-@pytest.mark.parametrize("field", [*JOINT_FIELDS, "k_effort"])
+@pytest.mark.parametrize("field", JOINT_FIELDS)
 def test_one_array_leaves_the_others_in_force(robot, start, everything, field):
     before = sent(start, robot, everything)
     # Between the integral bounds in force, so that it may be either of them.
@@ -116,11 +117,33 @@ def test_one_array_leaves_the_others_in_force(robot, start, everything, field):
     setattr(command, field, values)
     after = sent(before, robot, command)
     assert after.error_code is ErrorCode.NO_ERRORS, after.refusals
-    for name in (*JOINT_FIELDS, "k_effort"):
-        old = before if name == "k_effort" else before.joints
-        new = after if name == "k_effort" else after.joints
-        expected = values if name == field else getattr(old, name)
-        np.testing.assert_array_equal(getattr(new, name), expected)
+    for name in JOINT_FIELDS:
+        expected = values if name == field else getattr(before.joints, name)
+        np.testing.assert_array_equal(getattr(after.joints, name), expected)
+
+
+@pytest.mark.parametrize("field", SERVO_FIELDS)
+def test_a_behavior_command_sets_the_joints_too(robot, start, everything, field):
+    before = sent(start, robot, everything)
+    values = np.full(28, 7.0)
+    command = AtlasSimInterfaceCommand(behavior=Behavior.STAND)
+    setattr(command, field, values)
+    after = sent(before, robot, sim=command)
+    assert after.request.number == before.request.number + 1
+    for name in JOINT_FIELDS:
+        expected = values if name == field else getattr(before.joints, name)
+        np.testing.assert_array_equal(getattr(after.joints, name), expected)
+    # The later message counts.
+    back = sent(after, robot, everything.mutable_copy())
+    for name in JOINT_FIELDS:
+        np.testing.assert_array_equal(
+            getattr(back.joints, name), getattr(everything, name)
+        )
+
+
+def test_a_behavior_command_without_arrays_leaves_the_joints_as_they_are(robot, start):
+    after = sent(start, robot, sim=AtlasSimInterfaceCommand(behavior=Behavior.STAND))
+    assert after.joints is start.joints
 
 
 def test_an_empty_command_changes_nothing_but_is_accepted(robot, start):
@@ -143,7 +166,7 @@ BAD_VALUES = {
 
 
 @pytest.mark.parametrize("fault", BAD_VALUES)
-@pytest.mark.parametrize("field", [*JOINT_FIELDS, "k_effort"])
+@pytest.mark.parametrize("field", JOINT_FIELDS)
 def test_a_bad_array_refuses_the_whole_command(robot, start, everything, field, fault):
     before = sent(start, robot, everything)
     command = everything.mutable_copy()

@@ -32,7 +32,9 @@ class AtlasSimInterfaceCommand(Message):
         step_params: Read by STEP.
         stand_params: Read by STAND.
         manipulate_params: Read by MANIPULATE.
-        position: Servo positions [rad].
+        position: Servo positions [rad]. These six arrays set the joint controllers as
+            the arrays of the same names in ``AtlasCommand`` do; the later message
+            counts. They act on joints of which the user has a share.
         velocity: Servo velocities [rad/s].
         effort: Servo efforts [N·m].
         kp_position: Servo gains on position [N·m/rad], not negative.
@@ -40,7 +42,7 @@ class AtlasSimInterfaceCommand(Message):
             negative.
         kp_velocity: Servo gains on velocity [N·m·s/rad], not negative.
         k_effort: Share of user control: 0 the behavior alone, 255 the user alone.
-            ``AtlasCommand`` writes the same values: the later message counts.
+            Written by ``AtlasCommand`` too.
     """
 
     NONE = Behavior.NONE
