@@ -10,12 +10,13 @@ from atlas_drake.messages import *  # noqa: F403
 from atlas_drake.messages import __all__ as _messages
 
 if TYPE_CHECKING:
-    from atlas_drake.scenario import Scenario, load_scenario
+    from atlas_drake.scenario import Scenario, Start, load_scenario
     from atlas_drake.simulation import AtlasSimulation
 
 _LAZY = {
     "AtlasSimulation": "atlas_drake.simulation",
     "Scenario": "atlas_drake.scenario",
+    "Start": "atlas_drake.scenario",
     "load_scenario": "atlas_drake.scenario",
 }
 
@@ -25,6 +26,7 @@ __all__ = [  # noqa: PLE0604
     "InvalidMessageError",
     "Scenario",
     "ScenarioError",
+    "Start",
     "load_scenario",
     *_messages,
 ]

@@ -94,7 +94,7 @@ SERVO_FIELDS = (
     "kp_velocity",
     "k_effort",
 )
-"""Joint arrays that a behaviour command has too: the later message of the two counts."""
+"""Joint arrays that a behaviour command has too; the later message counts."""
 
 KEPT_REFUSALS = 50
 """How many refusals are kept for the log."""

@@ -23,6 +23,10 @@ CONTACT_APPROXIMATIONS = ("lagged", "similar", "sap", "tamsi")
 PROGRAMMES = ("none", "tutorial", "tutorial_literal")
 
 
+IN_THE_AIR = (Behavior.USER, Behavior.FREEZE)
+"""Behaviours that a robot without ground under its feet can begin with."""
+
+
 @dataclass
 class Jitter:
     """Random changes of the start and of the physics, drawn from the scenario's seed.
@@ -48,6 +52,44 @@ class Start:
     """Of the pelvis along x and y in W [m]."""
     yaw: float = 0.0
     """Heading [rad]."""
+    harnessed: bool = False
+    """Hangs with its feet in the air, in a harness that holds the pelvis."""
+    release_time: float | None = None
+    """When the harness lets the robot down by itself [s]; null for not by itself."""
+
+    def validate(self, behavior: Behavior) -> None:
+        """Checks every field against each other and the behaviour to begin with.
+
+        Raises:
+            ScenarioError: Naming the first field that cannot be used.
+        """
+        position = self.position
+        if len(position) != 2 or not np.isfinite(position).all():
+            raise ScenarioError(
+                "start.position", position, f"is {position!r}; must be two numbers"
+            )
+        if not np.isfinite(self.yaw):
+            raise ScenarioError(
+                "start.yaw", self.yaw, f"is {self.yaw!r}; must be a number"
+            )
+        release = self.release_time
+        if release is not None:
+            if not (np.isfinite(release) and release >= 0.0):
+                raise ScenarioError(
+                    "start.release_time",
+                    release,
+                    f"is {release!r}; must be a number not below 0",
+                )
+            if not self.harnessed:
+                raise ScenarioError(
+                    "start.release_time", release, "needs start.harnessed: true"
+                )
+        if self.harnessed and behavior not in IN_THE_AIR:
+            raise ScenarioError(
+                "initial_behavior",
+                behavior.name,
+                "must be USER or FREEZE in a harness: nothing else knows how to hang",
+            )
 
 
 @dataclass
@@ -129,15 +171,7 @@ class Scenario:
             )
         for index, block in enumerate(self.terrain):
             block.validate(f"terrain[{index}]")
-        position = self.start.position
-        if len(position) != 2 or not np.isfinite(position).all():
-            raise ScenarioError(
-                "start.position", position, f"is {position!r}; must be two numbers"
-            )
-        if not np.isfinite(self.start.yaw):
-            raise ScenarioError(
-                "start.yaw", self.start.yaw, f"is {self.start.yaw!r}; must be a number"
-            )
+        self.start.validate(self.behavior())
         return self
 
     def behavior(self) -> Behavior:
@@ -147,18 +181,29 @@ class Scenario:
             ScenarioError: If it cannot be started in.
         """
         try:
-            behavior = behavior_from(self.initial_behavior, "initial_behavior")
+            return starting_behavior(self.initial_behavior, "initial_behavior")
         except InvalidMessageError as error:
             raise ScenarioError(
                 "initial_behavior", self.initial_behavior, error.problem
             ) from error
-        allowed = (Behavior.STAND, Behavior.STAND_PREP, Behavior.USER, Behavior.FREEZE)
-        if behavior not in allowed:
-            names = ", ".join(b.name for b in allowed)
-            raise ScenarioError(
-                "initial_behavior", self.initial_behavior, f"must be one of {names}"
-            )
-        return behavior
+
+
+def starting_behavior(value: object, name: str) -> Behavior:
+    """A behaviour that the robot can begin with.
+
+    Args:
+        value: Its name in any case, its number, or the behaviour itself.
+        name: Of the field it comes from, for the error.
+
+    Raises:
+        InvalidMessageError: If there is no such behaviour, or none can begin with it.
+    """
+    behavior = behavior_from(value, name)
+    allowed = (Behavior.STAND, Behavior.STAND_PREP, Behavior.USER, Behavior.FREEZE)
+    if behavior not in allowed:
+        names = ", ".join(b.name for b in allowed)
+        raise InvalidMessageError(name, value, f"must be one of {names}")
+    return behavior
 
 
 def load_scenario(path: str | Path) -> Scenario:

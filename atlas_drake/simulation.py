@@ -22,7 +22,7 @@ from pydrake.systems.framework import Context
 from atlas_drake.behaviors.base import Event
 from atlas_drake.diagrams.atlas_station import StationConfig
 from atlas_drake.diagrams.control_mode_switch import make_control_mode_switch
-from atlas_drake.errors import AtlasError, InvalidMessageError
+from atlas_drake.errors import AtlasError, InvalidMessageError, ScenarioError
 from atlas_drake.frozen import replace
 from atlas_drake.messages import (
     AtlasCommand,
@@ -37,14 +37,17 @@ from atlas_drake.messages import (
 )
 from atlas_drake.noise import NOISE_MODELS
 from atlas_drake.robot import load_robot
-from atlas_drake.scenario import Scenario
-from atlas_drake.start import draw_variation, place_robot
+from atlas_drake.run_log import RunLog
+from atlas_drake.scenario import Scenario, Start, starting_behavior
+from atlas_drake.start import Variation, draw_variation, place_robot, scale_masses
 from atlas_drake.steady import steady_ticks
 from atlas_drake.summary import make_summary
 from atlas_drake.tutorial import control_mode_switch_programme
 
 CHUNK = 0.02
 """Simulated time between looks at events, pushes and Ctrl-C [s]."""
+CLEARANCE = 0.10
+"""How far above the ground the feet of a harnessed robot hang [m]."""
 
 
 @dataclass(frozen=True)
@@ -86,17 +89,12 @@ class AtlasSimulation:
         """
         self.scenario = (scenario or Scenario()).validate()
         self.robot = load_robot(self.scenario.model)
-        self.events: list[Event] = []
-        self.footsteps: list[dict[str, Any]] = []
-        self._on_event = on_event
+        self._log = RunLog(on_event)
         self._meshcat = meshcat
         self._pushes: list[_Push] = []
-        self._seen_events = 0
-        self._seen_sent = 0
-        self._seen_refusals = 0
         self._wall_time = 0.0
 
-        variation = draw_variation(self.scenario, self.robot)
+        self._variation = variation = draw_variation(self.scenario, self.robot)
         config = StationConfig(
             physics_step=self.scenario.physics_step,
             control_period=self.scenario.control_period,
@@ -106,6 +104,7 @@ class AtlasSimulation:
             noise=NOISE_MODELS[self.scenario.noise],
             seed=self.scenario.seed,
             initial_behavior=self.scenario.behavior(),
+            harnessed=self.scenario.start.harnessed,
         )
         programme = []
         if self.scenario.programme != "none":
@@ -119,13 +118,9 @@ class AtlasSimulation:
         self._controller = self.station.GetSubsystemByName("behavior_controller")
         self._controller.tick_seconds = []
         self.simulator = Simulator(self.diagram)
-        place_robot(
-            self.plant,
-            self._plant_context(),
-            self.robot,
-            variation,
-            self.scenario.terrain,
-        )
+        scale_masses(self.plant, self._plant_context(), variation)
+        self._release_time: float | None = None
+        self._place(variation, self.scenario.start)
         self.simulator.Initialize()
 
     # ---- commands ------------------------------------------------------------
@@ -183,7 +178,7 @@ class AtlasSimulation:
             raise InvalidMessageError("body", body, f"the robot has no body {body!r}")
         self._pushes.append(_Push(body, force, self.time + duration))
         text = f"push of {np.round(force, 1).tolist()} N on {body} for {duration:g} s"
-        self._note(Event(self.time, "push", text))
+        self._log.note(Event(self.time, "push", text))
 
     # ---- time ----------------------------------------------------------------
 
@@ -218,13 +213,97 @@ class AtlasSimulation:
     def _advance_chunk(self, t: float) -> None:
         """Simulates until the next look at the events, at most until ``t``."""
         self._exert_pushes()
+        if self._release_time is not None and self._release_time <= self.time + 1e-9:
+            self.release()
         stops = [t, self.time + CHUNK, *(push.end for push in self._pushes)]
+        if self._release_time is not None:
+            stops.append(self._release_time)
         self.simulator.AdvanceTo(min(stop for stop in stops if stop > self.time + 1e-9))
-        self._collect_events()
+        self._look()
 
     def set_realtime_rate(self, rate: float) -> None:
         """Keeps simulated time at ``rate`` times real time; 0 is as fast as can be."""
         self.simulator.set_target_realtime_rate(rate)
+
+    # ---- start ---------------------------------------------------------------
+
+    def reset(
+        self, behavior: Behavior | int | str | None = None, pose: Start | None = None
+    ) -> None:
+        """Puts the robot back on its feet, with nothing in force but ``behavior``.
+
+        Joint controllers and behaviours forget all they know, and pushes end. Time
+        goes on, and so does what is left of a programme.
+
+        Args:
+            behavior: STAND, STAND_PREP, USER or FREEZE; None is the scenario's.
+            pose: Where to; None is where the run began. A harness holds the robot if
+                the scenario has one and ``pose.harnessed`` says so.
+
+        Raises:
+            InvalidMessageError: If the robot cannot begin with that behaviour.
+            ScenarioError: If it cannot begin in that pose.
+        """
+        asked = self.scenario.initial_behavior if behavior is None else behavior
+        start = self.scenario.start if pose is None else pose
+        begin = starting_behavior(asked, "behavior")
+        start.validate(begin)
+        if start.harnessed and not self.scenario.start.harnessed:
+            raise ScenarioError(
+                "start.harnessed", True, "needs a scenario that began in a harness"
+            )
+        self._pushes = []
+        self._exert(())
+        station = self.station
+        for name in ("joint_pid_bank", "robot_sensors"):
+            system = station.GetSubsystemByName(name)
+            system.reset(system.GetMyMutableContextFromRoot(self.context))
+        for name in ("command_interface", "behavior_controller"):
+            system = station.GetSubsystemByName(name)
+            system.reset(system.GetMyMutableContextFromRoot(self.context), begin)
+        moved = self._variation
+        if pose is not None:
+            moved = replace(
+                moved,
+                position=np.array(pose.position, dtype=float),
+                rpy=np.array([0.0, 0.0, pose.yaw]),
+            )
+        self._place(moved, start)
+        self.simulator.Initialize()
+        self._look()
+
+    def release(self) -> None:
+        """Lets a harnessed robot down to the ground, and then go.
+
+        Raises:
+            ScenarioError: If the scenario has no harness.
+        """
+        if not self.scenario.start.harnessed:
+            raise ScenarioError(
+                "start.harnessed", False, "there is no harness to release"
+            )
+        harness = self.station.GetSubsystemByName("harness")
+        harness.release(harness.GetMyMutableContextFromRoot(self.context))
+        self._release_time = None
+        self._log.note(Event(self.time, "harness", "harness lets the robot down"))
+
+    def _place(self, variation: Variation, start: Start) -> None:
+        """Puts the robot where it begins, and into the harness if there is one."""
+        clearance = CLEARANCE if start.harnessed else 0.0
+        plant, context = self.plant, self._plant_context()
+        terrain = self.scenario.terrain
+        place_robot(plant, context, self.robot, variation, terrain, clearance)
+        if not self.scenario.start.harnessed:
+            return
+        harness = self.station.GetSubsystemByName("harness")
+        own = harness.GetMyMutableContextFromRoot(self.context)
+        if start.harnessed:
+            X_WP = self.pelvis_pose
+            p_WP, R_WP = X_WP.translation(), X_WP.rotation().matrix()
+            harness.hold(own, p_WP, R_WP, clearance)
+            self._release_time = start.release_time
+        else:
+            harness.let_go(own)
 
     # ---- state ---------------------------------------------------------------
 
@@ -260,8 +339,18 @@ class AtlasSimulation:
 
     @property
     def has_fallen(self) -> bool:
-        """Whether the robot fell at any time."""
-        return any(event.kind == "fall" for event in self.events)
+        """Whether the robot fell since the start or the last reset."""
+        return self._log.fallen()
+
+    @property
+    def events(self) -> list[Event]:
+        """What happened so far."""
+        return self._log.events
+
+    @property
+    def footsteps(self) -> list[dict[str, Any]]:
+        """Every footstep taken: what was commanded, and where the foot landed."""
+        return self._log.footsteps
 
     @property
     def pelvis_pose(self) -> RigidTransform:
@@ -291,8 +380,12 @@ class AtlasSimulation:
         if not alive and not self._pushes:
             return
         self._pushes = alive
+        self._exert(alive)
+
+    def _exert(self, pushes: Sequence[_Push]) -> None:
+        """Puts forces on the plant's port."""
         forces = []
-        for push in alive:
+        for push in pushes:
             force = ExternallyAppliedSpatialForce()
             force.body_index = self.plant.GetBodyByName(push.body).index()
             force.F_Bq_W = SpatialForce(np.zeros(3), push.force_W)
@@ -301,33 +394,14 @@ class AtlasSimulation:
             self.context, forces
         )
 
-    def _collect_events(self) -> None:
-        """Notes what was sent, refused and done since the last look, in time order."""
-        fresh: list[Event] = []
-        sent = self._output("sent")
-        for entry in self._scheduler.programme[self._seen_sent : sent]:
-            fresh.append(Event(entry.time, "command", entry.text))
-        self._seen_sent = sent
-        force = self._output("commands")
-        for refusal in force.refusals[
-            len(force.refusals) - (force.refused - self._seen_refusals) :
-        ]:
-            fresh.append(Event(refusal.time, "refusal", refusal.text))
-        self._seen_refusals = force.refused
-        supervisor = self._output("controller_state").supervisor
-        count = supervisor.event_count - self._seen_events
-        if count:
-            fresh.extend(supervisor.events[-count:])
-        self._seen_events = supervisor.event_count
-        for event in sorted(fresh, key=lambda event: event.time):
-            self._note(event)
-
-    def _note(self, event: Event) -> None:
-        self.events.append(replace(event, time=round(event.time, 6)))
-        if event.kind == "footstep":
-            self.footsteps.append(event.data)
-        if self._on_event is not None:
-            self._on_event(event)
+    def _look(self) -> None:
+        """Takes in what happened since the last look."""
+        self._log.collect(
+            self._scheduler.programme,
+            self._output("sent"),
+            self._output("commands"),
+            self._output("controller_state").supervisor,
+        )
 
 
 class SimulationError(AtlasError, RuntimeError):

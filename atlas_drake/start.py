@@ -1,6 +1,7 @@
 """How a run begins: the robot on its feet, with the scenario's random changes.
 
-Used once, before time starts; nothing here moves the robot afterwards.
+Used before time starts, and when the user asks for a reset; nothing here moves a robot
+that is at work.
 """
 
 from __future__ import annotations
@@ -63,17 +64,8 @@ def draw_variation(scenario: Scenario, robot: Robot) -> Variation:
     )
 
 
-def place_robot(
-    plant: MultibodyPlant,
-    context: Context,
-    robot: Robot,
-    variation: Variation,
-    terrain: Sequence[Block] = (),
-) -> None:
-    """Puts the robot into its starting pose, let down until a sole meets the ground.
-
-    Where boxes of the ``terrain`` lie above each other the highest surface counts.
-    """
+def scale_masses(plant: MultibodyPlant, context: Context, variation: Variation) -> None:
+    """Makes bodies heavier or lighter than the controller believes; to be done once."""
     for name, factor in variation.mass_factor.items():
         if factor == 1.0:
             continue
@@ -87,6 +79,29 @@ def place_robot(
                 inertia.get_unit_inertia(),
             ),
         )
+
+
+def place_robot(
+    plant: MultibodyPlant,
+    context: Context,
+    robot: Robot,
+    variation: Variation,
+    terrain: Sequence[Block] = (),
+    clearance: float = 0.0,
+) -> None:
+    """Puts the robot into its starting pose, let down until a sole meets the ground.
+
+    Where boxes of the ``terrain`` lie above each other the highest surface counts.
+
+    Args:
+        plant: With the robot.
+        context: Of the plant; positions and velocities are overwritten.
+        robot: In the plant.
+        variation: Says where and in which pose.
+        terrain: Beside the level ground.
+        clearance: How far above that its lowest sole shall hang [m].
+    """
+    plant.SetVelocities(context, np.zeros(plant.num_velocities()))
     q = plant.GetPositions(context)
     q[robot.indices(plant).q] = variation.joints
     plant.SetPositions(context, q)
@@ -101,7 +116,7 @@ def place_robot(
     plant.SetFloatingBaseBodyPoseInWorldFrame(
         context,
         pelvis,
-        RigidTransform(R_WP, np.append(variation.position, -lowest)),
+        RigidTransform(R_WP, np.append(variation.position, clearance - lowest)),
     )
 
 

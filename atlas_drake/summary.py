@@ -27,9 +27,10 @@ def make_summary(
     X_WP = sim.pelvis_pose
     tilt = float(np.arccos(np.clip(X_WP.rotation().matrix()[2, 2], -1.0, 1.0)))
     quaternion = X_WP.rotation().ToQuaternion().wxyz()
+    fell = any(event.kind == "fall" for event in sim.events)
     return {
-        "success": not sim.has_fallen and tilt < UPRIGHT_TILT and _did_it_all(sim),
-        "fell": sim.has_fallen,
+        "success": not fell and tilt < UPRIGHT_TILT and _did_it_all(sim),
+        "fell": fell,
         "scenario": sim.scenario.name,
         "model": sim.scenario.model,
         "seed": sim.scenario.seed,

@@ -28,7 +28,7 @@ from pydrake.systems.framework import DiagramBuilder
 
 from atlas_drake import AtlasSimulation, Scenario
 from atlas_drake.robot import Robot, load_robot
-from atlas_drake.start import draw_variation, place_robot
+from atlas_drake.start import draw_variation, place_robot, scale_masses
 from atlas_drake.tutorial import DURATION
 
 PIECE = 0.5
@@ -72,7 +72,9 @@ class BarePlant:
         self._simulator = Simulator(builder.Build())
         context = self._simulator.get_mutable_context()
         plant_context = plant.GetMyMutableContextFromRoot(context)
-        place_robot(plant, plant_context, robot, draw_variation(scenario, robot))
+        variation = draw_variation(scenario, robot)
+        scale_masses(plant, plant_context, variation)
+        place_robot(plant, plant_context, robot, variation)
         wanted = np.zeros(robot.num_joints)
         for entry in robot.file.joints:
             start = self._actuator(plant, entry.name).input_start()

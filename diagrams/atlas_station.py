@@ -24,6 +24,7 @@ from atlas_drake.robot import Robot, load_robot
 from atlas_drake.systems.behavior_controller import BehaviorController
 from atlas_drake.systems.command_interface import CommandInterface
 from atlas_drake.systems.effort_selector import EffortSelector
+from atlas_drake.systems.harness import Harness
 from atlas_drake.systems.joint_pid_bank import JointPidBank
 from atlas_drake.systems.robot_sensors import RobotSensors
 from atlas_drake.systems.run_statistics import RunStatistics
@@ -46,6 +47,7 @@ class StationConfig:
         noise: Of the sensors.
         seed: Of that noise.
         initial_behavior: The behaviour active at the start.
+        harnessed: Whether there is a harness that can hold the pelvis.
         gains: Of the whole-body controller.
     """
 
@@ -57,6 +59,7 @@ class StationConfig:
     noise: NoiseModel = field(default_factory=NoiseModel)
     seed: int = 0
     initial_behavior: Behavior = Behavior.STAND
+    harnessed: bool = False
     gains: ControlGains = field(default_factory=ControlGains)
 
 
@@ -151,9 +154,13 @@ def make_atlas_station(
 
     for name in ("atlas_command", "atlas_sim_interface_command"):
         builder.ExportInput(commands.GetInputPort(name), name)
-    builder.ExportInput(
-        plant.get_applied_spatial_force_input_port(), "applied_spatial_force"
-    )
+    pushes = plant.get_applied_spatial_force_input_port()
+    if config.harnessed:
+        harness = builder.AddNamedSystem("harness", Harness(robot, plant))
+        builder.Connect(plant.get_state_output_port(), harness.GetInputPort("state"))
+        builder.Connect(harness.GetOutputPort("applied_spatial_force"), pushes)
+        pushes = harness.GetInputPort("other_spatial_force")
+    builder.ExportInput(pushes, "applied_spatial_force")
     for system, names in (
         (sensors, ("atlas_state", "imu")),
         (behaviors, ("atlas_sim_interface_state", "controller_state")),

@@ -84,6 +84,11 @@ class SupervisorState:
     events: tuple[Event, ...] = ()
     event_count: int = 0
 
+    @property
+    def limp(self) -> bool:
+        """Whether a behaviour has the robot and lets it sag, as it falls."""
+        return self.falling and self.current not in (Behavior.NONE, Behavior.USER)
+
 
 class Supervisor:
     """Owns one object per behaviour."""
@@ -111,6 +116,16 @@ class Supervisor:
     def start(self, behavior: Behavior) -> SupervisorState:
         """The state before the first tick, with ``behavior`` already active."""
         return SupervisorState(current=behavior, desired=behavior)
+
+    def restart(
+        self, state: SupervisorState, behavior: Behavior, time: float
+    ) -> SupervisorState:
+        """The state as at the start, at ``time`` [s]; events so far are kept."""
+        text = f"reset, {behavior.name} begins"
+        fresh = replace(
+            self.start(behavior), events=state.events, event_count=state.event_count
+        )
+        return _log(fresh, Event(time, "reset", text))
 
     def update(
         self, state: SupervisorState, seen: Observation, request: BehaviorRequest

@@ -23,6 +23,7 @@ from atlas_drake.behaviors.base import Observation
 from atlas_drake.behaviors.supervisor import Supervisor, SupervisorState
 from atlas_drake.commands import CommandsInForce
 from atlas_drake.control.gains import ControlGains
+from atlas_drake.control.limp import limp_effort
 from atlas_drake.control.user_share import behavior_share, effort_bounds
 from atlas_drake.control.whole_body_command import EffortBounds, WholeBodyCommand
 from atlas_drake.control.whole_body_model import (
@@ -136,6 +137,17 @@ class BehaviorController(LeafSystem):
         )
         self.DeclarePeriodicUnrestrictedUpdateEvent(period, 0.0, self._update)
 
+    def reset(self, context: Context, behavior: Behavior) -> None:
+        """Begins anew with ``behavior``; the log of events and its count are kept."""
+        before = self._remembered(context)
+        supervisor = self._supervisor.restart(
+            before.supervisor, behavior, context.get_time()
+        )
+        after = ControllerState(
+            supervisor, np.zeros(self._robot.num_joints), unsolved=before.unsolved
+        )
+        context.get_mutable_abstract_state(self._memory).set_value(after)
+
     def _remembered(self, context: Context) -> ControllerState:
         return context.get_abstract_state(self._memory).get_value()
 
@@ -165,11 +177,12 @@ class BehaviorController(LeafSystem):
             before.supervisor, seen, commands.request
         )
         if command is None:
-            return ControllerState(
-                supervisor,
-                np.zeros(self._robot.num_joints),
-                unsolved=before.unsolved,
+            effort = (
+                limp_effort(terms.v, self._limit)
+                if supervisor.limp
+                else np.zeros(self._robot.num_joints)
             )
+            return ControllerState(supervisor, effort, unsolved=before.unsolved)
         if k_effort.any():
             solution, effort = self._solve_shared(context, terms, command, k_effort)
         else:

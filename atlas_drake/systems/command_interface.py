@@ -3,10 +3,13 @@
 The rules of merging are in ``commands``; this is only their place in a diagram.
 """
 
+from typing import Any
+
 from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context, LeafSystem, State, ValueProducer
 
 from atlas_drake.commands import commands_at_start, latch
+from atlas_drake.frozen import replace
 from atlas_drake.messages import Behavior
 from atlas_drake.robot import Robot
 
@@ -66,12 +69,32 @@ class CommandInterface(LeafSystem):
         )
         self.DeclarePeriodicUnrestrictedUpdateEvent(period, 0.0, self._update)
 
-    def _calc_commands(self, context: Context, output: AbstractValue) -> None:
-        force = context.get_abstract_state(self._state).get_value()
-        atlas_command, sim_command = (
+    def reset(self, context: Context, behavior: Behavior) -> None:
+        """Puts in force what was at the start, with ``behavior`` asked for.
+
+        What lies on the ports counts as seen; the log of refusals is kept.
+        """
+        before = context.get_abstract_state(self._state).get_value()
+        atlas_command, sim_command = self._messages(context)
+        after = replace(
+            commands_at_start(self._robot, behavior),
+            refusals=before.refusals,
+            refused=before.refused,
+            atlas_command=atlas_command,
+            sim_command=sim_command,
+        )
+        context.get_mutable_abstract_state(self._state).set_value(after)
+
+    def _messages(self, context: Context) -> list[Any]:
+        """What the two ports hold; None where nobody sent anything."""
+        return [
             port.Eval(context) if port.HasValue(context) else None
             for port in self._inputs
-        )
+        ]
+
+    def _calc_commands(self, context: Context, output: AbstractValue) -> None:
+        force = context.get_abstract_state(self._state).get_value()
+        atlas_command, sim_command = self._messages(context)
         output.set_value(
             latch(force, atlas_command, sim_command, self._robot, context.get_time())
         )

@@ -169,6 +169,11 @@ class JointPidBank(LeafSystem):
             PREPARATION_TICKS * control_period, 0.0, self._update_law
         )
 
+    def reset(self, context: Context) -> None:
+        """Forgets integrals and everything else that the law remembers."""
+        context.SetDiscreteState(self._memory, np.zeros(4 * len(self._nothing)))
+        context.get_mutable_abstract_state(self._prepared).set_value(None)
+
     def _calc_step(self, context: Context, result: AbstractValue) -> None:
         source: JointCommand = self._command_input.Eval(context)
         state = self._state_input.Eval(context)

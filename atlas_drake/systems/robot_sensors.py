@@ -127,6 +127,10 @@ class RobotSensors(LeafSystem):
             "imu", lambda: AbstractValue.Make(Imu()), self._calc_imu
         )
 
+    def reset(self, context: Context) -> None:
+        """Forgets the last contact forces."""
+        context.SetDiscreteState(self._wrenches, np.zeros(12))
+
     def _at_state(self, context: Context) -> Context:
         """The plant's scratch context at the present state."""
         scratch = self._scratch.Eval(context)

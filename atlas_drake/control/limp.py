@@ -1,0 +1,27 @@
+"""What a robot that falls does with its motors: sag, and break its fall a little.
+
+A law of one line; when the robot counts as falling is the behaviours' business.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+LIMP_DAMPING = 0.02
+"""Damping of a limp joint per unit of its effort limit [s/rad].
+
+A joint that turns at 5 rad/s is braked by a tenth of what its motor can do: limbs do
+not whip, and nothing is pushed hard against the ground. Stable at every control period
+on offer, as the joints' inertias are at least a few thousandths of their limits.
+"""
+
+
+def limp_effort(v: np.ndarray, effort_limit: np.ndarray) -> np.ndarray:
+    """Damping and nothing else [N·m], shape (n,).
+
+    Args:
+        v: Joint velocities [rad/s], shape (n,).
+        effort_limit: [N·m], shape (n,).
+    """
+    effort = -LIMP_DAMPING * effort_limit * v
+    return np.minimum(np.maximum(effort, -effort_limit), effort_limit)

@@ -1,0 +1,74 @@
+"""What happened in a run, read off the diagram's ports from time to time.
+
+It only listens. What a summary makes of it is in ``summary``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from atlas_drake.behaviors.base import Event
+from atlas_drake.behaviors.supervisor import SupervisorState
+from atlas_drake.commands import CommandsInForce
+from atlas_drake.frozen import replace
+from atlas_drake.systems.command_scheduler import ScheduledCommand
+
+
+class RunLog:
+    """The events of one run, in order of time within each look.
+
+    Attributes:
+        events: All of them.
+        footsteps: The data of those that are about a landed foot.
+    """
+
+    def __init__(self, on_event: Callable[[Event], None] | None = None):
+        """Calls ``on_event`` with each event as it is noticed."""
+        self.events: list[Event] = []
+        self.footsteps: list[dict[str, Any]] = []
+        self._on_event = on_event
+        self._seen_events = 0
+        self._seen_sent = 0
+        self._seen_refusals = 0
+
+    def collect(
+        self,
+        programme: tuple[ScheduledCommand, ...],
+        sent: int,
+        commands: CommandsInForce,
+        supervisor: SupervisorState,
+    ) -> None:
+        """Notes what was sent, refused and done since the last look."""
+        fresh = [
+            Event(entry.time, "command", entry.text)
+            for entry in programme[self._seen_sent : sent]
+        ]
+        self._seen_sent = sent
+        refused = commands.refused - self._seen_refusals
+        fresh.extend(
+            Event(refusal.time, "refusal", refusal.text)
+            for refusal in commands.refusals[len(commands.refusals) - refused :]
+        )
+        self._seen_refusals = commands.refused
+        count = supervisor.event_count - self._seen_events
+        if count:
+            fresh.extend(supervisor.events[-count:])
+        self._seen_events = supervisor.event_count
+        for event in sorted(fresh, key=lambda event: event.time):
+            self.note(event)
+
+    def note(self, event: Event) -> None:
+        """Adds one event."""
+        self.events.append(replace(event, time=round(event.time, 6)))
+        if event.kind == "footstep":
+            self.footsteps.append(event.data)
+        if self._on_event is not None:
+            self._on_event(event)
+
+    def fallen(self) -> bool:
+        """Whether the robot fell since it was last reset."""
+        for event in reversed(self.events):
+            if event.kind in ("fall", "reset"):
+                return event.kind == "fall"
+        return False
