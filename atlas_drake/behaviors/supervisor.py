@@ -113,6 +113,11 @@ class Supervisor:
             Behavior.WALK: Walk(balance, nominal_height, rates),
         }
 
+    @property
+    def behaviors(self) -> dict[Behavior, BehaviorProtocol]:
+        """Who does what."""
+        return dict(self._behaviors)
+
     def start(self, behavior: Behavior) -> SupervisorState:
         """The state before the first tick, with ``behavior`` already active."""
         return SupervisorState(current=behavior, desired=behavior)
