@@ -135,18 +135,32 @@ class PelvisReach:
 
         Args:
             wish: Any finite pose.
-            home: An easy pose; where even it is out of reach, because the feet are
-                far apart, the highest one below it that is not.
+            home: An ``attainable`` pose.
             stance: Where the feet are.
             upper: How trunk and arms are held.
         """
         wish = self._boxed(wish)
         if self.allows(wish, stance, upper):
             return wish
-        granted = self._attainable(home, stance, upper)
+        granted = home
         for name in ("height", "com_v0", "com_v1", "yaw", "pitch", "roll"):
             granted = self._grant(granted, name, getattr(wish, name), stance, upper)
         return granted
+
+    def attainable(
+        self, home: PelvisPose, stance: Stance, upper: UpperBody
+    ) -> PelvisPose:
+        """``home``, lowered until the legs allow it, as when the feet are far apart.
+
+        ``home`` itself if no height will do.
+        """
+        height = home.height
+        while height >= self.limits.height[0]:
+            lowered = home._replace(height=height)
+            if self.allows(lowered, stance, upper):
+                return lowered
+            height -= _HEIGHT_SEARCH
+        return home
 
     def _boxed(self, wish: PelvisPose) -> PelvisPose:
         limits = self.limits
@@ -161,18 +175,6 @@ class PelvisReach:
         return PelvisPose(
             *(min(max(x, low), high) for x, (low, high) in zip(wish, bounds))
         )
-
-    def _attainable(
-        self, home: PelvisPose, stance: Stance, upper: UpperBody
-    ) -> PelvisPose:
-        """``home``, lowered until the legs allow it."""
-        height = home.height
-        while height >= self.limits.height[0]:
-            lowered = home._replace(height=height)
-            if self.allows(lowered, stance, upper):
-                return lowered
-            height -= _HEIGHT_SEARCH
-        return home
 
     def _grant(
         self,

@@ -91,6 +91,7 @@ def check_manipulate_params(params: AtlasBehaviorManipulateParams) -> None:
     """
     check_kind(params, AtlasBehaviorManipulateParams, "manipulate_params")
     check_flag(params.use_desired, "manipulate_params.use_desired")
+    check_flag(params.use_demo_mode, "manipulate_params.use_demo_mode")
     field = "manipulate_params.desired"
     check_kind(params.desired, AtlasBehaviorPelvisServoParams, field)
     for name in _PELVIS_FIELDS:

@@ -41,11 +41,11 @@ WRIST_INDEX = AtlasState.l_arm_wry
 class Robot:
     """A supervisor with its state, asked and ticked by the test."""
 
-    def __init__(self, robot, observe, behavior):
+    def __init__(self, model, observe, behavior):
         # The height is what the pose has, so that nothing counts as a fall.
         terms = observe().terms
         height = float(terms.com[2] - terms.feet[0].p_WF[2])
-        self.supervisor = Supervisor(robot, ControlGains(), height)
+        self.supervisor = Supervisor(model, ControlGains(), height)
         self.state = self.supervisor.start(behavior)
         self.request = self._request(behavior, 0)
         self.command = None
@@ -75,9 +75,9 @@ class Robot:
 
 
 @pytest.fixture
-def make(robot, observe):
+def make(model, observe):
     """Makes a robot that is in a behaviour already."""
-    return lambda behavior: Robot(robot, observe, behavior)
+    return lambda behavior: Robot(model, observe, behavior)
 
 
 def assert_refused(robot, source, target, flags, code):
