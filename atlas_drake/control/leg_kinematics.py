@@ -33,6 +33,7 @@ class LegGeometry:
         shank: Ankle from the knee, likewise [m].
         p_FA: Ankle, where its axes meet, in the sole frame [m].
         joints: Indices of the six joints in message order.
+        mass_beyond: Of all links beyond each joint [kg], shape (6,).
     """
 
     p_PH: np.ndarray
@@ -41,6 +42,7 @@ class LegGeometry:
     shank: tuple[float, float]
     p_FA: np.ndarray
     joints: np.ndarray
+    mass_beyond: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -58,13 +60,11 @@ class LegPose:
     points: np.ndarray
 
     def torques(self, p_PC: np.ndarray, f_P: np.ndarray) -> np.ndarray:
-        """Joint torques that hold a force of the ground [N·m], shape (6,).
-
-        The leg's own weight is left out.
+        """Joint torques that hold forces at the sole [N·m], shape (6,).
 
         Args:
-            p_PC: Where the ground pushes [m].
-            f_P: Force on the sole [N].
+            p_PC: Where the forces act [m].
+            f_P: One force [N], shape (3,), or one for each joint, shape (6, 3).
         """
         return -(self.axes * np.cross(p_PC - self.points, f_P)).sum(axis=1)
 
@@ -108,7 +108,19 @@ def _leg_geometry(plant: Any, robot: Robot, foot: int) -> LegGeometry:
     def plane(end: int, start: int) -> tuple[float, float]:
         return float(p[end][0] - p[start][0]), float(p[end][2] - p[start][2])
 
-    return LegGeometry(p[0], plane(2, 1), plane(3, 2), plane(4, 3), p[5] - p[6], joints)
+    masses = [
+        plant.GetJointByName(robot.joint_names[i]).child_body().get_mass(context)
+        for i in joints
+    ]
+    return LegGeometry(
+        p_PH=p[0],
+        hip=plane(2, 1),
+        thigh=plane(3, 2),
+        shank=plane(4, 3),
+        p_FA=p[5] - p[6],
+        joints=joints,
+        mass_beyond=np.cumsum(masses[::-1])[::-1],
+    )
 
 
 def solve_leg(leg: LegGeometry, p_PF: np.ndarray, R_PF: np.ndarray) -> LegPose | None:

@@ -11,7 +11,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from atlas_drake.control.leg_kinematics import (
-    LEGS,
     LegGeometry,
     LegPose,
     leg_geometry,
@@ -77,7 +76,8 @@ class PelvisReach:
         self.limits = limits or PelvisLimits()
         self._legs: tuple[LegGeometry, ...] = leg_geometry(plant, robot)
         self._weight = robot.mass * GRAVITY
-        self._legs_share = _mass_of_legs(model) / robot.mass
+        legs_mass = sum(float(leg.mass_beyond[0]) for leg in self._legs)
+        self._legs_share = legs_mass / robot.mass
         margin = self.limits.joint_margin
         self._lower, self._upper, self._effort = [], [], []
         for leg in self._legs:
@@ -120,7 +120,10 @@ class PelvisReach:
             if (angles < self._lower[i]).any() or (angles > self._upper[i]).any():
                 return False
             p_PC = p_PF + R_WP.T @ offset
-            torques = held.torques(p_PC, loads[i] * self._weight * up_P)
+            # What a link weighs is not carried by the joints above it. It counts as
+            # if it lay on the foot.
+            forces = loads[i] * self._weight - GRAVITY * leg.mass_beyond
+            torques = held.torques(p_PC, forces[:, None] * up_P)
             if (np.abs(torques) > self._effort[i]).any():
                 return False
         return True
@@ -231,13 +234,3 @@ class PelvisReach:
         )
         left = min(max(0.5 + pose.com_v0 / apart, 0.0), 1.0)
         return left, 1.0 - left
-
-
-def _mass_of_legs(model: WholeBodyModel) -> float:
-    """Mass of all links below the hips [kg]."""
-    robot, plant = model.robot, model.plant
-    context = model.create_context()
-    return sum(
-        plant.GetJointByName(robot.joint_names[i]).child_body().get_mass(context)
-        for i in np.flatnonzero(robot.limb(*LEGS))
-    )
