@@ -46,7 +46,7 @@ class PelvisLimits:
     """[rad]"""
     com: tuple[float, float] = (-0.5, 0.5)
     """Along either axis [m]; the support polygon decides."""
-    com_margin: float = 0.03
+    com_margin: float = 0.04
     """Of the centre of mass inside the polygon of possible CoPs [m]."""
     joint_margin: float = 0.05
     """Of leg joints from their end stops [rad]."""
@@ -176,7 +176,7 @@ class PelvisReach:
             limits.com,
         )
         return PelvisPose(
-            *(min(max(x, low), high) for x, (low, high) in zip(wish, bounds))
+            *(min(max(x, low), high) for x, (low, high) in zip(wish, bounds, strict=True))
         )
 
     def _grant(
