@@ -15,7 +15,7 @@ PERIOD = 6.0
 MOVEMENTS = (
     ("height", -0.10, "dip"),
     ("yaw", 0.12, "sway"),
-    ("pitch", 0.25, "sway"),
+    ("pitch", 0.20, "sway"),
     ("roll", 0.15, "sway"),
     ("com_v0", 0.06, "sway"),
     ("com_v1", 0.04, "sway"),
