@@ -36,8 +36,9 @@ from atlas_drake.messages import (
     behavior_from,
 )
 
-FOOT_SLIP = 0.01
-"""A sole that moved this far since it was noted is noted anew [m]."""
+FOOT_SLIP = 0.002
+"""A sole that moved this far since it was noted is noted anew [m]. Small, because all
+poses are relative to the soles."""
 HOME = 0.002
 """STAND follows when the reference is this near to its pose [m], [rad]."""
 
@@ -56,6 +57,7 @@ class ManipulateMemory:
         heard: The last command listened to.
         demo_time: Since the demo began [s]; None without demo.
         demo_share: How much of its movement the legs allow [-].
+        waits: Whether the user has a leg, and the wish waits for it to be back.
     """
 
     stance: Stance
@@ -67,6 +69,7 @@ class ManipulateMemory:
     heard: AtlasSimInterfaceCommand | None = None
     demo_time: float | None = None
     demo_share: float = 0.0
+    waits: bool = False
 
 
 class Manipulate:
@@ -122,15 +125,23 @@ class Manipulate:
         leaving: bool,
     ) -> Outcome:
         """One tick; ``leaving`` brings the robot back to STAND's pose."""
-        if self._slipped(memory.stance, seen):
-            memory = replace(memory, stance=self._note_feet(seen))
-            memory = self._pursue(memory, seen)
+        waited, waits = memory.waits, bool(seen.user_held[self._legs].any())
+        memory = replace(memory, waits=waits)
         if leaving:
             home = self._home(seen, memory.stance)
             memory = replace(memory, goal=home, demo_time=None, heard=None)
         elif request is not memory.heard:
             memory = self._pursue(self._listen(memory, seen, request), seen)
-        if memory.demo_time is not None:
+        elif waited and not waits:
+            memory = self._pursue(memory, seen)
+        if self._slipped(memory.stance, seen):
+            memory = replace(memory, stance=self._note_feet(seen))
+            memory = memory if leaving else self._pursue(memory, seen)
+        if waits:
+            # The user decides where the legs are: a pelvis that went elsewhere could
+            # only tip the robot over.
+            memory = replace(memory, goal=memory.motion.pose(memory.stance))
+        elif memory.demo_time is not None:
             time = memory.demo_time + seen.dt
             goal = demo_pose(memory.home, memory.demo_share, time)
             memory = replace(memory, goal=goal, demo_time=time)
@@ -154,12 +165,13 @@ class Manipulate:
             memory.stance.support,
             (self._balance.planted(seen, 0), self._balance.planted(seen, 1)),
         )
-        arrived = np.allclose(motion.pose(memory.stance), memory.goal, atol=HOME)
+        there = motion.pose(memory.stance)
+        remaining = max(abs(x - y) for x, y in zip(there, memory.goal, strict=True))
         return Outcome(
             memory=memory,
             body=body,
             command=command,
-            finished=leaving and arrived,
+            finished=leaving and (waits or remaining < HOME),
         )
 
     def report(self, memory: ManipulateMemory, state: AtlasSimInterfaceState) -> None:

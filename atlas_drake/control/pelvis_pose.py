@@ -119,15 +119,14 @@ class PelvisLead:
     """How far the reference may be ahead of a robot that does not follow.
 
     A user who holds the legs, or a push, keeps it from following. Far beyond the lag
-    of a free robot.
+    of a free robot. The centre of mass has no such limit: a reference that gave way
+    to it would balance nothing.
     """
 
     height: float = 0.06
     """[m]"""
     turn: float = 0.25
     """[rad]"""
-    com: float = 0.06
-    """[m]"""
 
 
 @dataclass(frozen=True)
@@ -167,7 +166,7 @@ class PelvisMotion:
         return PelvisMotion(
             height=_held_near(self.height, terms.p_WP[2:], lead.height),
             turn=_held_near(self.turn, np.array([yaw, pitch, roll]), lead.turn),
-            com=_held_near(self.com, terms.com[:2], lead.com),
+            com=self.com,
         )
 
     def pose(self, stance: Stance) -> PelvisPose:

@@ -21,8 +21,8 @@ from atlas_drake.control.whole_body_model import GRAVITY, WholeBodyModel, WholeB
 
 LEGS_COM = 0.5
 """Where the legs' own centre of mass lies on the way from ankles to pelvis [-]."""
-_BISECTIONS = 12
-"""Halvings between what is possible and what is wished: 0.02 % of the way."""
+_BISECTIONS = 10
+"""Halvings between what is possible and what is wished: 0.1 % of the way."""
 _HEIGHT_SEARCH = 0.01
 """Step down in search of a height that a wide stance allows [m]."""
 

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from atlas_drake import AtlasSimInterfaceCommand, AtlasState, Scenario
+from atlas_drake import AtlasCommand, AtlasSimInterfaceCommand, AtlasState, Scenario
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.body_reference import BodyRates, capture_body
 from atlas_drake.behaviors.manipulate import Manipulate
@@ -196,6 +196,23 @@ def test_arms_stay_and_hands_are_taken_back_where_the_user_leaves_them(
     assert robot.body.joints[arm] == held.terms.q[arm]
 
 
+def test_a_user_who_has_a_leg_is_waited_for(start, observe):
+    request = message(pelvis_height=0.85)
+    robot = start(request)
+    held = observe(held=("r_leg_kny",))
+    for _ in range(20):
+        robot.tick(held, request)
+    feedback = robot.feedback
+    began = numbers(feedback.internal_sensed)
+    np.testing.assert_allclose(numbers(feedback.clamped), began, atol=1e-4)
+    # STAND need not wait for what cannot be done.
+    stand = AtlasSimInterfaceCommand(behavior="STAND")
+    robot.tick(held, stand, leaving=True)
+    assert robot.outcome.finished
+    robot.tick(observe(), request)
+    assert robot.feedback.clamped.pelvis_height == 0.85
+
+
 def test_it_leaves_when_it_is_back_at_stands_pose(start, observe):
     robot = start(message(pelvis_height=0.85))
     request = message(pelvis_height=0.85)
@@ -285,7 +302,7 @@ def test_the_robot_takes_the_pose_that_is_granted(record, name):
             True,
         ),
     ):
-        assert move(recording, request, 4.0) < 1.0
+        assert move(recording, request, 3.8) < 1.0
         assert_follows(recording)
         clamped = recording.looks[-1].report.manipulate_feedback.clamped
         desired = request.manipulate_params.desired
@@ -329,19 +346,26 @@ def test_a_push_is_withstood_and_stand_follows(record):
 
 
 @pytest.mark.slow
-def test_legs_that_the_user_takes_are_taken_back_without_a_fall(record):
+def test_a_leg_that_the_user_takes_makes_the_pelvis_wait(record):
     recording = record()
-    move(recording, message(pelvis_height=0.8), 1.0)
-    taken = message(pelvis_height=0.7)
+    move(recording, message(pelvis_height=0.84), 1.5)
+    before = measured(recording, recording.sim.robot)
+    taken = AtlasCommand()
+    taken.position = list(recording.sim.atlas_state.position)
     taken.k_effort = [0] * 28
-    taken.k_effort[AtlasState.l_leg_hpz : AtlasState.r_leg_akx + 1] = [255] * 12
+    taken.k_effort[AtlasState.l_leg_hpz : AtlasState.l_leg_akx + 1] = [255] * 6
     recording.sim.publish(taken)
-    recording.advance(0.6)
-    # The reference has not run away from the robot, which did not follow.
-    feedback = recording.looks[-1].report.manipulate_feedback
-    lead = numbers(feedback.internal_desired) - numbers(feedback.internal_sensed)
-    assert np.abs(lead[[0, 4, 5]]).max() < 0.07
-    back = message(pelvis_height=0.8)
-    back.k_effort = [0] * 28
-    move(recording, back, 2.5)
+    recording.advance(0.2)
+    recording.sim.publish(message(pelvis_height=0.75))
+    recording.advance(1.0)
+    clamped = recording.looks[-1].report.manipulate_feedback.clamped
+    assert clamped.pelvis_height == pytest.approx(before[0], abs=0.01)
+    pose = measured(recording, recording.sim.robot)
+    np.testing.assert_allclose(pose, before, atol=0.04)
+    # Handed back, it goes where it was sent.
+    taken.k_effort = [0] * 28
+    recording.sim.publish(taken)
+    recording.advance(2.5)
+    clamped = recording.looks[-1].report.manipulate_feedback.clamped
+    assert clamped.pelvis_height == 0.75
     assert_follows(recording)

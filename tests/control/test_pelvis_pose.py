@@ -97,10 +97,11 @@ def test_the_reference_waits_for_a_robot_that_does_not_follow(standing):
     measured = stance.measure(standing)
     motion = motion_at(stance, measured)
     assert motion.held_near(standing, LEAD) == motion
-    goal = measured._replace(height=0.6, yaw=0.6, com_v1=measured.com_v1 + 0.2)
+    goal = measured._replace(height=0.6, yaw=0.6, com_v1=measured.com_v1 + 0.1)
     for _ in range(round(3.0 / DT)):
         motion = motion.towards(goal, stance, RATES, DT).held_near(standing, LEAD)
     pose = motion.pose(stance)
     assert pose.height == pytest.approx(measured.height - LEAD.height)
     assert pose.yaw == pytest.approx(LEAD.turn)
-    assert pose.com_v1 == pytest.approx(measured.com_v1 + LEAD.com)
+    # Balance gives way to nothing.
+    assert pose.com_v1 == pytest.approx(goal.com_v1, abs=1e-3)
