@@ -12,8 +12,13 @@ from typing import NamedTuple
 import numpy as np
 
 from atlas_drake.control.footstep import FootPose
-from atlas_drake.control.rotations import mean_yaw, orientation, tilt_of, wrap_angle
-from atlas_drake.control.rotations import yaw_of
+from atlas_drake.control.rotations import (
+    mean_yaw,
+    orientation,
+    tilt_of,
+    wrap_angle,
+    yaw_of,
+)
 from atlas_drake.control.smooth_motion import Motion, MotionLimits, at_rest
 from atlas_drake.control.support_polygon import SupportPolygon
 from atlas_drake.control.whole_body_model import WholeBodyTerms
@@ -72,11 +77,14 @@ class Stance:
     def measure(self, terms: WholeBodyTerms) -> PelvisPose:
         """The pose that the robot is in."""
         roll, pitch = tilt_of(terms.R_WP)
-        return self._pose(terms.p_WP[2], yaw_of(terms.R_WP), pitch, roll, terms.com[:2])
+        return self.pose_of(
+            terms.p_WP[2], yaw_of(terms.R_WP), pitch, roll, terms.com[:2]
+        )
 
-    def _pose(
+    def pose_of(
         self, z: float, yaw: float, pitch: float, roll: float, com: np.ndarray
     ) -> PelvisPose:
+        """The pose given by the pelvis' height and angles and the CoM in W."""
         offset = com - self.middle[:2]
         return PelvisPose(
             height=float(z - self.middle[2]),
@@ -106,11 +114,17 @@ def make_stance(left: FootPose, right: FootPose, support: SupportPolygon) -> Sta
 class PelvisRates:
     """How fast pelvis and centre of mass are moved."""
 
-    height: MotionLimits = MotionLimits(speed=0.12, acceleration=0.4)
+    height: MotionLimits = field(
+        default_factory=lambda: MotionLimits(speed=0.12, acceleration=0.4)
+    )
     """[m]"""
-    turn: MotionLimits = MotionLimits(speed=0.4, acceleration=1.2)
+    turn: MotionLimits = field(
+        default_factory=lambda: MotionLimits(speed=0.4, acceleration=1.2)
+    )
     """[rad]"""
-    com: MotionLimits = MotionLimits(speed=0.08, acceleration=0.25)
+    com: MotionLimits = field(
+        default_factory=lambda: MotionLimits(speed=0.08, acceleration=0.25)
+    )
     """[m]"""
 
 
@@ -172,7 +186,7 @@ class PelvisMotion:
     def pose(self, stance: Stance) -> PelvisPose:
         """The reference relative to ``stance``."""
         yaw, pitch, roll = self.turn.position
-        return stance._pose(
+        return stance.pose_of(
             self.height.position[0], yaw, pitch, roll, self.com.position
         )
 

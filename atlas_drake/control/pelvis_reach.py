@@ -102,13 +102,12 @@ class PelvisReach:
         if stance.support.distance_outside(com) > -self.limits.com_margin:
             return False
         R_WP = stance.R_WP(pose)
-        p_WP = self._p_WP(pose, stance, R_WP, com, upper)
+        p_WP = self.pelvis_position(pose, stance, R_WP, com, upper)
         loads = self._loads(pose, stance)
         # The centre of pressure lies on both soles as the centre of mass lies
         # between them.
-        middle = sum(
-            share * foot.p_WF for share, foot in zip(loads, stance.feet, strict=True)
-        )
+        left, right = stance.feet
+        middle = loads[0] * left.p_WF + loads[1] * right.p_WF
         offset = np.append(com - middle[:2], 0.0)
         up_P = R_WP[2]
         for i, (leg, foot) in enumerate(zip(self._legs, stance.feet, strict=True)):
@@ -176,7 +175,10 @@ class PelvisReach:
             limits.com,
         )
         return PelvisPose(
-            *(min(max(x, low), high) for x, (low, high) in zip(wish, bounds, strict=True))
+            *(
+                min(max(x, low), high)
+                for x, (low, high) in zip(wish, bounds, strict=True)
+            )
         )
 
     def _grant(
@@ -203,7 +205,7 @@ class PelvisReach:
             share = 0.5 * (low + high)
         return best
 
-    def _p_WP(
+    def pelvis_position(
         self,
         pose: PelvisPose,
         stance: Stance,

@@ -104,9 +104,7 @@ def test_without_a_wish_it_stays_as_it_began(start, observe):
     np.testing.assert_allclose(now, began, atol=1e-9)
 
 
-def test_it_takes_over_from_stand_and_gives_back_without_a_jump(
-    parts, observe, start
-):
+def test_it_takes_over_from_stand_and_gives_back_without_a_jump(parts, observe, start):
     """At the hand-over both ask for the same accelerations."""
     manipulate, stand = parts
     seen = observe(pitch=0.02)
@@ -351,7 +349,9 @@ def test_a_leg_that_the_user_takes_makes_the_pelvis_wait(record):
     move(recording, message(pelvis_height=0.84), 1.5)
     before = measured(recording, recording.sim.robot)
     taken = AtlasCommand()
+    # Held as it is, with the effort that carries its load.
     taken.position = list(recording.sim.atlas_state.position)
+    taken.effort = list(recording.sim.atlas_state.effort)
     taken.k_effort = [0] * 28
     taken.k_effort[AtlasState.l_leg_hpz : AtlasState.l_leg_akx + 1] = [255] * 6
     recording.sim.publish(taken)

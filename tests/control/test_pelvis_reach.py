@@ -36,9 +36,7 @@ class Case:
     upper: object
 
     def clamp(self, **wish):
-        return self.reach.clamp(
-            HOME._replace(**wish), HOME, self.stance, self.upper
-        )
+        return self.reach.clamp(HOME._replace(**wish), HOME, self.stance, self.upper)
 
     def allows(self, pose):
         return self.reach.allows(pose, self.stance, self.upper)
@@ -114,7 +112,7 @@ def test_the_hips_turn_no_further_than_their_stops(model, case):
 
 def test_feet_far_apart_bring_home_down(model, standing, case):
     feet = [FootPose(foot.p_WF, foot.R_WF) for foot in standing.feet]
-    feet[0] = FootPose(feet[0].p_WF + [0.4, 0.15, 0.0], feet[0].R_WF)
+    feet[0] = FootPose(feet[0].p_WF + np.array([0.4, 0.15, 0.0]), feet[0].R_WF)
     stance = stance_of(model.robot, feet)
     assert not case.reach.allows(HOME, stance, case.upper)
     home = case.reach.attainable(HOME, stance, case.upper)
@@ -127,10 +125,10 @@ def test_the_upper_body_leans_with_the_pelvis(model, case, standing):
     # A forward pitch drives the pelvis back, by about what the trunk comes forward.
     pose = HOME._replace(pitch=0.4)
     R_WP = case.stance.R_WP(pose)
-    p_WP = case.reach._p_WP(
+    p_WP = case.reach.pelvis_position(
         pose, case.stance, R_WP, case.stance.com(pose), case.upper
     )
-    upright = case.reach._p_WP(
+    upright = case.reach.pelvis_position(
         HOME, case.stance, np.eye(3), case.stance.com(HOME), case.upper
     )
     lever = case.upper.p_PU[2] * math.sin(0.4)

@@ -38,9 +38,7 @@ def test_speed_and_acceleration_are_bounded_wherever_the_goal_jumps(goals, secon
     position = np.array([motion.position[0] for motion in path])
     np.testing.assert_allclose(np.diff(position), velocity[1:] * DT, atol=1e-12)
     acceleration = np.array([motion.acceleration[0] for motion in path])
-    np.testing.assert_allclose(
-        np.diff(velocity), acceleration[1:] * DT, atol=1e-12
-    )
+    np.testing.assert_allclose(np.diff(velocity), acceleration[1:] * DT, atol=1e-12)
 
 
 @given(goals=st.lists(PLACES, min_size=1, max_size=4), seconds=st.floats(0.1, 2.0))
