@@ -102,7 +102,7 @@ class PelvisReach:
         if stance.support.distance_outside(com) > -self.limits.com_margin:
             return False
         R_WP = stance.R_WP(pose)
-        p_WP = self.pelvis_position(pose, stance, R_WP, com, upper)
+        p_WP = self.pelvis_position(pose, stance, upper)
         loads = self._loads(pose, stance)
         # The centre of pressure lies on both soles as the centre of mass lies
         # between them.
@@ -206,19 +206,14 @@ class PelvisReach:
         return best
 
     def pelvis_position(
-        self,
-        pose: PelvisPose,
-        stance: Stance,
-        R_WP: np.ndarray,
-        com: np.ndarray,
-        upper: UpperBody,
+        self, pose: PelvisPose, stance: Stance, upper: UpperBody
     ) -> np.ndarray:
-        """Where the pelvis must be for the centre of mass to be at ``com``."""
+        """Where in W the pelvis is when the centre of mass is where ``pose`` says."""
         legs = self._legs_share
-        p_PU_W = R_WP @ upper.p_PU
+        p_PU_W = stance.R_WP(pose) @ upper.p_PU
         ankles = self._ankles(stance)
         known = (1.0 - legs) * p_PU_W + legs * (1.0 - LEGS_COM) * ankles
-        place = (com - known[:2]) / (1.0 - legs + legs * LEGS_COM)
+        place = (stance.com(pose) - known[:2]) / (1.0 - legs + legs * LEGS_COM)
         return np.append(place, stance.middle[2] + pose.height)
 
     def _ankles(self, stance: Stance) -> np.ndarray:
