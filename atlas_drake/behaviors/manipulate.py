@@ -25,7 +25,7 @@ from atlas_drake.control.pelvis_pose import (
     Stance,
     make_stance,
 )
-from atlas_drake.control.pelvis_reach import PelvisReach
+from atlas_drake.control.pelvis_reach import PelvisReach, UpperBody
 from atlas_drake.control.rotations import tilt_of
 from atlas_drake.control.smooth_motion import at_rest
 from atlas_drake.messages import (
@@ -39,6 +39,9 @@ from atlas_drake.messages import (
 FOOT_SLIP = 0.002
 """A sole that moved this far since it was noted is noted anew [m]. Small, because all
 poses are relative to the soles."""
+ARMS_MOVED = 0.01
+"""The wish is clamped anew when what is above the legs has moved its centre of mass
+this far in the pelvis frame, as when the user's arms reach out [m]."""
 HOME = 0.002
 """STAND follows when the reference is this near to its pose [m], [rad]."""
 
@@ -53,6 +56,7 @@ class ManipulateMemory:
         goal: The pose that is pursued.
         home: STAND's pose, where all reaching out begins and ends.
         motion: The reference on its way to the goal.
+        upper: Trunk and arms as they were when the goal was found.
         sensed: The pose that the robot is in.
         heard: The last command listened to.
         demo_time: Since the demo began [s]; None without demo.
@@ -65,6 +69,7 @@ class ManipulateMemory:
     goal: PelvisPose
     home: PelvisPose
     motion: PelvisMotion
+    upper: UpperBody
     sensed: PelvisPose
     heard: AtlasSimInterfaceCommand | None = None
     demo_time: float | None = None
@@ -112,6 +117,7 @@ class Manipulate:
             goal=pose,
             home=self._home(seen, stance),
             motion=motion,
+            upper=self._reach.upper_body(seen.terms, stance),
             sensed=stance.measure(seen.terms),
         )
         return self._pursue(self._listen(memory, seen, request), seen)
@@ -132,7 +138,7 @@ class Manipulate:
             memory = replace(memory, goal=home, demo_time=None, heard=None)
         elif request is not memory.heard:
             memory = self._pursue(self._listen(memory, seen, request), seen)
-        elif waited and not waits:
+        elif (waited and not waits) or self._arms_moved(memory, seen):
             memory = self._pursue(memory, seen)
         if self._slipped(memory.stance, seen):
             memory = replace(memory, stance=self._note_feet(seen))
@@ -218,7 +224,12 @@ class Manipulate:
         home = self._home(seen, memory.stance)
         home = self._reach.attainable(home, memory.stance, upper)
         goal = self._reach.clamp(memory.wish, home, memory.stance, upper)
-        return replace(memory, home=home, goal=goal)
+        return replace(memory, home=home, goal=goal, upper=upper)
+
+    def _arms_moved(self, memory: ManipulateMemory, seen: Observation) -> bool:
+        upper = self._reach.upper_body(seen.terms, memory.stance)
+        moved = upper.p_PU - memory.upper.p_PU
+        return float(moved @ moved) > ARMS_MOVED**2
 
     # ---- references ----------------------------------------------------------
 
