@@ -22,6 +22,7 @@ import source_docs
 from atlas_drake import errors, messages
 from atlas_drake.behaviors import base, supervisor, transitions
 from atlas_drake.control.gains import ControlGains
+from atlas_drake.control.whole_body_model import WholeBodyModel
 from atlas_drake.messages import Behavior, Message
 from atlas_drake.robot import load_robot
 
@@ -197,8 +198,8 @@ def index_page(pages: list[str]) -> str:
 
 def all_pages() -> dict[str, str]:
     """Every page by its path below the reference folder."""
-    robot = load_robot()
-    behaviors = supervisor.Supervisor(robot, ControlGains(), 1.0).behaviors
+    model = WholeBodyModel(load_robot())
+    behaviors = supervisor.Supervisor(model, ControlGains(), 1.0).behaviors
     pages = {
         f"{name}.md": message_page(name, cls) for name, cls in all_messages().items()
     }

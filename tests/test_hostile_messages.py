@@ -50,9 +50,9 @@ spoiled_arrays = st.one_of(
     nonsense,
     st.lists(st.floats(), min_size=1, max_size=5),
     st.integers(1, 60).filter(lambda n: n != 28).map(lambda n: [0.0] * n),
-    st.tuples(st.integers(0, 27), nonsense.filter(lambda x: not isinstance(x, bool))).map(
-        lambda pick: [*([0] * pick[0]), pick[1], *([0] * (27 - pick[0]))]
-    ),
+    st.tuples(
+        st.integers(0, 27), nonsense.filter(lambda x: not isinstance(x, bool))
+    ).map(lambda pick: [*([0] * pick[0]), pick[1], *([0] * (27 - pick[0]))]),
     st.just(np.full(28, np.nan)),
     st.just(np.zeros((28, 1))),
 )

@@ -22,16 +22,23 @@ from atlas_drake.behaviors.body_reference import (
 )
 from atlas_drake.behaviors.freeze import Freeze
 from atlas_drake.behaviors.idle import Idle
+from atlas_drake.behaviors.manipulate import Manipulate
 from atlas_drake.behaviors.stand import Stand
-from atlas_drake.behaviors.transitions import IMPLEMENTED, EntryLimits, refusal
+from atlas_drake.behaviors.transitions import (
+    IMPLEMENTED,
+    LEAVES_IN_ORDER,
+    EntryLimits,
+    refusal,
+)
 from atlas_drake.behaviors.walk import Walk
 from atlas_drake.commands import BehaviorRequest
 from atlas_drake.control.gains import ControlGains
+from atlas_drake.control.pelvis_reach import PelvisReach
 from atlas_drake.control.whole_body_command import WholeBodyCommand
+from atlas_drake.control.whole_body_model import WholeBodyModel
 from atlas_drake.errors import ErrorCode
 from atlas_drake.frozen import replace
 from atlas_drake.messages import AtlasSimInterfaceState, Behavior, BehaviorStatus
-from atlas_drake.robot import Robot
 
 KEPT_EVENTS = 200
 """How many events the state keeps; whoever wants all of them reads in time."""
@@ -93,8 +100,11 @@ class SupervisorState:
 class Supervisor:
     """Owns one object per behaviour."""
 
-    def __init__(self, robot: Robot, gains: ControlGains, nominal_height: float):
+    def __init__(
+        self, model: WholeBodyModel, gains: ControlGains, nominal_height: float
+    ):
         """Takes the height of the CoM above the soles when standing [m]."""
+        robot = model.robot
         balance = Balance(robot, gains)
         rates = BodyRates()
         stand = Stand(balance, nominal_height, rates)
@@ -111,6 +121,9 @@ class Supervisor:
             Behavior.STAND_PREP: stand,
             Behavior.STAND: stand,
             Behavior.WALK: Walk(balance, nominal_height, rates),
+            Behavior.MANIPULATE: Manipulate(
+                balance, PelvisReach(model), nominal_height, rates
+            ),
         }
 
     @property
@@ -230,8 +243,8 @@ class Supervisor:
                 trans_to=target,
             )
             return _log(state, Event(seen.time, "refusal", text))
-        if state.current is Behavior.WALK and target is Behavior.STAND:
-            # Finish the step and catch; the walk says when it is done.
+        if state.current in LEAVES_IN_ORDER and target is Behavior.STAND:
+            # It comes to an end in good order, and says when it is done.
             return replace(
                 state,
                 desired=target,

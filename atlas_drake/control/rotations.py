@@ -36,10 +36,35 @@ def rotation_z(yaw: float) -> np.ndarray:
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
+def rotation_x(roll: float) -> np.ndarray:
+    """Rotation by ``roll`` [rad] about x, shape (3, 3)."""
+    c, s = math.cos(roll), math.sin(roll)
+    return np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
+
+
 def rotation_y(pitch: float) -> np.ndarray:
     """Rotation by ``pitch`` [rad] about y, shape (3, 3)."""
     c, s = math.cos(pitch), math.sin(pitch)
     return np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
+
+
+def tilt_of(R: np.ndarray) -> np.ndarray:
+    """Roll and pitch of a roll-pitch-yaw decomposition [rad], shape (2,)."""
+    pitch = math.asin(min(max(-R[2, 0], -1.0), 1.0))
+    return np.array([math.atan2(R[2, 1], R[2, 2]), pitch])
+
+
+def orientation(yaw: float, tilt: np.ndarray) -> np.ndarray:
+    """Roll, then pitch, then yaw about W's axes; the inverse of the above.
+
+    Args:
+        yaw: [rad]
+        tilt: Roll and pitch [rad], shape (2,).
+    """
+    R = rotation_z(yaw)
+    if tilt[0] == 0.0 and tilt[1] == 0.0:
+        return R
+    return R @ rotation_y(tilt[1]) @ rotation_x(tilt[0])
 
 
 def rotation_with_normal(yaw: float, normal: np.ndarray) -> np.ndarray:

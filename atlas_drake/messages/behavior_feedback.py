@@ -165,9 +165,17 @@ class AtlasBehaviorManipulateFeedback(Message):
     Attributes:
         status_flags: It has no flags of its own: 0.
         clamped: The pelvis pose that is really pursued.
+        internal_desired: The reference at this moment, on its way there.
+        internal_sensed: The pose that the robot is in.
     """
 
     status_flags: int = 0
     clamped: AtlasBehaviorPelvisServoParams = field(
+        default_factory=AtlasBehaviorPelvisServoParams
+    )
+    internal_desired: AtlasBehaviorPelvisServoParams = field(
+        default_factory=AtlasBehaviorPelvisServoParams
+    )
+    internal_sensed: AtlasBehaviorPelvisServoParams = field(
         default_factory=AtlasBehaviorPelvisServoParams
     )

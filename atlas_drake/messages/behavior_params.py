@@ -85,12 +85,14 @@ class AtlasBehaviorPelvisServoParams(Message):
     """A pose of the pelvis relative to the feet.
 
     Attributes:
-        pelvis_height: Height above the feet [m].
-        pelvis_yaw: Yaw from the mean yaw of the feet [rad].
-        pelvis_pitch: Pitch [rad].
-        pelvis_roll: Roll [rad].
-        com_v0: Offset of the center of mass along the line between the feet [m].
-        com_v1: Offset of the center of mass perpendicular to that line [m].
+        pelvis_height: Of the pelvis' origin above the mean of the soles [m].
+        pelvis_yaw: From the mean yaw of the feet, positive to the left [rad].
+        pelvis_pitch: Positive leans forward [rad].
+        pelvis_roll: Positive leans to the right [rad].
+        com_v0: Center of mass from the middle of the soles along the line between
+            them, positive to the left foot [m].
+        com_v1: The same perpendicular to that line, positive forward when the feet
+            are side by side [m].
     """
 
     pelvis_height: float = 0.8
@@ -106,11 +108,14 @@ class AtlasBehaviorManipulateParams(Message):
     """What MANIPULATE shall do.
 
     Attributes:
-        use_desired: Go to the desired pose; otherwise stay as the behavior began.
+        use_desired: Go to the desired pose; otherwise stay at the last one, or as the
+            behavior began.
         desired: The pose. What of it is out of reach is clamped and reported.
+        use_demo_mode: Ignore the desired pose and move the pelvis about.
     """
 
     use_desired: bool = False
     desired: AtlasBehaviorPelvisServoParams = field(
         default_factory=AtlasBehaviorPelvisServoParams
     )
+    use_demo_mode: bool = False

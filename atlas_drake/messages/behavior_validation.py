@@ -15,7 +15,13 @@ from atlas_drake.messages.behavior_params import (
     AtlasBehaviorStepParams,
     AtlasBehaviorWalkParams,
 )
-from atlas_drake.messages.checks import check_flag, check_kind, check_number, is_whole
+from atlas_drake.messages.checks import (
+    MAX_INDEX,
+    check_flag,
+    check_kind,
+    check_number,
+    is_whole,
+)
 from atlas_drake.messages.geometry import Pose, Quaternion, Vector3
 
 FEET = {0: "left", 1: "right"}
@@ -91,6 +97,7 @@ def check_manipulate_params(params: AtlasBehaviorManipulateParams) -> None:
     """
     check_kind(params, AtlasBehaviorManipulateParams, "manipulate_params")
     check_flag(params.use_desired, "manipulate_params.use_desired")
+    check_flag(params.use_demo_mode, "manipulate_params.use_demo_mode")
     field = "manipulate_params.desired"
     check_kind(params.desired, AtlasBehaviorPelvisServoParams, field)
     for name in _PELVIS_FIELDS:
@@ -100,9 +107,8 @@ def check_manipulate_params(params: AtlasBehaviorManipulateParams) -> None:
 def _check_step(step: AtlasBehaviorStepData, field: str) -> int:
     """Check a step and return its index; of an empty one nothing else is read."""
     check_kind(step, AtlasBehaviorStepData, field)
-    if not is_whole(step.step_index) or (
-        step.step_index < 1 and step.step_index != NO_STEP
-    ):
+    index = step.step_index
+    if not is_whole(index) or not (1 <= index <= MAX_INDEX or index == NO_STEP):
         raise InvalidMessageError(
             f"{field}.step_index",
             step.step_index,

@@ -30,7 +30,7 @@ def test_behaviors_are_known_by_name_in_any_case_and_by_number(record, spelling)
     assert recording.looks[-1].report.current_behavior is Behavior.FREEZE
 
 
-@pytest.mark.parametrize("behavior", ["STEP", "manipulate"])
+@pytest.mark.parametrize("behavior", ["STEP"])
 def test_what_is_not_built_leaves_the_robot_standing(record, behavior):
     recording = record()
     recording.ask(behavior)

@@ -11,10 +11,13 @@ from pydrake.math import RollPitchYaw, RotationMatrix
 
 from atlas_drake.control.rotations import (
     mean_yaw,
+    orientation,
     rotation_error,
     rotation_with_normal,
+    rotation_x,
     rotation_y,
     rotation_z,
+    tilt_of,
     wrap_angle,
     yaw_of,
 )
@@ -26,11 +29,22 @@ SMALL = st.floats(-3.0, 3.0)
 @given(angle=ANGLES)
 def test_elementary_rotations_are_drakes(angle):
     np.testing.assert_allclose(
+        rotation_x(angle), RotationMatrix.MakeXRotation(angle).matrix(), atol=1e-14
+    )
+    np.testing.assert_allclose(
         rotation_z(angle), RotationMatrix.MakeZRotation(angle).matrix(), atol=1e-14
     )
     np.testing.assert_allclose(
         rotation_y(angle), RotationMatrix.MakeYRotation(angle).matrix(), atol=1e-14
     )
+
+
+@given(yaw=SMALL, pitch=st.floats(-1.5, 1.5), roll=SMALL)
+def test_orientation_is_roll_pitch_yaw_and_tilt_takes_it_apart(yaw, pitch, roll):
+    R = orientation(yaw, np.array([roll, pitch]))
+    expected = RotationMatrix(RollPitchYaw(roll, pitch, yaw)).matrix()
+    np.testing.assert_allclose(R, expected, atol=1e-12)
+    np.testing.assert_allclose(tilt_of(R), [roll, pitch], atol=1e-7)
 
 
 @given(angle=ANGLES)
