@@ -14,6 +14,8 @@ import textwrap
 from types import ModuleType
 from typing import Any
 
+from atlas_drake.messages import Message
+
 
 def paragraphs(text: str | None) -> str:
     """A docstring as Markdown: code marks and indented blocks as they should be."""
@@ -87,10 +89,11 @@ def defaults(cls: type) -> dict[str, Any]:
 
 
 def is_parameter_set(value: object) -> bool:
-    """Whether it is a dataclass of numbers with a default for each."""
+    """Whether it is a dataclass of numbers with a default for each, and no message."""
     return (
         inspect.isclass(value)
         and dataclasses.is_dataclass(value)
+        and not issubclass(value, Message)
         and len(dataclasses.fields(value)) > 0
         and all(isinstance(v, int | float) for v in defaults(value).values())
     )

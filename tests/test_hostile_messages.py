@@ -183,7 +183,6 @@ def test_hostile_messages_are_refused_and_change_nothing(behavior, letters):
         force, number = sim._output("commands"), len(sim.events)
         with pytest.raises(InvalidMessageError) as caught:
             sim.publish(message)
-            print("accepted:", message)
         sim.advance(0.004 + wait)
         after = sim._output("commands")
         assert after.joints is force.joints
