@@ -156,6 +156,8 @@ def robot_in(behavior):
             steps_ahead(sim, command)
         sim.publish(command)
         sim.advance(0.02)
+    if behavior in (Behavior.STAND, Behavior.STAND_PREP):
+        sim.advance(2.0)
     assert sim.current_behavior is behavior
     return sim
 
