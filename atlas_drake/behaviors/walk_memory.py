@@ -13,6 +13,7 @@ from atlas_drake.control.dcm_plan import DcmPlan
 from atlas_drake.control.footstep import FootPose, Footstep
 from atlas_drake.control.support_polygon import SupportPolygon
 from atlas_drake.control.swing_foot import Swing
+from atlas_drake.messages import AtlasBehaviorWalkParams
 
 
 class Phase(Enum):
@@ -66,7 +67,8 @@ class WalkMemory:
         support: Where the CoP may lie.
         omega: Natural frequency used in the plan [1/s].
         next_index: Index of the next step to begin.
-        seen_queue: The queue that was last read, to notice a new one.
+        seen_params: What was last read of the messages, to notice a new one.
+        inconsistent: The walk ends because one foot was to step twice.
     """
 
     phase: Phase
@@ -84,7 +86,8 @@ class WalkMemory:
     support: SupportPolygon
     omega: float
     next_index: int
-    seen_queue: object
+    seen_params: AtlasBehaviorWalkParams
+    inconsistent: bool = False
 
     @property
     def swinging(self) -> bool:
@@ -102,6 +105,11 @@ class WalkMemory:
         """The same step as it was sent."""
         assert self.commanded is not None
         return self.commanded
+
+    @property
+    def last_foot(self) -> int | None:
+        """The foot that steps now or has stepped last, if any."""
+        return None if self.current is None else self.current.foot
 
     @property
     def flight(self) -> Swing:
