@@ -34,6 +34,11 @@ class SwingProfile:
     climb_share: float = 0.6
     """Share of the swing in which a difference in height is overcome: the first one
     upwards, the last one downwards, which keeps the sole off the edge [-]."""
+    edge_share: float = 0.2
+    """Share of the swing at that end in which the foot keeps still horizontally, when
+    there is an edge between the ends [-]."""
+    edge_height: float = 0.04
+    """Difference in height from which on an edge is one in full [m]."""
 
 
 @dataclass(frozen=True)
@@ -87,13 +92,16 @@ def advance_swing(
 ) -> tuple[Swing, SwingReference]:
     """Moves the swing on by ``dt`` [s] towards ``target``."""
     elapsed = swing.elapsed + dt
-    if elapsed < swing.duration:
+    begin, end = _horizontal_window(swing, target, profile)
+    if elapsed < begin:
+        xy, velocity, acceleration = swing.xy, np.zeros(2), np.zeros(2)
+    elif elapsed < end:
         xy, velocity, acceleration = _quintic_step(
             swing.xy,
             swing.xy_velocity,
             swing.xy_acceleration,
             target.p_WF[:2],
-            max(swing.remaining, 2.0 * dt),
+            max(end - swing.elapsed, 2.0 * dt),
             dt,
         )
     else:
@@ -106,6 +114,21 @@ def advance_swing(
         xy_acceleration=acceleration,
     )
     return moved, _reference(moved, target, profile)
+
+
+def _horizontal_window(
+    swing: Swing, target: Footstep, profile: SwingProfile
+) -> tuple[float, float]:
+    """When the foot begins and ends to move horizontally, in time since lift-off [s].
+
+    Up an edge it rises first, down an edge it sinks last.
+    """
+    climb = float(target.p_WF[2] - swing.start.p_WF[2])
+    edge = min(abs(climb) / profile.edge_height, 1.0)
+    still = profile.edge_share * edge * swing.duration
+    if climb > 0.0:
+        return still, swing.duration
+    return 0.0, swing.duration - still
 
 
 def _reference(swing: Swing, target: Footstep, profile: SwingProfile) -> SwingReference:
