@@ -52,8 +52,8 @@ from atlas_drake.messages import (
 )
 
 _UPRIGHT = np.zeros(2)
-REACH = 0.02
-"""The lower leg stretches by this much when both feet are down [m]."""
+REACH = 0.03
+"""The lower leg stretches by this much where the ground is uneven [m]."""
 
 
 class Walk:
@@ -388,9 +388,9 @@ class Walk:
     def _body_target(self, memory: WalkMemory) -> BodyTarget:
         left, right = feet_to_come(memory)
         low, high = sorted([float(left.p_WF[2]), float(right.p_WF[2])])
-        # A foot that swings up or down meets its ground with the knees bent; with both
-        # feet down the lower leg is the one that must reach.
-        ground = low if memory.swinging else min(0.5 * (low + high), low + REACH)
+        # With one foot above the other, or on its way there, both legs shall reach the
+        # ground without bending the upper one more than need be.
+        ground = min(0.5 * (low + high), low + REACH)
         return BodyTarget(
             height=ground + self._nominal_height,
             yaw=mean_yaw(left.yaw, right.yaw),
