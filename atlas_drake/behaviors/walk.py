@@ -80,6 +80,9 @@ class Walk:
         self._adjustment = adjustment or StepAdjustmentLimits()
         self._profile = profile or SwingProfile()
         self._rules = rules or WalkRules()
+        self._knees = [
+            balance.robot.joint_index(f"{side}_leg_kny") for side in ("l", "r")
+        ]
         self._touchdown_force = self._rules.touchdown_force * balance.weight
 
     def enter(
@@ -242,7 +245,8 @@ class Walk:
         if not self._coming(memory):
             return self._settle(memory), ()
         late = memory.elapsed - memory.duration
-        if late < self._rules.longest_wait and not self._ready(memory, seen):
+        patient = late < self._rules.longest_wait and not self._straight(memory, seen)
+        if patient and not self._ready(memory, seen):
             # Hold the plan at the moment of lift-off until the DCM is there.
             return replace(memory, plan_time=memory.plan_time - seen.dt), ()
         return self._lift_off(memory, seen), ()
@@ -253,6 +257,16 @@ class Walk:
             memory.plan.evaluate(memory.plan_time).dcm
         )
         return float(np.hypot(*error)) < self._rules.dcm_ready
+
+    def _straight(self, memory: WalkMemory, seen: Observation) -> bool:
+        """Whether the leg that is to leave is at its full length.
+
+        Planted, it holds the pelvis back, so that no waiting brings the DCM nearer.
+        """
+        foot = memory.unloading
+        return foot is not None and (
+            float(seen.terms.q[self._knees[foot]]) < self._rules.straight_knee
+        )
 
     def _lift_off(self, memory: WalkMemory, seen: Observation) -> WalkMemory:
         # Since touchdown the soles have come to lie flat under their load.
