@@ -318,6 +318,7 @@ class Walk:
                 "commanded": [*map(float, sent.p_WF[:2]), float(sent.yaw)],
                 "saturated": [*map(float, step.p_WF[:2]), float(step.yaw)],
                 "landed": [*map(float, landed.p_WF[:2]), float(landed.yaw)],
+                "landed_height": float(landed.p_WF[2]),
                 "error_m": landing_error(sent, landed),
             },
         )

@@ -31,10 +31,10 @@ class SwingProfile:
     toe_down: float = 1.6
     """Pitch of the toes at the apex per metre of swing height [rad/m]; climbing does
     without it, lest the toes catch the edge."""
-    climb_share: float = 0.6
+    climb_share: float = 0.5
     """Share of the swing in which a difference in height is overcome: the first one
     upwards, the last one downwards, which keeps the sole off the edge [-]."""
-    edge_share: float = 0.2
+    edge_share: float = 0.25
     """Share of the swing at that end in which the foot keeps still horizontally, when
     there is an edge between the ends [-]."""
     edge_height: float = 0.04
@@ -96,13 +96,14 @@ def advance_swing(
     if elapsed < begin:
         xy, velocity, acceleration = swing.xy, np.zeros(2), np.zeros(2)
     elif elapsed < end:
+        since = max(swing.elapsed, begin)
         xy, velocity, acceleration = _quintic_step(
             swing.xy,
             swing.xy_velocity,
             swing.xy_acceleration,
             target.p_WF[:2],
-            max(end - swing.elapsed, 2.0 * dt),
-            dt,
+            max(end - since, 2.0 * dt),
+            elapsed - since,
         )
     else:
         xy, velocity, acceleration = swing.xy, np.zeros(2), np.zeros(2)

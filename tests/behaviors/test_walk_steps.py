@@ -31,9 +31,7 @@ TILTED = np.array([math.sin(PITCH), 0.0, math.cos(PITCH)])
 
 
 def step(z, *, relative=False, normal=TILTED):
-    return Footstep(
-        1, LEFT, np.array([0.4, 0.1, z]), 0.0, 0.63, 0.1, normal, relative
-    )
+    return Footstep(1, LEFT, np.array([0.4, 0.1, z]), 0.0, 0.63, 0.1, normal, relative)
 
 
 @pytest.mark.parametrize("rise", [-0.1, -0.05, 0.0, 0.05, 0.1])
