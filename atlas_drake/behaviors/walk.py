@@ -30,6 +30,7 @@ from atlas_drake.behaviors.walk_steps import (
     steps_asked_for,
 )
 from atlas_drake.control import tasks
+from atlas_drake.control.dcm_plan import DcmReference
 from atlas_drake.control.footstep import (
     Footstep,
     StepLimits,
@@ -155,7 +156,7 @@ class Walk:
         command = self._balance.command(
             seen,
             body,
-            memory.plan.evaluate(memory.plan_time),
+            self._reference(memory),
             memory.omega,
             memory.support,
             self._feet(memory, seen, swing_reference),
@@ -400,6 +401,13 @@ class Walk:
         memory = self._replan(memory, cop, memory.duration)
         return replace(memory, plan_time=plan_time)
 
+    def _reference(self, memory: WalkMemory) -> DcmReference:
+        """The plan at this moment; where it waits, the DCM rests over the CoP."""
+        reference = memory.plan.evaluate(memory.plan_time)
+        if memory.waiting:
+            return replace(reference, cop=reference.dcm)
+        return reference
+
     def _body_target(self, memory: WalkMemory) -> BodyTarget:
         left, right = feet_to_come(memory)
         low, high = sorted([float(left.p_WF[2]), float(right.p_WF[2])])
@@ -426,7 +434,7 @@ class Walk:
             feet[foot] = balance.swinging(seen, foot, swing_reference)
             return feet[0], feet[1]
         loads = [FULL_LOAD, FULL_LOAD]
-        if memory.unloading is not None:
+        if memory.unloading is not None and not memory.waiting:
             left_share = 1.0 - memory.elapsed / memory.duration
             unload = min(max(left_share / self._rules.unload_share, 0.01), 1.0)
             loads[memory.unloading] = unload

@@ -97,6 +97,13 @@ class WalkMemory:
         return self.phase is Phase.SWING
 
     @property
+    def waiting(self) -> bool:
+        """Whether both feet are down longer than planned, until the DCM is ready."""
+        return (
+            self.phase in (Phase.SHIFT, Phase.TRANSFER) and self.elapsed > self.duration
+        )
+
+    @property
     def step(self) -> Footstep:
         """The step being taken or taken last; there is one once a foot has lifted."""
         assert self.current is not None

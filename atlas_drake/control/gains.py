@@ -25,7 +25,7 @@ class QpWeights:
 
     com: float = 100.0
     """Centre of mass, horizontal, through the contact forces [1/(m/s²)²]."""
-    com_height: float = 50.0
+    com_height: float = 60.0
     """Likewise upright: less, for where a knee is at its limit the robot shall rather
     sink than lose its balance [1/(m/s²)²]."""
     pelvis_orientation: float = 2.0
