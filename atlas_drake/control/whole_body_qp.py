@@ -265,7 +265,7 @@ class _Layout:
             self.regularization[start : start + 3] = weights.contact_moment
             self.regularization[start + 3 : start + 6] = weights.contact_force
             com[:, start + 3 : start + 6] = np.eye(3) / robot.mass
-        self.com_gradient = weights.com * com.T
+        self.com_gradient = com.T * [weights.com, weights.com, weights.com_height]
         self.com_hessian = self.com_gradient @ com
 
     def cone_rows(self, k: int) -> slice:

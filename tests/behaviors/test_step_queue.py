@@ -7,7 +7,6 @@ import pytest
 
 from atlas_drake.behaviors.step_queue import (
     NO_STEP,
-    alternating,
     footstep_from,
     merge,
     next_runs,
@@ -116,20 +115,3 @@ def test_next_runs_stops_at_a_gap():
     assert indices(next_runs(pending, 6)) == [6, 7]
     assert next_runs(pending, 5) == ()
     assert next_runs((), 1) == ()
-
-
-@pytest.mark.parametrize(
-    ("feet", "last", "expected"),
-    [
-        ([], None, True),
-        ([LEFT, RIGHT, LEFT], None, True),
-        ([LEFT, RIGHT, LEFT], RIGHT, True),
-        ([LEFT, RIGHT, LEFT], LEFT, False),
-        ([LEFT, LEFT], None, False),
-        ([LEFT, RIGHT, RIGHT], None, False),
-        ([RIGHT], RIGHT, False),
-    ],
-)
-def test_alternating(feet, last, expected):
-    steps = tuple(step(number, foot) for number, foot in enumerate(feet, 1))
-    assert alternating(steps, last) is expected
