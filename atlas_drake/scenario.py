@@ -15,6 +15,7 @@ from atlas_drake.errors import InvalidMessageError, ScenarioError
 from atlas_drake.messages import Behavior, behavior_from
 from atlas_drake.noise import NOISE_MODELS
 from atlas_drake.robot import DEFAULT_ROBOT, available_robots
+from atlas_drake.terrain import Block
 
 PHYSICS_STEPS = (0.0005, 0.001, 0.002)
 """Physics steps on offer [s]."""
@@ -37,6 +38,16 @@ class Jitter:
     """Of each joint [rad]."""
     mass: float = 0.0
     """Of each link's mass and inertia, as a share of what the controller believes."""
+
+
+@dataclass
+class Start:
+    """Where the robot begins, on its feet on whatever terrain is there."""
+
+    position: list[float] = field(default_factory=lambda: [0.0, 0.0])
+    """Of the pelvis along x and y in W [m]."""
+    yaw: float = 0.0
+    """Heading [rad]."""
 
 
 @dataclass
@@ -63,6 +74,10 @@ class Scenario:
     """Coefficient of the ground."""
     friction_jitter: float = 0.0
     """Half width of a uniform change of it."""
+    terrain: list[Block] = field(default_factory=list)
+    """Boxes on the level ground at z = 0."""
+    start: Start = field(default_factory=Start)
+    """Where the robot begins."""
     noise: str = "none"
     """Sensor noise, a name from NOISE_MODELS."""
     seed: int = 0
@@ -111,6 +126,17 @@ class Scenario:
                 "friction_jitter",
                 self.friction_jitter,
                 f"must lie in 0..{self.ground_friction}, the ground's friction",
+            )
+        for index, block in enumerate(self.terrain):
+            block.validate(f"terrain[{index}]")
+        position = self.start.position
+        if len(position) != 2 or not np.isfinite(position).all():
+            raise ScenarioError(
+                "start.position", position, f"is {position!r}; must be two numbers"
+            )
+        if not np.isfinite(self.start.yaw):
+            raise ScenarioError(
+                "start.yaw", self.start.yaw, f"is {self.start.yaw!r}; must be a number"
             )
         return self
 

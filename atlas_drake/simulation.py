@@ -100,6 +100,7 @@ class AtlasSimulation:
             physics_step=self.scenario.physics_step,
             control_period=self.scenario.control_period,
             ground_friction=variation.ground_friction,
+            terrain=tuple(self.scenario.terrain),
             contact_approximation=self.scenario.contact_approximation,
             noise=NOISE_MODELS[self.scenario.noise],
             seed=self.scenario.seed,
@@ -117,7 +118,13 @@ class AtlasSimulation:
         self._controller = self.station.GetSubsystemByName("behavior_controller")
         self._controller.tick_seconds = []
         self.simulator = Simulator(self.diagram)
-        place_robot(self.plant, self._plant_context(), self.robot, variation)
+        place_robot(
+            self.plant,
+            self._plant_context(),
+            self.robot,
+            variation,
+            self.scenario.terrain,
+        )
         self.simulator.Initialize()
 
     # ---- commands ------------------------------------------------------------

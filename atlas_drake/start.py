@@ -5,7 +5,7 @@ Used once, before time starts; nothing here moves the robot afterwards.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,14 +16,15 @@ from pydrake.systems.framework import Context
 
 from atlas_drake.robot import Robot
 from atlas_drake.scenario import Scenario
+from atlas_drake.terrain import Block, surface_height
 
 
 @dataclass(frozen=True)
 class Variation:
-    """One draw of everything that a scenario jitters.
+    """Where the robot begins, and one draw of everything that a scenario jitters.
 
     Attributes:
-        position: Shift of the pelvis [m], shape (2,).
+        position: Of the pelvis, horizontal in W [m], shape (2,).
         rpy: Roll, pitch and yaw of the pelvis [rad], shape (3,).
         joints: Joint positions [rad], shape (n,).
         mass_factor: For each body by name.
@@ -49,9 +50,10 @@ def draw_variation(scenario: Scenario, robot: Robot) -> Variation:
     friction = scenario.ground_friction + random.uniform(
         -scenario.friction_jitter, scenario.friction_jitter
     )
+    start = scenario.start
     return Variation(
-        position=position,
-        rpy=rpy,
+        position=np.array(start.position) + position,
+        rpy=rpy + np.array([0.0, 0.0, start.yaw]),
         joints=np.clip(joints, robot.position_lower, robot.position_upper),
         mass_factor={
             name: 1.0 + random.uniform(-jitter.mass, jitter.mass)
@@ -62,9 +64,16 @@ def draw_variation(scenario: Scenario, robot: Robot) -> Variation:
 
 
 def place_robot(
-    plant: MultibodyPlant, context: Context, robot: Robot, variation: Variation
+    plant: MultibodyPlant,
+    context: Context,
+    robot: Robot,
+    variation: Variation,
+    terrain: Sequence[Block] = (),
 ) -> None:
-    """Puts the robot into its starting pose with its lowest sole on the ground."""
+    """Puts the robot into its starting pose, let down until a sole meets the ground.
+
+    Where boxes of the ``terrain`` lie above each other the highest surface counts.
+    """
     for name, factor in variation.mass_factor.items():
         if factor == 1.0:
             continue
@@ -84,9 +93,11 @@ def place_robot(
     pelvis = plant.GetBodyByName(robot.file.pelvis)
     R_WP = RollPitchYaw(variation.rpy).ToRotationMatrix()
     plant.SetFloatingBaseBodyPoseInWorldFrame(
-        context, pelvis, RigidTransform(R_WP, np.zeros(3))
+        context, pelvis, RigidTransform(R_WP, np.append(variation.position, 0.0))
     )
-    lowest = min(_corner_heights(plant, context, robot))
+    lowest = min(
+        z - surface_height(terrain, x, y) for x, y, z in _corners(plant, context, robot)
+    )
     plant.SetFloatingBaseBodyPoseInWorldFrame(
         context,
         pelvis,
@@ -94,13 +105,14 @@ def place_robot(
     )
 
 
-def _corner_heights(
+def _corners(
     plant: MultibodyPlant, context: Context, robot: Robot
-) -> Iterator[float]:
-    """Heights of the corners of both soles in W [m]."""
+) -> Iterator[tuple[float, float, float]]:
+    """Where the corners of both soles are in W [m]."""
     half_length, half_width = robot.file.sole.length / 2, robot.file.sole.width / 2
     for foot in robot.file.feet:
         X_WF = plant.GetFrameByName(foot.sole_frame).CalcPoseInWorld(context)
         for x in (-half_length, half_length):
             for y in (-half_width, half_width):
-                yield float((X_WF @ np.array([x, y, 0.0]))[2])
+                corner = X_WF @ np.array([x, y, 0.0])
+                yield float(corner[0]), float(corner[1]), float(corner[2])

@@ -6,7 +6,8 @@ Wiring only.
 
 from dataclasses import dataclass, field
 
-from pydrake.geometry import HalfSpace, SceneGraph
+import numpy as np
+from pydrake.geometry import Box, HalfSpace, SceneGraph
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import (
     AddMultibodyPlant,
@@ -26,6 +27,10 @@ from atlas_drake.systems.effort_selector import EffortSelector
 from atlas_drake.systems.joint_pid_bank import JointPidBank
 from atlas_drake.systems.robot_sensors import RobotSensors
 from atlas_drake.systems.run_statistics import RunStatistics
+from atlas_drake.terrain import Block
+
+BLOCK_COLOR = np.array([0.80, 0.70, 0.56, 1.0])
+"""Of the terrain's boxes, red, green, blue, alpha: light wood on the pale ground."""
 
 
 @dataclass(frozen=True)
@@ -36,6 +41,7 @@ class StationConfig:
         physics_step: Step of the plant and of the joint controllers [s].
         control_period: Step of the behaviours [s], a multiple of ``physics_step``.
         ground_friction: Coefficient of the ground.
+        terrain: Boxes on the ground.
         contact_approximation: Drake's name of how contact is solved.
         noise: Of the sensors.
         seed: Of that noise.
@@ -46,6 +52,7 @@ class StationConfig:
     physics_step: float = 0.001
     control_period: float = 0.002
     ground_friction: float = 0.9
+    terrain: tuple[Block, ...] = ()
     contact_approximation: str = "lagged"
     noise: NoiseModel = field(default_factory=NoiseModel)
     seed: int = 0
@@ -169,7 +176,7 @@ def make_atlas_station(
 def _add_world(
     builder: DiagramBuilder, robot: Robot, config: StationConfig
 ) -> tuple[MultibodyPlant, SceneGraph]:
-    """The plant with robot and level ground at z = 0."""
+    """The plant with robot, level ground at z = 0 and the terrain's boxes."""
     plant, scene_graph = AddMultibodyPlant(
         MultibodyPlantConfig(
             time_step=config.physics_step,
@@ -186,5 +193,20 @@ def _add_world(
     plant.RegisterCollisionGeometry(
         plant.world_body(), RigidTransform(), HalfSpace(), "ground", friction
     )
+    for number, block in enumerate(config.terrain):
+        _add_block(plant, block, f"terrain_{number}", config.ground_friction)
     plant.Finalize()
     return plant, scene_graph
+
+
+def _add_block(
+    plant: MultibodyPlant, block: Block, name: str, ground_friction: float
+) -> None:
+    """One box, to be stood on and to be seen."""
+    shape = Box(np.array(block.size))
+    coefficient = ground_friction if block.friction is None else block.friction
+    world = plant.world_body()
+    plant.RegisterCollisionGeometry(
+        world, block.X_WC, shape, name, CoulombFriction(coefficient, coefficient)
+    )
+    plant.RegisterVisualGeometry(world, block.X_WC, shape, name, BLOCK_COLOR)

@@ -1,0 +1,98 @@
+"""Terrain: boxes that lie on the level ground, and how high the surface is.
+
+Geometry and its checks; the plant and the 3D view get the boxes in ``diagrams``.
+"""
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+import numpy as np
+from pydrake.math import RigidTransform, RollPitchYaw
+
+from atlas_drake.errors import ScenarioError
+
+_PARALLEL = 1e-12
+"""A component of a unit vector below this leads along a face, not through it [-]."""
+
+
+@dataclass
+class Block:
+    """A box that does not move. Its frame T lies in the middle of the top face."""
+
+    size: list[float] = field(default_factory=lambda: [1.0, 1.0, 0.1])
+    """Along its own x, y and z [m]."""
+    position: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.1])
+    """Of the middle of the top face in W [m]."""
+    rpy: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
+    """Roll, pitch and yaw in W [rad]."""
+    friction: float | None = None
+    """Coefficient; that of the ground if left out."""
+
+    def validate(self, path: str) -> None:
+        """Checks every field.
+
+        Args:
+            path: Where the block is in its scenario, such as ``terrain[0]``.
+
+        Raises:
+            ScenarioError: Naming the first field that cannot be used.
+        """
+        for name in ("size", "position", "rpy"):
+            value = getattr(self, name)
+            if len(value) != 3 or not all(map(math.isfinite, value)):
+                raise ScenarioError(
+                    f"{path}.{name}", value, f"is {value!r}; must be three numbers"
+                )
+        if min(self.size) <= 0.0:
+            raise ScenarioError(
+                f"{path}.size", self.size, f"is {self.size!r}; must be positive"
+            )
+        friction = self.friction
+        if friction is not None and not (math.isfinite(friction) and friction > 0.0):
+            raise ScenarioError(
+                f"{path}.friction", friction, f"is {friction!r}; must be positive"
+            )
+
+    @property
+    def X_WT(self) -> RigidTransform:
+        """Pose of the top face, z along its normal."""
+        return RigidTransform(RollPitchYaw(np.array(self.rpy)), np.array(self.position))
+
+    @property
+    def X_WC(self) -> RigidTransform:
+        """Pose of the middle of the box."""
+        return self.X_WT @ RigidTransform(np.array([0.0, 0.0, -0.5 * self.size[2]]))
+
+
+def surface_height(terrain: Iterable[Block], x: float, y: float) -> float:
+    """Height of the highest surface above a point of the ground [m].
+
+    Args:
+        terrain: The boxes on the ground at z = 0.
+        x: Of the point in W [m].
+        y: Of the point in W [m].
+    """
+    heights = (_height_on(block, x, y) for block in terrain)
+    return max((z for z in heights if z is not None), default=0.0)
+
+
+def _height_on(block: Block, x: float, y: float) -> float | None:
+    """Where the vertical through (x, y) leaves the box [m]; None if it misses it.
+
+    The box is the intersection of three slabs. In each the vertical runs between two
+    heights; the box has what they have in common.
+    """
+    X_CW = block.X_WC.inverse()
+    foot = X_CW @ np.array([x, y, 0.0])
+    up = X_CW.rotation().matrix()[:, 2]
+    low, high = -math.inf, math.inf
+    for axis in range(3):
+        half, at, rate = 0.5 * block.size[axis], float(foot[axis]), float(up[axis])
+        if abs(rate) < _PARALLEL:
+            if abs(at) > half:
+                return None
+            continue
+        ends = sorted(((-half - at) / rate, (half - at) / rate))
+        low, high = max(low, ends[0]), min(high, ends[1])
+    return high if low <= high else None
