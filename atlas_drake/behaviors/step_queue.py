@@ -5,9 +5,8 @@ Order and indices only; whether a step can be reached is decided when it begins.
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
+from pydrake.math import RotationMatrix
 
 from atlas_drake.control.footstep import Footstep
 from atlas_drake.control.rotations import yaw_of
@@ -15,14 +14,12 @@ from atlas_drake.messages import NO_STEP, AtlasBehaviorStepData
 
 
 def footstep_from(data: AtlasBehaviorStepData) -> Footstep:
-    """The step that a message describes, its pose that of the sole frame in W.
-
-    Height and normal are not taken from the message: the ground is level.
-    """
+    """The step that a message describes, its pose that of the sole frame in W."""
     p = data.pose.position
     quaternion = data.pose.orientation.to_wxyz()
     w, x, y, z = quaternion / np.linalg.norm(quaternion)
     x_axis = np.array([[1.0 - 2.0 * (y * y + z * z)], [2.0 * (x * y + w * z)]])
+    z_axis = [2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)]
     return Footstep(
         index=int(data.step_index),
         foot=int(data.foot_index),
@@ -30,6 +27,7 @@ def footstep_from(data: AtlasBehaviorStepData) -> Footstep:
         yaw=yaw_of(x_axis),
         duration=float(data.duration),
         swing_height=float(data.swing_height),
+        normal=np.array(z_axis),
     )
 
 
@@ -42,8 +40,8 @@ def step_data_from(step: Footstep) -> AtlasBehaviorStepData:
     data.swing_height = step.swing_height
     position, orientation = data.pose.position, data.pose.orientation
     position.x, position.y, position.z = map(float, step.p_WF)
-    orientation.z = math.sin(0.5 * step.yaw)
-    orientation.w = math.cos(0.5 * step.yaw)
+    wxyz = RotationMatrix(step.pose.R_WF).ToQuaternion().wxyz()
+    orientation.w, orientation.x, orientation.y, orientation.z = map(float, wxyz)
     return data
 
 

@@ -7,7 +7,7 @@ x to the toes, z along the sole's normal. No messages, no timing of a gait.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -50,6 +50,7 @@ class Footstep:
         yaw: Heading of the toes on landing [rad].
         duration: From one touchdown to the next [s].
         swing_height: Apex of the swing above the higher of its ends [m].
+        normal: Of the ground there, a unit vector in W, shape (3,).
     """
 
     index: int
@@ -58,13 +59,12 @@ class Footstep:
     yaw: float
     duration: float
     swing_height: float
+    normal: np.ndarray = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
 
     @property
     def pose(self) -> FootPose:
-        """The landing pose on level ground."""
-        return FootPose(
-            self.p_WF, rotation_with_normal(self.yaw, np.array([0.0, 0.0, 1.0]))
-        )
+        """The landing pose."""
+        return FootPose(self.p_WF, rotation_with_normal(self.yaw, self.normal))
 
 
 @dataclass(frozen=True)
@@ -85,6 +85,8 @@ class StepLimits:
     """[m]"""
     rise: float = 0.10
     """Largest step up or down [m]."""
+    tilt: float = 0.0
+    """Steepest ground, from the level [rad]."""
     toe_out: float = 0.5
     """[rad]"""
     toe_in: float = 0.25
@@ -107,7 +109,8 @@ def outward(foot: int) -> float:
 def saturate(step: Footstep, stance: FootPose, limits: StepLimits) -> Footstep:
     """The step nearest to ``step`` that the robot can take from ``stance``.
 
-    Also lays the step on the level of the stance foot within ``limits.rise``.
+    Also lays the step on the level of the stance foot within ``limits.rise``, and its
+    ground within ``limits.tilt`` of the level.
     """
     R_WS = rotation_z(stance.yaw)
     sign = outward(step.foot)
@@ -126,11 +129,23 @@ def saturate(step: Footstep, stance: FootPose, limits: StepLimits) -> Footstep:
         step,
         p_WF=stance.p_WF + R_WS @ reach,
         yaw=stance.yaw + turn,
+        normal=_within_tilt(step.normal, limits.tilt),
         duration=_clip(step.duration, limits.min_duration, limits.max_duration),
         swing_height=_clip(
             step.swing_height, limits.min_swing_height, limits.max_swing_height
         ),
     )
+
+
+def _within_tilt(normal: np.ndarray, tilt: float) -> np.ndarray:
+    """The unit vector nearest to ``normal`` within ``tilt`` [rad] of the vertical."""
+    horizontal = math.hypot(normal[0], normal[1])
+    if math.atan2(horizontal, normal[2]) <= tilt:
+        return normal
+    if horizontal == 0.0:
+        return np.array([0.0, 0.0, 1.0])
+    across = math.sin(tilt) / horizontal
+    return np.array([across * normal[0], across * normal[1], math.cos(tilt)])
 
 
 def _clip(value: float, low: float, high: float) -> float:

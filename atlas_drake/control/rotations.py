@@ -68,6 +68,26 @@ def rotation_with_normal(yaw: float, normal: np.ndarray) -> np.ndarray:
     return np.column_stack([x, y, normal])
 
 
+def rotation_vector(R: np.ndarray) -> np.ndarray:
+    """Axis times angle of a rotation by less than half a turn [rad], shape (3,)."""
+    sine_axis = 0.5 * np.array([R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
+    sine = math.sqrt(sine_axis @ sine_axis)
+    if sine == 0.0:
+        return sine_axis
+    angle = math.atan2(sine, 0.5 * (R[0, 0] + R[1, 1] + R[2, 2] - 1.0))
+    return sine_axis * (angle / sine)
+
+
+def rotation_about(vector: np.ndarray) -> np.ndarray:
+    """Rotation about ``vector`` by its length [rad], shape (3, 3)."""
+    angle = math.sqrt(vector @ vector)
+    if angle == 0.0:
+        return np.eye(3)
+    x, y, z = (vector / angle).tolist()
+    K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.eye(3) + math.sin(angle) * K + (1.0 - math.cos(angle)) * (K @ K)
+
+
 def wrap_angle(angle: float) -> float:
     """The same angle in [-π, π) [rad]."""
     return (angle + math.pi) % (2.0 * math.pi) - math.pi

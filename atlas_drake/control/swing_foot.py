@@ -106,18 +106,18 @@ def advance_swing(
 
 def _reference(swing: Swing, target: Footstep, profile: SwingProfile) -> SwingReference:
     z, vz, az = _height(swing, target, profile)
-    s, ds, _ = _quintic_progress(swing.progress)
+    s, ds, _ = quintic_progress(swing.progress)
     rate = ds / swing.duration if swing.elapsed < swing.duration else 0.0
     turn = wrap_angle(target.yaw - swing.start.yaw)
-    bump, bump_rate, _ = _bump(swing.progress)
+    tipped, tip_rate, _ = bump(swing.progress)
     toes = profile.toe_down * target.swing_height
     yaw_now = swing.start.yaw + s * turn
-    pitch_rate = toes * bump_rate / swing.duration
+    pitch_rate = toes * tip_rate / swing.duration
     return SwingReference(
         p_WF=np.array([swing.xy[0], swing.xy[1], z]),
         v_WF=np.array([swing.xy_velocity[0], swing.xy_velocity[1], vz]),
         a_WF=np.array([swing.xy_acceleration[0], swing.xy_acceleration[1], az]),
-        R_WF=rotation_z(yaw_now) @ rotation_y(toes * bump),
+        R_WF=rotation_z(yaw_now) @ rotation_y(toes * tipped),
         w_WF=np.array(
             [
                 -math.sin(yaw_now) * pitch_rate,
@@ -137,8 +137,8 @@ def _height(
     if swing.elapsed >= T:
         late = swing.elapsed - T
         return z1 - profile.late_descent * late, -profile.late_descent, 0.0
-    s, ds, dds = _quintic_progress(swing.progress)
-    b, db, ddb = _bump(swing.progress)
+    s, ds, dds = quintic_progress(swing.progress)
+    b, db, ddb = bump(swing.progress)
     # The bump counts from the straight line between the ends; raise it so that the
     # apex clears the higher end by the full swing height.
     height = target.swing_height + 0.5 * abs(z1 - z0)
@@ -149,7 +149,7 @@ def _height(
     )
 
 
-def _bump(s: float) -> tuple[float, float, float]:
+def bump(s: float) -> tuple[float, float, float]:
     """64 s³(1-s)³ with its first and second derivative: 0 at both ends, 1 midway."""
     r = 1.0 - s
     p = s * r
@@ -160,7 +160,7 @@ def _bump(s: float) -> tuple[float, float, float]:
     )
 
 
-def _quintic_progress(s: float) -> tuple[float, float, float]:
+def quintic_progress(s: float) -> tuple[float, float, float]:
     """10s³ - 15s⁴ + 6s⁵ with its first and second derivative."""
     r = 1.0 - s
     return (
