@@ -21,13 +21,19 @@ LEGAL_TRANSITIONS: dict[Behavior, frozenset[Behavior]] = {
     Behavior.FREEZE: _ALWAYS | {Behavior.STAND_PREP, Behavior.STAND},
     Behavior.USER: _ALWAYS | {Behavior.STAND_PREP, Behavior.STAND},
     Behavior.STAND_PREP: _ALWAYS | {Behavior.STAND_PREP, Behavior.STAND},
-    Behavior.STAND: _ALWAYS | {Behavior.STAND_PREP, Behavior.STAND, Behavior.WALK},
+    Behavior.STAND: _ALWAYS
+    | {Behavior.STAND_PREP, Behavior.STAND, Behavior.WALK, Behavior.STEP},
     Behavior.WALK: _ALWAYS | {Behavior.STAND, Behavior.WALK},
+    Behavior.STEP: _ALWAYS | {Behavior.STAND, Behavior.STEP},
 }
-"""From each behaviour to those that may follow. WALK leads nowhere but to STAND."""
+"""From each behaviour to those that may follow. WALK and STEP begin and end in STAND."""
 
 IMPLEMENTED = frozenset(LEGAL_TRANSITIONS)
 """Behaviours that exist; the others are answered with BEHAVIOR_NOT_IMPLEMENTED."""
+
+
+_BALANCED = (Behavior.STAND, Behavior.WALK, Behavior.STEP)
+"""Behaviours that hand over to STAND when they have the robot at rest."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +58,7 @@ def refusal(
     """Why ``target`` cannot follow ``source`` now; OK when it can."""
     if target not in LEGAL_TRANSITIONS.get(source, _ALWAYS):
         return BehaviorStatus.FAILED_TRANS_ILLEGAL_BEHAVIOR
-    if target is not Behavior.STAND or source in (Behavior.STAND, Behavior.WALK):
+    if target is not Behavior.STAND or source in _BALANCED:
         return BehaviorStatus.OK
     terms = seen.terms
     support = balance.support(seen.foot_pose(0), seen.foot_pose(1))

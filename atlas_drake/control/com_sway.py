@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from atlas_drake.control.dcm_plan import DcmReference
-from atlas_drake.control.swing_foot import quintic_progress
+from atlas_drake.control.swing_foot import quintic_step
 
 PEAK_ACCELERATION = 10.0 / math.sqrt(3.0)
 """Of a quintic from rest to rest, over distance per duration squared [-]."""
@@ -20,15 +20,19 @@ PEAK_ACCELERATION = 10.0 / math.sqrt(3.0)
 
 @dataclass(frozen=True)
 class ComSway:
-    """The centre of mass moves from rest to rest.
+    """The centre of mass comes to rest over ``end``; all horizontal in W, shape (2,).
 
     Attributes:
-        start: Horizontal, in W [m], shape (2,).
-        end: Likewise.
+        start: Where it begins [m].
+        velocity: With which it begins [m/s].
+        acceleration: Likewise [m/s²].
+        end: Where it comes to rest [m].
         duration: [s], positive.
     """
 
     start: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
     end: np.ndarray
     duration: float
 
@@ -39,14 +43,26 @@ class ComSway:
             time: Since the beginning [s].
             omega: Natural frequency of the pendulum [1/s].
         """
-        T = self.duration
-        s, ds, dds = quintic_progress(min(max(time / T, 0.0), 1.0))
-        way = self.end - self.start
-        com = self.start + s * way
+        com, velocity, acceleration = self.motion(time)
         return DcmReference(
-            dcm=com + (ds / (T * omega)) * way,
-            cop=com - (dds / (T * omega) ** 2) * way,
+            dcm=com + velocity / omega, cop=com - acceleration / (omega * omega)
         )
+
+    def motion(self, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Position, velocity and acceleration at ``time`` [s]."""
+        return quintic_step(
+            self.start,
+            self.velocity,
+            self.acceleration,
+            self.end,
+            self.duration,
+            min(max(time, 0.0), self.duration),
+        )
+
+
+def sway_from_rest(start: np.ndarray, end: np.ndarray, duration: float) -> ComSway:
+    """A sway that begins at rest."""
+    return ComSway(start, np.zeros(2), np.zeros(2), end, duration)
 
 
 def sway_duration(distance: float, max_acceleration: float) -> float:

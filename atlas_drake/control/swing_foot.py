@@ -84,7 +84,7 @@ def advance_swing(
     """Moves the swing on by ``dt`` [s] towards ``target``."""
     elapsed = swing.elapsed + dt
     if elapsed < swing.duration:
-        xy, velocity, acceleration = _quintic_step(
+        xy, velocity, acceleration = quintic_step(
             swing.xy,
             swing.xy_velocity,
             swing.xy_acceleration,
@@ -170,7 +170,7 @@ def quintic_progress(s: float) -> tuple[float, float, float]:
     )
 
 
-def _quintic_step(
+def quintic_step(
     p: np.ndarray,
     v: np.ndarray,
     a: np.ndarray,

@@ -1,0 +1,436 @@
+"""STEP: one quasi-static step at a time, in any order of the feet.
+
+Phases: SWAY (weight over the foot that stays), SWING (lift, move, lower) and REST
+(weight back between the feet) until the next step is asked for. In single support the
+centre of mass stands still over the sole; nothing here depends on momentum.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from atlas_drake.behaviors.balance import FULL_LOAD, Balance
+from atlas_drake.behaviors.base import Event, Observation, Outcome
+from atlas_drake.behaviors.body_reference import (
+    BodyRates,
+    BodyReference,
+    BodyTarget,
+    advance_body,
+)
+from atlas_drake.behaviors.footstep_event import footstep_event
+from atlas_drake.behaviors.step_action import (
+    DesiredStep,
+    StepAction,
+    desired_step,
+    step_spec_from,
+)
+from atlas_drake.behaviors.step_memory import StepMemory, StepPhase, StepRules
+from atlas_drake.behaviors.step_queue import step_data_from
+from atlas_drake.control import tasks
+from atlas_drake.control.com_sway import ComSway, sway_duration, sway_from_rest
+from atlas_drake.control.footstep import FootPose, StepLimits, saturate
+from atlas_drake.control.leg_reach import (
+    highest_com,
+    hips_from_com,
+    knee_for_length,
+    leg_length,
+)
+from atlas_drake.control.rotations import mean_yaw
+from atlas_drake.control.step_swing import StepSwingProfile, plan_step_swing
+from atlas_drake.control.whole_body_command import FootCommand
+from atlas_drake.messages import (
+    NO_STEP,
+    AtlasSimInterfaceCommand,
+    AtlasSimInterfaceState,
+    StepStatus,
+)
+
+_UPRIGHT = np.zeros(2)
+
+STEP_LIMITS = StepLimits(
+    forward=0.42,
+    backward=0.36,
+    max_width=0.45,
+    rise=0.20,
+    tilt=0.25,
+    min_duration=0.1,
+    max_duration=20.0,
+    min_swing_height=0.0,
+    max_swing_height=0.60,
+)
+"""Wider than a walk's: there is time."""
+STEP_RATES = BodyRates(yaw=0.5)
+
+
+class Step:
+    """Takes one step after the other when it is told to."""
+
+    def __init__(
+        self,
+        balance: Balance,
+        nominal_height: float,
+        rates: BodyRates = STEP_RATES,
+        *,
+        limits: StepLimits = STEP_LIMITS,
+        profile: StepSwingProfile | None = None,
+        rules: StepRules | None = None,
+    ):
+        """Stands with the centre of mass ``nominal_height`` [m] above the soles."""
+        self._balance = balance
+        self._nominal_height = nominal_height
+        self._rates = rates
+        self._limits = limits
+        self._profile = profile or StepSwingProfile()
+        self._rules = rules or StepRules()
+        self._legs = balance.robot.legs
+        upright = balance.robot.stand_prep[self._legs.knees[0]]
+        self._nominal_leg = leg_length(self._legs, upright) - balance.gains.com_drop
+        self._default = StepAction(
+            knee_nominal=knee_for_length(self._legs, self._nominal_leg)
+        )
+
+    def enter(
+        self,
+        seen: Observation,
+        body: BodyReference,
+        request: AtlasSimInterfaceCommand,
+    ) -> StepMemory:
+        """Rests on both feet; the first step begins at the first tick."""
+        feet = (seen.foot_pose(0), seen.foot_pose(1))
+        support = self._balance.support(*feet)
+        start = support.clamp(tasks.dcm(seen.terms, self._omega(seen, feet)))
+        middle = 0.5 * (feet[0].p_WF + feet[1].p_WF)[:2]
+        return StepMemory(
+            phase=StepPhase.REST,
+            elapsed=0.0,
+            feet=feet,
+            support=support,
+            hips=hips_from_com(seen.terms, self._legs),
+            sway=sway_from_rest(start, middle, self._sway_time(start, middle)),
+            sway_time=0.0,
+        )
+
+    def update(
+        self,
+        memory: StepMemory,
+        seen: Observation,
+        body: BodyReference,
+        request: AtlasSimInterfaceCommand,
+        leaving: bool,
+    ) -> Outcome:
+        """One tick; ``leaving`` puts the foot in the air down and begins no step."""
+        memory = replace(
+            memory,
+            elapsed=memory.elapsed + seen.dt,
+            sway_time=memory.sway_time + seen.dt,
+            leaving=leaving and (memory.leaving or memory.in_air),
+        )
+        memory, events = self._look_at(memory, seen, request)
+        wanted = None if leaving else self._next(memory, request)
+        memory, landing = self._change_phase(memory, seen, wanted)
+        body = advance_body(
+            body,
+            self._body_target(memory),
+            self._rates,
+            seen.dt,
+            seen.terms.q,
+            seen.user_held,
+        )
+        omega = self._omega(seen, self._carrying(memory))
+        command = self._balance.command(
+            seen,
+            body,
+            memory.sway.evaluate(memory.sway_time, omega),
+            omega,
+            memory.support,
+            self._feet(memory, seen),
+        )
+        return Outcome(
+            memory=memory,
+            body=body,
+            command=command,
+            finished=leaving and self._may_stand(memory, seen),
+            status_flags=StepStatus.SUBSTATE_STEPPING
+            if memory.in_air
+            else StepStatus.SUBSTATE_SWAYING,
+            events=(*events, *landing),
+        )
+
+    def report(self, memory: StepMemory, state: AtlasSimInterfaceState) -> None:
+        """Indices and timing; the step as it is really taken."""
+        feedback = state.step_feedback
+        feedback.current_step_index = memory.index
+        feedback.next_step_index_needed = memory.index + 1
+        if memory.taken is None:
+            return
+        if memory.phase is not StepPhase.REST:
+            ahead = memory.flight.duration
+            if memory.phase is StepPhase.SWAY:
+                ahead += memory.sway.duration
+            feedback.t_step_rem = max(ahead - memory.elapsed, 0.0)
+        feedback.desired_step_saturated = step_data_from(memory.step)
+        feedback.desired_step_spec_saturated = step_spec_from(memory.step, memory.how)
+
+    # ---- steps ---------------------------------------------------------------
+
+    def _next(
+        self, memory: StepMemory, request: AtlasSimInterfaceCommand
+    ) -> DesiredStep | None:
+        """The step in force that has not begun, if any."""
+        feet_z = (float(memory.feet[0].p_WF[2]), float(memory.feet[1].p_WF[2]))
+        wanted = desired_step(request.step_params, feet_z, self._default)
+        if wanted is None or wanted.step.index <= memory.index:
+            return None
+        return wanted
+
+    def _look_at(
+        self, memory: StepMemory, seen: Observation, request: AtlasSimInterfaceCommand
+    ) -> tuple[StepMemory, tuple[Event, ...]]:
+        """Warns of a new message whose step comes too late to be taken."""
+        params = request.step_params
+        if params is memory.looked_at:
+            return memory, ()
+        before, memory = memory.looked_at, replace(memory, looked_at=params)
+        step = params.desired_step_spec if params.use_spec else params.desired_step
+        if step.step_index == NO_STEP or step.step_index > memory.index:
+            return memory, ()
+        if params == before:
+            return memory, ()
+        text = (
+            f"step {step.step_index} is not taken: the next one is {memory.index + 1}"
+        )
+        return memory, (Event(seen.time, "warning", text),)
+
+    def _begin(
+        self, memory: StepMemory, seen: Observation, wanted: DesiredStep
+    ) -> StepMemory:
+        """Plans the whole step and begins to sway over the foot that stays."""
+        feet = (seen.foot_pose(0), seen.foot_pose(1))
+        foot, action = wanted.step.foot, wanted.action
+        stance = feet[1 - foot]
+        taken = saturate(wanted.step, stance, self._limits)
+        swing = plan_step_swing(
+            feet[foot],
+            taken.pose,
+            action.lift_height,
+            action.swing_height,
+            action.step_duration,
+            action.max_foot_vel,
+            self._profile,
+        )
+        end = _short_of(stance, feet[foot], action.sway_end_dist)
+        sway = self._sway_to(memory, end, action.sway_duration, action.max_body_accel)
+        middle_z = 0.5 * (feet[foot].p_WF[2] + taken.p_WF[2])
+        return replace(
+            memory,
+            phase=StepPhase.SWAY,
+            elapsed=0.0,
+            feet=feet,
+            support=self._balance.support(*feet),
+            hips=hips_from_com(seen.terms, self._legs),
+            sway=sway,
+            sway_time=0.0,
+            index=taken.index,
+            sent=wanted,
+            taken=replace(
+                taken,
+                duration=swing.duration,
+                swing_height=float(swing.top + swing.arc - middle_z),
+            ),
+            action=replace(
+                action, step_duration=swing.duration, sway_duration=sway.duration
+            ),
+            swing=swing,
+        )
+
+    # ---- phases --------------------------------------------------------------
+
+    def _change_phase(
+        self, memory: StepMemory, seen: Observation, wanted: DesiredStep | None
+    ) -> tuple[StepMemory, tuple[Event, ...]]:
+        if memory.phase is StepPhase.REST:
+            return self._begin(memory, seen, wanted) if wanted else memory, ()
+        if memory.phase is StepPhase.SWAY:
+            return self._lift_off(memory) if self._ready(memory, seen) else memory, ()
+        swing = memory.flight
+        if memory.phase is StepPhase.SWING:
+            lowering = swing.is_lowering(memory.elapsed)
+            return self._begin_to_lower(memory) if lowering else memory, ()
+        load = seen.foot_force[memory.step.foot]
+        if load > self._rules.touchdown_force * self._balance.weight:
+            memory, events = self._touch_down(memory, seen)
+            return self._begin(memory, seen, wanted) if wanted else memory, events
+        if swing.has_missed(memory.elapsed):
+            return self._step_back(memory, seen)
+        return memory, ()
+
+    def _ready(self, memory: StepMemory, seen: Observation) -> bool:
+        """Whether the foot may leave the ground: all weight is off it, and at rest."""
+        if memory.elapsed < memory.sway.duration:
+            return False
+        load = seen.foot_force[memory.step.foot]
+        if load > self._rules.still_loaded * self._balance.weight:
+            return False
+        omega = self._omega(seen, (memory.feet[memory.stance],))
+        error = tasks.dcm(seen.terms, omega) - memory.sway.end
+        return float(np.hypot(*error)) < self._rules.dcm_ready
+
+    def _lift_off(self, memory: StepMemory) -> StepMemory:
+        return replace(
+            memory,
+            phase=StepPhase.SWING,
+            elapsed=0.0,
+            support=self._balance.support(memory.feet[memory.stance]),
+        )
+
+    def _begin_to_lower(self, memory: StepMemory) -> StepMemory:
+        """Leans into the step while the foot comes down, as far as it was asked."""
+        memory = replace(memory, phase=StepPhase.LOWER)
+        distance = memory.how.step_end_dist
+        if distance == 0.0:
+            return memory
+        over = memory.sway.end
+        way = memory.step.p_WF[:2] - memory.feet[memory.stance].p_WF[:2]
+        end = over + distance * way / np.hypot(*way)
+        sway = sway_from_rest(over, end, memory.flight.lower)
+        return replace(memory, sway=sway, sway_time=0.0)
+
+    def _touch_down(
+        self, memory: StepMemory, seen: Observation
+    ) -> tuple[StepMemory, tuple[Event, ...]]:
+        """Both feet are down: the weight goes back between them."""
+        step = memory.step
+        landed = seen.foot_pose(step.foot)
+        feet = list(memory.feet)
+        feet[step.foot] = landed
+        event = footstep_event(seen.time, memory.wanted.step, step, landed)
+        middle = 0.5 * (feet[0].p_WF + feet[1].p_WF)[:2]
+        action = self._default
+        sway = self._sway_to(
+            memory, middle, action.sway_duration, action.max_body_accel
+        )
+        memory = replace(
+            memory,
+            phase=StepPhase.REST,
+            elapsed=0.0,
+            feet=(feet[0], feet[1]),
+            support=self._balance.support(*feet),
+            hips=hips_from_com(seen.terms, self._legs),
+            sway=sway,
+            sway_time=0.0,
+        )
+        return memory, (event,)
+
+    def _step_back(
+        self, memory: StepMemory, seen: Observation
+    ) -> tuple[StepMemory, tuple[Event, ...]]:
+        """Puts the foot down where it came from: there is ground for certain."""
+        step, action = memory.step, memory.how
+        home = memory.feet[step.foot]
+        swing = plan_step_swing(
+            seen.foot_pose(step.foot),
+            home,
+            action.lift_height,
+            action.swing_height,
+            action.step_duration,
+            action.max_foot_vel,
+            self._profile,
+        )
+        normal = home.R_WF[:, 2].copy()
+        back = replace(step, p_WF=home.p_WF, yaw=home.yaw, normal=normal)
+        text = f"step {step.index} found no ground and goes back"
+        memory = replace(
+            memory, phase=StepPhase.SWING, elapsed=0.0, taken=back, swing=swing
+        )
+        return memory, (Event(seen.time, "warning", text),)
+
+    def _may_stand(self, memory: StepMemory, seen: Observation) -> bool:
+        """Whether both feet carry; after a step that was cut short also at rest."""
+        if memory.in_air:
+            return False
+        if not memory.leaving:
+            return True
+        slow = float(np.abs(seen.terms.com_velocity).max()) < self._rules.rest_speed
+        return memory.elapsed >= memory.sway.duration and slow
+
+    # ---- balance -------------------------------------------------------------
+
+    def _sway_time(self, start: np.ndarray, end: np.ndarray) -> float:
+        action = self._default
+        least = sway_duration(float(np.hypot(*(end - start))), action.max_body_accel)
+        return max(action.sway_duration, least)
+
+    def _sway_to(
+        self, memory: StepMemory, end: np.ndarray, duration: float, acceleration: float
+    ) -> ComSway:
+        """A sway that goes on from what the present one is doing."""
+        p, v, a = memory.sway.motion(memory.sway_time)
+        least = sway_duration(float(np.hypot(*(end - p))), acceleration)
+        return ComSway(p, v, a, end, max(duration, least))
+
+    def _carrying(self, memory: StepMemory) -> tuple[FootPose, ...]:
+        """The feet that are on the ground."""
+        return (memory.feet[memory.stance],) if memory.in_air else memory.feet
+
+    def _omega(self, seen: Observation, feet: tuple[FootPose, ...]) -> float:
+        ground = sum(float(foot.p_WF[2]) for foot in feet) / len(feet)
+        height = float(seen.terms.com[2]) - ground
+        return tasks.pendulum_frequency(max(height, 0.3 * self._nominal_height))
+
+    def _body_target(self, memory: StepMemory) -> BodyTarget:
+        feet = list(memory.feet)
+        height = self._nominal_height
+        if memory.phase is StepPhase.REST:
+            ground = 0.5 * float(feet[0].p_WF[2] + feet[1].p_WF[2])
+        else:
+            ground = float(feet[memory.stance].p_WF[2])
+            knee = memory.how.knee_nominal
+            height += leg_length(self._legs, knee) - self._nominal_leg
+        if memory.in_air:
+            feet[memory.step.foot] = self._foothold(memory)
+        com = memory.sway.motion(memory.sway_time)[0]
+        reach = min(
+            highest_com(self._legs, memory.hips, place, enumerate(feet))
+            for place in (com, memory.sway.end)
+        )
+        return BodyTarget(
+            height=min(ground + height, reach),
+            yaw=mean_yaw(feet[0].yaw, feet[1].yaw),
+            joints=self._balance.robot.stand_prep,
+            pelvis_tilt=_UPRIGHT,
+        )
+
+    def _foothold(self, memory: StepMemory) -> FootPose:
+        """Where the foot in the air lands: deeper when it finds no ground."""
+        goal = memory.step.pose
+        z = float(memory.flight.evaluate(memory.elapsed).p_WF[2])
+        if z >= goal.p_WF[2]:
+            return goal
+        return FootPose(np.array([goal.p_WF[0], goal.p_WF[1], z]), goal.R_WF)
+
+    def _feet(
+        self, memory: StepMemory, seen: Observation
+    ) -> tuple[FootCommand, FootCommand]:
+        balance = self._balance
+        feet = [balance.planted(seen, 0), balance.planted(seen, 1)]
+        if memory.in_air:
+            reference = memory.flight.evaluate(memory.elapsed)
+            foot = memory.step.foot
+            feet[foot] = balance.swinging(seen, foot, reference)
+        elif memory.phase is StepPhase.SWAY:
+            rest = 1.0 - memory.elapsed / memory.sway.duration
+            load = min(max(rest / self._rules.unload_share, 0.01), FULL_LOAD)
+            feet[memory.step.foot] = balance.planted(seen, memory.step.foot, load)
+        return feet[0], feet[1]
+
+
+def _short_of(stance: FootPose, other: FootPose, distance: float) -> np.ndarray:
+    """The point that lies ``distance`` from a sole's middle towards the other foot.
+
+    Counted across the stance sole, on which side the robot would fall, shape (2,).
+    """
+    y = stance.R_WF[:2, 1] / np.hypot(*stance.R_WF[:2, 1])
+    side = np.sign(y @ (other.p_WF - stance.p_WF)[:2])
+    return stance.p_WF[:2] + distance * side * y
