@@ -27,27 +27,25 @@ from atlas_drake.behaviors.step_action import (
     step_spec_from,
 )
 from atlas_drake.behaviors.step_memory import StepMemory, StepPhase, StepRules
+from atlas_drake.behaviors.step_plan import StepPlanner
 from atlas_drake.behaviors.step_queue import step_data_from
 from atlas_drake.control import tasks
 from atlas_drake.control.com_sway import ComSway, sway_duration, sway_from_rest
-from atlas_drake.control.footstep import FootPose, StepLimits, saturate
-from atlas_drake.control.leg_reach import (
-    highest_com,
-    hips_from_com,
-    knee_for_length,
-    leg_length,
-)
+from atlas_drake.control.footstep import FootPose, StepLimits
+from atlas_drake.control.leg_reach import highest_com, hips_from_com
 from atlas_drake.control.rotations import mean_yaw
 from atlas_drake.control.step_swing import StepSwingProfile, plan_step_swing
+from atlas_drake.control.support_polygon import SupportPolygon
+from atlas_drake.control.swing_foot import quintic_progress
+from atlas_drake.control.toe_off import on_toes, toe_off_reference
 from atlas_drake.control.whole_body_command import FootCommand
 from atlas_drake.messages import (
     NO_STEP,
     AtlasSimInterfaceCommand,
     AtlasSimInterfaceState,
     StepStatus,
+    ToeOff,
 )
-
-_UPRIGHT = np.zeros(2)
 
 STEP_LIMITS = StepLimits(
     forward=0.42,
@@ -81,15 +79,11 @@ class Step:
         self._balance = balance
         self._nominal_height = nominal_height
         self._rates = rates
-        self._limits = limits
         self._profile = profile or StepSwingProfile()
         self._rules = rules or StepRules()
-        self._legs = balance.robot.legs
-        upright = balance.robot.stand_prep[self._legs.knees[0]]
-        self._nominal_leg = leg_length(self._legs, upright) - balance.gains.com_drop
-        self._default = StepAction(
-            knee_nominal=knee_for_length(self._legs, self._nominal_leg)
-        )
+        self._planner = StepPlanner(balance, nominal_height, limits)
+        self._legs = self._planner.legs
+        self._default = StepAction(knee_nominal=self._planner.nominal_knee)
 
     def enter(
         self,
@@ -125,7 +119,8 @@ class Step:
             memory,
             elapsed=memory.elapsed + seen.dt,
             sway_time=memory.sway_time + seen.dt,
-            leaving=leaving and (memory.leaving or memory.in_air),
+            leaving=leaving
+            and (memory.leaving or memory.in_air or self._heel(memory)[0] > 0.0),
         )
         memory, events = self._look_at(memory, seen, request)
         wanted = None if leaving else self._next(memory, request)
@@ -144,7 +139,7 @@ class Step:
             body,
             memory.sway.evaluate(memory.sway_time, omega),
             omega,
-            memory.support,
+            self._support(memory),
             self._feet(memory, seen),
         )
         return Outcome(
@@ -209,9 +204,10 @@ class Step:
         """Plans the whole step and begins to sway over the foot that stays."""
         feet = (seen.foot_pose(0), seen.foot_pose(1))
         foot, action = wanted.step.foot, wanted.action
-        stance = feet[1 - foot]
-        taken = saturate(wanted.step, stance, self._limits)
+        plan = self._planner.plan(seen.terms, feet, wanted)
+        taken = plan.taken
         swing = plan_step_swing(
+            on_toes(feet[foot], plan.heel, self._planner.half_length),
             feet[foot],
             taken.pose,
             action.lift_height,
@@ -220,8 +216,9 @@ class Step:
             action.max_foot_vel,
             self._profile,
         )
-        end = _short_of(stance, feet[foot], action.sway_end_dist)
-        sway = self._sway_to(memory, end, action.sway_duration, action.max_body_accel)
+        sway = self._sway_to(
+            memory, plan.com, action.sway_duration, action.max_body_accel
+        )
         middle_z = 0.5 * (feet[foot].p_WF[2] + taken.p_WF[2])
         return replace(
             memory,
@@ -229,7 +226,7 @@ class Step:
             elapsed=0.0,
             feet=feet,
             support=self._balance.support(*feet),
-            hips=hips_from_com(seen.terms, self._legs),
+            hips=plan.hips,
             sway=sway,
             sway_time=0.0,
             index=taken.index,
@@ -240,9 +237,14 @@ class Step:
                 swing_height=float(swing.top + swing.arc - middle_z),
             ),
             action=replace(
-                action, step_duration=swing.duration, sway_duration=sway.duration
+                action,
+                step_duration=swing.duration,
+                sway_duration=sway.duration,
+                toe_off=ToeOff.ENABLE if plan.heel else ToeOff.DISABLE,
             ),
             swing=swing,
+            heel=plan.heel,
+            lean=plan.lean,
         )
 
     # ---- phases --------------------------------------------------------------
@@ -253,7 +255,7 @@ class Step:
         if memory.phase is StepPhase.REST:
             return self._begin(memory, seen, wanted) if wanted else memory, ()
         if memory.phase is StepPhase.SWAY:
-            return self._lift_off(memory) if self._ready(memory, seen) else memory, ()
+            return self._lift_off(memory, seen) if self._ready(memory, seen) else memory, ()
         swing = memory.flight
         if memory.phase is StepPhase.SWING:
             lowering = swing.is_lowering(memory.elapsed)
@@ -277,12 +279,13 @@ class Step:
         error = tasks.dcm(seen.terms, omega) - memory.sway.end
         return float(np.hypot(*error)) < self._rules.dcm_ready
 
-    def _lift_off(self, memory: StepMemory) -> StepMemory:
+    def _lift_off(self, memory: StepMemory, seen: Observation) -> StepMemory:
         return replace(
             memory,
             phase=StepPhase.SWING,
             elapsed=0.0,
             support=self._balance.support(memory.feet[memory.stance]),
+            hips=hips_from_com(seen.terms, self._legs),
         )
 
     def _begin_to_lower(self, memory: StepMemory) -> StepMemory:
@@ -307,6 +310,7 @@ class Step:
         feet[step.foot] = landed
         event = footstep_event(seen.time, memory.wanted.step, step, landed)
         middle = 0.5 * (feet[0].p_WF + feet[1].p_WF)[:2]
+        uneven = abs(float(feet[0].p_WF[2] - feet[1].p_WF[2]))
         action = self._default
         sway = self._sway_to(
             memory, middle, action.sway_duration, action.max_body_accel
@@ -320,6 +324,8 @@ class Step:
             hips=hips_from_com(seen.terms, self._legs),
             sway=sway,
             sway_time=0.0,
+            heel=0.0,
+            lean=memory.lean if uneven > self._rules.level else 0.0,
         )
         return memory, (event,)
 
@@ -329,8 +335,10 @@ class Step:
         """Puts the foot down where it came from: there is ground for certain."""
         step, action = memory.step, memory.how
         home = memory.feet[step.foot]
+        here = seen.foot_pose(step.foot)
         swing = plan_step_swing(
-            seen.foot_pose(step.foot),
+            here,
+            here,
             home,
             action.lift_height,
             action.swing_height,
@@ -348,7 +356,7 @@ class Step:
 
     def _may_stand(self, memory: StepMemory, seen: Observation) -> bool:
         """Whether both feet carry; after a step that was cut short also at rest."""
-        if memory.in_air:
+        if memory.in_air or self._heel(memory)[0] > 0.0:
             return False
         if not memory.leaving:
             return True
@@ -380,27 +388,49 @@ class Step:
         return tasks.pendulum_frequency(max(height, 0.3 * self._nominal_height))
 
     def _body_target(self, memory: StepMemory) -> BodyTarget:
-        feet = list(memory.feet)
-        height = self._nominal_height
+        feet, later = list(memory.feet), list(memory.feet)
         if memory.phase is StepPhase.REST:
             ground = 0.5 * float(feet[0].p_WF[2] + feet[1].p_WF[2])
+            height = self._nominal_height
         else:
             ground = float(feet[memory.stance].p_WF[2])
-            knee = memory.how.knee_nominal
-            height += leg_length(self._legs, knee) - self._nominal_leg
-        if memory.in_air:
-            feet[memory.step.foot] = self._foothold(memory)
+            height = self._planner.height(memory.how)
+            foot = memory.step.foot
+            if memory.in_air:
+                feet[foot] = later[foot] = self._foothold(memory)
+            else:
+                flat = feet[foot]
+                feet[foot] = on_toes(flat, self._heel(memory)[0], self._planner.half_length)
+                later[foot] = on_toes(flat, memory.heel, self._planner.half_length)
         com = memory.sway.motion(memory.sway_time)[0]
         reach = min(
-            highest_com(self._legs, memory.hips, place, enumerate(feet))
-            for place in (com, memory.sway.end)
+            highest_com(self._legs, memory.hips, com, enumerate(feet)),
+            highest_com(self._legs, memory.hips, memory.sway.end, enumerate(later)),
         )
         return BodyTarget(
             height=min(ground + height, reach),
             yaw=mean_yaw(feet[0].yaw, feet[1].yaw),
             joints=self._balance.robot.stand_prep,
-            pelvis_tilt=_UPRIGHT,
+            pelvis_tilt=np.array([0.0, memory.lean]),
         )
+
+    def _support(self, memory: StepMemory) -> SupportPolygon:
+        """Where the CoP may lie now."""
+        if self._heel(memory)[0] == 0.0:
+            return memory.support
+        return self._balance.support_on_toes(
+            memory.feet[memory.stance], memory.feet[memory.step.foot]
+        )
+
+    def _heel(self, memory: StepMemory) -> tuple[float, float, float]:
+        """Angle of the leaving foot's heel in the sway, with its derivatives."""
+        if memory.phase is not StepPhase.SWAY or memory.heel == 0.0:
+            return 0.0, 0.0, 0.0
+        begins = self._rules.heel_begins * memory.sway.duration
+        takes = memory.sway.duration - begins
+        share = min(max((memory.elapsed - begins) / takes, 0.0), 1.0)
+        s, ds, dds = quintic_progress(share)
+        return memory.heel * s, memory.heel * ds / takes, memory.heel * dds / takes**2
 
     def _foothold(self, memory: StepMemory) -> FootPose:
         """Where the foot in the air lands: deeper when it finds no ground."""
@@ -420,17 +450,15 @@ class Step:
             foot = memory.step.foot
             feet[foot] = balance.swinging(seen, foot, reference)
         elif memory.phase is StepPhase.SWAY:
+            foot = memory.step.foot
             rest = 1.0 - memory.elapsed / memory.sway.duration
             load = min(max(rest / self._rules.unload_share, 0.01), FULL_LOAD)
-            feet[memory.step.foot] = balance.planted(seen, memory.step.foot, load)
+            angle, rate, acceleration = self._heel(memory)
+            if angle > 0.0:
+                reference = toe_off_reference(
+                    memory.feet[foot], angle, rate, acceleration, self._planner.half_length
+                )
+                feet[foot] = balance.toeing_off(seen, foot, reference, load)
+            else:
+                feet[foot] = balance.planted(seen, foot, load)
         return feet[0], feet[1]
-
-
-def _short_of(stance: FootPose, other: FootPose, distance: float) -> np.ndarray:
-    """The point that lies ``distance`` from a sole's middle towards the other foot.
-
-    Counted across the stance sole, on which side the robot would fall, shape (2,).
-    """
-    y = stance.R_WF[:2, 1] / np.hypot(*stance.R_WF[:2, 1])
-    side = np.sign(y @ (other.p_WF - stance.p_WF)[:2])
-    return stance.p_WF[:2] + distance * side * y

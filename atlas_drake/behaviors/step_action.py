@@ -45,6 +45,7 @@ class StepAction:
         max_foot_vel: Bounds the step's duration [m/s].
         sway_end_dist: How far short of the standing sole's middle the sway ends [m].
         step_end_dist: How far the body leans into the step as the foot comes down [m].
+        toe_off: Whether the heel left behind may rise in the sway.
     """
 
     step_duration: float = 0.7
@@ -56,6 +57,7 @@ class StepAction:
     max_foot_vel: float = 0.5
     sway_end_dist: float = 0.01
     step_end_dist: float = 0.0
+    toe_off: ToeOff = ToeOff.ENABLE
 
 
 LARGEST_ACTION = StepAction(
@@ -109,13 +111,11 @@ def resolve_action(sent: AtlasBehaviorStepAction, default: StepAction) -> StepAc
         sway_end_dist=end_distance(sent.sway_end_dist, default.sway_end_dist),
         step_end_dist=end_distance(sent.step_end_dist, default.step_end_dist),
     )
-    return StepAction(
-        **{
-            name: float(min(max(value, -getattr(LARGEST_ACTION, name)), largest))
-            for name, value in vars(wanted).items()
-            for largest in (getattr(LARGEST_ACTION, name),)
-        }
-    )
+    bounded = {}
+    for name, largest in vars(LARGEST_ACTION).items():
+        if name != "toe_off":
+            bounded[name] = min(max(getattr(wanted, name), -largest), largest)
+    return StepAction(**bounded, toe_off=ToeOff(sent.toe_off))
 
 
 def desired_step(
@@ -189,5 +189,4 @@ def step_spec_from(step: Footstep, action: StepAction) -> AtlasBehaviorStepSpec:
     spec.foot.normal = Vector3.from_array(step.normal)
     for name, value in vars(action).items():
         setattr(spec.action, name, value)
-    spec.action.toe_off = ToeOff.DISABLE
     return spec

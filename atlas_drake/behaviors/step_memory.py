@@ -40,6 +40,10 @@ class StepRules:
     """DCM error with which a foot may lift off [m]."""
     rest_speed: float = 0.05
     """Speed of the centre of mass below which the robot is at rest [m/s]."""
+    heel_begins: float = 0.5
+    """Share of the sway after which it rises [-]: the weight is off the heel then."""
+    level: float = 0.02
+    """Feet at rest that differ less in height let the trunk be upright [m]."""
 
 
 @dataclass(frozen=True)
@@ -59,6 +63,8 @@ class StepMemory:
         taken: The same as it is taken.
         action: What it is taken with.
         swing: Of its foot; planned when the step begins.
+        heel: Angle that the leaving foot's heel has risen by at lift-off [rad].
+        lean: Pitch of the trunk in this phase [rad].
         leaving: Whether STAND was asked for with a foot in the air.
         looked_at: The parameters that were last read, to notice new ones.
     """
@@ -75,6 +81,8 @@ class StepMemory:
     taken: Footstep | None = None
     action: StepAction | None = None
     swing: StepSwing | None = None
+    heel: float = 0.0
+    lean: float = 0.0
     leaving: bool = False
     looked_at: object = None
 

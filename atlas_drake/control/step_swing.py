@@ -40,7 +40,8 @@ class StepSwing:
     """Path of a sole from lift-off to landing.
 
     Attributes:
-        start: Pose at lift-off.
+        start: Pose at lift-off; the heel may be up.
+        flat: Orientation that it has once it is lifted.
         goal: Pose on landing.
         top: Height in W at which the foot moves across [m].
         arc: How far it rises above that in between [m].
@@ -51,6 +52,7 @@ class StepSwing:
     """
 
     start: FootPose
+    flat: np.ndarray
     goal: FootPose
     top: float
     arc: float
@@ -78,7 +80,8 @@ class StepSwing:
         z = np.array([0.0, 0.0, 1.0])
         if time < self.lift:
             p, v, a = _along(time, self.lift, (self.top - start.p_WF[2]) * z)
-            return _straight(start.p_WF + p, v, a, start.R_WF)
+            R, w = _turning(time, self.lift, start.R_WF, self.flat)
+            return SwingReference(start.p_WF + p, v, a, R, w)
         if not self.is_lowering(time):
             return self._across(time - self.lift)
         over = np.array([goal.p_WF[0], goal.p_WF[1], self.top])
@@ -104,19 +107,13 @@ class StepSwing:
         v[2] += self.arc * rate / self.move
         a[2] += self.arc * acceleration / self.move**2
         p[:2] += start.p_WF[:2]
-        turn = rotation_vector(start.R_WF.T @ goal.R_WF)
-        share, turning, _ = quintic_progress(time / self.move)
-        return SwingReference(
-            p_WF=p,
-            v_WF=v,
-            a_WF=a,
-            R_WF=start.R_WF @ rotation_about(share * turn),
-            w_WF=start.R_WF @ turn * (turning / self.move),
-        )
+        R, w = _turning(time, self.move, self.flat, goal.R_WF)
+        return SwingReference(p, v, a, R, w)
 
 
 def plan_step_swing(
     start: FootPose,
+    home: FootPose,
     goal: FootPose,
     lift_height: float,
     swing_height: float,
@@ -128,6 +125,7 @@ def plan_step_swing(
 
     Args:
         start: Pose at lift-off.
+        home: Pose in which the foot stood flat before.
         goal: Pose on landing.
         lift_height: Lift above the higher of the two [m].
         swing_height: Rise above that while moving across [m].
@@ -135,9 +133,9 @@ def plan_step_swing(
         max_speed: That the foot shall not exceed in any part [m/s].
         profile: What is the same for all steps.
     """
-    top = max(start.p_WF[2], goal.p_WF[2]) + lift_height
+    top = max(home.p_WF[2], goal.p_WF[2], start.p_WF[2] - lift_height) + lift_height
     way = math.hypot(*(goal.p_WF - start.p_WF)[:2])
-    turn = rotation_vector(start.R_WF.T @ goal.R_WF)
+    turn = rotation_vector(home.R_WF.T @ goal.R_WF)
     across = math.hypot(way, TURN_RADIUS * math.sqrt(turn @ turn), 2.0 * swing_height)
     distances = (
         top - start.p_WF[2],
@@ -150,7 +148,9 @@ def plan_step_swing(
     ]
     stretch = max(duration / sum(parts), 1.0)
     lift, move, lower = (part * stretch for part in parts)
-    return StepSwing(start, goal, top, swing_height, lift, move, lower, profile)
+    return StepSwing(
+        start, home.R_WF, goal, top, swing_height, lift, move, lower, profile
+    )
 
 
 def _along(
@@ -159,6 +159,15 @@ def _along(
     """Distance gone of ``way``, velocity and acceleration, from rest to rest."""
     s, ds, dds = quintic_progress(time / duration)
     return s * way, ds / duration * way, dds / duration**2 * way
+
+
+def _turning(
+    time: float, duration: float, R_WA: np.ndarray, R_WB: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Orientation and angular velocity on the way from A to B, from rest to rest."""
+    turn = rotation_vector(R_WA.T @ R_WB)
+    share, rate, _ = quintic_progress(time / duration)
+    return R_WA @ rotation_about(share * turn), R_WA @ turn * (rate / duration)
 
 
 def _straight(

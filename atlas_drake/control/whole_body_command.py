@@ -21,11 +21,13 @@ class FootCommand:
         max_normal_force: Largest normal force the ground may be asked for [N]; 0
             for a foot in the air.
         min_normal_force: Smallest normal force [N].
+        on_toes: Whether only the front edge of the sole is on the ground.
     """
 
     acceleration: np.ndarray
     max_normal_force: float
     min_normal_force: float = 0.0
+    on_toes: bool = False
 
     @property
     def in_contact(self) -> bool:

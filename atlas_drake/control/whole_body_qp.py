@@ -23,6 +23,7 @@ from atlas_drake.control.quadratic_program import (
     QuadraticProgram,
     solve,
 )
+from atlas_drake.control.toe_off import TOES
 from atlas_drake.control.whole_body_command import EffortBounds, WholeBodyCommand
 from atlas_drake.control.whole_body_model import GRAVITY, WholeBodyTerms
 from atlas_drake.robot import Robot
@@ -63,6 +64,7 @@ class WholeBodyQp:
         self._gains = gains
         self._num_joints = robot.num_joints
         self._cone = _wrench_cone(robot, gains)
+        self._toe_cone = _wrench_cone(robot, gains, on_toes=True)
         weights = gains.weights
         # Constant parts of the program for zero, one and two feet in contact.
         self._layouts = [_Layout(robot, gains, self._cone, k) for k in range(3)]
@@ -207,7 +209,8 @@ class WholeBodyQp:
             cone_rows = layout.cone_rows(k)
             cone_bounds = slice(size + cone_rows.start, size + cone_rows.stop)
             # Moment and force turn alike: six columns as two rows of three.
-            turned = self._cone.reshape(-1, 3) @ R_FW
+            cone = self._toe_cone if command.feet[i].on_toes else self._cone
+            turned = cone.reshape(-1, 3) @ R_FW
             A[cone_rows, start : start + _WRENCH] = turned.reshape(-1, _WRENCH)
             last = cone_bounds.stop - 1
             lower[last] = command.feet[i].min_normal_force
@@ -309,11 +312,14 @@ def _task_weight(
     return np.array(foot[left] + foot[right] + [float(balance) * w for w in trunk])
 
 
-def _wrench_cone(robot: Robot, gains: ControlGains) -> np.ndarray:
+def _wrench_cone(
+    robot: Robot, gains: ControlGains, on_toes: bool = False
+) -> np.ndarray:
     """Rows C with C·[moment; force] ≤ 0 in the sole's frame; last row: normal force.
 
     Friction as a pyramid inside the cone, the centre of pressure inside the sole
-    less its margins, and the yaw moment by a lever of friction.
+    less its margins, or on the strip at its toes, and the yaw moment by a lever of
+    friction.
     """
     contact, sole = gains.contact, robot.file.sole
     friction = contact.friction / np.sqrt(2.0)
@@ -327,6 +333,12 @@ def _wrench_cone(robot: Robot, gains: ControlGains) -> np.ndarray:
             row[index] = sign
             row[5] = -bound
             rows.append(row)
+    if on_toes:
+        # A moment about y that is no more than -x·f puts the pressure beyond x.
+        ahead = next(row for row in rows if row[1] > 0.0)
+        ahead[5] = sole.length / 2 - TOES
+        behind = next(row for row in rows if row[1] < 0.0)
+        behind[5] = -sole.length / 2
     normal = np.zeros(_WRENCH)
     normal[5] = 1.0
     return np.array([*rows, normal])

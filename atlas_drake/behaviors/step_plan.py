@@ -1,0 +1,201 @@
+"""How a step is taken: foothold, posture and heel that the legs can afford.
+
+Everything about a step that is decided once, before its sway. Geometry of legs and the
+torque of the standing knee; no time and no feedback.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from atlas_drake.behaviors.balance import Balance
+from atlas_drake.behaviors.step_action import DesiredStep, StepAction
+from atlas_drake.control.footstep import FootPose, Footstep, StepLimits, saturate
+from atlas_drake.control.leg_reach import (
+    highest_com,
+    hips_from_com,
+    knee_for_length,
+    leg_length,
+    lowest_com,
+)
+from atlas_drake.control.rotations import rotation_z
+from atlas_drake.control.toe_off import on_toes
+from atlas_drake.control.whole_body_model import WholeBodyTerms
+from atlas_drake.messages import ToeOff
+
+
+@dataclass(frozen=True)
+class PostureRules:
+    """What the body does to spare the standing knee and to lengthen the legs."""
+
+    knee_effort: float = 0.85
+    """Share of the standing knee's effort limit that a posture may need at rest [-]."""
+    drop: float = 0.02
+    """The body sinks this far for a leg's reach before a heel rises [m]."""
+    steepest_heel: float = 0.6
+    """Most that a heel rises [rad]."""
+    forced_heel: float = 0.3
+    """Least that it rises when it is asked to [rad]."""
+    lean: float = 0.36
+    """Most that the trunk leans forward [rad]."""
+    ahead: float = 0.05
+    """Most that the weight stands ahead of the sole's middle [m]: both take the weight
+    off a bent knee."""
+    lean_shift: float = 0.2
+    """How far the hips stay behind the centre of mass per lean [m/rad]."""
+    smallest_share: float = 0.4
+    """A step is shortened to this share of its length at most [-]."""
+
+
+@dataclass(frozen=True)
+class StepPlan:
+    """What was decided.
+
+    Attributes:
+        taken: The step as it can be taken.
+        com: Where the centre of mass stands over the stance foot, horizontal in W [m],
+            shape (2,).
+        hips: As seen from it, in W [m], shape (2, 3).
+        lean: Pitch of the trunk [rad].
+        heel: Angle by which the leaving heel has risen at lift-off [rad].
+    """
+
+    taken: Footstep
+    com: np.ndarray
+    hips: np.ndarray
+    lean: float
+    heel: float
+
+
+class StepPlanner:
+    """Plans steps of one robot. Holds constants only."""
+
+    def __init__(
+        self,
+        balance: Balance,
+        nominal_height: float,
+        limits: StepLimits,
+        rules: PostureRules | None = None,
+    ):
+        """Stands with the centre of mass ``nominal_height`` [m] above the soles."""
+        robot = balance.robot
+        self.legs = robot.legs
+        self.half_length = 0.5 * robot.file.sole.length
+        self._nominal_height = nominal_height
+        self._limits = limits
+        self._rules = rules or PostureRules()
+        knee = self.legs.knees[0]
+        upright = leg_length(self.legs, robot.stand_prep[knee])
+        self._nominal_leg = upright - balance.gains.com_drop
+        effort = self._rules.knee_effort * float(robot.effort_limit[knee])
+        self._lever = effort / balance.weight
+
+    @property
+    def nominal_knee(self) -> float:
+        """Flexion of the knees at the nominal height [rad]."""
+        return knee_for_length(self.legs, self._nominal_leg)
+
+    def height(self, action: StepAction) -> float:
+        """Of the centre of mass above the standing sole [m]."""
+        bent = leg_length(self.legs, action.knee_nominal)
+        return self._nominal_height + bent - self._nominal_leg
+
+    def plan(
+        self,
+        terms: WholeBodyTerms,
+        feet: tuple[FootPose, FootPose],
+        wanted: DesiredStep,
+    ) -> StepPlan:
+        """The least posture that a step can be taken with, if need be a shorter step.
+
+        Args:
+            terms: At the present state.
+            feet: Both soles, on the ground.
+            wanted: The step asked for.
+        """
+        foot, rules = wanted.step.foot, self._rules
+        stance = feet[1 - foot]
+        step = saturate(wanted.step, stance, self._limits)
+        share = 1.0
+        while True:
+            for effort in (0.0, 0.25, 0.5, 0.75, 1.0):
+                plan = self._posture(terms, feet, wanted, step, effort)
+                if self._affordable(plan, feet, wanted.action):
+                    return plan
+            share -= 0.05
+            if share < rules.smallest_share:
+                return plan
+            step = self._shortened(wanted.step, stance, share)
+
+    def _posture(
+        self,
+        terms: WholeBodyTerms,
+        feet: tuple[FootPose, FootPose],
+        wanted: DesiredStep,
+        step: Footstep,
+        effort: float,
+    ) -> StepPlan:
+        """The plan with ``effort`` from 0, upright, to 1, all that the rules allow."""
+        rules, foot = self._rules, step.foot
+        stance, other = feet[1 - foot], feet[foot]
+        lean = effort * rules.lean
+        R_WS = rotation_z(stance.yaw)
+        side = np.sign(R_WS[:2, 1] @ (other.p_WF - stance.p_WF)[:2])
+        offset = np.array([effort * rules.ahead, wanted.action.sway_end_dist * side])
+        pitch = math.asin(min(max(-float(terms.R_WP[2, 0]), -1.0), 1.0))
+        behind = rules.lean_shift * (lean - pitch)
+        com = stance.p_WF[:2] + R_WS[:2, :2] @ offset
+        hips = hips_from_com(terms, self.legs) - behind * R_WS[:, 0]
+        needed = float(stance.p_WF[2]) + self.height(wanted.action)
+        heel = self._heel(hips, com, foot, other, needed, wanted.action.toe_off)
+        return StepPlan(step, com, hips, lean, heel)
+
+    def _heel(
+        self,
+        hips: np.ndarray,
+        com: np.ndarray,
+        foot: int,
+        flat: FootPose,
+        needed: float,
+        setting: ToeOff,
+    ) -> float:
+        """How far the leaving heel rises, so that the body need not sink [rad]."""
+        rules = self._rules
+        if setting is ToeOff.DISABLE:
+            return 0.0
+        least = rules.forced_heel if setting is ToeOff.FORCE_ENABLE else 0.0
+        for angle in np.linspace(0.0, rules.steepest_heel, 13):
+            pose = on_toes(flat, angle, self.half_length)
+            if highest_com(self.legs, hips, com, [(foot, pose)]) > needed - rules.drop:
+                break
+        return max(float(angle), least)
+
+    def _affordable(
+        self, plan: StepPlan, feet: tuple[FootPose, FootPose], action: StepAction
+    ) -> bool:
+        """Whether the standing knee can carry the height that the legs' reach leaves.
+
+        Both legs count: the one that leaves, and the same when it lands.
+        """
+        foot = plan.taken.foot
+        stance = feet[1 - foot]
+        leaving = on_toes(feet[foot], plan.heel, self.half_length)
+        height = min(
+            float(stance.p_WF[2]) + self.height(action),
+            *(
+                highest_com(self.legs, plan.hips, plan.com, [(foot, pose)])
+                for pose in (leaving, plan.taken.pose)
+            ),
+        )
+        return height >= lowest_com(
+            self.legs, plan.hips, plan.com, 1 - foot, stance, self._lever
+        )
+
+    def _shortened(self, step: Footstep, stance: FootPose, share: float) -> Footstep:
+        """The step drawn nearer to the stance foot."""
+        way = step.p_WF - stance.p_WF
+        nearer = stance.p_WF + np.array([share * way[0], share * way[1], way[2]])
+        return saturate(replace(step, p_WF=nearer), stance, self._limits)
