@@ -101,14 +101,19 @@ class Balance:
         return gains.kp * (body.joints - terms.q) - gains.kd * terms.v
 
     def planted(
-        self, seen: Observation, foot: int, max_load: float = FULL_LOAD
+        self,
+        seen: Observation,
+        foot: int,
+        max_load: float = FULL_LOAD,
+        min_load: float = 0.0,
     ) -> FootCommand:
-        """A foot that stays where it is, loaded by at most ``max_load`` weights."""
+        """A foot that stays where it is, loaded by so many weights of the robot."""
         return FootCommand(
             tasks.stance_acceleration(
                 seen.terms.feet[foot], self.gains.stance_foot_damping
             ),
             max_normal_force=max_load * self.weight,
+            min_normal_force=min_load * self.weight,
         )
 
     def hanging(self, seen: Observation, foot: int) -> FootCommand:

@@ -256,14 +256,18 @@ class Step:
             return self._begin(memory, seen, wanted) if wanted else memory, ()
         if memory.phase is StepPhase.SWAY:
             return self._lift_off(memory, seen) if self._ready(memory, seen) else memory, ()
+        if memory.phase is StepPhase.SETTLE:
+            if memory.elapsed < self._rules.settle:
+                return memory, ()
+            memory, events = self._land(memory, seen)
+            return self._begin(memory, seen, wanted) if wanted else memory, events
         swing = memory.flight
         if memory.phase is StepPhase.SWING:
             lowering = swing.is_lowering(memory.elapsed)
             return self._begin_to_lower(memory) if lowering else memory, ()
         load = seen.foot_force[memory.step.foot]
         if load > self._rules.touchdown_force * self._balance.weight:
-            memory, events = self._touch_down(memory, seen)
-            return self._begin(memory, seen, wanted) if wanted else memory, events
+            return self._touch_down(memory, seen), ()
         if swing.has_missed(memory.elapsed):
             return self._step_back(memory, seen)
         return memory, ()
@@ -300,14 +304,24 @@ class Step:
         sway = sway_from_rest(over, end, memory.flight.lower)
         return replace(memory, sway=sway, sway_time=0.0)
 
-    def _touch_down(
+    def _touch_down(self, memory: StepMemory, seen: Observation) -> StepMemory:
+        """The foot met the ground, perhaps with an edge only: it is pressed flat."""
+        feet = _with(memory.feet, memory.step.foot, seen.foot_pose(memory.step.foot))
+        return replace(
+            memory,
+            phase=StepPhase.SETTLE,
+            elapsed=0.0,
+            feet=feet,
+            support=self._balance.support(*feet),
+        )
+
+    def _land(
         self, memory: StepMemory, seen: Observation
     ) -> tuple[StepMemory, tuple[Event, ...]]:
         """Both feet are down: the weight goes back between them."""
         step = memory.step
         landed = seen.foot_pose(step.foot)
-        feet = list(memory.feet)
-        feet[step.foot] = landed
+        feet = _with(memory.feet, step.foot, landed)
         event = footstep_event(seen.time, memory.wanted.step, step, landed)
         middle = 0.5 * (feet[0].p_WF + feet[1].p_WF)[:2]
         uneven = abs(float(feet[0].p_WF[2] - feet[1].p_WF[2]))
@@ -319,7 +333,7 @@ class Step:
             memory,
             phase=StepPhase.REST,
             elapsed=0.0,
-            feet=(feet[0], feet[1]),
+            feet=feet,
             support=self._balance.support(*feet),
             hips=hips_from_com(seen.terms, self._legs),
             sway=sway,
@@ -388,7 +402,8 @@ class Step:
         return tasks.pendulum_frequency(max(height, 0.3 * self._nominal_height))
 
     def _body_target(self, memory: StepMemory) -> BodyTarget:
-        feet, later = list(memory.feet), list(memory.feet)
+        feet = list(memory.feet)
+        later = list(enumerate(feet))
         if memory.phase is StepPhase.REST:
             ground = 0.5 * float(feet[0].p_WF[2] + feet[1].p_WF[2])
             height = self._nominal_height
@@ -397,15 +412,18 @@ class Step:
             height = self._planner.height(memory.how)
             foot = memory.step.foot
             if memory.in_air:
-                feet[foot] = later[foot] = self._foothold(memory)
-            else:
-                flat = feet[foot]
-                feet[foot] = on_toes(flat, self._heel(memory)[0], self._planner.half_length)
-                later[foot] = on_toes(flat, memory.heel, self._planner.half_length)
+                feet[foot] = self._foothold(memory)
+                later = list(enumerate(feet))
+            elif memory.phase is StepPhase.SWAY:
+                # Low enough for the landing, so that the body goes up or down once.
+                flat, half_length = feet[foot], self._planner.half_length
+                feet[foot] = on_toes(flat, self._heel(memory)[0], half_length)
+                later[foot] = (foot, on_toes(flat, memory.heel, half_length))
+                later.append((foot, memory.step.pose))
         com = memory.sway.motion(memory.sway_time)[0]
         reach = min(
             highest_com(self._legs, memory.hips, com, enumerate(feet)),
-            highest_com(self._legs, memory.hips, memory.sway.end, enumerate(later)),
+            highest_com(self._legs, memory.hips, memory.sway.end, later),
         )
         return BodyTarget(
             height=min(ground + height, reach),
@@ -445,7 +463,10 @@ class Step:
     ) -> tuple[FootCommand, FootCommand]:
         balance = self._balance
         feet = [balance.planted(seen, 0), balance.planted(seen, 1)]
-        if memory.in_air:
+        if memory.phase is StepPhase.SETTLE:
+            foot, load = memory.step.foot, self._rules.settling_load
+            feet[foot] = balance.planted(seen, foot, min_load=load)
+        elif memory.in_air:
             reference = memory.flight.evaluate(memory.elapsed)
             foot = memory.step.foot
             feet[foot] = balance.swinging(seen, foot, reference)
@@ -462,3 +483,10 @@ class Step:
             else:
                 feet[foot] = balance.planted(seen, foot, load)
         return feet[0], feet[1]
+
+
+def _with(
+    feet: tuple[FootPose, FootPose], foot: int, pose: FootPose
+) -> tuple[FootPose, FootPose]:
+    """The feet with one of them elsewhere."""
+    return (pose, feet[1]) if foot == 0 else (feet[0], pose)

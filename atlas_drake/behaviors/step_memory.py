@@ -24,6 +24,7 @@ class StepPhase(Enum):
     SWAY = "both feet down, to the one that stays"
     SWING = "one foot in the air, up and across"
     LOWER = "one foot in the air, coming down"
+    SETTLE = "both feet down, the new one pressed flat"
 
 
 @dataclass(frozen=True)
@@ -32,6 +33,10 @@ class StepRules:
 
     touchdown_force: float = 0.04
     """Normal force that counts as touchdown, in weights of the robot [-]."""
+    settle: float = 0.25
+    """Time for which a new foot is pressed flat before the weight moves [s]."""
+    settling_load: float = 0.10
+    """Least that it then carries, in weights [-]."""
     unload_share: float = 0.35
     """Last share of a sway in which the leaving foot is unloaded [-]."""
     still_loaded: float = 0.10

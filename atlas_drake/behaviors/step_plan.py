@@ -31,7 +31,7 @@ from atlas_drake.messages import ToeOff
 class PostureRules:
     """What the body does to spare the standing knee and to lengthen the legs."""
 
-    knee_effort: float = 0.85
+    knee_effort: float = 0.78
     """Share of the standing knee's effort limit that a posture may need at rest [-]."""
     drop: float = 0.02
     """The body sinks this far for a leg's reach before a heel rises [m]."""
@@ -46,8 +46,10 @@ class PostureRules:
     off a bent knee."""
     lean_shift: float = 0.2
     """How far the hips stay behind the centre of mass per lean [m/rad]."""
-    smallest_share: float = 0.4
+    smallest_share: float = 0.3
     """A step is shortened to this share of its length at most [-]."""
+    easy_width: float = 0.24
+    """Distance between the feet sideways that costs no reach [m]."""
 
 
 @dataclass(frozen=True)
@@ -149,7 +151,10 @@ class StepPlanner:
         behind = rules.lean_shift * (lean - pitch)
         com = stance.p_WF[:2] + R_WS[:2, :2] @ offset
         hips = hips_from_com(terms, self.legs) - behind * R_WS[:, 0]
-        needed = float(stance.p_WF[2]) + self.height(wanted.action)
+        needed = min(
+            float(stance.p_WF[2]) + self.height(wanted.action),
+            highest_com(self.legs, hips, com, [(foot, step.pose)]),
+        )
         heel = self._heel(hips, com, foot, other, needed, wanted.action.toe_off)
         return StepPlan(step, com, hips, lean, heel)
 
@@ -195,7 +200,13 @@ class StepPlanner:
         )
 
     def _shortened(self, step: Footstep, stance: FootPose, share: float) -> Footstep:
-        """The step drawn nearer to the stance foot."""
-        way = step.p_WF - stance.p_WF
-        nearer = stance.p_WF + np.array([share * way[0], share * way[1], way[2]])
-        return saturate(replace(step, p_WF=nearer), stance, self._limits)
+        """The step drawn nearer to the place beside the stance foot."""
+        R_WS = rotation_z(stance.yaw)
+        p_SF = R_WS.T @ (step.p_WF - stance.p_WF)
+        beside = min(abs(float(p_SF[1])), self._rules.easy_width)
+        beside = math.copysign(beside, p_SF[1])
+        p_SF = np.array(
+            [share * p_SF[0], beside + share * (p_SF[1] - beside), p_SF[2]]
+        )
+        nearer = replace(step, p_WF=stance.p_WF + R_WS @ p_SF)
+        return saturate(nearer, stance, self._limits)

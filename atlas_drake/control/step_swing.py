@@ -138,9 +138,9 @@ def plan_step_swing(
     turn = rotation_vector(home.R_WF.T @ goal.R_WF)
     across = math.hypot(way, TURN_RADIUS * math.sqrt(turn @ turn), 2.0 * swing_height)
     distances = (
-        top - start.p_WF[2],
+        float(top - start.p_WF[2]),
         across,
-        top - goal.p_WF[2] + profile.press_depth,
+        float(top - goal.p_WF[2]) + profile.press_depth,
     )
     parts = [
         max(PEAK_SPEED * distance / max_speed, profile.shortest_part)
