@@ -285,6 +285,8 @@ def _leg_geometry(file: RobotFile, plant: MultibodyPlant) -> LegGeometry:
         p_FA=np.array(ankles),
         thigh=float(np.linalg.norm(thigh)),
         shank=float(np.linalg.norm(shank)),
-        straight=float(np.arctan2(-thigh[0], -thigh[2]) - np.arctan2(-shank[0], -shank[2])),
+        straight=float(
+            np.arctan2(-thigh[0], -thigh[2]) - np.arctan2(-shank[0], -shank[2])
+        ),
         knees=(knees[0], knees[1]),
     )

@@ -17,7 +17,11 @@ from atlas_drake.control.gains import ControlGains
 from atlas_drake.control.support_polygon import SupportPolygon, sole_corners
 from atlas_drake.control.swing_foot import SwingReference
 from atlas_drake.control.toe_off import toe_corners
-from atlas_drake.control.whole_body_command import FootCommand, WholeBodyCommand
+from atlas_drake.control.whole_body_command import (
+    FootCommand,
+    Pressure,
+    WholeBodyCommand,
+)
 from atlas_drake.control.whole_body_model import GRAVITY
 from atlas_drake.robot import Robot
 
@@ -100,20 +104,26 @@ class Balance:
         gains, terms = self.gains.posture, seen.terms
         return gains.kp * (body.joints - terms.q) - gains.kd * terms.v
 
+    def pressed(self, seen: Observation, foot: int, load: float) -> FootCommand:
+        """A new foot, loaded by at least ``load`` weights so that it turns flat."""
+        return FootCommand(
+            tasks.stance_acceleration(
+                seen.terms.feet[foot], self.gains.stance_foot_damping
+            ),
+            max_normal_force=FULL_LOAD * self.weight,
+            min_normal_force=load * self.weight,
+            pressure=Pressure.MIDDLE,
+        )
+
     def planted(
-        self,
-        seen: Observation,
-        foot: int,
-        max_load: float = FULL_LOAD,
-        min_load: float = 0.0,
+        self, seen: Observation, foot: int, max_load: float = FULL_LOAD
     ) -> FootCommand:
-        """A foot that stays where it is, loaded by so many weights of the robot."""
+        """A foot that stays where it is, loaded by at most ``max_load`` weights."""
         return FootCommand(
             tasks.stance_acceleration(
                 seen.terms.feet[foot], self.gains.stance_foot_damping
             ),
             max_normal_force=max_load * self.weight,
-            min_normal_force=min_load * self.weight,
         )
 
     def hanging(self, seen: Observation, foot: int) -> FootCommand:
@@ -153,7 +163,7 @@ class Balance:
         return FootCommand(
             in_air.acceleration,
             max_normal_force=max_load * self.weight,
-            on_toes=True,
+            pressure=Pressure.TOES,
         )
 
     def support_on_toes(self, flat: FootPose, toeing: FootPose) -> SupportPolygon:

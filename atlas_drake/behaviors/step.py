@@ -178,7 +178,7 @@ class Step:
         wanted = desired_step(request.step_params, feet_z, self._default)
         if wanted is None or wanted.step.index <= memory.index:
             return None
-        return wanted
+        return None if memory.refused is request.step_params else wanted
 
     def _look_at(
         self, memory: StepMemory, seen: Observation, request: AtlasSimInterfaceCommand
@@ -199,12 +199,21 @@ class Step:
         return memory, (Event(seen.time, "warning", text),)
 
     def _begin(
-        self, memory: StepMemory, seen: Observation, wanted: DesiredStep
-    ) -> StepMemory:
+        self,
+        memory: StepMemory,
+        seen: Observation,
+        wanted: DesiredStep | None,
+    ) -> tuple[StepMemory, tuple[Event, ...]]:
         """Plans the whole step and begins to sway over the foot that stays."""
+        if wanted is None:
+            return memory, ()
         feet = (seen.foot_pose(0), seen.foot_pose(1))
         foot, action = wanted.step.foot, wanted.action
         plan = self._planner.plan(seen.terms, feet, wanted)
+        if plan is None:
+            text = f"step {wanted.step.index} is not taken: it is out of reach"
+            memory = replace(memory, refused=memory.looked_at)
+            return memory, (Event(seen.time, "warning", text),)
         taken = plan.taken
         swing = plan_step_swing(
             on_toes(feet[foot], plan.heel, self._planner.half_length),
@@ -220,7 +229,7 @@ class Step:
             memory, plan.com, action.sway_duration, action.max_body_accel
         )
         middle_z = 0.5 * (feet[foot].p_WF[2] + taken.p_WF[2])
-        return replace(
+        memory = replace(
             memory,
             phase=StepPhase.SWAY,
             elapsed=0.0,
@@ -246,6 +255,7 @@ class Step:
             heel=plan.heel,
             lean=plan.lean,
         )
+        return memory, ()
 
     # ---- phases --------------------------------------------------------------
 
@@ -253,14 +263,17 @@ class Step:
         self, memory: StepMemory, seen: Observation, wanted: DesiredStep | None
     ) -> tuple[StepMemory, tuple[Event, ...]]:
         if memory.phase is StepPhase.REST:
-            return self._begin(memory, seen, wanted) if wanted else memory, ()
+            return self._begin(memory, seen, wanted)
         if memory.phase is StepPhase.SWAY:
-            return self._lift_off(memory, seen) if self._ready(memory, seen) else memory, ()
+            return self._lift_off(memory, seen) if self._ready(
+                memory, seen
+            ) else memory, ()
         if memory.phase is StepPhase.SETTLE:
             if memory.elapsed < self._rules.settle:
                 return memory, ()
-            memory, events = self._land(memory, seen)
-            return self._begin(memory, seen, wanted) if wanted else memory, events
+            memory, landing = self._land(memory, seen)
+            memory, events = self._begin(memory, seen, wanted)
+            return memory, (*landing, *events)
         swing = memory.flight
         if memory.phase is StepPhase.SWING:
             lowering = swing.is_lowering(memory.elapsed)
@@ -465,7 +478,7 @@ class Step:
         feet = [balance.planted(seen, 0), balance.planted(seen, 1)]
         if memory.phase is StepPhase.SETTLE:
             foot, load = memory.step.foot, self._rules.settling_load
-            feet[foot] = balance.planted(seen, foot, min_load=load)
+            feet[foot] = balance.pressed(seen, foot, load)
         elif memory.in_air:
             reference = memory.flight.evaluate(memory.elapsed)
             foot = memory.step.foot
@@ -477,7 +490,11 @@ class Step:
             angle, rate, acceleration = self._heel(memory)
             if angle > 0.0:
                 reference = toe_off_reference(
-                    memory.feet[foot], angle, rate, acceleration, self._planner.half_length
+                    memory.feet[foot],
+                    angle,
+                    rate,
+                    acceleration,
+                    self._planner.half_length,
                 )
                 feet[foot] = balance.toeing_off(seen, foot, reference, load)
             else:

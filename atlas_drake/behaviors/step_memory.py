@@ -35,7 +35,7 @@ class StepRules:
     """Normal force that counts as touchdown, in weights of the robot [-]."""
     settle: float = 0.25
     """Time for which a new foot is pressed flat before the weight moves [s]."""
-    settling_load: float = 0.10
+    settling_load: float = 0.06
     """Least that it then carries, in weights [-]."""
     unload_share: float = 0.35
     """Last share of a sway in which the leaving foot is unloaded [-]."""
@@ -71,6 +71,7 @@ class StepMemory:
         heel: Angle that the leaving foot's heel has risen by at lift-off [rad].
         lean: Pitch of the trunk in this phase [rad].
         leaving: Whether STAND was asked for with a foot in the air.
+        refused: Parameters whose step cannot be taken.
         looked_at: The parameters that were last read, to notice new ones.
     """
 
@@ -89,6 +90,7 @@ class StepMemory:
     heel: float = 0.0
     lean: float = 0.0
     leaving: bool = False
+    refused: object = None
     looked_at: object = None
 
     @property

@@ -31,8 +31,11 @@ from atlas_drake.messages import ToeOff
 class PostureRules:
     """What the body does to spare the standing knee and to lengthen the legs."""
 
-    knee_effort: float = 0.78
-    """Share of the standing knee's effort limit that a posture may need at rest [-]."""
+    knee_efforts: tuple[float, ...] = (0.78, 0.90)
+    """Shares of the standing knee's effort limit that a posture may need at rest, the
+    second one where the first is not enough [-]."""
+    level: float = 0.02
+    """Steps that lead up or down by less are level [m]."""
     drop: float = 0.02
     """The body sinks this far for a leg's reach before a heel rises [m]."""
     steepest_heel: float = 0.6
@@ -92,8 +95,7 @@ class StepPlanner:
         knee = self.legs.knees[0]
         upright = leg_length(self.legs, robot.stand_prep[knee])
         self._nominal_leg = upright - balance.gains.com_drop
-        effort = self._rules.knee_effort * float(robot.effort_limit[knee])
-        self._lever = effort / balance.weight
+        self._lever = float(robot.effort_limit[knee]) / balance.weight
 
     @property
     def nominal_knee(self) -> float:
@@ -110,27 +112,34 @@ class StepPlanner:
         terms: WholeBodyTerms,
         feet: tuple[FootPose, FootPose],
         wanted: DesiredStep,
-    ) -> StepPlan:
+    ) -> StepPlan | None:
         """The least posture that a step can be taken with, if need be a shorter step.
+
+        A step to another height is not shortened, because the ground nearer by need
+        not be at that height.
 
         Args:
             terms: At the present state.
             feet: Both soles, on the ground.
             wanted: The step asked for.
+
+        Returns:
+            The plan; None for a step that is out of reach.
         """
         foot, rules = wanted.step.foot, self._rules
         stance = feet[1 - foot]
         step = saturate(wanted.step, stance, self._limits)
-        share = 1.0
-        while True:
-            for effort in (0.0, 0.25, 0.5, 0.75, 1.0):
-                plan = self._posture(terms, feet, wanted, step, effort)
-                if self._affordable(plan, feet, wanted.action):
-                    return plan
-            share -= 0.05
-            if share < rules.smallest_share:
-                return plan
-            step = self._shortened(wanted.step, stance, share)
+        level = abs(float(step.p_WF[2] - stance.p_WF[2])) < rules.level
+        shares = np.linspace(1.0, rules.smallest_share, 15) if level else (1.0,)
+        for knee_effort in rules.knee_efforts:
+            for share in shares:
+                nearer = step if share == 1.0 else self._shortened(step, stance, share)
+                for effort in (0.0, 0.25, 0.5, 0.75, 1.0):
+                    plan = self._posture(terms, feet, wanted, nearer, effort)
+                    lever = knee_effort * self._lever
+                    if self._affordable(plan, feet, wanted.action, lever):
+                        return plan
+        return None
 
     def _posture(
         self,
@@ -179,7 +188,11 @@ class StepPlanner:
         return max(float(angle), least)
 
     def _affordable(
-        self, plan: StepPlan, feet: tuple[FootPose, FootPose], action: StepAction
+        self,
+        plan: StepPlan,
+        feet: tuple[FootPose, FootPose],
+        action: StepAction,
+        lever: float,
     ) -> bool:
         """Whether the standing knee can carry the height that the legs' reach leaves.
 
@@ -196,7 +209,7 @@ class StepPlanner:
             ),
         )
         return height >= lowest_com(
-            self.legs, plan.hips, plan.com, 1 - foot, stance, self._lever
+            self.legs, plan.hips, plan.com, 1 - foot, stance, lever
         )
 
     def _shortened(self, step: Footstep, stance: FootPose, share: float) -> Footstep:
@@ -205,8 +218,6 @@ class StepPlanner:
         p_SF = R_WS.T @ (step.p_WF - stance.p_WF)
         beside = min(abs(float(p_SF[1])), self._rules.easy_width)
         beside = math.copysign(beside, p_SF[1])
-        p_SF = np.array(
-            [share * p_SF[0], beside + share * (p_SF[1] - beside), p_SF[2]]
-        )
+        p_SF = np.array([share * p_SF[0], beside + share * (p_SF[1] - beside), p_SF[2]])
         nearer = replace(step, p_WF=stance.p_WF + R_WS @ p_SF)
         return saturate(nearer, stance, self._limits)

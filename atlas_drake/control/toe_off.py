@@ -44,9 +44,7 @@ def toe_off_reference(
     )
 
 
-def toe_corners(
-    flat: FootPose, half_length: float, half_width: float
-) -> np.ndarray:
+def toe_corners(flat: FootPose, half_length: float, half_width: float) -> np.ndarray:
     """Corners of the strip that carries a foot on its toes, in W [m], shape (4, 3)."""
     middle = flat.p_WF + (half_length - 0.5 * TOES) * flat.R_WF[:, 0]
     return sole_corners(middle, flat.R_WF, 0.5 * TOES, half_width)
