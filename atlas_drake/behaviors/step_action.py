@@ -53,7 +53,7 @@ class StepAction:
     swing_height: float = 0.02
     lift_height: float = 0.06
     knee_nominal: float = 0.6
-    max_body_accel: float = 0.5
+    max_body_accel: float = 0.4
     max_foot_vel: float = 0.5
     sway_end_dist: float = 0.01
     step_end_dist: float = 0.0

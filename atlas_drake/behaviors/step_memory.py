@@ -37,6 +37,8 @@ class StepRules:
     """Time for which a new foot is pressed flat before the weight moves [s]."""
     settling_load: float = 0.06
     """Least that it then carries, in weights [-]."""
+    fresh_share: float = 0.4
+    """First share of the sway after landing in which it stays pressed [-]."""
     unload_share: float = 0.35
     """Last share of a sway in which the leaving foot is unloaded [-]."""
     still_loaded: float = 0.10
@@ -70,6 +72,7 @@ class StepMemory:
         swing: Of its foot; planned when the step begins.
         heel: Angle that the leaving foot's heel has risen by at lift-off [rad].
         lean: Pitch of the trunk in this phase [rad].
+        fresh: The foot that landed just now, if any.
         leaving: Whether STAND was asked for with a foot in the air.
         refused: Parameters whose step cannot be taken.
         looked_at: The parameters that were last read, to notice new ones.
@@ -89,6 +92,7 @@ class StepMemory:
     swing: StepSwing | None = None
     heel: float = 0.0
     lean: float = 0.0
+    fresh: int | None = None
     leaving: bool = False
     refused: object = None
     looked_at: object = None
