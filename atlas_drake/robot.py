@@ -80,7 +80,7 @@ class LegGeometry:
     """Lengths of the legs; index 0 left, 1 right.
 
     Attributes:
-        p_PH: Hip pitch joints in the pelvis frame, legs straight down [m], shape (2, 3).
+        p_PH: Hip pitch joints in the pelvis frame, joints at zero [m], shape (2, 3).
         p_FA: Ankle joints in their sole frames [m], shape (2, 3).
         thigh: From hip to knee [m].
         shank: From knee to ankle [m].
@@ -269,6 +269,10 @@ def _leg_geometry(file: RobotFile, plant: MultibodyPlant) -> LegGeometry:
         return np.array(frame.CalcPoseInWorld(context).translation())
 
     pelvis = plant.GetBodyByName(file.pelvis).body_frame()
+
+    def pitch(down: np.ndarray) -> float:
+        return float(np.arctan2(-down[0], -down[2]))
+
     hips, ankles, knees = [], [], []
     for foot, limb in zip(file.feet, ("l_leg", "r_leg"), strict=True):
         leg = [i for i, joint in enumerate(file.joints) if joint.limb == limb]
@@ -285,8 +289,6 @@ def _leg_geometry(file: RobotFile, plant: MultibodyPlant) -> LegGeometry:
         p_FA=np.array(ankles),
         thigh=float(np.linalg.norm(thigh)),
         shank=float(np.linalg.norm(shank)),
-        straight=float(
-            np.arctan2(-thigh[0], -thigh[2]) - np.arctan2(-shank[0], -shank[2])
-        ),
+        straight=pitch(thigh) - pitch(shank),
         knees=(knees[0], knees[1]),
     )

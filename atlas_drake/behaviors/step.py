@@ -11,12 +11,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from atlas_drake.behaviors.balance import FULL_LOAD, Balance
+from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.base import Event, Observation, Outcome
 from atlas_drake.behaviors.body_reference import (
     BodyRates,
     BodyReference,
-    BodyTarget,
     advance_body,
 )
 from atlas_drake.behaviors.footstep_event import footstep_event
@@ -26,19 +25,16 @@ from atlas_drake.behaviors.step_action import (
     desired_step,
     step_spec_from,
 )
+from atlas_drake.behaviors.step_balance import StepBalance
 from atlas_drake.behaviors.step_memory import StepMemory, StepPhase, StepRules
 from atlas_drake.behaviors.step_plan import StepPlanner
 from atlas_drake.behaviors.step_queue import step_data_from
 from atlas_drake.control import tasks
 from atlas_drake.control.com_sway import ComSway, sway_duration, sway_from_rest
 from atlas_drake.control.footstep import FootPose, StepLimits
-from atlas_drake.control.leg_reach import highest_com, hips_from_com
-from atlas_drake.control.rotations import mean_yaw
+from atlas_drake.control.leg_reach import hips_from_com
 from atlas_drake.control.step_swing import StepSwingProfile, plan_step_swing
-from atlas_drake.control.support_polygon import SupportPolygon
-from atlas_drake.control.swing_foot import quintic_progress
-from atlas_drake.control.toe_off import on_toes, toe_off_reference
-from atlas_drake.control.whole_body_command import FootCommand
+from atlas_drake.control.toe_off import on_toes
 from atlas_drake.messages import (
     NO_STEP,
     AtlasSimInterfaceCommand,
@@ -82,6 +78,7 @@ class Step:
         self._profile = profile or StepSwingProfile()
         self._rules = rules or StepRules()
         self._planner = StepPlanner(balance, nominal_height, limits)
+        self._stance = StepBalance(balance, nominal_height, self._planner, self._rules)
         self._legs = self._planner.legs
         self._default = StepAction(knee_nominal=self._planner.nominal_knee)
 
@@ -94,7 +91,7 @@ class Step:
         """Rests on both feet; the first step begins at the first tick."""
         feet = (seen.foot_pose(0), seen.foot_pose(1))
         support = self._balance.support(*feet)
-        start = support.clamp(tasks.dcm(seen.terms, self._omega(seen, feet)))
+        start = support.clamp(tasks.dcm(seen.terms, self._stance.omega(seen, feet)))
         middle = 0.5 * (feet[0].p_WF + feet[1].p_WF)[:2]
         return StepMemory(
             phase=StepPhase.REST,
@@ -120,32 +117,23 @@ class Step:
             elapsed=memory.elapsed + seen.dt,
             sway_time=memory.sway_time + seen.dt,
             leaving=leaving
-            and (memory.leaving or memory.in_air or self._heel(memory)[0] > 0.0),
+            and (memory.leaving or memory.in_air or self._stance.heel(memory)[0] > 0.0),
         )
         memory, events = self._look_at(memory, seen, request)
         wanted = None if leaving else self._next(memory, request)
         memory, landing = self._change_phase(memory, seen, wanted)
         body = advance_body(
             body,
-            self._body_target(memory),
+            self._stance.body_target(memory),
             self._rates,
             seen.dt,
             seen.terms.q,
             seen.user_held,
         )
-        omega = self._omega(seen, self._carrying(memory))
-        command = self._balance.command(
-            seen,
-            body,
-            memory.sway.evaluate(memory.sway_time, omega),
-            omega,
-            self._support(memory),
-            self._feet(memory, seen),
-        )
         return Outcome(
             memory=memory,
             body=body,
-            command=command,
+            command=self._stance.command(memory, seen, body),
             finished=leaving and self._may_stand(memory, seen),
             status_flags=StepStatus.SUBSTATE_STEPPING
             if memory.in_air
@@ -231,6 +219,7 @@ class Step:
         middle_z = 0.5 * (feet[foot].p_WF[2] + taken.p_WF[2])
         memory = replace(
             memory,
+            fresh=memory.fresh if self._stance.is_fresh(memory) else None,
             phase=StepPhase.SWAY,
             elapsed=0.0,
             feet=feet,
@@ -292,7 +281,7 @@ class Step:
         load = seen.foot_force[memory.step.foot]
         if load > self._rules.still_loaded * self._balance.weight:
             return False
-        omega = self._omega(seen, (memory.feet[memory.stance],))
+        omega = self._stance.omega(seen, (memory.feet[memory.stance],))
         error = tasks.dcm(seen.terms, omega) - memory.sway.end
         return float(np.hypot(*error)) < self._rules.dcm_ready
 
@@ -352,6 +341,7 @@ class Step:
             sway=sway,
             sway_time=0.0,
             heel=0.0,
+            fresh=step.foot,
             lean=memory.lean if uneven > self._rules.level else 0.0,
         )
         return memory, (event,)
@@ -383,14 +373,14 @@ class Step:
 
     def _may_stand(self, memory: StepMemory, seen: Observation) -> bool:
         """Whether both feet carry; after a step that was cut short also at rest."""
-        if memory.in_air or self._heel(memory)[0] > 0.0:
+        if memory.in_air or self._stance.heel(memory)[0] > 0.0:
             return False
         if not memory.leaving:
             return True
         slow = float(np.abs(seen.terms.com_velocity).max()) < self._rules.rest_speed
         return memory.elapsed >= memory.sway.duration and slow
 
-    # ---- balance -------------------------------------------------------------
+    # ---- sway ----------------------------------------------------------------
 
     def _sway_time(self, start: np.ndarray, end: np.ndarray) -> float:
         action = self._default
@@ -404,102 +394,6 @@ class Step:
         p, v, a = memory.sway.motion(memory.sway_time)
         least = sway_duration(float(np.hypot(*(end - p))), acceleration)
         return ComSway(p, v, a, end, max(duration, least))
-
-    def _carrying(self, memory: StepMemory) -> tuple[FootPose, ...]:
-        """The feet that are on the ground."""
-        return (memory.feet[memory.stance],) if memory.in_air else memory.feet
-
-    def _omega(self, seen: Observation, feet: tuple[FootPose, ...]) -> float:
-        ground = sum(float(foot.p_WF[2]) for foot in feet) / len(feet)
-        height = float(seen.terms.com[2]) - ground
-        return tasks.pendulum_frequency(max(height, 0.3 * self._nominal_height))
-
-    def _body_target(self, memory: StepMemory) -> BodyTarget:
-        feet = list(memory.feet)
-        later = list(enumerate(feet))
-        if memory.phase is StepPhase.REST:
-            ground = 0.5 * float(feet[0].p_WF[2] + feet[1].p_WF[2])
-            height = self._nominal_height
-        else:
-            ground = float(feet[memory.stance].p_WF[2])
-            height = self._planner.height(memory.how)
-            foot = memory.step.foot
-            if memory.in_air:
-                feet[foot] = self._foothold(memory)
-                later = list(enumerate(feet))
-            elif memory.phase is StepPhase.SWAY:
-                # Low enough for the landing, so that the body goes up or down once.
-                flat, half_length = feet[foot], self._planner.half_length
-                feet[foot] = on_toes(flat, self._heel(memory)[0], half_length)
-                later[foot] = (foot, on_toes(flat, memory.heel, half_length))
-                later.append((foot, memory.step.pose))
-        com = memory.sway.motion(memory.sway_time)[0]
-        reach = min(
-            highest_com(self._legs, memory.hips, com, enumerate(feet)),
-            highest_com(self._legs, memory.hips, memory.sway.end, later),
-        )
-        return BodyTarget(
-            height=min(ground + height, reach),
-            yaw=mean_yaw(feet[0].yaw, feet[1].yaw),
-            joints=self._balance.robot.stand_prep,
-            pelvis_tilt=np.array([0.0, memory.lean]),
-        )
-
-    def _support(self, memory: StepMemory) -> SupportPolygon:
-        """Where the CoP may lie now."""
-        if self._heel(memory)[0] == 0.0:
-            return memory.support
-        return self._balance.support_on_toes(
-            memory.feet[memory.stance], memory.feet[memory.step.foot]
-        )
-
-    def _heel(self, memory: StepMemory) -> tuple[float, float, float]:
-        """Angle of the leaving foot's heel in the sway, with its derivatives."""
-        if memory.phase is not StepPhase.SWAY or memory.heel == 0.0:
-            return 0.0, 0.0, 0.0
-        begins = self._rules.heel_begins * memory.sway.duration
-        takes = memory.sway.duration - begins
-        share = min(max((memory.elapsed - begins) / takes, 0.0), 1.0)
-        s, ds, dds = quintic_progress(share)
-        return memory.heel * s, memory.heel * ds / takes, memory.heel * dds / takes**2
-
-    def _foothold(self, memory: StepMemory) -> FootPose:
-        """Where the foot in the air lands: deeper when it finds no ground."""
-        goal = memory.step.pose
-        z = float(memory.flight.evaluate(memory.elapsed).p_WF[2])
-        if z >= goal.p_WF[2]:
-            return goal
-        return FootPose(np.array([goal.p_WF[0], goal.p_WF[1], z]), goal.R_WF)
-
-    def _feet(
-        self, memory: StepMemory, seen: Observation
-    ) -> tuple[FootCommand, FootCommand]:
-        balance = self._balance
-        feet = [balance.planted(seen, 0), balance.planted(seen, 1)]
-        if memory.phase is StepPhase.SETTLE:
-            foot, load = memory.step.foot, self._rules.settling_load
-            feet[foot] = balance.pressed(seen, foot, load)
-        elif memory.in_air:
-            reference = memory.flight.evaluate(memory.elapsed)
-            foot = memory.step.foot
-            feet[foot] = balance.swinging(seen, foot, reference)
-        elif memory.phase is StepPhase.SWAY:
-            foot = memory.step.foot
-            rest = 1.0 - memory.elapsed / memory.sway.duration
-            load = min(max(rest / self._rules.unload_share, 0.01), FULL_LOAD)
-            angle, rate, acceleration = self._heel(memory)
-            if angle > 0.0:
-                reference = toe_off_reference(
-                    memory.feet[foot],
-                    angle,
-                    rate,
-                    acceleration,
-                    self._planner.half_length,
-                )
-                feet[foot] = balance.toeing_off(seen, foot, reference, load)
-            else:
-                feet[foot] = balance.planted(seen, foot, load)
-        return feet[0], feet[1]
 
 
 def _with(

@@ -26,7 +26,7 @@ LEGAL_TRANSITIONS: dict[Behavior, frozenset[Behavior]] = {
     Behavior.WALK: _ALWAYS | {Behavior.STAND, Behavior.WALK},
     Behavior.STEP: _ALWAYS | {Behavior.STAND, Behavior.STEP},
 }
-"""From each behaviour to those that may follow. WALK and STEP begin and end in STAND."""
+"""From each behaviour to those that may follow. WALK and STEP lead only to STAND."""
 
 IMPLEMENTED = frozenset(LEGAL_TRANSITIONS)
 """Behaviours that exist; the others are answered with BEHAVIOR_NOT_IMPLEMENTED."""

@@ -70,9 +70,7 @@ def rotation_with_normal(yaw: float, normal: np.ndarray) -> np.ndarray:
 
 def rotation_vector(R: np.ndarray) -> np.ndarray:
     """Axis times angle of a rotation by less than half a turn [rad], shape (3,)."""
-    sine_axis = 0.5 * np.array(
-        [R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]]
-    )
+    sine_axis = rotation_error(R, np.eye(3))
     sine = math.sqrt(sine_axis @ sine_axis)
     if sine == 0.0:
         return sine_axis

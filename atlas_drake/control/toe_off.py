@@ -13,7 +13,7 @@ from atlas_drake.control.support_polygon import sole_corners
 from atlas_drake.control.swing_foot import SwingReference
 
 TOES = 0.03
-"""Length of the strip at the front of the sole that a foot on its toes stands on [m]."""
+"""Length of the strip at the front that a foot on its toes stands on [m]."""
 
 
 def on_toes(flat: FootPose, angle: float, half_length: float) -> FootPose:

@@ -200,9 +200,7 @@ def test_down_a_platform(stepping):
 @pytest.mark.slow
 @pytest.mark.parametrize("tilt", [(0.15, 0.0), (0.0, -0.2)], ids=["roll", "pitch"])
 def test_onto_a_tilted_block_and_off_it(stepping, tilt):
-    block = Block(
-        size=[0.4, 0.34, 0.2], position=[0.38, 0.13, 0.06], rpy=[*tilt, 0.0]
-    )
+    block = Block(size=[0.4, 0.34, 0.2], position=[0.38, 0.13, 0.06], rpy=[*tilt, 0.0])
     robot = stepping(Scenario(terrain=[block]))
     R_WB = block.X_WT.rotation().matrix()
     robot.step(LEFT, 0.38, 0.13, 0.06, normal=R_WB[:, 2])
