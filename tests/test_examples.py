@@ -13,6 +13,7 @@ EXPECTED = {
     "03_mixed_control": "Atlas still stands.",
     "04_walk": "Atlas walked its curve.",
     "05_control_mode_switch": "Atlas stands, 4 steps further on.",
+    "07_step": "Atlas stands on the block.",
 }
 """What each prints last when all is well."""
 

@@ -82,6 +82,14 @@ def footstep_marks(
         marks.append(_mark(Kind.COMMANDED, foot, commanded))
         if _differ(commanded, saturated):
             marks.append(_mark(Kind.SATURATED, foot, saturated))
+    if report.current_behavior == Behavior.STEP:
+        step = report.step_feedback
+        if step.t_step_rem > 0.0:
+            taken = _poses([step.desired_step_saturated])
+            marks += [
+                _mark(Kind.COMMANDED, foot, pose) for foot, pose in taken.values()
+            ]
+        return marks
     if report.current_behavior != Behavior.WALK:
         return marks
     first = max(report.walk_feedback.current_step_index, 1)

@@ -27,11 +27,12 @@ LEGAL = {
     FREEZE: ALWAYS | {STAND_PREP, STAND},
     USER: ALWAYS | {STAND_PREP, STAND},
     STAND_PREP: ALWAYS | {STAND_PREP, STAND},
-    STAND: ALWAYS | {STAND_PREP, STAND, WALK},
+    STAND: ALWAYS | {STAND_PREP, STAND, WALK, STEP},
     WALK: ALWAYS | {STAND, WALK},
+    STEP: ALWAYS | {STAND, STEP},
 }
 """The rules as they are promised, written down a second time."""
-UNBUILT = (STEP, MANIPULATE)
+UNBUILT = (MANIPULATE,)
 
 WRIST = "l_arm_wry"
 WRIST_INDEX = AtlasState.l_arm_wry
