@@ -53,10 +53,10 @@ def rotation_with_normal(yaw: float, normal: np.ndarray) -> np.ndarray:
 
     Args:
         yaw: Heading of x about the world's z [rad].
-        normal: Unit vector in W, shape (3,), not horizontal along the heading.
+        normal: Unit vector in W, shape (3,), not horizontal.
     """
-    heading = np.array([math.cos(yaw), math.sin(yaw), 0.0])
-    x = heading - normal * (normal @ heading)
+    c, s = math.cos(yaw), math.sin(yaw)
+    x = np.array([c, s, -(c * normal[0] + s * normal[1]) / normal[2]])
     x /= math.sqrt(x @ x)
     y = np.array(
         [

@@ -11,7 +11,9 @@ from pydrake.math import RollPitchYaw, RotationMatrix
 
 from atlas_drake.control.rotations import (
     mean_yaw,
+    rotation_about,
     rotation_error,
+    rotation_vector,
     rotation_with_normal,
     rotation_y,
     rotation_z,
@@ -88,3 +90,15 @@ def test_rotation_with_normal_keeps_normal_and_heading(yaw, tilt, heading):
     assert R[:, 0] @ along > 0.0
     if tilt == 0.0:
         assert abs(R[:, 0] @ sideways) < 1e-12
+
+
+@pytest.mark.parametrize("vector", [(0.0, 0.0, 0.0), (0.3, -0.2, 0.9), (0.0, 1.5, 2.0)])
+def test_rotation_vector_and_rotation_about_are_each_others_inverse(vector):
+    R = rotation_about(np.array(vector))
+    np.testing.assert_allclose(R @ R.T, np.eye(3), atol=1e-12)
+    np.testing.assert_allclose(rotation_vector(R), vector, atol=1e-12)
+
+
+def test_rotation_about_the_axes():
+    np.testing.assert_allclose(rotation_about(np.array([0, 0, 0.7])), rotation_z(0.7))
+    np.testing.assert_allclose(rotation_about(np.array([0, 0.7, 0])), rotation_y(0.7))
