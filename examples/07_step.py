@@ -61,8 +61,8 @@ for number, foothold in enumerate(FOOTHOLDS, start=1):
         break
     landed = sim.footsteps[-1]
     print(
-        f"{sim.time:5.2f} s  step {number} landed {1e3 * landed['error_m']:.0f} mm off, "
-        f"at a height of {landed['landed_height']:.3f} m"
+        f"{sim.time:5.2f} s  step {number} landed {1e3 * landed['error_m']:.0f} mm off,"
+        f" at a height of {landed['landed_height']:.3f} m"
     )
 
 command = AtlasSimInterfaceCommand()

@@ -35,11 +35,9 @@ def test_leg_length_is_the_robots(model, knee):
 def test_hips_are_where_the_robot_has_them(model, standing):
     legs = model.robot.legs
     hips = standing.com + hips_from_com(standing, legs)
-    ankles = [
-        f.p_WF + f.R_WF @ p for f, p in zip(standing.feet, legs.p_FA, strict=True)
-    ]
     knee = model.robot.stand_prep[legs.knees[0]]
-    for hip, ankle in zip(hips, ankles, strict=True):
+    for hip, foot, p_FA in zip(hips, standing.feet, legs.p_FA, strict=True):
+        ankle = foot.p_WF + foot.R_WF @ p_FA
         # But for the hip pitch joint's own small swing about the roll joint.
         length = np.linalg.norm(hip - ankle)
         assert length == pytest.approx(leg_length(legs, knee), abs=0.005)

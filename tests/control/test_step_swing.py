@@ -45,11 +45,10 @@ def test_lifts_straight_up_before_it_moves_and_lowers_straight_down(swing):
     p = stacked(references, "p_WF")
     lifting = times < swing.lift
     lowering = times >= swing.lift + swing.move
-    np.testing.assert_array_equal(
-        p[lifting, :2], np.tile(HOME.p_WF[:2], (sum(lifting), 1))
-    )
-    goal = np.tile(swing.goal.p_WF[:2], (sum(lowering), 1))
-    np.testing.assert_allclose(p[lowering, :2], goal)
+    np.testing.assert_array_equal(np.ptp(p[lifting, :2], axis=0), 0.0)
+    np.testing.assert_array_equal(p[0], HOME.p_WF)
+    np.testing.assert_array_equal(np.ptp(p[lowering, :2], axis=0), 0.0)
+    np.testing.assert_array_equal(p[-1, :2], swing.goal.p_WF[:2])
     # At full lift height, above the higher foothold, for the whole way across.
     across = ~lifting & ~lowering
     higher = max(HOME.p_WF[2], swing.goal.p_WF[2])
