@@ -224,7 +224,7 @@ def write_pages(folder: Path) -> None:
 
 
 def _numbers(cls: type) -> str:
-    told = source_docs.trailing_strings(cls)
+    told = source_docs.attributes(cls) | source_docs.trailing_strings(cls)
     rows = [
         (f"`{name}`", _value(value), told.get(name, ""))
         for name, value in source_docs.defaults(cls).items()

@@ -22,18 +22,22 @@ LEGAL_TRANSITIONS: dict[Behavior, frozenset[Behavior]] = {
     Behavior.USER: _ALWAYS | {Behavior.STAND_PREP, Behavior.STAND},
     Behavior.STAND_PREP: _ALWAYS | {Behavior.STAND_PREP, Behavior.STAND},
     Behavior.STAND: _ALWAYS
-    | {Behavior.STAND_PREP, Behavior.STAND, Behavior.WALK, Behavior.MANIPULATE},
+    | {
+        Behavior.STAND_PREP,
+        Behavior.STAND,
+        Behavior.WALK,
+        Behavior.STEP,
+        Behavior.MANIPULATE,
+    },
     Behavior.WALK: _ALWAYS | {Behavior.STAND, Behavior.WALK},
+    Behavior.STEP: _ALWAYS | {Behavior.STAND, Behavior.STEP},
     Behavior.MANIPULATE: _ALWAYS | {Behavior.STAND, Behavior.MANIPULATE},
 }
-"""From each behaviour to those that may follow. WALK leads nowhere but to STAND."""
+"""From each behaviour to those that may follow. WALK and STEP lead only to STAND."""
 
-LEAVES_IN_ORDER = frozenset({Behavior.WALK, Behavior.MANIPULATE})
+LEAVES_IN_ORDER = frozenset({Behavior.WALK, Behavior.STEP, Behavior.MANIPULATE})
 """Behaviours that STAND does not interrupt: they end by themselves when it is asked
-for. WALK finishes its step and catches, MANIPULATE goes back to STAND's pose."""
-
-IMPLEMENTED = frozenset(LEGAL_TRANSITIONS)
-"""Behaviours that exist; the others are answered with BEHAVIOR_NOT_IMPLEMENTED."""
+for. WALK and STEP finish their step, MANIPULATE goes back to STAND's pose."""
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ from atlas_drake.behaviors.body_reference import (
     BodyTarget,
     advance_body,
 )
+from atlas_drake.behaviors.footstep_event import footstep_event
 from atlas_drake.behaviors.gait import GaitTiming, plan_walk, stance_cop
 from atlas_drake.behaviors.step_queue import step_data_from
 from atlas_drake.behaviors.walk_memory import Phase, WalkMemory, WalkRules
@@ -29,12 +30,7 @@ from atlas_drake.behaviors.walk_steps import (
 )
 from atlas_drake.control import tasks
 from atlas_drake.control.dcm_plan import DcmReference
-from atlas_drake.control.footstep import (
-    Footstep,
-    StepLimits,
-    landing_error,
-    saturate,
-)
+from atlas_drake.control.footstep import Footstep, StepLimits, saturate
 from atlas_drake.control.rotations import mean_yaw
 from atlas_drake.control.step_adjustment import StepAdjustmentLimits, step_shift
 from atlas_drake.control.swing_foot import (
@@ -308,20 +304,7 @@ class Walk:
             support=self._balance.support(*feet),
         )
         coming = self._coming(memory)
-        event = Event(
-            seen.time,
-            "footstep",
-            f"step {step.index} landed",
-            {
-                "index": step.index,
-                "foot": step.foot,
-                "commanded": [*map(float, sent.p_WF[:2]), float(sent.yaw)],
-                "saturated": [*map(float, step.p_WF[:2]), float(step.yaw)],
-                "landed": [*map(float, landed.p_WF[:2]), float(landed.yaw)],
-                "landed_height": float(landed.p_WF[2]),
-                "error_m": landing_error(sent, landed),
-            },
-        )
+        event = footstep_event(seen.time, sent, step, landed)
         if not coming:
             return self._settle(memory, cop), (event,)
         memory = replace(memory, duration=self._timing.transfer(coming[0]))

@@ -72,10 +72,10 @@ def rotation_with_normal(yaw: float, normal: np.ndarray) -> np.ndarray:
 
     Args:
         yaw: Heading of x about the world's z [rad].
-        normal: Unit vector in W, shape (3,), not horizontal along the heading.
+        normal: Unit vector in W, shape (3,), not horizontal.
     """
-    heading = np.array([math.cos(yaw), math.sin(yaw), 0.0])
-    x = heading - normal * (normal @ heading)
+    c, s = math.cos(yaw), math.sin(yaw)
+    x = np.array([c, s, -(c * normal[0] + s * normal[1]) / normal[2]])
     x /= math.sqrt(x @ x)
     y = np.array(
         [
@@ -85,6 +85,26 @@ def rotation_with_normal(yaw: float, normal: np.ndarray) -> np.ndarray:
         ]
     )
     return np.column_stack([x, y, normal])
+
+
+def rotation_vector(R: np.ndarray) -> np.ndarray:
+    """Axis times angle of a rotation by less than half a turn [rad], shape (3,)."""
+    sine_axis = rotation_error(R, np.eye(3))
+    sine = math.sqrt(sine_axis @ sine_axis)
+    if sine == 0.0:
+        return sine_axis
+    angle = math.atan2(sine, 0.5 * (R[0, 0] + R[1, 1] + R[2, 2] - 1.0))
+    return sine_axis * (angle / sine)
+
+
+def rotation_about(vector: np.ndarray) -> np.ndarray:
+    """Rotation about ``vector`` by its length [rad], shape (3, 3)."""
+    angle = math.sqrt(vector @ vector)
+    if angle == 0.0:
+        return np.eye(3)
+    x, y, z = (vector / angle).tolist()
+    K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.eye(3) + math.sin(angle) * K + (1.0 - math.cos(angle)) * (K @ K)
 
 
 def wrap_angle(angle: float) -> float:

@@ -98,7 +98,7 @@ def advance_swing(
         xy, velocity, acceleration = swing.xy, np.zeros(2), np.zeros(2)
     elif elapsed < end:
         since = max(swing.elapsed, begin)
-        xy, velocity, acceleration = _quintic_step(
+        xy, velocity, acceleration = quintic_step(
             swing.xy,
             swing.xy_velocity,
             swing.xy_acceleration,
@@ -135,17 +135,17 @@ def _horizontal_window(
 
 def _reference(swing: Swing, target: Footstep, profile: SwingProfile) -> SwingReference:
     z, vz, az = _height(swing, target, profile)
-    s, ds, _ = _quintic_progress(swing.progress)
+    s, ds, _ = quintic_progress(swing.progress)
     rate = ds / swing.duration if swing.elapsed < swing.duration else 0.0
-    bump, bump_rate, _ = _bump(swing.progress)
+    tipped, tip_rate, _ = bump(swing.progress)
     toes = _toe_pitch(swing, target, profile)
     R, w = _sole_on_ground(swing.start, target, s, rate)
     return SwingReference(
         p_WF=np.array([swing.xy[0], swing.xy[1], z]),
         v_WF=np.array([swing.xy_velocity[0], swing.xy_velocity[1], vz]),
         a_WF=np.array([swing.xy_acceleration[0], swing.xy_acceleration[1], az]),
-        R_WF=R @ rotation_y(toes * bump),
-        w_WF=w + R[:, 1] * (toes * bump_rate / swing.duration),
+        R_WF=R @ rotation_y(toes * tipped),
+        w_WF=w + R[:, 1] * (toes * tip_rate / swing.duration),
     )
 
 
@@ -165,14 +165,16 @@ def _sole_on_ground(
     normal = along / length
     tilting = rate / length * (difference - normal * (normal @ difference))
     R = rotation_with_normal(yaw, normal)
-    # The turn about the normal follows from x staying above the heading h.
-    c, si = math.cos(yaw), math.sin(yaw)
-    h, h_rate = np.array([c, si, 0.0]), turn * rate * np.array([-si, c, 0.0])
-    leaning = float(normal @ h)
-    spin = (h_rate @ R[:, 1] - leaning * (tilting @ R[:, 1])) / math.sqrt(
-        1.0 - leaning * leaning
-    )
+    # The turn about the normal follows from x staying above the heading: x goes along
+    # u = [cos, sin, slope], and only the part of u's rate along y turns it.
+    c, si, yaw_rate = math.cos(yaw), math.sin(yaw), turn * rate
     n, t = normal, tilting
+    slope = -(c * n[0] + si * n[1]) / n[2]
+    slope_rate = (
+        yaw_rate * (si * n[0] - c * n[1]) - (c * t[0] + si * t[1]) - slope * t[2]
+    ) / n[2]
+    u_rate = np.array([-si * yaw_rate, c * yaw_rate, slope_rate])
+    spin = float(u_rate @ R[:, 1]) / math.sqrt(1.0 + slope * slope)
     w = np.array(
         [
             n[1] * t[2] - n[2] * t[1] + spin * n[0],
@@ -206,9 +208,9 @@ def _height(
         return z1 - profile.late_descent * late, -profile.late_descent, 0.0
     share = profile.climb_share
     begin = 0.0 if climb > 0.0 else 1.0 - share
-    r, dr, ddr = _quintic_progress(min(max((swing.progress - begin) / share, 0.0), 1.0))
-    s, ds, dds = _quintic_progress(swing.progress)
-    b, db, ddb = _bump(swing.progress)
+    r, dr, ddr = quintic_progress(min(max((swing.progress - begin) / share, 0.0), 1.0))
+    s, ds, dds = quintic_progress(swing.progress)
+    b, db, ddb = bump(swing.progress)
     # Midway, where the bump is highest, the foot has climbed to the higher end and is
     # pressed down by half the depth.
     height = target.swing_height - 0.5 * abs(climb) - 0.5 * press
@@ -219,7 +221,7 @@ def _height(
     )
 
 
-def _bump(s: float) -> tuple[float, float, float]:
+def bump(s: float) -> tuple[float, float, float]:
     """64 s³(1-s)³ with its first and second derivative: 0 at both ends, 1 midway."""
     r = 1.0 - s
     p = s * r
@@ -230,7 +232,7 @@ def _bump(s: float) -> tuple[float, float, float]:
     )
 
 
-def _quintic_progress(s: float) -> tuple[float, float, float]:
+def quintic_progress(s: float) -> tuple[float, float, float]:
     """10s³ - 15s⁴ + 6s⁵ with its first and second derivative."""
     r = 1.0 - s
     return (
@@ -240,7 +242,7 @@ def _quintic_progress(s: float) -> tuple[float, float, float]:
     )
 
 
-def _quintic_step(
+def quintic_step(
     p: np.ndarray,
     v: np.ndarray,
     a: np.ndarray,

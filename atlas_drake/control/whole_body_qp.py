@@ -23,12 +23,19 @@ from atlas_drake.control.quadratic_program import (
     QuadraticProgram,
     solve,
 )
-from atlas_drake.control.whole_body_command import EffortBounds, WholeBodyCommand
+from atlas_drake.control.toe_off import TOES
+from atlas_drake.control.whole_body_command import (
+    EffortBounds,
+    Pressure,
+    WholeBodyCommand,
+)
 from atlas_drake.control.whole_body_model import GRAVITY, WholeBodyTerms
 from atlas_drake.robot import Robot
 
 _BASE = 6
 _WRENCH = 6
+MIDDLE = 0.01
+"""Half the size of what counts as the middle of a sole [m]."""
 _HUGE = 1e30
 """What the solver takes for infinity."""
 
@@ -62,10 +69,11 @@ class WholeBodyQp:
         self._robot = robot
         self._gains = gains
         self._num_joints = robot.num_joints
-        self._cone = _wrench_cone(robot, gains)
+        self._cones = {kind: _wrench_cone(robot, gains, kind) for kind in Pressure}
         weights = gains.weights
         # Constant parts of the program for zero, one and two feet in contact.
-        self._layouts = [_Layout(robot, gains, self._cone, k) for k in range(3)]
+        size = len(self._cones[Pressure.SOLE])
+        self._layouts = [_Layout(robot, gains, size, k) for k in range(3)]
         self._task_weights = {
             (left, right, balance): _task_weight(weights, left, right, balance)
             for left in (False, True)
@@ -215,7 +223,8 @@ class WholeBodyQp:
             cone_rows = layout.cone_rows(k)
             cone_bounds = slice(size + cone_rows.start, size + cone_rows.stop)
             # Moment and force turn alike: six columns as two rows of three.
-            turned = self._cone.reshape(-1, 3) @ R_FW
+            cone = self._cones[command.feet[i].pressure]
+            turned = cone.reshape(-1, 3) @ R_FW
             A[cone_rows, start : start + _WRENCH] = turned.reshape(-1, _WRENCH)
             last = cone_bounds.stop - 1
             lower[last] = command.feet[i].min_normal_force
@@ -244,11 +253,11 @@ class WholeBodyQp:
 class _Layout:
     """What is the same every tick for a number of feet in contact."""
 
-    def __init__(self, robot: Robot, gains: ControlGains, cone: np.ndarray, feet: int):
+    def __init__(self, robot: Robot, gains: ControlGains, cone_size: int, feet: int):
         n = robot.num_joints
         self.size = n + _WRENCH * feet
         self._first_cone_row = n
-        self._cone_size = len(cone)
+        self._cone_size = cone_size
         rows = n + feet * self._cone_size
         self.rows = np.zeros((rows, self.size))
         self.lower = np.full(self.size + rows, -_HUGE)
@@ -317,16 +326,18 @@ def _task_weight(
     return np.array(foot[left] + foot[right] + [float(balance) * w for w in trunk])
 
 
-def _wrench_cone(robot: Robot, gains: ControlGains) -> np.ndarray:
+def _wrench_cone(robot: Robot, gains: ControlGains, pressure: Pressure) -> np.ndarray:
     """Rows C with C·[moment; force] ≤ 0 in the sole's frame; last row: normal force.
 
     Friction as a pyramid inside the cone, the centre of pressure inside the sole
-    less its margins, and the yaw moment by a lever of friction.
+    less its margins or a part of it, and the yaw moment by a lever of friction.
     """
     contact, sole = gains.contact, robot.file.sole
     friction = contact.friction / np.sqrt(2.0)
     x = sole.length / 2 - contact.length_margin
     y = sole.width / 2 - contact.width_margin
+    if pressure is Pressure.MIDDLE:
+        x = y = MIDDLE
     yaw = contact.friction * contact.yaw_moment_arm
     rows = []
     for index, bound in ((3, friction), (4, friction), (0, y), (1, x), (2, yaw)):
@@ -335,6 +346,12 @@ def _wrench_cone(robot: Robot, gains: ControlGains) -> np.ndarray:
             row[index] = sign
             row[5] = -bound
             rows.append(row)
+    if pressure is Pressure.TOES:
+        # A moment about y that is no more than -x·f puts the pressure beyond x.
+        ahead = next(row for row in rows if row[1] > 0.0)
+        ahead[5] = sole.length / 2 - TOES
+        behind = next(row for row in rows if row[1] < 0.0)
+        behind[5] = -sole.length / 2
     normal = np.zeros(_WRENCH)
     normal[5] = 1.0
     return np.array([*rows, normal])

@@ -11,6 +11,7 @@ from atlas_drake.messages.behavior import Behavior
 from atlas_drake.messages.behavior_params import (
     AtlasBehaviorPelvisServoParams,
     AtlasBehaviorStepData,
+    AtlasBehaviorStepSpec,
     empty_step_queue,
 )
 
@@ -138,11 +139,15 @@ class AtlasBehaviorStepFeedback(Message):
     """How STEP goes.
 
     Attributes:
-        t_step_rem: Time until the step is done [s].
-        current_step_index: Number of the step being taken; 0 before the first.
+        t_step_rem: Time until the next step is needed, as planned [s]; 0 while the
+            behavior waits for it.
+        current_step_index: Number of the step being taken or taken last; 0 before the
+            first.
         next_step_index_needed: Index that the next desired step should have.
-        status_flags: ``STEP_...`` bits.
-        desired_step_saturated: The step as it will really be taken.
+        status_flags: ``STEP_...`` bits; exactly one substate while STEP is active:
+            SWAYING with both feet on the ground, STEPPING with one in the air.
+        desired_step_saturated: The step as it is really taken.
+        desired_step_spec_saturated: Likewise, with everything that it is taken with.
     """
 
     STEP_OKAY = StepStatus.OKAY
@@ -155,6 +160,9 @@ class AtlasBehaviorStepFeedback(Message):
     status_flags: int = StepStatus.OKAY
     desired_step_saturated: AtlasBehaviorStepData = field(
         default_factory=AtlasBehaviorStepData
+    )
+    desired_step_spec_saturated: AtlasBehaviorStepSpec = field(
+        default_factory=AtlasBehaviorStepSpec
     )
 
 

@@ -86,6 +86,20 @@ def footstep_marks(
         marks.append(_mark(Kind.COMMANDED, foot, commanded, z))
         if _differ(commanded, saturated):
             marks.append(_mark(Kind.SATURATED, foot, saturated, z))
+    if report.current_behavior == Behavior.STEP:
+        step = report.step_feedback
+        if step.t_step_rem > 0.0:
+            taken = _poses([step.desired_step_saturated])
+            marks += [
+                _mark(
+                    Kind.COMMANDED,
+                    foot,
+                    pose,
+                    step.desired_step_saturated.pose.position.z,
+                )
+                for foot, pose in taken.values()
+            ]
+        return marks
     if report.current_behavior != Behavior.WALK:
         return marks
     first = max(report.walk_feedback.current_step_index, 1)

@@ -115,3 +115,11 @@ def test_next_runs_stops_at_a_gap():
     assert indices(next_runs(pending, 6)) == [6, 7]
     assert next_runs(pending, 5) == ()
     assert next_runs((), 1) == ()
+
+
+def test_a_tilted_step_goes_to_a_message_and_back():
+    normal = np.array([0.1, -0.15, 1.0]) / np.linalg.norm([0.1, -0.15, 1.0])
+    tilted = Footstep(2, RIGHT, np.array([0.4, -0.1, 0.1]), 0.8, 1.0, 0.1, normal)
+    again = footstep_from(step_data_from(tilted))
+    np.testing.assert_allclose(again.normal, normal, atol=1e-12)
+    assert again.yaw == pytest.approx(0.8)

@@ -12,7 +12,9 @@ from pydrake.math import RollPitchYaw, RotationMatrix
 from atlas_drake.control.rotations import (
     mean_yaw,
     orientation,
+    rotation_about,
     rotation_error,
+    rotation_vector,
     rotation_with_normal,
     rotation_x,
     rotation_y,
@@ -94,11 +96,17 @@ def test_rotation_with_normal_keeps_normal_and_heading(yaw, tilt, heading):
     np.testing.assert_allclose(R.T @ R, np.eye(3), atol=1e-12)
     assert np.linalg.det(R) == pytest.approx(1.0)
     np.testing.assert_allclose(R[:, 2], normal, atol=1e-15)
-    # The x axis lies in the vertical plane of the heading's projection on the slope.
-    sideways = np.array([-math.sin(yaw), math.cos(yaw), 0.0])
-    along = np.array([math.cos(yaw), math.sin(yaw), 0.0])
-    projected = along - normal * (normal @ along)
-    np.testing.assert_allclose(np.cross(R[:, 0], projected), 0.0, atol=1e-12)
-    assert R[:, 0] @ along > 0.0
-    if tilt == 0.0:
-        assert abs(R[:, 0] @ sideways) < 1e-12
+    # Seen from above the x axis leads exactly where it is told.
+    assert abs(wrap_angle(yaw_of(R) - yaw)) < 1e-9
+
+
+@pytest.mark.parametrize("vector", [(0.0, 0.0, 0.0), (0.3, -0.2, 0.9), (0.0, 1.5, 2.0)])
+def test_rotation_vector_and_rotation_about_are_each_others_inverse(vector):
+    R = rotation_about(np.array(vector))
+    np.testing.assert_allclose(R @ R.T, np.eye(3), atol=1e-12)
+    np.testing.assert_allclose(rotation_vector(R), vector, atol=1e-12)
+
+
+def test_rotation_about_the_axes():
+    np.testing.assert_allclose(rotation_about(np.array([0, 0, 0.7])), rotation_z(0.7))
+    np.testing.assert_allclose(rotation_about(np.array([0, 0.7, 0])), rotation_y(0.7))
