@@ -37,7 +37,10 @@ class EstimationError(LeafSystem):
         """Looks every ``period`` [s]."""
         super().__init__()
         pelvis = plant.GetBodyByName(robot.file.pelvis)
-        q, v = pelvis.floating_positions_start(), pelvis.floating_velocities_start_in_v()
+        q, v = (
+            pelvis.floating_positions_start(),
+            pelvis.floating_velocities_start_in_v(),
+        )
         v += plant.num_positions() + 3
         self._quaternion, self._position = slice(q, q + 4), slice(q + 4, q + 7)
         self._velocity = slice(v, v + 3)

@@ -69,7 +69,10 @@ class StateEstimator(LeafSystem):
         self._weight = robot.mass * GRAVITY
         self._plant = plant = WholeBodyModel(robot).plant
         pelvis = plant.GetBodyByName(robot.file.pelvis)
-        q, v = pelvis.floating_positions_start(), pelvis.floating_velocities_start_in_v()
+        q, v = (
+            pelvis.floating_positions_start(),
+            pelvis.floating_velocities_start_in_v(),
+        )
         v += plant.num_positions()
         self._quaternion, self._position = slice(q, q + 4), slice(q + 4, q + 7)
         self._rate, self._velocity = slice(v, v + 3), slice(v + 3, v + 6)
