@@ -42,13 +42,17 @@ class OdometryTuning:
     """Of a sole as kinematics sees it from the pelvis [m]."""
     slip: float = 0.001
     """Of a foot that stands firmly [m/√s]."""
-    landing_slip: float = 0.1
-    """Of a foot that has just begun to carry something, and may still be turning over
-    an edge [m/√s]."""
+    loose_slip: float = 0.1
+    """Of one that hardly carries anything, or that the other sensors see sliding or
+    turning over an edge [m/√s]."""
     no_load: float = 0.03
     """A foot that carries less of the weight is in the air [-]."""
     full_load: float = 0.40
     """One that carries more stands as firmly as it ever does [-]."""
+    still: float = 0.05
+    """A foot that seems slower does not slide: joint velocities have noise [m/s]."""
+    sliding: float = 0.12
+    """One that seems faster does [m/s]."""
     rest: float = 1.0
     """Speed of a robot without a foot on the ground, which is believed to hang still
     for want of anything better to go by [m/s]."""
@@ -153,6 +157,7 @@ def predict(
 def correct(
     state: OdometryState,
     p_IF_W: np.ndarray,
+    v_IF_W: np.ndarray,
     load: np.ndarray,
     dt: float,
     tuning: OdometryTuning,
@@ -160,11 +165,14 @@ def correct(
     """Takes in where the legs say that the feet are.
 
     A foot that carries load stays where it is, the more surely the more it carries.
-    One in the air is where kinematics puts it: it is anchored anew when it lands.
+    One that seems to slide, as the accelerometer knows better for a while, is hardly
+    believed: otherwise all of its way would be taken for the pelvis'. One in the air is
+    where kinematics puts it: it is anchored anew when it lands.
 
     Args:
         state: As predicted.
         p_IF_W: From the IMU to left and right sole, in W [m], shape (2, 3).
+        v_IF_W: Its rate of change, in W [m/s], shape (2, 3).
         load: Vertical force on each foot as a share of the weight [-], shape (2,).
         dt: Time since the last correction [s].
         tuning: Of the filter.
@@ -176,7 +184,9 @@ def correct(
         seen, variance = p_IF_W[standing], tuning.foot_position**2
         for foot in standing:
             own = _FEET[foot]
-            covariance[own, own] += _slip(float(load[foot]), tuning) ** 2 * dt
+            speed = float(np.linalg.norm(state.v_WI + v_IF_W[foot]))
+            slip = _slip(float(load[foot]), speed, tuning)
+            covariance[own, own] += slip * slip * dt
     else:
         rows, seen, variance = [_EYE[_VELOCITY]], np.zeros((1, 3)), tuning.rest**2
     H = np.array(rows)
@@ -199,7 +209,9 @@ def correct(
     return OdometryState(state.q_WP, mean, covariance)
 
 
-def _slip(load: float, tuning: OdometryTuning) -> float:
-    """Of a foot under ``load`` shares of the weight [m/√s]."""
-    doubt = (tuning.full_load - load) / (tuning.full_load - tuning.no_load)
-    return tuning.slip + tuning.landing_slip * min(max(doubt, 0.0), 1.0) ** 2
+def _slip(load: float, speed: float, tuning: OdometryTuning) -> float:
+    """Of a foot under ``load`` shares of the weight that seems to move [m/√s]."""
+    light = (tuning.full_load - load) / (tuning.full_load - tuning.no_load)
+    fast = (speed - tuning.still) / (tuning.sliding - tuning.still)
+    loose = min(max(light, fast, 0.0), 1.0)
+    return tuning.slip + tuning.loose_slip * loose * loose

@@ -138,19 +138,31 @@ class StateEstimator(LeafSystem):
     ) -> OdometryState:
         inertial = self._inertial.Eval(context)
         after = predict(before, inertial[3:6], inertial[6:], dt, self._tuning)
-        p_IF_W = self._legs(context) @ rotation_matrix(after.q_WP).T
+        p_IF_P, v_IF_P = self._legs(context, inertial[:3])
+        R_PW = rotation_matrix(after.q_WP).T
         load = self._loads.Eval(context) / self._weight
-        return correct(after, p_IF_W, load, dt, self._tuning)
+        return correct(after, p_IF_P @ R_PW, v_IF_P @ R_PW, load, dt, self._tuning)
 
-    def _legs(self, context: Context) -> np.ndarray:
-        """From the IMU to both soles, in the pelvis' axes [m], shape (2, 3)."""
-        plant, scratch = self._plant, self._scratch.Eval(context)
-        q = self._measured.Eval(context)[: plant.num_positions()]
+    def _legs(
+        self, context: Context, w_WP_P: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Both soles as the joints have them and the gyroscope turns them.
+
+        Returns:
+            p_IF [m] and v_IF [m/s], not that in the turning pelvis but that in W, both
+            along the pelvis' axes; each of shape (2, 3).
+        """
+        scratch, state = self._scratch.Eval(context), self._measured.Eval(context)
         # With the pelvis at W's origin what is in W is in P.
-        q[self._quaternion], q[self._position] = (1.0, 0.0, 0.0, 0.0), 0.0
-        plant.SetPositions(scratch, q)
-        soles = [sole.CalcPoseInWorld(scratch).translation() for sole in self._soles]
-        return np.array(soles) - self._p_PI
+        state[self._quaternion], state[self._position] = (1.0, 0.0, 0.0, 0.0), 0.0
+        state[self._rate] = w_WP_P
+        state[self._velocity] = -np.cross(w_WP_P, self._p_PI)
+        self._plant.SetPositionsAndVelocities(scratch, state)
+        positions = [s.CalcPoseInWorld(scratch).translation() for s in self._soles]
+        velocities = [
+            s.CalcSpatialVelocityInWorld(scratch).translational() for s in self._soles
+        ]
+        return np.array(positions) - self._p_PI, np.array(velocities)
 
     def _calc_state(self, context: Context, output: BasicVector) -> None:
         odometry: OdometryState = self._odometry.Eval(context)
