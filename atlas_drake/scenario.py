@@ -125,7 +125,8 @@ class Scenario:
     """Sensor noise, a name from NOISE_MODELS."""
     state: str = "true"
     """What the behaviours see, one of STATES: the true state with the noise of the
-    sensors, or what an estimator makes of IMU, joints and loads on the feet."""
+    sensors, or what an estimator makes of IMU, joints and loads on the feet. A file
+    needs quotes for "true", which YAML takes for a truth value without them."""
     seed: int = 0
     """Of noise and jitter."""
     jitter: Jitter = field(default_factory=Jitter)

@@ -70,7 +70,7 @@ def test_motion_under_exact_increments_is_followed_exactly():
     still = OdometryTuning(gravity_settling=np.inf)
     for k in range(1, 501):
         halfway = rotation_matrix(turned(q, 0.5 * turn))
-        felt = halfway.T @ ((acceleration + [0.0, 0.0, GRAVITY]) * DT)
+        felt = halfway.T @ (acceleration + np.array([0.0, 0.0, GRAVITY])) * DT
         q, t = turned(q, turn), k * DT
         p_WI = P_WI + velocity * t + 0.5 * acceleration * t * t
         state = predict(state, turn, felt, DT, still)

@@ -71,6 +71,29 @@ def test_it_begins_where_the_robot_is_put_and_is_told_no_more(alone, robot):
     np.testing.assert_allclose(port.Eval(context), state, atol=1e-6)
 
 
+def test_the_legs_are_seen_as_they_move_in_the_world(alone):
+    # Everything moves, the pelvis too, whose own velocity no leg can tell.
+    estimator, context, state = alone
+    plant = estimator._plant
+    random = np.random.default_rng(5)
+    moving = state + random.uniform(-0.5, 0.5, state.shape)
+    moving[:4] = turned(state[:4], np.array([0.3, -0.2, 1.0]))
+    estimator.GetInputPort("measured_state").FixValue(context, moving)
+    truth = plant.CreateDefaultContext()
+    plant.SetPositionsAndVelocities(truth, moving)
+    R_WP = rotation_matrix(moving[:4])
+    imu = plant.GetFrameByName("imu")
+    p_WI, V_WI = imu.CalcPoseInWorld(truth), imu.CalcSpatialVelocityInWorld(truth)
+    positions, velocities = estimator._legs(context, R_WP.T @ V_WI.rotational())
+    for foot, name in enumerate(("l_sole", "r_sole")):
+        sole = plant.GetFrameByName(name)
+        p_IF = sole.CalcPoseInWorld(truth).translation() - p_WI.translation()
+        V_WF = sole.CalcSpatialVelocityInWorld(truth)
+        v_IF = V_WF.translational() - V_WI.translational()
+        np.testing.assert_allclose(R_WP @ positions[foot], p_IF, atol=1e-12)
+        np.testing.assert_allclose(R_WP @ velocities[foot], v_IF, atol=1e-12)
+
+
 def test_a_reset_begins_anew_from_where_the_robot_is_then(alone):
     estimator, context, state = alone
     simulator = Simulator(estimator, context)
