@@ -23,6 +23,7 @@ from atlas_drake.control.leg_odometry import (
     predict,
     start_odometry,
 )
+from atlas_drake.control.rotations import cross
 from atlas_drake.control.whole_body_model import GRAVITY, WholeBodyModel
 from atlas_drake.frozen import Frozen
 from atlas_drake.robot import Robot
@@ -156,7 +157,7 @@ class StateEstimator(LeafSystem):
         # With the pelvis at W's origin what is in W is in P.
         state[self._quaternion], state[self._position] = (1.0, 0.0, 0.0, 0.0), 0.0
         state[self._rate] = w_WP_P
-        state[self._velocity] = -np.cross(w_WP_P, self._p_PI)
+        state[self._velocity] = -cross(w_WP_P, self._p_PI)
         self._plant.SetPositionsAndVelocities(scratch, state)
         positions = [s.CalcPoseInWorld(scratch).translation() for s in self._soles]
         velocities = [
@@ -172,5 +173,5 @@ class StateEstimator(LeafSystem):
         state[self._quaternion] = odometry.q_WP
         state[self._position] = odometry.p_WI - p_PI_W
         state[self._rate] = w_WP
-        state[self._velocity] = odometry.v_WI - np.cross(w_WP, p_PI_W)
+        state[self._velocity] = odometry.v_WI - cross(w_WP, p_PI_W)
         output.SetFromVector(state)
