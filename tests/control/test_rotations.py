@@ -10,6 +10,7 @@ from pydrake.common.eigen_geometry import AngleAxis
 from pydrake.math import RollPitchYaw, RotationMatrix
 
 from atlas_drake.control.rotations import (
+    cross,
     mean_yaw,
     rotation_error,
     rotation_with_normal,
@@ -31,6 +32,11 @@ def test_elementary_rotations_are_drakes(angle):
     np.testing.assert_allclose(
         rotation_y(angle), RotationMatrix.MakeYRotation(angle).matrix(), atol=1e-14
     )
+
+
+@given(*[st.tuples(SMALL, SMALL, SMALL).map(np.array)] * 2)
+def test_the_vector_product_is_numpys(a, b):
+    np.testing.assert_allclose(cross(a, b), np.cross(a, b), atol=1e-15)
 
 
 @given(angle=ANGLES)
