@@ -19,7 +19,7 @@ from atlas_drake.behaviors.body_reference import (
     advance_body,
 )
 from atlas_drake.behaviors.footstep_event import footstep_event
-from atlas_drake.behaviors.gait import GaitTiming, plan_walk, stance_cop
+from atlas_drake.behaviors.gait import GaitTiming, begun_at, plan_walk, stance_cop
 from atlas_drake.behaviors.step_queue import step_data_from
 from atlas_drake.behaviors.walk_memory import Phase, WalkMemory, WalkRules
 from atlas_drake.behaviors.walk_steps import (
@@ -111,8 +111,9 @@ class Walk:
             next_index=first,
             seen_params=params,
         )
-        cop = memory.support.clamp(tasks.dcm(seen.terms, omega))
-        return self._replan(memory, cop, memory.duration)
+        dcm = tasks.dcm(seen.terms, omega)
+        memory = self._replan(memory, memory.support.clamp(dcm), memory.duration)
+        return replace(memory, plan=begun_at(memory.plan, dcm, memory.support))
 
     def update(
         self,
@@ -312,11 +313,12 @@ class Walk:
 
     def _shift(self, memory: WalkMemory) -> WalkMemory:
         """Sets off once more: steps came while the robot was catching."""
-        cop = memory.plan.evaluate(memory.plan_time).cop
+        now = memory.plan.evaluate(memory.plan_time)
         memory = replace(
             memory, phase=Phase.SHIFT, elapsed=0.0, duration=self._timing.first_shift
         )
-        return self._replan(memory, cop, memory.duration)
+        memory = self._replan(memory, now.cop, memory.duration)
+        return replace(memory, plan=begun_at(memory.plan, now.dcm, memory.support))
 
     def _settle(self, memory: WalkMemory, cop: np.ndarray | None = None) -> WalkMemory:
         if cop is None:
