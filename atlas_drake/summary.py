@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from atlas_drake.messages import Behavior
+from atlas_drake.behaviors.walk import STEPS_LEFT
 from atlas_drake.systems.estimation_error import error_sizes
-from atlas_drake.tutorial import NUM_STEPS
 
 if TYPE_CHECKING:
     from atlas_drake.simulation import AtlasSimulation
@@ -83,12 +82,7 @@ def estimator_drift(
 
 def _did_it_all(sim: AtlasSimulation) -> bool:
     """Whether what was asked for was done: no refusals, no step missing."""
-    if any(event.kind == "refusal" for event in sim.events):
-        return False
-    if sim.current_behavior is Behavior.WALK:
-        return True
-    walks = [e for e in sim.events if e.kind == "command" and "Walking" in e.text]
-    return len(sim.footsteps) >= NUM_STEPS * len(walks)
+    return not any(event.kind in ("refusal", STEPS_LEFT) for event in sim.events)
 
 
 def _finite(value: float) -> float | None:

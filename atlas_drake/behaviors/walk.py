@@ -48,6 +48,8 @@ from atlas_drake.messages import (
 )
 
 _UPRIGHT = np.zeros(2)
+STEPS_LEFT = "steps left"
+"""Kind of the event that tells of steps asked for and never taken."""
 REACH = 0.03
 """The lower leg stretches by this much where the ground is uneven [m]."""
 
@@ -157,11 +159,16 @@ class Walk:
             memory.support,
             self._feet(memory, seen, swing_reference),
         )
+        finished = self._at_rest(memory, seen)
+        if finished and memory.pending:
+            left = ", ".join(str(step.index) for step in memory.pending)
+            text = f"WALK ends without the steps {left}"
+            events = (*events, Event(seen.time, STEPS_LEFT, text))
         return Outcome(
             memory=memory,
             body=body,
             command=command,
-            finished=self._at_rest(memory, seen),
+            finished=finished,
             status_flags=self._flags(memory, leaving),
             events=events,
         )
