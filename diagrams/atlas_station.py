@@ -80,6 +80,8 @@ def make_atlas_station(
         commands: ``CommandsInForce``
         controller_state: ``ControllerState``
         effort: What the motors do [N·m], shape (n,), message order.
+        user_effort: Of the joint controllers [N·m], shape (n,), message order.
+        measured_state, foot_wrenches: See ``RobotSensors``.
         extremes: Of the run so far, see ``RunStatistics``.
         state, body_poses, contact_results: Of the plant.
         query_object: Of the scene graph, for visualisers.
@@ -162,9 +164,10 @@ def make_atlas_station(
         pushes = harness.GetInputPort("other_spatial_force")
     builder.ExportInput(pushes, "applied_spatial_force")
     for system, names in (
-        (sensors, ("atlas_state", "imu")),
+        (sensors, ("atlas_state", "imu", "measured_state", "foot_wrenches")),
         (behaviors, ("atlas_sim_interface_state", "controller_state")),
         (commands, ("commands",)),
+        (pid, ("user_effort",)),
         (selector, ("effort",)),
         (statistics, ("extremes",)),
         (plant, ("body_poses", "contact_results")),

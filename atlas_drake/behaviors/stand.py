@@ -53,6 +53,11 @@ class StandMemory:
     yaw: float
     com: np.ndarray
 
+    @property
+    def dcm_reference(self) -> DcmReference:
+        """Where DCM and CoP shall be: over the reference of the centre of mass."""
+        return DcmReference(dcm=self.com, cop=self.com)
+
 
 class Stand:
     """Static balance on both feet."""

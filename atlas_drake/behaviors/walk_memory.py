@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from atlas_drake.behaviors.step_queue import next_runs
-from atlas_drake.control.dcm_plan import DcmPlan
+from atlas_drake.control.dcm_plan import DcmPlan, DcmReference
 from atlas_drake.control.footstep import FootPose, Footstep
 from atlas_drake.control.support_polygon import SupportPolygon
 from atlas_drake.control.swing_foot import Swing
@@ -108,6 +108,11 @@ class WalkMemory:
         """The swing of the foot in the air; only while ``swinging``."""
         assert self.swing is not None
         return self.swing
+
+    @property
+    def dcm_reference(self) -> DcmReference:
+        """Where the plan has DCM and CoP now."""
+        return self.plan.evaluate(self.plan_time)
 
     @property
     def known(self) -> tuple[Footstep, ...]:

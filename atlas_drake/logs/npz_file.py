@@ -1,0 +1,103 @@
+"""Logs as numpy's .npz: one array per channel, for Python without further packages.
+
+Kept in memory until the end, as the format knows no other way.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterable
+from pathlib import Path
+from zipfile import BadZipFile
+
+import numpy as np
+
+from atlas_drake.logs.notes import Header, LogError, Note
+
+BLOCK = 1024
+"""Rows that are kept together in memory."""
+
+
+class RowBlocks:
+    """Rows in memory, in arrays of some length each."""
+
+    def __init__(self, width: int):
+        """Takes the length of a row."""
+        self._width = width
+        self._full: list[np.ndarray] = []
+        self._rows: list[np.ndarray] = []
+
+    def add(self, row: np.ndarray) -> None:
+        """Keeps one row."""
+        self._rows.append(row)
+        if len(self._rows) == BLOCK:
+            self._full.append(np.array(self._rows))
+            self._rows = []
+
+    def table(self) -> np.ndarray:
+        """All rows, shape (number of rows, width)."""
+        rest = np.array(self._rows).reshape(-1, self._width)
+        return np.concatenate([*self._full, rest])
+
+
+class NpzWriter:
+    """Writes the file when it is closed, whole or not at all."""
+
+    def __init__(self, path: Path, header: Header):
+        """Opens nothing yet."""
+        self._path = path
+        self._header = header
+        self._rows = RowBlocks(header.layout.width)
+        self._notes: list[Note] = []
+
+    def row(self, row: np.ndarray) -> None:
+        """Keeps one tick."""
+        self._rows.add(row)
+
+    def note(self, note: Note) -> None:
+        """Keeps a note."""
+        self._notes.append(note)
+
+    def close(self) -> None:
+        """Writes the file."""
+        arrays = self._header.layout.split(self._rows.table())
+        unfinished = unfinished_path(self._path)
+        with unfinished.open("wb") as file:
+            np.savez_compressed(
+                file,
+                **arrays,
+                header=np.array(self._header.to_json()),
+                notes=np.array(notes_to_json(self._notes)),
+            )
+        os.replace(unfinished, self._path)
+
+
+def read_npz(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]:
+    """Header, channels and notes of a file.
+
+    Raises:
+        LogError: If it is no log.
+    """
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            header = Header.from_json(str(file["header"]))
+            arrays = {c.name: file[c.name] for c in header.layout.channels}
+            return header, arrays, notes_from_json(str(file["notes"]))
+    except (BadZipFile, EOFError, KeyError, TypeError, ValueError) as error:
+        raise LogError("it is no .npz file of a log, or a damaged one") from error
+
+
+def unfinished_path(path: Path) -> Path:
+    """Where a file is written that shall appear under ``path`` when it is whole."""
+    return path.with_name(f".{path.name}.unfinished")
+
+
+def notes_to_json(notes: Iterable[Note]) -> str:
+    """Notes as text."""
+    return json.dumps([[note.time, note.kind, note.data] for note in notes])
+
+
+def notes_from_json(text: str) -> list[Note]:
+    """The reverse of ``notes_to_json``."""
+    return [Note(*entry) for entry in json.loads(text)]
