@@ -4,6 +4,7 @@ Two command ports in, state ports out, as the simulator's plugin was to the orig
 Wiring only.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -197,14 +198,21 @@ def _add_world(
         builder,
     )
     robot.add_to(plant)
-    friction = CoulombFriction(config.ground_friction, config.ground_friction)
+    add_scenery(plant, config.terrain, config.ground_friction)
+    plant.Finalize()
+    return plant, scene_graph
+
+
+def add_scenery(
+    plant: MultibodyPlant, terrain: Iterable[Block], ground_friction: float
+) -> None:
+    """Adds the level ground and the terrain's boxes to a plant (before Finalize)."""
+    friction = CoulombFriction(ground_friction, ground_friction)
     plant.RegisterCollisionGeometry(
         plant.world_body(), RigidTransform(), HalfSpace(), "ground", friction
     )
-    for number, block in enumerate(config.terrain):
-        _add_block(plant, block, f"terrain_{number}", config.ground_friction)
-    plant.Finalize()
-    return plant, scene_graph
+    for number, block in enumerate(terrain):
+        _add_block(plant, block, f"terrain_{number}", ground_friction)
 
 
 def _add_block(

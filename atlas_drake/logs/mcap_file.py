@@ -32,6 +32,8 @@ METADATA, HEADER = "atlas_drake", "header"
 """Names of the metadata record that holds the header, and of its entry."""
 VIEWER_PERIOD = 0.02
 """Time between messages that only viewers read [s]."""
+SELDOM = ("gains",)
+"""Topics that are written only when they have changed."""
 CHUNK = 1 << 20
 """Bytes that are compressed together, and are lost together [-]."""
 
@@ -49,7 +51,8 @@ class McapWriter:
         self._writer.start(library="atlas_drake")
         self._writer.add_metadata(METADATA, {HEADER: header.to_json()})
         self._channels: dict[str, int] = {}
-        self._sequence = 0
+        self._rows = 0
+        self._latest: dict[str, Any] = {}
         self._viewer_time = -np.inf
         # Which numbers of a row each topic has, and under which names.
         self._topics = [
@@ -73,7 +76,13 @@ class McapWriter:
             values = [v if f else None for v, f in zip(values, finite, strict=True)]
         time = values[0]
         for topic, parts in self._topics:
-            self._add(time, topic, _fields(parts, values))
+            message = _fields(parts, values)
+            if topic in SELDOM:
+                if message == self._latest.get(topic):
+                    continue
+                self._latest[topic] = message
+            self._add(time, topic, message)
+        self._rows += 1
         if time >= self._viewer_time + VIEWER_PERIOD - 1e-9:
             self._viewer_time = time
             for topic, message in viewer_messages(self._layout, values):
@@ -101,13 +110,12 @@ class McapWriter:
 
     def _add(self, time: float, topic: str, message: Any) -> None:
         stamp = round(1e9 * time)
-        self._sequence += 1
         self._writer.add_message(
             self._channels[topic],
             log_time=stamp,
             data=json.dumps(message).encode(),
             publish_time=stamp,
-            sequence=self._sequence,
+            sequence=self._rows,
         )
 
 
@@ -118,7 +126,7 @@ def read_mcap(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]:
         LogError: If it is no log.
     """
     topics: dict[int, str] = {}
-    messages: dict[str, list[bytes]] = {}
+    messages: dict[str, list[Message]] = {}
     notes: list[Note] = []
     header = None
     with path.open("rb") as file:
@@ -133,7 +141,7 @@ def read_mcap(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]:
                     if topic in COMMANDS or topic == "events":
                         notes.append(_note(topic, record))
                     elif topic not in VIEWER_SCHEMAS:
-                        messages.setdefault(topic, []).append(record.data)
+                        messages.setdefault(topic, []).append(record)
         except (McapError, ValueError, struct.error, ZstdError) as error:
             # The end of a file that nobody completed looks like damage.
             if header is None:
@@ -152,20 +160,24 @@ def _note(topic: str, record: Message) -> Note:
 
 
 def _arrays(
-    layout: Layout, messages: dict[str, list[bytes]]
+    layout: Layout, messages: dict[str, list[Message]]
 ) -> dict[str, np.ndarray]:
-    """The rows that all topics have."""
+    """The rows that all topics have; a message's sequence is the number of its row."""
     topics = _topics(layout)
-    count = min(len(messages.get(topic, ())) for topic in topics)
+    count = min(len(messages.get(t, ())) for t in topics if t not in SELDOM)
     table = np.empty((count, layout.width))
     for topic, channels in topics.items():
         places = [layout.places[channel.name] for channel in channels]
-        for number, text in enumerate(messages.get(topic, ())[:count]):
-            fields = json.loads(text)
+        for message in messages.get(topic, ()):
+            if message.sequence >= count:
+                break
+            fields = json.loads(message.data)
+            # What is written seldom holds from its row on.
+            rows = slice(message.sequence, None if topic in SELDOM else message.sequence + 1)
             for channel, place in zip(channels, places, strict=True):
                 value = fields[_field(channel)]
                 # None becomes NaN.
-                table[number, place] = np.array(
+                table[rows, place] = np.array(
                     list(value.values()) if channel.labels else value, dtype=float
                 )
     return layout.split(table)
