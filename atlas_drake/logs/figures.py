@@ -199,16 +199,16 @@ def _tick_times(log: Log) -> Panel:
     top = period
     if known.size:
         median, high = np.percentile(known, [50, 99])
-        title += f" (median {median:.2f}, 99 % {high:.2f}, longest {known.max():.1f} ms)"
+        title += (
+            f" (median {median:.2f}, 99 % {high:.2f}, longest {known.max():.1f} ms)"
+        )
         top = max(period, high)
     limit = np.full(2, period)
     items = (
         Line(log.time, ticks, "#546e7a", "tick", width=0.7),
         Line(log.time[[0, -1]], limit, ALARM, "control period", dashed=True),
     )
-    return Panel(
-        title, "wall time [ms]", items, 4, 1, y_range=(0.0, TICK_MARGIN * top)
-    )
+    return Panel(title, "wall time [ms]", items, 4, 1, y_range=(0.0, TICK_MARGIN * top))
 
 
 # ---- balance -----------------------------------------------------------------
@@ -223,16 +223,16 @@ _TRACKS = (
 
 def _from_above(log: Log, feet: Feet) -> Panel:
     items: list[Item] = [
-        Outline(*polygon.T, SUPPORT, opacity=0.35)
+        Outline(polygon, SUPPORT, opacity=0.35)
         for polygon in double_supports(log, feet)
     ]
     for foot, side in enumerate(SIDES):
         color = SIDE_COLORS[foot]
         for number, corners in enumerate(footprints(log, feet, foot)):
             label = f"{side} foot" if number == 0 else ""
-            items.append(Outline(*corners.T, color, label, opacity=0.18))
+            items.append(Outline(corners, color, label, opacity=0.18))
     items += [
-        Outline(*_sole(log, event.data["commanded"]), "#555555", dashed=True)
+        Outline(_sole(log, event.data["commanded"]), "#555555", dashed=True)
         for event in log.events
         if event.kind == "footstep"
     ]
@@ -254,9 +254,7 @@ def _from_above(log: Log, feet: Feet) -> Panel:
 
 
 def _balance_over_time(log: Log, feet: Feet, axis: int, name: str, row: int) -> Panel:
-    items: list[Item] = [
-        Band(log.time, *feet.extent(axis), SUPPORT, "support")
-    ]
+    items: list[Item] = [Band(log.time, *feet.extent(axis), SUPPORT, "support")]
     items += [
         Line(log.time, log[f"balance.{key}"][:, axis], color, label, dashed)
         for key, color, label, dashed in _TRACKS
@@ -267,13 +265,13 @@ def _balance_over_time(log: Log, feet: Feet, axis: int, name: str, row: int) -> 
 
 
 def _sole(log: Log, pose: list[float]) -> np.ndarray:
-    """Corners of a sole at x, y [m] and yaw [rad], shape (2, 4)."""
+    """Corners of a sole at x, y [m] and yaw [rad], shape (4, 2)."""
     x, y, yaw = pose
     size = log.robot.file.sole
     half = 0.5 * np.array([size.length, size.width])
     corners = np.array([[1, 1], [1, -1], [-1, -1], [-1, 1]]) * half
     cos, sin = np.cos(yaw), np.sin(yaw)
-    return np.array([[x], [y]]) + np.array([[cos, -sin], [sin, cos]]) @ corners.T
+    return np.array([x, y]) + corners @ np.array([[cos, sin], [-sin, cos]])
 
 
 # ---- feet and pelvis ---------------------------------------------------------

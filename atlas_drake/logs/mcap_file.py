@@ -173,7 +173,9 @@ def _arrays(
                 break
             fields = json.loads(message.data)
             # What is written seldom holds from its row on.
-            rows = slice(message.sequence, None if topic in SELDOM else message.sequence + 1)
+            rows = slice(
+                message.sequence, None if topic in SELDOM else message.sequence + 1
+            )
             for channel, place in zip(channels, places, strict=True):
                 value = fields[_field(channel)]
                 # None becomes NaN.

@@ -6,7 +6,6 @@ Kept in memory until the end, as the format knows no other way.
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Iterable
 from pathlib import Path
 from zipfile import BadZipFile
@@ -14,6 +13,7 @@ from zipfile import BadZipFile
 import numpy as np
 
 from atlas_drake.logs.notes import Header, LogError, Note
+from atlas_drake.logs.whole_file import whole_file
 
 BLOCK = 1024
 """Rows that are kept together in memory."""
@@ -62,15 +62,13 @@ class NpzWriter:
     def close(self) -> None:
         """Writes the file."""
         arrays = self._header.layout.split(self._rows.table())
-        unfinished = unfinished_path(self._path)
-        with unfinished.open("wb") as file:
+        with whole_file(self._path) as unfinished, unfinished.open("wb") as file:
             np.savez_compressed(
                 file,
                 **arrays,
                 header=np.array(self._header.to_json()),
                 notes=np.array(notes_to_json(self._notes)),
             )
-        os.replace(unfinished, self._path)
 
 
 def read_npz(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]:
@@ -86,11 +84,6 @@ def read_npz(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]:
             return header, arrays, notes_from_json(str(file["notes"]))
     except (BadZipFile, EOFError, KeyError, TypeError, ValueError) as error:
         raise LogError("it is no .npz file of a log, or a damaged one") from error
-
-
-def unfinished_path(path: Path) -> Path:
-    """Where a file is written that shall appear under ``path`` when it is whole."""
-    return path.with_name(f".{path.name}.unfinished")
 
 
 def notes_to_json(notes: Iterable[Note]) -> str:

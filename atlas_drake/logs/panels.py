@@ -39,14 +39,18 @@ class Band:
 
 @dataclass(frozen=True)
 class Outline:
-    """A closed polygon, filled or not; ``dashed`` lines are thin."""
+    """A closed polygon with corners of shape (any, 2), filled or not."""
 
-    x: np.ndarray
-    y: np.ndarray
+    corners: np.ndarray
     color: str
     label: str = ""
     opacity: float = 0.0
     dashed: bool = False
+
+    @property
+    def closed(self) -> np.ndarray:
+        """X and y of the corners, the first one again at the end, shape (2, any)."""
+        return np.vstack([self.corners, self.corners[:1]]).T
 
 
 @dataclass(frozen=True)
@@ -91,7 +95,7 @@ class Heat:
     label: str
 
     def thinned(self, columns: int) -> tuple[np.ndarray, np.ndarray]:
-        """x and values of at most so many columns; the highest values remain."""
+        """X and values of at most so many columns; the highest values remain."""
         length = -(-len(self.x) // columns)
         starts = np.arange(0, len(self.x), length)
         return self.x[starts], np.maximum.reduceat(self.values, starts, axis=1)

@@ -16,12 +16,8 @@ import pyarrow.parquet as pq
 
 from atlas_drake.logs.layout import Layout
 from atlas_drake.logs.notes import Header, LogError, Note
-from atlas_drake.logs.npz_file import (
-    BLOCK,
-    notes_from_json,
-    notes_to_json,
-    unfinished_path,
-)
+from atlas_drake.logs.npz_file import BLOCK, notes_from_json, notes_to_json
+from atlas_drake.logs.whole_file import unfinished_path
 
 HEADER, NOTES = "atlas_drake.header", "atlas_drake.notes"
 """Keys of the file's metadata."""

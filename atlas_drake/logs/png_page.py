@@ -129,23 +129,18 @@ def _band(axes: Any, item: Band, _page: Page) -> None:
 
 
 def _outline(axes: Any, item: Outline, _page: Page) -> None:
+    x, y = item.closed
     if item.opacity:
         axes.fill(
-            item.x,
-            item.y,
+            x,
+            y,
             color=item.color,
             alpha=item.opacity,
             linewidth=0.0,
             label=item.label or None,
         )
     style = (0, (2, 2)) if item.dashed else "-"
-    axes.plot(
-        np.append(item.x, item.x[0]),
-        np.append(item.y, item.y[0]),
-        color=item.color,
-        linewidth=0.8,
-        linestyle=style,
-    )
+    axes.plot(x, y, color=item.color, linewidth=0.8, linestyle=style)
 
 
 def _span(axes: Any, item: Span, page: Page) -> None:

@@ -51,15 +51,14 @@ class LogPlayer(LeafSystem):
 
     def __init__(self, log: Log):
         """Plays ``log``; before its first row stands the first, after its last the
-        last."""
+        last.
+        """
         super().__init__()
         self._log = log
         self._requests = _requests(log)
         start = commands_at_start(log.robot, Behavior.STAND)
         nothing = np.zeros(log.robot.num_joints)
-        idle = ControllerState(
-            SupervisorState(Behavior.STAND, Behavior.STAND), nothing
-        )
+        idle = ControllerState(SupervisorState(Behavior.STAND, Behavior.STAND), nothing)
         self._start, self._idle = start, idle
         now = {self.time_ticket()}
         self.DeclareVectorOutputPort(
@@ -150,9 +149,7 @@ def _make_station(log: Log) -> Diagram:
     plant.Finalize()
     poses = builder.AddNamedSystem("poses", MultibodyPositionToGeometryPose(plant))
     builder.Connect(player.GetOutputPort("positions"), poses.get_input_port())
-    builder.Connect(
-        poses.get_output_port(), scene_graph.get_source_pose_port(source)
-    )
+    builder.Connect(poses.get_output_port(), scene_graph.get_source_pose_port(source))
     for name in ("commands", "controller_state", "atlas_sim_interface_state"):
         builder.ExportOutput(player.GetOutputPort(name), name)
     builder.ExportOutput(player.GetOutputPort("positions"), "positions")
