@@ -8,6 +8,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable
 from pathlib import Path
+from typing import Any
 from zipfile import BadZipFile
 
 import numpy as np
@@ -61,14 +62,11 @@ class NpzWriter:
 
     def close(self) -> None:
         """Writes the file."""
-        arrays = self._header.layout.split(self._rows.table())
+        arrays: dict[str, Any] = self._header.layout.split(self._rows.table())
         with whole_file(self._path) as unfinished, unfinished.open("wb") as file:
-            np.savez_compressed(
-                file,
-                **arrays,
-                header=np.array(self._header.to_json()),
-                notes=np.array(notes_to_json(self._notes)),
-            )
+            arrays["header"] = np.array(self._header.to_json())
+            arrays["notes"] = np.array(notes_to_json(self._notes))
+            np.savez_compressed(file, allow_pickle=False, **arrays)
 
 
 def read_npz(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]:

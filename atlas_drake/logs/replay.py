@@ -50,9 +50,7 @@ class LogPlayer(LeafSystem):
     """
 
     def __init__(self, log: Log):
-        """Plays ``log``; before its first row stands the first, after its last the
-        last.
-        """
+        """Plays ``log``; beyond its ends the first or the last row stands."""
         super().__init__()
         self._log = log
         self._requests = _requests(log)

@@ -91,7 +91,7 @@ def footprints(log: Log, feet: Feet, foot: int) -> list[np.ndarray]:
 def double_supports(log: Log, feet: Feet) -> list[np.ndarray]:
     """Support polygons of both soles together: corners in W [m], shape (any, 2)."""
     pairs: list[np.ndarray] = []
-    for begin, end in runs(feet.contact.all(axis=0)):
+    for begin, end in runs(np.logical_and(*feet.contact)):
         if log.time[end - 1] - log.time[begin] >= SHORTEST_STANCE:
             _append_new(pairs, feet.corners[:, (begin + end) // 2].reshape(8, 2))
     return [SupportPolygon(pair).vertices for pair in pairs]
