@@ -154,6 +154,9 @@ class AtlasSimulation:
             LogError: If the log cannot be written.
         """
         if self._recorder is not None:
+            self._recorder.flush(
+                self._recorder.GetMyContextFromRoot(self.simulator.get_context())
+            )
             self._finalizer()
 
     def __enter__(self) -> AtlasSimulation:

@@ -89,6 +89,8 @@ def read_file(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]:
         LogError: If the file cannot be read.
     """
     read = _member(path, 2)
+    if not path.exists():
+        raise LogError(f"{path}: there is no such file")
     try:
         return read(path)
     except OSError as error:

@@ -117,6 +117,10 @@ class LogRecorder(LeafSystem):
         """Records an event, which no port says in full."""
         self._writer.note(event_note(event))
 
+    def flush(self, context: Context) -> None:
+        """Writes the latest row, which waits for the next tick otherwise."""
+        self._write(context)
+
     def close(self) -> None:
         """Completes the log; nothing is recorded any more."""
         self._writer.close()
