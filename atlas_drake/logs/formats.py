@@ -104,11 +104,12 @@ def missing_package(what: str, name: str | None, extra: str) -> LogError:
 
     Args:
         what: Needs it.
-        name: Of the package.
+        name: Of the package, or of a module in it.
         extra: Optional dependencies that bring it.
     """
+    package = (name or "").partition(".")[0]
     return LogError(
-        f"{what} needs the package {name!r}, which is not installed: "
+        f"{what} needs the package {package!r}, which is not installed: "
         f"pip install 'atlas-drake[{extra}]'"
     )
 
