@@ -7,6 +7,7 @@ import pytest
 
 from atlas_drake import AtlasSimulation, log_command, read_log, run_command
 from atlas_drake.cli import main
+from atlas_drake.logs import png_page
 
 SHORT = "duration: 0.1\n"
 
@@ -97,8 +98,9 @@ def test_a_log_that_cannot_be_written_is_noticed_before_the_run(
 # ---- figures -----------------------------------------------------------------
 
 
-def test_both_figures_are_drawn_beside_the_log(log_file, capsys):
+def test_both_figures_are_drawn_beside_the_log(log_file, capsys, monkeypatch):
     pytest.importorskip("plotly")
+    monkeypatch.setattr(png_page, "DPI", 40)
     assert main(["plot", str(log_file)]) == 0
     png, html = log_file.with_suffix(".png"), log_file.with_suffix(".html")
     assert png.read_bytes().startswith(b"\x89PNG")
@@ -108,7 +110,8 @@ def test_both_figures_are_drawn_beside_the_log(log_file, capsys):
         assert text in out
 
 
-def test_figures_are_drawn_where_they_are_wanted(log_file, tmp_path):
+def test_figures_are_drawn_where_they_are_wanted(log_file, tmp_path, monkeypatch):
+    monkeypatch.setattr(png_page, "DPI", 40)
     before = {*log_file.parent.iterdir()}
     assert main(["plot", str(log_file), "--output", str(tmp_path / "a.png")]) == 0
     assert [file.name for file in tmp_path.iterdir()] == ["a.png"]

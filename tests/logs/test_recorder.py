@@ -22,9 +22,7 @@ def test_recording_changes_not_a_bit(run, scenario):
     plain = AtlasSimulation(scenario)
     drive(plain)
     states = [
-        sim.plant.GetPositionsAndVelocities(
-            sim.plant.GetMyContextFromRoot(sim.context)
-        )
+        sim.plant.GetPositionsAndVelocities(sim.plant.GetMyContextFromRoot(sim.context))
         for sim in (recorded, plain)
     ]
     np.testing.assert_array_equal(*states)
