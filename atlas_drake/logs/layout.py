@@ -182,6 +182,9 @@ def _body() -> Iterable[Channel]:
         yield Channel(f"feet.{side}_orientation", "", WXYZ, about="of the sole, in W")
         yield Channel(f"feet.{side}_torque", "N·m", XYZ, about="at the sole, in W")
         yield Channel(f"feet.{side}_force", "N", XYZ, about="on the sole, in W")
+    for side in SIDES:
+        yield Channel(f"hands.{side}_torque", "N·m", XYZ, about="of contact, in W")
+        yield Channel(f"hands.{side}_force", "N", XYZ, about="of contact, in W")
     yield Channel("balance.com", "m", XYZ, about="centre of mass, in W")
     yield Channel("balance.com_velocity", "m/s", XYZ)
     yield Channel("balance.dcm", "m", XY, about="divergent component of motion")

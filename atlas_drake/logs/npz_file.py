@@ -14,7 +14,7 @@ from zipfile import BadZipFile
 import numpy as np
 
 from atlas_drake.logs.notes import Header, LogError, Note
-from atlas_drake.logs.whole_file import whole_file
+from atlas_drake.logs.whole_file import WholeFile
 
 BLOCK = 1024
 """Rows that are kept together in memory."""
@@ -46,8 +46,8 @@ class NpzWriter:
     """Writes the file when it is closed, whole or not at all."""
 
     def __init__(self, path: Path, header: Header):
-        """Opens nothing yet."""
-        self._path = path
+        """Opens the file, to notice now if that cannot be done."""
+        self._file = WholeFile(path)
         self._header = header
         self._rows = RowBlocks(header.layout.width)
         self._notes: list[Note] = []
@@ -63,9 +63,9 @@ class NpzWriter:
     def close(self) -> None:
         """Writes the file."""
         arrays: dict[str, Any] = self._header.layout.split(self._rows.table())
-        with whole_file(self._path) as unfinished, unfinished.open("wb") as file:
-            arrays["header"] = np.array(self._header.to_json())
-            arrays["notes"] = np.array(notes_to_json(self._notes))
+        arrays["header"] = np.array(self._header.to_json())
+        arrays["notes"] = np.array(notes_to_json(self._notes))
+        with self._file as file:
             np.savez_compressed(file, allow_pickle=False, **arrays)
 
 

@@ -6,7 +6,6 @@ only be read once it is closed.
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +16,7 @@ import pyarrow.parquet as pq
 from atlas_drake.logs.layout import Layout
 from atlas_drake.logs.notes import Header, LogError, Note
 from atlas_drake.logs.npz_file import BLOCK, notes_from_json, notes_to_json
-from atlas_drake.logs.whole_file import unfinished_path
+from atlas_drake.logs.whole_file import WholeFile
 
 HEADER, NOTES = "atlas_drake.header", "atlas_drake.notes"
 """Keys of the file's metadata."""
@@ -28,14 +27,12 @@ class ParquetWriter:
 
     def __init__(self, path: Path, header: Header):
         """Opens the file."""
-        self._path = path
-        self._header = header
         self._schema = _schema(header.layout)
-        self._unfinished = unfinished_path(path)
-        self._file: Any = pq.ParquetWriter(
-            self._unfinished, self._schema, compression="zstd"
+        self._file = WholeFile(path)
+        self._writer: Any = pq.ParquetWriter(
+            self._file.file, self._schema, compression="zstd"
         )
-        self._file.add_key_value_metadata({HEADER: header.to_json()})
+        self._writer.add_key_value_metadata({HEADER: header.to_json()})
         self._rows: list[np.ndarray] = []
         self._notes: list[Note] = []
 
@@ -51,10 +48,13 @@ class ParquetWriter:
 
     def close(self) -> None:
         """Completes the file."""
-        self._flush()
-        self._file.add_key_value_metadata({NOTES: notes_to_json(self._notes)})
-        self._file.close()
-        os.replace(self._unfinished, self._path)
+        with self._file:
+            try:
+                self._flush()
+                notes = notes_to_json(self._notes)
+                self._writer.add_key_value_metadata({NOTES: notes})
+            finally:
+                self._writer.close()
 
     def _flush(self) -> None:
         if not self._rows:
@@ -65,7 +65,7 @@ class ParquetWriter:
             pa.array(column.astype(field.type.to_pandas_dtype()))
             for column, field in zip(table.T, self._schema, strict=True)
         ]
-        self._file.write_table(pa.Table.from_arrays(columns, schema=self._schema))
+        self._writer.write_table(pa.Table.from_arrays(columns, schema=self._schema))
 
 
 def read_parquet(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]:

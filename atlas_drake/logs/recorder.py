@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 from pydrake.common.value import AbstractValue
-from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.plant import ContactResults, MultibodyPlant
 from pydrake.systems.framework import (
     Context,
     DiagramBuilder,
@@ -27,6 +27,7 @@ from atlas_drake.logs.layout import GAINS, SIDES, STEP_FIELDS, Layout, robot_lay
 from atlas_drake.logs.notes import COMMANDS, LogWriter, Note, event_note, to_plain
 from atlas_drake.messages import NO_STEP, AtlasSimInterfaceState, Pose
 from atlas_drake.robot import Robot
+from atlas_drake.systems.robot_sensors import contact_wrenches
 
 LEAST_LOAD = 20.0
 """Vertical force on both soles together below which there is no CoP [N]."""
@@ -34,7 +35,13 @@ LEAST_HEIGHT = 0.1
 """Of the CoM above the soles, for the DCM of a robot that lies on the ground [m]."""
 
 _VECTORS = ("state", "measured_state", "foot_wrenches", "effort", "user_effort")
-_VALUES = ("commands", "controller_state", "atlas_sim_interface_state", "imu")
+_VALUES = (
+    "commands",
+    "controller_state",
+    "atlas_sim_interface_state",
+    "imu",
+    "contact_results",
+)
 
 
 def layout_of(robot: Robot) -> Layout:
@@ -57,7 +64,7 @@ class LogRecorder(LeafSystem):
 
     Input ports, as the station's outputs of the same names:
         state, measured_state, foot_wrenches, effort, user_effort
-        commands, controller_state, atlas_sim_interface_state, imu
+        commands, controller_state, atlas_sim_interface_state, imu, contact_results
 
     State: the row sampled last, shape (layout's width,). What has been written
     already is known here and not in a Context: it is a fact about the file.
@@ -88,13 +95,21 @@ class LogRecorder(LeafSystem):
         self._plant = plant = _plant(robot)
         self._indices = robot.indices(plant)
         self._num_q = plant.num_positions()
+        self._hands = [plant.GetBodyByName(name) for name in robot.file.hands]
+        # The robot is the first in both plants: its bodies have the same numbers.
+        self._hand_bodies = {int(body.index()): i for i, body in enumerate(self._hands)}
         sizes = (plant.num_multibody_states(),) * 2 + (12,) + (robot.num_joints,) * 2
         self._vectors = [
             self.DeclareVectorInputPort(name, size)
             for name, size in zip(_VECTORS, sizes, strict=True)
         ]
         self._values = [
-            self.DeclareAbstractInputPort(name, AbstractValue.Make(None))
+            self.DeclareAbstractInputPort(
+                name,
+                AbstractValue.Make(
+                    ContactResults() if name == "contact_results" else None
+                ),
+            )
             for name in _VALUES
         ]
         self._scratch = self.DeclareCacheEntry(
@@ -147,7 +162,7 @@ class LogRecorder(LeafSystem):
         state, measured, wrenches, effort, user = (
             port.Eval(context) for port in self._vectors
         )
-        commands, controller, report, imu = (
+        commands, controller, report, imu, contacts = (
             port.Eval(context) for port in self._values
         )
         n = self._num_q
@@ -183,6 +198,7 @@ class LogRecorder(LeafSystem):
             values[f"feet.{side}_force"] = wrench[3:]
         memory = controller.supervisor.memory
         values.update(self._balance(context, measured, report, memory))
+        values.update(self._hand_wrenches(context, state, contacts))
         cop = centre_of_pressure(
             [values[f"feet.{side}_position"] for side in SIDES], wrenches
         )
@@ -217,6 +233,24 @@ class LogRecorder(LeafSystem):
         if reference is not None:
             values["balance.dcm_reference"] = reference.dcm
             values["balance.cop_reference"] = reference.cop
+        return values
+
+    def _hand_wrenches(
+        self, context: Context, state: np.ndarray, contacts: ContactResults
+    ) -> dict[str, np.ndarray]:
+        """Contact on both hands, about their body origins."""
+        totals = np.array(contact_wrenches(contacts, self._hand_bodies))
+        if totals.any():
+            plant: Any = self._plant
+            scratch = self._scratch.Eval(context)
+            plant.SetPositionsAndVelocities(scratch, state)
+            for hand, wrench in zip(self._hands, totals, strict=True):
+                X_WH = plant.EvalBodyPoseInWorld(scratch, hand)
+                wrench[:3] -= np.cross(X_WH.translation(), wrench[3:])
+        values = {}
+        for side, wrench in zip(SIDES, totals, strict=True):
+            values[f"hands.{side}_torque"] = wrench[:3]
+            values[f"hands.{side}_force"] = wrench[3:]
         return values
 
 

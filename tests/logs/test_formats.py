@@ -11,7 +11,7 @@ from atlas_drake import AtlasSimulation, LogError, read_log
 from atlas_drake.logs import npz_file
 from atlas_drake.logs.formats import LogFile
 
-from .conftest import assert_same_arrays
+from .conftest import PACKAGES, assert_same_arrays
 
 
 def table_of(log):
@@ -197,7 +197,7 @@ def test_a_file_that_is_no_log_is_refused(content, suffix, tmp_path):
 def test_files_of_others_are_refused(tmp_path):
     path = tmp_path / "other.npz"
     np.savez(path, x=np.zeros(3))
-    with pytest.raises(LogError, match="no .npz file of a log"):
+    with pytest.raises(LogError, match=r"no \.npz file of a log"):
         read_log(path)
     header = json.dumps({"format": "something else", "version": 1})
     np.savez(path, header=header)
@@ -220,6 +220,37 @@ def test_a_log_without_rows_is_refused(log, suffix, tmp_path):
 
 
 def test_a_file_that_cannot_be_written_is_named(suffix, tmp_path):
-    with pytest.raises(LogError, match="cannot be written"):
-        with AtlasSimulation(log=tmp_path / "missing" / f"run{suffix}") as sim:
-            sim.advance_to(0.004)
+    with pytest.raises(LogError, match=f"run{suffix}: cannot be written: No such"):
+        AtlasSimulation(log=tmp_path / "missing" / f"run{suffix}")
+
+
+def test_a_full_disk_is_named(log, suffix, tmp_path, monkeypatch):
+    file = LogFile(tmp_path / f"run{suffix}", log.header)
+
+    def fail(*_arguments):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(file._writer, "row", fail)
+    with pytest.raises(LogError, match=f"run{suffix}: cannot be written: No space"):
+        file.row(table_of(log)[0])
+    file.close()
+
+
+@pytest.mark.parametrize("suffix", [".npz", ".parquet"])
+def test_a_file_that_cannot_be_completed_leaves_nothing(
+    log, suffix, tmp_path, monkeypatch
+):
+    pytest.importorskip(PACKAGES[suffix])
+    file = LogFile(tmp_path / f"run{suffix}", log.header)
+    file.row(table_of(log)[0])
+
+    def fail(*_arguments, **_options):
+        raise OSError(28, "No space left on device")
+
+    if suffix == ".npz":
+        monkeypatch.setattr(np, "savez_compressed", fail)
+    else:
+        monkeypatch.setattr(file._writer, "_flush", fail)
+    with pytest.raises(LogError, match="No space left"):
+        file.close()
+    assert [*tmp_path.iterdir()] == []

@@ -4,8 +4,11 @@ import numpy as np
 import pytest
 
 from atlas_drake import AtlasSimulation, Behavior, Scenario, read_log
+from atlas_drake.logs.figures import make_page
+from atlas_drake.logs.png_page import draw_figure
 from atlas_drake.logs.recorder import centre_of_pressure
 from atlas_drake.messages import BehaviorStatus
+from atlas_drake.scenario import Jitter
 
 from .conftest import ARM, arm_command, drive, walk_command
 
@@ -163,6 +166,33 @@ def test_the_run_may_go_on_without_its_log(tmp_path):
     sim.close()
     sim.advance_to(0.04)
     assert len(read_log(tmp_path / "run.npz")) == 10
+
+
+@pytest.mark.slow
+def test_hands_of_a_fallen_robot_bear_load(tmp_path):
+    scenario = Scenario(initial_behavior="USER", jitter=Jitter(joints=0.6))
+    file = tmp_path / "run.npz"
+    with AtlasSimulation(scenario, log=file) as sim:
+        sim.advance_to(2.5)
+        state = sim.atlas_state
+    log = read_log(file)
+    (fall,) = [event for event in log.events if event.kind == "fall"]
+    # The arms touch the trunk in the random pose of the start.
+    upright = (log.time > 0.1) & (log.time < fall.time)
+    loads = []
+    for side, wrench in (("left", state.l_hand), ("right", state.r_hand)):
+        force = log[f"hands.{side}_force"]
+        assert not force[upright].any()
+        # It has come to lie, all but still.
+        np.testing.assert_allclose(force[-1], wrench.force.to_array(), atol=5.0)
+        torque = log[f"hands.{side}_torque"]
+        np.testing.assert_allclose(torque[-1], wrench.torque.to_array(), atol=1.0)
+        loads.append(np.abs(force).max())
+    assert max(loads) > 20.0
+    # Such a log can be drawn too.
+    titles = [panel.title for panel in make_page(log).panels]
+    assert "Foot forces" in titles
+    draw_figure(make_page(log)).draw_without_rendering()
 
 
 def test_centre_of_pressure():
