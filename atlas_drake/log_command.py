@@ -17,7 +17,11 @@ from atlas_drake.cli import EXIT_INTERRUPTED, EXIT_OK
 from atlas_drake.errors import did_you_mean
 from atlas_drake.logs import Log, LogError, read_log
 from atlas_drake.logs.figures import make_page
-from atlas_drake.logs.formats import PLOT_EXTRA, missing_package
+from atlas_drake.logs.formats import (
+    PLOT_EXTRA,
+    MissingPackageError,
+    missing_package,
+)
 from atlas_drake.logs.replay import make_replay
 from atlas_drake.logs.whole_file import whole_file
 from atlas_drake.messages import Behavior
@@ -51,16 +55,24 @@ def plot_log(options: argparse.Namespace) -> int:
     files = options.output or [options.log.with_suffix(end) for end in PICTURES]
     for file in files:
         check_writable("--output", file)
-    draw = [_drawing(file) for file in files]
+    drawings, left_out = {}, ""
+    for file in files:
+        try:
+            drawings[file] = _drawing(file)
+        except MissingPackageError as error:
+            # Who asks for nothing in particular gets what there is.
+            if options.output:
+                raise
+            left_out = f" Left out: {error}"
     page = make_page(_read(options.log))
-    for file, write in zip(files, draw, strict=True):
+    for file, write in drawings.items():
         _say(f"Drawing {file} ...")
         try:
             with whole_file(file) as unfinished:
                 write(page, unfinished)
         except OSError as error:
             raise LogError(f"{file}: cannot be written: {error.strerror}") from error
-    _say(f"Wrote {' and '.join(map(str, files))}.")
+    _say(f"Wrote {' and '.join(map(str, drawings))}.{left_out}")
     return EXIT_OK
 
 

@@ -163,6 +163,14 @@ def test_without_plotly_one_is_told_what_to_install(
     monkeypatch.setitem(sys.modules, "plotly", None)
     assert main(["plot", str(log_file), "--output", str(tmp_path / "a.html")]) == 2
     assert "pip install 'atlas-drake[plot]'" in capsys.readouterr().err
+    # Without a wish there is the picture, and a hint.
+    monkeypatch.setattr(png_page, "DPI", 40)
+    log = tmp_path / "run.npz"
+    log.write_bytes(log_file.read_bytes())
+    assert main(["plot", str(log)]) == 0
+    assert "Left out" in capsys.readouterr().out
+    assert (tmp_path / "run.png").exists()
+    assert not (tmp_path / "run.html").exists()
 
 
 # ---- replay ------------------------------------------------------------------

@@ -99,7 +99,11 @@ def read_file(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]:
         raise LogError(f"{path}: {error}") from error
 
 
-def missing_package(what: str, name: str | None, extra: str) -> LogError:
+class MissingPackageError(LogError):
+    """An optional package that is not installed, and how to install it."""
+
+
+def missing_package(what: str, name: str | None, extra: str) -> MissingPackageError:
     """The error for a package that is not installed.
 
     Args:
@@ -108,7 +112,7 @@ def missing_package(what: str, name: str | None, extra: str) -> LogError:
         extra: Optional dependencies that bring it.
     """
     package = (name or "").partition(".")[0]
-    return LogError(
+    return MissingPackageError(
         f"{what} needs the package {package!r}, which is not installed: "
         f"pip install 'atlas-drake[{extra}]'"
     )
