@@ -88,6 +88,8 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
     try:
         stopped = _simulate(sim, progress)
     finally:
+        if options.log is not None:
+            progress.say(f"Completing {options.log} ...")
         sim.close()
 
     summary = sim.summary()

@@ -114,7 +114,7 @@ def missing_package(what: str, name: str | None, extra: str) -> MissingPackageEr
     package = (name or "").partition(".")[0]
     return MissingPackageError(
         f"{what} needs the package {package!r}, which is not installed: "
-        f"pip install 'atlas-drake[{extra}]'"
+        f"pip install {package}, or atlas-drake with the extra [{extra}]"
     )
 
 

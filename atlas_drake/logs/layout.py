@@ -180,8 +180,13 @@ def _body() -> Iterable[Channel]:
     for side in SIDES:
         yield Channel(f"feet.{side}_position", "m", XYZ, about="of the sole, in W")
         yield Channel(f"feet.{side}_orientation", "", WXYZ, about="of the sole, in W")
-        yield Channel(f"feet.{side}_torque", "N·m", XYZ, about="at the sole, in W")
-        yield Channel(f"feet.{side}_force", "N", XYZ, about="on the sole, in W")
+        yield Channel(f"feet.{side}_torque", "N·m", XYZ, about="as of force")
+        yield Channel(
+            f"feet.{side}_force",
+            "N",
+            XYZ,
+            about="of contact at the sole's centre, in W, of the tick before",
+        )
     for side in SIDES:
         yield Channel(f"hands.{side}_torque", "N·m", XYZ, about="of contact, in W")
         yield Channel(f"hands.{side}_force", "N", XYZ, about="of contact, in W")
