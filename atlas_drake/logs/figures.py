@@ -88,7 +88,8 @@ def make_page(log: Log) -> Page:
         heights=HEIGHTS,
         columns=2,
         panels=tuple(panels),
-        time=(float(time[0]), float(time[-1])),
+        # The last row holds for one more period.
+        time=(float(time[0]), float(time[-1]) + log.header.control_period),
     )
 
 

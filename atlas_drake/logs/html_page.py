@@ -25,6 +25,7 @@ from atlas_drake.logs.panels import (
     Span,
     thinned,
 )
+from atlas_drake.logs.support import runs
 
 POINTS = 2400
 """About how many points of a curve, or columns of a map, are kept."""
@@ -33,6 +34,8 @@ HEADER, GAP, FOOTER = 100, 78, 60
 """Above the first row, between rows, below the last one [pixel]."""
 GAP_BETWEEN_COLUMNS = 0.09
 """Share of the page's width."""
+SMALL_STEP = 1e-3
+"""Changes of a band's edges below this are not drawn, in units of y."""
 BAR_WIDTH = 10
 """Of colour scales [pixel]."""
 POLICY = (
@@ -170,24 +173,33 @@ def _thin_track(item: Line) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _band(figure: Any, item: Band, at: _Place) -> None:
-    held = ~(np.isnan(item.low) | np.isnan(item.high))
-    x, low, high = item.x[held], item.low[held], item.high[held]
-    # The edges are steps: only their corners count.
-    moved = np.abs(np.diff(np.stack([low, high]), axis=1)).max(axis=0, initial=0) > 1e-3
-    corner = np.concatenate([moved, [True]]) | np.concatenate([[True], moved])
-    for y, fill, label in ((low, None, ""), (high, "tonexty", item.label)):
-        _add_scatter(
-            figure,
-            at,
-            label,
-            x=np.round(x[corner], 5),
-            y=y[corner].astype(np.float32),
-            mode="lines",
-            line={"width": 0},
-            fill=fill,
-            fillcolor=_transparent(item.color, 0.55),
-            hoverinfo="skip",
-        )
+    x, y = _band_polygons(item)
+    _add_scatter(
+        figure,
+        at,
+        item.label,
+        x=np.round(x, 5),
+        y=y.astype(np.float32),
+        mode="lines",
+        line={"width": 0},
+        fill="toself",
+        fillcolor=_transparent(item.color, 0.55),
+        hoverinfo="skip",
+    )
+
+
+def _band_polygons(item: Band) -> tuple[np.ndarray, np.ndarray]:
+    """Outlines of the pieces of a band, with gaps between them."""
+    xs, ys = [np.full(1, np.nan)], [np.full(1, np.nan)]
+    for begin, end in runs(~np.isnan(item.low)):
+        x, low, high = (a[begin:end] for a in (item.x, item.low, item.high))
+        # The edges are steps: only their corners count.
+        moved = np.hypot(np.diff(low), np.diff(high)) > SMALL_STEP
+        corner = np.r_[moved, True] | np.r_[True, moved]
+        x, low, high = x[corner], low[corner], high[corner]
+        xs += [x, x[::-1], np.full(1, np.nan)]
+        ys += [low, high[::-1], np.full(1, np.nan)]
+    return np.concatenate(xs), np.concatenate(ys)
 
 
 def _outline(figure: Any, item: Outline, at: _Place) -> None:

@@ -224,6 +224,38 @@ def test_the_web_page_is_whole_and_loads_nothing(page, tmp_path):
     assert set(TITLES) <= set(shown)
 
 
+def test_a_band_has_gaps_where_there_is_nothing():
+    pytest.importorskip("plotly")
+    from atlas_drake.logs.html_page import _band_polygons
+
+    nothing = np.array([np.nan])
+    edge = np.array([0.0, 0.0, np.nan, 1.0, 1.0, 1.0])
+    x, y = _band_polygons(Band(np.arange(6.0), edge, edge + 2.0, "#000000"))
+    pieces = np.split(x, np.flatnonzero(np.isnan(x)))
+    assert [piece[1:].tolist() for piece in pieces if len(piece) > 1] == [
+        [0, 1, 1, 0],
+        [3, 5, 5, 3],
+    ]
+    assert np.nanmax(y) == 3.0
+    empty = _band_polygons(Band(np.zeros(1), nothing, nothing, "#000000"))
+    assert np.isnan(empty).all()
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("rows", [1, 2])
+def test_short_logs_without_contact_can_be_drawn(log, rows):
+    pytest.importorskip("plotly")
+    from atlas_drake.logs.html_page import draw
+
+    arrays = {name: array[:rows].copy() for name, array in log.arrays.items()}
+    for side in ("left", "right"):
+        arrays[f"feet.{side}_force"][:] = 0.0
+    arrays["controller.tick_time"][:] = np.nan
+    page = make_page(Log(log.path, log.header, arrays, []))
+    png_page.draw_figure(page).draw_without_rendering()
+    draw(page)
+
+
 def test_every_kind_of_item_is_drawn_on_the_web_page(page):
     pytest.importorskip("plotly")
     from atlas_drake.logs.html_page import draw
@@ -231,9 +263,6 @@ def test_every_kind_of_item_is_drawn_on_the_web_page(page):
     figure = draw(page)
     kinds = {type(item) for p in page.panels for item in p.items}
     assert kinds >= {Line, Band, Heat, Span}
-    count = sum(
-        2 if isinstance(item, Band) else 1 for p in page.panels for item in p.items
-    )
-    assert len(figure.data) == count
+    assert len(figure.data) == sum(len(p.items) for p in page.panels)
     times = figure.layout.xaxis4.range
     assert times == page.time
