@@ -112,25 +112,25 @@ class Panel:
         title: What it shows.
         y_label: With the unit.
         items: In drawing order.
-        row: Of the page's grid.
-        column: Of the page's grid.
-        rows: How many rows it spans.
         x_label: With the unit.
         over_time: Whether x is time, and zooms with that of all such panels.
         equal: Whether both axes have one scale.
         y_range: None is what the items need.
+        rows: How many rows of the page's grid it spans.
+        row: Its first row in the grid, given by the page.
+        column: Likewise.
     """
 
     title: str
     y_label: str
     items: tuple[Item, ...]
-    row: int
-    column: int
-    rows: int = 1
     x_label: str = "time [s]"
     over_time: bool = True
     equal: bool = False
     y_range: tuple[float, float] | None = None
+    rows: int = 1
+    row: int = 0
+    column: int = 0
 
 
 @dataclass(frozen=True)

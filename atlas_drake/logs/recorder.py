@@ -21,16 +21,14 @@ from pydrake.systems.framework import (
 )
 
 from atlas_drake.behaviors.base import Event
-from atlas_drake.behaviors.step_queue import footstep_from
 from atlas_drake.control.tasks import pendulum_frequency
-from atlas_drake.logs.layout import GAINS, SIDES, STEP_FIELDS, Layout, robot_layout
+from atlas_drake.logs.layout import GAINS, SIDES, Layout, robot_layout
 from atlas_drake.logs.notes import COMMANDS, LogWriter, Note, event_note, to_plain
-from atlas_drake.messages import NO_STEP, AtlasSimInterfaceState, Pose
+from atlas_drake.logs.samples import centre_of_pressure, reported
+from atlas_drake.messages import AtlasSimInterfaceState
 from atlas_drake.robot import Robot
 from atlas_drake.systems.robot_sensors import contact_wrenches
 
-LEAST_LOAD = 20.0
-"""Vertical force on both soles together below which there is no CoP [N]."""
 LEAST_HEIGHT = 0.1
 """Of the CoM above the soles, for the DCM of a robot that lies on the ground [m]."""
 
@@ -189,7 +187,7 @@ class LogRecorder(LeafSystem):
             values[f"joints.{name}_setpoint"] = getattr(commands.joints, name)
         for name in GAINS:
             values[f"gains.{name}"] = getattr(commands.joints, name)
-        values.update(_reported(report))
+        values.update(reported(report))
         # The free pelvis comes first in the plant's positions, and its quaternion.
         values["pelvis.orientation"] = measured[:4]
         for foot, side in enumerate(SIDES):
@@ -270,68 +268,9 @@ def add_log_recorder(
         builder.Connect(station.GetOutputPort(port.get_name()), port)
 
 
-def centre_of_pressure(
-    soles: Sequence[np.ndarray], wrenches: np.ndarray
-) -> np.ndarray | None:
-    """Where the ground's force acts on both soles together.
-
-    Args:
-        soles: Positions of the soles' centres in W [m].
-        wrenches: Moment and force on each, at its centre in W [N·m; N], shape (12,).
-
-    Returns:
-        Horizontal position in W [m], shape (2,); None without enough load.
-    """
-    total, moment = 0.0, np.zeros(2)
-    for sole, wrench in zip(soles, wrenches.reshape(2, 6), strict=True):
-        load = wrench[5]
-        total += load
-        moment += load * sole[:2] + np.array([-wrench[1], wrench[0]])
-    return moment / total if total > LEAST_LOAD else None
-
-
 def _plant(robot: Robot) -> MultibodyPlant:
     """The robot alone: its coordinates lie as in the station's plant."""
     plant = MultibodyPlant(time_step=0.0)
     robot.add_to(plant)
     plant.Finalize()
     return plant
-
-
-def _reported(report: AtlasSimInterfaceState) -> dict[str, Any]:
-    """What the behaviours report."""
-    feedback, walk = report.behavior_feedback, report.walk_feedback
-    values: dict[str, Any] = {
-        "behavior.current": report.current_behavior,
-        "behavior.desired": report.desired_behavior,
-        "behavior.status_flags": feedback.status_flags,
-        "behavior.trans_from": feedback.trans_from,
-        "behavior.trans_to": feedback.trans_to,
-        "behavior.error_code": report.error_code,
-        "walk.status_flags": walk.status_flags,
-        "walk.t_step_rem": walk.t_step_rem,
-        "walk.current_step_index": walk.current_step_index,
-        "walk.next_step_index_needed": walk.next_step_index_needed,
-        "walk.steps": _steps(walk.step_queue_saturated),
-        "pelvis.position": report.pos_est.position.to_array(),
-        "pelvis.velocity": report.pos_est.velocity.to_array(),
-    }
-    for side, pose in zip(SIDES, report.foot_pos_est, strict=True):
-        values[f"feet.{side}_position"] = pose.position.to_array()
-        values[f"feet.{side}_orientation"] = _wxyz(pose)
-    return values
-
-
-def _wxyz(pose: Pose) -> np.ndarray:
-    return pose.orientation.to_wxyz()
-
-
-def _steps(queue: Sequence[Any]) -> list[float]:
-    numbers: list[float] = []
-    for data in queue:
-        if data.step_index == NO_STEP:
-            numbers += [NO_STEP] + [0.0] * (len(STEP_FIELDS) - 1)
-        else:
-            step = footstep_from(data)
-            numbers += [step.index, step.foot, *step.p_WF.tolist(), step.yaw]
-    return numbers

@@ -6,7 +6,7 @@ import pytest
 from atlas_drake import AtlasSimulation, Behavior, Scenario, read_log
 from atlas_drake.logs.figures import make_page
 from atlas_drake.logs.png_page import draw_figure
-from atlas_drake.logs.recorder import centre_of_pressure
+from atlas_drake.logs.samples import centre_of_pressure
 from atlas_drake.messages import BehaviorStatus
 from atlas_drake.scenario import Jitter
 
