@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -15,6 +15,7 @@ from PIL import Image
 from atlas_drake.logs.panels import (
     Band,
     Heat,
+    Item,
     Line,
     Marker,
     Outline,
@@ -30,6 +31,8 @@ HEADER, GAP, FOOTER = 1.05, 0.72, 0.55
 LEFT, MIDDLE, RIGHT = 0.95, 1.35, 0.75
 """Beside and between the columns [inch]."""
 DPI = 100
+SWATCH = 10
+"""Of each colour in the strip that shapes the palette [pixel]."""
 COLORS = 256
 """Of the palette: a third of the file's size, and nothing that one could see."""
 COLUMNS = 1200
@@ -68,11 +71,31 @@ def write_png(page: Page, path: Path) -> None:
     figure = draw_figure(page)
     canvas: Any = figure.canvas
     canvas.draw()
-    # Other ways to choose the palette sacrifice the colours of thin lines.
     picture = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
-    picture.quantize(COLORS, method=Image.Quantize.FASTOCTREE).save(
-        path, format="png", optimize=True
+    _with_palette(picture, page).save(path, format="png", optimize=True)
+
+
+def _with_palette(picture: Image.Image, page: Page) -> Image.Image:
+    """The picture in few colours, among them those of thin lines.
+
+    The palette is that of what is frequent, which the lines are made to be by a strip
+    of their colours below the picture.
+    """
+    colors = sorted(
+        {item.color for panel in page.panels for item in panel.items if _thin(item)}
     )
+    width, height = picture.size
+    strip = SWATCH * len(colors)
+    longer = Image.new("RGB", (width, height + strip), "white")
+    longer.paste(picture, (0, 0))
+    for number, color in enumerate(colors):
+        top = height + SWATCH * number
+        longer.paste(color, (0, top, width, top + SWATCH))
+    return longer.quantize(COLORS).crop((0, 0, width, height))
+
+
+def _thin(item: Item) -> TypeGuard[Line | Marker]:
+    return isinstance(item, Line | Marker)
 
 
 def _draw_panel(axes: Any, panel: Panel, page: Page) -> None:
