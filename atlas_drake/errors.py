@@ -12,14 +12,23 @@ class ErrorCode(IntEnum):
     """Values of ``AtlasSimInterfaceState.error_code``."""
 
     NO_ERRORS = 0
+    """The last message was accepted."""
     UNSPECIFIED = -1
+    """Something else went wrong."""
     VALUE_OUT_OF_RANGE = -2
+    """A number that cannot be used, or an array of the wrong length."""
     INVALID_INDEX = -3
+    """A joint, foot or step that does not exist, or steps out of order."""
     FAILED_TO_START_BEHAVIOR = -4
+    """The behaviour cannot begin now; the status flags say why."""
     NO_ACTIVE_BEHAVIOR = -5
+    """There is no behaviour to do it."""
     NO_SUCH_BEHAVIOR = -6
+    """A name or number that no behaviour has."""
     BEHAVIOR_NOT_IMPLEMENTED = -7
+    """A behaviour that this library lacks."""
     TIME_RAN_BACKWARD = -8
+    """The message is stamped earlier than the one before."""
 
 
 class AtlasError(Exception):

@@ -13,7 +13,7 @@ import numpy as np
 from pydrake.common.yaml import yaml_load_typed
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import ModelInstanceIndex
+from pydrake.multibody.tree import Frame, ModelInstanceIndex
 
 from atlas_drake.errors import RobotDescriptionError
 
@@ -76,6 +76,27 @@ class RobotFile:
 
 
 @dataclass(frozen=True)
+class LegGeometry:
+    """Lengths of the legs; index 0 left, 1 right.
+
+    Attributes:
+        p_PH: Hip pitch joints in the pelvis frame, joints at zero [m], shape (2, 3).
+        p_FA: Ankle joints in their sole frames [m], shape (2, 3).
+        thigh: From hip to knee [m].
+        shank: From knee to ankle [m].
+        straight: Knee position at which hip, knee and ankle are in line [rad].
+        knees: Indices of the knee joints in message order.
+    """
+
+    p_PH: np.ndarray
+    p_FA: np.ndarray
+    thigh: float
+    shank: float
+    straight: float
+    knees: tuple[int, int]
+
+
+@dataclass(frozen=True)
 class PlantIndices:
     """Where a plant keeps each joint, in message order.
 
@@ -108,6 +129,7 @@ class Robot:
         effort_limit: Effort limits [N·m].
         mass: Total mass [kg].
         body_names: Names of all links.
+        legs: Their lengths.
     """
 
     name: str
@@ -119,6 +141,7 @@ class Robot:
     effort_limit: np.ndarray
     mass: float
     body_names: tuple[str, ...]
+    legs: LegGeometry
 
     @property
     def num_joints(self) -> int:
@@ -230,4 +253,42 @@ def load_robot(name: str = DEFAULT_ROBOT) -> Robot:
             plant.get_body(index).name()
             for index in plant.GetBodyIndices(plant.GetModelInstanceByName(name))
         ),
+        legs=_leg_geometry(file, plant),
+    )
+
+
+_HIP_PITCH, _KNEE, _ANKLE_PITCH = 2, 3, 4
+"""Places among a leg's joints: hip z, x, y, knee, ankle y, x."""
+
+
+def _leg_geometry(file: RobotFile, plant: MultibodyPlant) -> LegGeometry:
+    """Reads the legs' lengths off the robot with all joints at zero."""
+    context = plant.CreateDefaultContext()
+
+    def position(frame: Frame) -> np.ndarray:
+        return np.array(frame.CalcPoseInWorld(context).translation())
+
+    pelvis = plant.GetBodyByName(file.pelvis).body_frame()
+
+    def pitch(down: np.ndarray) -> float:
+        return float(np.arctan2(-down[0], -down[2]))
+
+    hips, ankles, knees = [], [], []
+    for foot, limb in zip(file.feet, ("l_leg", "r_leg"), strict=True):
+        leg = [i for i, joint in enumerate(file.joints) if joint.limb == limb]
+        hip, knee, ankle = (
+            position(plant.GetJointByName(file.joints[leg[k]].name).frame_on_child())
+            for k in (_HIP_PITCH, _KNEE, _ANKLE_PITCH)
+        )
+        hips.append(hip - position(pelvis))
+        ankles.append(ankle - position(plant.GetFrameByName(foot.sole_frame)))
+        knees.append(leg[_KNEE])
+    thigh, shank = knee - hip, ankle - knee
+    return LegGeometry(
+        p_PH=np.array(hips),
+        p_FA=np.array(ankles),
+        thigh=float(np.linalg.norm(thigh)),
+        shank=float(np.linalg.norm(shank)),
+        straight=pitch(thigh) - pitch(shank),
+        knees=(knees[0], knees[1]),
     )

@@ -43,7 +43,7 @@ from atlas_drake.run_log import RunLog
 from atlas_drake.scenario import Scenario, Start, starting_behavior
 from atlas_drake.start import Variation, draw_variation, place_robot, scale_masses
 from atlas_drake.steady import steady_ticks
-from atlas_drake.summary import make_summary
+from atlas_drake.summary import estimator_drift, make_summary
 from atlas_drake.tutorial import control_mode_switch_programme
 
 if TYPE_CHECKING:
@@ -116,6 +116,7 @@ class AtlasSimulation:
             seed=self.scenario.seed,
             initial_behavior=self.scenario.behavior(),
             harnessed=self.scenario.start.harnessed,
+            estimated=self.scenario.state == "estimated",
         )
         programme = []
         if self.scenario.programme != "none":
@@ -297,7 +298,10 @@ class AtlasSimulation:
         self._pushes = []
         self._exert(())
         station = self.station
-        for name in ("joint_pid_bank", "robot_sensors"):
+        forgetful = ["joint_pid_bank", "robot_sensors"]
+        if self.scenario.state == "estimated":
+            forgetful += ["inertial_sensor", "state_estimator"]
+        for name in forgetful:
             system = station.GetSubsystemByName(name)
             system.reset(system.GetMyMutableContextFromRoot(self.context))
         for name in ("command_interface", "behavior_controller"):
@@ -407,7 +411,14 @@ class AtlasSimulation:
 
     def summary(self) -> dict[str, Any]:
         """What happened so far, as plain numbers and text ready for JSON."""
-        return make_summary(self, self._wall_time, self._output("extremes"))
+        extremes = self._output("extremes")
+        summary = make_summary(self, self._wall_time, extremes)
+        if self.scenario.state == "estimated":
+            summary["estimator_drift"] = estimator_drift(
+                self._output("estimation_error"),
+                self._output("largest_estimation_error"),
+            )
+        return summary
 
     # ---- inside --------------------------------------------------------------
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from atlas_drake.messages import Behavior
+from atlas_drake.systems.estimation_error import error_sizes
 from atlas_drake.tutorial import NUM_STEPS
 
 if TYPE_CHECKING:
@@ -60,6 +61,23 @@ def make_summary(
         "events": [
             {"time": e.time, "kind": e.kind, "text": e.text} for e in sim.events
         ],
+    }
+
+
+def estimator_drift(
+    error: np.ndarray, largest: np.ndarray
+) -> dict[str, dict[str, float]]:
+    """Final and largest errors of the state estimator.
+
+    Args:
+        error: Of the pelvis now, as ``EstimationError`` gives it, shape (9,).
+        largest: Of the run so far, likewise, shape (4,).
+    """
+    names = ("position_m", "velocity_m_s", "tilt_rad", "yaw_rad")
+    final = map(float, error_sizes(error))
+    return {
+        "final": dict(zip(names, final, strict=True)),
+        "largest": dict(zip(names, map(float, largest), strict=True)),
     }
 
 

@@ -25,10 +25,13 @@ from atlas_drake.robot import Robot, load_robot
 from atlas_drake.systems.behavior_controller import BehaviorController
 from atlas_drake.systems.command_interface import CommandInterface
 from atlas_drake.systems.effort_selector import EffortSelector
+from atlas_drake.systems.estimation_error import EstimationError
 from atlas_drake.systems.harness import Harness
+from atlas_drake.systems.inertial_sensor import InertialSensor
 from atlas_drake.systems.joint_pid_bank import JointPidBank
 from atlas_drake.systems.robot_sensors import RobotSensors
 from atlas_drake.systems.run_statistics import RunStatistics
+from atlas_drake.systems.state_estimator import StateEstimator
 from atlas_drake.terrain import Block
 
 BLOCK_COLOR = np.array([0.80, 0.70, 0.56, 1.0])
@@ -49,6 +52,7 @@ class StationConfig:
         seed: Of that noise.
         initial_behavior: The behaviour active at the start.
         harnessed: Whether there is a harness that can hold the pelvis.
+        estimated: Whether the behaviours see an estimate in place of the true state.
         gains: Of the whole-body controller.
     """
 
@@ -61,6 +65,7 @@ class StationConfig:
     seed: int = 0
     initial_behavior: Behavior = Behavior.STAND
     harnessed: bool = False
+    estimated: bool = False
     gains: ControlGains = field(default_factory=ControlGains)
 
 
@@ -86,6 +91,8 @@ def make_atlas_station(
         extremes: Of the run so far, see ``RunStatistics``.
         state, body_poses, contact_results: Of the plant.
         query_object: Of the scene graph, for visualisers.
+        estimated_state, estimation_error, largest_estimation_error: Of the state
+            estimator, where there is one; see ``EstimationError``.
     """
     robot = robot or load_robot()
     config = config or StationConfig()
@@ -147,7 +154,11 @@ def make_atlas_station(
     connect(selector, "actuation", plant)
     connect(selector, "effort", sensors)
     connect(selector, "actuation", statistics)
-    connect(sensors, "measured_state", behaviors, "state")
+    if config.estimated:
+        estimator = _add_estimator(builder, robot, config, plant, sensors)
+        connect(estimator, "estimated_state", behaviors, "state")
+    else:
+        connect(sensors, "measured_state", behaviors, "state")
     connect(sensors, "foot_loads", behaviors)
     connect(sensors, "foot_wrenches", pid)
     connect(plant, "contact_results", sensors)
@@ -213,6 +224,46 @@ def add_scenery(
     )
     for number, block in enumerate(terrain):
         _add_block(plant, block, f"terrain_{number}", ground_friction)
+
+
+def _add_estimator(
+    builder: DiagramBuilder,
+    robot: Robot,
+    config: StationConfig,
+    plant: MultibodyPlant,
+    sensors: RobotSensors,
+) -> StateEstimator:
+    """The state estimator, the IMU it reads, and what tells how far off it is."""
+    imu = builder.AddNamedSystem(
+        "inertial_sensor",
+        InertialSensor(
+            robot,
+            plant,
+            config.noise,
+            config.seed,
+            config.physics_step,
+            config.control_period,
+        ),
+    )
+    estimator = builder.AddNamedSystem(
+        "state_estimator", StateEstimator(robot, config.control_period)
+    )
+    error = builder.AddNamedSystem(
+        "estimation_error", EstimationError(robot, plant, config.control_period)
+    )
+    for name in ("measured_state", "foot_loads"):
+        builder.Connect(sensors.GetOutputPort(name), estimator.GetInputPort(name))
+    builder.Connect(imu.GetOutputPort("inertial"), estimator.GetInputPort("inertial"))
+    true = plant.get_state_output_port()
+    builder.Connect(true, imu.GetInputPort("state"))
+    builder.Connect(true, estimator.GetInputPort("start_state"))
+    builder.Connect(true, error.GetInputPort("state"))
+    estimate = estimator.GetOutputPort("estimated_state")
+    builder.Connect(estimate, error.GetInputPort("estimated_state"))
+    builder.ExportOutput(estimate, "estimated_state")
+    for name in ("estimation_error", "largest_estimation_error"):
+        builder.ExportOutput(error.GetOutputPort(name), name)
+    return estimator
 
 
 def _add_block(

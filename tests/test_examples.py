@@ -13,6 +13,9 @@ EXPECTED = {
     "03_mixed_control": "Atlas still stands.",
     "04_walk": "Atlas walked its curve.",
     "05_control_mode_switch": "Atlas stands, 4 steps further on.",
+    "06_manipulate": "Atlas stands again.",
+    "07_step": "Atlas stands on the block.",
+    "08_walk_streaming": "Atlas walked its circle.",
 }
 """What each prints last when all is well."""
 

@@ -16,16 +16,17 @@ from atlas_drake.control.footstep import FootPose
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.control.support_polygon import SupportPolygon, sole_corners
 from atlas_drake.control.swing_foot import SwingReference
-from atlas_drake.control.whole_body_command import FootCommand, WholeBodyCommand
+from atlas_drake.control.toe_off import toe_corners
+from atlas_drake.control.whole_body_command import (
+    FootCommand,
+    Pressure,
+    WholeBodyCommand,
+)
 from atlas_drake.control.whole_body_model import GRAVITY
 from atlas_drake.robot import Robot
 
 FULL_LOAD = 3.0
 """Largest normal force asked of one sole, in weights of the robot [-]."""
-
-
-USER_JOINT_WEIGHT = 1e-5
-"""Keeps the QP well posed; far below any task [1/(rad/s²)²]."""
 
 
 class Balance:
@@ -83,21 +84,24 @@ class Balance:
             chest_angular_acceleration=chest,
             feet=feet,
             joint_acceleration=self.posture(seen, body),
-            joint_weight=self.joint_weight(seen, self._joint_weight),
+            joint_weight=self._joint_weight,
         )
-
-    def joint_weight(self, seen: Observation, weight: np.ndarray) -> np.ndarray:
-        """Posture weights, all but none for joints that the user has.
-
-        How those move is the user's business. A weight on it would make the QP steer
-        them by moving their neighbours.
-        """
-        return np.where(seen.user_held, USER_JOINT_WEIGHT, weight)
 
     def posture(self, seen: Observation, body: BodyReference) -> np.ndarray:
         """Joint accelerations towards the posture [rad/s²], shape (n,)."""
         gains, terms = self.gains.posture, seen.terms
         return gains.kp * (body.joints - terms.q) - gains.kd * terms.v
+
+    def pressed(self, seen: Observation, foot: int, load: float) -> FootCommand:
+        """A new foot, loaded by at least ``load`` weights so that it turns flat."""
+        return FootCommand(
+            tasks.stance_acceleration(
+                seen.terms.feet[foot], self.gains.stance_foot_damping
+            ),
+            max_normal_force=FULL_LOAD * self.weight,
+            min_normal_force=load * self.weight,
+            pressure=Pressure.MIDDLE,
+        )
 
     def planted(
         self, seen: Observation, foot: int, max_load: float = FULL_LOAD
@@ -139,16 +143,39 @@ class Balance:
         )
         return FootCommand(acceleration, max_normal_force=0.0)
 
+    def toeing_off(
+        self, seen: Observation, foot: int, reference: SwingReference, max_load: float
+    ) -> FootCommand:
+        """A foot on its toes, whose heel follows ``reference``."""
+        in_air = self.swinging(seen, foot, reference)
+        return FootCommand(
+            in_air.acceleration,
+            max_normal_force=max_load * self.weight,
+            pressure=Pressure.TOES,
+        )
+
+    def support_on_toes(self, flat: FootPose, toeing: FootPose) -> SupportPolygon:
+        """Where the CoP can lie with one foot flat and the other on its toes.
+
+        Args:
+            flat: The foot that stays.
+            toeing: The other one, as it lay before its heel rose.
+        """
+        contact, sole = self.gains.contact, self.robot.file.sole
+        half_width = sole.width / 2 - contact.width_margin
+        toes = toe_corners(toeing, sole.length / 2, half_width)
+        return SupportPolygon(np.concatenate([self._corners(flat), toes]))
+
     def support(self, *feet: FootPose) -> SupportPolygon:
         """Where the CoP can lie with these feet on the ground."""
+        return SupportPolygon(np.concatenate([self._corners(foot) for foot in feet]))
+
+    def _corners(self, foot: FootPose) -> np.ndarray:
+        """Corners of the part of a sole that the CoP can lie in, shape (4, 3)."""
         contact, sole = self.gains.contact, self.robot.file.sole
-        corners = [
-            sole_corners(
-                foot.p_WF,
-                foot.R_WF,
-                sole.length / 2 - contact.length_margin,
-                sole.width / 2 - contact.width_margin,
-            )
-            for foot in feet
-        ]
-        return SupportPolygon(np.concatenate(corners))
+        return sole_corners(
+            foot.p_WF,
+            foot.R_WF,
+            sole.length / 2 - contact.length_margin,
+            sole.width / 2 - contact.width_margin,
+        )

@@ -11,12 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from atlas_drake.control.rotations import (
-    rotation_y,
-    rotation_z,
-    wrap_angle,
-    yaw_of,
-)
+from atlas_drake.control.rotations import orientation, tilt_of, wrap_angle, yaw_of
 from atlas_drake.control.whole_body_model import WholeBodyTerms
 
 
@@ -59,12 +54,12 @@ class BodyReference:
     @property
     def R_WP(self) -> np.ndarray:
         """Orientation wanted of the pelvis."""
-        return _orientation(self.yaw, self.pelvis_tilt)
+        return orientation(self.yaw, self.pelvis_tilt)
 
     @property
     def R_WC(self) -> np.ndarray:
         """Orientation wanted of the chest."""
-        return _orientation(self.yaw, self.chest_tilt)
+        return orientation(self.yaw, self.chest_tilt)
 
 
 @dataclass(frozen=True)
@@ -91,8 +86,8 @@ def capture_body(terms: WholeBodyTerms) -> BodyReference:
         height_rate=0.0,
         yaw=yaw_of(terms.R_WP),
         yaw_rate=0.0,
-        pelvis_tilt=_tilt(terms.R_WP),
-        chest_tilt=_tilt(terms.R_WC),
+        pelvis_tilt=tilt_of(terms.R_WP),
+        chest_tilt=tilt_of(terms.R_WC),
         joints=terms.q.copy(),
     )
 
@@ -139,18 +134,3 @@ def _approach_all(value: np.ndarray, goal: np.ndarray, step: float) -> np.ndarra
     if max(way.max(), -way.min()) <= step:
         return goal
     return value + np.minimum(np.maximum(way, -step), step)
-
-
-def _tilt(R: np.ndarray) -> np.ndarray:
-    """Roll and pitch of a roll-pitch-yaw decomposition [rad], shape (2,)."""
-    pitch = np.arcsin(min(max(-R[2, 0], -1.0), 1.0))
-    return np.array([np.arctan2(R[2, 1], R[2, 2]), pitch])
-
-
-def _orientation(yaw: float, tilt: np.ndarray) -> np.ndarray:
-    R = rotation_z(yaw)
-    if tilt[0] == 0.0 and tilt[1] == 0.0:
-        return R
-    c, s = np.cos(tilt[0]), np.sin(tilt[0])
-    roll = np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
-    return R @ rotation_y(tilt[1]) @ roll

@@ -23,6 +23,7 @@ from atlas_drake.behaviors.body_reference import (
 from atlas_drake.control import tasks
 from atlas_drake.control.dcm_plan import DcmReference
 from atlas_drake.control.footstep import FootPose
+from atlas_drake.control.leg_reach import highest_com, hips_from_com
 from atlas_drake.control.rotations import mean_yaw
 from atlas_drake.control.support_polygon import SupportPolygon
 from atlas_drake.frozen import replace
@@ -45,6 +46,7 @@ class StandMemory:
         middle: Between them in W [m], shape (3,).
         yaw: Their mean heading [rad].
         com: Reference of the centre of mass, horizontal in W [m], shape (2,).
+        height: Of the centre of mass in W, as the legs reach [m].
     """
 
     feet: tuple[FootPose, FootPose]
@@ -52,6 +54,7 @@ class StandMemory:
     middle: np.ndarray
     yaw: float
     com: np.ndarray
+    height: float
 
     @property
     def dcm_reference(self) -> DcmReference:
@@ -97,7 +100,7 @@ class Stand:
         body = advance_body(
             body,
             BodyTarget(
-                height=float(memory.middle[2]) + self._nominal_height,
+                height=memory.height,
                 yaw=memory.yaw,
                 joints=self._balance.robot.stand_prep,
                 pelvis_tilt=_UPRIGHT,
@@ -126,10 +129,17 @@ class Stand:
 
     def _note_feet(self, seen: Observation, com: np.ndarray) -> StandMemory:
         left, right = seen.foot_pose(0), seen.foot_pose(1)
+        middle = 0.5 * (left.p_WF + right.p_WF)
+        legs = self._balance.robot.legs
+        # With one foot high up the other leg may be too short for the full height.
+        reach = highest_com(
+            legs, hips_from_com(seen.terms, legs), middle[:2], enumerate((left, right))
+        )
         return StandMemory(
             feet=(left, right),
             support=self._balance.support(left, right),
-            middle=0.5 * (left.p_WF + right.p_WF),
+            middle=middle,
+            height=min(float(middle[2]) + self._nominal_height, reach),
             yaw=mean_yaw(left.yaw, right.yaw),
             com=com,
         )

@@ -1,28 +1,33 @@
 """The steps that a walk still has to take, merged from the messages that bring them.
 
-Order and indices only; whether a step can be reached is decided when it begins.
+Order and indices only; whether a step can be reached, and what its height means, is
+decided from the foot it is taken from.
 """
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
+from pydrake.math import RotationMatrix
 
 from atlas_drake.control.footstep import Footstep
 from atlas_drake.control.rotations import yaw_of
-from atlas_drake.messages import NO_STEP, AtlasBehaviorStepData
+from atlas_drake.messages import NO_STEP, AtlasBehaviorStepData, Quaternion, Vector3
 
 
-def footstep_from(data: AtlasBehaviorStepData) -> Footstep:
+def footstep_from(data: AtlasBehaviorStepData, relative: bool = False) -> Footstep:
     """The step that a message describes, its pose that of the sole frame in W.
 
-    Height and normal are not taken from the message: the ground is level.
+    Args:
+        data: Of the message.
+        relative: Whether its height counts from the stance foot.
     """
     p = data.pose.position
     quaternion = data.pose.orientation.to_wxyz()
     w, x, y, z = quaternion / np.linalg.norm(quaternion)
     x_axis = np.array([[1.0 - 2.0 * (y * y + z * z)], [2.0 * (x * y + w * z)]])
+    z_axis = np.array(
+        [2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)]
+    )
     return Footstep(
         index=int(data.step_index),
         foot=int(data.foot_index),
@@ -30,6 +35,8 @@ def footstep_from(data: AtlasBehaviorStepData) -> Footstep:
         yaw=yaw_of(x_axis),
         duration=float(data.duration),
         swing_height=float(data.swing_height),
+        normal=z_axis,
+        relative=relative,
     )
 
 
@@ -40,10 +47,9 @@ def step_data_from(step: Footstep) -> AtlasBehaviorStepData:
     data.foot_index = step.foot
     data.duration = step.duration
     data.swing_height = step.swing_height
-    position, orientation = data.pose.position, data.pose.orientation
-    position.x, position.y, position.z = map(float, step.p_WF)
-    orientation.z = math.sin(0.5 * step.yaw)
-    orientation.w = math.cos(0.5 * step.yaw)
+    data.pose.position = Vector3.from_array(step.p_WF)
+    quaternion = RotationMatrix(step.pose.R_WF).ToQuaternion()
+    data.pose.orientation = Quaternion.from_wxyz(quaternion.wxyz())
     return data
 
 
@@ -51,6 +57,7 @@ def merge(
     pending: tuple[Footstep, ...],
     sent: list[AtlasBehaviorStepData],
     first_open: int,
+    relative: bool = False,
 ) -> tuple[Footstep, ...]:
     """Steps to come after a message: later news replaces what has not begun.
 
@@ -58,11 +65,12 @@ def merge(
         pending: Steps known so far that have not begun.
         sent: The message's queue.
         first_open: Lowest index that has not begun; older ones are ignored.
+        relative: Whether heights in the message count from the stance foot.
     """
     steps = {step.index: step for step in pending}
     for data in sent:
         if data.step_index != NO_STEP and data.step_index >= first_open:
-            step = footstep_from(data)
+            step = footstep_from(data, relative)
             steps[step.index] = step
     return tuple(steps[index] for index in sorted(steps))
 
@@ -74,12 +82,3 @@ def next_runs(pending: tuple[Footstep, ...], index: int) -> tuple[Footstep, ...]
         if step.index == index + len(run):
             run.append(step)
     return tuple(run)
-
-
-def alternating(steps: tuple[Footstep, ...], last_foot: int | None) -> bool:
-    """Whether left and right take turns, beginning after ``last_foot``."""
-    for step in steps:
-        if step.foot == last_foot:
-            return False
-        last_foot = step.foot
-    return True

@@ -22,16 +22,23 @@ from atlas_drake.behaviors.body_reference import (
 )
 from atlas_drake.behaviors.freeze import Freeze
 from atlas_drake.behaviors.idle import Idle
+from atlas_drake.behaviors.manipulate import Manipulate
 from atlas_drake.behaviors.stand import Stand
-from atlas_drake.behaviors.transitions import IMPLEMENTED, EntryLimits, refusal
+from atlas_drake.behaviors.step import Step
+from atlas_drake.behaviors.transitions import (
+    LEAVES_IN_ORDER,
+    EntryLimits,
+    refusal,
+)
 from atlas_drake.behaviors.walk import Walk
 from atlas_drake.commands import BehaviorRequest
 from atlas_drake.control.gains import ControlGains
+from atlas_drake.control.pelvis_reach import PelvisReach
 from atlas_drake.control.whole_body_command import WholeBodyCommand
+from atlas_drake.control.whole_body_model import WholeBodyModel
 from atlas_drake.errors import ErrorCode
 from atlas_drake.frozen import replace
 from atlas_drake.messages import AtlasSimInterfaceState, Behavior, BehaviorStatus
-from atlas_drake.robot import Robot
 
 KEPT_EVENTS = 200
 """How many events the state keeps; whoever wants all of them reads in time."""
@@ -62,7 +69,7 @@ class SupervisorState:
         trans_to: Behaviour that the last transition was to.
         behavior_flags: The active behaviour's own flags, latched.
         error_code: Of the last request.
-        warned: Whether the user was told that walking on legs of theirs is risky.
+        warned: Whether the user was told that steps on legs of theirs are risky.
         falling: Whether a fall was noticed and no behaviour begun since.
         events: The latest events.
         event_count: How many there have been.
@@ -93,8 +100,11 @@ class SupervisorState:
 class Supervisor:
     """Owns one object per behaviour."""
 
-    def __init__(self, robot: Robot, gains: ControlGains, nominal_height: float):
+    def __init__(
+        self, model: WholeBodyModel, gains: ControlGains, nominal_height: float
+    ):
         """Takes the height of the CoM above the soles when standing [m]."""
+        robot = model.robot
         balance = Balance(robot, gains)
         rates = BodyRates()
         stand = Stand(balance, nominal_height, rates)
@@ -111,7 +121,16 @@ class Supervisor:
             Behavior.STAND_PREP: stand,
             Behavior.STAND: stand,
             Behavior.WALK: Walk(balance, nominal_height, rates),
+            Behavior.MANIPULATE: Manipulate(
+                balance, PelvisReach(model), nominal_height, rates
+            ),
+            Behavior.STEP: Step(balance, nominal_height),
         }
+
+    @property
+    def behaviors(self) -> dict[Behavior, BehaviorProtocol]:
+        """Who does what."""
+        return dict(self._behaviors)
 
     def start(self, behavior: Behavior) -> SupervisorState:
         """The state before the first tick, with ``behavior`` already active."""
@@ -144,7 +163,7 @@ class Supervisor:
         if not state.entered:
             state = self._enter(state, seen, request)
 
-        if state.current is Behavior.WALK and not state.warned:
+        if state.current in _ON_FOOT and not state.warned:
             state = self._warn_of_user_legs(state, seen)
         assert state.body is not None
         behavior = self._behaviors[state.current]
@@ -189,6 +208,8 @@ class Supervisor:
             self._behaviors[state.current].report(state.memory, message)
         if state.current is Behavior.WALK:
             message.walk_feedback.status_flags = state.behavior_flags
+        elif state.current is Behavior.STEP:
+            message.step_feedback.status_flags = state.behavior_flags
 
     # ---- transitions ---------------------------------------------------------
 
@@ -199,16 +220,6 @@ class Supervisor:
             state, request_number=request.number, error_code=ErrorCode.NO_ERRORS
         )
         target = request.behavior
-        if target not in IMPLEMENTED:
-            text = f"{target.name} is not implemented"
-            state = replace(
-                state,
-                error_code=ErrorCode.BEHAVIOR_NOT_IMPLEMENTED,
-                status=BehaviorStatus.FAILED_TRANS_UNKNOWN_BEHAVIOR,
-                trans_from=state.current,
-                trans_to=target,
-            )
-            return _log(state, Event(seen.time, "refusal", text))
         if target is state.current:
             # More of the same, such as further steps, or second thoughts about
             # leaving.
@@ -225,8 +236,8 @@ class Supervisor:
                 trans_to=target,
             )
             return _log(state, Event(seen.time, "refusal", text))
-        if state.current is Behavior.WALK and target is Behavior.STAND:
-            # Finish the step and catch; the walk says when it is done.
+        if state.current in LEAVES_IN_ORDER and target is Behavior.STAND:
+            # It comes to an end in good order, and says when it is done.
             return replace(
                 state,
                 desired=target,
@@ -281,12 +292,12 @@ class Supervisor:
     def _warn_of_user_legs(
         self, state: SupervisorState, seen: Observation
     ) -> SupervisorState:
-        """Walking with a leg under user control is allowed, and seldom ends well."""
+        """Steps with a leg under user control are allowed, and seldom end well."""
         held = [i for i in self._legs if seen.user_held[i]]
         if not held:
             return state
         names = ", ".join(self._balance.robot.joint_names[i] for i in held)
-        text = f"WALK with leg joints under user control: {names}"
+        text = f"{state.current.name} with leg joints under user control: {names}"
         return _log(replace(state, warned=True), Event(seen.time, "warning", text))
 
     def _watch_for_fall(
@@ -309,6 +320,9 @@ class Supervisor:
         text = f"falling in {state.current.name} (pelvis tilted {tilt:.2f} rad)"
         return _log(replace(state, falling=True), Event(seen.time, "fall", text))
 
+
+_ON_FOOT = (Behavior.WALK, Behavior.STEP)
+"""Behaviours that lift feet, and need legs of their own for it."""
 
 _SUBSTATES = 7
 """Bits of a behaviour's flags that say where it is now, and so do not latch."""

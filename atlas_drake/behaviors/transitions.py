@@ -21,13 +21,23 @@ LEGAL_TRANSITIONS: dict[Behavior, frozenset[Behavior]] = {
     Behavior.FREEZE: _ALWAYS | {Behavior.STAND_PREP, Behavior.STAND},
     Behavior.USER: _ALWAYS | {Behavior.STAND_PREP, Behavior.STAND},
     Behavior.STAND_PREP: _ALWAYS | {Behavior.STAND_PREP, Behavior.STAND},
-    Behavior.STAND: _ALWAYS | {Behavior.STAND_PREP, Behavior.STAND, Behavior.WALK},
+    Behavior.STAND: _ALWAYS
+    | {
+        Behavior.STAND_PREP,
+        Behavior.STAND,
+        Behavior.WALK,
+        Behavior.STEP,
+        Behavior.MANIPULATE,
+    },
     Behavior.WALK: _ALWAYS | {Behavior.STAND, Behavior.WALK},
+    Behavior.STEP: _ALWAYS | {Behavior.STAND, Behavior.STEP},
+    Behavior.MANIPULATE: _ALWAYS | {Behavior.STAND, Behavior.MANIPULATE},
 }
-"""From each behaviour to those that may follow. WALK leads nowhere but to STAND."""
+"""From each behaviour to those that may follow. WALK and STEP lead only to STAND."""
 
-IMPLEMENTED = frozenset(LEGAL_TRANSITIONS)
-"""Behaviours that exist; the others are answered with BEHAVIOR_NOT_IMPLEMENTED."""
+LEAVES_IN_ORDER = frozenset({Behavior.WALK, Behavior.STEP, Behavior.MANIPULATE})
+"""Behaviours that STAND does not interrupt: they end by themselves when it is asked
+for. WALK and STEP finish their step, MANIPULATE goes back to STAND's pose."""
 
 
 @dataclass(frozen=True)
@@ -52,7 +62,8 @@ def refusal(
     """Why ``target`` cannot follow ``source`` now; OK when it can."""
     if target not in LEGAL_TRANSITIONS.get(source, _ALWAYS):
         return BehaviorStatus.FAILED_TRANS_ILLEGAL_BEHAVIOR
-    if target is not Behavior.STAND or source in (Behavior.STAND, Behavior.WALK):
+    standing = {Behavior.STAND} | LEAVES_IN_ORDER
+    if target is not Behavior.STAND or source in standing:
         return BehaviorStatus.OK
     terms = seen.terms
     support = balance.support(seen.foot_pose(0), seen.foot_pose(1))

@@ -18,20 +18,19 @@ from atlas_drake.behaviors.body_reference import (
     BodyTarget,
     advance_body,
 )
-from atlas_drake.behaviors.gait import GaitTiming, plan_walk, stance_cop
-from atlas_drake.behaviors.step_queue import (
-    alternating,
-    merge,
-    step_data_from,
-)
+from atlas_drake.behaviors.footstep_event import footstep_event
+from atlas_drake.behaviors.gait import GaitTiming, begun_at, plan_walk, stance_cop
+from atlas_drake.behaviors.step_queue import step_data_from
 from atlas_drake.behaviors.walk_memory import Phase, WalkMemory, WalkRules
-from atlas_drake.control import tasks
-from atlas_drake.control.footstep import (
-    Footstep,
-    StepLimits,
-    landing_error,
-    saturate,
+from atlas_drake.behaviors.walk_steps import (
+    LOOK_AHEAD,
+    coming_steps,
+    feet_to_come,
+    steps_asked_for,
 )
+from atlas_drake.control import tasks
+from atlas_drake.control.dcm_plan import DcmReference
+from atlas_drake.control.footstep import Footstep, StepLimits, saturate
 from atlas_drake.control.rotations import mean_yaw
 from atlas_drake.control.step_adjustment import StepAdjustmentLimits, step_shift
 from atlas_drake.control.swing_foot import (
@@ -49,8 +48,8 @@ from atlas_drake.messages import (
 )
 
 _UPRIGHT = np.zeros(2)
-LOOK_AHEAD = 4
-"""Steps that enter the plan, and that a message's queue holds."""
+REACH = 0.03
+"""The lower leg stretches by this much where the ground is uneven [m]."""
 
 
 class Walk:
@@ -77,6 +76,9 @@ class Walk:
         self._adjustment = adjustment or StepAdjustmentLimits()
         self._profile = profile or SwingProfile()
         self._rules = rules or WalkRules()
+        self._knees = [
+            balance.robot.joint_index(f"{side}_leg_kny") for side in ("l", "r")
+        ]
         self._touchdown_force = self._rules.touchdown_force * balance.weight
 
     def enter(
@@ -87,8 +89,8 @@ class Walk:
     ) -> WalkMemory:
         """Begins to shift the weight to the first stance foot."""
         feet = (seen.foot_pose(0), seen.foot_pose(1))
-        queue = request.walk_params.step_queue
-        pending = merge((), queue, first_open=1)
+        params = request.walk_params
+        pending = steps_asked_for((), params, feet, first_open=1)
         first = pending[0].index if pending else 1
         omega = tasks.pendulum_frequency(self._nominal_height)
         memory = WalkMemory(
@@ -107,10 +109,11 @@ class Walk:
             support=self._balance.support(*feet),
             omega=omega,
             next_index=first,
-            seen_queue=queue,
+            seen_params=params,
         )
-        cop = memory.support.clamp(tasks.dcm(seen.terms, omega))
-        return self._replan(memory, cop, memory.duration)
+        dcm = tasks.dcm(seen.terms, omega)
+        memory = self._replan(memory, memory.support.clamp(dcm), memory.duration)
+        return replace(memory, plan=begun_at(memory.plan, dcm, memory.support))
 
     def update(
         self,
@@ -122,7 +125,7 @@ class Walk:
     ) -> Outcome:
         """One tick of walking; ``leaving`` drops the steps that have not begun."""
         if leaving:
-            memory = replace(memory, pending=())
+            memory = self._leave(memory)
         else:
             memory = self._read_queue(memory, request)
         memory = replace(
@@ -149,7 +152,7 @@ class Walk:
         command = self._balance.command(
             seen,
             body,
-            memory.plan.evaluate(memory.plan_time),
+            self._reference(memory),
             memory.omega,
             memory.support,
             self._feet(memory, seen, swing_reference),
@@ -178,35 +181,30 @@ class Walk:
     def _read_queue(
         self, memory: WalkMemory, request: AtlasSimInterfaceCommand
     ) -> WalkMemory:
-        queue = request.walk_params.step_queue
-        if queue is memory.seen_queue:
+        params, seen = request.walk_params, memory.seen_params
+        if params is seen:
             return memory
-        pending = merge(memory.pending, queue, first_open=memory.next_index)
-        return replace(memory, pending=pending, seen_queue=queue)
+        memory = replace(memory, seen_params=params)
+        if params.use_demo_walk and seen.use_demo_walk:
+            return memory
+        pending = steps_asked_for(
+            () if seen.use_demo_walk else memory.pending,
+            params,
+            feet_to_come(memory),
+            memory.next_index,
+            memory.last_foot,
+        )
+        return replace(memory, pending=pending)
 
     def _coming(self, memory: WalkMemory) -> tuple[Footstep, ...]:
-        """Steps that the plan looks at, saturated one from the other.
+        return coming_steps(memory, self._limits)
 
-        The one in the air comes first and is taken as it is.
-        """
-        steps: list[Footstep] = []
-        last_foot = memory.current.foot if memory.current else None
-        poses = list(memory.feet)
-        if memory.swinging:
-            steps.append(memory.step)
-            poses[memory.step.foot] = memory.step.pose
-        for step in memory.known:
-            if step.foot == last_foot or len(steps) >= LOOK_AHEAD:
-                break
-            stance = poses[1 - step.foot]
-            level = replace(
-                step, p_WF=np.array([step.p_WF[0], step.p_WF[1], stance.p_WF[2]])
-            )
-            taken = saturate(level, stance, self._limits)
-            steps.append(taken)
-            poses[taken.foot] = taken.pose
-            last_foot = taken.foot
-        return tuple(steps)
+    def _leave(self, memory: WalkMemory) -> WalkMemory:
+        """Drops what has not begun: a foot in the air lands, then both catch."""
+        memory = replace(memory, pending=())
+        if memory.phase in (Phase.SHIFT, Phase.TRANSFER):
+            return self._settle(memory)
+        return memory
 
     def _replan(
         self, memory: WalkMemory, cop: np.ndarray, first_phase: float
@@ -237,18 +235,18 @@ class Walk:
             )
             return self._touch_down(memory, seen) if touched else (memory, ())
         if memory.phase is Phase.SETTLE:
-            more = memory.pending and self._coming(memory)
+            more = not memory.inconsistent and self._coming(memory)
             return (self._shift(memory) if more else memory), ()
         if memory.elapsed < memory.duration:
             return memory, ()
-        coming = self._coming(memory)
-        if not coming:
+        if not self._coming(memory):
             return self._settle(memory), ()
         late = memory.elapsed - memory.duration
-        if late < self._rules.longest_wait and not self._ready(memory, seen):
+        patient = late < self._rules.longest_wait and not self._straight(memory, seen)
+        if patient and not self._ready(memory, seen):
             # Hold the plan at the moment of lift-off until the DCM is there.
             return replace(memory, plan_time=memory.plan_time - seen.dt), ()
-        return self._lift_off(memory, coming[0]), ()
+        return self._lift_off(memory, seen), ()
 
     def _ready(self, memory: WalkMemory, seen: Observation) -> bool:
         """Whether the DCM is near enough to its plan for single support."""
@@ -257,7 +255,20 @@ class Walk:
         )
         return float(np.hypot(*error)) < self._rules.dcm_ready
 
-    def _lift_off(self, memory: WalkMemory, step: Footstep) -> WalkMemory:
+    def _straight(self, memory: WalkMemory, seen: Observation) -> bool:
+        """Whether the leg that is to leave is at its full length.
+
+        Planted, it holds the pelvis back, so that no waiting brings the DCM nearer.
+        """
+        foot = memory.unloading
+        return foot is not None and (
+            float(seen.terms.q[self._knees[foot]]) < self._rules.straight_knee
+        )
+
+    def _lift_off(self, memory: WalkMemory, seen: Observation) -> WalkMemory:
+        # Since touchdown the soles have come to lie flat under their load.
+        memory = replace(memory, feet=(seen.foot_pose(0), seen.foot_pose(1)))
+        step = self._coming(memory)[0]
         stance = 1 - step.foot
         sent = next(s for s in memory.pending if s.index == step.index)
         duration = self._timing.swing(step)
@@ -282,7 +293,6 @@ class Walk:
     ) -> tuple[WalkMemory, tuple[Event, ...]]:
         step, sent = memory.step, memory.sent
         landed = seen.foot_pose(step.foot)
-        # Level ground: a sole that lands tilted will lie flat in a moment.
         feet = list(memory.feet)
         feet[step.foot] = landed
         cop = memory.plan.evaluate(memory.plan_time).cop
@@ -295,19 +305,7 @@ class Walk:
             support=self._balance.support(*feet),
         )
         coming = self._coming(memory)
-        event = Event(
-            seen.time,
-            "footstep",
-            f"step {step.index} landed",
-            {
-                "index": step.index,
-                "foot": step.foot,
-                "commanded": [*map(float, sent.p_WF[:2]), float(sent.yaw)],
-                "saturated": [*map(float, step.p_WF[:2]), float(step.yaw)],
-                "landed": [*map(float, landed.p_WF[:2]), float(landed.yaw)],
-                "error_m": landing_error(sent, landed),
-            },
-        )
+        event = footstep_event(seen.time, sent, step, landed)
         if not coming:
             return self._settle(memory, cop), (event,)
         memory = replace(memory, duration=self._timing.transfer(coming[0]))
@@ -315,11 +313,12 @@ class Walk:
 
     def _shift(self, memory: WalkMemory) -> WalkMemory:
         """Sets off once more: steps came while the robot was catching."""
-        cop = memory.plan.evaluate(memory.plan_time).cop
+        now = memory.plan.evaluate(memory.plan_time)
         memory = replace(
             memory, phase=Phase.SHIFT, elapsed=0.0, duration=self._timing.first_shift
         )
-        return self._replan(memory, cop, memory.duration)
+        memory = self._replan(memory, now.cop, memory.duration)
+        return replace(memory, plan=begun_at(memory.plan, now.dcm, memory.support))
 
     def _settle(self, memory: WalkMemory, cop: np.ndarray | None = None) -> WalkMemory:
         if cop is None:
@@ -330,6 +329,7 @@ class Walk:
             elapsed=0.0,
             duration=self._timing.settle,
             support=self._balance.support(*memory.feet),
+            inconsistent=any(s.foot == memory.last_foot for s in memory.known[:1]),
         )
         return self._replan(memory, cop, memory.duration)
 
@@ -385,19 +385,22 @@ class Walk:
         memory = self._replan(memory, cop, memory.duration)
         return replace(memory, plan_time=plan_time)
 
+    def _reference(self, memory: WalkMemory) -> DcmReference:
+        """The plan at this moment; where it waits, the DCM rests over the CoP."""
+        reference = memory.plan.evaluate(memory.plan_time)
+        if memory.waiting:
+            return replace(reference, cop=reference.dcm)
+        return reference
+
     def _body_target(self, memory: WalkMemory) -> BodyTarget:
-        left, right = memory.feet
-        yaws = [left.yaw, right.yaw]
-        heights = [left.p_WF[2], right.p_WF[2]]
-        if memory.swinging:
-            step = memory.step
-            yaws[step.foot], heights[step.foot] = step.yaw, step.p_WF[2]
-            ground = min(heights)
-        else:
-            ground = 0.5 * (heights[0] + heights[1])
+        left, right = feet_to_come(memory)
+        low, high = sorted([float(left.p_WF[2]), float(right.p_WF[2])])
+        # With one foot above the other, or on its way there, both legs shall reach the
+        # ground without bending the upper one more than need be.
+        ground = min(0.5 * (low + high), low + REACH)
         return BodyTarget(
-            height=float(ground) + self._nominal_height,
-            yaw=mean_yaw(*yaws),
+            height=ground + self._nominal_height,
+            yaw=mean_yaw(left.yaw, right.yaw),
             joints=self._balance.robot.stand_prep,
             pelvis_tilt=_UPRIGHT,
         )
@@ -415,7 +418,7 @@ class Walk:
             feet[foot] = balance.swinging(seen, foot, swing_reference)
             return feet[0], feet[1]
         loads = [FULL_LOAD, FULL_LOAD]
-        if memory.unloading is not None:
+        if memory.unloading is not None and not memory.waiting:
             left_share = 1.0 - memory.elapsed / memory.duration
             unload = min(max(left_share / self._rules.unload_share, 0.01), 1.0)
             loads[memory.unloading] = unload
@@ -426,12 +429,11 @@ class Walk:
         if memory.phase is Phase.SHIFT:
             return flags.WALK_SUBSTATE_SWAYING
         if memory.phase is Phase.SETTLE:
-            if leaving:
-                return flags.WALK_SUBSTATE_CATCHING
-            last_foot = memory.current.foot if memory.current else None
-            if alternating(memory.pending[:1], last_foot):
-                why = flags.WALK_WARNING_INSUFFICIENT_STEP_DATA
-            else:
+            if memory.inconsistent:
                 why = flags.WALK_ERROR_INCONSISTENT_STEPS
+            elif leaving:
+                why = flags.WALK_OKAY
+            else:
+                why = flags.WALK_WARNING_INSUFFICIENT_STEP_DATA
             return flags.WALK_SUBSTATE_CATCHING | why
         return flags.WALK_SUBSTATE_STEPPING

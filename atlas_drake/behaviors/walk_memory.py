@@ -13,6 +13,7 @@ from atlas_drake.control.dcm_plan import DcmPlan, DcmReference
 from atlas_drake.control.footstep import FootPose, Footstep
 from atlas_drake.control.support_polygon import SupportPolygon
 from atlas_drake.control.swing_foot import Swing
+from atlas_drake.messages import AtlasBehaviorWalkParams
 
 
 class Phase(Enum):
@@ -38,6 +39,8 @@ class WalkRules:
     """DCM error across the stance foot with which a foot may lift off [m]."""
     longest_wait: float = 0.25
     """Time that lift-off waits at most for that [s]."""
+    straight_knee: float = 0.25
+    """A leg whose knee is bent by less does not wait any longer [rad]."""
     frozen_end: float = 0.06
     """Last part of a swing in which the landing place stays put [s]."""
     rest_speed: float = 0.08
@@ -66,7 +69,8 @@ class WalkMemory:
         support: Where the CoP may lie.
         omega: Natural frequency used in the plan [1/s].
         next_index: Index of the next step to begin.
-        seen_queue: The queue that was last read, to notice a new one.
+        seen_params: What was last read of the messages, to notice a new one.
+        inconsistent: The walk ends because one foot was to step twice.
     """
 
     phase: Phase
@@ -84,12 +88,20 @@ class WalkMemory:
     support: SupportPolygon
     omega: float
     next_index: int
-    seen_queue: object
+    seen_params: AtlasBehaviorWalkParams
+    inconsistent: bool = False
 
     @property
     def swinging(self) -> bool:
         """Whether a foot is in the air."""
         return self.phase is Phase.SWING
+
+    @property
+    def waiting(self) -> bool:
+        """Whether both feet are down longer than planned, until the DCM is ready."""
+        return (
+            self.phase in (Phase.SHIFT, Phase.TRANSFER) and self.elapsed > self.duration
+        )
 
     @property
     def step(self) -> Footstep:
@@ -102,6 +114,11 @@ class WalkMemory:
         """The same step as it was sent."""
         assert self.commanded is not None
         return self.commanded
+
+    @property
+    def last_foot(self) -> int | None:
+        """The foot that steps now or has stepped last, if any."""
+        return None if self.current is None else self.current.foot
 
     @property
     def flight(self) -> Swing:

@@ -7,7 +7,7 @@ x to the toes, z along the sole's normal. No messages, no timing of a gait.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -20,6 +20,8 @@ from atlas_drake.control.rotations import (
 from atlas_drake.frozen import replace
 
 LEFT, RIGHT = 0, 1
+UP = np.array([0.0, 0.0, 1.0])
+"""Normal of level ground."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +52,9 @@ class Footstep:
         p_WF: Where the sole's centre lands in W [m], shape (3,).
         yaw: Heading of the toes on landing [rad].
         duration: From one touchdown to the next [s].
-        swing_height: Apex of the swing above the higher of its ends [m].
+        swing_height: Apex of the swing above the middle of its ends [m].
+        normal: Of the ground there, a unit vector in W, shape (3,).
+        relative: The height in ``p_WF`` counts from the stance foot, not in W.
     """
 
     index: int
@@ -59,13 +63,13 @@ class Footstep:
     yaw: float
     duration: float
     swing_height: float
+    normal: np.ndarray = field(default_factory=UP.copy)
+    relative: bool = False
 
     @property
     def pose(self) -> FootPose:
-        """The landing pose on level ground."""
-        return FootPose(
-            self.p_WF, rotation_with_normal(self.yaw, np.array([0.0, 0.0, 1.0]))
-        )
+        """The landing pose, once the height is one in W."""
+        return FootPose(self.p_WF, rotation_with_normal(self.yaw, self.normal))
 
 
 @dataclass(frozen=True)
@@ -86,6 +90,11 @@ class StepLimits:
     """[m]"""
     rise: float = 0.10
     """Largest step up or down [m]."""
+    meant_rise: float = 0.40
+    """A height in W farther than this from the stance foot is not meant for a foot:
+    whoever passes the pelvis' height, as on level ground one may, means none [m]."""
+    tilt: float = 0.30
+    """Steepest ground to step on [rad]."""
     toe_out: float = 0.5
     """[rad]"""
     toe_in: float = 0.25
@@ -105,10 +114,28 @@ def outward(foot: int) -> float:
     return 1.0 if foot == LEFT else -1.0
 
 
+def laid_out(step: Footstep, stance: FootPose, limits: StepLimits) -> Footstep:
+    """The step with its height in W.
+
+    A height that cannot be meant for a foot is ignored together with the normal: the
+    step is then level with the stance foot.
+    """
+    x, y, z = step.p_WF
+    ground = float(stance.p_WF[2])
+    if step.relative:
+        return replace(step, p_WF=np.array([x, y, ground + z]), relative=False)
+    if abs(z - ground) <= limits.meant_rise:
+        return step
+    return replace(step, p_WF=np.array([x, y, ground]), normal=UP)
+
+
 def saturate(step: Footstep, stance: FootPose, limits: StepLimits) -> Footstep:
     """The step nearest to ``step`` that the robot can take from ``stance``.
 
-    Also lays the step on the level of the stance foot within ``limits.rise``.
+    Args:
+        step: The wish, its height in W.
+        stance: The foot that stays on the ground.
+        limits: What the legs can do.
     """
     R_WS = rotation_z(stance.yaw)
     sign = outward(step.foot)
@@ -131,7 +158,35 @@ def saturate(step: Footstep, stance: FootPose, limits: StepLimits) -> Footstep:
         swing_height=_clip(
             step.swing_height, limits.min_swing_height, limits.max_swing_height
         ),
+        normal=_tilted_at_most(step.normal, limits.tilt),
     )
+
+
+def cleared(step: Footstep, start: FootPose, limits: StepLimits) -> Footstep:
+    """The step with a swing high enough for the difference in height that it climbs.
+
+    Args:
+        step: Saturated.
+        start: Where its foot lifts off.
+        limits: The lowest swing is that on level ground; it grows with the climb, so
+            that the foot also clears the higher end by more.
+    """
+    climb = abs(float(step.p_WF[2] - start.p_WF[2]))
+    lowest = min(limits.min_swing_height + climb, limits.max_swing_height)
+    if step.swing_height >= lowest:
+        return step
+    return replace(step, swing_height=lowest)
+
+
+def _tilted_at_most(normal: np.ndarray, tilt: float) -> np.ndarray:
+    """The unit vector nearest to ``normal`` within ``tilt`` [rad] of the vertical."""
+    across = math.hypot(normal[0], normal[1])
+    if math.atan2(across, normal[2]) <= tilt:
+        return normal
+    if across == 0.0:  # Straight down: no direction is nearer than another.
+        return UP
+    share = math.sin(tilt) / across
+    return np.array([normal[0] * share, normal[1] * share, math.cos(tilt)])
 
 
 def _clip(value: float, low: float, high: float) -> float:

@@ -24,7 +24,10 @@ class QpWeights:
     """Weights of the QP's cost, per squared unit of the task's acceleration."""
 
     com: float = 100.0
-    """Centre of mass, through the contact forces [1/(m/s²)²]."""
+    """Centre of mass, horizontal, through the contact forces [1/(m/s²)²]."""
+    com_height: float = 60.0
+    """Likewise upright: less, for where a knee is at its limit the robot shall rather
+    sink than lose its balance [1/(m/s²)²]."""
     pelvis_orientation: float = 2.0
     """[1/(rad/s²)²]."""
     chest_orientation: float = 0.2

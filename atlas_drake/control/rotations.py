@@ -25,6 +25,13 @@ def rotation_error(R_WD: np.ndarray, R_WB: np.ndarray) -> np.ndarray:
     return np.array([0.5 * (zy - yz), 0.5 * (xz - zx), 0.5 * (yx - xy)])
 
 
+def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """The vector product of two vectors of shape (3,)."""
+    ax, ay, az = a.tolist()
+    bx, by, bz = b.tolist()
+    return np.array([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
+
+
 def yaw_of(R: np.ndarray) -> float:
     """Heading of the x axis of a rotation matrix about the world's z [rad]."""
     return math.atan2(R[1, 0], R[0, 0])
@@ -36,10 +43,35 @@ def rotation_z(yaw: float) -> np.ndarray:
     return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
+def rotation_x(roll: float) -> np.ndarray:
+    """Rotation by ``roll`` [rad] about x, shape (3, 3)."""
+    c, s = math.cos(roll), math.sin(roll)
+    return np.array([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]])
+
+
 def rotation_y(pitch: float) -> np.ndarray:
     """Rotation by ``pitch`` [rad] about y, shape (3, 3)."""
     c, s = math.cos(pitch), math.sin(pitch)
     return np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
+
+
+def tilt_of(R: np.ndarray) -> np.ndarray:
+    """Roll and pitch of a roll-pitch-yaw decomposition [rad], shape (2,)."""
+    pitch = math.asin(min(max(-R[2, 0], -1.0), 1.0))
+    return np.array([math.atan2(R[2, 1], R[2, 2]), pitch])
+
+
+def orientation(yaw: float, tilt: np.ndarray) -> np.ndarray:
+    """Roll, then pitch, then yaw about W's axes; the inverse of the above.
+
+    Args:
+        yaw: [rad]
+        tilt: Roll and pitch [rad], shape (2,).
+    """
+    R = rotation_z(yaw)
+    if tilt[0] == 0.0 and tilt[1] == 0.0:
+        return R
+    return R @ rotation_y(tilt[1]) @ rotation_x(tilt[0])
 
 
 def rotation_with_normal(yaw: float, normal: np.ndarray) -> np.ndarray:
@@ -47,10 +79,10 @@ def rotation_with_normal(yaw: float, normal: np.ndarray) -> np.ndarray:
 
     Args:
         yaw: Heading of x about the world's z [rad].
-        normal: Unit vector in W, shape (3,), not horizontal along the heading.
+        normal: Unit vector in W, shape (3,), not horizontal.
     """
-    heading = np.array([math.cos(yaw), math.sin(yaw), 0.0])
-    x = heading - normal * (normal @ heading)
+    c, s = math.cos(yaw), math.sin(yaw)
+    x = np.array([c, s, -(c * normal[0] + s * normal[1]) / normal[2]])
     x /= math.sqrt(x @ x)
     y = np.array(
         [
@@ -60,6 +92,26 @@ def rotation_with_normal(yaw: float, normal: np.ndarray) -> np.ndarray:
         ]
     )
     return np.column_stack([x, y, normal])
+
+
+def rotation_vector(R: np.ndarray) -> np.ndarray:
+    """Axis times angle of a rotation by less than half a turn [rad], shape (3,)."""
+    sine_axis = rotation_error(R, np.eye(3))
+    sine = math.sqrt(sine_axis @ sine_axis)
+    if sine == 0.0:
+        return sine_axis
+    angle = math.atan2(sine, 0.5 * (R[0, 0] + R[1, 1] + R[2, 2] - 1.0))
+    return sine_axis * (angle / sine)
+
+
+def rotation_about(vector: np.ndarray) -> np.ndarray:
+    """Rotation about ``vector`` by its length [rad], shape (3, 3)."""
+    angle = math.sqrt(vector @ vector)
+    if angle == 0.0:
+        return np.eye(3)
+    x, y, z = (vector / angle).tolist()
+    K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.eye(3) + math.sin(angle) * K + (1.0 - math.cos(angle)) * (K @ K)
 
 
 def wrap_angle(angle: float) -> float:

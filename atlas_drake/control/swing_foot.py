@@ -14,8 +14,8 @@ import numpy as np
 
 from atlas_drake.control.footstep import FootPose, Footstep
 from atlas_drake.control.rotations import (
+    rotation_with_normal,
     rotation_y,
-    rotation_z,
     wrap_angle,
 )
 from atlas_drake.frozen import replace
@@ -30,7 +30,16 @@ class SwingProfile:
     late_descent: float = 0.15
     """Speed at which a foot that found no ground goes on down [m/s]."""
     toe_down: float = 1.6
-    """Pitch of the toes at the apex per metre of swing height [rad/m]."""
+    """Pitch of the toes at the apex per metre of swing height [rad/m]; climbing does
+    without it, lest the toes catch the edge."""
+    climb_share: float = 0.5
+    """Share of the swing in which a difference in height is overcome: the first one
+    upwards, the last one downwards, which keeps the sole off the edge [-]."""
+    edge_share: float = 0.25
+    """Share of the swing at that end in which the foot keeps still horizontally, when
+    there is an edge between the ends [-]."""
+    edge_height: float = 0.04
+    """Difference in height from which on an edge is one in full [m]."""
 
 
 @dataclass(frozen=True)
@@ -84,14 +93,18 @@ def advance_swing(
 ) -> tuple[Swing, SwingReference]:
     """Moves the swing on by ``dt`` [s] towards ``target``."""
     elapsed = swing.elapsed + dt
-    if elapsed < swing.duration:
-        xy, velocity, acceleration = _quintic_step(
+    begin, end = _horizontal_window(swing, target, profile)
+    if elapsed < begin:
+        xy, velocity, acceleration = swing.xy, np.zeros(2), np.zeros(2)
+    elif elapsed < end:
+        since = max(swing.elapsed, begin)
+        xy, velocity, acceleration = quintic_step(
             swing.xy,
             swing.xy_velocity,
             swing.xy_acceleration,
             target.p_WF[:2],
-            max(swing.remaining, 2.0 * dt),
-            dt,
+            max(end - since, 2.0 * dt),
+            elapsed - since,
         )
     else:
         xy, velocity, acceleration = swing.xy, np.zeros(2), np.zeros(2)
@@ -105,52 +118,110 @@ def advance_swing(
     return moved, _reference(moved, target, profile)
 
 
+def _horizontal_window(
+    swing: Swing, target: Footstep, profile: SwingProfile
+) -> tuple[float, float]:
+    """When the foot begins and ends to move horizontally, in time since lift-off [s].
+
+    Up an edge it rises first, down an edge it sinks last.
+    """
+    climb = float(target.p_WF[2] - swing.start.p_WF[2])
+    edge = min(abs(climb) / profile.edge_height, 1.0)
+    still = profile.edge_share * edge * swing.duration
+    if climb > 0.0:
+        return still, swing.duration
+    return 0.0, swing.duration - still
+
+
 def _reference(swing: Swing, target: Footstep, profile: SwingProfile) -> SwingReference:
     z, vz, az = _height(swing, target, profile)
-    s, ds, _ = _quintic_progress(swing.progress)
+    s, ds, _ = quintic_progress(swing.progress)
     rate = ds / swing.duration if swing.elapsed < swing.duration else 0.0
-    turn = wrap_angle(target.yaw - swing.start.yaw)
-    bump, bump_rate, _ = _bump(swing.progress)
-    toes = profile.toe_down * target.swing_height
-    yaw_now = swing.start.yaw + s * turn
-    pitch_rate = toes * bump_rate / swing.duration
+    tipped, tip_rate, _ = bump(swing.progress)
+    toes = _toe_pitch(swing, target, profile)
+    R, w = _sole_on_ground(swing.start, target, s, rate)
     return SwingReference(
         p_WF=np.array([swing.xy[0], swing.xy[1], z]),
         v_WF=np.array([swing.xy_velocity[0], swing.xy_velocity[1], vz]),
         a_WF=np.array([swing.xy_acceleration[0], swing.xy_acceleration[1], az]),
-        R_WF=rotation_z(yaw_now) @ rotation_y(toes * bump),
-        w_WF=np.array(
-            [
-                -math.sin(yaw_now) * pitch_rate,
-                math.cos(yaw_now) * pitch_rate,
-                turn * rate,
-            ]
-        ),
+        R_WF=R @ rotation_y(toes * tipped),
+        w_WF=w + R[:, 1] * (toes * tip_rate / swing.duration),
     )
+
+
+def _sole_on_ground(
+    start: FootPose, target: Footstep, s: float, rate: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Orientation between start and target, were the foot not lifted, and its rate.
+
+    Heading and normal go from one to the other with the progress ``s``, 0 to 1, which
+    grows at ``rate`` [1/s].
+    """
+    turn = wrap_angle(target.yaw - start.yaw)
+    yaw = start.yaw + s * turn
+    difference = target.normal - start.R_WF[:, 2]
+    along = start.R_WF[:, 2] + s * difference
+    length = math.sqrt(along @ along)
+    normal = along / length
+    tilting = rate / length * (difference - normal * (normal @ difference))
+    R = rotation_with_normal(yaw, normal)
+    # The turn about the normal follows from x staying above the heading: x goes along
+    # u = [cos, sin, slope], and only the part of u's rate along y turns it.
+    c, si, yaw_rate = math.cos(yaw), math.sin(yaw), turn * rate
+    n, t = normal, tilting
+    slope = -(c * n[0] + si * n[1]) / n[2]
+    slope_rate = (
+        yaw_rate * (si * n[0] - c * n[1]) - (c * t[0] + si * t[1]) - slope * t[2]
+    ) / n[2]
+    u_rate = np.array([-si * yaw_rate, c * yaw_rate, slope_rate])
+    spin = float(u_rate @ R[:, 1]) / math.sqrt(1.0 + slope * slope)
+    w = np.array(
+        [
+            n[1] * t[2] - n[2] * t[1] + spin * n[0],
+            n[2] * t[0] - n[0] * t[2] + spin * n[1],
+            n[0] * t[1] - n[1] * t[0] + spin * n[2],
+        ]
+    )
+    return R, w
+
+
+def _toe_pitch(swing: Swing, target: Footstep, profile: SwingProfile) -> float:
+    """Pitch of the toes at the apex [rad]; none for a climb as high as the swing."""
+    climb = max(float(target.p_WF[2] - swing.start.p_WF[2]), 0.0)
+    return profile.toe_down * max(target.swing_height - climb, 0.0)
 
 
 def _height(
     swing: Swing, target: Footstep, profile: SwingProfile
 ) -> tuple[float, float, float]:
-    """Height of the sole, its rate and acceleration: a bump on a smooth ramp."""
+    """Height of the sole, its rate and acceleration: a bump on smooth ramps.
+
+    One ramp is the climb from the ground here to the ground there, the other one
+    presses the foot into that ground.
+    """
     T = swing.duration
-    z0, z1 = swing.start.p_WF[2], target.p_WF[2] - profile.press_depth
+    z0 = float(swing.start.p_WF[2])
+    climb, press = float(target.p_WF[2]) - z0, -profile.press_depth
     if swing.elapsed >= T:
         late = swing.elapsed - T
+        z1 = z0 + climb + press
         return z1 - profile.late_descent * late, -profile.late_descent, 0.0
-    s, ds, dds = _quintic_progress(swing.progress)
-    b, db, ddb = _bump(swing.progress)
-    # The bump counts from the straight line between the ends; raise it so that the
-    # apex clears the higher end by the full swing height.
-    height = target.swing_height + 0.5 * abs(z1 - z0)
+    share = profile.climb_share
+    begin = 0.0 if climb > 0.0 else 1.0 - share
+    r, dr, ddr = quintic_progress(min(max((swing.progress - begin) / share, 0.0), 1.0))
+    s, ds, dds = quintic_progress(swing.progress)
+    b, db, ddb = bump(swing.progress)
+    # Midway, where the bump is highest, the foot has climbed to the higher end and is
+    # pressed down by half the depth.
+    height = target.swing_height - 0.5 * abs(climb) - 0.5 * press
     return (
-        z0 + (z1 - z0) * s + height * b,
-        ((z1 - z0) * ds + height * db) / T,
-        ((z1 - z0) * dds + height * ddb) / (T * T),
+        z0 + climb * r + press * s + height * b,
+        (climb * dr / share + press * ds + height * db) / T,
+        (climb * ddr / share**2 + press * dds + height * ddb) / (T * T),
     )
 
 
-def _bump(s: float) -> tuple[float, float, float]:
+def bump(s: float) -> tuple[float, float, float]:
     """64 s³(1-s)³ with its first and second derivative: 0 at both ends, 1 midway."""
     r = 1.0 - s
     p = s * r
@@ -161,7 +232,7 @@ def _bump(s: float) -> tuple[float, float, float]:
     )
 
 
-def _quintic_progress(s: float) -> tuple[float, float, float]:
+def quintic_progress(s: float) -> tuple[float, float, float]:
     """10s³ - 15s⁴ + 6s⁵ with its first and second derivative."""
     r = 1.0 - s
     return (
@@ -171,7 +242,7 @@ def _quintic_progress(s: float) -> tuple[float, float, float]:
     )
 
 
-def _quintic_step(
+def quintic_step(
     p: np.ndarray,
     v: np.ndarray,
     a: np.ndarray,

@@ -7,8 +7,17 @@ in the gains, how they are met in the QP.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from enum import Enum
 
 import numpy as np
+
+
+class Pressure(Enum):
+    """Part of a sole that its centre of pressure is kept to."""
+
+    SOLE = "all of it but a margin"
+    MIDDLE = "its middle: a foot that stands on an edge is turned flat"
+    TOES = "its front edge, while the heel is up"
 
 
 @dataclass(frozen=True)
@@ -21,11 +30,13 @@ class FootCommand:
         max_normal_force: Largest normal force the ground may be asked for [N]; 0
             for a foot in the air.
         min_normal_force: Smallest normal force [N].
+        pressure: Where on the sole the ground may push.
     """
 
     acceleration: np.ndarray
     max_normal_force: float
     min_normal_force: float = 0.0
+    pressure: Pressure = Pressure.SOLE
 
     @property
     def in_contact(self) -> bool:
@@ -70,9 +81,12 @@ class EffortBounds:
         user_held: Joints whose effort the user decides alone, bool, shape (n,).
         added_inertia: By how much the bounds fall per acceleration of the joint,
             because the user's law resists it [kg·m²], shape (n,); None for nowhere.
+        authority: The behaviour's share of each joint, 0 to 1, shape (n,); None for 1
+            everywhere.
     """
 
     lower: np.ndarray
     upper: np.ndarray
     user_held: np.ndarray
     added_inertia: np.ndarray | None = None
+    authority: np.ndarray | None = None

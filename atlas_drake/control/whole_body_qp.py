@@ -23,12 +23,23 @@ from atlas_drake.control.quadratic_program import (
     QuadraticProgram,
     solve,
 )
-from atlas_drake.control.whole_body_command import EffortBounds, WholeBodyCommand
+from atlas_drake.control.toe_off import TOES
+from atlas_drake.control.whole_body_command import (
+    EffortBounds,
+    Pressure,
+    WholeBodyCommand,
+)
 from atlas_drake.control.whole_body_model import GRAVITY, WholeBodyTerms
+from atlas_drake.frozen import replace
 from atlas_drake.robot import Robot
 
 _BASE = 6
 _WRENCH = 6
+MIDDLE = 0.01
+"""Half the size of what counts as the middle of a sole [m]."""
+USER_JOINT_WEIGHT = 1e-5
+"""Least weight of a posture: keeps the QP well posed, far below any task
+[1/(rad/s²)²]."""
 _HUGE = 1e30
 """What the solver takes for infinity."""
 
@@ -62,10 +73,11 @@ class WholeBodyQp:
         self._robot = robot
         self._gains = gains
         self._num_joints = robot.num_joints
-        self._cone = _wrench_cone(robot, gains)
+        self._cones = {kind: _wrench_cone(robot, gains, kind) for kind in Pressure}
         weights = gains.weights
         # Constant parts of the program for zero, one and two feet in contact.
-        self._layouts = [_Layout(robot, gains, self._cone, k) for k in range(3)]
+        size = len(self._cones[Pressure.SOLE])
+        self._layouts = [_Layout(robot, gains, size, k) for k in range(3)]
         self._task_weights = {
             (left, right, balance): _task_weight(weights, left, right, balance)
             for left in (False, True)
@@ -89,6 +101,7 @@ class WholeBodyQp:
         size = layout.size
         rows = self._rows_on_unknowns(terms, contacts, size)
         T, t = rows[:n, :size], rows[:n, size]
+        command = _within_authority(command, terms, bounds)
         H, f = self._cost(command, layout, rows[n:, :size], rows[n:, size])
         problem = self._constrain(terms, command, bounds, contacts, layout, H, f, T, t)
         answer = solve(problem)
@@ -189,24 +202,23 @@ class WholeBodyQp:
         A = layout.rows.copy()
         lower, upper = layout.lower.copy(), layout.upper.copy()
         kind = layout.kind.copy()
-        # Accelerations that bring a joint to rest at its limits; what the user's
-        # joints do is not the behaviour's to bound.
+        # Accelerations that bring a joint to rest at its limits. A joint that the user
+        # has a share of is not the behaviour's to bound: it would throw the whole body
+        # about to hold one that the user drives into its stop.
         limits = self._gains.joint_limits
         approach = limits.kp * terms.q + limits.kd * terms.v
-        free = bounds.user_held
         np.subtract(self._low, approach, out=lower[:n])
         np.subtract(self._high, approach, out=upper[:n])
-        any_free = bool(free.any())
-        if any_free:
-            lower[:n][free] = -_HUGE
-            upper[:n][free] = _HUGE
+        if bounds.authority is not None:
+            shared = bounds.authority < 1.0
+            lower[:n][shared] = -_HUGE
+            upper[:n][shared] = _HUGE
 
         size = layout.size
         A[:n] = T
         lower[size : size + n] = bounds.lower - t
         upper[size : size + n] = bounds.upper - t
-        if any_free:
-            kind[size : size + n][free] = EQUALITY
+        kind[size : size + n][bounds.user_held] = EQUALITY
         if bounds.added_inertia is not None:
             A.reshape(-1)[: n * size : size + 1] += bounds.added_inertia
         for k, i in enumerate(contacts):
@@ -215,7 +227,8 @@ class WholeBodyQp:
             cone_rows = layout.cone_rows(k)
             cone_bounds = slice(size + cone_rows.start, size + cone_rows.stop)
             # Moment and force turn alike: six columns as two rows of three.
-            turned = self._cone.reshape(-1, 3) @ R_FW
+            cone = self._cones[command.feet[i].pressure]
+            turned = cone.reshape(-1, 3) @ R_FW
             A[cone_rows, start : start + _WRENCH] = turned.reshape(-1, _WRENCH)
             last = cone_bounds.stop - 1
             lower[last] = command.feet[i].min_normal_force
@@ -244,11 +257,11 @@ class WholeBodyQp:
 class _Layout:
     """What is the same every tick for a number of feet in contact."""
 
-    def __init__(self, robot: Robot, gains: ControlGains, cone: np.ndarray, feet: int):
+    def __init__(self, robot: Robot, gains: ControlGains, cone_size: int, feet: int):
         n = robot.num_joints
         self.size = n + _WRENCH * feet
         self._first_cone_row = n
-        self._cone_size = len(cone)
+        self._cone_size = cone_size
         rows = n + feet * self._cone_size
         self.rows = np.zeros((rows, self.size))
         self.lower = np.full(self.size + rows, -_HUGE)
@@ -265,13 +278,39 @@ class _Layout:
             self.regularization[start : start + 3] = weights.contact_moment
             self.regularization[start + 3 : start + 6] = weights.contact_force
             com[:, start + 3 : start + 6] = np.eye(3) / robot.mass
-        self.com_gradient = weights.com * com.T
+        self.com_gradient = com.T * [weights.com, weights.com, weights.com_height]
         self.com_hessian = self.com_gradient @ com
 
     def cone_rows(self, k: int) -> slice:
         """Rows of the k-th foot in contact."""
         start = self._first_cone_row + k * self._cone_size
         return slice(start, start + self._cone_size)
+
+
+def _within_authority(
+    command: WholeBodyCommand, terms: WholeBodyTerms, bounds: EffortBounds
+) -> WholeBodyCommand:
+    """The posture as far as it is the behaviour's to ask for.
+
+    How a joint moves that the user has is the user's business. A posture asked of it,
+    or of a shared joint beyond what the behaviour's share can do, would make the QP
+    steer it by moving its neighbours. So the weight fades with the behaviour's share,
+    and the acceleration asked for is one that the total effort can give to the joint.
+    """
+    if bounds.authority is None or bounds.added_inertia is None:
+        return command
+    inertia = terms.M.diagonal()[_BASE:] + bounds.added_inertia
+    gravity = terms.h[_BASE:]
+    lowest, highest = bounds.lower - gravity, bounds.upper - gravity
+    wanted = np.minimum(
+        np.maximum(command.joint_acceleration, lowest / inertia), highest / inertia
+    )
+    weight = command.joint_weight * bounds.authority**2
+    return replace(
+        command,
+        joint_acceleration=wanted,
+        joint_weight=np.maximum(weight, USER_JOINT_WEIGHT),
+    )
 
 
 def _solve_base(M: np.ndarray, right: np.ndarray) -> np.ndarray:
@@ -317,16 +356,18 @@ def _task_weight(
     return np.array(foot[left] + foot[right] + [float(balance) * w for w in trunk])
 
 
-def _wrench_cone(robot: Robot, gains: ControlGains) -> np.ndarray:
+def _wrench_cone(robot: Robot, gains: ControlGains, pressure: Pressure) -> np.ndarray:
     """Rows C with C·[moment; force] ≤ 0 in the sole's frame; last row: normal force.
 
     Friction as a pyramid inside the cone, the centre of pressure inside the sole
-    less its margins, and the yaw moment by a lever of friction.
+    less its margins or a part of it, and the yaw moment by a lever of friction.
     """
     contact, sole = gains.contact, robot.file.sole
     friction = contact.friction / np.sqrt(2.0)
     x = sole.length / 2 - contact.length_margin
     y = sole.width / 2 - contact.width_margin
+    if pressure is Pressure.MIDDLE:
+        x = y = MIDDLE
     yaw = contact.friction * contact.yaw_moment_arm
     rows = []
     for index, bound in ((3, friction), (4, friction), (0, y), (1, x), (2, yaw)):
@@ -335,6 +376,12 @@ def _wrench_cone(robot: Robot, gains: ControlGains) -> np.ndarray:
             row[index] = sign
             row[5] = -bound
             rows.append(row)
+    if pressure is Pressure.TOES:
+        # A moment about y that is no more than -x·f puts the pressure beyond x.
+        ahead = next(row for row in rows if row[1] > 0.0)
+        ahead[5] = sole.length / 2 - TOES
+        behind = next(row for row in rows if row[1] < 0.0)
+        behind[5] = -sole.length / 2
     normal = np.zeros(_WRENCH)
     normal[5] = 1.0
     return np.array([*rows, normal])

@@ -20,7 +20,12 @@ from atlas_drake.messages.geometry import Header, Pose, Vector3
 
 @dataclass(slots=True, eq=False)
 class AtlasPositionData(Message):
-    """Where the pelvis is [m] and how it moves [m/s], in the world frame."""
+    """Where the pelvis is and how it moves, in the world frame.
+
+    Attributes:
+        position: [m]
+        velocity: [m/s]
+    """
 
     position: Vector3 = field(default_factory=Vector3)
     velocity: Vector3 = field(default_factory=Vector3)

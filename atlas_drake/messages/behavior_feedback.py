@@ -11,6 +11,7 @@ from atlas_drake.messages.behavior import Behavior
 from atlas_drake.messages.behavior_params import (
     AtlasBehaviorPelvisServoParams,
     AtlasBehaviorStepData,
+    AtlasBehaviorStepSpec,
     empty_step_queue,
 )
 
@@ -19,34 +20,53 @@ class BehaviorStatus(IntFlag):
     """Bits of ``AtlasBehaviorFeedback.status_flags``."""
 
     OK = 0
+    """Nothing to report."""
     TRANSITION_IN_PROGRESS = 1
+    """The behavior that is left comes to an end in good order first."""
     TRANSITION_SUCCESS = 2
+    """The behavior asked for is active."""
     FAILED_TRANS_UNKNOWN_BEHAVIOR = 4
+    """There is no such behavior."""
     FAILED_TRANS_ILLEGAL_BEHAVIOR = 8
+    """It may not follow the active one."""
     FAILED_TRANS_COM_POS = 16
+    """The centre of mass is not over the feet."""
     FAILED_TRANS_COM_VEL = 32
+    """The centre of mass moves too fast."""
     FAILED_TRANS_VEL = 64
+    """A joint moves too fast."""
     WARNING_AUTO_TRANS = 128
+    """The behavior ended by itself, and STAND followed."""
     ERROR_FALLING = 256
+    """The robot falls or lies on the ground; its motors are limp."""
 
 
 class WalkStatus(IntFlag):
     """Bits of ``AtlasBehaviorWalkFeedback.status_flags``."""
 
     OKAY = 0
+    """Nothing to report."""
     SUBSTATE_SWAYING = 1
+    """The weight moves over the first stance foot."""
     SUBSTATE_STEPPING = 2
+    """Steps are taken."""
     SUBSTATE_CATCHING = 4
+    """The last step is taken, and the robot comes to rest."""
     WARNING_INSUFFICIENT_STEP_DATA = 8
+    """There was no next step in time: the walk ends."""
     ERROR_INCONSISTENT_STEPS = 16
+    """The next step was for the same foot again: the walk ends."""
 
 
 class StepStatus(IntFlag):
     """Bits of ``AtlasBehaviorStepFeedback.status_flags``."""
 
     OKAY = 0
+    """Nothing to report."""
     SUBSTATE_SWAYING = 1
+    """The weight moves over the foot that stays, or back."""
     SUBSTATE_STEPPING = 2
+    """A foot is in the air."""
 
 
 @dataclass(slots=True, eq=False)
@@ -77,7 +97,11 @@ class AtlasBehaviorFeedback(Message):
 
 @dataclass(slots=True, eq=False)
 class AtlasBehaviorStandFeedback(Message):
-    """How STAND goes: it has no flags of its own; ``status_flags`` is 0."""
+    """How STAND goes.
+
+    Attributes:
+        status_flags: 0, as STAND has no flags of its own.
+    """
 
     status_flags: int = 0
 
@@ -115,11 +139,15 @@ class AtlasBehaviorStepFeedback(Message):
     """How STEP goes.
 
     Attributes:
-        t_step_rem: Time until the step is done [s].
-        current_step_index: Number of the step being taken; 0 before the first.
+        t_step_rem: Time until the next step is needed, as planned [s]; 0 while the
+            behavior waits for it.
+        current_step_index: Number of the step being taken or taken last; 0 before the
+            first.
         next_step_index_needed: Index that the next desired step should have.
-        status_flags: ``STEP_...`` bits.
-        desired_step_saturated: The step as it will really be taken.
+        status_flags: ``STEP_...`` bits; exactly one substate while STEP is active:
+            SWAYING with both feet on the ground, STEPPING with one in the air.
+        desired_step_saturated: The step as it is really taken.
+        desired_step_spec_saturated: Likewise, with everything that it is taken with.
     """
 
     STEP_OKAY = StepStatus.OKAY
@@ -133,6 +161,9 @@ class AtlasBehaviorStepFeedback(Message):
     desired_step_saturated: AtlasBehaviorStepData = field(
         default_factory=AtlasBehaviorStepData
     )
+    desired_step_spec_saturated: AtlasBehaviorStepSpec = field(
+        default_factory=AtlasBehaviorStepSpec
+    )
 
 
 @dataclass(slots=True, eq=False)
@@ -142,9 +173,17 @@ class AtlasBehaviorManipulateFeedback(Message):
     Attributes:
         status_flags: It has no flags of its own: 0.
         clamped: The pelvis pose that is really pursued.
+        internal_desired: The reference at this moment, on its way there.
+        internal_sensed: The pose that the robot is in.
     """
 
     status_flags: int = 0
     clamped: AtlasBehaviorPelvisServoParams = field(
+        default_factory=AtlasBehaviorPelvisServoParams
+    )
+    internal_desired: AtlasBehaviorPelvisServoParams = field(
+        default_factory=AtlasBehaviorPelvisServoParams
+    )
+    internal_sensed: AtlasBehaviorPelvisServoParams = field(
         default_factory=AtlasBehaviorPelvisServoParams
     )

@@ -9,13 +9,23 @@ from atlas_drake.errors import ErrorCode, InvalidMessageError
 from atlas_drake.messages.behavior_params import (
     NO_STEP,
     NUM_REQUIRED_WALK_STEPS,
+    AtlasBehaviorFootData,
     AtlasBehaviorManipulateParams,
     AtlasBehaviorPelvisServoParams,
+    AtlasBehaviorStepAction,
     AtlasBehaviorStepData,
     AtlasBehaviorStepParams,
+    AtlasBehaviorStepSpec,
     AtlasBehaviorWalkParams,
+    ToeOff,
 )
-from atlas_drake.messages.checks import check_flag, check_kind, check_number, is_whole
+from atlas_drake.messages.checks import (
+    MAX_INDEX,
+    check_flag,
+    check_kind,
+    check_number,
+    is_whole,
+)
 from atlas_drake.messages.geometry import Pose, Quaternion, Vector3
 
 FEET = {0: "left", 1: "right"}
@@ -23,6 +33,20 @@ FEET = {0: "left", 1: "right"}
 
 MIN_QUATERNION_NORM = 1e-6
 """Below this norm a quaternion's direction is rounding noise."""
+
+MIN_NORMAL_LENGTH = 1e-6
+"""Likewise of a ground normal."""
+
+_ACTION_FIELDS = (
+    "step_duration",
+    "sway_duration",
+    "swing_height",
+    "lift_height",
+    "knee_nominal",
+    "sway_end_dist",
+    "step_end_dist",
+)
+_ACTION_BOUNDS = ("max_body_accel", "max_foot_vel")
 
 _PELVIS_FIELDS = (
     "pelvis_height",
@@ -72,15 +96,17 @@ def check_walk_params(params: AtlasBehaviorWalkParams) -> None:
 
 
 def check_step_params(params: AtlasBehaviorStepParams) -> None:
-    """Check the step of STEP.
+    """Check the step of STEP in both its forms, whichever is to be read.
 
     Raises:
         InvalidMessageError: If anything in it cannot be applied; it names the field.
     """
     check_kind(params, AtlasBehaviorStepParams, "step_params")
+    check_flag(params.use_spec, "step_params.use_spec")
     check_flag(params.use_demo_walk, "step_params.use_demo_walk")
     check_flag(params.use_relative_step_height, "step_params.use_relative_step_height")
     _check_step(params.desired_step, "step_params.desired_step")
+    _check_spec(params.desired_step_spec, "step_params.desired_step_spec")
 
 
 def check_manipulate_params(params: AtlasBehaviorManipulateParams) -> None:
@@ -91,6 +117,7 @@ def check_manipulate_params(params: AtlasBehaviorManipulateParams) -> None:
     """
     check_kind(params, AtlasBehaviorManipulateParams, "manipulate_params")
     check_flag(params.use_desired, "manipulate_params.use_desired")
+    check_flag(params.use_demo_mode, "manipulate_params.use_demo_mode")
     field = "manipulate_params.desired"
     check_kind(params.desired, AtlasBehaviorPelvisServoParams, field)
     for name in _PELVIS_FIELDS:
@@ -100,9 +127,29 @@ def check_manipulate_params(params: AtlasBehaviorManipulateParams) -> None:
 def _check_step(step: AtlasBehaviorStepData, field: str) -> int:
     """Check a step and return its index; of an empty one nothing else is read."""
     check_kind(step, AtlasBehaviorStepData, field)
-    if not is_whole(step.step_index) or (
-        step.step_index < 1 and step.step_index != NO_STEP
-    ):
+    if _check_indices(step, field) == NO_STEP:
+        return NO_STEP
+    check_number(step.duration, f"{field}.duration", 0.0, strictly=True)
+    check_number(step.swing_height, f"{field}.swing_height", 0.0)
+    _check_pose(step.pose, f"{field}.pose")
+    return int(step.step_index)
+
+
+def _check_spec(spec: AtlasBehaviorStepSpec, field: str) -> None:
+    """Check a step in full; of an empty one nothing but the index is read."""
+    check_kind(spec, AtlasBehaviorStepSpec, field)
+    if _check_indices(spec, field) == NO_STEP:
+        return
+    _check_foot(spec.foot, f"{field}.foot")
+    _check_action(spec.action, f"{field}.action")
+
+
+def _check_indices(
+    step: AtlasBehaviorStepData | AtlasBehaviorStepSpec, field: str
+) -> int:
+    """Check and return the step's index; the foot's matters only if it is a step."""
+    index = step.step_index
+    if not is_whole(index) or not (1 <= index <= MAX_INDEX or index == NO_STEP):
         raise InvalidMessageError(
             f"{field}.step_index",
             step.step_index,
@@ -120,10 +167,41 @@ def _check_step(step: AtlasBehaviorStepData, field: str) -> int:
             f"must be {choice}, is {step.foot_index!r}",
             ErrorCode.INVALID_INDEX,
         )
-    check_number(step.duration, f"{field}.duration", 0.0, strictly=True)
-    check_number(step.swing_height, f"{field}.swing_height", 0.0)
-    _check_pose(step.pose, f"{field}.pose")
     return int(step.step_index)
+
+
+def _check_foot(foot: AtlasBehaviorFootData, field: str) -> None:
+    check_kind(foot, AtlasBehaviorFootData, field)
+    check_number(foot.yaw, f"{field}.yaw")
+    for name in ("position", "normal"):
+        vector = getattr(foot, name)
+        check_kind(vector, Vector3, f"{field}.{name}")
+        for axis in "xyz":
+            check_number(getattr(vector, axis), f"{field}.{name}.{axis}")
+    normal = foot.normal
+    if math.hypot(normal.x, normal.y, normal.z) < MIN_NORMAL_LENGTH:
+        raise InvalidMessageError(
+            f"{field}.normal",
+            normal,
+            "must not be zero; x = y = 0, z = 1 is level ground",
+        )
+
+
+def _check_action(action: AtlasBehaviorStepAction, field: str) -> None:
+    """Check that all is finite; what a threshold rules out is ignored, not refused."""
+    check_kind(action, AtlasBehaviorStepAction, field)
+    for name in _ACTION_FIELDS:
+        check_number(getattr(action, name), f"{field}.{name}")
+    for name in _ACTION_BOUNDS:
+        check_number(getattr(action, name), f"{field}.{name}", 0.0)
+    known = {int(setting) for setting in ToeOff}
+    if not is_whole(action.toe_off) or action.toe_off not in known:
+        choice = ", ".join(f"{member.value} ({member.name})" for member in ToeOff)
+        raise InvalidMessageError(
+            f"{field}.toe_off",
+            action.toe_off,
+            f"must be one of {choice}, is {action.toe_off!r}",
+        )
 
 
 def _check_pose(pose: Pose, field: str) -> None:

@@ -57,6 +57,10 @@ def check_number(
     return number
 
 
+MAX_INDEX = 2**31 - 1
+"""Largest number of a step: the original counts steps in 32 bits."""
+
+
 def is_whole(value: object) -> TypeGuard[int]:
     """Tell whether a value is a whole number by its type; truth values are not."""
     return not isinstance(value, bool) and isinstance(value, Integral)

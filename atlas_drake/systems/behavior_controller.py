@@ -95,7 +95,7 @@ class BehaviorController(LeafSystem):
         self._model = WholeBodyModel(robot)
         self._qp = WholeBodyQp(robot, gains)
         height = nominal_com_height(self._model) - gains.com_drop
-        self._supervisor = Supervisor(robot, gains, height)
+        self._supervisor = Supervisor(self._model, gains, height)
         self.tick_seconds: list[float] | None = None
         """Wall-clock time of each tick, kept only when set to a list: a measurement of
         the machine, no part of the Context."""

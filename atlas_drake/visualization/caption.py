@@ -21,6 +21,7 @@ from atlas_drake.messages import (
     AtlasSimInterfaceState,
     Behavior,
     BehaviorStatus,
+    StepStatus,
     WalkStatus,
 )
 from atlas_drake.visualization.marks import Marks
@@ -61,6 +62,10 @@ def caption_of(report: AtlasSimInterfaceState) -> tuple[str, str]:
         walk = report.walk_feedback
         if walk.status_flags & WalkStatus.SUBSTATE_STEPPING:
             title = f"{title} - step {max(walk.current_step_index, 1)}"
+    elif behavior is Behavior.STEP:
+        step = report.step_feedback
+        if step.status_flags & StepStatus.SUBSTATE_STEPPING:
+            title = f"{title} - step {step.current_step_index}"
     return title, note
 
 

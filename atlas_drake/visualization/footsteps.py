@@ -1,6 +1,6 @@
 """The footsteps on the ground: as commanded, as they will be taken, as they landed.
 
-All poses are those of the sole frame. Height is not drawn: the ground is level.
+All poses are those of the sole frame, drawn level at the height of the ground there.
 """
 
 from __future__ import annotations
@@ -37,6 +37,8 @@ KEPT = 40
 """How many landed steps stay in view."""
 VISIBLE_SHIFT, VISIBLE_TURN = 0.01, 0.03
 """A step moved by less [m] or turned by less [rad] is shown as commanded."""
+HEIGHT_GRID = 0.002
+"""Heights are rounded to it, so that a stance foot's play is no new mark [m]."""
 LINE_WIDTH = 0.008
 """Of the outlines [m]."""
 CORNER_POINTS = 7
@@ -55,13 +57,14 @@ class Kind(Enum):
 
 @dataclass(frozen=True)
 class FootstepMark:
-    """One sole on the ground; position in W [m], heading [rad]."""
+    """One sole on the ground; position in W [m], heading [rad], height in W [m]."""
 
     kind: Kind
     foot: int
     x: float
     y: float
     yaw: float
+    z: float = 0.0
 
 
 def footstep_marks(
@@ -78,21 +81,40 @@ def footstep_marks(
     for event in [e for e in events if e.kind == "footstep"][-KEPT:]:
         foot = event.data["foot"]
         commanded, saturated = event.data["commanded"], event.data["saturated"]
-        marks.append(_mark(Kind.LANDED, foot, event.data["landed"]))
-        marks.append(_mark(Kind.COMMANDED, foot, commanded))
+        z = event.data["landed_height"]
+        marks.append(_mark(Kind.LANDED, foot, event.data["landed"], z))
+        marks.append(_mark(Kind.COMMANDED, foot, commanded, z))
         if _differ(commanded, saturated):
-            marks.append(_mark(Kind.SATURATED, foot, saturated))
+            marks.append(_mark(Kind.SATURATED, foot, saturated, z))
+    if report.current_behavior == Behavior.STEP:
+        step = report.step_feedback
+        if step.t_step_rem > 0.0:
+            taken = _poses([step.desired_step_saturated])
+            marks += [
+                _mark(
+                    Kind.COMMANDED,
+                    foot,
+                    pose,
+                    step.desired_step_saturated.pose.position.z,
+                )
+                for foot, pose in taken.values()
+            ]
+        return marks
     if report.current_behavior != Behavior.WALK:
         return marks
     first = max(report.walk_feedback.current_step_index, 1)
+    queue = report.walk_feedback.step_queue_saturated
+    taken = _poses(queue)
+    # What a commanded height means is known from how the step will be taken.
+    heights = {data.step_index: data.pose.position.z for data in queue}
     coming = {}
     params = request.command.walk_params
     if request.behavior is Behavior.WALK and not params.use_demo_walk:
         for index, (foot, pose) in _poses(params.step_queue).items():
             if index >= first:
                 coming[index] = pose
-                marks.append(_mark(Kind.COMMANDED, foot, pose))
-    taken = _poses(report.walk_feedback.step_queue_saturated)
+                z = heights.get(index, 0.0)
+                marks.append(_mark(Kind.COMMANDED, foot, pose, z))
     for index, (foot, pose) in taken.items():
         # Steps of an earlier message are known from the report alone.
         known = index in coming
@@ -101,7 +123,8 @@ def footstep_marks(
         # Balance moves a step a little all the time; not every move is a new mark.
         grid = (VISIBLE_SHIFT, VISIBLE_SHIFT, VISIBLE_TURN)
         rounded = [g * round(value / g) for value, g in zip(pose, grid, strict=True)]
-        marks.append(_mark(Kind.SATURATED if known else Kind.COMMANDED, foot, rounded))
+        kind = Kind.SATURATED if known else Kind.COMMANDED
+        marks.append(_mark(kind, foot, rounded, heights[index]))
     return marks
 
 
@@ -113,10 +136,11 @@ def _poses(
     return {s.index: (s.foot, [*map(float, s.p_WF[:2]), s.yaw]) for s in steps}
 
 
-def _mark(kind: Kind, foot: int, pose: Sequence[float]) -> FootstepMark:
+def _mark(kind: Kind, foot: int, pose: Sequence[float], z: float) -> FootstepMark:
     # Rounded, so that a step looks the same before and after it is taken.
     x, y, yaw = (round(float(value), 4) for value in pose)
-    return FootstepMark(kind, foot, x, y, yaw)
+    height = round(HEIGHT_GRID * round(z / HEIGHT_GRID), 4)
+    return FootstepMark(kind, foot, x, y, yaw, height)
 
 
 def _differ(a: Sequence[float], b: Sequence[float]) -> bool:
@@ -194,5 +218,5 @@ class FootstepDisplay(LeafSystem):
             ends = np.roll(outline, -1, axis=1)[:, every]
             draw_flat(self._meshcat, path, *ribbons(starts, ends, LINE_WIDTH), color)
         R_WF = RotationMatrix.MakeZRotation(mark.yaw)
-        p_WF: Any = np.array([mark.x, mark.y, mark.kind.value])
+        p_WF: Any = np.array([mark.x, mark.y, mark.z + mark.kind.value])
         self._meshcat.SetTransform(path, RigidTransform(R_WF, p_WF))

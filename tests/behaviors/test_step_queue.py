@@ -7,7 +7,6 @@ import pytest
 
 from atlas_drake.behaviors.step_queue import (
     NO_STEP,
-    alternating,
     footstep_from,
     merge,
     next_runs,
@@ -118,18 +117,9 @@ def test_next_runs_stops_at_a_gap():
     assert next_runs((), 1) == ()
 
 
-@pytest.mark.parametrize(
-    ("feet", "last", "expected"),
-    [
-        ([], None, True),
-        ([LEFT, RIGHT, LEFT], None, True),
-        ([LEFT, RIGHT, LEFT], RIGHT, True),
-        ([LEFT, RIGHT, LEFT], LEFT, False),
-        ([LEFT, LEFT], None, False),
-        ([LEFT, RIGHT, RIGHT], None, False),
-        ([RIGHT], RIGHT, False),
-    ],
-)
-def test_alternating(feet, last, expected):
-    steps = tuple(step(number, foot) for number, foot in enumerate(feet, 1))
-    assert alternating(steps, last) is expected
+def test_a_tilted_step_goes_to_a_message_and_back():
+    normal = np.array([0.1, -0.15, 1.0]) / np.linalg.norm([0.1, -0.15, 1.0])
+    tilted = Footstep(2, RIGHT, np.array([0.4, -0.1, 0.1]), 0.8, 1.0, 0.1, normal)
+    again = footstep_from(step_data_from(tilted))
+    np.testing.assert_allclose(again.normal, normal, atol=1e-12)
+    assert again.yaw == pytest.approx(0.8)

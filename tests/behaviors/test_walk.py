@@ -57,6 +57,10 @@ def flags(report):
     return report.walk_feedback.status_flags
 
 
+def catching(report):
+    return bool(flags(report) & WalkStatus.SUBSTATE_CATCHING)
+
+
 def assert_upright(recording):
     assert not recording.sim.has_fallen
     assert recording.sim.summary()["max_pelvis_tilt_rad"] < 0.2
@@ -174,6 +178,65 @@ def test_the_same_foot_twice_is_an_error_and_ends_in_stand(record, walk_message)
     assert last & SUBSTATES == WalkStatus.SUBSTATE_CATCHING
 
 
+def test_a_gap_in_the_queue_is_missing_data_and_no_inconsistency(record, walk_message):
+    recording = record()
+    # Step 3 would be the right foot's; by their feet 2 and 4 are in order.
+    recording.sim.publish(walk_message((2, 0, 0.1, 0.14), (4, 0, 0.3, 0.14)))
+    recording.advance(LONGEST, in_stand)
+    assert [step["index"] for step in recording.sim.footsteps] == [2]
+    last = changes(recording, flags)[-1]
+    assert last == (
+        WalkStatus.SUBSTATE_CATCHING | WalkStatus.WARNING_INSUFFICIENT_STEP_DATA
+    )
+    assert_returned_by_itself(recording)
+
+
+def test_an_inconsistency_latches_and_ends_the_walk(record, walk_message):
+    recording = record()
+    recording.sim.publish(walk_message((1, 0, 0.1, 0.14), (2, 0, 0.2, 0.14)))
+    assert recording.advance(LONGEST, catching)
+    assert flags(recording.looks[-1].report) & WalkStatus.ERROR_INCONSISTENT_STEPS
+    # Too late to put it right.
+    recording.sim.publish(walk_message((2, 1, 0.1, -0.14)))
+    recording.advance(LONGEST, in_stand)
+    assert [step["index"] for step in recording.sim.footsteps] == [1]
+    assert changes(recording, flags)[-1] == (
+        WalkStatus.SUBSTATE_CATCHING | WalkStatus.ERROR_INCONSISTENT_STEPS
+    )
+    assert_returned_by_itself(recording)
+
+
+def test_asked_to_stand_before_the_first_step_no_foot_lifts(record, walk_message):
+    recording = record()
+    recording.sim.publish(walk_message((1, 0, 0.2, 0.14), (2, 1, 0.2, -0.14)))
+    recording.advance(0.5)
+    assert flags(recording.looks[-1].report) == WalkStatus.SUBSTATE_SWAYING
+    recording.ask("stand")
+    recording.advance(0.04)
+    assert flags(recording.looks[-1].report) == WalkStatus.SUBSTATE_CATCHING
+    recording.advance(LONGEST, in_stand)
+    report = recording.looks[-1].report
+    status = report.behavior_feedback.status_flags
+    assert status == BehaviorStatus.TRANSITION_SUCCESS
+    assert recording.sim.footsteps == []
+    assert_upright(recording)
+
+
+def test_asked_to_stand_between_two_steps_the_next_is_not_begun(record, walk_message):
+    recording = record()
+    recording.sim.publish(walk_message((1, 0, 0.2, 0.14), (2, 1, 0.4, -0.14)))
+    assert recording.advance(LONGEST, stepping(1))
+    recording.advance(LONGEST, lambda _: bool(recording.sim.footsteps))
+    assert flags(recording.looks[-1].report) == WalkStatus.SUBSTATE_STEPPING
+    recording.ask("stand")
+    recording.advance(LONGEST, in_stand)
+    status = recording.looks[-1].report.behavior_feedback.status_flags
+    assert status == BehaviorStatus.TRANSITION_SUCCESS
+    assert [step["index"] for step in recording.sim.footsteps] == [1]
+    assert changes(recording, flags)[-1] == WalkStatus.SUBSTATE_CATCHING
+    assert_upright(recording)
+
+
 def test_asked_to_stand_the_robot_finishes_its_step_and_catches(record, walk_message):
     recording = record()
     recording.sim.publish(
@@ -256,8 +319,10 @@ def test_freeze_and_user_do_not_wait_for_the_step(record, walk_message, behavior
     recording = record()
     recording.sim.publish(walk_message((1, 0, 0.2, 0.14), (2, 1, 0.2, -0.14)))
     assert recording.advance(LONGEST, stepping(1))
+    recording.advance(0.2)
     recording.ask(behavior)
-    recording.advance(0.02)
+    # At the next control update, in the middle of the swing.
+    recording.advance(recording.sim.scenario.control_period)
     report = recording.looks[-1].report
     assert (report.current_behavior, report.desired_behavior) == (behavior, behavior)
     status = report.behavior_feedback.status_flags
@@ -307,17 +372,16 @@ def test_walking_with_a_leg_in_the_users_hands_is_warned_about(
     assert all(name in texts[0] for name in named)
 
 
-def catching(report):
-    return bool(flags(report) & WalkStatus.SUBSTATE_CATCHING)
-
-
 def test_steps_sent_while_catching_are_taken(record, walk_message):
     recording = record()
     recording.sim.publish(walk_message((1, 0, 0.1, 0.14), (2, 1, 0.1, -0.14)))
     assert recording.advance(LONGEST, catching)
     recording.sim.publish(walk_message((3, 0, 0.2, 0.14), (4, 1, 0.2, -0.14)))
     recording.advance(0.1)
-    assert flags(recording.looks[-1].report) & WalkStatus.SUBSTATE_SWAYING
+    # That steps were missing stays said until the walk is over.
+    assert flags(recording.looks[-1].report) == (
+        WalkStatus.SUBSTATE_SWAYING | WalkStatus.WARNING_INSUFFICIENT_STEP_DATA
+    )
     recording.advance(LONGEST, in_stand)
     assert [step["index"] for step in recording.sim.footsteps] == [1, 2, 3, 4]
     assert_returned_by_itself(recording)
@@ -339,3 +403,27 @@ def test_second_thoughts_about_standing_go_on_walking(record, walk_message):
     recording.advance(LONGEST, in_stand)
     assert [step["index"] for step in recording.sim.footsteps] == [1, 2, 3]
     assert_upright(recording)
+
+
+def test_the_demonstration_walks_to_its_last_step_and_stands(record, walk_message):
+    recording = record()
+    # Begun late, so that it is over soon.
+    recording.sim.publish(walk_message((22, 0, 0.1, 0.14), (23, 1, 0.1, -0.14)))
+    assert recording.advance(LONGEST, stepping(22))
+    demo = walk_message()
+    demo.walk_params.use_demo_walk = True
+    recording.sim.publish(demo)
+    recording.advance(0.1)
+    queue = recording.looks[-1].report.walk_feedback.step_queue_saturated
+    assert [step.step_index for step in queue] == [22, 23, 24, 25]
+    recording.sim.publish(demo)  # Once more is nothing new.
+    recording.advance(LONGEST, in_stand)
+    assert_returned_by_itself(recording)
+    assert_upright(recording)
+    steps = recording.sim.footsteps
+    taken = [(step["index"], step["foot"]) for step in steps]
+    assert taken == [(22, 0), (23, 1), (24, 0), (25, 1)]
+    ahead = [step["landed"][0] for step in steps]
+    assert ahead[-2] - ahead[-3] == pytest.approx(0.2, abs=0.02)
+    assert ahead[-1] == pytest.approx(ahead[-2], abs=0.02)
+    assert all(step["error_m"] <= LANDING_ERROR for step in steps)

@@ -134,3 +134,18 @@ def test_landing_error_is_horizontal():
     step = Footstep(1, LEFT, np.array([1.0, 2.0, 0.0]), 0.0, 0.7, 0.1)
     landed = FootPose(np.array([1.03, 1.96, 0.5]), np.eye(3))
     assert landing_error(step, landed) == pytest.approx(0.05)
+
+
+@pytest.mark.parametrize("heading", [0.0, 1.0, 2.5])
+@pytest.mark.parametrize(("tilt", "kept"), [(0.1, 0.1), (0.2, 0.2), (0.5, 0.2)])
+def test_the_ground_is_tilted_within_limits(heading, tilt, kept):
+    aside = np.array([math.cos(heading), math.sin(heading)])
+    normal = np.append(math.sin(tilt) * aside, math.cos(tilt))
+    stance = FootPose(np.zeros(3), rotation_z(0.3))
+    step = Footstep(1, LEFT, np.array([0.1, 0.2, 0.0]), 0.3, 1.0, 0.1, normal)
+    limits = dataclasses.replace(LIMITS, tilt=0.2)
+    taken = saturate(step, stance, limits)
+    expected = np.append(math.sin(kept) * aside, math.cos(kept))
+    np.testing.assert_allclose(taken.normal, expected, atol=1e-12)
+    np.testing.assert_allclose(taken.pose.R_WF[:, 2], expected, atol=1e-12)
+    assert taken.pose.yaw == pytest.approx(0.3)

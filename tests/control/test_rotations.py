@@ -10,11 +10,17 @@ from pydrake.common.eigen_geometry import AngleAxis
 from pydrake.math import RollPitchYaw, RotationMatrix
 
 from atlas_drake.control.rotations import (
+    cross,
     mean_yaw,
+    orientation,
+    rotation_about,
     rotation_error,
+    rotation_vector,
     rotation_with_normal,
+    rotation_x,
     rotation_y,
     rotation_z,
+    tilt_of,
     wrap_angle,
     yaw_of,
 )
@@ -26,11 +32,27 @@ SMALL = st.floats(-3.0, 3.0)
 @given(angle=ANGLES)
 def test_elementary_rotations_are_drakes(angle):
     np.testing.assert_allclose(
+        rotation_x(angle), RotationMatrix.MakeXRotation(angle).matrix(), atol=1e-14
+    )
+    np.testing.assert_allclose(
         rotation_z(angle), RotationMatrix.MakeZRotation(angle).matrix(), atol=1e-14
     )
     np.testing.assert_allclose(
         rotation_y(angle), RotationMatrix.MakeYRotation(angle).matrix(), atol=1e-14
     )
+
+
+@given(yaw=SMALL, pitch=st.floats(-1.5, 1.5), roll=SMALL)
+def test_orientation_is_roll_pitch_yaw_and_tilt_takes_it_apart(yaw, pitch, roll):
+    R = orientation(yaw, np.array([roll, pitch]))
+    expected = RotationMatrix(RollPitchYaw(roll, pitch, yaw)).matrix()
+    np.testing.assert_allclose(R, expected, atol=1e-12)
+    np.testing.assert_allclose(tilt_of(R), [roll, pitch], atol=1e-7)
+
+
+@given(*[st.tuples(SMALL, SMALL, SMALL).map(np.array)] * 2)
+def test_the_vector_product_is_numpys(a, b):
+    np.testing.assert_allclose(cross(a, b), np.cross(a, b), atol=1e-15)
 
 
 @given(angle=ANGLES)
@@ -80,11 +102,17 @@ def test_rotation_with_normal_keeps_normal_and_heading(yaw, tilt, heading):
     np.testing.assert_allclose(R.T @ R, np.eye(3), atol=1e-12)
     assert np.linalg.det(R) == pytest.approx(1.0)
     np.testing.assert_allclose(R[:, 2], normal, atol=1e-15)
-    # The x axis lies in the vertical plane of the heading's projection on the slope.
-    sideways = np.array([-math.sin(yaw), math.cos(yaw), 0.0])
-    along = np.array([math.cos(yaw), math.sin(yaw), 0.0])
-    projected = along - normal * (normal @ along)
-    np.testing.assert_allclose(np.cross(R[:, 0], projected), 0.0, atol=1e-12)
-    assert R[:, 0] @ along > 0.0
-    if tilt == 0.0:
-        assert abs(R[:, 0] @ sideways) < 1e-12
+    # Seen from above the x axis leads exactly where it is told.
+    assert abs(wrap_angle(yaw_of(R) - yaw)) < 1e-9
+
+
+@pytest.mark.parametrize("vector", [(0.0, 0.0, 0.0), (0.3, -0.2, 0.9), (0.0, 1.5, 2.0)])
+def test_rotation_vector_and_rotation_about_are_each_others_inverse(vector):
+    R = rotation_about(np.array(vector))
+    np.testing.assert_allclose(R @ R.T, np.eye(3), atol=1e-12)
+    np.testing.assert_allclose(rotation_vector(R), vector, atol=1e-12)
+
+
+def test_rotation_about_the_axes():
+    np.testing.assert_allclose(rotation_about(np.array([0, 0, 0.7])), rotation_z(0.7))
+    np.testing.assert_allclose(rotation_about(np.array([0, 0.7, 0])), rotation_y(0.7))

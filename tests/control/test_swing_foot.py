@@ -6,7 +6,12 @@ import numpy as np
 import pytest
 
 from atlas_drake.control.footstep import FootPose, Footstep
-from atlas_drake.control.rotations import rotation_z, wrap_angle, yaw_of
+from atlas_drake.control.rotations import (
+    rotation_with_normal,
+    rotation_z,
+    wrap_angle,
+    yaw_of,
+)
 from atlas_drake.control.swing_foot import SwingProfile, advance_swing, begin_swing
 
 DT = 0.002
@@ -66,13 +71,47 @@ def test_lands_at_the_target_at_rest(start, target):
     np.testing.assert_allclose(last.w_WF, 0.0, atol=0.05)
 
 
-def test_apex_clears_the_higher_end_by_the_swing_height(start, target):
+def test_apex_counts_from_the_middle_of_the_ends(start, target):
     _, references = swing_through(start, lambda _: target, SWING_TICKS)
     highest = stacked(references, "p_WF")[:, 2].max()
-    clearance = highest - max(start.p_WF[2], target.p_WF[2])
-    assert clearance >= target.swing_height - PROFILE.press_depth
-    # Nor does it overshoot for nothing: half a step's rise shifts the apex a little.
-    assert clearance <= target.swing_height + 0.02
+    middle = 0.5 * (start.p_WF[2] + target.p_WF[2])
+    assert highest - middle == pytest.approx(target.swing_height, abs=0.01)
+
+
+@pytest.mark.parametrize("climb", [0.05, 0.1, -0.05, -0.1])
+def test_an_edge_between_the_ends_is_cleared(climb):
+    reach, margin, half_sole = 0.32, 0.03, 0.13
+    start = FootPose(np.array([0.0, 0.1, LEVEL]), np.eye(3))
+    target = step_to(x=reach, y=0.1, z=LEVEL + climb, yaw=0.0, swing_height=0.13)
+    _, references = swing_through(start, lambda _: target, SWING_TICKS)
+    # The edge lies ahead of the toes going up, behind the heel going down.
+    edge = half_sole + margin if climb > 0.0 else reach - half_sole - margin
+    higher = LEVEL + max(climb, 0.0)
+    for reference in references:
+        for end in (-half_sole, half_sole):
+            x, _, z = reference.p_WF + reference.R_WF @ [end, 0.0, 0.0]
+            on_top = x > edge if climb > 0.0 else x < edge
+            # Standing on the higher ground the sole is pressed or begins to turn.
+            assert not on_top or z > higher - PROFILE.press_depth - 0.002
+
+
+@pytest.mark.parametrize("begin_tilted", [True, False])
+def test_the_sole_turns_to_the_normal_where_it_lands(begin_tilted):
+    normal = np.array([0.1, -0.15, 0.0])
+    normal[2] = np.sqrt(1.0 - normal @ normal)
+    tilted = rotation_with_normal(0.4, normal)
+    start = FootPose(np.zeros(3), tilted if begin_tilted else rotation_z(0.4))
+    end = np.array([0.0, 0.0, 1.0]) if begin_tilted else normal
+    target = dataclasses.replace(step_to(z=0.05), normal=end)
+    _, references = swing_through(start, lambda _: target, SWING_TICKS)
+    np.testing.assert_allclose(references[0].R_WF, start.R_WF, atol=1e-2)
+    np.testing.assert_allclose(references[-1].R_WF, target.pose.R_WF, atol=1e-2)
+    # With an angular velocity that is the orientation's own.
+    for k in range(1, SWING_TICKS - 5):
+        R = references[k].R_WF
+        W = (references[k + 1].R_WF - references[k - 1].R_WF) / (2 * DT) @ R.T
+        rate = 0.5 * np.array([W[2, 1] - W[1, 2], W[0, 2] - W[2, 0], W[1, 0] - W[0, 1]])
+        np.testing.assert_allclose(references[k].w_WF, rate, atol=5e-3)
 
 
 def test_never_below_the_ground_on_the_way_up(start, target):

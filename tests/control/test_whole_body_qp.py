@@ -6,13 +6,15 @@ import numpy as np
 import pytest
 
 from atlas_drake.control.gains import ControlGains
+from atlas_drake.control.toe_off import TOES
 from atlas_drake.control.whole_body_command import (
     EffortBounds,
     FootCommand,
+    Pressure,
     WholeBodyCommand,
 )
 from atlas_drake.control.whole_body_model import GRAVITY
-from atlas_drake.control.whole_body_qp import WholeBodyQp
+from atlas_drake.control.whole_body_qp import MIDDLE, WholeBodyQp
 
 FEET = {"both": (0, 1), "left": (0,), "right": (1,), "none": ()}
 TOLERANCE = 1e-5
@@ -316,3 +318,26 @@ def test_same_input_same_bits(model, robot, gains, qp, bounds, random_state, sta
         for field in dataclasses.fields(first):
             before, after = getattr(first, field.name), getattr(again, field.name)
             assert np.asarray(before).tobytes() == np.asarray(after).tobytes()
+
+
+@pytest.mark.parametrize(
+    ("pressure", "low", "high"),
+    [(Pressure.MIDDLE, -MIDDLE, MIDDLE), (Pressure.TOES, 0.13 - TOES, 0.13)],
+)
+def test_pressure_keeps_to_its_part_of_the_sole(
+    robot, qp, bounds, standing, pressure, low, high
+):
+    command = command_for(robot, (0, 1))
+    left, right = command.feet
+    left = dataclasses.replace(left, pressure=pressure, min_normal_force=80.0)
+    # Ahead and aside, so that the pressure runs to where it may.
+    for acceleration in ([1.0, 0.5, 0.0], [-1.0, -0.5, 0.0]):
+        wanted = dataclasses.replace(
+            command, feet=(left, right), com_acceleration=np.array(acceleration)
+        )
+        solution = qp.solve(standing, wanted, bounds)
+        assert solution.found
+        moment = standing.feet[0].R_WF.T @ solution.foot_wrenches[0, :3]
+        force = standing.feet[0].R_WF.T @ solution.foot_wrenches[0, 3:]
+        assert force[2] >= 80.0 - TOLERANCE
+        assert low - 1e-6 <= -moment[1] / force[2] <= high + 1e-6

@@ -158,6 +158,7 @@ def test_a_queue_of_another_length(length):
         ("stand_params", None),
         ("manipulate_params", None),
         ("manipulate_params.use_desired", "yes"),
+        ("manipulate_params.use_demo_mode", None),
         ("manipulate_params.desired", None),
         ("manipulate_params.desired.pelvis_height", float("nan")),
         ("manipulate_params.desired.pelvis_yaw", float("inf")),

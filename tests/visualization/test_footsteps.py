@@ -23,12 +23,12 @@ from atlas_drake.visualization.footsteps import (
 )
 
 
-def step(index, x, y=0.1, yaw=0.0):
+def step(index, x, y=0.1, yaw=0.0, z=0.0):
     data = AtlasBehaviorStepData()
     data.step_index = index
     data.foot_index = (index - 1) % 2
     data.pose.position.x, data.pose.position.y = x, y
-    data.pose.position.z = 0.9  # The height of a step is not drawn.
+    data.pose.position.z = z
     data.pose.orientation.z = math.sin(0.5 * yaw)
     data.pose.orientation.w = math.cos(0.5 * yaw)
     return data
@@ -47,8 +47,9 @@ def walking(steps, taken=(), current=0):
     return BehaviorRequest(Behavior.WALK, command, 1), report
 
 
-def landed(index, commanded, saturated=None, at=None):
+def landed(index, commanded, saturated=None, at=None, z=0.0):
     data = {"index": index, "foot": (index - 1) % 2, "commanded": commanded}
+    data |= {"landed_height": z}
     data |= {"saturated": saturated or commanded, "landed": at or commanded}
     return Event(1.0, "footstep", f"step {index} landed", data)
 
@@ -66,6 +67,23 @@ def test_a_step_that_is_not_taken_as_commanded_is_drawn_twice():
     marks = footstep_marks(request, report, [])
     assert [mark.kind for mark in marks] == [Kind.COMMANDED, Kind.SATURATED]
     assert marks[1].x == pytest.approx(0.42, abs=0.005)
+
+
+def test_steps_are_drawn_at_the_height_at_which_they_are_taken():
+    # The pelvis' height, as the tutorial sends it, says nothing of the ground.
+    request, report = walking(
+        [step(2, 0.5, z=0.9), step(3, 0.9, z=0.9)],
+        taken=[step(2, 0.5, z=0.05), step(3, 0.7, z=0.1)],
+        current=2,
+    )
+    marks = footstep_marks(request, report, [landed(1, [0.25, 0.1, 0.0], z=0.03)])
+    assert [(m.kind, m.z) for m in marks] == [
+        (Kind.LANDED, 0.03),
+        (Kind.COMMANDED, 0.03),
+        (Kind.COMMANDED, 0.05),
+        (Kind.COMMANDED, 0.1),
+        (Kind.SATURATED, 0.1),
+    ]
 
 
 def test_a_small_correction_is_not_drawn():

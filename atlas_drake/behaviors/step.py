@@ -1,0 +1,402 @@
+"""STEP: one quasi-static step at a time, in any order of the feet.
+
+Phases: SWAY (weight over the foot that stays), SWING (lift, move, lower) and REST
+(weight back between the feet) until the next step is asked for. In single support the
+centre of mass stands still over the sole; nothing here depends on momentum.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from atlas_drake.behaviors.balance import Balance
+from atlas_drake.behaviors.base import Event, Observation, Outcome
+from atlas_drake.behaviors.body_reference import (
+    BodyRates,
+    BodyReference,
+    advance_body,
+)
+from atlas_drake.behaviors.footstep_event import footstep_event
+from atlas_drake.behaviors.step_action import (
+    DesiredStep,
+    StepAction,
+    desired_step,
+    step_spec_from,
+)
+from atlas_drake.behaviors.step_balance import StepBalance
+from atlas_drake.behaviors.step_memory import StepMemory, StepPhase, StepRules
+from atlas_drake.behaviors.step_plan import StepPlanner
+from atlas_drake.behaviors.step_queue import step_data_from
+from atlas_drake.control import tasks
+from atlas_drake.control.com_sway import ComSway, sway_duration, sway_from_rest
+from atlas_drake.control.footstep import FootPose, StepLimits
+from atlas_drake.control.leg_reach import hips_from_com
+from atlas_drake.control.step_swing import StepSwingProfile, plan_step_swing
+from atlas_drake.control.toe_off import on_toes
+from atlas_drake.frozen import replace
+from atlas_drake.messages import (
+    NO_STEP,
+    AtlasSimInterfaceCommand,
+    AtlasSimInterfaceState,
+    StepStatus,
+    ToeOff,
+)
+
+STEP_LIMITS = StepLimits(
+    forward=0.42,
+    backward=0.36,
+    max_width=0.45,
+    rise=0.20,
+    tilt=0.25,
+    min_duration=0.1,
+    max_duration=20.0,
+    min_swing_height=0.0,
+    max_swing_height=0.60,
+)
+"""Wider than a walk's: there is time."""
+STEP_RATES = BodyRates(yaw=0.5)
+
+
+class Step:
+    """Takes one step after the other when it is told to."""
+
+    def __init__(
+        self,
+        balance: Balance,
+        nominal_height: float,
+        rates: BodyRates = STEP_RATES,
+        *,
+        limits: StepLimits = STEP_LIMITS,
+        profile: StepSwingProfile | None = None,
+        rules: StepRules | None = None,
+    ):
+        """Stands with the centre of mass ``nominal_height`` [m] above the soles."""
+        self._balance = balance
+        self._nominal_height = nominal_height
+        self._rates = rates
+        self._profile = profile or StepSwingProfile()
+        self._rules = rules or StepRules()
+        self._planner = StepPlanner(balance, nominal_height, limits)
+        self._stance = StepBalance(balance, nominal_height, self._planner, self._rules)
+        self._legs = self._planner.legs
+        self._default = StepAction(knee_nominal=self._planner.nominal_knee)
+
+    def enter(
+        self,
+        seen: Observation,
+        body: BodyReference,
+        request: AtlasSimInterfaceCommand,
+    ) -> StepMemory:
+        """Rests on both feet; the first step begins at the first tick."""
+        feet = (seen.foot_pose(0), seen.foot_pose(1))
+        support = self._balance.support(*feet)
+        start = support.clamp(tasks.dcm(seen.terms, self._stance.omega(seen, feet)))
+        middle = 0.5 * (feet[0].p_WF + feet[1].p_WF)[:2]
+        return StepMemory(
+            phase=StepPhase.REST,
+            elapsed=0.0,
+            feet=feet,
+            support=support,
+            hips=hips_from_com(seen.terms, self._legs),
+            sway=sway_from_rest(start, middle, self._sway_time(start, middle)),
+            sway_time=0.0,
+        )
+
+    def update(
+        self,
+        memory: StepMemory,
+        seen: Observation,
+        body: BodyReference,
+        request: AtlasSimInterfaceCommand,
+        leaving: bool,
+    ) -> Outcome:
+        """One tick; ``leaving`` puts the foot in the air down and begins no step."""
+        memory = replace(
+            memory,
+            elapsed=memory.elapsed + seen.dt,
+            sway_time=memory.sway_time + seen.dt,
+            leaving=leaving
+            and (memory.leaving or memory.in_air or self._stance.heel(memory)[0] > 0.0),
+        )
+        memory, events = self._look_at(memory, seen, request)
+        wanted = None if leaving else self._next(memory, request)
+        memory, landing = self._change_phase(memory, seen, wanted)
+        body = advance_body(
+            body,
+            self._stance.body_target(memory),
+            self._rates,
+            seen.dt,
+            seen.terms.q,
+            seen.user_held,
+        )
+        return Outcome(
+            memory=memory,
+            body=body,
+            command=self._stance.command(memory, seen, body),
+            finished=leaving and self._may_stand(memory, seen),
+            status_flags=StepStatus.SUBSTATE_STEPPING
+            if memory.in_air
+            else StepStatus.SUBSTATE_SWAYING,
+            events=(*events, *landing),
+        )
+
+    def report(self, memory: StepMemory, state: AtlasSimInterfaceState) -> None:
+        """Indices and timing; the step as it is really taken."""
+        feedback = state.step_feedback
+        feedback.current_step_index = memory.index
+        feedback.next_step_index_needed = memory.index + 1
+        if memory.taken is None:
+            return
+        if memory.phase is not StepPhase.REST:
+            ahead = memory.flight.duration
+            if memory.phase is StepPhase.SWAY:
+                ahead += memory.sway.duration
+            feedback.t_step_rem = max(ahead - memory.elapsed, 0.0)
+        feedback.desired_step_saturated = step_data_from(memory.step)
+        feedback.desired_step_spec_saturated = step_spec_from(memory.step, memory.how)
+
+    # ---- steps ---------------------------------------------------------------
+
+    def _next(
+        self, memory: StepMemory, request: AtlasSimInterfaceCommand
+    ) -> DesiredStep | None:
+        """The step in force that has not begun, if any."""
+        feet_z = (float(memory.feet[0].p_WF[2]), float(memory.feet[1].p_WF[2]))
+        wanted = desired_step(request.step_params, feet_z, self._default)
+        if wanted is None or wanted.step.index <= memory.index:
+            return None
+        return None if memory.refused is request.step_params else wanted
+
+    def _look_at(
+        self, memory: StepMemory, seen: Observation, request: AtlasSimInterfaceCommand
+    ) -> tuple[StepMemory, tuple[Event, ...]]:
+        """Warns of a new message whose step comes too late to be taken."""
+        params = request.step_params
+        if params is memory.looked_at:
+            return memory, ()
+        before, memory = memory.looked_at, replace(memory, looked_at=params)
+        step = params.desired_step_spec if params.use_spec else params.desired_step
+        if step.step_index == NO_STEP or step.step_index > memory.index:
+            return memory, ()
+        if params == before:
+            return memory, ()
+        text = (
+            f"step {step.step_index} is not taken: the next one is {memory.index + 1}"
+        )
+        return memory, (Event(seen.time, "warning", text),)
+
+    def _begin(
+        self,
+        memory: StepMemory,
+        seen: Observation,
+        wanted: DesiredStep | None,
+    ) -> tuple[StepMemory, tuple[Event, ...]]:
+        """Plans the whole step and begins to sway over the foot that stays."""
+        if wanted is None:
+            return memory, ()
+        feet = (seen.foot_pose(0), seen.foot_pose(1))
+        foot, action = wanted.step.foot, wanted.action
+        plan = self._planner.plan(seen.terms, feet, wanted)
+        if plan is None:
+            text = f"step {wanted.step.index} is not taken: it is out of reach"
+            memory = replace(memory, refused=memory.looked_at)
+            return memory, (Event(seen.time, "warning", text),)
+        taken = plan.taken
+        swing = plan_step_swing(
+            on_toes(feet[foot], plan.heel, self._planner.half_length),
+            feet[foot],
+            taken.pose,
+            action.lift_height,
+            action.swing_height,
+            action.step_duration,
+            action.max_foot_vel,
+            self._profile,
+        )
+        sway = self._sway_to(
+            memory, plan.com, action.sway_duration, action.max_body_accel
+        )
+        middle_z = 0.5 * (feet[foot].p_WF[2] + taken.p_WF[2])
+        memory = replace(
+            memory,
+            fresh=memory.fresh if self._stance.is_fresh(memory) else None,
+            phase=StepPhase.SWAY,
+            elapsed=0.0,
+            feet=feet,
+            support=self._balance.support(*feet),
+            hips=plan.hips,
+            sway=sway,
+            sway_time=0.0,
+            index=taken.index,
+            sent=wanted,
+            taken=replace(
+                taken,
+                duration=swing.duration,
+                swing_height=float(swing.top + swing.arc - middle_z),
+            ),
+            action=replace(
+                action,
+                step_duration=swing.duration,
+                sway_duration=sway.duration,
+                toe_off=ToeOff.ENABLE if plan.heel else ToeOff.DISABLE,
+            ),
+            swing=swing,
+            heel=plan.heel,
+            lean=plan.lean,
+        )
+        return memory, ()
+
+    # ---- phases --------------------------------------------------------------
+
+    def _change_phase(
+        self, memory: StepMemory, seen: Observation, wanted: DesiredStep | None
+    ) -> tuple[StepMemory, tuple[Event, ...]]:
+        if memory.phase is StepPhase.REST:
+            return self._begin(memory, seen, wanted)
+        if memory.phase is StepPhase.SWAY:
+            return self._lift_off(memory, seen) if self._ready(
+                memory, seen
+            ) else memory, ()
+        if memory.phase is StepPhase.SETTLE:
+            if memory.elapsed < self._rules.settle:
+                return memory, ()
+            memory, landing = self._land(memory, seen)
+            memory, events = self._begin(memory, seen, wanted)
+            return memory, (*landing, *events)
+        swing = memory.flight
+        if memory.phase is StepPhase.SWING:
+            lowering = swing.is_lowering(memory.elapsed)
+            return self._begin_to_lower(memory) if lowering else memory, ()
+        load = seen.foot_force[memory.step.foot]
+        if load > self._rules.touchdown_force * self._balance.weight:
+            return self._touch_down(memory, seen), ()
+        if swing.has_missed(memory.elapsed):
+            return self._step_back(memory, seen)
+        return memory, ()
+
+    def _ready(self, memory: StepMemory, seen: Observation) -> bool:
+        """Whether the foot may leave the ground: all weight is off it, and at rest."""
+        if memory.elapsed < memory.sway.duration:
+            return False
+        load = seen.foot_force[memory.step.foot]
+        if load > self._rules.still_loaded * self._balance.weight:
+            return False
+        omega = self._stance.omega(seen, (memory.feet[memory.stance],))
+        error = tasks.dcm(seen.terms, omega) - memory.sway.end
+        return float(np.hypot(*error)) < self._rules.dcm_ready
+
+    def _lift_off(self, memory: StepMemory, seen: Observation) -> StepMemory:
+        return replace(
+            memory,
+            phase=StepPhase.SWING,
+            elapsed=0.0,
+            support=self._balance.support(memory.feet[memory.stance]),
+            hips=hips_from_com(seen.terms, self._legs),
+        )
+
+    def _begin_to_lower(self, memory: StepMemory) -> StepMemory:
+        """Leans into the step while the foot comes down, as far as it was asked."""
+        memory = replace(memory, phase=StepPhase.LOWER)
+        distance = memory.how.step_end_dist
+        if distance == 0.0:
+            return memory
+        over = memory.sway.end
+        way = memory.step.p_WF[:2] - memory.feet[memory.stance].p_WF[:2]
+        end = over + distance * way / np.hypot(*way)
+        sway = sway_from_rest(over, end, memory.flight.lower)
+        return replace(memory, sway=sway, sway_time=0.0)
+
+    def _touch_down(self, memory: StepMemory, seen: Observation) -> StepMemory:
+        """The foot met the ground, perhaps with an edge only: it is pressed flat."""
+        feet = _with(memory.feet, memory.step.foot, seen.foot_pose(memory.step.foot))
+        return replace(
+            memory,
+            phase=StepPhase.SETTLE,
+            elapsed=0.0,
+            feet=feet,
+            support=self._balance.support(*feet),
+        )
+
+    def _land(
+        self, memory: StepMemory, seen: Observation
+    ) -> tuple[StepMemory, tuple[Event, ...]]:
+        """Both feet are down: the weight goes back between them."""
+        step = memory.step
+        landed = seen.foot_pose(step.foot)
+        feet = _with(memory.feet, step.foot, landed)
+        event = footstep_event(seen.time, memory.wanted.step, step, landed)
+        middle = 0.5 * (feet[0].p_WF + feet[1].p_WF)[:2]
+        uneven = abs(float(feet[0].p_WF[2] - feet[1].p_WF[2]))
+        action = self._default
+        sway = self._sway_to(
+            memory, middle, action.sway_duration, action.max_body_accel
+        )
+        memory = replace(
+            memory,
+            phase=StepPhase.REST,
+            elapsed=0.0,
+            feet=feet,
+            support=self._balance.support(*feet),
+            hips=hips_from_com(seen.terms, self._legs),
+            sway=sway,
+            sway_time=0.0,
+            heel=0.0,
+            fresh=step.foot,
+            lean=memory.lean if uneven > self._rules.level else 0.0,
+        )
+        return memory, (event,)
+
+    def _step_back(
+        self, memory: StepMemory, seen: Observation
+    ) -> tuple[StepMemory, tuple[Event, ...]]:
+        """Puts the foot down where it came from: there is ground for certain."""
+        step, action = memory.step, memory.how
+        home = memory.feet[step.foot]
+        here = seen.foot_pose(step.foot)
+        swing = plan_step_swing(
+            here,
+            here,
+            home,
+            action.lift_height,
+            action.swing_height,
+            action.step_duration,
+            action.max_foot_vel,
+            self._profile,
+        )
+        normal = home.R_WF[:, 2].copy()
+        back = replace(step, p_WF=home.p_WF, yaw=home.yaw, normal=normal)
+        text = f"step {step.index} found no ground and goes back"
+        memory = replace(
+            memory, phase=StepPhase.SWING, elapsed=0.0, taken=back, swing=swing
+        )
+        return memory, (Event(seen.time, "warning", text),)
+
+    def _may_stand(self, memory: StepMemory, seen: Observation) -> bool:
+        """Whether both feet carry; after a step that was cut short also at rest."""
+        if memory.in_air or self._stance.heel(memory)[0] > 0.0:
+            return False
+        if not memory.leaving:
+            return True
+        slow = float(np.abs(seen.terms.com_velocity).max()) < self._rules.rest_speed
+        return memory.elapsed >= memory.sway.duration and slow
+
+    # ---- sway ----------------------------------------------------------------
+
+    def _sway_time(self, start: np.ndarray, end: np.ndarray) -> float:
+        action = self._default
+        least = sway_duration(float(np.hypot(*(end - start))), action.max_body_accel)
+        return max(action.sway_duration, least)
+
+    def _sway_to(
+        self, memory: StepMemory, end: np.ndarray, duration: float, acceleration: float
+    ) -> ComSway:
+        """A sway that goes on from what the present one is doing."""
+        p, v, a = memory.sway.motion(memory.sway_time)
+        least = sway_duration(float(np.hypot(*(end - p))), acceleration)
+        return ComSway(p, v, a, end, max(duration, least))
+
+
+def _with(
+    feet: tuple[FootPose, FootPose], foot: int, pose: FootPose
+) -> tuple[FootPose, FootPose]:
+    """The feet with one of them elsewhere."""
+    return (pose, feet[1]) if foot == 0 else (feet[0], pose)

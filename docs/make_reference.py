@@ -1,0 +1,264 @@
+"""Writes the reference pages in docs/reference from the code: run it after changes.
+
+    python docs/make_reference.py [--output FOLDER]
+
+One page per message and per behaviour, the transition table, flags and error codes.
+"""
+
+# ruff: noqa: T201
+
+from __future__ import annotations
+
+import argparse
+import dataclasses
+import enum
+import inspect
+import sys
+from pathlib import Path
+from typing import Any
+
+import source_docs
+
+from atlas_drake import errors, messages
+from atlas_drake.behaviors import base, supervisor, transitions
+from atlas_drake.control.gains import ControlGains
+from atlas_drake.control.whole_body_model import WholeBodyModel
+from atlas_drake.messages import Behavior, Message
+from atlas_drake.robot import load_robot
+
+REFERENCE = Path(__file__).parent / "reference"
+NOTE = "*Written by `docs/make_reference.py` from the code; changes belong there.*"
+PARAMS = {
+    Behavior.WALK: "AtlasBehaviorWalkParams",
+    Behavior.STEP: "AtlasBehaviorStepParams",
+    Behavior.STAND: "AtlasBehaviorStandParams",
+    Behavior.MANIPULATE: "AtlasBehaviorManipulateParams",
+}
+FLAGS = (messages.BehaviorStatus, messages.WalkStatus, messages.StepStatus)
+
+
+def all_messages() -> dict[str, type]:
+    """The messages that can be imported from ``atlas_drake``, by name."""
+    return {
+        name: value
+        for name in messages.__all__
+        if inspect.isclass(value := getattr(messages, name))
+        and issubclass(value, Message)
+        and value is not Message
+    }
+
+
+def table(header: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
+    """A Markdown table."""
+    lines = [header, tuple("---" for _ in header), *rows]
+    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
+
+
+def message_page(name: str, cls: type) -> str:
+    """What a message is, field by field, with its constants."""
+    told = source_docs.attributes(cls)
+    values = source_docs.defaults(cls)
+    known = all_messages()
+    rows = []
+    for field in dataclasses.fields(cls):
+        kind = _kind(field.type)
+        shown = f"[`{kind}`]({kind}.md)" if kind in known else f"`{kind}`"
+        rows.append(
+            (
+                f"`{field.name}`",
+                shown,
+                _value(values[field.name]),
+                told.get(field.name, ""),
+            )
+        )
+    parts = [f"# {name}", source_docs.head(cls.__doc__)]
+    parts.append(table(("field", "type", "at first", "meaning"), rows))
+    constants = [
+        (f"`{key}`", str(int(value)))
+        for key, value in vars(cls).items()
+        if isinstance(value, int) and key.isidentifier() and not key.startswith("_")
+    ]
+    if constants:
+        parts += ["## Constants", table(("name", "value"), constants)]
+    return "\n\n".join([*parts, NOTE]) + "\n"
+
+
+def behavior_page(behavior: Behavior, implementation: base.Behavior) -> str:
+    """What a behaviour does, when it can begin, what it reads, says and keeps to."""
+    module = sys.modules[type(implementation).__module__]
+    legal = transitions.LEGAL_TRANSITIONS
+    before = [b.name for b in Behavior if behavior in legal.get(b, ())]
+    after = [b.name for b in Behavior if b in legal.get(behavior, ())]
+    told = source_docs.trailing_strings(Behavior)
+    parts = [
+        f"# {behavior.name} ({behavior.value})",
+        told[behavior.name],
+        source_docs.paragraphs(module.__doc__),
+        f"**Can follow:** {', '.join(before)}.",
+        f"**Can be followed by:** {', '.join(after)}.",
+    ]
+    if behavior in PARAMS:
+        params = PARAMS[behavior]
+        feedback = params.replace("Params", "Feedback")
+        parts.append(
+            f"**Reads** [`{params}`](../{params}.md), **reports** "
+            f"[`{feedback}`](../{feedback}.md)."
+        )
+    sets = [v for v in vars(module).values() if source_docs.is_parameter_set(v)]
+    if sets:
+        parts.append("## Numbers")
+    for cls in sets:
+        parts += [f"### {cls.__name__}", source_docs.head(cls.__doc__), _numbers(cls)]
+    return "\n\n".join([*parts, NOTE]) + "\n"
+
+
+def transitions_page() -> str:
+    """The table of legal transitions, and the conditions of entering."""
+    rows = [
+        (
+            f"**{source.name}**",
+            *(
+                "yes" if target in transitions.LEGAL_TRANSITIONS.get(source, ()) else ""
+                for target in Behavior
+            ),
+        )
+        for source in Behavior
+    ]
+    header = ("from \\ to", *(b.name for b in Behavior))
+    parts = [
+        "# Transitions",
+        source_docs.paragraphs(transitions.__doc__),
+        table(header, rows),
+        _drawing(),
+        "Any other change is refused with FAILED_TRANS_ILLEGAL_BEHAVIOR and"
+        " FAILED_TO_START_BEHAVIOR; what was active goes on.",
+        "## When a behaviour that balances can begin",
+        source_docs.head(transitions.EntryLimits.__doc__),
+        _numbers(transitions.EntryLimits),
+        "## When the robot counts as falling",
+        source_docs.head(supervisor.FallLimits.__doc__),
+        _numbers(supervisor.FallLimits),
+    ]
+    return "\n\n".join([*parts, NOTE]) + "\n"
+
+
+def _drawing() -> str:
+    """The same as a picture, without those that may follow at any moment."""
+    legal = transitions.LEGAL_TRANSITIONS
+    always = frozenset.intersection(*legal.values())
+    arrows = [
+        f"    {source.name} --> {target.name}"
+        for source in legal
+        for target in sorted(legal[source] - always)
+        if source is not target
+    ]
+    names = ", ".join(b.name for b in Behavior if b in always)
+    picture = "\n".join(["```mermaid", "stateDiagram-v2", *arrows, "```"])
+    return f"{names} may be asked for at any moment; all others:\n\n{picture}"
+
+
+def flags_page() -> str:
+    """Status flags of all kinds, and error codes."""
+    parts = ["# Flags and error codes"]
+    for kind in (*FLAGS, errors.ErrorCode):
+        told = source_docs.trailing_strings(kind)
+        rows = [
+            (f"`{member.name}`", str(member.value), told.get(str(member.name), ""))
+            for member in kind.__members__.values()
+        ]
+        parts += [
+            f"## {kind.__name__}",
+            source_docs.head(kind.__doc__),
+            table(("name", "value", "meaning"), rows),
+        ]
+    return "\n\n".join([*parts, NOTE]) + "\n"
+
+
+def index_page(pages: list[str]) -> str:
+    """Links to all pages."""
+    own = [p for p in pages if "/" not in p and p[0].isupper()]
+    told = all_messages()
+    lines = ["# Reference", "Every message and every behaviour, from the code itself."]
+    lines += [
+        "- [Transitions](transitions.md): which behaviour may follow which\n"
+        "- [Flags and error codes](flags.md)",
+        "## Behaviours",
+        "\n".join(
+            f"- [{Path(p).stem}]({p})" for p in pages if p.startswith("behaviors/")
+        ),
+        "## Messages",
+        "\n".join(
+            f"- [{Path(p).stem}]({p}): "
+            + source_docs.head(told[Path(p).stem].__doc__).split("\n")[0]
+            for p in own
+        ),
+    ]
+    return "\n\n".join([*lines, NOTE]) + "\n"
+
+
+def all_pages() -> dict[str, str]:
+    """Every page by its path below the reference folder."""
+    model = WholeBodyModel(load_robot())
+    behaviors = supervisor.Supervisor(model, ControlGains(), 1.0).behaviors
+    pages = {
+        f"{name}.md": message_page(name, cls) for name, cls in all_messages().items()
+    }
+    for behavior, implementation in behaviors.items():
+        page = behavior_page(behavior, implementation)
+        pages[f"behaviors/{behavior.name}.md"] = page
+    pages["transitions.md"] = transitions_page()
+    pages["flags.md"] = flags_page()
+    pages["README.md"] = index_page(list(pages))
+    return pages
+
+
+def write_pages(folder: Path) -> None:
+    """Writes all pages, and deletes those of names that are no more."""
+    pages = all_pages()
+    for old in folder.rglob("*.md"):
+        if str(old.relative_to(folder)) not in pages:
+            old.unlink()
+    for path, text in pages.items():
+        (folder / path).parent.mkdir(parents=True, exist_ok=True)
+        (folder / path).write_text(text, encoding="utf-8")
+
+
+def _numbers(cls: type) -> str:
+    told = source_docs.attributes(cls) | source_docs.trailing_strings(cls)
+    rows = [
+        (f"`{name}`", _value(value), told.get(name, ""))
+        for name, value in source_docs.defaults(cls).items()
+    ]
+    return table(("name", "value", "meaning"), rows)
+
+
+def _kind(annotation: Any) -> str:
+    """A field's type in words that fit into a table."""
+    text = str(getattr(annotation, "__name__", annotation))
+    for numbers in ("float", "int"):
+        if text.startswith(f"list[{numbers}] |"):
+            return f"list or array of {numbers}"
+    return text.replace("|", "or")
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, enum.Enum):
+        return str(value.value)
+    if isinstance(value, Message):
+        return "empty"
+    if isinstance(value, list | tuple) and value and isinstance(value[0], Message):
+        return f"{len(value)} empty"
+    return f"`{value!r}`"
+
+
+def main() -> None:
+    """Writes the pages."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--output", type=Path, default=REFERENCE, metavar="FOLDER")
+    folder = parser.parse_args().output
+    write_pages(folder)
+    print(f"wrote {len(list(folder.rglob('*.md')))} pages to {folder}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,99 @@
+"""Reads what the source says about its own names: for the reference pages.
+
+Python keeps docstrings of classes, not of their fields and constants; those are the
+strings that follow an assignment, and are read from the source.
+"""
+
+from __future__ import annotations
+
+import ast
+import dataclasses
+import inspect
+import re
+import textwrap
+from types import ModuleType
+from typing import Any
+
+from atlas_drake.messages import Message
+
+
+def paragraphs(text: str | None) -> str:
+    """A docstring as Markdown: code marks and indented blocks as they should be."""
+    text = inspect.cleandoc(text or "")
+    return re.sub(r"``([^`]+)``", r"`\1`", text)
+
+
+def head(text: str | None) -> str:
+    """A docstring without its Google-style sections."""
+    text = inspect.cleandoc(text or "")
+    text = re.split(r"\n\s*(?:Attributes|Args|Returns|Raises|Example):\n", text)[0]
+    return paragraphs(text)
+
+
+def attributes(cls: type) -> dict[str, str]:
+    """What the ``Attributes`` section says about each field."""
+    text = inspect.cleandoc(cls.__doc__ or "")
+    match = re.search(r"(?:^|\n)Attributes:\n((?:    .*\n?|\n)+)", text)
+    if not match:
+        return {}
+    found: dict[str, str] = {}
+    current = ""
+    for line in textwrap.dedent(match.group(1)).splitlines():
+        entry = re.match(r"([\w, ]+): (.*)", line)
+        if entry and not line.startswith(" "):
+            current = entry.group(1)
+            found[current] = entry.group(2)
+        elif line.strip():
+            found[current] += " " + line.strip()
+    return {
+        name.strip(): paragraphs(text)
+        for names, text in found.items()
+        for name in names.split(",")
+    }
+
+
+def trailing_strings(owner: type | ModuleType) -> dict[str, str]:
+    """The strings that follow assignments in a class or a module."""
+    tree = ast.parse(textwrap.dedent(inspect.getsource(owner)))
+    body = tree.body
+    if inspect.isclass(owner):
+        assert isinstance(body[0], ast.ClassDef)
+        body = body[0].body
+    found: dict[str, str] = {}
+    names: list[str] = []
+    for node in body:
+        if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
+            names = [node.target.id]
+        elif isinstance(node, ast.Assign):
+            names = [t.id for t in node.targets if isinstance(t, ast.Name)]
+        elif isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
+            for name in names:
+                found[name] = paragraphs(str(node.value.value)).replace("\n", " ")
+            names = []
+        else:
+            names = []
+    return found
+
+
+def defaults(cls: type) -> dict[str, Any]:
+    """The value with which each field of a dataclass begins."""
+    values = {}
+    for field in dataclasses.fields(cls):
+        if field.default is not dataclasses.MISSING:
+            values[field.name] = field.default
+        elif field.default_factory is not dataclasses.MISSING:
+            values[field.name] = field.default_factory()
+        else:
+            values[field.name] = dataclasses.MISSING
+    return values
+
+
+def is_parameter_set(value: object) -> bool:
+    """Whether it is a dataclass of numbers with a default for each, and no message."""
+    return (
+        inspect.isclass(value)
+        and dataclasses.is_dataclass(value)
+        and not issubclass(value, Message)
+        and len(dataclasses.fields(value)) > 0
+        and all(isinstance(v, int | float) for v in defaults(value).values())
+    )

@@ -1,0 +1,73 @@
+"""MANIPULATE: the pelvis goes where it is told while you hold the arms.
+
+Every pose is clamped to what legs, motors and feet allow, and the clamped one is
+reported.
+"""
+
+import argparse
+import sys
+
+from pydrake.geometry import Meshcat
+
+from atlas_drake import (
+    AtlasBehaviorPelvisServoParams,
+    AtlasCommand,
+    AtlasSimInterfaceCommand,
+    AtlasSimulation,
+    AtlasState,
+    Behavior,
+)
+
+POSES = [  # what, and how [m], [rad]
+    ("the customary height", {"pelvis_height": 0.8}),
+    ("lean forward", {"pelvis_height": 0.85, "pelvis_pitch": 0.35}),
+    ("weight to the left", {"pelvis_height": 0.85, "com_v0": 0.08}),
+    ("turn and tilt", {"pelvis_yaw": -0.1, "pelvis_roll": 0.15}),
+    ("far too deep", {"pelvis_height": 0.2}),
+]
+
+parser = argparse.ArgumentParser(description=__doc__)
+parser.add_argument("--headless", action="store_true", help="no 3D view")
+options = parser.parse_args()
+
+meshcat = None if options.headless else Meshcat()
+sim = AtlasSimulation(meshcat=meshcat)
+if meshcat is not None:
+    sim.set_realtime_rate(1.0)
+    input("Open the address above in a browser, then press Enter to start.")
+sim.advance(0.5)
+
+arms = AtlasCommand()  # both arms are yours: elbows out, well damped
+arms.position = list(sim.atlas_state.position)
+arms.position[AtlasState.l_arm_ely] = arms.position[AtlasState.r_arm_ely] = 1.2
+arms.kp_velocity = [20.0] * sim.robot.num_joints  # [N·m·s/rad]
+arms.k_effort = [255 if "arm" in name else 0 for name in sim.robot.joint_names]
+sim.publish(arms)
+
+command = AtlasSimInterfaceCommand()
+command.behavior = command.MANIPULATE
+command.manipulate_params.use_desired = True
+for what, pose in POSES:
+    # A new pelvis pose each time; k_effort stays empty: it leaves the arms with you.
+    desired = AtlasBehaviorPelvisServoParams()
+    command.manipulate_params.desired = desired
+    for field, value in pose.items():
+        setattr(desired, field, value)
+    sim.publish(command)
+    sim.advance(3.5)
+    feedback = sim.atlas_sim_interface_state.manipulate_feedback
+    granted, sensed = feedback.clamped, feedback.internal_sensed
+    print(f"{sim.time:5.2f} s  {what}")
+    for field, value in pose.items():
+        print(
+            f"    {field:13} asked {value:+.3f}  granted {getattr(granted, field):+.3f}"
+            f"  is {getattr(sensed, field):+.3f}"
+        )
+
+stand = AtlasSimInterfaceCommand()
+stand.behavior = stand.STAND
+sim.publish(stand)
+sim.advance(4.0)  # it comes back up first
+done = sim.current_behavior is Behavior.STAND and not sim.has_fallen
+print("Atlas stands again." if done else "Atlas did not make it.")
+sys.exit(not done)

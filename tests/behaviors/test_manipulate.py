@@ -1,0 +1,371 @@
+"""MANIPULATE: what it makes of messages, and that the robot follows."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from atlas_drake import AtlasCommand, AtlasSimInterfaceCommand, AtlasState, Scenario
+from atlas_drake.behaviors.balance import Balance
+from atlas_drake.behaviors.body_reference import BodyRates, capture_body
+from atlas_drake.behaviors.manipulate import Manipulate
+from atlas_drake.behaviors.stand import Stand
+from atlas_drake.control.gains import ControlGains
+from atlas_drake.control.pelvis_reach import PelvisReach
+from atlas_drake.messages import AtlasSimInterfaceState, Behavior, BehaviorStatus
+
+POSE_FIELDS = (
+    "pelvis_height",
+    "pelvis_yaw",
+    "pelvis_pitch",
+    "pelvis_roll",
+    "com_v0",
+    "com_v1",
+)
+LENGTH_TOLERANCE = 0.01
+"""[m]"""
+ANGLE_TOLERANCE = 0.02
+"""[rad]"""
+TOLERANCE = np.array(
+    [LENGTH_TOLERANCE, *[ANGLE_TOLERANCE] * 3, *[LENGTH_TOLERANCE] * 2]
+)
+
+
+def message(use_desired=True, demo=False, **desired):
+    command = AtlasSimInterfaceCommand()
+    command.behavior = command.MANIPULATE
+    params = command.manipulate_params
+    params.use_desired, params.use_demo_mode = use_desired, demo
+    for name, value in desired.items():
+        setattr(params.desired, name, value)
+    return command
+
+
+def numbers(pose):
+    return np.array([getattr(pose, name) for name in POSE_FIELDS])
+
+
+# ---- the behaviour by itself -------------------------------------------------
+
+
+@dataclasses.dataclass
+class Ticked:
+    """The behaviour with its memory, ticked by the test."""
+
+    behavior: Manipulate
+    memory: object
+    body: object
+    outcome: object = None
+
+    def tick(self, seen, request, leaving=False):
+        self.outcome = self.behavior.update(
+            self.memory, seen, self.body, request, leaving
+        )
+        self.memory, self.body = self.outcome.memory, self.outcome.body
+
+    @property
+    def feedback(self):
+        state = AtlasSimInterfaceState()
+        self.behavior.report(self.memory, state)
+        return state.manipulate_feedback
+
+
+@pytest.fixture(scope="module")
+def parts(model, observe):
+    terms = observe().terms
+    height = float(terms.com[2] - terms.feet[0].p_WF[2])
+    balance = Balance(model.robot, ControlGains())
+    manipulate = Manipulate(balance, PelvisReach(model), height, BodyRates())
+    return manipulate, Stand(balance, height, BodyRates())
+
+
+@pytest.fixture
+def start(parts, observe):
+    """Enters the behaviour with a message."""
+
+    def make(request):
+        seen = observe()
+        body = capture_body(seen.terms)
+        behavior = parts[0]
+        return Ticked(behavior, behavior.enter(seen, body, request), body)
+
+    return make
+
+
+def test_without_a_wish_it_stays_as_it_began(start, observe):
+    robot = start(message(use_desired=False))
+    began = numbers(robot.feedback.internal_desired)
+    np.testing.assert_allclose(numbers(robot.feedback.clamped), began, atol=1e-9)
+    np.testing.assert_allclose(began, numbers(robot.feedback.internal_sensed))
+    request = message(use_desired=False)
+    for _ in range(50):
+        robot.tick(observe(), request)
+    now = numbers(robot.feedback.internal_desired)
+    np.testing.assert_allclose(now, began, atol=1e-9)
+
+
+def test_it_takes_over_from_stand_and_gives_back_without_a_jump(parts, observe, start):
+    """At the hand-over both ask for the same accelerations."""
+    manipulate, stand = parts
+    seen = observe(pitch=0.02)
+    body = dataclasses.replace(
+        capture_body(observe().terms), height=capture_body(seen.terms).height + 0.01
+    )
+    quiet = message(use_desired=False)
+    memory = stand.enter(seen, body, quiet)
+    first = stand.update(memory, seen, body, quiet, False)
+    memory = manipulate.enter(seen, first.body, quiet)
+    second = manipulate.update(memory, seen, first.body, quiet, False)
+    memory = stand.enter(seen, second.body, quiet)
+    third = stand.update(memory, seen, second.body, quiet, False)
+    for before, after in ((first, second), (second, third)):
+        for field in (
+            "com_acceleration",
+            "pelvis_angular_acceleration",
+            "chest_angular_acceleration",
+        ):
+            # STAND's reference sets off at once; nothing else may differ.
+            np.testing.assert_allclose(
+                getattr(after.command, field),
+                getattr(before.command, field),
+                atol=12.5 * BodyRates().height,
+            )
+
+
+def test_the_goal_is_what_can_be_had_of_the_wish(start):
+    feedback = start(message(pelvis_height=0.85, pelvis_pitch=0.1)).feedback
+    expected = [0.85, 0.0, 0.1, 0.0, 0.0, 0.0]
+    np.testing.assert_allclose(numbers(feedback.clamped), expected)
+    assert start(message(pelvis_height=-3.0)).feedback.clamped.pelvis_height > 0.5
+    assert start(message(pelvis_height=30.0)).feedback.clamped.pelvis_height < 1.0
+
+
+def test_messages_change_the_goal_and_no_desired_keeps_it(start, observe):
+    robot = start(message(pelvis_height=0.85))
+    robot.tick(observe(), message(pelvis_height=0.83))
+    assert robot.feedback.clamped.pelvis_height == 0.83
+    robot.tick(observe(), message(use_desired=False, pelvis_height=0.7))
+    assert robot.feedback.clamped.pelvis_height == 0.83
+
+
+def test_a_message_for_another_behavior_is_not_listened_to(start, observe):
+    robot = start(message(pelvis_height=0.85))
+    refused = message(pelvis_height=0.7)
+    refused.behavior = "walk"
+    robot.tick(observe(), refused)
+    assert robot.feedback.clamped.pelvis_height == 0.85
+
+
+def test_the_demo_is_not_begun_anew_and_stops_where_it_is(start, observe):
+    demo = message(demo=True)
+    robot = start(demo)
+    for _ in range(700):
+        robot.tick(observe(), demo)
+    moved = robot.feedback.clamped
+    assert moved.pelvis_height < 0.9
+    robot.tick(observe(), message(demo=True))
+    assert robot.feedback.clamped.pelvis_height < moved.pelvis_height
+    stopped = message(use_desired=False)
+    robot.tick(observe(), stopped)
+    held = robot.feedback.clamped.pelvis_height
+    assert held == pytest.approx(moved.pelvis_height, abs=1e-3)
+    robot.tick(observe(), stopped)
+    assert robot.feedback.clamped.pelvis_height == held
+
+
+def test_arms_stay_and_hands_are_taken_back_where_the_user_leaves_them(
+    start, observe, model
+):
+    quiet = message(use_desired=False)
+    robot = start(quiet)
+    arm = AtlasState.l_arm_ely
+    raised = dataclasses.replace(
+        robot.body, joints=robot.body.joints + 0.3 * model.robot.limb("l_arm")
+    )
+    robot.body = raised
+    for _ in range(50):
+        robot.tick(observe(), quiet)
+    assert robot.body.joints[arm] == raised.joints[arm]
+    # The user's joints are where the user has them, and stay there afterwards.
+    held = observe(held=("l_arm_ely",))
+    robot.tick(held, quiet)
+    assert robot.body.joints[arm] == held.terms.q[arm]
+    robot.tick(observe(), quiet)
+    assert robot.body.joints[arm] == held.terms.q[arm]
+
+
+def test_a_user_who_has_a_leg_is_waited_for(start, observe):
+    request = message(pelvis_height=0.85)
+    robot = start(request)
+    held = observe(held=("r_leg_kny",))
+    for _ in range(20):
+        robot.tick(held, request)
+    feedback = robot.feedback
+    began = numbers(feedback.internal_sensed)
+    np.testing.assert_allclose(numbers(feedback.clamped), began, atol=1e-4)
+    # STAND need not wait for what cannot be done.
+    stand = AtlasSimInterfaceCommand(behavior="STAND")
+    robot.tick(held, stand, leaving=True)
+    assert robot.outcome.finished
+    robot.tick(observe(), request)
+    assert robot.feedback.clamped.pelvis_height == 0.85
+
+
+def test_it_leaves_when_it_is_back_at_stands_pose(start, observe):
+    robot = start(message(pelvis_height=0.85))
+    request = message(pelvis_height=0.85)
+    for _ in range(300):
+        robot.tick(observe(), request)
+    assert robot.feedback.internal_desired.pelvis_height < 0.88
+    stand = AtlasSimInterfaceCommand(behavior="STAND")
+    ticks = 0
+    while not robot.outcome.finished:
+        robot.tick(observe(), stand, leaving=True)
+        ticks += 1
+        assert ticks < 1500
+    assert ticks > 100
+    home = robot.feedback.clamped.pelvis_height
+    assert robot.feedback.internal_desired.pelvis_height == pytest.approx(
+        home, abs=0.003
+    )
+    assert home > 0.9
+
+
+# ---- the simulated robot -----------------------------------------------------
+
+
+def measured(recording, robot):
+    """The pose from the plant itself, not from what the behaviour says of it."""
+    sim = recording.sim
+    plant = sim.plant
+    context = plant.GetMyContextFromRoot(sim.context)
+    soles = [
+        plant.GetFrameByName(foot.sole_frame).CalcPoseInWorld(context)
+        for foot in robot.file.feet
+    ]
+    left, right = (sole.translation() for sole in soles)
+    middle = 0.5 * (left + right)
+    along = (left - right)[:2] / np.linalg.norm((left - right)[:2])
+    across = np.array([along[1], -along[0]])
+    offset = (plant.CalcCenterOfMassPositionInWorld(context) - middle)[:2]
+    pelvis = sim.pelvis_pose
+    roll, pitch, yaw = pelvis.rotation().ToRollPitchYaw().vector()
+    heading = np.mean([sole.rotation().ToRollPitchYaw().yaw_angle() for sole in soles])
+    height = pelvis.translation()[2] - middle[2]
+    return np.array(
+        [height, yaw - heading, pitch, roll, offset @ along, offset @ across]
+    )
+
+
+def move(recording, request, seconds):
+    """Sends a message and returns how far any joint was loaded on the way."""
+    recording.sim.publish(request)
+    limit = recording.sim.robot.effort_limit
+    load = np.zeros(len(limit))
+    end = recording.sim.time + seconds
+    while recording.sim.time < end - 1e-9:
+        recording.advance(0.02)
+        effort = np.abs(np.array(recording.sim.atlas_state.effort))
+        load = np.maximum(load, effort / limit)
+    return load.max()
+
+
+def assert_follows(recording):
+    assert not recording.sim.has_fallen
+    feedback = recording.looks[-1].report.manipulate_feedback
+    pose = measured(recording, recording.sim.robot)
+    error = np.abs(pose - numbers(feedback.clamped))
+    assert (error < TOLERANCE).all(), error
+    sensed = numbers(feedback.internal_sensed)
+    np.testing.assert_allclose(sensed, pose, atol=2e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["atlas", "atlas_v3"])
+def test_the_robot_takes_the_pose_that_is_granted(record, name):
+    recording = record(Scenario(model=name))
+    # The customary pose; far too deep and sideways; leaning and turned.
+    for request, granted in (
+        (message(), True),
+        (message(pelvis_height=0.1, com_v0=1.0, pelvis_roll=-2.0), False),
+        (
+            message(
+                pelvis_height=0.86,
+                pelvis_yaw=0.1,
+                pelvis_pitch=0.3,
+                pelvis_roll=-0.1,
+                com_v0=-0.03,
+                com_v1=0.04,
+            ),
+            True,
+        ),
+    ):
+        assert move(recording, request, 3.8) < 1.0
+        assert_follows(recording)
+        clamped = recording.looks[-1].report.manipulate_feedback.clamped
+        desired = request.manipulate_params.desired
+        assert (clamped == desired) == granted
+    # No jerks on the way.
+    heights = np.array([look.state[6] for look in recording.looks])
+    times = np.array([look.time for look in recording.looks])
+    speed = np.diff(heights) / np.diff(times)
+    assert np.abs(speed).max() < 0.15
+    assert np.abs(np.diff(speed)).max() < 0.02
+
+
+@pytest.mark.slow
+def test_a_push_is_withstood_and_stand_follows(record):
+    recording = record()
+    move(recording, message(pelvis_height=0.8, pelvis_pitch=0.2, com_v1=0.03), 2.5)
+    for force in ([100.0, 0.0, 0.0], [0.0, -100.0, 0.0]):
+        recording.sim.apply_push("utorso", force, 0.1)
+        recording.advance(1.5)
+    assert_follows(recording)
+    recording.ask("WALK")
+    recording.advance(0.02)
+    report = recording.looks[-1].report
+    assert report.current_behavior is Behavior.MANIPULATE
+    flags = report.behavior_feedback.status_flags
+    assert flags == BehaviorStatus.FAILED_TRANS_ILLEGAL_BEHAVIOR
+    recording.ask("STAND")
+    recording.advance(0.1)
+    report = recording.looks[-1].report
+    assert report.desired_behavior is Behavior.STAND
+    assert report.current_behavior is Behavior.MANIPULATE
+    recording.advance(
+        4.0, until=lambda report: report.current_behavior is Behavior.STAND
+    )
+    report = recording.looks[-1].report
+    assert report.behavior_feedback.status_flags == BehaviorStatus.TRANSITION_SUCCESS
+    recording.advance(0.5)
+    assert not recording.sim.has_fallen
+    tilt = [look.state[1:4] for look in recording.looks[-20:]]
+    np.testing.assert_allclose(tilt, 0.0, atol=0.01)
+
+
+@pytest.mark.slow
+def test_a_leg_that_the_user_takes_makes_the_pelvis_wait(record):
+    recording = record()
+    move(recording, message(pelvis_height=0.84), 1.5)
+    before = measured(recording, recording.sim.robot)
+    taken = AtlasCommand()
+    # Held as it is, with the effort that carries its load.
+    taken.position = list(recording.sim.atlas_state.position)
+    taken.effort = list(recording.sim.atlas_state.effort)
+    taken.k_effort = [0] * 28
+    taken.k_effort[AtlasState.l_leg_hpz : AtlasState.l_leg_akx + 1] = [255] * 6
+    recording.sim.publish(taken)
+    recording.advance(0.2)
+    recording.sim.publish(message(pelvis_height=0.75))
+    recording.advance(1.0)
+    clamped = recording.looks[-1].report.manipulate_feedback.clamped
+    assert clamped.pelvis_height == pytest.approx(before[0], abs=0.01)
+    pose = measured(recording, recording.sim.robot)
+    np.testing.assert_allclose(pose, before, atol=0.04)
+    # Handed back, it goes where it was sent.
+    taken.k_effort = [0] * 28
+    recording.sim.publish(taken)
+    recording.advance(2.5)
+    clamped = recording.looks[-1].report.manipulate_feedback.clamped
+    assert clamped.pelvis_height == 0.75
+    assert_follows(recording)

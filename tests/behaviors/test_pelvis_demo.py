@@ -1,0 +1,49 @@
+"""The demo's movement: smooth, periodic, and no more than is allowed."""
+
+import numpy as np
+import pytest
+
+from atlas_drake.behaviors.pelvis_demo import (
+    MOVEMENTS,
+    PERIOD,
+    demo_amplitude,
+    demo_pose,
+)
+from atlas_drake.control.pelvis_pose import PelvisPose
+
+HOME = PelvisPose(0.89)
+ROUND = PERIOD * len(MOVEMENTS)
+TIMES = np.arange(0.0, ROUND, 0.01)
+
+
+def path(share):
+    return np.array([demo_pose(HOME, share, float(time)) for time in TIMES])
+
+
+def test_it_begins_at_home_at_rest_and_repeats():
+    assert demo_pose(HOME, 1.0, 0.0) == HOME
+    np.testing.assert_allclose(demo_pose(HOME, 1.0, 1e-3), HOME, atol=1e-6)
+    for time in (0.7, 8.1, 20.0):
+        np.testing.assert_allclose(
+            demo_pose(HOME, 1.0, time), demo_pose(HOME, 1.0, time + ROUND), atol=1e-9
+        )
+
+
+def test_everything_moves_as_far_as_it_says_and_without_jumps():
+    poses = path(1.0)
+    for name, size, kind in MOVEMENTS:
+        moved = poses[:, PelvisPose._fields.index(name)] - getattr(HOME, name)
+        assert np.abs(moved).max() == pytest.approx(abs(size), rel=0.01)
+        # To one side, or to both.
+        assert (moved.min() * moved.max() < -1e-6) == (kind == "sway")
+    assert np.abs(np.diff(poses, axis=0)).max() < 0.35 * 0.01
+    # Nor does the speed jump.
+    assert np.abs(np.diff(poses, 2, axis=0)).max() < 2.0 * 0.01**2
+
+
+def test_where_little_is_allowed_it_moves_less():
+    half = demo_amplitude(HOME, lambda pose: abs(pose.yaw) < 0.07)
+    assert half == 0.5
+    assert np.abs(path(half)[:, 1]).max() < 0.07
+    assert demo_amplitude(HOME, lambda pose: True) == 1.0
+    assert demo_amplitude(HOME, lambda pose: pose == HOME) == 0.0

@@ -1,0 +1,368 @@
+"""STEP on the simulated robot: any foot, any way, up, down, tilted, cut short."""
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+from atlas_drake import AtlasSimInterfaceCommand, Scenario
+from atlas_drake.messages import (
+    NO_STEP,
+    AtlasBehaviorStepData,
+    Behavior,
+    BehaviorStatus,
+    StepStatus,
+    ToeOff,
+    Vector3,
+)
+from atlas_drake.terrain import Block
+
+LEFT, RIGHT = 0, 1
+LONGEST = 9.0
+"""No step of this file takes as long [s]."""
+LANDING_ERROR = 0.02
+"""Farthest that a step within reach may land from where it was sent [m]."""
+STANDING = {LEFT: (0.016, 0.14), RIGHT: (0.016, -0.14)}
+"""Where the feet are when the robot starts at the origin [m]."""
+
+
+def in_stand(report):
+    return report.current_behavior is Behavior.STAND
+
+
+def flags(report):
+    return report.step_feedback.status_flags
+
+
+def waiting(index):
+    """Whether this step is done and the robot waits for the next one."""
+
+    def look(report):
+        step = report.step_feedback
+        done = step.current_step_index == index and step.t_step_rem == 0.0
+        return done and step.status_flags == StepStatus.SUBSTATE_SWAYING
+
+    return look
+
+
+def in_air(report):
+    return flags(report) == StepStatus.SUBSTATE_STEPPING
+
+
+class Stepping:
+    """A recording of a robot that is told step by step."""
+
+    def __init__(self, record, scenario):
+        self.recording = record(scenario)
+        self.sim = self.recording.sim
+        self.index = 0
+
+    def send(self, foot, x, y, z=0.0, yaw=0.0, normal=(0.0, 0.0, 1.0), **action):
+        """Asks for the next step."""
+        command = AtlasSimInterfaceCommand()
+        command.behavior = command.STEP
+        command.step_params.use_spec = True
+        self.index += 1
+        spec = command.step_params.desired_step_spec
+        spec.step_index, spec.foot_index = self.index, foot
+        spec.foot.position, spec.foot.yaw = Vector3(x, y, z), yaw
+        spec.foot.normal = Vector3.from_array(normal)
+        for name, value in action.items():
+            setattr(spec.action, name, value)
+        self.sim.publish(command)
+
+    def step(self, *args, **kwargs):
+        """Asks for the next step and waits until it is done."""
+        self.send(*args, **kwargs)
+        assert self.recording.advance(LONGEST, waiting(self.index))
+        return self.sim.footsteps[-1]
+
+    def assert_done(self):
+        """Every step landed in place; upright, and nothing to complain of."""
+        sim = self.sim
+        assert not sim.has_fallen
+        assert [e.text for e in sim.events if e.kind == "warning"] == []
+        landed = [step["index"] for step in sim.footsteps]
+        assert landed == list(range(1, self.index + 1))
+        for step in sim.footsteps:
+            assert step["error_m"] <= LANDING_ERROR, step
+            turned = step["landed"][2] - step["commanded"][2]
+            assert abs(math.remainder(turned, 2.0 * math.pi)) < 0.05, step
+
+    def stand(self):
+        """Asks for STAND, which comes at once."""
+        self.recording.ask("stand")
+        self.recording.advance(0.02)
+        report = self.report
+        assert in_stand(report)
+        status = report.behavior_feedback.status_flags
+        assert status == BehaviorStatus.TRANSITION_SUCCESS
+        self.recording.advance(0.6)
+        assert not self.sim.has_fallen
+
+    @property
+    def report(self):
+        return self.recording.looks[-1].report
+
+
+@pytest.fixture
+def stepping(record):
+    """Makes a robot to be told; the coarser physics halves the wait."""
+    return lambda **scenario: Stepping(record, Scenario(physics_step=0.002, **scenario))
+
+
+def block_ahead(rise, gap=0.04):
+    """A platform that begins ``gap`` before the toes."""
+    near = STANDING[LEFT][0] + 0.13 + gap
+    return Block(size=[1.0, 2.0, rise], position=[near + 0.5, 0.0, rise])
+
+
+@pytest.mark.slow
+def test_aside_and_round_with_the_same_foot_twice(stepping):
+    robot = stepping()
+    robot.step(RIGHT, 0.05, -0.25)
+    robot.step(RIGHT, -0.05, -0.15, yaw=-0.3)
+    robot.assert_done()
+    # It waits as long as one likes.
+    robot.recording.advance(0.6)
+    assert waiting(2)(robot.report)
+    robot.stand()
+
+
+@pytest.mark.slow
+def test_backwards_and_across_without_a_pause(stepping):
+    robot = stepping()
+    robot.send(RIGHT, -0.2, -0.13)
+    assert robot.recording.advance(LONGEST, in_air)
+    robot.send(LEFT, -0.2, 0.3)
+    assert robot.recording.advance(2.0 * LONGEST, waiting(2))
+    robot.assert_done()
+    seen = [
+        flags(look.report)
+        for look in robot.recording.looks
+        if look.report.current_behavior is Behavior.STEP
+    ]
+    assert [key for key, _ in itertools.groupby(seen)] == [
+        StepStatus.SUBSTATE_SWAYING,
+        StepStatus.SUBSTATE_STEPPING,
+    ] * 2 + [StepStatus.SUBSTATE_SWAYING]
+
+
+@pytest.mark.slow
+def test_ahead_quasi_statically(stepping):
+    robot = stepping()
+    robot.send(LEFT, 0.25, 0.14)
+    assert robot.recording.advance(LONGEST, in_air)
+    stance = robot.report.foot_pos_est[RIGHT].position
+    pelvis = []
+    while in_air(robot.report):
+        robot.recording.advance(0.02)
+        pelvis.append(robot.sim.pelvis_pose.translation()[:2])
+    # The body stands over the one foot and does not fall towards the other.
+    assert np.ptp(pelvis, axis=0).max() < 0.03
+    assert abs(pelvis[-1][1] - stance.y) < 0.05
+    assert len(pelvis) * 0.02 > 1.0
+    assert robot.recording.advance(LONGEST, waiting(1))
+    robot.assert_done()
+    # An index that was used already asks for nothing.
+    robot.index = 0
+    robot.send(RIGHT, 0.1, -0.13)
+    robot.recording.advance(0.1)
+    (warning,) = [e for e in robot.sim.events if e.kind == "warning"]
+    assert "the next one is 2" in warning.text
+    assert waiting(1)(robot.report)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("model", "rise"), [("atlas", 0.15), ("atlas_v3", 0.10)], ids=["atlas", "atlas_v3"]
+)
+def test_up_a_platform(stepping, model, rise):
+    robot = stepping(model=model, terrain=[block_ahead(rise)])
+    robot.step(LEFT, 0.32, 0.13, rise)
+    second = robot.step(RIGHT, 0.32, -0.13, rise)
+    # The leg left behind is too short for that, but for its heel.
+    spec = robot.report.step_feedback.desired_step_spec_saturated
+    assert spec.action.toe_off == ToeOff.ENABLE
+    assert second["landed_height"] == pytest.approx(rise, abs=0.005)
+    robot.assert_done()
+    robot.stand()
+    assert robot.sim.pelvis_pose.translation()[2] > 0.8 + rise
+
+
+@pytest.mark.slow
+def test_down_a_platform(stepping):
+    rise = 0.15
+    terrain = [Block(size=[1.0, 2.0, rise], position=[-0.33, 0.0, rise])]
+    robot = stepping(terrain=terrain)
+    robot.step(LEFT, 0.32, 0.13, 0.0)
+    robot.step(RIGHT, 0.32, -0.13, 0.0)
+    robot.assert_done()
+    assert [step["landed_height"] for step in robot.sim.footsteps] == pytest.approx(
+        [0.0, 0.0], abs=0.005
+    )
+    robot.stand()
+
+
+@pytest.mark.slow
+def test_onto_a_tilted_block_and_off_it(stepping):
+    block = Block(
+        size=[0.4, 0.34, 0.2], position=[0.38, 0.13, 0.06], rpy=[0.1, -0.15, 0.0]
+    )
+    robot = stepping(terrain=[block])
+    R_WB = block.X_WT.rotation().matrix()
+    robot.step(LEFT, 0.38, 0.13, 0.06, normal=R_WB[:, 2])
+    robot.recording.advance(1.0)
+    foot = robot.report.foot_pos_est[LEFT].orientation
+    z_axis = np.array(
+        [
+            2.0 * (foot.x * foot.z + foot.w * foot.y),
+            2.0 * (foot.y * foot.z - foot.w * foot.x),
+            1.0 - 2.0 * (foot.x**2 + foot.y**2),
+        ]
+    )
+    assert z_axis @ R_WB[:, 2] == pytest.approx(1.0, abs=1e-3)
+    # The other foot: for its step the robot stands on the slope alone.
+    robot.step(RIGHT, 0.2, -0.2)
+    robot.assert_done()
+    robot.stand()
+
+
+@pytest.mark.slow
+def test_ground_that_is_higher_than_told_is_met_early(stepping):
+    robot = stepping(terrain=[block_ahead(0.03)])
+    step = robot.step(LEFT, 0.32, 0.13, 0.0)
+    assert step["landed_height"] == pytest.approx(0.03, abs=0.005)
+    robot.assert_done()
+
+
+@pytest.mark.slow
+def test_ground_that_is_lower_than_told_is_looked_for(stepping):
+    robot = stepping()
+    step = robot.step(LEFT, 0.25, 0.13, 0.04)
+    assert step["landed_height"] == pytest.approx(0.0, abs=0.005)
+    robot.assert_done()
+
+
+@pytest.mark.slow
+def test_a_foot_that_finds_no_ground_goes_back(stepping):
+    robot = stepping()
+    step = robot.step(LEFT, 0.2, 0.14, 0.15)
+    (warning,) = [e for e in robot.sim.events if e.kind == "warning"]
+    assert "no ground" in warning.text
+    np.testing.assert_allclose(step["landed"][:2], STANDING[LEFT], atol=LANDING_ERROR)
+    assert not robot.sim.has_fallen
+    robot.stand()
+
+
+@pytest.mark.slow
+def test_asked_to_stand_in_mid_step_it_puts_the_foot_down_first(stepping):
+    robot = stepping()
+    robot.send(LEFT, 0.2, 0.13)
+    assert robot.recording.advance(LONGEST, in_air)
+    robot.recording.ask("stand")
+    robot.recording.advance(0.1)
+    report = robot.report
+    assert report.current_behavior is Behavior.STEP
+    assert report.desired_behavior is Behavior.STAND
+    status = report.behavior_feedback.status_flags
+    assert status == BehaviorStatus.TRANSITION_IN_PROGRESS
+    assert robot.recording.advance(LONGEST, in_stand)
+    status = robot.report.behavior_feedback.status_flags
+    assert status == BehaviorStatus.TRANSITION_SUCCESS
+    robot.assert_done()
+    # Over both feet when STAND takes over.
+    middle = 0.5 * sum(foot.position.x for foot in robot.report.foot_pos_est)
+    assert robot.sim.pelvis_pose.translation()[0] == pytest.approx(middle, abs=0.05)
+
+
+def test_asked_to_stand_before_the_foot_lifts_it_stands_at_once(stepping):
+    robot = stepping()
+    robot.send(LEFT, 0.2, 0.13)
+    robot.recording.advance(0.4)
+    assert flags(robot.report) == StepStatus.SUBSTATE_SWAYING
+    robot.stand()
+    assert robot.sim.footsteps == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("behavior", [Behavior.FREEZE, Behavior.USER])
+def test_freeze_and_user_do_not_wait_for_the_step(stepping, behavior):
+    robot = stepping()
+    robot.send(LEFT, 0.2, 0.13)
+    assert robot.recording.advance(LONGEST, in_air)
+    robot.recording.ask(behavior)
+    robot.recording.advance(0.02)
+    assert robot.report.current_behavior is behavior
+    assert flags(robot.report) == StepStatus.OKAY
+
+
+def test_without_a_step_it_waits_in_double_support(stepping):
+    robot = stepping()
+    robot.recording.ask("step")
+    robot.recording.advance(0.3)
+    feedback = robot.report.step_feedback
+    assert robot.report.current_behavior is Behavior.STEP
+    assert (feedback.current_step_index, feedback.next_step_index_needed) == (0, 1)
+    assert feedback.status_flags == StepStatus.SUBSTATE_SWAYING
+    assert feedback.desired_step_saturated.step_index == NO_STEP
+    robot.stand()
+
+
+def test_a_step_is_reported_as_it_is_taken(stepping):
+    robot = stepping()
+    robot.send(LEFT, 1.0, 0.9, yaw=1.0, max_foot_vel=0.25, lift_height=0.12)
+    robot.recording.advance(0.02)
+    robot.recording.advance(0.1)
+    feedback = robot.report.step_feedback
+    assert (feedback.current_step_index, feedback.next_step_index_needed) == (1, 2)
+    spec, data = feedback.desired_step_spec_saturated, feedback.desired_step_saturated
+    assert (spec.step_index, spec.foot_index) == (1, LEFT)
+    # As far as a leg reaches, and no farther.
+    stance = robot.report.foot_pos_est[RIGHT].position
+    assert 0.2 < spec.foot.position.x - stance.x < 0.5
+    assert 0.2 < spec.foot.position.y - stance.y < 0.6
+    assert 0.3 < spec.foot.yaw < 0.7
+    assert (data.pose.position.x, data.pose.position.y) == (
+        spec.foot.position.x,
+        spec.foot.position.y,
+    )
+    assert spec.action.lift_height == 0.12
+    # The foot's speed asks for more time than the message does.
+    assert spec.action.step_duration > 2.0
+    assert data.duration == spec.action.step_duration
+    assert data.swing_height >= 0.12
+    planned = spec.action.sway_duration + spec.action.step_duration
+    assert feedback.t_step_rem == pytest.approx(planned - 0.12, abs=0.05)
+
+
+def test_the_plain_form_of_a_step(stepping):
+    robot = stepping()
+    command = AtlasSimInterfaceCommand()
+    command.behavior = command.STEP
+    step = AtlasBehaviorStepData()
+    step.step_index, step.foot_index = 1, RIGHT
+    step.duration, step.swing_height = 2.5, 0.15
+    step.pose.position.x, step.pose.position.y = 0.2, -0.14
+    step.pose.position.z = 0.0
+    command.step_params.desired_step = step
+    command.step_params.use_relative_step_height = True
+    robot.sim.publish(command)
+    robot.recording.advance(0.1)
+    taken = robot.report.step_feedback.desired_step_saturated
+    assert taken.duration == pytest.approx(2.5)
+    assert taken.swing_height == pytest.approx(0.15, abs=0.005)
+
+
+def test_a_step_out_of_reach_is_refused_and_the_next_one_taken(stepping):
+    robot = stepping(model="atlas_v3")
+    robot.send(LEFT, -0.25, 0.13, -0.15)
+    robot.recording.advance(0.3)
+    (warning,) = [e for e in robot.sim.events if e.kind == "warning"]
+    assert "out of reach" in warning.text
+    assert robot.report.step_feedback.current_step_index == 0
+    robot.index = 0
+    robot.send(LEFT, 0.1, 0.13)
+    robot.recording.advance(0.3)
+    assert robot.report.step_feedback.current_step_index == 1

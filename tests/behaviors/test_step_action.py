@@ -1,0 +1,146 @@
+"""What STEP reads from its messages: thresholds, defaults, bounds, both forms."""
+
+import math
+
+import numpy as np
+import pytest
+
+from atlas_drake.behaviors.step_action import (
+    LARGEST_ACTION,
+    StepAction,
+    desired_step,
+    resolve_action,
+    step_spec_from,
+)
+from atlas_drake.messages import (
+    AtlasBehaviorStepAction,
+    AtlasBehaviorStepParams,
+    ToeOff,
+    Vector3,
+)
+
+DEFAULT = StepAction(knee_nominal=0.72)
+LEVEL = (0.0, 0.0)
+
+
+def resolved(**fields):
+    action = AtlasBehaviorStepAction()
+    for name, value in fields.items():
+        setattr(action, name, value)
+    return resolve_action(action, DEFAULT)
+
+
+def test_an_empty_action_leaves_the_defaults():
+    assert resolved() == DEFAULT
+
+
+@pytest.mark.parametrize(
+    ("name", "ignored", "used"),
+    [
+        ("step_duration", 0.0, 1.5),
+        ("sway_duration", 0.19, 0.2),
+        ("swing_height", 0.09, 0.1),
+        ("lift_height", 0.09, 0.1),
+        ("knee_nominal", 0.29, 0.3),
+        ("max_body_accel", 0.0, 0.2),
+        ("max_foot_vel", 0.0, 0.3),
+    ],
+)
+def test_a_value_below_its_threshold_is_ignored(name, ignored, used):
+    assert getattr(resolved(**{name: ignored}), name) == getattr(DEFAULT, name)
+    assert getattr(resolved(**{name: used}), name) == used
+
+
+@pytest.mark.parametrize("name", ["sway_end_dist", "step_end_dist"])
+def test_end_distances_count_within_five_centimetres(name):
+    for value in (0.02, 0.0, -0.02):
+        assert getattr(resolved(**{name: value}), name) == value
+    for value in (0.051, -0.06, 0.1):
+        assert getattr(resolved(**{name: value}), name) == getattr(DEFAULT, name)
+    # The sole has not room for all of that.
+    largest = getattr(LARGEST_ACTION, name)
+    assert getattr(resolved(**{name: 0.05}), name) == largest
+    assert getattr(resolved(**{name: -0.05}), name) == -largest
+
+
+def test_what_is_too_much_is_bounded():
+    wanted = resolved(lift_height=3.0, knee_nominal=2.0, max_foot_vel=90.0)
+    for name in ("lift_height", "knee_nominal", "max_foot_vel"):
+        assert getattr(wanted, name) == getattr(LARGEST_ACTION, name)
+
+
+@pytest.mark.parametrize("setting", ToeOff)
+def test_toe_off_is_taken_over(setting):
+    assert resolved(toe_off=int(setting)).toe_off is setting
+
+
+def params(use_spec=True, **fields):
+    message = AtlasBehaviorStepParams()
+    message.use_spec = use_spec
+    step = message.desired_step_spec if use_spec else message.desired_step
+    step.step_index, step.foot_index = 4, 1
+    for name, value in fields.items():
+        setattr(message, name, value)
+    return message
+
+
+def test_without_a_step_there_is_none():
+    assert desired_step(AtlasBehaviorStepParams(), LEVEL, DEFAULT) is None
+    # The form that is not in use does not count.
+    assert desired_step(params(use_spec=False), LEVEL, DEFAULT) is not None
+    message = params(use_spec=False)
+    message.use_spec = True
+    assert desired_step(message, LEVEL, DEFAULT) is None
+
+
+def test_the_full_form():
+    message = params()
+    spec = message.desired_step_spec
+    spec.foot.position = Vector3(0.3, -0.1, 0.2)
+    spec.foot.yaw = 0.4
+    spec.foot.normal = Vector3(0.0, 0.6, 0.8 * 1.0)
+    spec.action.lift_height = 0.15
+    wanted = desired_step(message, LEVEL, DEFAULT)
+    assert (wanted.step.index, wanted.step.foot, wanted.step.yaw) == (4, 1, 0.4)
+    np.testing.assert_allclose(wanted.step.p_WF, [0.3, -0.1, 0.2])
+    np.testing.assert_allclose(wanted.step.normal, [0.0, 0.6, 0.8])
+    assert wanted.action.lift_height == 0.15
+    # And back.
+    again = step_spec_from(wanted.step, wanted.action)
+    assert again.foot == spec.foot
+    assert again.action.lift_height == 0.15
+    assert (again.step_index, again.foot_index) == (4, 1)
+
+
+@pytest.mark.parametrize("use_spec", [True, False])
+def test_height_may_be_relative_to_the_stance_foot(use_spec):
+    message = params(use_spec, use_relative_step_height=True)
+    z = 0.1
+    if use_spec:
+        message.desired_step_spec.foot.position.z = z
+    else:
+        message.desired_step.pose.position.z = z
+        message.desired_step.duration = 1.0
+    # The right foot steps, so that the left one, at 0.3 m, counts.
+    wanted = desired_step(message, (0.3, -0.7), DEFAULT)
+    assert wanted.step.p_WF[2] == pytest.approx(0.4)
+
+
+def test_the_plain_form_counts_its_apex_from_between_the_footholds():
+    message = params(use_spec=False)
+    step = message.desired_step
+    step.duration, step.swing_height = 1.2, 0.3
+    step.pose.position.z = 0.1
+    step.pose.orientation.y = math.sin(0.05)
+    step.pose.orientation.w = math.cos(0.05)
+    wanted = desired_step(message, LEVEL, DEFAULT)
+    assert wanted.action.step_duration == 1.2
+    apex = 0.1 + wanted.action.lift_height + wanted.action.swing_height
+    assert apex == pytest.approx(0.05 + 0.3)
+    # The orientation's z axis is the ground's normal.
+    np.testing.assert_allclose(
+        wanted.step.normal, [math.sin(0.1), 0.0, math.cos(0.1)], atol=1e-12
+    )
+    step.swing_height = 0.01
+    low = desired_step(message, LEVEL, DEFAULT)
+    assert low.action.swing_height == DEFAULT.swing_height

@@ -1,0 +1,149 @@
+"""Which steps a walk takes: heights and what they mean, and the demonstration's own."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from atlas_drake.behaviors.walk_steps import DEMO_STEPS, demo_steps, steps_asked_for
+from atlas_drake.control.footstep import (
+    LEFT,
+    RIGHT,
+    UP,
+    FootPose,
+    Footstep,
+    StepLimits,
+    cleared,
+    laid_out,
+    outward,
+    saturate,
+)
+from atlas_drake.control.rotations import rotation_z
+from atlas_drake.messages import AtlasBehaviorStepData, AtlasBehaviorWalkParams
+
+LIMITS = StepLimits()
+GROUND = 1.0
+"""Height of the stance foot [m]."""
+STANCE = FootPose(np.array([0.2, -0.1, GROUND]), np.eye(3))
+PITCH = 0.1
+TILTED = np.array([math.sin(PITCH), 0.0, math.cos(PITCH)])
+
+
+def step(z, *, relative=False, normal=TILTED):
+    return Footstep(1, LEFT, np.array([0.4, 0.1, z]), 0.0, 0.63, 0.1, normal, relative)
+
+
+@pytest.mark.parametrize("rise", [-0.1, -0.05, 0.0, 0.05, 0.1])
+def test_a_height_near_the_stance_foot_is_meant(rise):
+    absolute = laid_out(step(GROUND + rise), STANCE, LIMITS)
+    relative = laid_out(step(rise, relative=True), STANCE, LIMITS)
+    for taken in (absolute, relative):
+        assert not taken.relative
+        assert taken.p_WF[2] == pytest.approx(GROUND + rise)
+        np.testing.assert_array_equal(taken.normal, TILTED)
+        # And it is one that can be done.
+        done = saturate(taken, STANCE, LIMITS)
+        np.testing.assert_allclose(done.p_WF, taken.p_WF, atol=1e-12)
+        np.testing.assert_array_equal(done.normal, TILTED)
+
+
+@pytest.mark.parametrize("z", [0.0, GROUND + 0.9, GROUND - 5.0])
+def test_a_height_that_no_foot_can_mean_is_ignored_with_the_normal(z):
+    taken = laid_out(step(z), STANCE, LIMITS)
+    np.testing.assert_array_equal(taken.p_WF, [0.4, 0.1, GROUND])
+    np.testing.assert_array_equal(taken.normal, UP)
+
+
+@pytest.mark.parametrize("relative", [True, False])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_step_too_high_is_saturated(relative, sign):
+    rise = sign * (LIMITS.rise + 0.1)
+    wish = step(rise if relative else GROUND + rise, relative=relative)
+    done = saturate(laid_out(wish, STANCE, LIMITS), STANCE, LIMITS)
+    assert done.p_WF[2] == pytest.approx(GROUND + sign * LIMITS.rise)
+
+
+def test_a_relative_height_is_never_ignored():
+    done = laid_out(step(0.9, relative=True), STANCE, LIMITS)
+    assert done.p_WF[2] == pytest.approx(GROUND + 0.9)
+
+
+@pytest.mark.parametrize("tilt", [0.0, 0.2, 0.8, 2.0, 3.0, math.pi])
+def test_ground_too_steep_is_saturated_to_the_nearest_normal(tilt):
+    normal = np.array([0.6 * math.sin(tilt), -0.8 * math.sin(tilt), math.cos(tilt)])
+    done = saturate(step(GROUND, normal=normal), STANCE, LIMITS).normal
+    assert np.linalg.norm(done) == pytest.approx(1.0)
+    assert math.acos(min(done[2], 1.0)) <= LIMITS.tilt + 1e-6
+    if tilt <= LIMITS.tilt:
+        np.testing.assert_array_equal(done, normal)
+    elif tilt < 3.0:
+        # Tilted the same way.
+        assert done[0] * -0.8 == pytest.approx(done[1] * 0.6)
+        assert done[0] > 0.0
+
+
+@pytest.mark.parametrize("climb", [-0.1, -0.02, 0.0, 0.02, 0.1])
+def test_a_climb_needs_a_swing_that_clears_it(climb):
+    start = FootPose(np.array([0.0, 0.1, GROUND]), np.eye(3))
+    low = replace(step(GROUND + climb), swing_height=LIMITS.min_swing_height)
+    done = cleared(low, start, LIMITS)
+    # Counted from the middle of its ends, the apex lies above the higher one.
+    above = done.swing_height - 0.5 * abs(climb)
+    assert above == pytest.approx(LIMITS.min_swing_height + 0.5 * abs(climb))
+    high = replace(low, swing_height=0.25)
+    assert cleared(high, start, LIMITS) is high
+
+
+def feet(x=0.0, y=0.0, yaw=0.0, width=0.3):
+    side = rotation_z(yaw) @ [0.0, 0.5 * width, 0.0]
+    middle = np.array([x, y, 0.2])
+    return [
+        FootPose(middle + outward(foot) * side, rotation_z(yaw))
+        for foot in (LEFT, RIGHT)
+    ]
+
+
+@pytest.mark.parametrize("yaw", [0.0, 0.7, -2.5])
+def test_the_demonstration_walks_straight_ahead_and_ends_side_by_side(yaw):
+    steps = demo_steps(feet(1.0, 2.0, yaw), 1, LEFT)
+    assert [s.index for s in steps] == list(range(1, DEMO_STEPS + 1))
+    assert [s.foot for s in steps] == [LEFT, RIGHT] * 12 + [LEFT]
+    # In the frame in which it walks along x from the middle of the feet.
+    places = [rotation_z(yaw).T @ (s.p_WF - [1.0, 2.0, 0.0]) for s in steps]
+    ahead = np.array([place[0] for place in places])
+    lengths = np.diff(ahead)
+    np.testing.assert_allclose(lengths[:-1], ahead[0], atol=1e-9)
+    assert lengths[-1] == pytest.approx(0.0)
+    sides = [outward(s.foot) * p[1] for s, p in zip(steps, places, strict=True)]
+    np.testing.assert_allclose(sides, sides[0])
+    for s in steps:
+        assert s.yaw == pytest.approx(yaw)
+        # Wherever the ground is.
+        assert s.relative
+        assert s.p_WF[2] == 0.0
+
+
+def test_a_demonstration_that_takes_over_goes_on_with_the_other_foot():
+    params = AtlasBehaviorWalkParams(use_demo_walk=True)
+    steps = steps_asked_for((), params, feet(), 7, last_foot=LEFT)
+    assert (steps[0].index, steps[0].foot) == (7, RIGHT)
+    assert steps[-1].index == DEMO_STEPS
+    assert steps_asked_for((), params, feet(), DEMO_STEPS + 1, LEFT) == ()
+
+
+def test_a_demonstration_ignores_the_queue():
+    sent = AtlasBehaviorStepData(step_index=1, foot_index=RIGHT, duration=2.0)
+    params = AtlasBehaviorWalkParams(use_demo_walk=True)
+    params.step_queue[0] = sent
+    steps = steps_asked_for((), params, feet(), 1)
+    assert steps[0].foot == LEFT
+    assert steps[0].duration < 1.0
+
+
+@pytest.mark.parametrize("relative", [False, True])
+def test_steps_know_whether_their_height_is_relative(relative):
+    params = AtlasBehaviorWalkParams(use_relative_step_height=relative)
+    params.step_queue[0] = AtlasBehaviorStepData(step_index=1, duration=0.63)
+    (taken,) = steps_asked_for((), params, feet(), 1)
+    assert taken.relative is relative

@@ -1,0 +1,73 @@
+"""How high the legs let the body be, against the robot's own kinematics."""
+
+import numpy as np
+import pytest
+
+from atlas_drake.control.footstep import FootPose
+from atlas_drake.control.leg_reach import (
+    SHORTEST_FLEXION,
+    highest_com,
+    hips_from_com,
+    knee_for_length,
+    leg_length,
+    lowest_com,
+)
+
+
+def feet(terms):
+    return [FootPose(foot.p_WF, foot.R_WF) for foot in terms.feet]
+
+
+@pytest.mark.parametrize("knee", [0.2, 0.5, 1.2, 2.0])
+def test_leg_length_is_the_robots(model, knee):
+    legs, plant = model.robot.legs, model.plant
+    context = model.create_context()
+    plant.GetJointByName("l_leg_kny").set_angle(context, knee)
+    hip, ankle = (
+        plant.EvalBodyPoseInWorld(context, plant.GetJointByName(name).child_body())
+        for name in ("l_leg_hpy", "l_leg_aky")
+    )
+    length = np.linalg.norm(hip.translation() - ankle.translation())
+    assert leg_length(legs, knee) == pytest.approx(length)
+    assert knee_for_length(legs, length) == pytest.approx(knee)
+
+
+def test_hips_are_where_the_robot_has_them(model, standing):
+    legs = model.robot.legs
+    hips = standing.com + hips_from_com(standing, legs)
+    knee = model.robot.stand_prep[legs.knees[0]]
+    for hip, foot, p_FA in zip(hips, standing.feet, legs.p_FA, strict=True):
+        ankle = foot.p_WF + foot.R_WF @ p_FA
+        # But for the hip pitch joint's own small swing about the roll joint.
+        length = np.linalg.norm(hip - ankle)
+        assert length == pytest.approx(leg_length(legs, knee), abs=0.005)
+
+
+def test_the_highest_body_has_a_leg_all_but_straight(model, standing):
+    legs = model.robot.legs
+    hips, com = hips_from_com(standing, legs), standing.com[:2]
+    left, right = feet(standing)
+    high = highest_com(legs, hips, com, [(0, left), (1, right)])
+    assert high > standing.com[2]
+    ankle = left.p_WF + left.R_WF @ legs.p_FA[0]
+    hip = np.append(com, high) + hips[0]
+    longest = leg_length(legs, legs.straight + SHORTEST_FLEXION)
+    assert np.linalg.norm(hip - ankle) == pytest.approx(longest)
+    # A foothold lower down, or farther off, brings the body down.
+    lower = FootPose(left.p_WF - np.array([0.0, 0.0, 0.1]), left.R_WF)
+    both = [(0, lower), (1, right)]
+    assert highest_com(legs, hips, com, both) == pytest.approx(high - 0.1)
+    away = FootPose(left.p_WF + np.array([0.3, 0.0, 0.0]), left.R_WF)
+    assert highest_com(legs, hips, com, [(0, away), (1, right)]) < high - 0.02
+
+
+def test_the_lowest_body_is_where_the_knee_reaches_its_lever(model, standing):
+    legs = model.robot.legs
+    hips = hips_from_com(standing, legs)
+    pose = feet(standing)[0]
+    com = pose.p_WF[:2]
+    heights = [lowest_com(legs, hips, com, 0, pose, lever) for lever in (0.10, 0.15)]
+    assert heights[1] < heights[0] - 0.01
+    # With the weight farther ahead the same knee may bend more.
+    ahead = lowest_com(legs, hips, com + np.array([0.04, 0.0]), 0, pose, 0.10)
+    assert ahead < heights[0]

@@ -1,0 +1,130 @@
+"""Which poses of the pelvis are granted, on every robot."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from atlas_drake.control.footstep import FootPose
+from atlas_drake.control.pelvis_pose import PelvisPose, make_stance
+from atlas_drake.control.pelvis_reach import PelvisLimits, PelvisReach
+from atlas_drake.control.support_polygon import SupportPolygon, sole_corners
+
+LIMITS = PelvisLimits()
+HOME = PelvisPose(0.89)
+COORDINATES = PelvisPose._fields
+
+
+def stance_of(robot, feet):
+    sole = robot.file.sole
+    corners = [
+        sole_corners(foot.p_WF, foot.R_WF, sole.length / 2, sole.width / 2)
+        for foot in feet
+    ]
+    return make_stance(*feet, SupportPolygon(np.concatenate(corners)))
+
+
+@dataclasses.dataclass
+class Case:
+    """One robot in the stand-prep pose."""
+
+    reach: PelvisReach
+    stance: object
+    upper: object
+
+    def clamp(self, **wish):
+        return self.reach.clamp(HOME._replace(**wish), HOME, self.stance, self.upper)
+
+    def allows(self, pose):
+        return self.reach.allows(pose, self.stance, self.upper)
+
+
+@pytest.fixture(scope="module")
+def case(model, standing):
+    reach = PelvisReach(model)
+    feet = [FootPose(foot.p_WF, foot.R_WF) for foot in standing.feet]
+    stance = stance_of(model.robot, feet)
+    return Case(reach, stance, reach.upper_body(standing, stance))
+
+
+def test_home_is_allowed(case):
+    assert case.allows(HOME)
+    assert case.clamp() == HOME
+
+
+@pytest.mark.parametrize("name", COORDINATES)
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+@pytest.mark.parametrize("size", [3.0, 1e300])
+def test_each_number_is_granted_as_far_as_it_goes_and_no_other_is_moved(
+    case, name, sign, size
+):
+    granted = case.clamp(**{name: sign * size})
+    assert case.allows(granted)
+    moved = getattr(granted, name) - getattr(HOME, name)
+    assert moved * sign > 0.02
+    assert granted._replace(**{name: getattr(HOME, name)}) == HOME
+    # A little further on it is either beyond the box or beyond the legs.
+    further = granted._replace(**{name: getattr(granted, name) + sign * 0.003})
+    box = {"com_v0": "com", "com_v1": "com"}.get(name, name)
+    low, high = getattr(LIMITS, box)
+    assert not (low <= getattr(further, name) <= high and case.allows(further))
+
+
+@settings(max_examples=30)
+@given(
+    wish=st.tuples(
+        st.floats(0.3, 1.2), *[st.floats(-1.5, 1.5)] * 3, *[st.floats(-0.4, 0.4)] * 2
+    )
+)
+def test_whatever_is_wished_what_is_granted_is_allowed_and_stable(case, wish):
+    granted = case.clamp(**PelvisPose(*wish)._asdict())
+    assert case.allows(granted)
+    assert case.clamp(**granted._asdict()) == granted
+    outside = case.stance.support.distance_outside(case.stance.com(granted))
+    assert outside <= -LIMITS.com_margin + 1e-9
+
+
+def test_a_mild_wish_is_granted_to_the_letter(case):
+    wish = PelvisPose(0.85, 0.05, 0.1, -0.05, 0.02, 0.03)
+    assert case.clamp(**wish._asdict()) == wish
+
+
+def test_left_and_right_are_alike(case):
+    for name in ("yaw", "roll", "com_v0"):
+        left, right = case.clamp(**{name: -1.0}), case.clamp(**{name: 1.0})
+        assert getattr(left, name) == pytest.approx(-getattr(right, name), abs=5e-3)
+
+
+def test_weak_knees_stand_higher(model, case):
+    weak = PelvisReach(model, dataclasses.replace(LIMITS, effort_share=0.4))
+    low = weak.clamp(HOME._replace(height=0.3), HOME, case.stance, case.upper)
+    assert low.height > case.clamp(height=0.3).height + 0.02
+
+
+def test_the_hips_turn_no_further_than_their_stops(model, case):
+    stop = model.robot.position_lower[model.robot.joint_index("l_leg_hpz")]
+    yaw = case.clamp(yaw=1.0).yaw
+    assert yaw == pytest.approx(-stop - LIMITS.joint_margin, abs=2e-3)
+
+
+def test_feet_far_apart_bring_home_down(model, standing, case):
+    feet = [FootPose(foot.p_WF, foot.R_WF) for foot in standing.feet]
+    feet[0] = FootPose(feet[0].p_WF + np.array([0.4, 0.15, 0.0]), feet[0].R_WF)
+    stance = stance_of(model.robot, feet)
+    assert not case.reach.allows(HOME, stance, case.upper)
+    home = case.reach.attainable(HOME, stance, case.upper)
+    assert case.reach.allows(home, stance, case.upper)
+    assert LIMITS.height[0] < home.height < HOME.height
+
+
+def test_the_upper_body_leans_with_the_pelvis(model, case, standing):
+    """The pelvis that the judgement assumes has the centre of mass where it says."""
+    # A forward pitch drives the pelvis back, by about what the trunk comes forward.
+    pose = HOME._replace(pitch=0.4)
+    p_WP = case.reach.pelvis_position(pose, case.stance, case.upper)
+    upright = case.reach.pelvis_position(HOME, case.stance, case.upper)
+    lever = case.upper.p_PU[2] * math.sin(0.4)
+    assert -lever < p_WP[0] - upright[0] < -0.3 * lever

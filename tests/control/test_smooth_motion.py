@@ -1,0 +1,60 @@
+"""The smooth way to a goal: arrives, never runs over, never jerks."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from atlas_drake.control.smooth_motion import MotionLimits, at_rest
+
+DT = 0.002
+LIMITS = MotionLimits(speed=0.12, acceleration=0.4)
+PLACES = st.floats(-0.5, 0.5)
+
+
+def travel(goals, seconds, begin=(0.0,), limits=LIMITS):
+    """Motions on the way to one goal after the other, each for so long."""
+    motion = at_rest(np.array(begin, dtype=float))
+    path = [motion]
+    for goal in goals:
+        for _ in range(round(seconds / DT)):
+            motion = motion.towards(np.array(goal, dtype=float), limits, DT)
+            path.append(motion)
+    return path
+
+
+def test_it_arrives_in_little_more_than_the_way_at_full_speed():
+    path = travel([[0.24]], 4.0)
+    assert path[-1].position[0] == pytest.approx(0.24, abs=1e-3)
+    assert path[round(2.0 / DT)].position[0] < 0.23
+
+
+@given(goals=st.lists(PLACES, min_size=1, max_size=4), seconds=st.floats(0.1, 2.0))
+def test_speed_and_acceleration_are_bounded_wherever_the_goal_jumps(goals, seconds):
+    path = travel([[goal] for goal in goals], seconds)
+    velocity = np.array([motion.velocity[0] for motion in path])
+    assert np.abs(velocity).max() <= LIMITS.speed * (1.0 + 1e-9)
+    assert np.abs(np.diff(velocity)).max() <= LIMITS.acceleration * DT * (1.0 + 1e-9)
+    position = np.array([motion.position[0] for motion in path])
+    np.testing.assert_allclose(np.diff(position), velocity[1:] * DT, atol=1e-12)
+    acceleration = np.array([motion.acceleration[0] for motion in path])
+    np.testing.assert_allclose(np.diff(velocity), acceleration[1:] * DT, atol=1e-12)
+
+
+@given(goals=st.lists(PLACES, min_size=1, max_size=4), seconds=st.floats(0.1, 2.0))
+def test_it_never_leaves_the_range_of_its_goals(goals, seconds):
+    path = travel([[goal] for goal in goals], seconds)
+    position = np.array([motion.position[0] for motion in path])
+    assert position.min() >= min(0.0, *goals) - 1e-4
+    assert position.max() <= max(0.0, *goals) + 1e-4
+
+
+def test_from_rest_it_goes_straight():
+    path = travel([[0.3, 0.1]], 3.0, begin=(0.0, 0.0))
+    for motion in path:
+        assert motion.position[1] == pytest.approx(motion.position[0] / 3.0)
+
+
+def test_limits_that_could_not_brake_are_refused():
+    with pytest.raises(ValueError, match="does not stop"):
+        MotionLimits(speed=1.0, acceleration=0.5)

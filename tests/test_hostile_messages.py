@@ -1,0 +1,249 @@
+"""Whatever is sent, in whatever order: nothing breaks, and what stood still stands."""
+
+import copy
+import functools
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from atlas_drake import (
+    AtlasBehaviorStepData,
+    AtlasCommand,
+    AtlasSimInterfaceCommand,
+    AtlasSimulation,
+    Behavior,
+    BehaviorStatus,
+    Header,
+    InvalidMessageError,
+    Pose,
+    Quaternion,
+    Vector3,
+)
+
+ARRAYS = (
+    "position",
+    "velocity",
+    "effort",
+    "kp_position",
+    "ki_position",
+    "kp_velocity",
+    "k_effort",
+)
+"""Those that both commands have."""
+
+nonsense = st.one_of(
+    st.none(),
+    st.booleans(),
+    st.complex_numbers(),
+    st.text(min_size=1, max_size=3),
+    st.sampled_from([float("nan"), float("inf"), -float("inf"), 1e400, 10**400]),
+    st.builds(Vector3),
+    st.builds(object),
+    st.builds(dict),
+)
+"""What no field of a command can hold."""
+
+spoiled_arrays = st.one_of(
+    nonsense,
+    st.lists(st.floats(), min_size=1, max_size=5),
+    st.integers(1, 60).filter(lambda n: n != 28).map(lambda n: [0.0] * n),
+    st.tuples(
+        st.integers(0, 27), nonsense.filter(lambda x: not isinstance(x, bool))
+    ).map(lambda pick: [*([0] * pick[0]), pick[1], *([0] * (27 - pick[0]))]),
+    st.just(np.full(28, np.nan)),
+    st.just(np.zeros((28, 1))),
+)
+
+
+def with_fields(message, **fields):
+    """The message with some fields set, as a script would set them."""
+    for name, value in fields.items():
+        setattr(message, name, value)
+    return message
+
+
+def with_step(field, value):
+    """A walk whose first step has something wrong."""
+    step = AtlasBehaviorStepData(step_index=1, foot_index=0, duration=0.63)
+    command = AtlasSimInterfaceCommand(behavior="WALK")
+    command.walk_params.step_queue[0] = with_fields(step, **{field: value})
+    return command
+
+
+spoiled_commands = st.one_of(
+    st.builds(
+        lambda name, value: with_fields(AtlasCommand(), **{name: value}),
+        st.sampled_from((*ARRAYS, "kd_position", "i_effort_min", "i_effort_max")),
+        spoiled_arrays,
+    ),
+    st.builds(
+        lambda name, value: with_fields(
+            AtlasSimInterfaceCommand(behavior="STAND"), **{name: value}
+        ),
+        st.sampled_from(ARRAYS),
+        spoiled_arrays,
+    ),
+    st.builds(
+        lambda value: AtlasSimInterfaceCommand(behavior=value),
+        st.one_of(
+            nonsense,
+            st.integers(8),
+            st.integers(max_value=-1),
+            st.just("WALLK"),
+        ),
+    ),
+    st.builds(
+        lambda name, value: with_fields(
+            AtlasSimInterfaceCommand(behavior="STAND"), **{name: value}
+        ),
+        st.sampled_from(("walk_params", "step_params", "manipulate_params", "header")),
+        nonsense,
+    ),
+    st.builds(
+        with_step,
+        st.sampled_from(
+            ("step_index", "foot_index", "duration", "swing_height", "pose")
+        ),
+        nonsense.filter(lambda value: value is not True),
+    ),
+    st.builds(
+        lambda value: with_step(
+            "pose", Pose(position=Vector3(value, 0.0, 0.0), orientation=Quaternion())
+        ),
+        nonsense.filter(lambda value: not isinstance(value, bool | int | float)),
+    ),
+    st.builds(
+        lambda kind, stamp: kind(header=Header(stamp=stamp)),
+        st.sampled_from((AtlasCommand, AtlasSimInterfaceCommand)),
+        st.sampled_from([float("nan"), -1.0, "now"]),
+    ),
+)
+"""Commands that must be refused, each for one reason."""
+
+ON_ITS_WAY = {
+    Behavior.WALK: "STAND",
+    Behavior.STEP: "STAND",
+    Behavior.MANIPULATE: "STAND",
+}
+"""Behaviours that begin in another one."""
+
+
+def steps_ahead(sim, command):
+    """Adds enough steps on the spot for the whole test."""
+    report = sim.atlas_sim_interface_state
+    for place in range(4):
+        command.walk_params.step_queue[place] = AtlasBehaviorStepData(
+            step_index=place + 1,
+            foot_index=place % 2,
+            duration=3.0,
+            swing_height=0.05,
+            pose=copy.deepcopy(report.foot_pos_est[place % 2]),
+        )
+    return command
+
+
+@functools.cache
+def robot_in(behavior):
+    """A robot in that behaviour, the same for all messages of a test."""
+    sim = AtlasSimulation()
+    sim.advance(0.1)
+    if behavior is not Behavior.STAND:
+        command = AtlasSimInterfaceCommand(behavior=behavior)
+        if behavior is Behavior.WALK:
+            steps_ahead(sim, command)
+        sim.publish(command)
+        sim.advance(0.02)
+    if behavior in (Behavior.STAND, Behavior.STAND_PREP):
+        sim.advance(2.0)
+    assert sim.current_behavior is behavior
+    return sim
+
+
+def state_of(sim):
+    return sim._output("state")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("behavior", sorted(Behavior))
+@settings(
+    max_examples=40,
+    deadline=None,
+    derandomize=True,
+    suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
+)
+@given(
+    letters=st.lists(
+        st.tuples(spoiled_commands, st.floats(0.0, 0.01)), min_size=10, max_size=10
+    )
+)
+def test_hostile_messages_are_refused_and_change_nothing(behavior, letters):
+    sim = robot_in(behavior)
+    for message, wait in letters:
+        force, number = sim._output("commands"), len(sim.events)
+        with pytest.raises(InvalidMessageError) as caught:
+            sim.publish(message)
+        sim.advance(0.004 + wait)
+        after = sim._output("commands")
+        assert after.joints is force.joints
+        assert after.request is force.request
+        assert after.error_code is caught.value.error_code
+        assert after.error_code != 0
+        assert sim.atlas_sim_interface_state.error_code == after.error_code
+        fresh = [e for e in sim.events[number:] if e.kind == "refusal"]
+        assert [caught.value.field in event.text for event in fresh] == [True]
+        assert np.isfinite(state_of(sim)).all()
+        assert np.isfinite(sim._output("effort")).all()
+    report = sim.atlas_sim_interface_state
+    if behavior not in (Behavior.NONE, Behavior.USER):
+        assert report.current_behavior in (behavior, Behavior.STAND)
+        assert not sim.has_fallen
+    if behavior in (Behavior.STAND, Behavior.STAND_PREP):
+        assert sim.pelvis_pose.translation()[2] > 0.8
+        assert np.abs(sim.atlas_state.velocity).max() < 0.1
+        assert not report.behavior_feedback.status_flags & BehaviorStatus.ERROR_FALLING
+
+
+@pytest.mark.parametrize("thing", [None, 5, "STAND", Header(), object()])
+def test_what_is_no_command_is_refused_at_once(thing):
+    sim = robot_in(Behavior.STAND)
+    with pytest.raises(TypeError, match="publish takes an AtlasCommand"):
+        sim.publish(thing)
+
+
+def violent(random):
+    """A command that is legal, and that no sane person would send."""
+    if random.random() < 0.5:
+        behavior = random.choice([b.name for b in sorted(Behavior)])
+        command = AtlasSimInterfaceCommand(behavior=str(behavior))
+    else:
+        command = AtlasCommand()
+        command.kd_position = 10.0 ** random.uniform(-3, 3, 28)
+        command.i_effort_min = -(10.0 ** random.uniform(-3, 3, 28))
+        command.i_effort_max = 10.0 ** random.uniform(-3, 3, 28)
+    for name in ARRAYS[:-1]:
+        if random.random() < 0.4:
+            sign = 1.0 if name.startswith("k") else random.choice([-1.0, 1.0], 28)
+            setattr(command, name, sign * 10.0 ** random.uniform(-3, 5, 28))
+    if random.random() < 0.7:
+        command.k_effort = random.integers(0, 256, 28)
+    return command
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", [1, 2])
+def test_violent_messages_throw_the_robot_down_and_nothing_else(seed):
+    random = np.random.default_rng(seed)
+    sim = AtlasSimulation()
+    limit = sim.robot.effort_limit
+    for number in range(150):
+        sim.publish(violent(random))
+        sim.advance(float(random.uniform(0.0, 0.04)))
+        assert np.isfinite(state_of(sim)).all()
+        assert (np.abs(sim._output("effort")) <= limit + 1e-9).all()
+        if number % 50 == 49:
+            sim.reset()
+    sim.advance(1.0)
+    assert sim.current_behavior is Behavior.STAND
+    assert not sim.has_fallen

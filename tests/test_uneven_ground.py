@@ -1,0 +1,141 @@
+"""Walking on uneven ground: up and down a step, and over tilted footholds."""
+
+import numpy as np
+import pytest
+from pydrake.math import RollPitchYaw, RotationMatrix
+
+from atlas_drake import (
+    AtlasBehaviorStepData,
+    AtlasSimInterfaceCommand,
+    AtlasSimulation,
+    Behavior,
+    BehaviorStatus,
+    Quaternion,
+    Scenario,
+    Vector3,
+)
+from atlas_drake.scenario import Jitter, Start
+from atlas_drake.terrain import Block
+
+pytestmark = pytest.mark.slow
+
+HALF_WIDTH = 0.12
+"""Of each foot from the middle [m]."""
+HALF_SOLE = 0.13
+"""[m]"""
+MARGIN = 0.03
+"""Between a sole and an edge [m]."""
+LANDING_ERROR = 0.025
+"""[m]"""
+
+
+def step(index, x, y, z, R_WF=None):
+    data = AtlasBehaviorStepData()
+    data.step_index, data.foot_index = index, (index - 1) % 2
+    data.duration, data.swing_height = 0.63, 0.1
+    data.pose.position = Vector3(x, y, z)
+    quaternion = (R_WF or RotationMatrix()).ToQuaternion()
+    data.pose.orientation = Quaternion.from_wxyz(quaternion.wxyz())
+    return data
+
+
+def simulate(model, seed, terrain, x=0.0):
+    """A robot that starts at ``x``, not quite as it believes."""
+    jitter = Jitter(position=0.005, orientation=0.01, joints=0.01)
+    return AtlasSimulation(
+        Scenario(
+            model=model,
+            seed=seed,
+            jitter=jitter,
+            terrain=terrain,
+            start=Start(position=[x, 0.0]),
+        )
+    )
+
+
+def walk(sim, steps, relative=False):
+    """Sends the steps as they are needed; from command to STAND."""
+    sim.advance(0.5)
+    needed, sent = 1, 0
+    end = sim.time + len(steps) + 4.0
+    while sim.time < end and not sim.has_fallen:
+        if sent < needed <= len(steps):
+            command = AtlasSimInterfaceCommand()
+            command.behavior = command.WALK
+            command.walk_params.use_relative_step_height = relative
+            for place, data in enumerate(steps[needed - 1 : needed + 3]):
+                command.walk_params.step_queue[place] = data
+            sim.publish(command)
+            sent = needed
+        sim.advance(0.1)
+        needed = sim.atlas_sim_interface_state.walk_feedback.next_step_index_needed
+        if sim.current_behavior is Behavior.STAND:
+            break
+    assert not sim.has_fallen
+    assert sim.current_behavior is Behavior.STAND
+    status = sim.atlas_sim_interface_state.behavior_feedback.status_flags
+    assert status == BehaviorStatus.WARNING_AUTO_TRANS
+    assert [s["index"] for s in sim.footsteps] == [s.step_index for s in steps]
+    errors = [s["error_m"] for s in sim.footsteps]
+    assert max(errors) <= LANDING_ERROR, errors
+
+
+@pytest.mark.parametrize("relative", [False, True], ids=["absolute", "relative"])
+@pytest.mark.parametrize(
+    ("model", "rise"), [("atlas", 0.10), ("atlas_v3", 0.04)], ids=["atlas", "v3"]
+)
+def test_up_a_step_and_down_again(model, rise, relative):
+    reach = HALF_SOLE + MARGIN
+    length = 2.0 * reach
+    block = Block(size=[length, 2.0, rise], position=[2.0 * reach, 0.0, rise])
+    # With the toes off the block, also where the seed moves the robot.
+    sim = simulate(model, int(relative), [block], x=-0.03)
+    up, down = 2.0 * reach, 4.0 * reach
+    places = [(up, rise), (up, rise), (down, 0.0), (down, 0.0)]
+    # As each foot finds the ground from the one that stays behind.
+    heights = [rise, 0.0, -rise, 0.0] if relative else [z for _, z in places]
+    steps = [
+        step(i + 1, x, HALF_WIDTH * (1 - 2 * (i % 2)), z)
+        for i, ((x, _), z) in enumerate(zip(places, heights, strict=True))
+    ]
+    walk(sim, steps, relative)
+    landed = [s["landed_height"] for s in sim.footsteps]
+    np.testing.assert_allclose(landed, [z for _, z in places], atol=0.02)
+    for foot in sim.atlas_sim_interface_state.foot_pos_est:
+        assert foot.position.z == pytest.approx(0.0, abs=0.003)
+
+
+def test_tilted_footholds():
+    tilt, height = 0.1, 0.04
+    tilts = [(tilt, 0.0), (0.0, -tilt), (-tilt, 0.0), (0.0, tilt)]
+    terrain, steps = [], []
+    for i, (roll, pitch) in enumerate(tilts):
+        x, y = 0.2 * (i + 1), 0.14 * (1 - 2 * (i % 2))
+        block = Block(
+            size=[0.36, 0.22, 0.02], position=[x, y, height], rpy=[roll, pitch, 0.0]
+        )
+        terrain.append(block)
+        R_WF = RollPitchYaw(roll, pitch, 0.0).ToRotationMatrix()
+        steps.append(step(i + 1, x, y, height, R_WF))
+    # The robot ends on the last two of them, and stands.
+    sim = simulate("atlas", 1, terrain)
+    walk(sim, steps)
+    sim.advance(1.0)
+    assert not sim.has_fallen
+    for foot, (roll, pitch) in zip((0, 1), tilts[2:], strict=True):
+        pose = sim.atlas_sim_interface_state.foot_pos_est[foot]
+        assert pose.position.z == pytest.approx(height, abs=0.005)
+        normal = RotationMatrix(_rotation(pose.orientation)).matrix()[:, 2]
+        expected = RollPitchYaw(roll, pitch, 0.0).ToRotationMatrix().matrix()[:, 2]
+        np.testing.assert_allclose(normal, expected, atol=0.02)
+
+
+def _rotation(quaternion):
+    w, x, y, z = quaternion.to_wxyz()
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
