@@ -87,7 +87,8 @@ def make_atlas_station(
         controller_state: ``ControllerState``
         effort: What the motors do [N·m], shape (n,), message order.
         user_effort: Of the joint controllers [N·m], shape (n,), message order.
-        measured_state, foot_wrenches: See ``RobotSensors``.
+        behavior_state: What the behaviours see of the state.
+        foot_wrenches: See ``RobotSensors``.
         extremes: Of the run so far, see ``RunStatistics``.
         state, body_poses, contact_results: Of the plant.
         query_object: Of the scene graph, for visualisers.
@@ -156,9 +157,10 @@ def make_atlas_station(
     connect(selector, "actuation", statistics)
     if config.estimated:
         estimator = _add_estimator(builder, robot, config, plant, sensors)
-        connect(estimator, "estimated_state", behaviors, "state")
+        behavior_state = estimator.GetOutputPort("estimated_state")
     else:
-        connect(sensors, "measured_state", behaviors, "state")
+        behavior_state = sensors.GetOutputPort("measured_state")
+    builder.Connect(behavior_state, behaviors.GetInputPort("state"))
     connect(sensors, "foot_loads", behaviors)
     connect(sensors, "foot_wrenches", pid)
     connect(plant, "contact_results", sensors)
@@ -176,7 +178,7 @@ def make_atlas_station(
         pushes = harness.GetInputPort("other_spatial_force")
     builder.ExportInput(pushes, "applied_spatial_force")
     for system, names in (
-        (sensors, ("atlas_state", "imu", "measured_state", "foot_wrenches")),
+        (sensors, ("atlas_state", "imu", "foot_wrenches")),
         (behaviors, ("atlas_sim_interface_state", "controller_state")),
         (commands, ("commands",)),
         (pid, ("user_effort",)),
@@ -187,6 +189,7 @@ def make_atlas_station(
         for name in names:
             builder.ExportOutput(system.GetOutputPort(name), name)
     builder.ExportOutput(plant.get_state_output_port(), "state")
+    builder.ExportOutput(behavior_state, "behavior_state")
     builder.ExportOutput(scene_graph.get_query_output_port(), "query_object")
     station = builder.Build()
     station.set_name("AtlasStation")

@@ -56,8 +56,7 @@ class StandMemory:
     com: np.ndarray
     height: float
 
-    @property
-    def dcm_reference(self) -> DcmReference:
+    def dcm_reference(self, _omega: float) -> DcmReference:
         """Where DCM and CoP shall be: over the reference of the centre of mass."""
         return DcmReference(dcm=self.com, cop=self.com)
 

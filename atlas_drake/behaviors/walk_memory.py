@@ -13,6 +13,7 @@ from atlas_drake.control.dcm_plan import DcmPlan, DcmReference
 from atlas_drake.control.footstep import FootPose, Footstep
 from atlas_drake.control.support_polygon import SupportPolygon
 from atlas_drake.control.swing_foot import Swing
+from atlas_drake.frozen import replace
 from atlas_drake.messages import AtlasBehaviorWalkParams
 
 
@@ -126,10 +127,12 @@ class WalkMemory:
         assert self.swing is not None
         return self.swing
 
-    @property
-    def dcm_reference(self) -> DcmReference:
-        """Where the plan has DCM and CoP now."""
-        return self.plan.evaluate(self.plan_time)
+    def dcm_reference(self, _omega: float) -> DcmReference:
+        """The plan at this moment; where it waits, the DCM rests over the CoP."""
+        reference = self.plan.evaluate(self.plan_time)
+        if self.waiting:
+            return replace(reference, cop=reference.dcm)
+        return reference
 
     @property
     def known(self) -> tuple[Footstep, ...]:

@@ -145,6 +145,11 @@ def _behavior() -> Iterable[Channel]:
     yield Channel("walk.t_step_rem", "s", about="until the foot in the air lands")
     yield Channel("walk.current_step_index", kind="i8")
     yield Channel("walk.next_step_index_needed", kind="i8")
+    yield Channel("step.status_flags", kind="i8", about="bits of StepStatus")
+    yield Channel("step.t_step_rem", "s", about="until the next step is needed")
+    yield Channel("step.current_step_index", kind="i8")
+    yield Channel("step.next_step_index_needed", kind="i8")
+    yield Channel("step.step", labels=STEP_FIELDS, about="as it is taken [m, rad]")
     labels = tuple(
         f"step_{number}_{name}"
         for number in range(1, NUM_REQUIRED_WALK_STEPS + 1)

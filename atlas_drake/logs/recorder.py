@@ -32,7 +32,7 @@ from atlas_drake.systems.robot_sensors import contact_wrenches
 LEAST_HEIGHT = 0.1
 """Of the CoM above the soles, for the DCM of a robot that lies on the ground [m]."""
 
-_VECTORS = ("state", "measured_state", "foot_wrenches", "effort", "user_effort")
+_VECTORS = ("state", "behavior_state", "foot_wrenches", "effort", "user_effort")
 _VALUES = (
     "commands",
     "controller_state",
@@ -61,7 +61,7 @@ class LogRecorder(LeafSystem):
     leaves a diagram.
 
     Input ports, as the station's outputs of the same names:
-        state, measured_state, foot_wrenches, effort, user_effort
+        state, behavior_state, foot_wrenches, effort, user_effort
         commands, controller_state, atlas_sim_interface_state, imu, contact_results
 
     State: the row sampled last, shape (layout's width,). What has been written
@@ -227,8 +227,9 @@ class LogRecorder(LeafSystem):
             "balance.com_velocity": velocity,
             "balance.dcm": com[:2] + velocity[:2] / omega,
         }
-        reference = getattr(memory, "dcm_reference", None)
-        if reference is not None:
+        plan = getattr(memory, "dcm_reference", None)
+        if plan is not None:
+            reference = plan(omega)
             values["balance.dcm_reference"] = reference.dcm
             values["balance.cop_reference"] = reference.cop
         return values

@@ -113,6 +113,11 @@ class LogPlayer(LeafSystem):
         walk.current_step_index = int(log["walk.current_step_index"][row])
         steps = log["walk.steps"][row].reshape(-1, len(STEP_FIELDS))
         walk.step_queue_saturated = [_step_data(step.tolist()) for step in steps]
+        step = message.step_feedback
+        step.status_flags = int(log["step.status_flags"][row])
+        step.t_step_rem = float(log["step.t_step_rem"][row])
+        step.current_step_index = int(log["step.current_step_index"][row])
+        step.desired_step_saturated = _step_data(log["step.step"][row].tolist())
         return message
 
 

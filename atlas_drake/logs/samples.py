@@ -40,7 +40,8 @@ def centre_of_pressure(
 
 def reported(report: AtlasSimInterfaceState) -> dict[str, Any]:
     """Values of the channels that hold what the behaviours report, by name."""
-    feedback, walk = report.behavior_feedback, report.walk_feedback
+    feedback = report.behavior_feedback
+    walk, step = report.walk_feedback, report.step_feedback
     values: dict[str, Any] = {
         "behavior.current": report.current_behavior,
         "behavior.desired": report.desired_behavior,
@@ -48,6 +49,11 @@ def reported(report: AtlasSimInterfaceState) -> dict[str, Any]:
         "behavior.trans_from": feedback.trans_from,
         "behavior.trans_to": feedback.trans_to,
         "behavior.error_code": report.error_code,
+        "step.status_flags": step.status_flags,
+        "step.t_step_rem": step.t_step_rem,
+        "step.current_step_index": step.current_step_index,
+        "step.next_step_index_needed": step.next_step_index_needed,
+        "step.step": _steps([step.desired_step_saturated]),
         "walk.status_flags": walk.status_flags,
         "walk.t_step_rem": walk.t_step_rem,
         "walk.current_step_index": walk.current_step_index,

@@ -40,7 +40,7 @@ def test_a_row_has_what_the_ports_said(tmp_path, scenario):
     sim = AtlasSimulation(scenario, log=tmp_path / "run.npz")
     sim.publish(arm_command())
     seen = []
-    ports = ("state", "measured_state", "foot_wrenches", "imu")
+    ports = ("state", "behavior_state", "foot_wrenches", "imu")
     for tick in range(12):
         sim.advance_to(PERIOD * tick)
         before = {name: np.array(sim._output(name)) for name in ports[:3]}
@@ -58,7 +58,7 @@ def test_a_row_has_what_the_ports_said(tmp_path, scenario):
     for row, (before, controller, commands) in enumerate(seen):
         report, imu = before["report"], before["imu"]
         left, right = report.foot_pos_est
-        measured = before["measured_state"]
+        measured = before["behavior_state"]
         expected = {
             "state.q": before["state"][:num_q],
             "state.v": before["state"][num_q:],
