@@ -5,7 +5,13 @@ import pytest
 from pydrake.geometry import Meshcat
 from pydrake.systems.analysis import Simulator
 
-from atlas_drake import AtlasSimulation, LogError, read_log
+from atlas_drake import (
+    AtlasSimInterfaceCommand,
+    AtlasSimulation,
+    LogError,
+    Scenario,
+    read_log,
+)
 from atlas_drake.logs.log import Log
 from atlas_drake.logs.notes import Header
 from atlas_drake.logs.replay import LogPlayer, make_replay
@@ -111,3 +117,32 @@ def test_a_scenario_of_another_time_is_named(log, meshcat):
     header = Header("atlas", 0.002, "gravity: up\n", log.header.layout)
     with pytest.raises(LogError, match="scenario"):
         make_replay(Log(log.path, header, log.arrays, log.notes), meshcat)
+
+
+@pytest.mark.parametrize("behavior", ["STEP", "MANIPULATE"])
+def test_other_behaviours_look_as_in_the_run(behavior, tmp_path):
+    command = AtlasSimInterfaceCommand()
+    command.behavior = behavior
+    step = command.step_params.desired_step
+    step.step_index, step.duration, step.swing_height = 1, 0.7, 0.1
+    step.pose.position.x, step.pose.position.y = 0.1, 0.14
+    sim = AtlasSimulation(Scenario(state="estimated"), log=tmp_path / "run.npz")
+    sim.publish(command)
+    sim.advance_to(0.1)
+    live = [sim._output(name) for name in NAMES]
+    sim.close()
+    log = read_log(tmp_path / "run.npz")
+    assert np.isfinite(log["balance.dcm_reference"]).all()
+    # The behaviours see the estimate, and so do the log's pelvis and feet.
+    assert (log["pelvis.position"][10:] != log["state.q"][10:, 4:7]).any()
+    player = LogPlayer(log)
+    context = player.CreateDefaultContext()
+    context.SetTime(log.time[-1])
+    again = [player.GetOutputPort(name).Eval(context) for name in NAMES]
+    looks = [
+        (footstep_marks(c.request, report, state.supervisor.events), caption_of(report))
+        for c, state, report in (live, again)
+    ]
+    assert looks[0] == looks[1]
+    assert looks[0][1][0].startswith(behavior)
+    assert len(looks[0][0]) == (1 if behavior == "STEP" else 0)
