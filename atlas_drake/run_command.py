@@ -20,6 +20,7 @@ from typing import Any
 
 from atlas_drake.cli import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK
 from atlas_drake.errors import ScenarioError
+from atlas_drake.logs.formats import check_format
 from atlas_drake.progress import Progress
 from atlas_drake.scenario import Scenario
 from atlas_drake.simulation import AtlasSimulation, SimulationError
@@ -54,10 +55,13 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
         if getattr(options, name) is not None:
             setattr(scenario, name, getattr(options, name))
     scenario.validate()
-    for option, path in (("--json", options.json), ("--record", options.record)):
+    for option in ("json", "record", "log"):
+        path = getattr(options, option)
         if path is not None:
-            _check_writable(option, path)
-    _quiet_logs()
+            check_writable(f"--{option}", path)
+    if options.log is not None:
+        check_format(options.log)
+    quiet_logs()
 
     meshcat = None
     if not options.headless or options.record is not None:
@@ -69,7 +73,9 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
             frames_per_second=FRAME_RATE,
             set_visualizations_while_recording=not options.headless,
         )
-    sim = AtlasSimulation(scenario, meshcat=meshcat, on_event=progress.event)
+    sim = AtlasSimulation(
+        scenario, meshcat=meshcat, on_event=progress.event, log=options.log
+    )
     if meshcat is not None and not options.headless:
         progress.say(f"Watch at {meshcat.web_url()}")
         if interactive():
@@ -79,7 +85,12 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
         rate = 0.0 if options.headless else 1.0
     sim.set_realtime_rate(rate)
 
-    stopped = _simulate(sim, progress)
+    try:
+        stopped = _simulate(sim, progress)
+    finally:
+        if options.log is not None:
+            progress.say(f"Completing {options.log} ...")
+        sim.close()
 
     summary = sim.summary()
     summary["stopped"] = stopped
@@ -89,6 +100,8 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
     if options.json is not None:
         options.json.write_text(json.dumps(_plain(summary), indent=2) + "\n")
         progress.say(f"Wrote {options.json}.")
+    if options.log is not None:
+        progress.say(f"Wrote {options.log}; draw it: atlas-drake plot {options.log}")
     if meshcat is not None and options.record is not None:
         meshcat.StopRecording()
         meshcat.PublishRecording()
@@ -112,7 +125,7 @@ def _simulate(sim: AtlasSimulation, progress: Progress) -> str | None:
         None, or why the run ended before that, other than by a fall.
     """
     end = sim.scenario.duration
-    with _ctrl_c() as asked_to_stop:
+    with ctrl_c() as asked_to_stop:
         try:
             while sim.time < end - 1e-9:
                 if asked_to_stop.is_set():
@@ -128,7 +141,7 @@ def _simulate(sim: AtlasSimulation, progress: Progress) -> str | None:
 
 
 @contextmanager
-def _ctrl_c() -> Iterator[threading.Event]:
+def ctrl_c() -> Iterator[threading.Event]:
     """Turns Ctrl-C into a flag, so that no simulation step is torn apart.
 
     A second Ctrl-C interrupts at once.
@@ -176,7 +189,7 @@ def verdict(summary: dict[str, Any]) -> str:
     return text if factor is None else f"{text} Ran at {factor:.2f} x real time."
 
 
-def _quiet_logs() -> None:
+def quiet_logs() -> None:
     """Keeps out of the run's lines what they say themselves, or what is no news."""
     # Refusals are events, printed with all others.
     logging.getLogger("atlas_drake").propagate = False
@@ -187,7 +200,7 @@ def _quiet_logs() -> None:
     drake.addFilter(lambda record: "deformable contact" not in record.getMessage())
 
 
-def _check_writable(option: str, path: Path) -> None:
+def check_writable(option: str, path: Path) -> None:
     """Refuses a path now rather than after the run."""
     folder = path.parent
     if path.is_dir():

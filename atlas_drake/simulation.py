@@ -7,9 +7,11 @@ and reads messages out. It holds no control law.
 from __future__ import annotations
 
 import time
+import weakref
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from pydrake.geometry import Meshcat
@@ -44,6 +46,9 @@ from atlas_drake.steady import steady_ticks
 from atlas_drake.summary import estimator_drift, make_summary
 from atlas_drake.tutorial import control_mode_switch_programme
 
+if TYPE_CHECKING:
+    from atlas_drake.logs.recorder import LogRecorder
+
 CHUNK = 0.02
 """Simulated time between looks at events, pushes and Ctrl-C [s]."""
 CLEARANCE = 0.10
@@ -75,6 +80,7 @@ class AtlasSimulation:
         *,
         meshcat: Meshcat | None = None,
         on_event: Callable[[Event], None] | None = None,
+        log: str | Path | None = None,
     ):
         """Builds the diagram and puts the robot on its feet.
 
@@ -83,13 +89,18 @@ class AtlasSimulation:
                 nobody but the caller.
             meshcat: Where to show it; None shows nothing.
             on_event: Called with each event as it is noticed.
+            log: File that records the run, see ``atlas_drake.logs``: .mcap, .npz or
+                .parquet. ``close`` completes it, and so does the end of the program.
 
         Raises:
             ScenarioError: If the scenario has a value that cannot be used.
+            LogError: If the log cannot be written.
         """
         self.scenario = (scenario or Scenario()).validate()
         self.robot = load_robot(self.scenario.model)
-        self._log = RunLog(on_event)
+        self._tick_seconds: list[float] = []
+        self._recorder = None if log is None else self._start_log(Path(log))
+        self._log = RunLog(_listener(on_event, self._recorder))
         self._meshcat = meshcat
         self._pushes: list[_Push] = []
         self._wall_time = 0.0
@@ -112,17 +123,48 @@ class AtlasSimulation:
             programme = control_mode_switch_programme(
                 self.robot, literal=self.scenario.programme == "tutorial_literal"
             )
-        self.diagram = make_control_mode_switch(self.robot, programme, config, meshcat)
+        self.diagram = make_control_mode_switch(
+            self.robot, programme, config, meshcat, self._recorder
+        )
         self.station = self.diagram.GetSubsystemByName("station")
         self.plant = self.station.GetSubsystemByName("plant")
         self._scheduler = self.diagram.GetSubsystemByName("scheduler")
         self._controller = self.station.GetSubsystemByName("behavior_controller")
-        self._controller.tick_seconds = []
+        self._controller.tick_seconds = self._tick_seconds
         self.simulator = Simulator(self.diagram)
         scale_masses(self.plant, self._plant_context(), variation)
         self._release_time: float | None = None
         self._place(variation, self.scenario.start)
         self.simulator.Initialize()
+
+    # ---- log -----------------------------------------------------------------
+
+    def _start_log(self, path: Path) -> LogRecorder:
+        # What logs need loads only where there is one.
+        from atlas_drake.logs.start import start_recorder
+
+        recorder = start_recorder(path, self.scenario, self.robot, self._tick_seconds)
+        # Whoever forgets to close still gets a file that can be read.
+        self._finalizer = weakref.finalize(self, recorder.close)
+        return recorder
+
+    def close(self) -> None:
+        """Completes the log, if there is one; the run may go on without it.
+
+        Raises:
+            LogError: If the log cannot be written.
+        """
+        if self._recorder is not None:
+            self._recorder.flush(
+                self._recorder.GetMyContextFromRoot(self.simulator.get_context())
+            )
+            self._finalizer()
+
+    def __enter__(self) -> AtlasSimulation:
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        self.close()
 
     # ---- commands ------------------------------------------------------------
 
@@ -413,6 +455,21 @@ class AtlasSimulation:
             self._output("commands"),
             self._output("controller_state").supervisor,
         )
+
+
+def _listener(
+    on_event: Callable[[Event], None] | None, recorder: LogRecorder | None
+) -> Callable[[Event], None] | None:
+    """Who is told of events: the caller, the log, both or nobody."""
+    if recorder is None:
+        return on_event
+
+    def notice(event: Event) -> None:
+        recorder.event(event)
+        if on_event is not None:
+            on_event(event)
+
+    return notice
 
 
 class SimulationError(AtlasError, RuntimeError):

@@ -4,6 +4,7 @@ Two command ports in, state ports out, as the simulator's plugin was to the orig
 Wiring only.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -85,6 +86,9 @@ def make_atlas_station(
         commands: ``CommandsInForce``
         controller_state: ``ControllerState``
         effort: What the motors do [N·m], shape (n,), message order.
+        user_effort: Of the joint controllers [N·m], shape (n,), message order.
+        behavior_state: What the behaviours see of the state.
+        foot_wrenches: See ``RobotSensors``.
         extremes: Of the run so far, see ``RunStatistics``.
         state, body_poses, contact_results: Of the plant.
         query_object: Of the scene graph, for visualisers.
@@ -153,9 +157,10 @@ def make_atlas_station(
     connect(selector, "actuation", statistics)
     if config.estimated:
         estimator = _add_estimator(builder, robot, config, plant, sensors)
-        connect(estimator, "estimated_state", behaviors, "state")
+        behavior_state = estimator.GetOutputPort("estimated_state")
     else:
-        connect(sensors, "measured_state", behaviors, "state")
+        behavior_state = sensors.GetOutputPort("measured_state")
+    builder.Connect(behavior_state, behaviors.GetInputPort("state"))
     connect(sensors, "foot_loads", behaviors)
     connect(sensors, "foot_wrenches", pid)
     connect(plant, "contact_results", sensors)
@@ -173,9 +178,10 @@ def make_atlas_station(
         pushes = harness.GetInputPort("other_spatial_force")
     builder.ExportInput(pushes, "applied_spatial_force")
     for system, names in (
-        (sensors, ("atlas_state", "imu")),
+        (sensors, ("atlas_state", "imu", "foot_wrenches")),
         (behaviors, ("atlas_sim_interface_state", "controller_state")),
         (commands, ("commands",)),
+        (pid, ("user_effort",)),
         (selector, ("effort",)),
         (statistics, ("extremes",)),
         (plant, ("body_poses", "contact_results")),
@@ -183,6 +189,7 @@ def make_atlas_station(
         for name in names:
             builder.ExportOutput(system.GetOutputPort(name), name)
     builder.ExportOutput(plant.get_state_output_port(), "state")
+    builder.ExportOutput(behavior_state, "behavior_state")
     builder.ExportOutput(scene_graph.get_query_output_port(), "query_object")
     station = builder.Build()
     station.set_name("AtlasStation")
@@ -205,14 +212,21 @@ def _add_world(
         builder,
     )
     robot.add_to(plant)
-    friction = CoulombFriction(config.ground_friction, config.ground_friction)
+    add_scenery(plant, config.terrain, config.ground_friction)
+    plant.Finalize()
+    return plant, scene_graph
+
+
+def add_scenery(
+    plant: MultibodyPlant, terrain: Iterable[Block], ground_friction: float
+) -> None:
+    """Adds the level ground and the terrain's boxes to a plant (before Finalize)."""
+    friction = CoulombFriction(ground_friction, ground_friction)
     plant.RegisterCollisionGeometry(
         plant.world_body(), RigidTransform(), HalfSpace(), "ground", friction
     )
-    for number, block in enumerate(config.terrain):
-        _add_block(plant, block, f"terrain_{number}", config.ground_friction)
-    plant.Finalize()
-    return plant, scene_graph
+    for number, block in enumerate(terrain):
+        _add_block(plant, block, f"terrain_{number}", ground_friction)
 
 
 def _add_estimator(

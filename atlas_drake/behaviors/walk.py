@@ -29,7 +29,6 @@ from atlas_drake.behaviors.walk_steps import (
     steps_asked_for,
 )
 from atlas_drake.control import tasks
-from atlas_drake.control.dcm_plan import DcmReference
 from atlas_drake.control.footstep import Footstep, StepLimits, saturate
 from atlas_drake.control.rotations import mean_yaw
 from atlas_drake.control.step_adjustment import StepAdjustmentLimits, step_shift
@@ -154,7 +153,7 @@ class Walk:
         command = self._balance.command(
             seen,
             body,
-            self._reference(memory),
+            memory.dcm_reference(memory.omega),
             memory.omega,
             memory.support,
             self._feet(memory, seen, swing_reference),
@@ -391,13 +390,6 @@ class Walk:
         cop = stance_cop(stance, 1 - step.foot)
         memory = self._replan(memory, cop, memory.duration)
         return replace(memory, plan_time=plan_time)
-
-    def _reference(self, memory: WalkMemory) -> DcmReference:
-        """The plan at this moment; where it waits, the DCM rests over the CoP."""
-        reference = memory.plan.evaluate(memory.plan_time)
-        if memory.waiting:
-            return replace(reference, cop=reference.dcm)
-        return reference
 
     def _body_target(self, memory: WalkMemory) -> BodyTarget:
         left, right = feet_to_come(memory)
