@@ -16,7 +16,12 @@ from pathlib import Path
 import numpy as np
 from parallel import run_in_processes
 
-from atlas_drake import AtlasSimulation, Scenario
+from atlas_drake import (
+    AtlasSimInterfaceCommand,
+    AtlasSimulation,
+    Behavior,
+    Scenario,
+)
 from atlas_drake.behaviors.transitions import EntryLimits
 from atlas_drake.control.whole_body_model import WholeBodyModel
 
@@ -50,15 +55,31 @@ class Start:
 
 
 def survives(start: Start) -> bool:
-    """Whether the robot stands in the end."""
-    logging.getLogger("drake").setLevel(logging.ERROR)
-    logging.getLogger("atlas_drake").setLevel(logging.ERROR)
-    sim = AtlasSimulation(Scenario(model=start.model, seed=start.seed))
-    random = np.random.default_rng(start.seed)
-    aim = start.amount * np.array(start.direction)
-    _displace(sim, start, aim, random)
+    """Whether a robot that is in STAND already stands in the end."""
+    sim = _begin(start, "STAND")
     sim.advance(WATCHED)
     return not sim.has_fallen
+
+
+def lets_in(start: Start) -> bool:
+    """Whether STAND can be entered from there."""
+    sim = _begin(start, "USER")
+    stand = AtlasSimInterfaceCommand(behavior=Behavior.STAND)
+    stand.k_effort = [0] * sim.robot.num_joints
+    sim.publish(stand)
+    sim.advance(2.0 * sim.scenario.control_period)
+    return sim.current_behavior is Behavior.STAND
+
+
+def _begin(start: Start, behavior: str) -> AtlasSimulation:
+    for name in ("drake", "atlas_drake"):
+        logging.getLogger(name).setLevel(logging.ERROR)
+    sim = AtlasSimulation(
+        Scenario(model=start.model, seed=start.seed, initial_behavior=behavior)
+    )
+    aim = start.amount * np.array(start.direction)
+    _displace(sim, start, aim, np.random.default_rng(start.seed))
+    return sim
 
 
 def _displace(
@@ -101,9 +122,16 @@ def _displace(
     sim.simulator.Initialize()
 
 
-def largest(model: str, kind: str, direction: str, first_seed: int, jobs: int) -> float:
-    """Largest amount up to which every start is survived; 0 if the first is not."""
+def largest(
+    model: str, kind: str, direction: str, first_seed: int, jobs: int
+) -> tuple[float, bool]:
+    """Largest amount up to which every start is survived; 0 if the first is not.
+
+    Returns:
+        That amount, and whether STAND can be entered from the next one.
+    """
     _, increment, most, _ = KINDS[kind]
+    too_much = False
     borne = 0.0
     while borne + increment <= most + 1e-9:
         amount = borne + increment
@@ -113,9 +141,10 @@ def largest(model: str, kind: str, direction: str, first_seed: int, jobs: int) -
         ]
         outcomes = run_in_processes(survives, starts, jobs)
         if not all(outcome.result for outcome in outcomes):
+            too_much = any(o.result for o in run_in_processes(lets_in, starts, jobs))
             break
         borne = amount
-    return borne
+    return borne, too_much
 
 
 def main() -> int:
@@ -127,21 +156,22 @@ def main() -> int:
     parser.add_argument("--json", type=Path, metavar="FILE", help="write figures here")
     options = parser.parse_args()
     found: dict[str, dict[str, float]] = {}
+    met = True
     for kind, (what, _, most, unit) in KINDS.items():
         names = list(DIRECTIONS) if kind != "joints" else ["forward"]
         found[kind] = {}
         for name in names:
-            amount = largest(options.model, kind, name, options.seed, options.jobs)
+            amount, too_much = largest(
+                options.model, kind, name, options.seed, options.jobs
+            )
             found[kind][name] = amount
-            more = " (and more)" if amount >= most - 1e-9 else ""
+            met = met and not too_much
+            more = " and more" if amount >= most - 1e-9 else ""
+            more += "; MORE IS LET IN" if too_much else ""
             where = f", {name}" if kind != "joints" else ""
             print(f"{what}{where}: {amount:.2f} {unit}{more}", flush=True)
-    limits = EntryLimits()
-    met = (
-        min(found["velocity"].values()) >= limits.com_speed
-        and found["joints"]["forward"] >= limits.joint_speed
-    )
-    print(f"STAND lets in {limits}: {'all survived' if met else 'NOT all survived'}")
+    print(f"Conditions: {EntryLimits()}")
+    print(f"goal: let in nothing that was not survived, {'NOT ' * (not met)}met")
     if options.json is not None:
         options.json.write_text(json.dumps(found, indent=2) + "\n")
     return 0 if met else 1
