@@ -10,8 +10,10 @@ import math
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from atlas_drake.errors import AtlasError
+from atlas_drake.visualization.overlays import OVERLAYS, Overlays, overlays_from
 
 EXIT_OK, EXIT_FAILED, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 0, 1, 2, 130
 """Did what was asked; fell or failed; input that cannot be used; stopped by Ctrl-C."""
@@ -59,6 +61,16 @@ def _run(options: argparse.Namespace) -> int:
     from atlas_drake.scenario import load_scenario
 
     return run_scenario(load_scenario(options.scenario), options)
+
+
+def _teleop(options: argparse.Namespace) -> int:
+    from atlas_drake.scenario import Scenario, load_scenario
+    from atlas_drake.teleop.teleop_command import run_teleop
+
+    scenario = Scenario(name="teleop")
+    if options.scenario is not None:
+        scenario = load_scenario(options.scenario)
+    return run_teleop(scenario, options)
 
 
 def _diagram(options: argparse.Namespace) -> int:
@@ -111,6 +123,35 @@ def _parser() -> argparse.ArgumentParser:
     _add_run_options(run)
     run.set_defaults(run=_run)
 
+    teleop = commands.add_parser(
+        "teleop",
+        help="steer Atlas yourself, with keys and sliders in the browser",
+        description="Steer Atlas in the 3D view: keys for behaviours and walking, "
+        "sliders for the gait, the pelvis and your share of each limb, pushes. "
+        "Ctrl-C ends it.",
+        epilog="exit status: 0 stopped by you or still upright at the end, 1 Atlas "
+        "lies on the ground or the simulation failed, 2 bad input",
+    )
+    teleop.add_argument(
+        "scenario",
+        metavar="SCENARIO.yaml",
+        type=Path,
+        nargs="?",
+        help="what is simulated (default: Atlas on level ground)",
+    )
+    teleop.add_argument(
+        "--duration",
+        type=_rate,
+        default=math.inf,
+        metavar="SECONDS",
+        help="end by itself after this simulated time (default: go on)",
+    )
+    _add_robot_options(teleop)
+    _add_view_options(
+        teleop.add_argument_group("how you watch it"), "com,dcm,cop,support,swing,flags"
+    )
+    teleop.set_defaults(run=_teleop)
+
     diagram = commands.add_parser(
         "diagram",
         help="draw the block diagram of the simulation",
@@ -129,7 +170,7 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _add_run_options(parser: argparse.ArgumentParser) -> None:
+def _add_robot_options(parser: argparse.ArgumentParser) -> None:
     robot = parser.add_argument_group("what is simulated")
     robot.add_argument(
         "--model",
@@ -148,6 +189,10 @@ def _add_run_options(parser: argparse.ArgumentParser) -> None:
         metavar="SECONDS",
         help="0.0005, 0.001 (the default) or 0.002: smaller is slower and more exact",
     )
+
+
+def _add_run_options(parser: argparse.ArgumentParser) -> None:
+    _add_robot_options(parser)
     view = parser.add_argument_group("how you watch it")
     view.add_argument(
         "--headless",
@@ -161,19 +206,7 @@ def _add_run_options(parser: argparse.ArgumentParser) -> None:
         help="simulated seconds per second, at most; 0 is as fast as possible "
         "(default: 1 with the 3D view, 0 without)",
     )
-    view.add_argument(
-        "--port",
-        type=_port,
-        metavar="P",
-        help="port of the 3D view (default: the first free one from 7000)",
-    )
-    view.add_argument(
-        "--host",
-        default="localhost",
-        metavar="H",
-        help="address that the 3D view listens on; * lets other computers watch "
-        "(default: %(default)s)",
-    )
+    _add_view_options(view, "none")
     keep = parser.add_argument_group("what you keep")
     keep.add_argument(
         "--json",
@@ -187,6 +220,40 @@ def _add_run_options(parser: argparse.ArgumentParser) -> None:
         metavar="FILE.html",
         help="write the 3D animation as one web page that plays without this program",
     )
+
+
+def _add_view_options(view: Any, show: str) -> None:
+    view.add_argument(
+        "--port",
+        type=_port,
+        metavar="P",
+        help="port of the 3D view (default: the first free one from 7000)",
+    )
+    view.add_argument(
+        "--host",
+        default="localhost",
+        metavar="H",
+        help="address that the 3D view listens on; * lets other computers watch "
+        "(default: %(default)s)",
+    )
+    view.add_argument(
+        "--show",
+        type=_overlays,
+        default=_overlays(show),
+        metavar="LIST",
+        help="what the 3D view shows of the controller's thoughts, with commas: "
+        + ", ".join(OVERLAYS)
+        + f"; or all, or none (default: {show})",
+    )
+
+
+def _overlays(text: str) -> list[str]:
+    try:
+        names = overlays_from(text)
+        Overlays(names)
+    except AtlasError as error:
+        raise argparse.ArgumentTypeError(str(error)) from error
+    return names
 
 
 def _rate(text: str) -> float:

@@ -30,6 +30,7 @@ from atlas_drake.viewer import (
     start_meshcat,
 )
 from atlas_drake.visualization import FRAME_RATE
+from atlas_drake.visualization.overlays import Overlays
 
 PIECE = 0.1
 """Simulated time between updates of the progress line [s]."""
@@ -50,14 +51,11 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
     Raises:
         ScenarioError: If anything asked for cannot be done, before anything is.
     """
-    for name in ("model", "seed", "physics_step"):
-        if getattr(options, name) is not None:
-            setattr(scenario, name, getattr(options, name))
-    scenario.validate()
+    apply_options(scenario, options)
     for option, path in (("--json", options.json), ("--record", options.record)):
         if path is not None:
             _check_writable(option, path)
-    _quiet_logs()
+    quiet_logs()
 
     meshcat = None
     if not options.headless or options.record is not None:
@@ -69,7 +67,12 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
             frames_per_second=FRAME_RATE,
             set_visualizations_while_recording=not options.headless,
         )
-    sim = AtlasSimulation(scenario, meshcat=meshcat, on_event=progress.event)
+    sim = AtlasSimulation(
+        scenario,
+        meshcat=meshcat,
+        on_event=progress.event,
+        overlays=Overlays(options.show),
+    )
     if meshcat is not None and not options.headless:
         progress.say(f"Watch at {meshcat.web_url()}")
         if interactive():
@@ -101,6 +104,18 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
     return EXIT_OK if summary["success"] else EXIT_FAILED
 
 
+def apply_options(scenario: Scenario, options: argparse.Namespace) -> None:
+    """Lets the command line win over a scenario in what is simulated.
+
+    Raises:
+        ScenarioError: If the scenario then has a value that cannot be used.
+    """
+    for name in ("model", "seed", "physics_step"):
+        if getattr(options, name) is not None:
+            setattr(scenario, name, getattr(options, name))
+    scenario.validate()
+
+
 INTERRUPTED = "interrupted"
 """What the summary's ``stopped`` says after Ctrl-C."""
 
@@ -112,7 +127,7 @@ def _simulate(sim: AtlasSimulation, progress: Progress) -> str | None:
         None, or why the run ended before that, other than by a fall.
     """
     end = sim.scenario.duration
-    with _ctrl_c() as asked_to_stop:
+    with ctrl_c() as asked_to_stop:
         try:
             while sim.time < end - 1e-9:
                 if asked_to_stop.is_set():
@@ -128,7 +143,7 @@ def _simulate(sim: AtlasSimulation, progress: Progress) -> str | None:
 
 
 @contextmanager
-def _ctrl_c() -> Iterator[threading.Event]:
+def ctrl_c() -> Iterator[threading.Event]:
     """Turns Ctrl-C into a flag, so that no simulation step is torn apart.
 
     A second Ctrl-C interrupts at once.
@@ -176,7 +191,7 @@ def verdict(summary: dict[str, Any]) -> str:
     return text if factor is None else f"{text} Ran at {factor:.2f} x real time."
 
 
-def _quiet_logs() -> None:
+def quiet_logs() -> None:
     """Keeps out of the run's lines what they say themselves, or what is no news."""
     # Refusals are events, printed with all others.
     logging.getLogger("atlas_drake").propagate = False

@@ -43,6 +43,7 @@ from atlas_drake.start import Variation, draw_variation, place_robot, scale_mass
 from atlas_drake.steady import steady_ticks
 from atlas_drake.summary import make_summary
 from atlas_drake.tutorial import control_mode_switch_programme
+from atlas_drake.visualization.overlays import Overlays
 
 CHUNK = 0.02
 """Simulated time between looks at events, pushes and Ctrl-C [s]."""
@@ -74,6 +75,7 @@ class AtlasSimulation:
         scenario: Scenario | None = None,
         *,
         meshcat: Meshcat | None = None,
+        overlays: Overlays | None = None,
         on_event: Callable[[Event], None] | None = None,
     ):
         """Builds the diagram and puts the robot on its feet.
@@ -82,6 +84,7 @@ class AtlasSimulation:
             scenario: What to simulate; None is a robot that stands, commanded by
                 nobody but the caller.
             meshcat: Where to show it; None shows nothing.
+            overlays: What of the controller's thoughts is shown there.
             on_event: Called with each event as it is noticed.
 
         Raises:
@@ -111,7 +114,9 @@ class AtlasSimulation:
             programme = control_mode_switch_programme(
                 self.robot, literal=self.scenario.programme == "tutorial_literal"
             )
-        self.diagram = make_control_mode_switch(self.robot, programme, config, meshcat)
+        self.diagram = make_control_mode_switch(
+            self.robot, programme, config, meshcat, overlays
+        )
         self.station = self.diagram.GetSubsystemByName("station")
         self.plant = self.station.GetSubsystemByName("plant")
         self._scheduler = self.diagram.GetSubsystemByName("scheduler")

@@ -11,6 +11,7 @@ from pydrake.systems.framework import Diagram, DiagramBuilder
 from atlas_drake.diagrams.atlas_station import StationConfig, make_atlas_station
 from atlas_drake.robot import Robot, load_robot
 from atlas_drake.systems.command_scheduler import CommandScheduler, ScheduledCommand
+from atlas_drake.visualization.overlays import Overlays
 
 
 def make_control_mode_switch(
@@ -18,6 +19,7 @@ def make_control_mode_switch(
     programme: Sequence[ScheduledCommand] = (),
     config: StationConfig | None = None,
     meshcat: Meshcat | None = None,
+    overlays: Overlays | None = None,
 ) -> Diagram:
     """Builds scheduler and station, and a 3D view when there is a Meshcat.
 
@@ -52,7 +54,7 @@ def make_control_mode_switch(
         # Meshcat's part loads only where there is something to see.
         from atlas_drake.visualization.meshcat_view import add_meshcat_view
 
-        add_meshcat_view(builder, station, robot, meshcat)
+        add_meshcat_view(builder, station, robot, meshcat, overlays)
     diagram = builder.Build()
     diagram.set_name("control_mode_switch")
     return diagram

@@ -12,11 +12,16 @@ from atlas_drake.robot import Robot
 from atlas_drake.visualization import FRAME_RATE
 from atlas_drake.visualization.caption import CaptionDisplay
 from atlas_drake.visualization.footsteps import FootstepDisplay
+from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.scene import prepare_scene
 
 
 def add_meshcat_view(
-    builder: DiagramBuilder, station: System, robot: Robot, meshcat: Meshcat
+    builder: DiagramBuilder,
+    station: System,
+    robot: Robot,
+    meshcat: Meshcat,
+    overlays: Overlays | None = None,
 ) -> None:
     """Adds the robot's visualiser, footsteps and caption, and dresses the scene.
 
@@ -25,7 +30,9 @@ def add_meshcat_view(
         station: An AtlasStation.
         robot: Its robot.
         meshcat: Where to show it.
+        overlays: What of the controller's thoughts is shown; it may change later.
     """
+    overlays = overlays or Overlays()
     period = 1.0 / FRAME_RATE
     prepare_scene(meshcat)
     MeshcatVisualizer.AddToBuilder(

@@ -1,0 +1,81 @@
+"""``atlas-drake teleop``: serve the panel, say the keys, go on until Ctrl-C.
+
+What the panel does is in ``commander``; a slice of time is in ``session``.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+from atlas_drake.cli import EXIT_FAILED, EXIT_OK
+from atlas_drake.progress import Progress
+from atlas_drake.run_command import (
+    INTERRUPTED,
+    apply_options,
+    ctrl_c,
+    quiet_logs,
+    verdict,
+)
+from atlas_drake.scenario import Scenario
+from atlas_drake.simulation import AtlasSimulation, SimulationError
+from atlas_drake.teleop.controls import legend
+from atlas_drake.teleop.panel import Panel
+from atlas_drake.teleop.session import Session
+from atlas_drake.viewer import await_viewer, interactive, start_meshcat
+from atlas_drake.visualization.overlays import Overlays
+
+
+def run_teleop(scenario: Scenario, options: argparse.Namespace) -> int:
+    """Lets somebody steer until Ctrl-C, or for ``options.duration`` [s].
+
+    Args:
+        scenario: As read; the options' model, seed and physics step replace its own.
+        options: Of ``atlas-drake teleop``.
+
+    Returns:
+        The exit status.
+
+    Raises:
+        ScenarioError: If anything asked for cannot be done, before anything is.
+    """
+    apply_options(scenario, options)
+    quiet_logs()
+    overlays = Overlays(options.show)
+    meshcat = start_meshcat(options.host, options.port)
+    progress = Progress(sys.stdout, options.duration)
+    sim = AtlasSimulation(
+        scenario, meshcat=meshcat, on_event=progress.event, overlays=overlays
+    )
+    session = Session(sim, Panel(meshcat, sim.robot, overlays))
+    progress.say(f"Steer at {meshcat.web_url()}; Ctrl-C here ends it.\n\n{legend()}\n")
+    if interactive():
+        await_viewer(meshcat, progress)
+
+    stopped = _steer(sim, session, progress, options.duration)
+
+    summary = sim.summary()
+    summary["stopped"] = stopped
+    progress.say(verdict(summary))
+    if stopped == INTERRUPTED:
+        return EXIT_OK
+    return EXIT_FAILED if stopped is not None or sim.has_fallen else EXIT_OK
+
+
+def _steer(
+    sim: AtlasSimulation, session: Session, progress: Progress, end: float
+) -> str | None:
+    """Goes on until the end; says why it ended before."""
+    fallen = False
+    with ctrl_c() as asked_to_stop:
+        try:
+            while sim.time < end and not asked_to_stop.is_set():
+                session.advance()
+                paused = " (paused)" if session.paused else ""
+                progress.update(sim.time, sim.current_behavior.name + paused)
+                if sim.has_fallen and not fallen:
+                    progress.say("Atlas lies on the ground; r puts it on its feet.")
+                fallen = sim.has_fallen
+        except SimulationError as error:
+            return str(error)
+        return INTERRUPTED if asked_to_stop.is_set() else None
