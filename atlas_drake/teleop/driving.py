@@ -73,14 +73,15 @@ def drive(
     memory = _notice(memory, current, report.header.stamp or 0.0)
     if current is Behavior.WALK and memory.walker is not None:
         return _walking(memory, memory.walker, gait, report)
-    if memory.direction is None or memory.walker is not None:
+    direction = memory.direction
+    if direction is None or memory.walker is not None:
         return memory, None
     if current is Behavior.STAND:
-        walker = begin_walk(memory.direction)
+        walker = begin_walk(direction)
         memory = replace(
             memory, asked_at=report.header.stamp or 0.0, started=False, leaving=False
         )
-        return _send(memory, walker, memory.direction, gait, report)
+        return _send(memory, walker, direction, gait, report)
     return _ask_for_stand(memory)
 
 
