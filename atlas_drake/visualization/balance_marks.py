@@ -123,9 +123,7 @@ class BalanceMarks(LeafSystem):
             self._drawn["com_ball"] = True
             path = f"{PATH}/com_ball"
             self._meshcat.SetObject(path, Sphere(BALL), COM)
-            for name, value in (("depthTest", False), ("transparent", True)):
-                self._meshcat.SetProperty(f"{path}/<object>", f"material.{name}", value)
-            self._meshcat.SetProperty(f"{path}/<object>", "renderOrder", 10.0)
+            self._see_through(path)
         self._move("com_ball", [x, y, z], time)
         height = max(z - ground, LOWEST)
         if "com_line" not in self._drawn:
@@ -145,6 +143,7 @@ class BalanceMarks(LeafSystem):
             self._drawn[name] = True
             disc = Cylinder(DISC[name], DISC_HEIGHT)
             self._meshcat.SetObject(f"{PATH}/{name}", disc, _COLORS[name])
+            self._see_through(f"{PATH}/{name}")
         x, y = map(float, point)
         self._move(name, [x, y, ground + LIFT[name]], time)
 
@@ -157,6 +156,7 @@ class BalanceMarks(LeafSystem):
             fan = [[0, i, i + 1] for i in range(1, len(corners) - 1)]
             faces = np.array(fan, dtype=np.int32).T
             draw_flat(self._meshcat, f"{PATH}/support", vertices, faces, SUPPORT)
+            self._see_through(f"{PATH}/support", order=1.0)
         p_W: Any = np.array([0.0, 0.0, ground + LIFT["support"]])
         self._meshcat.SetTransform(f"{PATH}/support", RigidTransform(p_W))
         self._show("support", True)
@@ -181,6 +181,13 @@ class BalanceMarks(LeafSystem):
         p_W: Any = np.array(position)
         self._meshcat.SetTransform(f"{PATH}/{name}", RigidTransform(p_W), time)
         self._show(name, True)
+
+    def _see_through(self, path: str, order: float = 2.0) -> None:
+        """Draws an object over whatever hides it, those of a higher order on top."""
+        target = f"{path}/<object>"
+        self._meshcat.SetProperty(target, "material.depthTest", False)
+        self._meshcat.SetProperty(target, "material.transparent", True)
+        self._meshcat.SetProperty(target, "renderOrder", order)
 
     def _show(self, name: str, visible: bool) -> None:
         if self._visible.get(name, False) != visible or name not in self._visible:

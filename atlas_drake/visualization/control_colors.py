@@ -26,6 +26,8 @@ from atlas_drake.visualization.palette import (
 
 SHADES = 20
 """Steps of a colour scale: what looks the same is not sent again."""
+GAMMA = 2.2
+"""Meshcat takes the colours of materials as intensities of light."""
 REPEAT = 1.0
 """After this time all colours are sent again, for browsers that came later [s]."""
 
@@ -121,4 +123,5 @@ class ControlColors(LeafSystem):
         for path, color in zip(self._paths, colors, strict=True):
             if self._sent.get(path) != color:
                 self._sent[path] = color
-                self._meshcat.SetProperty(path, "color", [*color, 1.0], time)
+                light = [value**GAMMA for value in color]
+                self._meshcat.SetProperty(path, "color", [*light, 1.0], time)

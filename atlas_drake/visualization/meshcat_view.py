@@ -48,7 +48,7 @@ def add_meshcat_view(
         station.GetOutputPort("query_object"),
         meshcat,
         MeshcatVisualizerParams(
-            publish_period=period, enable_alpha_slider=False, prefix=VISUALIZER[1:]
+            publish_period=period, enable_alpha_slider=False, prefix=VISUALIZER
         ),
     )
     plant: Any = station.GetSubsystemByName("plant")
