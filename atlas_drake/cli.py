@@ -129,8 +129,8 @@ def _parser() -> argparse.ArgumentParser:
         description="Steer Atlas in the 3D view: keys for behaviours and walking, "
         "sliders for the gait, the pelvis and your share of each limb, pushes. "
         "Ctrl-C ends it.",
-        epilog="exit status: 0 stopped by you or still upright at the end, 1 Atlas "
-        "lies on the ground or the simulation failed, 2 bad input",
+        epilog="exit status: 0 stopped by Ctrl-C or after --duration, 1 the simulation "
+        "failed, 2 bad input",
     )
     teleop.add_argument(
         "scenario",

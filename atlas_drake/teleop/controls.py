@@ -172,8 +172,8 @@ Keys work where the 3D view has the focus; every key is a button there too.
 
 Atlas goes on as told until another key; a gamepad's sticks steer it as long as they
 are held. Sliders set the stride and, per limb, k_effort: 0 is the behaviour, 255 you.
-A limb that is yours gets a slider for each joint. Bodies to push: {bodies};
-0 deg pushes ahead, 90 deg to the robot's left."""
+A limb that is yours gets a slider for each joint. A push goes ahead at 0 deg and to
+the robot's left at 90 deg; bodies are {bodies}."""
 
 
 def legend() -> str:

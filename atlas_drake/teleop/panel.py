@@ -99,13 +99,16 @@ class Panel:
     def _switch_overlays(self) -> None:
         """Takes over the switches, and shows where one turned another off."""
         meshcat, overlays = self._meshcat, self._overlays
-        for name, label in self._shown.items():
-            on = meshcat.GetSliderValue(label) > 0.5
-            if on == overlays.is_on(name):
-                continue
-            overlays.switch(name, on)
-            for other, its_label in self._shown.items():
-                meshcat.SetSliderValue(its_label, int(overlays.is_on(other)))
+        wanted = {
+            name: meshcat.GetSliderValue(label) > 0.5
+            for name, label in self._shown.items()
+        }
+        changed = [name for name, on in wanted.items() if on != overlays.is_on(name)]
+        for name in changed:
+            overlays.switch(name, wanted[name])
+        if changed:
+            for name, label in self._shown.items():
+                meshcat.SetSliderValue(label, int(overlays.is_on(name)))
 
     def _stick(self) -> Direction | None:
         pad = self._meshcat.GetGamepad()

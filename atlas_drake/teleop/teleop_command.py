@@ -52,20 +52,19 @@ def run_teleop(scenario: Scenario, options: argparse.Namespace) -> int:
     if interactive():
         await_viewer(meshcat, progress)
 
-    stopped = _steer(sim, session, progress, options.duration)
+    failure = _steer(sim, session, progress, options.duration)
 
     summary = sim.summary()
-    summary["stopped"] = stopped
+    # Nobody but the one who steered knows what was to be achieved.
+    summary["stopped"] = failure or INTERRUPTED
     progress.say(verdict(summary))
-    if stopped == INTERRUPTED:
-        return EXIT_OK
-    return EXIT_FAILED if stopped is not None or sim.has_fallen else EXIT_OK
+    return EXIT_OK if failure is None else EXIT_FAILED
 
 
 def _steer(
     sim: AtlasSimulation, session: Session, progress: Progress, end: float
 ) -> str | None:
-    """Goes on until the end; says why it ended before."""
+    """Goes on until the end or Ctrl-C; says what went wrong, if anything."""
     fallen = False
     with ctrl_c() as asked_to_stop:
         try:
@@ -78,4 +77,4 @@ def _steer(
                 fallen = sim.has_fallen
         except SimulationError as error:
             return str(error)
-        return INTERRUPTED if asked_to_stop.is_set() else None
+        return None

@@ -74,15 +74,15 @@ def test_real_time_is_not_outrun(panel):
 
 def test_reset_works_while_paused(steered, panel):
     sim, session = steered.sim, steered.session
+    session.advance()
     panel.set(SHARES["neck"], 255)
     session.advance()
-    panel.set(SHARES["neck"], 0)
     session.advance()
+    assert any(sim.atlas_sim_interface_state.k_effort)
     panel.press(Action.PAUSE)
     session.advance()
     panel.press(Action.RESET)
     session.advance()
-    assert any(event.kind == "reset" for event in sim.events) or sim.time > 0.0
     assert not any(sim.atlas_sim_interface_state.k_effort)
 
 
@@ -91,7 +91,7 @@ def test_walking_pushing_and_stopping(steered, panel):
     sim = steered.sim
     steered.go(0.2)
     panel.press(Action.FORWARD)
-    steered.go(4.0)
+    steered.go(3.5)
     x = sim.pelvis_pose.translation()[0]
     assert x > 0.5
     panel.set(PUSH_IMPULSE, 8.0)
@@ -99,10 +99,10 @@ def test_walking_pushing_and_stopping(steered, panel):
     steered.go(0.3)
     assert any(event.kind == "push" for event in sim.events)
     panel.press(Action.ARC_LEFT)
-    steered.go(3.0)
+    steered.go(2.0)
     assert steered.heading() > 0.2
     panel.press(Action.STOP)
-    steered.go(4.0)
+    steered.go(3.0)
     assert sim.current_behavior is Behavior.STAND
     assert not sim.has_fallen
     left, right = (foot.position for foot in sim.atlas_sim_interface_state.foot_pos_est)
@@ -116,12 +116,12 @@ def test_changing_ones_mind_at_any_moment_is_safe(steered, panel):
     random = np.random.default_rng(1)
     keys = [a for a in Action if a.key.cap in "uiojklm,."]
     panel.set(STRIDE, 0.25)
-    for _ in range(16):
+    for _ in range(10):
         panel.press(keys[random.integers(len(keys))])
-        steered.go(random.uniform(0.2, 1.2))
+        steered.go(random.uniform(0.2, 1.0))
         assert not sim.has_fallen
     panel.press(Action.STOP)
-    steered.go(4.0)
+    steered.go(3.0)
     assert sim.current_behavior is Behavior.STAND
 
 
