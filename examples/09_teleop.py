@@ -1,6 +1,7 @@
-"""Teleoperation: steer Atlas with keys, sliders or a gamepad; also `atlas-drake teleop`.
+"""Teleoperation: steer Atlas with keys, sliders or a gamepad.
 
-With --headless nobody steers, and a script presses the keys instead.
+The command `atlas-drake teleop` does the same with more options. With --headless
+nobody steers, and a script presses the keys instead.
 """
 
 import argparse
@@ -29,6 +30,7 @@ class Script:
         self.sim, self.keys = sim, dict(KEYS)
 
     def read(self) -> Controls:
+        """The keys that are due."""
         due = [time for time in self.keys if time <= self.sim.time]
         return Controls(clicks=tuple(self.keys.pop(time) for time in due))
 

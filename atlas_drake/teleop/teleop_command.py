@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+import threading
 
 from atlas_drake.cli import EXIT_FAILED, EXIT_OK
 from atlas_drake.progress import Progress
@@ -22,7 +23,7 @@ from atlas_drake.simulation import AtlasSimulation, SimulationError
 from atlas_drake.teleop.controls import legend
 from atlas_drake.teleop.panel import Panel
 from atlas_drake.teleop.session import Session
-from atlas_drake.viewer import await_viewer, interactive, start_meshcat
+from atlas_drake.viewer import interactive, open_browser, start_meshcat
 from atlas_drake.visualization.overlays import Overlays
 
 
@@ -48,12 +49,13 @@ def run_teleop(scenario: Scenario, options: argparse.Namespace) -> int:
         scenario, meshcat=meshcat, on_event=progress.event, overlays=overlays
     )
     session = Session(sim, Panel(meshcat, sim.robot, overlays))
-    progress.say(f"Steer at {meshcat.web_url()}; Ctrl-C here ends it.\n\n{legend()}\n")
-    if interactive():
-        await_viewer(meshcat, progress)
-
-    failure = _steer(sim, session, progress, options.duration)
-
+    with ctrl_c() as asked_to_stop:
+        progress.say(
+            f"Steer at {meshcat.web_url()}; Ctrl-C here ends it.\n\n{legend()}\n"
+        )
+        if interactive():
+            open_browser(meshcat)
+        failure = _steer(sim, session, progress, options.duration, asked_to_stop)
     summary = sim.summary()
     # Nobody but the one who steered knows what was to be achieved.
     summary["stopped"] = failure or INTERRUPTED
@@ -62,19 +64,22 @@ def run_teleop(scenario: Scenario, options: argparse.Namespace) -> int:
 
 
 def _steer(
-    sim: AtlasSimulation, session: Session, progress: Progress, end: float
+    sim: AtlasSimulation,
+    session: Session,
+    progress: Progress,
+    end: float,
+    asked_to_stop: threading.Event,
 ) -> str | None:
     """Goes on until the end or Ctrl-C; says what went wrong, if anything."""
     fallen = False
-    with ctrl_c() as asked_to_stop:
-        try:
-            while sim.time < end and not asked_to_stop.is_set():
-                session.advance()
-                paused = " (paused)" if session.paused else ""
-                progress.update(sim.time, sim.current_behavior.name + paused)
-                if sim.has_fallen and not fallen:
-                    progress.say("Atlas lies on the ground; r puts it on its feet.")
-                fallen = sim.has_fallen
-        except SimulationError as error:
-            return str(error)
-        return None
+    try:
+        while sim.time < end and not asked_to_stop.is_set():
+            session.advance()
+            paused = " (paused)" if session.paused else ""
+            progress.update(sim.time, sim.current_behavior.name + paused)
+            if sim.has_fallen and not fallen:
+                progress.say("Atlas falls; r puts it back on its feet.")
+            fallen = sim.has_fallen
+    except SimulationError as error:
+        return str(error)
+    return None
