@@ -41,6 +41,8 @@ TUBE = 0.005
 """Radius of the paths [m]."""
 LOWEST = 0.1
 """The centre of mass of a robot on the ground counts as this high at least [m]."""
+PATHS_EVERY = 4
+"""Pictures between looks at the paths, which are dear to compute and slow to change."""
 _COLORS = {"com": COM, "dcm": DCM, "cop": COP}
 _NAMES = ("com", "dcm", "cop", "support", "plan", "swing")
 
@@ -71,6 +73,7 @@ class BalanceMarks(LeafSystem):
                 ("contact_results", ContactResults()),
             )
         )
+        self._pictures = -1
         self._drawn: dict[str, object] = {}
         self._visible: dict[str, bool] = {}
         meshcat.Delete(PATH)
@@ -101,6 +104,9 @@ class BalanceMarks(LeafSystem):
         if "support" in on:
             support = support_of(memory)
             self._draw_support(support.vertices if support else None, ground)
+        self._pictures += 1
+        if self._pictures % PATHS_EVERY:
+            return
         if "plan" in on:
             paths = planned_paths(memory, terms.com[:2], omega)
             for name, color in (("com", COM), ("dcm", DCM)):

@@ -241,7 +241,7 @@ def test_overlays_reach_the_scene_and_can_be_switched_while_running():
     assert not [path for path in paths if meshcat.HasPath(path)]
     for name in overlays_from("all"):
         overlays.switch(name, True)
-    sim.advance(0.1)
+    sim.advance(0.15)
     assert [path for path in paths if not meshcat.HasPath(path)] == []
     for name in OVERLAYS:
         overlays.switch(name, False)
