@@ -148,7 +148,8 @@ def _parser() -> argparse.ArgumentParser:
     )
     _add_robot_options(teleop)
     _add_view_options(
-        teleop.add_argument_group("how you watch it"), "com,dcm,cop,support,swing,flags"
+        teleop.add_argument_group("how you watch it"),
+        "com,dcm,cop,support,swing,flags,follow",
     )
     teleop.set_defaults(run=_teleop)
 

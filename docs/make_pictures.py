@@ -26,8 +26,18 @@ from atlas_drake.visualization.overlays import Overlays
 IMAGES = Path(__file__).parent / "images"
 MOMENTS = {"atlas.png": 10.5, "walk.png": 11.72}
 """Which picture, and when in the tutorial [s]: in the second and in the last step."""
-THOUGHTS = ("com", "dcm", "cop", "support", "plan", "swing", "forces", "flags")
-THOUGHTS_AT = 3.4
+THOUGHTS = (
+    "com",
+    "dcm",
+    "cop",
+    "support",
+    "plan",
+    "swing",
+    "forces",
+    "flags",
+    "follow",
+)
+THOUGHTS_AT = 9.0
 """What ``thoughts.png`` shows of the controller, and when in the demo walk [s]."""
 SIZE = "1200,800"
 """Of the pictures [pixel]."""

@@ -52,7 +52,7 @@ if options.headless:
     sys.exit(not done)
 
 meshcat = Meshcat()
-overlays = Overlays(["com", "dcm", "cop", "support", "swing"])
+overlays = Overlays(["com", "dcm", "cop", "support", "swing", "follow"])
 sim = AtlasSimulation(meshcat=meshcat, overlays=overlays)
 session = Session(sim, Panel(meshcat, sim.robot, overlays))
 print(f"Open the address above in a browser. Ctrl-C here ends it.\n\n{legend()}")

@@ -13,6 +13,7 @@ from pydrake.systems.framework import DiagramBuilder, LeafSystem, System
 from atlas_drake.robot import Robot
 from atlas_drake.visualization import FRAME_RATE
 from atlas_drake.visualization.balance_marks import BalanceMarks
+from atlas_drake.visualization.camera import FollowingCamera
 from atlas_drake.visualization.caption import CaptionDisplay
 from atlas_drake.visualization.contact_forces import ContactForces
 from atlas_drake.visualization.control_colors import ControlColors
@@ -59,6 +60,7 @@ def add_meshcat_view(
     displays: list[tuple[str, LeafSystem]] = [
         ("footstep_display", FootstepDisplay(meshcat, robot.file.sole, period)),
         ("caption_display", CaptionDisplay(meshcat, overlays, period)),
+        ("following_camera", FollowingCamera(meshcat, overlays, period)),
         ("balance_marks", BalanceMarks(meshcat, robot, overlays, period)),
         ("contact_force_display", ContactForces(meshcat, overlays, period)),
         (

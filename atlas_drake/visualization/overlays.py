@@ -20,6 +20,7 @@ OVERLAYS = {
     "owner": "links coloured by who has their joint",
     "effort": "links coloured by their joint's share of its effort limit",
     "flags": "feedback flags in words",
+    "follow": "the camera goes along with the robot; off, the mouse turns it",
 }
 """Names, and what they show."""
 
