@@ -204,6 +204,7 @@ def test_the_font_has_every_letter_of_every_word():
 # ---- plans and the scene -----------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_walk_has_a_plan_and_a_swing():
     sim = walking()
     sim.advance_to(SWINGING)
@@ -232,6 +233,7 @@ def test_standing_has_a_support_and_no_plan():
     assert support_of(None) is None
 
 
+@pytest.mark.slow
 def test_overlays_reach_the_scene_and_can_be_switched_while_running():
     meshcat, overlays = Meshcat(), Overlays()
     sim = walking(meshcat, overlays)
