@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from atlas_drake.errors import AtlasError
+from atlas_drake.visualization.overlays import OVERLAYS, Overlays, overlays_from
 
 EXIT_OK, EXIT_FAILED, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 0, 1, 2, 130
 """Did what was asked; fell or failed; input that cannot be used; stopped by Ctrl-C."""
@@ -73,6 +74,16 @@ def _replay(options: argparse.Namespace) -> int:
     from atlas_drake.log_command import replay_log
 
     return replay_log(options)
+
+
+def _teleop(options: argparse.Namespace) -> int:
+    from atlas_drake.scenario import Scenario, load_scenario
+    from atlas_drake.teleop.teleop_command import run_teleop
+
+    scenario = Scenario(name="teleop")
+    if options.scenario is not None:
+        scenario = load_scenario(options.scenario)
+    return run_teleop(scenario, options)
 
 
 def _diagram(options: argparse.Namespace) -> int:
@@ -153,12 +164,40 @@ def _parser() -> argparse.ArgumentParser:
         epilog=_LOG_EXIT_STATUS,
     )
     replay.add_argument("log", metavar="LOG", type=Path)
-    _add_view_options(
-        replay.add_argument_group("how you watch it"),
-        "no 3D view: for --record alone, as fast as possible",
-    )
+    view = replay.add_argument_group("how you watch it")
+    _add_speed_options(view, "no 3D view: for --record alone, as fast as possible")
+    _add_address_options(view)
     _add_record_option(replay.add_argument_group("what you keep"))
     replay.set_defaults(run=_replay)
+
+    teleop = commands.add_parser(
+        "teleop",
+        help="steer Atlas yourself, with keys and sliders in the browser",
+        description="Steer Atlas in the 3D view: keys for behaviours and walking, "
+        "sliders for the gait, the pelvis and your share of each limb, pushes. "
+        "Ctrl-C ends it.",
+        epilog="exit status: 0 stopped by Ctrl-C or after --duration, 1 the simulation "
+        "failed, 2 bad input",
+    )
+    teleop.add_argument(
+        "scenario",
+        metavar="SCENARIO.yaml",
+        type=Path,
+        nargs="?",
+        help="what is simulated (default: Atlas on level ground)",
+    )
+    teleop.add_argument(
+        "--duration",
+        type=_rate,
+        default=math.inf,
+        metavar="SECONDS",
+        help="end by itself after this simulated time (default: go on)",
+    )
+    _add_robot_options(teleop)
+    view = teleop.add_argument_group("how you watch it")
+    _add_address_options(view)
+    _add_show_option(view, "com,dcm,cop,support,swing,flags,follow")
+    teleop.set_defaults(run=_teleop)
 
     diagram = commands.add_parser(
         "diagram",
@@ -178,7 +217,7 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _add_run_options(parser: argparse.ArgumentParser) -> None:
+def _add_robot_options(parser: argparse.ArgumentParser) -> None:
     robot = parser.add_argument_group("what is simulated")
     robot.add_argument(
         "--model",
@@ -197,10 +236,14 @@ def _add_run_options(parser: argparse.ArgumentParser) -> None:
         metavar="SECONDS",
         help="0.0005, 0.001 (the default) or 0.002: smaller is slower and more exact",
     )
-    _add_view_options(
-        parser.add_argument_group("how you watch it"),
-        "no 3D view: as fast as possible, for scripts and servers",
-    )
+
+
+def _add_run_options(parser: argparse.ArgumentParser) -> None:
+    _add_robot_options(parser)
+    view = parser.add_argument_group("how you watch it")
+    _add_speed_options(view, "no 3D view: as fast as possible, for scripts and servers")
+    _add_address_options(view)
+    _add_show_option(view, "none")
     keep = parser.add_argument_group("what you keep")
     keep.add_argument(
         "--json",
@@ -219,7 +262,7 @@ def _add_run_options(parser: argparse.ArgumentParser) -> None:
     _add_record_option(keep)
 
 
-def _add_view_options(view: argparse._ArgumentGroup, headless: str) -> None:
+def _add_speed_options(view: argparse._ArgumentGroup, headless: str) -> None:
     view.add_argument("--headless", action="store_true", help=headless)
     view.add_argument(
         "--realtime-rate",
@@ -228,6 +271,9 @@ def _add_view_options(view: argparse._ArgumentGroup, headless: str) -> None:
         help="simulated seconds per second, at most; 0 is as fast as possible "
         "(default: 1 with the 3D view, 0 without)",
     )
+
+
+def _add_address_options(view: argparse._ArgumentGroup) -> None:
     view.add_argument(
         "--port",
         type=_port,
@@ -250,6 +296,27 @@ def _add_record_option(keep: argparse._ArgumentGroup) -> None:
         metavar="FILE.html",
         help="write the 3D animation as one web page that plays without this program",
     )
+
+
+def _add_show_option(view: argparse._ArgumentGroup, show: str) -> None:
+    view.add_argument(
+        "--show",
+        type=_overlays,
+        default=_overlays(show),
+        metavar="LIST",
+        help="what the 3D view shows of the controller's thoughts, with commas: "
+        + ", ".join(OVERLAYS)
+        + f"; or all, or none (default: {show})",
+    )
+
+
+def _overlays(text: str) -> list[str]:
+    try:
+        names = overlays_from(text)
+        Overlays(names)
+    except AtlasError as error:
+        raise argparse.ArgumentTypeError(str(error)) from error
+    return names
 
 
 def _rate(text: str) -> float:

@@ -5,6 +5,7 @@ Text and terminals only; what there is to say comes from the simulation.
 
 from __future__ import annotations
 
+import math
 import shutil
 import time
 from collections import deque
@@ -28,7 +29,7 @@ class Progress:
     """
 
     def __init__(self, stream: TextIO, end: float) -> None:
-        """Prints to ``stream`` about a run that ends at ``end`` [s]."""
+        """Prints to ``stream`` about a run that ends at ``end`` [s], or never."""
         self._stream = stream
         self._end = end
         self._live = stream.isatty()
@@ -60,7 +61,8 @@ class Progress:
         wall = now - self._times[0][0]
         simulated = sim_time - self._times[0][1]
         rate = f"{simulated / wall:.2f} x real time" if wall > 0.0 else ""
-        text = f"{sim_time:7.2f} s of {self._end:g} s | {rate:>16} | {behavior}"
+        end = f" of {self._end:g} s" if math.isfinite(self._end) else ""
+        text = f"{sim_time:7.2f} s{end} | {rate:>16} | {behavior}"
         if self._live:
             # A line that is wider than the terminal could not be rewritten.
             text = text[: shutil.get_terminal_size().columns - 1]

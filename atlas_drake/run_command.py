@@ -31,6 +31,7 @@ from atlas_drake.viewer import (
     start_meshcat,
 )
 from atlas_drake.visualization import FRAME_RATE
+from atlas_drake.visualization.overlays import Overlays
 
 PIECE = 0.1
 """Simulated time between updates of the progress line [s]."""
@@ -51,10 +52,7 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
     Raises:
         ScenarioError: If anything asked for cannot be done, before anything is.
     """
-    for name in ("model", "seed", "physics_step"):
-        if getattr(options, name) is not None:
-            setattr(scenario, name, getattr(options, name))
-    scenario.validate()
+    apply_options(scenario, options)
     for option in ("json", "record", "log"):
         path = getattr(options, option)
         if path is not None:
@@ -74,7 +72,11 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
             set_visualizations_while_recording=not options.headless,
         )
     sim = AtlasSimulation(
-        scenario, meshcat=meshcat, on_event=progress.event, log=options.log
+        scenario,
+        meshcat=meshcat,
+        on_event=progress.event,
+        overlays=Overlays(options.show),
+        log=options.log,
     )
     if meshcat is not None and not options.headless:
         progress.say(f"Watch at {meshcat.web_url()}")
@@ -112,6 +114,18 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
     if meshcat is not None and not options.headless and interactive():
         keep_serving(progress)
     return EXIT_OK if summary["success"] else EXIT_FAILED
+
+
+def apply_options(scenario: Scenario, options: argparse.Namespace) -> None:
+    """Lets the command line win over a scenario in what is simulated.
+
+    Raises:
+        ScenarioError: If the scenario then has a value that cannot be used.
+    """
+    for name in ("model", "seed", "physics_step"):
+        if getattr(options, name) is not None:
+            setattr(scenario, name, getattr(options, name))
+    scenario.validate()
 
 
 INTERRUPTED = "interrupted"

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import time
 import weakref
-from collections.abc import Callable, Sequence
+from array import array
+from collections.abc import Callable, MutableSequence, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -45,6 +46,7 @@ from atlas_drake.start import Variation, draw_variation, place_robot, scale_mass
 from atlas_drake.steady import steady_ticks
 from atlas_drake.summary import estimator_drift, make_summary
 from atlas_drake.tutorial import control_mode_switch_programme
+from atlas_drake.visualization.overlays import Overlays
 
 if TYPE_CHECKING:
     from atlas_drake.logs.recorder import LogRecorder
@@ -79,6 +81,7 @@ class AtlasSimulation:
         scenario: Scenario | None = None,
         *,
         meshcat: Meshcat | None = None,
+        overlays: Overlays | None = None,
         on_event: Callable[[Event], None] | None = None,
         log: str | Path | None = None,
     ):
@@ -88,6 +91,7 @@ class AtlasSimulation:
             scenario: What to simulate; None is a robot that stands, commanded by
                 nobody but the caller.
             meshcat: Where to show it; None shows nothing.
+            overlays: What of the controller's thoughts is shown there.
             on_event: Called with each event as it is noticed.
             log: File that records the run, see ``atlas_drake.logs``: .mcap, .npz or
                 .parquet. ``close`` completes it, and so does the end of the program.
@@ -98,7 +102,7 @@ class AtlasSimulation:
         """
         self.scenario = (scenario or Scenario()).validate()
         self.robot = load_robot(self.scenario.model)
-        self._tick_seconds: list[float] = []
+        self._tick_seconds = array("d")
         self._recorder = None if log is None else self._start_log(Path(log))
         self._log = RunLog(_listener(on_event, self._recorder))
         self._meshcat = meshcat
@@ -124,7 +128,7 @@ class AtlasSimulation:
                 self.robot, literal=self.scenario.programme == "tutorial_literal"
             )
         self.diagram = make_control_mode_switch(
-            self.robot, programme, config, meshcat, self._recorder
+            self.robot, programme, config, meshcat, overlays, self._recorder
         )
         self.station = self.diagram.GetSubsystemByName("station")
         self.plant = self.station.GetSubsystemByName("plant")
@@ -405,7 +409,7 @@ class AtlasSimulation:
         return self.plant.EvalBodyPoseInWorld(self._plant_context(), pelvis)
 
     @property
-    def tick_seconds(self) -> list[float]:
+    def tick_seconds(self) -> MutableSequence[float]:
         """Wall-clock times of the controller's ticks [s]."""
         return self._controller.tick_seconds
 

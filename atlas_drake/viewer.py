@@ -42,13 +42,18 @@ def interactive() -> bool:
     return sys.stdin.isatty() and sys.stdout.isatty()
 
 
-def await_viewer(meshcat: Meshcat, progress: Progress) -> None:
-    """Opens the browser, and gives it the time to show the start."""
+def open_browser(meshcat: Meshcat) -> bool:
+    """Opens the browser where there is a graphical desktop; says whether it did."""
     graphical = sys.platform == "darwin" or any(
         os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY")
     )
     # Without a graphical desktop the "browser" would take over this terminal.
-    if not (graphical and webbrowser.open(meshcat.web_url())):
+    return graphical and webbrowser.open(meshcat.web_url())
+
+
+def await_viewer(meshcat: Meshcat, progress: Progress) -> None:
+    """Opens the browser, and gives it the time to show the start."""
+    if not open_browser(meshcat):
         progress.say(
             f"Open that address; the run begins then, or in {VIEWER_PATIENCE:g} s."
         )

@@ -14,6 +14,7 @@ from pydrake.systems.framework import Diagram, DiagramBuilder
 from atlas_drake.diagrams.atlas_station import StationConfig, make_atlas_station
 from atlas_drake.robot import Robot, load_robot
 from atlas_drake.systems.command_scheduler import CommandScheduler, ScheduledCommand
+from atlas_drake.visualization.overlays import Overlays
 
 if TYPE_CHECKING:
     from atlas_drake.logs.recorder import LogRecorder
@@ -24,6 +25,7 @@ def make_control_mode_switch(
     programme: Sequence[ScheduledCommand] = (),
     config: StationConfig | None = None,
     meshcat: Meshcat | None = None,
+    overlays: Overlays | None = None,
     recorder: LogRecorder | None = None,
 ) -> Diagram:
     """Builds scheduler and station, with a 3D view and a recorder if they are given.
@@ -59,7 +61,7 @@ def make_control_mode_switch(
         # Meshcat's part loads only where there is something to see.
         from atlas_drake.visualization.meshcat_view import add_meshcat_view
 
-        add_meshcat_view(builder, station, robot, meshcat)
+        add_meshcat_view(builder, station, robot, meshcat, overlays)
     if recorder is not None:
         from atlas_drake.logs.recorder import add_log_recorder
 

@@ -14,14 +14,33 @@ from pathlib import Path
 
 from pydrake.geometry import Meshcat
 
-from atlas_drake import AtlasSimulation, Scenario
+from atlas_drake import (
+    AtlasSimInterfaceCommand,
+    AtlasSimulation,
+    Behavior,
+    Scenario,
+)
 from atlas_drake.cli import main as atlas_drake
 from atlas_drake.diagram_picture import write_diagram_picture
+from atlas_drake.visualization.overlays import Overlays
 
 IMAGES = Path(__file__).parent / "images"
 MOMENTS = {"atlas.png": 10.5, "walk.png": 11.72}
 """Which picture, and when in the tutorial [s]: in the second and in the last step."""
 FIGURES = "figures.png"
+THOUGHTS = (
+    "com",
+    "dcm",
+    "cop",
+    "support",
+    "plan",
+    "swing",
+    "forces",
+    "flags",
+    "follow",
+)
+THOUGHTS_AT = 9.0
+"""What ``thoughts.png`` shows of the controller, and when in the demo walk [s]."""
 SIZE = "1200,800"
 """Of the pictures [pixel]."""
 BROWSER_OPTIONS = (
@@ -61,6 +80,14 @@ def main() -> None:
     for name, time in sorted(MOMENTS.items(), key=lambda item: item[1]):
         sim.advance_to(time)
         photograph(options.browser, meshcat.StaticHtml(), IMAGES / name)
+    meshcat.Delete()
+    sim = AtlasSimulation(meshcat=meshcat, overlays=Overlays(THOUGHTS))
+    walk = AtlasSimInterfaceCommand()
+    walk.behavior = Behavior.WALK
+    walk.walk_params.use_demo_walk = True
+    sim.publish(walk)
+    sim.advance_to(THOUGHTS_AT)
+    photograph(options.browser, meshcat.StaticHtml(), IMAGES / "thoughts.png")
     with tempfile.TemporaryDirectory() as folder:
         log = f"{folder}/tutorial.mcap"
         atlas_drake(["demo", "--headless", "--log", log])

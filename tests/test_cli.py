@@ -65,12 +65,13 @@ def scenario(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["--help"], ["demo", "run", "diagram", "Begin with"]),
+        (["--help"], ["demo", "run", "teleop", "diagram", "Begin with"]),
         (
             ["demo", "--help"],
             ["--headless", "--realtime-rate", "--json", "exit status"],
         ),
         (["run", "--help"], ["SCENARIO.yaml", "--model", "--seed", "--record"]),
+        (["teleop", "--help"], ["SCENARIO.yaml", "--model", "--show", "cop", "Ctrl-C"]),
         (["--version"], ["atlas-drake", "drake"]),
     ],
 )
@@ -93,6 +94,8 @@ def test_help_names_what_there_is(arguments, words, capsys):
         (["demo", "--realtime-rate", "fast"], "number from 0 up"),
         (["demo", "--port", "80"], "1024..65535"),
         (["demo", "--seed", "x"], "--seed"),
+        (["demo", "--show", "com,aura"], "no overlay 'aura'"),
+        (["teleop", "--show", "aura"], "no overlay 'aura'"),
     ],
 )
 def test_arguments_that_cannot_be_used_exit_with_2(arguments, complaint, capsys):
@@ -294,6 +297,36 @@ def test_verdicts_tell_apart_what_can_happen():
     assert "did not obey: no such thing" in refused
     assert "did not do all" in verdict(outcome(success=False))
     assert "diverged" in verdict(outcome(success=False, stopped="diverged"))
+
+
+# ---- teleoperation -----------------------------------------------------------
+
+
+def test_teleop_says_the_keys_and_ends_in_good_order(capsys):
+    assert main(["teleop", "--duration", "0.2", "--show", "all"]) == 0
+    out = capsys.readouterr().out
+    assert "http://" in out
+    assert "u  i  o" in out
+    assert "Stopped at 0.2 s" in out
+
+
+def test_ctrl_c_ends_teleop_cleanly():
+    command = [sys.executable, "-m", "atlas_drake", "teleop"]
+    process = subprocess.Popen(
+        command,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    for line in process.stdout:
+        if "0 deg" in line or "bodies are" in line:
+            break
+    process.send_signal(signal.SIGINT)
+    out, errors = process.communicate(timeout=60)
+    assert process.returncode == 0, errors
+    assert "Stopped at" in out
+    assert "Traceback" not in errors
 
 
 # ---- the diagram's picture ---------------------------------------------------

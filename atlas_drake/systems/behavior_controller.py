@@ -6,6 +6,7 @@ tick's efforts. There is no latency but the hold over the control period.
 """
 
 import time
+from collections.abc import MutableSequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -96,7 +97,7 @@ class BehaviorController(LeafSystem):
         self._qp = WholeBodyQp(robot, gains)
         height = nominal_com_height(self._model) - gains.com_drop
         self._supervisor = Supervisor(self._model, gains, height)
-        self.tick_seconds: list[float] | None = None
+        self.tick_seconds: MutableSequence[float] | None = None
         """Wall-clock time of each tick, kept only when set to a list: a measurement of
         the machine, no part of the Context."""
 

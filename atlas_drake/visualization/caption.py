@@ -24,7 +24,9 @@ from atlas_drake.messages import (
     StepStatus,
     WalkStatus,
 )
+from atlas_drake.visualization.feedback_words import feedback_words
 from atlas_drake.visualization.marks import Marks
+from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.ribbons import draw_flat, ribbons
 from atlas_drake.visualization.scene import CAMERA, FIELD_OF_VIEW
 from atlas_drake.visualization.stroke_font import text_segments
@@ -35,7 +37,7 @@ HALF_PICTURE = DISTANCE * math.tan(0.5 * math.radians(FIELD_OF_VIEW))
 """Half the height of the picture there [m]; the numbers below are shares of it."""
 TITLE_HEIGHT, NOTE_HEIGHT = 0.075, 0.034
 """Of the letters."""
-TITLE_Y, NOTE_Y = 0.83, 0.74
+TITLE_Y, NOTE_Y, FLAGS_Y = 0.83, 0.74, 0.68
 """Of the baselines, above the middle of the picture."""
 STROKE = 0.13
 """Width of a stroke as a share of the letters' height."""
@@ -83,9 +85,10 @@ class CaptionDisplay(LeafSystem):
         atlas_sim_interface_state: ``AtlasSimInterfaceState``
     """
 
-    def __init__(self, meshcat: Meshcat, period: float) -> None:
-        """Looks every ``period`` [s]."""
+    def __init__(self, meshcat: Meshcat, overlays: Overlays, period: float) -> None:
+        """Looks every ``period`` [s]; ``overlays`` say whether flags are shown."""
         super().__init__()
+        self._overlays = overlays
         self._meshcat = meshcat
         self._report = self.DeclareAbstractInputPort(
             "atlas_sim_interface_state", AbstractValue.Make(AtlasSimInterfaceState())
@@ -100,6 +103,8 @@ class CaptionDisplay(LeafSystem):
             _Line(title, TITLE_HEIGHT, TITLE_Y),
             _Line(note, NOTE_HEIGHT, NOTE_Y),
         ]
+        if self._overlays.is_on("flags"):
+            marks.append(_Line(feedback_words(report), NOTE_HEIGHT, FLAGS_Y))
         self._marks.show(marks, context.get_time())
 
     def _draw(self, path: str, mark: object) -> None:

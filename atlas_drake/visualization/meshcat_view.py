@@ -5,18 +5,32 @@ Wiring only; what is drawn is in the files beside this one.
 
 from __future__ import annotations
 
+from typing import Any
+
 from pydrake.geometry import Meshcat, MeshcatVisualizer, MeshcatVisualizerParams
-from pydrake.systems.framework import DiagramBuilder, System
+from pydrake.systems.framework import DiagramBuilder, LeafSystem, System
 
 from atlas_drake.robot import Robot
 from atlas_drake.visualization import FRAME_RATE
+from atlas_drake.visualization.balance_marks import BalanceMarks
+from atlas_drake.visualization.camera import FollowingCamera
 from atlas_drake.visualization.caption import CaptionDisplay
+from atlas_drake.visualization.contact_forces import ContactForces
+from atlas_drake.visualization.control_colors import ControlColors
 from atlas_drake.visualization.footsteps import FootstepDisplay
+from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.scene import prepare_scene
+
+VISUALIZER = "/drake/visualizer"
+"""Where Drake's own visualiser draws the links."""
 
 
 def add_meshcat_view(
-    builder: DiagramBuilder, station: System, robot: Robot, meshcat: Meshcat
+    builder: DiagramBuilder,
+    station: System,
+    robot: Robot,
+    meshcat: Meshcat,
+    overlays: Overlays | None = None,
 ) -> None:
     """Adds the robot's visualiser, footsteps and caption, and dresses the scene.
 
@@ -25,20 +39,42 @@ def add_meshcat_view(
         station: An AtlasStation.
         robot: Its robot.
         meshcat: Where to show it.
+        overlays: What of the controller's thoughts is shown; it may change later.
     """
+    overlays = overlays or Overlays()
     period = 1.0 / FRAME_RATE
     prepare_scene(meshcat)
-    MeshcatVisualizer.AddToBuilder(
+    visualizer = MeshcatVisualizer.AddToBuilder(
         builder,
         station.GetOutputPort("query_object"),
         meshcat,
-        MeshcatVisualizerParams(publish_period=period, enable_alpha_slider=False),
+        MeshcatVisualizerParams(
+            publish_period=period, enable_alpha_slider=False, prefix=VISUALIZER
+        ),
     )
-    for name, display in (
+    plant: Any = station.GetSubsystemByName("plant")
+    links = {
+        name: f"{VISUALIZER}/{robot.name}/{_moved_by(plant, name)}"
+        for name in robot.joint_names
+    }
+    displays: list[tuple[str, LeafSystem]] = [
         ("footstep_display", FootstepDisplay(meshcat, robot.file.sole, period)),
-        ("caption_display", CaptionDisplay(meshcat, period)),
-    ):
+        ("caption_display", CaptionDisplay(meshcat, overlays, period)),
+        ("following_camera", FollowingCamera(meshcat, overlays, period)),
+        ("balance_marks", BalanceMarks(meshcat, robot, overlays, period)),
+        ("contact_force_display", ContactForces(meshcat, overlays, period)),
+        (
+            "control_colors",
+            ControlColors(meshcat, visualizer, robot, links, overlays, period),
+        ),
+    ]
+    for name, display in displays:
         builder.AddNamedSystem(name, display)
         for index in range(display.num_input_ports()):
             port = display.get_input_port(index)
             builder.Connect(station.GetOutputPort(port.get_name()), port)
+
+
+def _moved_by(plant: Any, joint: str) -> str:
+    """The link that a joint moves."""
+    return str(plant.GetJointByName(joint).child_body().name())

@@ -1,0 +1,310 @@
+"""What the panel's buttons and sliders command: messages, pushes, a reset.
+
+It sees the panel and the robot's reports, and writes nothing itself. Walking is in
+``driving``, joints are in ``limbs``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from atlas_drake.control.footstep import LEFT
+from atlas_drake.messages import (
+    AtlasCommand,
+    AtlasSimInterfaceCommand,
+    AtlasSimInterfaceState,
+    AtlasState,
+    Behavior,
+    BehaviorStatus,
+)
+from atlas_drake.robot import Robot
+from atlas_drake.teleop.controls import (
+    DIRECTIONS,
+    PELVIS_HEIGHT,
+    PELVIS_YAW,
+    PUSH_BODIES,
+    PUSH_BODY,
+    PUSH_DIRECTION,
+    PUSH_IMPULSE,
+    SHARES,
+    Action,
+    Controls,
+    Slider,
+)
+from atlas_drake.teleop.driving import Drive, drive, steer
+from atlas_drake.teleop.limbs import (
+    ALL_BEHAVIOR,
+    ALL_USER,
+    group_of,
+    hand_over,
+    limbs_at_start,
+    move_joints,
+    users_joints,
+)
+from atlas_drake.teleop.walking import Gait, foothold, step_data, step_from
+
+PUSH_DURATION = 0.1
+"""Over which a push's impulse is spread [s]."""
+
+_BEHAVIORS = {
+    Action.STAND: Behavior.STAND,
+    Action.STEP: Behavior.STEP,
+    Action.MANIPULATE: Behavior.MANIPULATE,
+    Action.FREEZE: Behavior.FREEZE,
+    Action.USER: Behavior.USER,
+    Action.STAND_PREP: Behavior.STAND_PREP,
+}
+_USERS = (Behavior.USER, Behavior.NONE)
+
+
+@dataclass(frozen=True)
+class Push:
+    """A push on a body: force in W [N], shape (3,), for a time [s]."""
+
+    body: str
+    force_W: np.ndarray
+    duration: float
+
+
+@dataclass
+class Orders:
+    """What is to be done now.
+
+    Attributes:
+        atlas_command: To publish; None for nothing.
+        sim_command: Likewise.
+        push: To apply; None for none.
+        reset: Whether to put the robot back on its feet; nothing else then counts.
+        sliders: Where sliders shall go, as they show what is in force.
+        joints: Joints that get sliders, with set-points [rad].
+    """
+
+    atlas_command: AtlasCommand | None = None
+    sim_command: AtlasSimInterfaceCommand | None = None
+    push: Push | None = None
+    reset: bool = False
+    sliders: dict[Slider, float] = field(default_factory=dict)
+    joints: Mapping[int, float] = field(default_factory=dict)
+
+
+class Commander:
+    """Turns looks at the panel into orders."""
+
+    def __init__(self, robot: Robot, report: AtlasSimInterfaceState) -> None:
+        """Takes over a robot as it reports itself."""
+        self._robot = robot
+        self._first_joint = {group: group_of(robot).index(group) for group in SHARES}
+        self._begin(report)
+
+    def _begin(self, report: AtlasSimInterfaceState) -> None:
+        self._limbs = limbs_at_start(self._robot, self._in_force(report))
+        self._drive = Drive()
+        self._last_shares: dict[str, int] | None = None
+        self._shares_before_user = dict(ALL_BEHAVIOR)
+        self._pose: tuple[float, float] | None = None
+        self._pose_wished = False
+        self._step_foot = LEFT
+        self._stick_used = False
+
+    def look(
+        self,
+        controls: Controls,
+        report: AtlasSimInterfaceState,
+        state: AtlasState,
+        dt: float,
+    ) -> Orders:
+        """What to do about the panel as it is.
+
+        Args:
+            controls: The panel.
+            report: The latest one of the behaviours.
+            state: The latest one of the joints.
+            dt: Time that passes until the next look [s].
+        """
+        orders = Orders()
+        if Action.RESET in controls.clicks:
+            orders.reset = True
+            return orders
+        self._give_joints(controls, report, state, dt, orders)
+        self._look_at_pose(controls, report, orders)
+        for action in controls.clicks:
+            if action in DIRECTIONS:
+                self._drive = steer(self._drive, DIRECTIONS[action])
+            elif action is Action.STOP:
+                self._drive = steer(self._drive, None)
+            elif action is Action.PUSH:
+                orders.push = push_of(controls, report)
+            elif action in _BEHAVIORS:
+                self._drive = Drive()
+                self._ask_for(_BEHAVIORS[action], controls, report, orders)
+        self._follow_stick(controls)
+        if orders.sim_command is None:
+            if report.behavior_feedback.status_flags & BehaviorStatus.ERROR_FALLING:
+                self._drive = Drive()
+            self._drive, orders.sim_command = drive(self._drive, controls.gait, report)
+        if orders.sim_command is not None:
+            self._change_hands(orders.sim_command, report, state, orders)
+        limbs = self._limbs
+        orders.joints = {
+            i: float(limbs.position[i]) for i in users_joints(self._robot, limbs.shares)
+        }
+        return orders
+
+    def restart(self, report: AtlasSimInterfaceState) -> Orders:
+        """After a reset: forgets everything; the sliders show what is in force."""
+        self._begin(report)
+        return Orders(sliders={SHARES[g]: s for g, s in self._limbs.shares.items()})
+
+    # ---- joints --------------------------------------------------------------
+
+    def _in_force(self, report: AtlasSimInterfaceState) -> dict[str, int]:
+        """Shares by group, as far as a group has one."""
+        return {
+            group: int(report.k_effort[joint])
+            for group, joint in self._first_joint.items()
+        }
+
+    def _give_joints(
+        self,
+        controls: Controls,
+        report: AtlasSimInterfaceState,
+        state: AtlasState,
+        dt: float,
+        orders: Orders,
+    ) -> None:
+        """Hands limbs over as the sliders say, and moves the user's joints."""
+        in_force = self._in_force(report)
+        if in_force != dict(self._limbs.shares):
+            # Somebody else has given or taken limbs: the sliders follow.
+            self._limbs, _ = hand_over(self._limbs, in_force, state, self._robot)
+            self._show_shares(in_force, orders)
+            return
+        wanted = controls.shares
+        moved = self._last_shares is not None and wanted != self._last_shares
+        if self._last_shares is None and wanted != in_force:
+            self._show_shares(in_force, orders)
+            return
+        self._last_shares = wanted
+        if moved:
+            self._limbs, orders.atlas_command = hand_over(
+                self._limbs, wanted, state, self._robot
+            )
+        else:
+            self._limbs, orders.atlas_command = move_joints(
+                self._limbs, controls.joints, dt
+            )
+
+    def _show_shares(self, shares: Mapping[str, int], orders: Orders) -> None:
+        orders.sliders.update({SHARES[g]: share for g, share in shares.items()})
+        self._last_shares = dict(shares)
+
+    def _change_hands(
+        self,
+        command: AtlasSimInterfaceCommand,
+        report: AtlasSimInterfaceState,
+        state: AtlasState,
+        orders: Orders,
+    ) -> None:
+        """USER takes all limbs as they are; what follows it gives its own back."""
+        was_users = report.current_behavior in _USERS
+        if command.behavior == Behavior.USER:
+            if not was_users:
+                self._shares_before_user = dict(self._limbs.shares)
+            shares = ALL_USER
+        elif was_users:
+            shares = self._shares_before_user
+        else:
+            return
+        self._limbs, message = hand_over(self._limbs, shares, state, self._robot)
+        orders.atlas_command = message or orders.atlas_command
+        self._show_shares(shares, orders)
+
+    # ---- behaviours ----------------------------------------------------------
+
+    def _ask_for(
+        self,
+        behavior: Behavior,
+        controls: Controls,
+        report: AtlasSimInterfaceState,
+        orders: Orders,
+    ) -> None:
+        command = AtlasSimInterfaceCommand()
+        command.behavior = behavior
+        if behavior is Behavior.STEP:
+            self._fill_step(command, controls.gait, report)
+        elif behavior is Behavior.MANIPULATE:
+            self._fill_pose(command, controls, report, orders)
+        orders.sim_command = command
+
+    def _fill_step(
+        self,
+        command: AtlasSimInterfaceCommand,
+        gait: Gait,
+        report: AtlasSimInterfaceState,
+    ) -> None:
+        """One step ahead, with the feet in turn."""
+        active = report.current_behavior == Behavior.STEP
+        index = report.step_feedback.next_step_index_needed if active else 1
+        foot = self._step_foot
+        stance = foothold(report.foot_pos_est[1 - foot])
+        place = step_from(stance, foot, gait.stride, 0.0, 0.0)
+        command.step_params.desired_step = step_data(index, foot, place, gait)
+        command.step_params.use_relative_step_height = True
+        self._step_foot = 1 - foot
+
+    def _fill_pose(
+        self,
+        command: AtlasSimInterfaceCommand,
+        controls: Controls,
+        report: AtlasSimInterfaceState,
+        orders: Orders,
+    ) -> None:
+        """The sliders' pose once they were moved; until then the present one."""
+        params = command.manipulate_params
+        params.use_desired = self._pose_wished
+        if self._pose_wished:
+            params.desired.pelvis_height = controls.value(PELVIS_HEIGHT)
+            params.desired.pelvis_yaw = controls.value(PELVIS_YAW)
+            return
+        feet = [pose.position.z for pose in report.foot_pos_est]
+        height = report.pos_est.position.z - 0.5 * sum(feet)
+        orders.sliders[PELVIS_HEIGHT] = height
+        self._pose = None
+
+    def _look_at_pose(
+        self, controls: Controls, report: AtlasSimInterfaceState, orders: Orders
+    ) -> None:
+        """Sends the pelvis where its sliders are, when they move in MANIPULATE."""
+        pose = controls.value(PELVIS_HEIGHT), controls.value(PELVIS_YAW)
+        before, self._pose = self._pose, pose
+        if before is None or pose == before:
+            return
+        self._pose_wished = True
+        if report.desired_behavior == Behavior.MANIPULATE:
+            self._ask_for(Behavior.MANIPULATE, controls, report, orders)
+
+    def _follow_stick(self, controls: Controls) -> None:
+        """A gamepad steers as long as its sticks are held."""
+        stick = controls.stick
+        if stick is not None and any(stick):
+            self._drive = steer(self._drive, stick)
+            self._stick_used = True
+        elif self._stick_used:
+            self._drive = steer(self._drive, None)
+            self._stick_used = False
+
+
+def push_of(controls: Controls, report: AtlasSimInterfaceState) -> Push:
+    """The push that the sliders describe, its direction from the robot's heading."""
+    heading = foothold(report.foot_pos_est[0]).yaw
+    angle = heading + math.radians(controls.value(PUSH_DIRECTION))
+    force = controls.value(PUSH_IMPULSE) / PUSH_DURATION
+    return Push(
+        body=PUSH_BODIES[int(controls.value(PUSH_BODY)) - 1],
+        force_W=force * np.array([math.cos(angle), math.sin(angle), 0.0]),
+        duration=PUSH_DURATION,
+    )

@@ -1,0 +1,182 @@
+"""What there is on the control panel: buttons with their keys, sliders, a legend.
+
+Data only; how it gets into the browser is in ``panel``, what it does in ``commander``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import NamedTuple
+
+from atlas_drake.control.footstep import StepLimits
+from atlas_drake.messages import K_EFFORT_MAX, AtlasBehaviorPelvisServoParams
+from atlas_drake.teleop.limbs import GROUPS
+from atlas_drake.teleop.walking import Direction, Gait
+
+PUSH_BODIES = ("pelvis", "utorso", "head", "l_hand", "r_hand")
+"""What can be pushed, in the order of the slider."""
+
+
+class Key(NamedTuple):
+    """A key of the keyboard: how a browser calls it, and what is printed on it."""
+
+    code: str
+    cap: str
+
+
+def _letter(cap: str) -> Key:
+    return Key(f"Key{cap.upper()}", cap)
+
+
+def _digit(cap: str) -> Key:
+    return Key(f"Digit{cap}", cap)
+
+
+class Action(Enum):
+    """A button: its label and its key."""
+
+    STAND = ("STAND", _digit("1"))
+    WALK = ("WALK on the spot", _digit("2"))
+    STEP = ("STEP", _digit("3"))
+    MANIPULATE = ("MANIPULATE", _digit("4"))
+    FREEZE = ("FREEZE", _digit("5"))
+    USER = ("USER", _digit("6"))
+    STAND_PREP = ("STAND_PREP", _digit("7"))
+    ARC_LEFT = ("arc left", _letter("u"))
+    FORWARD = ("forward", _letter("i"))
+    ARC_RIGHT = ("arc right", _letter("o"))
+    LEFT = ("to the left", _letter("j"))
+    STOP = ("stop", _letter("k"))
+    RIGHT = ("to the right", _letter("l"))
+    TURN_LEFT = ("turn left", _letter("m"))
+    BACKWARD = ("backward", Key("Comma", ","))
+    TURN_RIGHT = ("turn right", Key("Period", "."))
+    PUSH = ("push", _letter("p"))
+    PAUSE = ("pause or go on", Key("Space", "space"))
+    SINGLE_STEP = ("single time step", _letter("n"))
+    RESET = ("reset", _letter("r"))
+
+    @property
+    def label(self) -> str:
+        """Of the button."""
+        return f"{self.value[0]} ({self.key.cap})"
+
+    @property
+    def key(self) -> Key:
+        """That does the same as the button."""
+        return self.value[1]
+
+
+DIRECTIONS = {
+    Action.WALK: Direction(),
+    Action.FORWARD: Direction(forward=1.0),
+    Action.BACKWARD: Direction(forward=-1.0),
+    Action.ARC_LEFT: Direction(forward=1.0, turn=1.0),
+    Action.ARC_RIGHT: Direction(forward=1.0, turn=-1.0),
+    Action.LEFT: Direction(left=1.0),
+    Action.RIGHT: Direction(left=-1.0),
+    Action.TURN_LEFT: Direction(turn=1.0),
+    Action.TURN_RIGHT: Direction(turn=-1.0),
+}
+"""Where the keys lead to."""
+
+
+class Slider(NamedTuple):
+    """A slider: its label, range and smallest change, and where it is at first."""
+
+    label: str
+    low: float
+    high: float
+    step: float
+    value: float
+
+
+_GAIT, _LIMITS = Gait(), StepLimits()
+STRIDE = Slider("stride [m]", 0.05, 0.30, 0.01, _GAIT.stride)
+TURN = Slider("turn per step [rad]", 0.05, _LIMITS.toe_in, 0.01, _GAIT.turn)
+DURATION = Slider("step duration [s]", _LIMITS.min_duration, 1.2, 0.01, _GAIT.duration)
+SWING_HEIGHT = Slider("swing height [m]", 0.05, 0.25, 0.01, _GAIT.swing_height)
+_POSE = AtlasBehaviorPelvisServoParams()
+PELVIS_HEIGHT = Slider("pelvis height [m]", 0.60, 0.95, 0.005, _POSE.pelvis_height)
+PELVIS_YAW = Slider("pelvis yaw [rad]", -0.6, 0.6, 0.01, _POSE.pelvis_yaw)
+PUSH_BODY = Slider("push: body (1-5)", 1, len(PUSH_BODIES), 1, 2)
+PUSH_DIRECTION = Slider("push: to [deg]", -180, 180, 5, 0)
+PUSH_IMPULSE = Slider("push: impulse [N.s]", 1, 60, 1, 15)
+SHARES = {group: Slider(f"k_effort {group}", 0, K_EFFORT_MAX, 1, 0) for group in GROUPS}
+"""By group of limbs."""
+
+SLIDERS = (
+    STRIDE,
+    TURN,
+    DURATION,
+    SWING_HEIGHT,
+    PELVIS_HEIGHT,
+    PELVIS_YAW,
+    *SHARES.values(),
+    PUSH_BODY,
+    PUSH_DIRECTION,
+    PUSH_IMPULSE,
+)
+
+
+@dataclass(frozen=True)
+class Controls:
+    """The panel at one look.
+
+    Attributes:
+        clicks: Buttons pressed since the last look.
+        sliders: Where the sliders are, by label.
+        joints: Where the joint sliders are [rad], by index of the joint.
+        stick: Where a gamepad's sticks point; None without a gamepad.
+    """
+
+    clicks: tuple[Action, ...] = ()
+    sliders: Mapping[str, float] = field(
+        default_factory=lambda: {s.label: s.value for s in SLIDERS}
+    )
+    joints: Mapping[int, float] = field(default_factory=dict)
+    stick: Direction | None = None
+
+    def value(self, slider: Slider) -> float:
+        """Where a slider is."""
+        return self.sliders[slider.label]
+
+    @property
+    def gait(self) -> Gait:
+        """How to walk."""
+        return Gait(
+            stride=self.value(STRIDE),
+            turn=self.value(TURN),
+            duration=self.value(DURATION),
+            swing_height=self.value(SWING_HEIGHT),
+        )
+
+    @property
+    def shares(self) -> dict[str, int]:
+        """Shares of user control by group, 0 to 255."""
+        return {group: int(self.value(slider)) for group, slider in SHARES.items()}
+
+
+LEGEND = """\
+Keys work where the 3D view has the focus; every key is a button there too.
+
+   u  i  o     arc left, forward, arc right        1  STAND
+   j  k  l     to the left, stop, to the right     2  WALK on the spot
+   m  ,  .     turn left, backward, turn right     3  STEP, one per press
+                                                   4  MANIPULATE: pelvis sliders
+   space  pause or go on    p  push                5  FREEZE
+   n      single time step  r  reset               6  USER
+                                                   7  STAND_PREP
+
+Atlas goes on as told until another key; a gamepad's sticks steer it as long as they
+are held. Sliders set the stride and, per limb, k_effort: 0 is the behaviour, 255 you.
+A limb that is yours gets a slider for each joint. A push goes ahead at 0 deg and to
+the robot's left at 90 deg; bodies are {bodies}."""
+
+
+def legend() -> str:
+    """What the terminal says about the keys."""
+    bodies = ", ".join(f"{i} {name}" for i, name in enumerate(PUSH_BODIES, 1))
+    return LEGEND.format(bodies=bodies)

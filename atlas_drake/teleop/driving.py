@@ -1,0 +1,150 @@
+"""When to walk, to go on and to stop: behaviour commands from a wished direction.
+
+Pure: memory and report in, memory and perhaps a message out. Where the feet go is in
+``walking``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from atlas_drake.frozen import replace
+from atlas_drake.messages import (
+    AtlasBehaviorStepData,
+    AtlasSimInterfaceCommand,
+    AtlasSimInterfaceState,
+    Behavior,
+)
+from atlas_drake.teleop.walking import (
+    Direction,
+    Gait,
+    Walker,
+    begin_walk,
+    close_feet,
+    first_open_step,
+    is_closing,
+    next_steps,
+    walk_on,
+)
+
+PATIENCE = 1.0
+"""Within this time a walk that was asked for begins, or it was refused [s]."""
+
+
+@dataclass(frozen=True)
+class Drive:
+    """What is remembered between looks.
+
+    Attributes:
+        direction: Where to walk; None is not at all.
+        walker: Of the walk that was asked for; None without one.
+        asked_at: When it was asked for [s].
+        started: Whether that walk has been seen to be active.
+        leaving: Whether STAND was asked for, so that all waits for it.
+        sent: What the last steps were made from, to notice that others are due.
+    """
+
+    direction: Direction | None = None
+    walker: Walker | None = None
+    asked_at: float = 0.0
+    started: bool = False
+    leaving: bool = False
+    sent: object = None
+
+
+def steer(memory: Drive, direction: Direction | None) -> Drive:
+    """Takes in a new wish; None is to stop."""
+    return replace(memory, direction=direction)
+
+
+def drive(
+    memory: Drive, gait: Gait, report: AtlasSimInterfaceState
+) -> tuple[Drive, AtlasSimInterfaceCommand | None]:
+    """What to send now, if anything.
+
+    From any behaviour but WALK the way to WALK leads through STAND.
+
+    Args:
+        memory: Of the driving so far.
+        gait: How to walk.
+        report: The latest one.
+    """
+    current = Behavior(report.current_behavior)
+    memory = _notice(memory, current, report.header.stamp or 0.0)
+    if current is Behavior.WALK and memory.walker is not None:
+        return _walking(memory, memory.walker, gait, report)
+    direction = memory.direction
+    if direction is None or memory.walker is not None:
+        return memory, None
+    if current is Behavior.STAND:
+        walker = begin_walk(direction)
+        memory = replace(
+            memory, asked_at=report.header.stamp or 0.0, started=False, leaving=False
+        )
+        return _send(memory, walker, direction, gait, report)
+    return _ask_for_stand(memory)
+
+
+def _notice(memory: Drive, current: Behavior, now: float) -> Drive:
+    """Whether the walk has begun, is over, or was refused."""
+    if memory.walker is None:
+        return memory
+    if current is Behavior.WALK:
+        return replace(memory, started=True)
+    if memory.started:
+        # A walk that ended by itself is not begun anew without being asked to.
+        direction = memory.direction if memory.leaving else None
+        return Drive(direction=direction)
+    return Drive() if now > memory.asked_at + PATIENCE else memory
+
+
+def _walking(
+    memory: Drive, walker: Walker, gait: Gait, report: AtlasSimInterfaceState
+) -> tuple[Drive, AtlasSimInterfaceCommand | None]:
+    if memory.leaving:
+        return memory, None
+    if memory.direction is None:
+        if is_closing(walker, report):
+            return _ask_for_stand(memory)
+        walker = close_feet(walker, report)
+        direction = Direction()
+    else:
+        walker, direction = walk_on(walker), memory.direction
+    if memory.sent == _cause(walker, direction, gait, report):
+        return replace(memory, walker=walker), None
+    return _send(memory, walker, direction, gait, report)
+
+
+def _send(
+    memory: Drive,
+    walker: Walker,
+    direction: Direction,
+    gait: Gait,
+    report: AtlasSimInterfaceState,
+) -> tuple[Drive, AtlasSimInterfaceCommand]:
+    cause = _cause(walker, direction, gait, report)
+    walker, steps = next_steps(walker, direction, gait, report)
+    return replace(memory, walker=walker, sent=cause), walk_command(steps)
+
+
+def _cause(
+    walker: Walker, direction: Direction, gait: Gait, report: AtlasSimInterfaceState
+) -> object:
+    return walker.closing, direction, gait, first_open_step(report)
+
+
+def _ask_for_stand(memory: Drive) -> tuple[Drive, AtlasSimInterfaceCommand | None]:
+    if memory.leaving:
+        return memory, None
+    command = AtlasSimInterfaceCommand()
+    command.behavior = Behavior.STAND
+    return replace(memory, leaving=True), command
+
+
+def walk_command(steps: list[AtlasBehaviorStepData]) -> AtlasSimInterfaceCommand:
+    """WALK over these steps; their heights count from the foot that stays."""
+    command = AtlasSimInterfaceCommand()
+    command.behavior = Behavior.WALK
+    command.walk_params.step_queue = steps
+    command.walk_params.use_relative_step_height = True
+    return command

@@ -1,0 +1,85 @@
+"""``atlas-drake teleop``: serve the panel, say the keys, go on until Ctrl-C.
+
+What the panel does is in ``commander``; a slice of time is in ``session``.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import threading
+
+from atlas_drake.cli import EXIT_FAILED, EXIT_OK
+from atlas_drake.progress import Progress
+from atlas_drake.run_command import (
+    INTERRUPTED,
+    apply_options,
+    ctrl_c,
+    quiet_logs,
+    verdict,
+)
+from atlas_drake.scenario import Scenario
+from atlas_drake.simulation import AtlasSimulation, SimulationError
+from atlas_drake.teleop.controls import legend
+from atlas_drake.teleop.panel import Panel
+from atlas_drake.teleop.session import Session
+from atlas_drake.viewer import interactive, open_browser, start_meshcat
+from atlas_drake.visualization.overlays import Overlays
+
+
+def run_teleop(scenario: Scenario, options: argparse.Namespace) -> int:
+    """Lets somebody steer until Ctrl-C, or for ``options.duration`` [s].
+
+    Args:
+        scenario: As read; the options' model, seed and physics step replace its own.
+        options: Of ``atlas-drake teleop``.
+
+    Returns:
+        The exit status.
+
+    Raises:
+        ScenarioError: If anything asked for cannot be done, before anything is.
+    """
+    apply_options(scenario, options)
+    quiet_logs()
+    overlays = Overlays(options.show)
+    meshcat = start_meshcat(options.host, options.port)
+    progress = Progress(sys.stdout, options.duration)
+    sim = AtlasSimulation(
+        scenario, meshcat=meshcat, on_event=progress.event, overlays=overlays
+    )
+    session = Session(sim, Panel(meshcat, sim.robot, overlays))
+    with ctrl_c() as asked_to_stop:
+        progress.say(
+            f"Steer at {meshcat.web_url()}; Ctrl-C here ends it.\n\n{legend()}\n"
+        )
+        if interactive():
+            open_browser(meshcat)
+        failure = _steer(sim, session, progress, options.duration, asked_to_stop)
+    summary = sim.summary()
+    # Nobody but the one who steered knows what was to be achieved.
+    summary["stopped"] = failure or INTERRUPTED
+    progress.say(verdict(summary))
+    return EXIT_OK if failure is None else EXIT_FAILED
+
+
+def _steer(
+    sim: AtlasSimulation,
+    session: Session,
+    progress: Progress,
+    end: float,
+    asked_to_stop: threading.Event,
+) -> str | None:
+    """Goes on until the end or Ctrl-C; says what went wrong, if anything."""
+    fallen = False
+    try:
+        while sim.time < end and not asked_to_stop.is_set():
+            session.advance()
+            paused = " (paused)" if session.paused else ""
+            progress.update(sim.time, sim.current_behavior.name + paused)
+            if sim.has_fallen and not fallen:
+                progress.say("Atlas falls; r puts it back on its feet.")
+            fallen = sim.has_fallen
+    except SimulationError as error:
+        return str(error)
+    return None

@@ -1,0 +1,258 @@
+"""Footsteps from a direction: what WALK is told while somebody steers.
+
+Pure functions of the wish, the settings and the latest report. When they are called,
+and with which keys, is decided in ``commander``.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from atlas_drake.control.footstep import LEFT, RIGHT, outward
+from atlas_drake.control.rotations import wrap_angle, yaw_of
+from atlas_drake.frozen import replace
+from atlas_drake.messages import (
+    NUM_REQUIRED_WALK_STEPS,
+    AtlasBehaviorStepData,
+    AtlasSimInterfaceState,
+    Behavior,
+    Pose,
+)
+
+HALF_WIDTH = 0.12
+"""Of each foot from the middle [m]."""
+BACKWARD_SHARE = 0.6
+"""Of the stride, when walking backward: the knees bend the other way."""
+SIDEWAYS_SHARE = 0.5
+"""Of the stride, for each pair of steps to the side."""
+STRIDE_CHANGE = 0.15
+"""Largest change of the stride from one step to the next [m]."""
+
+
+class Direction(NamedTuple):
+    """Where to walk: shares of the stride and of the turn per step, -1 to 1.
+
+    Attributes:
+        forward: Negative is backward.
+        left: Negative is to the right.
+        turn: Positive is to the left.
+    """
+
+    forward: float = 0.0
+    left: float = 0.0
+    turn: float = 0.0
+
+
+ON_THE_SPOT = Direction()
+
+
+@dataclass(frozen=True)
+class Gait:
+    """How to walk.
+
+    Attributes:
+        stride: From one footprint to the next [m].
+        turn: Of each step when turning [rad].
+        duration: Of each step [s].
+        swing_height: [m]
+    """
+
+    stride: float = 0.2
+    turn: float = 0.15
+    duration: float = 0.63
+    swing_height: float = 0.1
+
+
+class Foothold(NamedTuple):
+    """A sole on the ground in W [m], [rad]."""
+
+    x: float
+    y: float
+    yaw: float
+
+
+@dataclass(frozen=True)
+class Walker:
+    """What is remembered of one walk.
+
+    Attributes:
+        first_foot: That takes step 1; feet alternate.
+        strides: Forward share of each step that was sent [m], by step index.
+        closing: Index of the step that puts the feet side by side; None while
+            walking on.
+    """
+
+    first_foot: int
+    strides: dict[int, float] = field(default_factory=dict)
+    closing: int | None = None
+
+    def foot(self, index: int) -> int:
+        """The foot that takes a step."""
+        return self.first_foot if index % 2 else 1 - self.first_foot
+
+
+def begin_walk(direction: Direction) -> Walker:
+    """A walk that begins with the foot on the side where it leads to."""
+    towards_right = direction.left < 0.0 or (not direction.left and direction.turn < 0)
+    return Walker(first_foot=RIGHT if towards_right else LEFT)
+
+
+def first_open_step(report: AtlasSimInterfaceState) -> int:
+    """Index of the first step that can still be changed without a stumble.
+
+    The step after the one in the air; with both feet down the weight moves already
+    for the next step, so it is the one after that.
+    """
+    if report.current_behavior != Behavior.WALK:
+        return 1
+    walk = report.walk_feedback
+    in_air = _in_air(report) is not None
+    return walk.current_step_index + (1 if in_air else 2)
+
+
+def next_steps(
+    walker: Walker,
+    direction: Direction,
+    gait: Gait,
+    report: AtlasSimInterfaceState,
+) -> tuple[Walker, list[AtlasBehaviorStepData]]:
+    """The steps that can still be changed, as they shall be taken now.
+
+    Args:
+        walker: Of this walk.
+        direction: Where to.
+        gait: How.
+        report: The latest one.
+
+    Returns:
+        The walker that remembers them, and steps for the queue.
+    """
+    first = first_open_step(report)
+    feet = feet_before(walker, first, report)
+    stride = walker.strides.get(first - 1, 0.0)
+    strides = {i: s for i, s in walker.strides.items() if i < first}
+    steps = []
+    for index in range(first, first + NUM_REQUIRED_WALK_STEPS):
+        foot = walker.foot(index)
+        closed = walker.closing is not None and index >= walker.closing
+        if closed:
+            stride, shift, turn = 0.0, 0.0, 0.0
+        else:
+            wanted = gait.stride * direction.forward
+            if wanted < 0.0:
+                wanted *= BACKWARD_SHARE
+            stride += _clip(wanted - stride, STRIDE_CHANGE)
+            shift = gait.stride * SIDEWAYS_SHARE * direction.left
+            turn = gait.turn * direction.turn
+        feet[foot] = step_from(feet[1 - foot], foot, stride, shift, turn)
+        strides[index] = stride
+        steps.append(step_data(index, foot, feet[foot], gait))
+    return replace(walker, strides=strides), steps
+
+
+def close_feet(walker: Walker, report: AtlasSimInterfaceState) -> Walker:
+    """The walk is to end: the next step that is open puts the feet side by side."""
+    if walker.closing is not None:
+        return walker
+    return replace(walker, closing=first_open_step(report))
+
+
+def walk_on(walker: Walker) -> Walker:
+    """The walk is not to end after all."""
+    return replace(walker, closing=None)
+
+
+def is_closing(walker: Walker, report: AtlasSimInterfaceState) -> bool:
+    """Whether the last step has begun, so that STAND may be asked for."""
+    index = report.walk_feedback.current_step_index
+    return walker.closing is not None and index >= walker.closing
+
+
+def step_from(
+    stance: Foothold, foot: int, stride: float, shift: float, turn: float
+) -> Foothold:
+    """Where a foot goes beside the one that stays.
+
+    Args:
+        stance: The foot that stays.
+        foot: The one that steps.
+        stride: Ahead of the other one [m].
+        shift: To the left [m]; only the foot on that side takes it, the other one
+            then closes up.
+        turn: To the left [rad].
+    """
+    side = outward(foot)
+    aside = HALF_WIDTH * side
+    if shift * side > 0.0:
+        aside += shift
+    yaw = stance.yaw + turn
+    # Half the way round the old heading, half round the new one, so that the middle
+    # between the feet turns on the spot.
+    old, new = _left(stance.yaw), _left(yaw)
+    ahead = _ahead(stance.yaw + 0.5 * turn)
+    p = np.array([stance.x, stance.y]) + HALF_WIDTH * side * old
+    p = p + stride * ahead + aside * new
+    return Foothold(float(p[0]), float(p[1]), yaw)
+
+
+def step_data(
+    index: int, foot: int, place: Foothold, gait: Gait
+) -> AtlasBehaviorStepData:
+    """A step for a message; its height counts from the foot that stays."""
+    step = AtlasBehaviorStepData()
+    step.step_index, step.foot_index = index, foot
+    step.duration, step.swing_height = gait.duration, gait.swing_height
+    step.pose.position.x, step.pose.position.y = place.x, place.y
+    step.pose.orientation.z = math.sin(0.5 * place.yaw)
+    step.pose.orientation.w = math.cos(0.5 * place.yaw)
+    return step
+
+
+def feet_before(
+    walker: Walker, index: int, report: AtlasSimInterfaceState
+) -> list[Foothold]:
+    """Where the feet will be when step ``index`` begins.
+
+    Those on the ground are where they are; those of steps on the way to ``index``
+    where the report says that they will land.
+    """
+    feet = [foothold(pose) for pose in report.foot_pos_est]
+    if report.current_behavior == Behavior.WALK:
+        for step in report.walk_feedback.step_queue_saturated:
+            if 0 < step.step_index < index:
+                feet[step.foot_index] = foothold(step.pose)
+    return feet
+
+
+def foothold(pose: Pose) -> Foothold:
+    """Place and heading of a sole."""
+    q = pose.orientation
+    x_axis = np.array(
+        [[1.0 - 2.0 * (q.y * q.y + q.z * q.z)], [2.0 * (q.x * q.y + q.w * q.z)]]
+    )
+    return Foothold(pose.position.x, pose.position.y, wrap_angle(yaw_of(x_axis)))
+
+
+def _in_air(report: AtlasSimInterfaceState) -> AtlasBehaviorStepData | None:
+    """The step whose foot is in the air."""
+    walk = report.walk_feedback
+    for step in walk.step_queue_saturated:
+        if 0 < step.step_index == walk.current_step_index:
+            return step
+    return None
+
+
+def _clip(value: float, size: float) -> float:
+    return min(max(value, -size), size)
+
+
+def _ahead(yaw: float) -> np.ndarray:
+    return np.array([math.cos(yaw), math.sin(yaw)])
+
+
+def _left(yaw: float) -> np.ndarray:
+    return np.array([-math.sin(yaw), math.cos(yaw)])

@@ -1,0 +1,52 @@
+"""A camera that goes along with the robot.
+
+While it is switched on the mouse does not turn the view; switched off, it does.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from pydrake.common.value import AbstractValue
+from pydrake.geometry import Meshcat
+from pydrake.systems.framework import Context, LeafSystem
+
+from atlas_drake.messages import AtlasSimInterfaceState
+from atlas_drake.visualization.overlays import Overlays
+from atlas_drake.visualization.scene import CAMERA_POSITION, CAMERA_TARGET
+
+LAG = 0.7
+"""Time constant with which it follows, so that it does not sway with the steps [s]."""
+
+
+class FollowingCamera(LeafSystem):
+    """Moves the camera with the pelvis over the ground while it is switched on.
+
+    Input ports:
+        atlas_sim_interface_state: ``AtlasSimInterfaceState``
+    """
+
+    def __init__(self, meshcat: Meshcat, overlays: Overlays, period: float) -> None:
+        """Looks every ``period`` [s]."""
+        super().__init__()
+        self._meshcat = meshcat
+        self._overlays = overlays
+        self._report = self.DeclareAbstractInputPort(
+            "atlas_sim_interface_state", AbstractValue.Make(AtlasSimInterfaceState())
+        )
+        self._share = 1.0 - math.exp(-period / LAG)
+        self._place = np.zeros(3)
+        self.DeclarePeriodicPublishEvent(period, 0.0, self._publish)
+
+    def _publish(self, context: Context) -> None:
+        if not self._overlays.is_on("follow"):
+            return
+        report: Any = self._report.Eval(context)
+        pelvis = report.pos_est.position
+        goal = np.array([pelvis.x, pelvis.y, 0.0])
+        self._place = self._place + self._share * (goal - self._place)
+        self._meshcat.SetCameraPose(
+            CAMERA_POSITION + self._place, CAMERA_TARGET + self._place
+        )

@@ -1,0 +1,125 @@
+"""Forces of the ground where the robot touches it, as arrows.
+
+What the physics exerts, not what the controller asked for.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from pydrake.common.value import AbstractValue
+from pydrake.geometry import Meshcat
+from pydrake.multibody.plant import ContactResults
+from pydrake.systems.framework import Context, LeafSystem
+
+from atlas_drake.visualization.overlays import Overlays
+from atlas_drake.visualization.palette import FORCE
+from atlas_drake.visualization.ribbons import draw_flat
+from atlas_drake.visualization.tubes import tube
+
+PATH = "/atlas_drake/forces"
+SCALE = 0.0012
+"""Length of an arrow per force [m/N]: the robot's weight on one corner is a metre."""
+THICKNESS, HEAD_WIDTH, HEAD_LENGTH = 0.006, 0.018, 0.15
+"""Radii of shaft and head [m]; the head's share of the length."""
+LEAST_FORCE = 5.0
+"""Weaker ones are not drawn [N]."""
+
+
+class ContactForce(NamedTuple):
+    """Force on the robot at a point, both in W [m], [N], shape (3,)."""
+
+    p_WC: np.ndarray
+    force_W: np.ndarray
+
+
+def contact_forces_of(results: Any) -> list[ContactForce]:
+    """The forces that push the robot upwards, as the ground's do."""
+    forces = []
+    for index in range(results.num_point_pair_contacts()):
+        contact = results.point_pair_contact_info(index)
+        force = np.array(contact.contact_force())
+        # The force is that on the second body, which may be the robot or the ground.
+        force *= 1.0 if force[2] > 0.0 else -1.0
+        if np.linalg.norm(force) > LEAST_FORCE:
+            forces.append(ContactForce(np.array(contact.contact_point()), force))
+    return forces
+
+
+def pressure_centre(forces: list[ContactForce]) -> np.ndarray | None:
+    """Where the ground's pressure acts in W [m], shape (3,); None in the air."""
+    weights = np.array([contact.force_W[2] for contact in forces])
+    if weights.sum() <= LEAST_FORCE:
+        return None
+    points = np.array([contact.p_WC for contact in forces])
+    return weights @ points / weights.sum()
+
+
+def arrow_transform(force: ContactForce) -> np.ndarray:
+    """Takes an arrow from 0 to z = 1 to where a force is, as long as it is strong.
+
+    Returns:
+        Shape (4, 4); thickness stays, length is scaled.
+    """
+    size = float(np.linalg.norm(force.force_W))
+    z = force.force_W / size
+    x = np.cross([0.0, 1.0, 0.0], z)
+    x /= np.linalg.norm(x)
+    X = np.eye(4)
+    X[:3, 0], X[:3, 1], X[:3, 2] = x, np.cross(z, x), SCALE * size * z
+    X[:3, 3] = force.p_WC
+    return X
+
+
+class ContactForces(LeafSystem):
+    """Draws an arrow per point of contact while it is switched on.
+
+    Input ports:
+        contact_results: Of the plant.
+    """
+
+    def __init__(self, meshcat: Meshcat, overlays: Overlays, period: float) -> None:
+        """Looks every ``period`` [s]."""
+        super().__init__()
+        self._meshcat = meshcat
+        self._overlays = overlays
+        self._results = self.DeclareAbstractInputPort(
+            "contact_results", AbstractValue.Make(ContactResults())
+        )
+        self._made = 0
+        self._shown = 0
+        meshcat.Delete(PATH)
+        self.DeclarePeriodicPublishEvent(period, 0.0, self._publish)
+
+    def _publish(self, context: Context) -> None:
+        forces = []
+        if self._overlays.is_on("forces"):
+            forces = contact_forces_of(self._results.Eval(context))
+        meshcat = self._meshcat
+        for number, force in enumerate(forces):
+            path = f"{PATH}/{number}"
+            if number == self._made:
+                self._draw(path)
+                self._made += 1
+            X: Any = np.asfortranarray(arrow_transform(force))
+            meshcat.SetTransform(path, X)
+        for number in range(max(self._shown, len(forces))):
+            visible = number < len(forces)
+            if visible != (number < self._shown):
+                meshcat.SetProperty(f"{PATH}/{number}", "visible", visible)
+        self._shown = len(forces)
+
+    def _draw(self, path: str) -> None:
+        neck = 1.0 - HEAD_LENGTH
+        shaft = tube(np.array([[0.0, 0.0, 0.0], [0.0, 0.0, neck]]), THICKNESS)
+        rim = HEAD_WIDTH * np.array([[1, 0], [0, 1], [-1, 0], [0, -1]])
+        cone = np.zeros((3, 5))
+        cone[:2, :4], cone[2] = rim.T, [neck] * 4 + [1.0]
+        count = shaft[0].shape[1]
+        sides = np.array([[0, 1, 2, 3], [1, 2, 3, 0], [4, 4, 4, 4]]) + count
+        bottom = np.array([[0, 0], [2, 3], [1, 2]]) + count
+        vertices = np.hstack([shaft[0], cone])
+        faces = np.hstack([shaft[1], sides, bottom]).astype(np.int32)
+        draw_flat(self._meshcat, path, vertices, faces, FORCE)
+        self._meshcat.SetProperty(path, "visible", True)

@@ -1,0 +1,79 @@
+"""Which of the controller's thoughts are shown, by name.
+
+Switches only; what is drawn is in the files beside this one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from atlas_drake.errors import ScenarioError, did_you_mean
+
+OVERLAYS = {
+    "com": "centre of mass, and its projection on the ground",
+    "dcm": "divergent component of motion",
+    "cop": "centre of pressure",
+    "support": "support polygon of the feet on the ground",
+    "plan": "planned paths of CoM and DCM",
+    "swing": "path of the foot in the air",
+    "forces": "contact forces where the feet touch",
+    "owner": "links coloured by who has their joint",
+    "effort": "links coloured by their joint's share of its effort limit",
+    "flags": "feedback flags in words",
+    "follow": "the camera goes along with the robot; off, the mouse turns it",
+}
+"""Names, and what they show."""
+
+_COLORINGS = ("owner", "effort")
+"""Of these at most one is on: a link has one colour."""
+
+
+class Overlays:
+    """What is switched on.
+
+    It may change while the simulation runs: it is a fact about the view, as with
+    Drake's own visualisers, and no part of the Context.
+    """
+
+    def __init__(self, on: Iterable[str] = ()) -> None:
+        """Switches some on.
+
+        Raises:
+            ScenarioError: If there is no such overlay.
+        """
+        self._on: set[str] = set()
+        for name in on:
+            self.switch(name, True)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """All there are."""
+        return tuple(OVERLAYS)
+
+    def is_on(self, name: str) -> bool:
+        """Whether one is shown."""
+        return name in self._on
+
+    def switch(self, name: str, on: bool) -> None:
+        """Shows one or hides it; of the two colourings the later one counts.
+
+        Raises:
+            ScenarioError: If there is no such overlay.
+        """
+        if name not in OVERLAYS:
+            hint = did_you_mean(name, OVERLAYS)
+            known = ", ".join(OVERLAYS)
+            raise ScenarioError(
+                "--show", name, f"there is no overlay {name!r}.{hint} Known are {known}"
+            )
+        if on and name in _COLORINGS:
+            self._on.difference_update(_COLORINGS)
+        (self._on.add if on else self._on.discard)(name)
+
+
+def overlays_from(text: str) -> list[str]:
+    """Names from a list such as ``com,dcm``; ``all`` and ``none`` are known too."""
+    words = [word.strip() for word in text.split(",") if word.strip()]
+    if words == ["all"]:
+        return [name for name in OVERLAYS if name != "effort"]
+    return [] if words == ["none"] else words

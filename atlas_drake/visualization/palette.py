@@ -1,0 +1,23 @@
+"""The colours of what the controller thinks, the same wherever it is drawn."""
+
+from __future__ import annotations
+
+from pydrake.geometry import Rgba
+
+COM = Rgba(0.10, 0.62, 0.32, 1.0)
+"""Green."""
+DCM = Rgba(0.78, 0.12, 0.55, 1.0)
+"""Magenta."""
+COP = Rgba(0.85, 0.12, 0.10, 1.0)
+"""Red."""
+SUPPORT = Rgba(0.20, 0.25, 0.35, 0.50)
+"""Grey."""
+SWING = Rgba(0.05, 0.60, 0.66, 1.0)
+"""Teal."""
+FORCE = Rgba(0.93, 0.68, 0.05, 1.0)
+"""Yellow."""
+
+BEHAVIOR_RGB, USER_RGB = (0.32, 0.52, 0.82), (0.96, 0.58, 0.12)
+"""Blue and amber: whose joint it is; shared ones lie between."""
+IDLE_RGB, BUSY_RGB, SPENT_RGB = (0.75, 0.80, 0.80), (0.95, 0.80, 0.15), (0.85, 0.1, 0.1)
+"""Grey, yellow and red: no effort, half of its limit, all of it."""

@@ -1,0 +1,45 @@
+"""Curves in space with a thickness, because browsers draw lines one pixel thin.
+
+Geometry only.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+SIDES = 6
+"""Of a tube's cross section."""
+
+
+def tube(
+    points: NDArray[np.float64], radius: float
+) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+    """A tube along a curve that nowhere runs straight up for long.
+
+    Args:
+        points: Along the curve [m], shape (k, 3), k > 1.
+        radius: [m]
+
+    Returns:
+        Vertices [m], shape (3, SIDES k), and triangles, shape (3, 2 SIDES (k - 1)).
+    """
+    along = np.gradient(points, axis=0)
+    along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-9)
+    # Across a vertical piece any horizontal direction will do.
+    across = np.column_stack([-along[:, 1], along[:, 0], np.zeros(len(points))])
+    length = np.linalg.norm(across, axis=1, keepdims=True)
+    across = np.where(length > 1e-6, across / np.maximum(length, 1e-9), [0.0, 1.0, 0.0])
+    up = np.cross(along, across)
+    angles = 2.0 * np.pi * np.arange(SIDES) / SIDES
+    rings = [
+        points + radius * (np.cos(angle) * across + np.sin(angle) * up)
+        for angle in angles
+    ]
+    vertices = np.stack(rings, axis=1).reshape(-1, 3).T
+    first = np.add.outer(SIDES * np.arange(len(points) - 1), np.arange(SIDES)).ravel()
+    beside = first - first % SIDES + (first + 1) % SIDES
+    faces = np.hstack(
+        [[first, beside, first + SIDES], [beside, beside + SIDES, first + SIDES]]
+    )
+    return vertices, faces.astype(np.int32)

@@ -1,0 +1,63 @@
+"""Teleoperation: steer Atlas with keys, sliders or a gamepad.
+
+The command `atlas-drake teleop` does the same with more options. With --headless
+nobody steers, and a script presses the keys instead.
+"""
+
+import argparse
+import sys
+
+from pydrake.geometry import Meshcat
+
+from atlas_drake import AtlasSimulation, Behavior
+from atlas_drake.teleop.controls import Action, Controls, legend
+from atlas_drake.teleop.panel import Panel
+from atlas_drake.teleop.session import Session
+from atlas_drake.visualization.overlays import Overlays
+
+KEYS = {0.5: Action.FORWARD, 3.5: Action.ARC_LEFT, 6.0: Action.STOP}  # when [s]
+END = 9.0  # of the script [s]
+
+parser = argparse.ArgumentParser(description=__doc__)
+parser.add_argument("--headless", action="store_true", help="no 3D view, a script")
+options = parser.parse_args()
+
+
+class Script:
+    """Stands in for the panel: says which keys are pressed when it is asked."""
+
+    def __init__(self, sim: AtlasSimulation) -> None:
+        self.sim, self.keys = sim, dict(KEYS)
+
+    def read(self) -> Controls:
+        """The keys that are due."""
+        due = [time for time in self.keys if time <= self.sim.time]
+        return Controls(clicks=tuple(self.keys.pop(time) for time in due))
+
+    def set(self, slider: object, value: float) -> None:
+        """There are no sliders to move."""
+
+    def show_joints(self, positions: object) -> None:
+        """Nor any to add."""
+
+
+if options.headless:
+    sim = AtlasSimulation()
+    session = Session(sim, Script(sim), real_time=False)
+    while sim.time < END:
+        session.advance()
+    done = sim.current_behavior is Behavior.STAND and not sim.has_fallen
+    steps = len(sim.footsteps)
+    print(f"Atlas stands after {steps} steps." if done else "Atlas did not make it.")
+    sys.exit(not done)
+
+meshcat = Meshcat()
+overlays = Overlays(["com", "dcm", "cop", "support", "swing", "follow"])
+sim = AtlasSimulation(meshcat=meshcat, overlays=overlays)
+session = Session(sim, Panel(meshcat, sim.robot, overlays))
+print(f"Open the address above in a browser. Ctrl-C here ends it.\n\n{legend()}")
+try:
+    while True:
+        session.advance()
+except KeyboardInterrupt:
+    print(f"Stopped after {sim.time:.1f} s and {len(sim.footsteps)} steps.")

@@ -1,0 +1,252 @@
+"""What the controller thinks: the geometry, and that it reaches Meshcat."""
+
+import numpy as np
+import pytest
+from pydrake.geometry import Meshcat
+
+from atlas_drake import AtlasSimulation
+from atlas_drake.errors import ErrorCode, ScenarioError
+from atlas_drake.messages import (
+    AtlasSimInterfaceCommand,
+    AtlasSimInterfaceState,
+    Behavior,
+    BehaviorStatus,
+    StepStatus,
+    WalkStatus,
+)
+from atlas_drake.visualization.balance_marks import PATH as BALANCE
+from atlas_drake.visualization.contact_forces import (
+    PATH as FORCES,
+)
+from atlas_drake.visualization.contact_forces import (
+    SCALE,
+    ContactForce,
+    arrow_transform,
+    contact_forces_of,
+    pressure_centre,
+)
+from atlas_drake.visualization.control_colors import effort_colors, owner_colors
+from atlas_drake.visualization.feedback_words import feedback_words
+from atlas_drake.visualization.overlays import OVERLAYS, Overlays, overlays_from
+from atlas_drake.visualization.palette import (
+    BEHAVIOR_RGB,
+    BUSY_RGB,
+    IDLE_RGB,
+    SPENT_RGB,
+    USER_RGB,
+)
+from atlas_drake.visualization.planned_paths import (
+    planned_paths,
+    support_of,
+    swing_path,
+)
+from atlas_drake.visualization.stroke_font import _GLYPHS
+from atlas_drake.visualization.tubes import SIDES, tube
+
+BALANCE_MARKS = {
+    "com": ["com", "com_ball", "com_line"],
+    "dcm": ["dcm"],
+    "cop": ["cop"],
+    "support": ["support"],
+    "plan": ["plan_com", "plan_dcm"],
+    "swing": ["swing"],
+}
+SWINGING = 1.5
+"""When a foot is in the air if WALK is asked for at the start [s]."""
+
+
+def walking(meshcat=None, overlays=None):
+    sim = AtlasSimulation(meshcat=meshcat, overlays=overlays)
+    command = AtlasSimInterfaceCommand()
+    command.behavior = Behavior.WALK
+    command.walk_params.use_demo_walk = True
+    sim.publish(command)
+    return sim
+
+
+# ---- switches ----------------------------------------------------------------
+
+
+def test_overlays_are_known_by_name():
+    assert overlays_from("com, dcm") == ["com", "dcm"]
+    assert overlays_from("none") == []
+    Overlays(overlays_from("all"))
+    with pytest.raises(ScenarioError, match="Did you mean 'swing'"):
+        Overlays(["swings"])
+
+
+def test_of_the_colourings_the_later_one_counts():
+    overlays = Overlays(["owner", "com"])
+    overlays.switch("effort", True)
+    assert [name for name in OVERLAYS if overlays.is_on(name)] == ["com", "effort"]
+
+
+# ---- geometry ----------------------------------------------------------------
+
+
+def test_a_tube_has_its_radius_everywhere():
+    angle = np.linspace(0.0, 3.0, 20)
+    points = np.column_stack([np.cos(angle), np.sin(angle), 0.1 * angle])
+    vertices, faces = tube(points, 0.01)
+    rings = vertices.T.reshape(len(points), SIDES, 3)
+    away = np.linalg.norm(rings - points[:, None], axis=2)
+    np.testing.assert_allclose(away, 0.01)
+    assert faces.shape == (3, 2 * SIDES * (len(points) - 1))
+    assert faces.min() == 0
+    assert faces.max() == vertices.shape[1] - 1
+
+
+def test_a_tube_may_run_straight_up():
+    vertices, _ = tube(np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]]), 0.1)
+    np.testing.assert_allclose(np.hypot(*vertices[:2]), 0.1)
+
+
+def test_an_arrow_is_as_long_as_its_force_is_strong():
+    force = ContactForce(np.array([1.0, 2.0, 3.0]), np.array([30.0, -40.0, 120.0]))
+    X = arrow_transform(force)
+    np.testing.assert_allclose(X @ [0, 0, 0, 1], [1.0, 2.0, 3.0, 1.0])
+    tip = (X @ [0, 0, 1, 1])[:3] - force.p_WC
+    np.testing.assert_allclose(tip, SCALE * force.force_W)
+    np.testing.assert_allclose(X[:3, 0] @ force.force_W, 0.0, atol=1e-9)
+    np.testing.assert_allclose(np.linalg.norm(X[:3, :2], axis=0), 1.0)
+
+
+def test_the_pressure_centre_is_the_weighted_mean():
+    forces = [
+        ContactForce(np.array([0.0, 0.0, 0.0]), np.array([0.0, 0.0, 100.0])),
+        ContactForce(np.array([1.0, 1.0, 0.0]), np.array([50.0, 0.0, 300.0])),
+    ]
+    np.testing.assert_allclose(pressure_centre(forces), [0.75, 0.75, 0.0])
+    assert pressure_centre([]) is None
+
+
+def test_the_ground_carries_a_standing_robot():
+    sim = AtlasSimulation()
+    sim.advance_to(0.5)
+    forces = contact_forces_of(sim._output("contact_results"))
+    weight = sum(force.force_W[2] for force in forces)
+    assert len(forces) == 8
+    assert weight == pytest.approx(sim.robot.mass * 9.81, rel=0.05)
+
+
+# ---- colours and words -------------------------------------------------------
+
+
+def test_owners_have_colours():
+    behavior, shared, user = owner_colors(np.array([0.0, 128.0, 255.0]))
+    assert behavior == BEHAVIOR_RGB
+    assert user == USER_RGB
+    for low, value, high in zip(BEHAVIOR_RGB, shared, USER_RGB, strict=True):
+        assert min(low, high) < value < max(low, high)
+
+
+def test_effort_has_colours():
+    effort, limit = np.array([0.0, -50.0, 100.0, 900.0]), np.full(4, 100.0)
+    colors = effort_colors(effort, limit)
+    assert colors == [IDLE_RGB, BUSY_RGB, SPENT_RGB, SPENT_RGB]
+
+
+def report(behavior=Behavior.STAND, transition=0, walk=0, step=0, error=0):
+    message = AtlasSimInterfaceState()
+    message.current_behavior = behavior
+    message.behavior_feedback.status_flags = transition
+    message.walk_feedback.status_flags = walk
+    message.step_feedback.status_flags = step
+    message.error_code = error
+    return message
+
+
+@pytest.mark.parametrize(
+    ("message", "words"),
+    [
+        (report(), "ok"),
+        (report(transition=BehaviorStatus.TRANSITION_SUCCESS), "ok"),
+        (
+            report(transition=BehaviorStatus.FAILED_TRANS_ILLEGAL_BEHAVIOR),
+            "illegal transition",
+        ),
+        (
+            report(Behavior.WALK, walk=WalkStatus.SUBSTATE_SWAYING),
+            "swaying",
+        ),
+        (
+            report(
+                Behavior.WALK,
+                BehaviorStatus.TRANSITION_IN_PROGRESS,
+                WalkStatus.SUBSTATE_CATCHING
+                | WalkStatus.WARNING_INSUFFICIENT_STEP_DATA,
+            ),
+            "catching, out of steps, transition in progress",
+        ),
+        (report(Behavior.STEP, step=StepStatus.SUBSTATE_STEPPING), "stepping"),
+        # Flags of a behaviour that is not active say nothing.
+        (report(Behavior.STAND, walk=WalkStatus.SUBSTATE_STEPPING), "ok"),
+        (
+            report(error=ErrorCode.VALUE_OUT_OF_RANGE),
+            "error: VALUE OUT OF RANGE",
+        ),
+    ],
+)
+def test_flags_in_words(message, words):
+    assert feedback_words(message) == words
+
+
+def test_the_font_has_every_letter_of_every_word():
+    everything = [
+        report(Behavior.WALK, sum(BehaviorStatus), sum(WalkStatus), error=code)
+        for code in ErrorCode
+    ]
+    everything.append(report(Behavior.STEP, step=sum(StepStatus)))
+    for message in everything:
+        assert set(feedback_words(message).upper()) <= set(_GLYPHS)
+
+
+# ---- plans and the scene -----------------------------------------------------
+
+
+@pytest.mark.slow
+def test_a_walk_has_a_plan_and_a_swing():
+    sim = walking()
+    sim.advance_to(SWINGING)
+    memory = sim._output("controller_state").supervisor.memory
+    assert memory.swinging
+    com = np.array(sim.pelvis_pose.translation()[:2])
+    paths = planned_paths(memory, com, memory.omega)
+    assert len(paths.com) == len(paths.dcm) > 10
+    np.testing.assert_array_equal(paths.com[0], com)
+    # Both come to rest over the same point.
+    np.testing.assert_allclose(paths.com[-1], paths.dcm[-1], atol=0.05)
+    path = swing_path(memory)
+    np.testing.assert_array_equal(path[0], memory.swing.start.p_WF)
+    np.testing.assert_allclose(path[-1][:2], memory.step.p_WF[:2], atol=0.005)
+    assert path[:, 2].max() > 0.05
+    assert support_of(memory) is memory.support
+
+
+def test_standing_has_a_support_and_no_plan():
+    sim = AtlasSimulation()
+    sim.advance_to(0.1)
+    memory = sim._output("controller_state").supervisor.memory
+    assert support_of(memory).vertices.shape[1] == 2
+    assert planned_paths(memory, np.zeros(2), 3.3) is None
+    assert swing_path(memory) is None
+    assert support_of(None) is None
+
+
+@pytest.mark.slow
+def test_overlays_reach_the_scene_and_can_be_switched_while_running():
+    meshcat, overlays = Meshcat(), Overlays()
+    sim = walking(meshcat, overlays)
+    sim.advance_to(SWINGING)
+    paths = [f"{BALANCE}/{mark}" for marks in BALANCE_MARKS.values() for mark in marks]
+    paths.append(f"{FORCES}/0")
+    assert not [path for path in paths if meshcat.HasPath(path)]
+    for name in overlays_from("all"):
+        overlays.switch(name, True)
+    sim.advance(0.15)
+    assert [path for path in paths if not meshcat.HasPath(path)] == []
+    for name in OVERLAYS:
+        overlays.switch(name, False)
+    sim.advance(0.1)
+    # The links are drawn anew in their own colours.
+    assert meshcat.HasPath("/drake/visualizer/atlas/l_uarm")
