@@ -9,7 +9,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from pydrake.geometry import Meshcat
@@ -44,6 +44,9 @@ from atlas_drake.steady import steady_ticks
 from atlas_drake.summary import make_summary
 from atlas_drake.tutorial import control_mode_switch_programme
 
+if TYPE_CHECKING:
+    from atlas_drake.visualization.video_display import Video
+
 CHUNK = 0.02
 """Simulated time between looks at events, pushes and Ctrl-C [s]."""
 CLEARANCE = 0.10
@@ -74,6 +77,7 @@ class AtlasSimulation:
         scenario: Scenario | None = None,
         *,
         meshcat: Meshcat | None = None,
+        video: Video | None = None,
         on_event: Callable[[Event], None] | None = None,
     ):
         """Builds the diagram and puts the robot on its feet.
@@ -82,10 +86,12 @@ class AtlasSimulation:
             scenario: What to simulate; None is a robot that stands, commanded by
                 nobody but the caller.
             meshcat: Where to show it; None shows nothing.
+            video: What to film it into, until ``close_video``; None films nothing.
             on_event: Called with each event as it is noticed.
 
         Raises:
             ScenarioError: If the scenario has a value that cannot be used.
+            VideoError: If the video cannot be made.
         """
         self.scenario = (scenario or Scenario()).validate()
         self.robot = load_robot(self.scenario.model)
@@ -111,7 +117,9 @@ class AtlasSimulation:
             programme = control_mode_switch_programme(
                 self.robot, literal=self.scenario.programme == "tutorial_literal"
             )
-        self.diagram = make_control_mode_switch(self.robot, programme, config, meshcat)
+        self.diagram = make_control_mode_switch(
+            self.robot, programme, config, meshcat, video
+        )
         self.station = self.diagram.GetSubsystemByName("station")
         self.plant = self.station.GetSubsystemByName("plant")
         self._scheduler = self.diagram.GetSubsystemByName("scheduler")
@@ -224,6 +232,20 @@ class AtlasSimulation:
     def set_realtime_rate(self, rate: float) -> None:
         """Keeps simulated time at ``rate`` times real time; 0 is as fast as can be."""
         self.simulator.set_target_realtime_rate(rate)
+
+    def close_video(self) -> int:
+        """Finishes the video, of which nothing can be seen before.
+
+        What is simulated later is not filmed.
+
+        Returns:
+            How many pictures it has; 0 if nothing was filmed.
+        """
+        if not self.diagram.HasSubsystemNamed("video"):
+            return 0
+        display = self.diagram.GetSubsystemByName("video")
+        display.close()
+        return display.num_frames
 
     # ---- start ---------------------------------------------------------------
 

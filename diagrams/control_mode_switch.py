@@ -3,7 +3,10 @@
 Wiring only; the programme is in ``atlas_drake.tutorial``.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 from pydrake.geometry import Meshcat
 from pydrake.systems.framework import Diagram, DiagramBuilder
@@ -12,14 +15,18 @@ from atlas_drake.diagrams.atlas_station import StationConfig, make_atlas_station
 from atlas_drake.robot import Robot, load_robot
 from atlas_drake.systems.command_scheduler import CommandScheduler, ScheduledCommand
 
+if TYPE_CHECKING:
+    from atlas_drake.visualization.video_display import Video
+
 
 def make_control_mode_switch(
     robot: Robot | None = None,
     programme: Sequence[ScheduledCommand] = (),
     config: StationConfig | None = None,
     meshcat: Meshcat | None = None,
+    video: Video | None = None,
 ) -> Diagram:
-    """Builds scheduler and station, and a 3D view when there is a Meshcat.
+    """Builds scheduler and station, a 3D view and a video when they are asked for.
 
     Input ports, all optional:
         other_atlas_command, other_atlas_sim_interface_command: Messages of a script or
@@ -53,6 +60,10 @@ def make_control_mode_switch(
         from atlas_drake.visualization.meshcat_view import add_meshcat_view
 
         add_meshcat_view(builder, station, robot, meshcat)
+    if video is not None:
+        from atlas_drake.visualization.video_display import add_video
+
+        add_video(builder, station, robot, config.terrain, video)
     diagram = builder.Build()
     diagram.set_name("control_mode_switch")
     return diagram
