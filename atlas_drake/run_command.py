@@ -16,7 +16,7 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from atlas_drake.cli import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK
 from atlas_drake.errors import ScenarioError
@@ -30,6 +30,9 @@ from atlas_drake.viewer import (
     start_meshcat,
 )
 from atlas_drake.visualization import FRAME_RATE
+
+if TYPE_CHECKING:
+    from atlas_drake.visualization.video_display import Video
 
 PIECE = 0.1
 """Simulated time between updates of the progress line [s]."""
@@ -54,22 +57,26 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
         if getattr(options, name) is not None:
             setattr(scenario, name, getattr(options, name))
     scenario.validate()
-    for option, path in (("--json", options.json), ("--record", options.record)):
+    for option in ("json", "record", "video"):
+        path = getattr(options, option)
         if path is not None:
-            _check_writable(option, path)
+            _check_writable(f"--{option}", path)
+    video = _video(options)
     _quiet_logs()
 
     meshcat = None
-    if not options.headless or options.record is not None:
-        meshcat = start_meshcat(options.host, options.port)
     progress = Progress(sys.stdout, scenario.duration)
+    if not options.headless or options.record is not None:
+        meshcat = start_meshcat(options.host, options.port, progress)
     if meshcat is not None and options.record is not None:
         # Before the simulation, whose first picture belongs to the recording.
         meshcat.StartRecording(
             frames_per_second=FRAME_RATE,
             set_visualizations_while_recording=not options.headless,
         )
-    sim = AtlasSimulation(scenario, meshcat=meshcat, on_event=progress.event)
+    sim = AtlasSimulation(
+        scenario, meshcat=meshcat, video=video, on_event=progress.event
+    )
     if meshcat is not None and not options.headless:
         progress.say(f"Watch at {meshcat.web_url()}")
         if interactive():
@@ -79,7 +86,11 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
         rate = 0.0 if options.headless else 1.0
     sim.set_realtime_rate(rate)
 
-    stopped = _simulate(sim, progress)
+    try:
+        stopped = _simulate(sim, progress)
+    finally:
+        # Also after a second Ctrl-C: a video that is not finished cannot be played.
+        pictures = sim.close_video()
 
     summary = sim.summary()
     summary["stopped"] = stopped
@@ -94,6 +105,8 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
         meshcat.PublishRecording()
         options.record.write_text(meshcat.StaticHtml())
         progress.say(f"Wrote {options.record}; open it in a browser.")
+    if video is not None:
+        progress.say(f"Wrote {video.path}, {pictures} pictures.")
     if stopped == INTERRUPTED:
         return EXIT_INTERRUPTED
     if meshcat is not None and not options.headless and interactive():
@@ -185,6 +198,17 @@ def _quiet_logs() -> None:
     drake.setLevel(logging.WARNING)
     # Drake warns whenever there is a half space; nothing here is deformable.
     drake.addFilter(lambda record: "deformable contact" not in record.getMessage())
+
+
+def _video(options: argparse.Namespace) -> Video | None:
+    """What is asked of a video, if there is to be one and if it can be made."""
+    if options.video is None:
+        return None
+    from atlas_drake.visualization.video_display import Video
+    from atlas_drake.visualization.video_file import check_video
+
+    check_video(options.video, *options.video_size)
+    return Video(options.video, *options.video_size)
 
 
 def _check_writable(option: str, path: Path) -> None:

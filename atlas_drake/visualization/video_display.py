@@ -31,6 +31,8 @@ TITLE_HEIGHT, NOTE_HEIGHT, MARGIN = 0.055, 0.030, 0.045
 """Of the caption's letters and its distance from the edges, as shares of the height."""
 INK = (33, 43, 56)
 """Red, green and blue of the letters."""
+ACCENTS = ((60, 125, 225), (235, 135, 50), (160, 190, 230), (235, 195, 160))
+"""Red, green and blue of footsteps as they look in the light."""
 
 
 @dataclass(frozen=True)
@@ -70,7 +72,9 @@ class VideoDisplay(LeafSystem):
             VideoError: If the video cannot be made.
         """
         super().__init__()
-        self._file = VideoFile(video.path, VIDEO_RATE, video.width, video.height)
+        self._file = VideoFile(
+            video.path, VIDEO_RATE, video.width, video.height, ACCENTS
+        )
         self._stage = VideoStage(robot, terrain, video.width, video.height)
         self._state = self.DeclareVectorInputPort("state", num_states)
         self._commands, self._controller, self._report = (

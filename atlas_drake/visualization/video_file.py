@@ -1,11 +1,12 @@
 """Pictures into a file: MP4 with H.264, or an animated GIF, one picture at a time.
 
-Knows nothing of robots. Its two packages are an extra, and loaded where they are needed.
+Knows nothing of robots. Its packages are an extra, loaded when needed.
 """
 
 from __future__ import annotations
 
 import importlib
+from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -55,7 +56,14 @@ def check_video(path: Path, width: int, height: int) -> None:
 class VideoFile:
     """Encodes pictures as they come, so that a long video needs no memory."""
 
-    def __init__(self, path: Path, rate: int, width: int, height: int) -> None:
+    def __init__(
+        self,
+        path: Path,
+        rate: int,
+        width: int,
+        height: int,
+        accents: Sequence[tuple[int, int, int]] = (),
+    ) -> None:
         """Opens the file.
 
         Args:
@@ -63,6 +71,8 @@ class VideoFile:
             rate: Pictures per second.
             width: Of the pictures [pixel].
             height: Of the pictures [pixel].
+            accents: Red, green and blue of colours that come later in a video and
+                that a GIF, whose first picture decides its palette, shall have.
 
         Raises:
             VideoError: See ``check_video``.
@@ -80,7 +90,7 @@ class VideoFile:
             self._stream.options = {"crf": QUALITY}
         self._time_base = Fraction(1, rate)
         self._palette: Any = None
-        self._gif = gif
+        self._gif, self._accents = gif, accents
         self.num_frames = 0
 
     def add(self, picture: NDArray[np.uint8]) -> None:
@@ -111,15 +121,28 @@ class VideoFile:
         return av.VideoFrame.from_ndarray(picture, format="rgb24")
 
     def _indexed(self, picture: NDArray[np.uint8]) -> Any:
-        """With the 256 colours that suit the first picture, so that nothing flickers."""
+        """In the 256 colours that suit the first picture: nothing flickers."""
         import av
         from PIL import Image
 
         image = Image.fromarray(picture)
         if self._palette is None:
-            self._palette = image.quantize(256, method=Image.Quantize.MEDIANCUT)
+            self._palette = _palette(image, self._accents)
         indexed = image.quantize(palette=self._palette, dither=Image.Dither.NONE)
         colors = np.array(indexed.getpalette("RGB"), dtype=np.uint8).reshape(-1, 3)
         palette = np.zeros((256, 4), dtype=np.uint8)
         palette[: len(colors), 1:], palette[:, 0] = colors, 255
         return av.VideoFrame.from_ndarray((np.array(indexed), palette), format="pal8")
+
+
+def _palette(image: Any, accents: Sequence[tuple[int, int, int]]) -> Any:
+    """An image whose palette has the colours of another and the accents."""
+    from PIL import Image
+
+    indexed = image.quantize(256 - len(accents), method=Image.Quantize.FASTOCTREE)
+    colors = [*indexed.getpalette("RGB")]
+    for accent in accents:
+        colors += accent
+    palette = Image.new("P", (1, 1))
+    palette.putpalette(colors)
+    return palette
