@@ -130,9 +130,10 @@ class VideoFile:
             self._palette = _palette(image, self._accents)
         indexed = image.quantize(palette=self._palette, dither=Image.Dither.NONE)
         colors = np.array(indexed.getpalette("RGB"), dtype=np.uint8).reshape(-1, 3)
-        palette = np.zeros((256, 4), dtype=np.uint8)
+        palette = np.zeros((256, 4), dtype=np.uint8)  # Alpha, red, green, blue.
         palette[: len(colors), 1:], palette[:, 0] = colors, 255
-        return av.VideoFrame.from_ndarray((np.array(indexed), palette), format="pal8")
+        both: Any = (np.array(indexed), palette)
+        return av.VideoFrame.from_ndarray(both, format="pal8")
 
 
 def _palette(image: Any, accents: Sequence[tuple[int, int, int]]) -> Any:
