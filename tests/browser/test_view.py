@@ -16,6 +16,7 @@ pytestmark = pytest.mark.slow
 
 ROBOT = ["drake", "visualizer", "atlas"]
 CAPTION = ["Cameras", "default", "rotated", "<object>", "caption"]
+FOOTSTEPS = ["atlas_drake", "footsteps"]
 LINKS = ("pelvis", "utorso", "head", "l_foot", "r_foot", "l_hand", "r_hand")
 VISIBLE = 30
 """Difference between two colours that anybody sees, of 255."""
@@ -74,11 +75,11 @@ def rows_and_columns_of_robot(page):
     return np.nonzero(np.abs(picture - empty).max(axis=2) > VISIBLE)
 
 
-def shown_captions(page):
-    """Names of the lines of text that are visible."""
+def shown(page, path):
+    """Names of the things under a path that are visible."""
     return set(
         page.evaluate(
-            f"Object.entries({node(CAPTION)}.children)"
+            f"Object.entries({node(path)}.children)"
             ".filter(([name, child]) => child.object.visible).map(([name]) => name)"
         )
     )
@@ -112,14 +113,14 @@ def test_a_run_is_seen_as_it_goes(open_page):
     wait_for_robot(page)
     check_that_it_stands(page)
 
-    standing, words = shown_captions(page), caption_pixels(page)
+    standing, words = shown(page, CAPTION), caption_pixels(page)
     command = AtlasSimInterfaceCommand()
     command.behavior = command.MANIPULATE
     sim.publish(command)
     sim.advance(0.2)
     assert sim.current_behavior.name == "MANIPULATE"
     page.wait_until(f"!{node([*CAPTION, *sorted(standing)[:1]])}.object.visible")
-    assert shown_captions(page) != standing
+    assert shown(page, CAPTION) != standing
     assert (np.abs(caption_pixels(page) - words).max(axis=2) > VISIBLE).sum() > 100
 
     plant_context = sim.plant.GetMyContextFromRoot(sim.context)
@@ -130,19 +131,31 @@ def test_a_run_is_seen_as_it_goes(open_page):
     check_that_it_stands(page)
 
 
+def seek(page, time):
+    page.evaluate(f"viewer.animator.pause(); viewer.animator.seek({time})")
+
+
 def test_a_recording_plays_from_disk_without_a_network(open_page, tmp_path):
     scenario, recording = tmp_path / "scenario.yaml", tmp_path / "run.html"
-    scenario.write_text("duration: 0.3\n")
+    # Until the tutorial's walk has just begun: four steps are asked for.
+    scenario.write_text("programme: tutorial\nduration: 9.3\nphysics_step: 0.002\n")
     options = ["--headless", "--record", str(recording)]
     assert main(["run", str(scenario), *options]) == 0
     page = open_page(recording.as_uri(), offline=True)
     wait_for_robot(page)
-    check_that_it_stands(page)
     # Nothing was asked of any other address.
     asked = page.evaluate("performance.getEntriesByType('resource').map(e => e.name)")
     assert [name for name in asked if not name.startswith(("data:", "blob:"))] == []
-    assert shown_captions(page)
-    for path in ("ground", "slab"), ("ground", "bold"):
-        assert page.evaluate(f"{node(['atlas_drake', *path])}.object.visible")
-    duration = page.evaluate("viewer.animator.duration")
-    assert duration == pytest.approx(0.3, abs=0.1)
+
+    assert page.evaluate("viewer.animator.duration") == pytest.approx(9.3, abs=0.1)
+    for name in ("slab", "bold"):
+        assert page.evaluate(f"{node(['atlas_drake', 'ground', name])}.object.visible")
+    seek(page, 0.0)
+    check_that_it_stands(page)
+    first, words = shown(page, CAPTION), caption_pixels(page)
+    assert shown(page, FOOTSTEPS) == set()
+    seek(page, 9.25)
+    check_that_it_stands(page)
+    assert shown(page, CAPTION) != first
+    assert (np.abs(caption_pixels(page) - words).max(axis=2) > VISIBLE).sum() > 100
+    assert len(shown(page, FOOTSTEPS)) == 4
