@@ -20,7 +20,7 @@ ENDINGS = (".mp4", ".gif")
 INSTALL = 'pip install "atlas-drake[video]"'
 PACKAGES = ("av", "PIL")
 """What the extra installs: encoders, and text and palettes."""
-QUALITY = "20"
+QUALITY = "23"
 """Constant rate factor of H.264: 18 is faultless, 28 visibly poor."""
 
 

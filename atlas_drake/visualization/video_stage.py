@@ -57,9 +57,9 @@ SKY = np.array([0.84, 0.90, 0.95])
 GROUND_COLOR = np.array([0.86, 0.87, 0.88, 1.0])
 GROUND_SIZE, GROUND_THICKNESS = 160.0, 0.02
 """[m]"""
-GRID_SIZE, GRID_SPACING, GRID_LIFT = 16.0, 0.5, 0.002
+GRID_SIZE, GRID_SPACING, GRID_LIFT = 12.0, 0.5, 0.002
 """[m]"""
-GRID_WIDTH, GRID_COLOR = 0.006, np.array([0.66, 0.70, 0.74, 1.0])
+GRID_WIDTH, GRID_COLOR = 0.012, np.array([0.75, 0.78, 0.81, 1.0])
 SHADOW_MAP = 2048
 """Side of the shadow map [pixel]."""
 LAMP, LAMP_INTENSITY, LAMP_CONE = np.array([3.0, -5.0, 9.0]), 1.7, 62.0
