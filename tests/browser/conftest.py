@@ -97,6 +97,10 @@ class Page:
         assert "exceptionDetails" not in answer, answer["exceptionDetails"]
         return answer["result"].get("value")
 
+    def wait_for(self, condition, what):
+        """Waits until a function says yes."""
+        wait_for(condition, what)
+
     def wait_until(self, expression):
         """Waits until a JavaScript expression is true."""
         wait_for(lambda: self.evaluate(expression), what=expression)
