@@ -65,7 +65,7 @@ $(BIN)/python:
 $(STAMP): pyproject.toml constraints.txt | $(BIN)/python
 	@echo "Installing atlas-drake and its tools into $(VENV) (one to three minutes) ..."
 	@$(BIN)/python -m pip install --quiet --disable-pip-version-check \
-	  -c constraints.txt -e ".[dev]"
+	  -c constraints.txt -e ".[dev,log,plot]"
 	@touch $@
 
 # A fresh environment, so that nothing left over from an earlier one is pinned. Python
@@ -79,7 +79,7 @@ constraints: ## Pin the newest versions of all dependencies in constraints.txt.
 	@rm -rf $(VENV)-fresh
 	@$(PYTHON) -m venv $(VENV)-fresh
 	@$(VENV)-fresh/bin/python -m pip install --quiet --disable-pip-version-check \
-	  -e ".[dev]"
+	  -e ".[dev,log,plot]"
 	@{ echo "# Versions that are known to work together. Written by" \
 	     "\`make constraints\`; do not edit."; \
 	   $(VENV)-fresh/bin/python -m pip freeze --exclude-editable --quiet \

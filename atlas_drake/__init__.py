@@ -10,24 +10,31 @@ from atlas_drake.messages import *  # noqa: F403
 from atlas_drake.messages import __all__ as _messages
 
 if TYPE_CHECKING:
+    from atlas_drake.logs import Log, LogError, read_log
     from atlas_drake.scenario import Scenario, Start, load_scenario
     from atlas_drake.simulation import AtlasSimulation
 
 _LAZY = {
     "AtlasSimulation": "atlas_drake.simulation",
+    "Log": "atlas_drake.logs",
+    "LogError": "atlas_drake.logs",
     "Scenario": "atlas_drake.scenario",
     "Start": "atlas_drake.scenario",
     "load_scenario": "atlas_drake.scenario",
+    "read_log": "atlas_drake.logs",
 }
 
 __all__ = [  # noqa: PLE0604
     "AtlasError",
     "AtlasSimulation",
     "InvalidMessageError",
+    "Log",
+    "LogError",
     "Scenario",
     "ScenarioError",
     "Start",
     "load_scenario",
+    "read_log",
     *_messages,
 ]
 

@@ -1,6 +1,7 @@
 """The command ``atlas-drake``: its sub-commands, options and help.
 
-Parses and dispatches; a run is in ``run_command``, the picture in ``diagram_picture``.
+Parses and dispatches; a run is in ``run_command``, what is done with its log in
+``log_command``, the picture of the diagram in ``diagram_picture``.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ _EXIT_STATUS = (
     "exit status: 0 Atlas ended upright and did what was asked, 1 it did not, "
     "2 bad input, 130 stopped by Ctrl-C"
 )
+_LOG_EXIT_STATUS = "exit status: 0 done, 2 bad input, 130 stopped by Ctrl-C"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -60,6 +62,18 @@ def _run(options: argparse.Namespace) -> int:
     from atlas_drake.scenario import load_scenario
 
     return run_scenario(load_scenario(options.scenario), options)
+
+
+def _plot(options: argparse.Namespace) -> int:
+    from atlas_drake.log_command import plot_log
+
+    return plot_log(options)
+
+
+def _replay(options: argparse.Namespace) -> int:
+    from atlas_drake.log_command import replay_log
+
+    return replay_log(options)
 
 
 def _diagram(options: argparse.Namespace) -> int:
@@ -116,6 +130,41 @@ def _parser() -> argparse.ArgumentParser:
     _add_run_options(run)
     run.set_defaults(run=_run)
 
+    plot = commands.add_parser(
+        "plot",
+        help="draw a page of figures of a log",
+        description="Draw behaviours and k_effort over time, joints and their "
+        "set-points, efforts against their limits, balance from above and over time, "
+        "feet, and the controller's tick times. Logs come from --log of `demo` and "
+        "`run`.",
+        epilog=_LOG_EXIT_STATUS,
+    )
+    plot.add_argument("log", metavar="LOG", type=Path)
+    plot.add_argument(
+        "--output",
+        action="append",
+        type=Path,
+        metavar="FILE",
+        help="a .png picture or an interactive .html page that works offline; may be "
+        "given more than once (default: both, beside the log)",
+    )
+    plot.set_defaults(run=_plot)
+
+    replay = commands.add_parser(
+        "replay",
+        help="watch a log in the 3D view",
+        description="Show the robot as the log has it, with footsteps and caption. "
+        "Nothing is simulated.",
+        epilog=_LOG_EXIT_STATUS,
+    )
+    replay.add_argument("log", metavar="LOG", type=Path)
+    _add_view_options(
+        replay.add_argument_group("how you watch it"),
+        "no 3D view: for --record alone, as fast as possible",
+    )
+    _add_record_option(replay.add_argument_group("what you keep"))
+    replay.set_defaults(run=_replay)
+
     diagram = commands.add_parser(
         "diagram",
         help="draw the block diagram of the simulation",
@@ -158,12 +207,30 @@ def _add_run_options(parser: argparse.ArgumentParser) -> None:
         metavar="SECONDS",
         help="0.0005, 0.001 (the default) or 0.002: smaller is slower and more exact",
     )
-    view = parser.add_argument_group("how you watch it")
-    view.add_argument(
-        "--headless",
-        action="store_true",
-        help="no 3D view: as fast as possible, for scripts and servers",
+    _add_view_options(
+        parser.add_argument_group("how you watch it"),
+        "no 3D view: as fast as possible, for scripts and servers",
     )
+    keep = parser.add_argument_group("what you keep")
+    keep.add_argument(
+        "--json",
+        type=Path,
+        metavar="FILE",
+        help="write what happened, with all figures, as JSON",
+    )
+    keep.add_argument(
+        "--log",
+        type=Path,
+        metavar="FILE",
+        help="write every command, state, effort and feedback of every control tick: "
+        ".mcap for Foxglove and PlotJuggler (written as the run goes on, so best for "
+        "long ones), .npz or .parquet for Python; see `plot` and `replay`",
+    )
+    _add_record_option(keep)
+
+
+def _add_view_options(view: argparse._ArgumentGroup, headless: str) -> None:
+    view.add_argument("--headless", action="store_true", help=headless)
     view.add_argument(
         "--realtime-rate",
         type=_rate,
@@ -184,13 +251,9 @@ def _add_run_options(parser: argparse.ArgumentParser) -> None:
         help="address that the 3D view listens on; * lets other computers watch "
         "(default: %(default)s)",
     )
-    keep = parser.add_argument_group("what you keep")
-    keep.add_argument(
-        "--json",
-        type=Path,
-        metavar="FILE",
-        help="write what happened, with all figures, as JSON",
-    )
+
+
+def _add_record_option(keep: argparse._ArgumentGroup) -> None:
     keep.add_argument(
         "--record",
         type=Path,

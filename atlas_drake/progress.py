@@ -84,5 +84,5 @@ def event_line(event: Event) -> str:
         error = 1000.0 * event.data["error_m"]
         text += f" ({_FEET[event.data['foot']]}, {error:.0f} mm off)"
     indent = "" if event.kind in ("command", "push") else "  "
-    warning = "! " if event.kind in ("fall", "refusal", "warning") else ""
+    warning = "! " if event.kind in ("fall", "refusal", "warning", "steps left") else ""
     return f"{event.time:7.2f} s {indent}{warning}{text}"

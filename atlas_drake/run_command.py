@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 
 from atlas_drake.cli import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK
 from atlas_drake.errors import ScenarioError
+from atlas_drake.logs.formats import check_format
 from atlas_drake.progress import Progress
 from atlas_drake.scenario import Scenario
 from atlas_drake.simulation import AtlasSimulation, SimulationError
@@ -57,12 +58,14 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
         if getattr(options, name) is not None:
             setattr(scenario, name, getattr(options, name))
     scenario.validate()
-    for option in ("json", "record", "video"):
+    for option in ("json", "record", "video", "log"):
         path = getattr(options, option)
         if path is not None:
-            _check_writable(f"--{option}", path)
+            check_writable(f"--{option}", path)
     video = _video(options)
-    _quiet_logs()
+    if options.log is not None:
+        check_format(options.log)
+    quiet_logs()
 
     meshcat = None
     progress = Progress(sys.stdout, scenario.duration)
@@ -75,7 +78,11 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
             set_visualizations_while_recording=not options.headless,
         )
     sim = AtlasSimulation(
-        scenario, meshcat=meshcat, video=video, on_event=progress.event
+        scenario,
+        meshcat=meshcat,
+        video=video,
+        on_event=progress.event,
+        log=options.log,
     )
     if meshcat is not None and not options.headless:
         progress.say(f"Watch at {meshcat.web_url()}")
@@ -91,6 +98,9 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
     finally:
         # Also after a second Ctrl-C: a video that is not finished cannot be played.
         pictures = sim.close_video()
+        if options.log is not None:
+            progress.say(f"Completing {options.log} ...")
+        sim.close()
 
     summary = sim.summary()
     summary["stopped"] = stopped
@@ -100,6 +110,8 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
     if options.json is not None:
         options.json.write_text(json.dumps(_plain(summary), indent=2) + "\n")
         progress.say(f"Wrote {options.json}.")
+    if options.log is not None:
+        progress.say(f"Wrote {options.log}; draw it: atlas-drake plot {options.log}")
     if meshcat is not None and options.record is not None:
         meshcat.StopRecording()
         meshcat.PublishRecording()
@@ -125,7 +137,7 @@ def _simulate(sim: AtlasSimulation, progress: Progress) -> str | None:
         None, or why the run ended before that, other than by a fall.
     """
     end = sim.scenario.duration
-    with _ctrl_c() as asked_to_stop:
+    with ctrl_c() as asked_to_stop:
         try:
             while sim.time < end - 1e-9:
                 if asked_to_stop.is_set():
@@ -141,7 +153,7 @@ def _simulate(sim: AtlasSimulation, progress: Progress) -> str | None:
 
 
 @contextmanager
-def _ctrl_c() -> Iterator[threading.Event]:
+def ctrl_c() -> Iterator[threading.Event]:
     """Turns Ctrl-C into a flag, so that no simulation step is torn apart.
 
     A second Ctrl-C interrupts at once.
@@ -189,7 +201,7 @@ def verdict(summary: dict[str, Any]) -> str:
     return text if factor is None else f"{text} Ran at {factor:.2f} x real time."
 
 
-def _quiet_logs() -> None:
+def quiet_logs() -> None:
     """Keeps out of the run's lines what they say themselves, or what is no news."""
     # Refusals are events, printed with all others.
     logging.getLogger("atlas_drake").propagate = False
@@ -211,7 +223,7 @@ def _video(options: argparse.Namespace) -> Video | None:
     return Video(options.video, *options.video_size)
 
 
-def _check_writable(option: str, path: Path) -> None:
+def check_writable(option: str, path: Path) -> None:
     """Refuses a path now rather than after the run."""
     folder = path.parent
     if path.is_dir():

@@ -21,6 +21,7 @@ PHYSICS_STEPS = (0.0005, 0.001, 0.002)
 """Physics steps on offer [s]."""
 CONTACT_APPROXIMATIONS = ("lagged", "similar", "sap", "tamsi")
 PROGRAMMES = ("none", "tutorial", "tutorial_literal")
+STATES = ("true", "estimated")
 
 
 IN_THE_AIR = (Behavior.USER, Behavior.FREEZE)
@@ -122,6 +123,10 @@ class Scenario:
     """Where the robot begins."""
     noise: str = "none"
     """Sensor noise, a name from NOISE_MODELS."""
+    state: str = "true"
+    """What the behaviours see, one of STATES: the true state with the noise of the
+    sensors, or what an estimator makes of IMU, joints and loads on the feet. A file
+    needs quotes for "true", which YAML takes for a truth value without them."""
     seed: int = 0
     """Of noise and jitter."""
     jitter: Jitter = field(default_factory=Jitter)
@@ -139,6 +144,7 @@ class Scenario:
         _one_of("model", self.model, available_robots())
         _one_of("programme", self.programme, PROGRAMMES)
         _one_of("noise", self.noise, tuple(NOISE_MODELS))
+        _one_of("state", self.state, STATES)
         _one_of("physics_step", self.physics_step, PHYSICS_STEPS)
         _one_of(
             "contact_approximation",

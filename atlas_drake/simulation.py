@@ -7,8 +7,10 @@ and reads messages out. It holds no control law.
 from __future__ import annotations
 
 import time
+import weakref
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -41,10 +43,11 @@ from atlas_drake.run_log import RunLog
 from atlas_drake.scenario import Scenario, Start, starting_behavior
 from atlas_drake.start import Variation, draw_variation, place_robot, scale_masses
 from atlas_drake.steady import steady_ticks
-from atlas_drake.summary import make_summary
+from atlas_drake.summary import estimator_drift, make_summary
 from atlas_drake.tutorial import control_mode_switch_programme
 
 if TYPE_CHECKING:
+    from atlas_drake.logs.recorder import LogRecorder
     from atlas_drake.visualization.video_display import Video
 
 CHUNK = 0.02
@@ -79,6 +82,7 @@ class AtlasSimulation:
         meshcat: Meshcat | None = None,
         video: Video | None = None,
         on_event: Callable[[Event], None] | None = None,
+        log: str | Path | None = None,
     ):
         """Builds the diagram and puts the robot on its feet.
 
@@ -88,14 +92,19 @@ class AtlasSimulation:
             meshcat: Where to show it; None shows nothing.
             video: What to film it into, until ``close_video``; None films nothing.
             on_event: Called with each event as it is noticed.
+            log: File that records the run, see ``atlas_drake.logs``: .mcap, .npz or
+                .parquet. ``close`` completes it, and so does the end of the program.
 
         Raises:
             ScenarioError: If the scenario has a value that cannot be used.
+            LogError: If the log cannot be written.
             VideoError: If the video cannot be made.
         """
         self.scenario = (scenario or Scenario()).validate()
         self.robot = load_robot(self.scenario.model)
-        self._log = RunLog(on_event)
+        self._tick_seconds: list[float] = []
+        self._recorder = None if log is None else self._start_log(Path(log))
+        self._log = RunLog(_listener(on_event, self._recorder))
         self._meshcat = meshcat
         self._pushes: list[_Push] = []
         self._wall_time = 0.0
@@ -111,6 +120,7 @@ class AtlasSimulation:
             seed=self.scenario.seed,
             initial_behavior=self.scenario.behavior(),
             harnessed=self.scenario.start.harnessed,
+            estimated=self.scenario.state == "estimated",
         )
         programme = []
         if self.scenario.programme != "none":
@@ -118,18 +128,47 @@ class AtlasSimulation:
                 self.robot, literal=self.scenario.programme == "tutorial_literal"
             )
         self.diagram = make_control_mode_switch(
-            self.robot, programme, config, meshcat, video
+            self.robot, programme, config, meshcat, self._recorder, video
         )
         self.station = self.diagram.GetSubsystemByName("station")
         self.plant = self.station.GetSubsystemByName("plant")
         self._scheduler = self.diagram.GetSubsystemByName("scheduler")
         self._controller = self.station.GetSubsystemByName("behavior_controller")
-        self._controller.tick_seconds = []
+        self._controller.tick_seconds = self._tick_seconds
         self.simulator = Simulator(self.diagram)
         scale_masses(self.plant, self._plant_context(), variation)
         self._release_time: float | None = None
         self._place(variation, self.scenario.start)
         self.simulator.Initialize()
+
+    # ---- log -----------------------------------------------------------------
+
+    def _start_log(self, path: Path) -> LogRecorder:
+        # What logs need loads only where there is one.
+        from atlas_drake.logs.start import start_recorder
+
+        recorder = start_recorder(path, self.scenario, self.robot, self._tick_seconds)
+        # Whoever forgets to close still gets a file that can be read.
+        self._finalizer = weakref.finalize(self, recorder.close)
+        return recorder
+
+    def close(self) -> None:
+        """Completes the log, if there is one; the run may go on without it.
+
+        Raises:
+            LogError: If the log cannot be written.
+        """
+        if self._recorder is not None:
+            self._recorder.flush(
+                self._recorder.GetMyContextFromRoot(self.simulator.get_context())
+            )
+            self._finalizer()
+
+    def __enter__(self) -> AtlasSimulation:
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        self.close()
 
     # ---- commands ------------------------------------------------------------
 
@@ -277,7 +316,10 @@ class AtlasSimulation:
         self._pushes = []
         self._exert(())
         station = self.station
-        for name in ("joint_pid_bank", "robot_sensors"):
+        forgetful = ["joint_pid_bank", "robot_sensors"]
+        if self.scenario.state == "estimated":
+            forgetful += ["inertial_sensor", "state_estimator"]
+        for name in forgetful:
             system = station.GetSubsystemByName(name)
             system.reset(system.GetMyMutableContextFromRoot(self.context))
         for name in ("command_interface", "behavior_controller"):
@@ -387,7 +429,14 @@ class AtlasSimulation:
 
     def summary(self) -> dict[str, Any]:
         """What happened so far, as plain numbers and text ready for JSON."""
-        return make_summary(self, self._wall_time, self._output("extremes"))
+        extremes = self._output("extremes")
+        summary = make_summary(self, self._wall_time, extremes)
+        if self.scenario.state == "estimated":
+            summary["estimator_drift"] = estimator_drift(
+                self._output("estimation_error"),
+                self._output("largest_estimation_error"),
+            )
+        return summary
 
     # ---- inside --------------------------------------------------------------
 
@@ -424,6 +473,21 @@ class AtlasSimulation:
             self._output("commands"),
             self._output("controller_state").supervisor,
         )
+
+
+def _listener(
+    on_event: Callable[[Event], None] | None, recorder: LogRecorder | None
+) -> Callable[[Event], None] | None:
+    """Who is told of events: the caller, the log, both or nobody."""
+    if recorder is None:
+        return on_event
+
+    def notice(event: Event) -> None:
+        recorder.event(event)
+        if on_event is not None:
+            on_event(event)
+
+    return notice
 
 
 class SimulationError(AtlasError, RuntimeError):

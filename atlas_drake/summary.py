@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from atlas_drake.messages import Behavior
-from atlas_drake.tutorial import NUM_STEPS
+from atlas_drake.behaviors.walk import STEPS_LEFT
+from atlas_drake.systems.estimation_error import error_sizes
 
 if TYPE_CHECKING:
     from atlas_drake.simulation import AtlasSimulation
@@ -63,14 +63,26 @@ def make_summary(
     }
 
 
+def estimator_drift(
+    error: np.ndarray, largest: np.ndarray
+) -> dict[str, dict[str, float]]:
+    """Final and largest errors of the state estimator.
+
+    Args:
+        error: Of the pelvis now, as ``EstimationError`` gives it, shape (9,).
+        largest: Of the run so far, likewise, shape (4,).
+    """
+    names = ("position_m", "velocity_m_s", "tilt_rad", "yaw_rad")
+    final = map(float, error_sizes(error))
+    return {
+        "final": dict(zip(names, final, strict=True)),
+        "largest": dict(zip(names, map(float, largest), strict=True)),
+    }
+
+
 def _did_it_all(sim: AtlasSimulation) -> bool:
     """Whether what was asked for was done: no refusals, no step missing."""
-    if any(event.kind == "refusal" for event in sim.events):
-        return False
-    if sim.current_behavior is Behavior.WALK:
-        return True
-    walks = [e for e in sim.events if e.kind == "command" and "Walking" in e.text]
-    return len(sim.footsteps) >= NUM_STEPS * len(walks)
+    return not any(event.kind in ("refusal", STEPS_LEFT) for event in sim.events)
 
 
 def _finite(value: float) -> float | None:

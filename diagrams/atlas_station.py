@@ -4,6 +4,7 @@ Two command ports in, state ports out, as the simulator's plugin was to the orig
 Wiring only.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -24,10 +25,13 @@ from atlas_drake.robot import Robot, load_robot
 from atlas_drake.systems.behavior_controller import BehaviorController
 from atlas_drake.systems.command_interface import CommandInterface
 from atlas_drake.systems.effort_selector import EffortSelector
+from atlas_drake.systems.estimation_error import EstimationError
 from atlas_drake.systems.harness import Harness
+from atlas_drake.systems.inertial_sensor import InertialSensor
 from atlas_drake.systems.joint_pid_bank import JointPidBank
 from atlas_drake.systems.robot_sensors import RobotSensors
 from atlas_drake.systems.run_statistics import RunStatistics
+from atlas_drake.systems.state_estimator import StateEstimator
 from atlas_drake.terrain import BLOCK_COLOR, Block
 
 
@@ -45,6 +49,7 @@ class StationConfig:
         seed: Of that noise.
         initial_behavior: The behaviour active at the start.
         harnessed: Whether there is a harness that can hold the pelvis.
+        estimated: Whether the behaviours see an estimate in place of the true state.
         gains: Of the whole-body controller.
     """
 
@@ -57,6 +62,7 @@ class StationConfig:
     seed: int = 0
     initial_behavior: Behavior = Behavior.STAND
     harnessed: bool = False
+    estimated: bool = False
     gains: ControlGains = field(default_factory=ControlGains)
 
 
@@ -77,9 +83,14 @@ def make_atlas_station(
         commands: ``CommandsInForce``
         controller_state: ``ControllerState``
         effort: What the motors do [N·m], shape (n,), message order.
+        user_effort: Of the joint controllers [N·m], shape (n,), message order.
+        behavior_state: What the behaviours see of the state.
+        foot_wrenches: See ``RobotSensors``.
         extremes: Of the run so far, see ``RunStatistics``.
         state, body_poses, contact_results: Of the plant.
         query_object: Of the scene graph, for visualisers.
+        estimated_state, estimation_error, largest_estimation_error: Of the state
+            estimator, where there is one; see ``EstimationError``.
     """
     robot = robot or load_robot()
     config = config or StationConfig()
@@ -141,7 +152,12 @@ def make_atlas_station(
     connect(selector, "actuation", plant)
     connect(selector, "effort", sensors)
     connect(selector, "actuation", statistics)
-    connect(sensors, "measured_state", behaviors, "state")
+    if config.estimated:
+        estimator = _add_estimator(builder, robot, config, plant, sensors)
+        behavior_state = estimator.GetOutputPort("estimated_state")
+    else:
+        behavior_state = sensors.GetOutputPort("measured_state")
+    builder.Connect(behavior_state, behaviors.GetInputPort("state"))
     connect(sensors, "foot_loads", behaviors)
     connect(sensors, "foot_wrenches", pid)
     connect(plant, "contact_results", sensors)
@@ -159,9 +175,10 @@ def make_atlas_station(
         pushes = harness.GetInputPort("other_spatial_force")
     builder.ExportInput(pushes, "applied_spatial_force")
     for system, names in (
-        (sensors, ("atlas_state", "imu")),
+        (sensors, ("atlas_state", "imu", "foot_wrenches")),
         (behaviors, ("atlas_sim_interface_state", "controller_state")),
         (commands, ("commands",)),
+        (pid, ("user_effort",)),
         (selector, ("effort",)),
         (statistics, ("extremes",)),
         (plant, ("body_poses", "contact_results")),
@@ -169,6 +186,7 @@ def make_atlas_station(
         for name in names:
             builder.ExportOutput(system.GetOutputPort(name), name)
     builder.ExportOutput(plant.get_state_output_port(), "state")
+    builder.ExportOutput(behavior_state, "behavior_state")
     builder.ExportOutput(scene_graph.get_query_output_port(), "query_object")
     station = builder.Build()
     station.set_name("AtlasStation")
@@ -191,14 +209,61 @@ def _add_world(
         builder,
     )
     robot.add_to(plant)
-    friction = CoulombFriction(config.ground_friction, config.ground_friction)
+    add_scenery(plant, config.terrain, config.ground_friction)
+    plant.Finalize()
+    return plant, scene_graph
+
+
+def add_scenery(
+    plant: MultibodyPlant, terrain: Iterable[Block], ground_friction: float
+) -> None:
+    """Adds the level ground and the terrain's boxes to a plant (before Finalize)."""
+    friction = CoulombFriction(ground_friction, ground_friction)
     plant.RegisterCollisionGeometry(
         plant.world_body(), RigidTransform(), HalfSpace(), "ground", friction
     )
-    for number, block in enumerate(config.terrain):
-        _add_block(plant, block, f"terrain_{number}", config.ground_friction)
-    plant.Finalize()
-    return plant, scene_graph
+    for number, block in enumerate(terrain):
+        _add_block(plant, block, f"terrain_{number}", ground_friction)
+
+
+def _add_estimator(
+    builder: DiagramBuilder,
+    robot: Robot,
+    config: StationConfig,
+    plant: MultibodyPlant,
+    sensors: RobotSensors,
+) -> StateEstimator:
+    """The state estimator, the IMU it reads, and what tells how far off it is."""
+    imu = builder.AddNamedSystem(
+        "inertial_sensor",
+        InertialSensor(
+            robot,
+            plant,
+            config.noise,
+            config.seed,
+            config.physics_step,
+            config.control_period,
+        ),
+    )
+    estimator = builder.AddNamedSystem(
+        "state_estimator", StateEstimator(robot, config.control_period)
+    )
+    error = builder.AddNamedSystem(
+        "estimation_error", EstimationError(robot, plant, config.control_period)
+    )
+    for name in ("measured_state", "foot_loads"):
+        builder.Connect(sensors.GetOutputPort(name), estimator.GetInputPort(name))
+    builder.Connect(imu.GetOutputPort("inertial"), estimator.GetInputPort("inertial"))
+    true = plant.get_state_output_port()
+    builder.Connect(true, imu.GetInputPort("state"))
+    builder.Connect(true, estimator.GetInputPort("start_state"))
+    builder.Connect(true, error.GetInputPort("state"))
+    estimate = estimator.GetOutputPort("estimated_state")
+    builder.Connect(estimate, error.GetInputPort("estimated_state"))
+    builder.ExportOutput(estimate, "estimated_state")
+    for name in ("estimation_error", "largest_estimation_error"):
+        builder.ExportOutput(error.GetOutputPort(name), name)
+    return estimator
 
 
 def _add_block(

@@ -16,6 +16,7 @@ from atlas_drake.robot import Robot, load_robot
 from atlas_drake.systems.command_scheduler import CommandScheduler, ScheduledCommand
 
 if TYPE_CHECKING:
+    from atlas_drake.logs.recorder import LogRecorder
     from atlas_drake.visualization.video_display import Video
 
 
@@ -24,9 +25,10 @@ def make_control_mode_switch(
     programme: Sequence[ScheduledCommand] = (),
     config: StationConfig | None = None,
     meshcat: Meshcat | None = None,
+    recorder: LogRecorder | None = None,
     video: Video | None = None,
 ) -> Diagram:
-    """Builds scheduler and station, a 3D view and a video when they are asked for.
+    """Builds scheduler and station; 3D view, recorder and video if they are given.
 
     Input ports, all optional:
         other_atlas_command, other_atlas_sim_interface_command: Messages of a script or
@@ -60,6 +62,10 @@ def make_control_mode_switch(
         from atlas_drake.visualization.meshcat_view import add_meshcat_view
 
         add_meshcat_view(builder, station, robot, meshcat)
+    if recorder is not None:
+        from atlas_drake.logs.recorder import add_log_recorder
+
+        add_log_recorder(builder, station, recorder)
     if video is not None:
         from atlas_drake.visualization.video_display import add_video
 

@@ -16,12 +16,14 @@ from pathlib import Path
 from pydrake.geometry import Meshcat
 
 from atlas_drake import AtlasSimulation, Scenario
+from atlas_drake.cli import main as atlas_drake
 from atlas_drake.diagram_picture import write_diagram_picture
 
 IMAGES = Path(__file__).parent / "images"
 FILM, FILM_SIZE = "demo.mp4", "400x224"
 MOMENTS = {"atlas.png": 10.5, "walk.png": 11.72}
 """Which picture, and when in the tutorial [s]: in the second and in the last step."""
+FIGURES = "figures.png"
 SIZE = "1200,800"
 """Of the pictures [pixel]."""
 BROWSER_OPTIONS = (
@@ -63,6 +65,10 @@ def main() -> None:
     for name, time in sorted(MOMENTS.items(), key=lambda item: item[1]):
         sim.advance_to(time)
         photograph(options.browser, meshcat.StaticHtml(), IMAGES / name)
+    with tempfile.TemporaryDirectory() as folder:
+        log = f"{folder}/tutorial.mcap"
+        atlas_drake(["demo", "--headless", "--log", log])
+        atlas_drake(["plot", log, "--output", str(IMAGES / FIGURES)])
 
 
 if __name__ == "__main__":

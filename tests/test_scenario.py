@@ -50,6 +50,7 @@ def test_behaviors_are_named_in_any_case(name):
         ("model", "spot"),
         ("programme", "dance"),
         ("noise", "deafening"),
+        ("state", "guessed"),
         ("physics_step", 0.003),
         ("physics_step", -0.001),
         ("physics_step", math.nan),

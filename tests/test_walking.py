@@ -163,3 +163,24 @@ def test_an_s_curve(sim):
     assert y > 0.8
     turned = sim.pelvis_pose.rotation().ToAngleAxis()
     assert turned.angle() == pytest.approx(0.0, abs=0.06)
+
+
+def test_on_what_the_robot_measures():
+    sim = AtlasSimulation(
+        Scenario(model="atlas_v3", state="estimated", noise="rough", seed=2)
+    )
+    path = Path(sim)
+    for _ in range(7):
+        path.step(ahead=0.25)
+    path.step()
+    walk(sim, path.steps)
+    assert_walked(sim, path.steps)
+    # The feet are truly where the last two steps were sent, but for 1 % of the way.
+    drift = sim.summary()["estimator_drift"]["largest"]["position_m"]
+    assert 0.0 < drift < 0.0175
+    for step in path.steps[-2:]:
+        sole = sim.plant.GetFrameByName(sim.robot.file.feet[step.foot_index].sole_frame)
+        there = sole.CalcPoseInWorld(sim._plant_context()).translation()
+        sent = step.pose.position
+        off = math.dist(there[:2], (sent.x, sent.y))
+        assert off < LANDING_ERROR + drift

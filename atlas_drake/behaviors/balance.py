@@ -29,10 +29,6 @@ FULL_LOAD = 3.0
 """Largest normal force asked of one sole, in weights of the robot [-]."""
 
 
-USER_JOINT_WEIGHT = 1e-5
-"""Keeps the QP well posed; far below any task [1/(rad/s²)²]."""
-
-
 class Balance:
     """Feedback around given references for one robot. Holds constants only."""
 
@@ -88,16 +84,8 @@ class Balance:
             chest_angular_acceleration=chest,
             feet=feet,
             joint_acceleration=self.posture(seen, body),
-            joint_weight=self.joint_weight(seen, self._joint_weight),
+            joint_weight=self._joint_weight,
         )
-
-    def joint_weight(self, seen: Observation, weight: np.ndarray) -> np.ndarray:
-        """Posture weights, all but none for joints that the user has.
-
-        How those move is the user's business. A weight on it would make the QP steer
-        them by moving their neighbours.
-        """
-        return np.where(seen.user_held, USER_JOINT_WEIGHT, weight)
 
     def posture(self, seen: Observation, body: BodyReference) -> np.ndarray:
         """Joint accelerations towards the posture [rad/s²], shape (n,)."""

@@ -57,7 +57,9 @@ class Outcome:
     """What a behaviour answers in one tick.
 
     Attributes:
-        memory: What it wants to remember until the next tick; frozen.
+        memory: What it wants to remember until the next tick; frozen. One that plans
+            the DCM says so to logs: ``dcm_reference(omega)``, and ``omega`` [1/s] if
+            that is planned too.
         body: The body reference moved on by one tick.
         command: For the whole-body QP; None for no effort at all.
         finished: True when the behaviour is over and STAND shall follow.

@@ -74,7 +74,7 @@ class Freeze:
             feet=feet,  # type: ignore[arg-type]
             joint_acceleration=gains.kp * (joints - seen.terms.q)
             - gains.kd * seen.terms.v,
-            joint_weight=self._balance.joint_weight(seen, self._weight),
+            joint_weight=self._weight,
             balance=False,
         )
         return Outcome(memory=FreezeMemory(joints), body=body, command=command)

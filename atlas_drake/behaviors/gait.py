@@ -14,6 +14,7 @@ import numpy as np
 from atlas_drake.control.dcm_plan import CopSegment, DcmPlan
 from atlas_drake.control.footstep import FootPose, Footstep, outward
 from atlas_drake.control.rotations import rotation_z
+from atlas_drake.control.support_polygon import SupportPolygon
 
 
 @dataclass(frozen=True)
@@ -63,6 +64,8 @@ def plan_walk(
 ) -> DcmPlan:
     """The DCM plan from now through ``steps`` to rest.
 
+    Backward from that rest, so that it begins with the DCM where it ought to be.
+
     Args:
         cop: Where the CoP's reference is now [m], shape (2,).
         first_phase: Time left in the present phase [s].
@@ -90,3 +93,29 @@ def plan_walk(
     duration = timing.settle if steps else first_phase
     segments.append(CopSegment(duration, cop, middle))
     return DcmPlan(segments, omega)
+
+
+def begun_at(plan: DcmPlan, dcm: np.ndarray, support: SupportPolygon) -> DcmPlan:
+    """The same plan, but for a first segment that begins with the DCM where it is.
+
+    To move to one side, a pendulum has to be pushed off from the other: the CoP goes
+    there first, and only then to where the plan's first segment ends. Without it, the
+    feedback would push off at once, and with a jolt.
+
+    Args:
+        plan: From ``plan_walk``, for a robot on both feet.
+        dcm: Where the DCM is now in W [m], shape (2,).
+        support: Where the CoP may lie.
+    """
+    first, *rest = plan.segments
+    half = 0.5 * first.duration
+
+    def through(turning: np.ndarray) -> DcmPlan:
+        there = CopSegment(half, first.start, turning)
+        back = CopSegment(half, turning, first.end)
+        return DcmPlan([there, back, *rest], plan.omega)
+
+    # The DCM at the beginning is linear in where the CoP turns, alike on both axes.
+    begin = through(first.start).evaluate(0.0).dcm
+    gain = through(first.start + 1.0).evaluate(0.0).dcm - begin
+    return through(support.clamp(first.start + (dcm - begin) / gain))

@@ -77,6 +77,14 @@ class ManipulateMemory:
     demo_share: float = 0.0
     waits: bool = False
 
+    def dcm_reference(self, omega: float) -> DcmReference:
+        """Where DCM and CoP shall be now, with the pendulum's frequency [1/s]."""
+        com = self.motion.com
+        return DcmReference(
+            dcm=com.position + com.velocity / omega,
+            cop=com.position - com.acceleration / omega**2,
+        )
+
 
 class Manipulate:
     """Balance on both feet with a servoed pelvis."""
@@ -160,14 +168,10 @@ class Manipulate:
         )
         body = self._body(seen, body, motion)
         omega = self._omega(seen, memory.stance)
-        com = motion.com
         command = self._balance.command(
             seen,
             body,
-            DcmReference(
-                dcm=com.position + com.velocity / omega,
-                cop=com.position - com.acceleration / omega**2,
-            ),
+            memory.dcm_reference(omega),
             omega,
             memory.stance.support,
             (self._balance.planted(seen, 0), self._balance.planted(seen, 1)),

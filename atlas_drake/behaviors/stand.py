@@ -56,6 +56,10 @@ class StandMemory:
     com: np.ndarray
     height: float
 
+    def dcm_reference(self, _omega: float) -> DcmReference:
+        """Where DCM and CoP shall be: over the reference of the centre of mass."""
+        return DcmReference(dcm=self.com, cop=self.com)
+
 
 class Stand:
     """Static balance on both feet."""

@@ -49,7 +49,7 @@ class StepBalance:
         return self._balance.command(
             seen,
             body,
-            memory.sway.evaluate(memory.sway_time, omega),
+            memory.dcm_reference(omega),
             omega,
             self._support(memory),
             self._foot_commands(memory, seen),

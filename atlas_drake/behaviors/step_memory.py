@@ -12,6 +12,7 @@ import numpy as np
 
 from atlas_drake.behaviors.step_action import DesiredStep, StepAction
 from atlas_drake.control.com_sway import ComSway
+from atlas_drake.control.dcm_plan import DcmReference
 from atlas_drake.control.footstep import FootPose, Footstep
 from atlas_drake.control.step_swing import StepSwing
 from atlas_drake.control.support_polygon import SupportPolygon
@@ -96,6 +97,10 @@ class StepMemory:
     leaving: bool = False
     refused: object = None
     looked_at: object = None
+
+    def dcm_reference(self, omega: float) -> DcmReference:
+        """Where DCM and CoP shall be now, with the pendulum's frequency [1/s]."""
+        return self.sway.evaluate(self.sway_time, omega)
 
     @property
     def in_air(self) -> bool:

@@ -11,6 +11,7 @@ import numpy as np
 
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.base import Observation
+from atlas_drake.control import tasks
 from atlas_drake.messages import Behavior, BehaviorStatus
 
 _ALWAYS = frozenset({Behavior.NONE, Behavior.FREEZE, Behavior.USER})
@@ -40,14 +41,18 @@ LEAVES_IN_ORDER = frozenset({Behavior.WALK, Behavior.STEP, Behavior.MANIPULATE})
 for. WALK and STEP finish their step, MANIPULATE goes back to STAND's pose."""
 
 
+LEAST_HEIGHT = 0.3
+"""Height of the CoM above the soles that a pendulum is taken to have at least [m]."""
+
+
 @dataclass(frozen=True)
 class EntryLimits:
-    """When STAND can take over."""
+    """When STAND can take over; measured by ``benchmarks/entry_limits.py``."""
 
-    com_outside: float = 0.0
-    """The CoM may lie this far outside the soles' hull less its margins [m]."""
-    com_speed: float = 0.35
-    """[m/s]"""
+    com_inside: float = 0.01
+    """The CoM must lie this far inside the soles' hull less its margins [m]."""
+    dcm_inside: float = 0.03
+    """And the DCM this far, which is where it would come to rest by itself [m]."""
     joint_speed: float = 4.0
     """Fastest joint that the behaviour would have to catch [rad/s]."""
 
@@ -67,9 +72,12 @@ def refusal(
         return BehaviorStatus.OK
     terms = seen.terms
     support = balance.support(seen.foot_pose(0), seen.foot_pose(1))
-    if support.distance_outside(terms.com[:2]) > limits.com_outside:
+    if support.distance_outside(terms.com[:2]) > -limits.com_inside:
         return BehaviorStatus.FAILED_TRANS_COM_POS
-    if float(np.hypot(*terms.com_velocity[:2])) > limits.com_speed:
+    soles = 0.5 * float(terms.feet[0].p_WF[2] + terms.feet[1].p_WF[2])
+    height = max(float(terms.com[2]) - soles, LEAST_HEIGHT)
+    dcm = tasks.dcm(terms, tasks.pendulum_frequency(height))
+    if support.distance_outside(dcm) > -limits.dcm_inside:
         return BehaviorStatus.FAILED_TRANS_COM_VEL
     if float(np.abs(terms.v[~seen.user_held]).max(initial=0.0)) > limits.joint_speed:
         return BehaviorStatus.FAILED_TRANS_VEL

@@ -19,7 +19,7 @@ from atlas_drake.behaviors.body_reference import (
     advance_body,
 )
 from atlas_drake.behaviors.footstep_event import footstep_event
-from atlas_drake.behaviors.gait import GaitTiming, plan_walk, stance_cop
+from atlas_drake.behaviors.gait import GaitTiming, begun_at, plan_walk, stance_cop
 from atlas_drake.behaviors.step_queue import step_data_from
 from atlas_drake.behaviors.walk_memory import Phase, WalkMemory, WalkRules
 from atlas_drake.behaviors.walk_steps import (
@@ -29,7 +29,6 @@ from atlas_drake.behaviors.walk_steps import (
     steps_asked_for,
 )
 from atlas_drake.control import tasks
-from atlas_drake.control.dcm_plan import DcmReference
 from atlas_drake.control.footstep import Footstep, StepLimits, saturate
 from atlas_drake.control.rotations import mean_yaw
 from atlas_drake.control.step_adjustment import StepAdjustmentLimits, step_shift
@@ -48,6 +47,8 @@ from atlas_drake.messages import (
 )
 
 _UPRIGHT = np.zeros(2)
+STEPS_LEFT = "steps left"
+"""Kind of the event that tells of steps asked for and never taken."""
 REACH = 0.03
 """The lower leg stretches by this much where the ground is uneven [m]."""
 
@@ -111,8 +112,9 @@ class Walk:
             next_index=first,
             seen_params=params,
         )
-        cop = memory.support.clamp(tasks.dcm(seen.terms, omega))
-        return self._replan(memory, cop, memory.duration)
+        dcm = tasks.dcm(seen.terms, omega)
+        memory = self._replan(memory, memory.support.clamp(dcm), memory.duration)
+        return replace(memory, plan=begun_at(memory.plan, dcm, memory.support))
 
     def update(
         self,
@@ -151,16 +153,21 @@ class Walk:
         command = self._balance.command(
             seen,
             body,
-            self._reference(memory),
+            memory.dcm_reference(memory.omega),
             memory.omega,
             memory.support,
             self._feet(memory, seen, swing_reference),
         )
+        finished = self._at_rest(memory, seen)
+        if finished and memory.pending:
+            left = ", ".join(str(step.index) for step in memory.pending)
+            text = f"WALK ends without the steps {left}"
+            events = (*events, Event(seen.time, STEPS_LEFT, text))
         return Outcome(
             memory=memory,
             body=body,
             command=command,
-            finished=self._at_rest(memory, seen),
+            finished=finished,
             status_flags=self._flags(memory, leaving),
             events=events,
         )
@@ -312,11 +319,12 @@ class Walk:
 
     def _shift(self, memory: WalkMemory) -> WalkMemory:
         """Sets off once more: steps came while the robot was catching."""
-        cop = memory.plan.evaluate(memory.plan_time).cop
+        now = memory.plan.evaluate(memory.plan_time)
         memory = replace(
             memory, phase=Phase.SHIFT, elapsed=0.0, duration=self._timing.first_shift
         )
-        return self._replan(memory, cop, memory.duration)
+        memory = self._replan(memory, now.cop, memory.duration)
+        return replace(memory, plan=begun_at(memory.plan, now.dcm, memory.support))
 
     def _settle(self, memory: WalkMemory, cop: np.ndarray | None = None) -> WalkMemory:
         if cop is None:
@@ -382,13 +390,6 @@ class Walk:
         cop = stance_cop(stance, 1 - step.foot)
         memory = self._replan(memory, cop, memory.duration)
         return replace(memory, plan_time=plan_time)
-
-    def _reference(self, memory: WalkMemory) -> DcmReference:
-        """The plan at this moment; where it waits, the DCM rests over the CoP."""
-        reference = memory.plan.evaluate(memory.plan_time)
-        if memory.waiting:
-            return replace(reference, cop=reference.dcm)
-        return reference
 
     def _body_target(self, memory: WalkMemory) -> BodyTarget:
         left, right = feet_to_come(memory)

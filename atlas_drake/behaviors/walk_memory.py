@@ -9,10 +9,11 @@ from dataclasses import dataclass
 from enum import Enum
 
 from atlas_drake.behaviors.step_queue import next_runs
-from atlas_drake.control.dcm_plan import DcmPlan
+from atlas_drake.control.dcm_plan import DcmPlan, DcmReference
 from atlas_drake.control.footstep import FootPose, Footstep
 from atlas_drake.control.support_polygon import SupportPolygon
 from atlas_drake.control.swing_foot import Swing
+from atlas_drake.frozen import replace
 from atlas_drake.messages import AtlasBehaviorWalkParams
 
 
@@ -125,6 +126,13 @@ class WalkMemory:
         """The swing of the foot in the air; only while ``swinging``."""
         assert self.swing is not None
         return self.swing
+
+    def dcm_reference(self, _omega: float) -> DcmReference:
+        """The plan at this moment; where it waits, the DCM rests over the CoP."""
+        reference = self.plan.evaluate(self.plan_time)
+        if self.waiting:
+            return replace(reference, cop=reference.dcm)
+        return reference
 
     @property
     def known(self) -> tuple[Footstep, ...]:

@@ -61,6 +61,11 @@ class DcmPlan:
         self._final_dcm = tuple(reversed(finals))
 
     @property
+    def segments(self) -> tuple[CopSegment, ...]:
+        """What it was made from."""
+        return self._segments
+
+    @property
     def duration(self) -> float:
         """Time of the last segment's end [s]."""
         return self._ends[-1]

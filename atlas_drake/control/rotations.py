@@ -25,6 +25,13 @@ def rotation_error(R_WD: np.ndarray, R_WB: np.ndarray) -> np.ndarray:
     return np.array([0.5 * (zy - yz), 0.5 * (xz - zx), 0.5 * (yx - xy)])
 
 
+def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """The vector product of two vectors of shape (3,)."""
+    ax, ay, az = a.tolist()
+    bx, by, bz = b.tolist()
+    return np.array([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
+
+
 def yaw_of(R: np.ndarray) -> float:
     """Heading of the x axis of a rotation matrix about the world's z [rad]."""
     return math.atan2(R[1, 0], R[0, 0])

@@ -79,12 +79,14 @@ def effort_bounds(
         effort_limit: [N·m], shape (n,).
     """
     middle = share * user.effort
-    reach = (1.0 - share) * effort_limit
+    authority = 1.0 - share
+    reach = authority * effort_limit
     return EffortBounds(
         lower=middle - reach,
         upper=middle + reach,
         user_held=share >= 1.0,
         added_inertia=share * user.inertia,
+        authority=authority,
     )
 
 

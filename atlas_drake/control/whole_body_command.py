@@ -81,9 +81,12 @@ class EffortBounds:
         user_held: Joints whose effort the user decides alone, bool, shape (n,).
         added_inertia: By how much the bounds fall per acceleration of the joint,
             because the user's law resists it [kg·m²], shape (n,); None for nowhere.
+        authority: The behaviour's share of each joint, 0 to 1, shape (n,); None for 1
+            everywhere.
     """
 
     lower: np.ndarray
     upper: np.ndarray
     user_held: np.ndarray
     added_inertia: np.ndarray | None = None
+    authority: np.ndarray | None = None

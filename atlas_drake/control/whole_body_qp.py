@@ -30,12 +30,16 @@ from atlas_drake.control.whole_body_command import (
     WholeBodyCommand,
 )
 from atlas_drake.control.whole_body_model import GRAVITY, WholeBodyTerms
+from atlas_drake.frozen import replace
 from atlas_drake.robot import Robot
 
 _BASE = 6
 _WRENCH = 6
 MIDDLE = 0.01
 """Half the size of what counts as the middle of a sole [m]."""
+USER_JOINT_WEIGHT = 1e-5
+"""Least weight of a posture: keeps the QP well posed, far below any task
+[1/(rad/s²)²]."""
 _HUGE = 1e30
 """What the solver takes for infinity."""
 
@@ -97,6 +101,7 @@ class WholeBodyQp:
         size = layout.size
         rows = self._rows_on_unknowns(terms, contacts, size)
         T, t = rows[:n, :size], rows[:n, size]
+        command = _within_authority(command, terms, bounds)
         H, f = self._cost(command, layout, rows[n:, :size], rows[n:, size])
         problem = self._constrain(terms, command, bounds, contacts, layout, H, f, T, t)
         answer = solve(problem)
@@ -197,24 +202,23 @@ class WholeBodyQp:
         A = layout.rows.copy()
         lower, upper = layout.lower.copy(), layout.upper.copy()
         kind = layout.kind.copy()
-        # Accelerations that bring a joint to rest at its limits; what the user's
-        # joints do is not the behaviour's to bound.
+        # Accelerations that bring a joint to rest at its limits. A joint that the user
+        # has a share of is not the behaviour's to bound: it would throw the whole body
+        # about to hold one that the user drives into its stop.
         limits = self._gains.joint_limits
         approach = limits.kp * terms.q + limits.kd * terms.v
-        free = bounds.user_held
         np.subtract(self._low, approach, out=lower[:n])
         np.subtract(self._high, approach, out=upper[:n])
-        any_free = bool(free.any())
-        if any_free:
-            lower[:n][free] = -_HUGE
-            upper[:n][free] = _HUGE
+        if bounds.authority is not None:
+            shared = bounds.authority < 1.0
+            lower[:n][shared] = -_HUGE
+            upper[:n][shared] = _HUGE
 
         size = layout.size
         A[:n] = T
         lower[size : size + n] = bounds.lower - t
         upper[size : size + n] = bounds.upper - t
-        if any_free:
-            kind[size : size + n][free] = EQUALITY
+        kind[size : size + n][bounds.user_held] = EQUALITY
         if bounds.added_inertia is not None:
             A.reshape(-1)[: n * size : size + 1] += bounds.added_inertia
         for k, i in enumerate(contacts):
@@ -281,6 +285,32 @@ class _Layout:
         """Rows of the k-th foot in contact."""
         start = self._first_cone_row + k * self._cone_size
         return slice(start, start + self._cone_size)
+
+
+def _within_authority(
+    command: WholeBodyCommand, terms: WholeBodyTerms, bounds: EffortBounds
+) -> WholeBodyCommand:
+    """The posture as far as it is the behaviour's to ask for.
+
+    How a joint moves that the user has is the user's business. A posture asked of it,
+    or of a shared joint beyond what the behaviour's share can do, would make the QP
+    steer it by moving its neighbours. So the weight fades with the behaviour's share,
+    and the acceleration asked for is one that the total effort can give to the joint.
+    """
+    if bounds.authority is None or bounds.added_inertia is None:
+        return command
+    inertia = terms.M.diagonal()[_BASE:] + bounds.added_inertia
+    gravity = terms.h[_BASE:]
+    lowest, highest = bounds.lower - gravity, bounds.upper - gravity
+    wanted = np.minimum(
+        np.maximum(command.joint_acceleration, lowest / inertia), highest / inertia
+    )
+    weight = command.joint_weight * bounds.authority**2
+    return replace(
+        command,
+        joint_acceleration=wanted,
+        joint_weight=np.maximum(weight, USER_JOINT_WEIGHT),
+    )
 
 
 def _solve_base(M: np.ndarray, right: np.ndarray) -> np.ndarray:

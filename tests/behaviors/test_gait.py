@@ -6,9 +6,10 @@ import math
 import numpy as np
 import pytest
 
-from atlas_drake.behaviors.gait import GaitTiming, plan_walk, stance_cop
+from atlas_drake.behaviors.gait import GaitTiming, begun_at, plan_walk, stance_cop
 from atlas_drake.control.footstep import LEFT, RIGHT, FootPose, Footstep, outward
 from atlas_drake.control.rotations import rotation_z
+from atlas_drake.control.support_polygon import SupportPolygon
 
 OMEGA = 3.3
 TIMING = GaitTiming()
@@ -191,3 +192,30 @@ def test_stance_cop_is_inside_and_turns_with_the_foot(foot, yaw):
     # Towards the other foot, and not out of a sole of 0.12 m.
     assert -outward(foot) * level[1] >= 0.0
     assert math.hypot(*level) < 0.06
+
+
+def test_a_plan_can_begin_with_the_dcm_where_it_is():
+    feet = (
+        FootPose(np.array([0.0, 0.1, 0.0]), np.eye(3)),
+        FootPose(np.array([0.0, -0.1, 0.0]), np.eye(3)),
+    )
+    step = Footstep(1, 0, np.array([0.2, 0.1, 0.0]), 0.0, 0.63, 0.1)
+    cop, omega = np.array([0.005, -0.002]), 3.1
+    plan = plan_walk(cop, 0.8, feet, [step], False, GaitTiming(), omega)
+    wide = SupportPolygon(np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]], dtype=float))
+    begun = begun_at(plan, cop, wide)
+    np.testing.assert_allclose(begun.evaluate(0.0).dcm, cop, atol=1e-12)
+    np.testing.assert_allclose(begun.evaluate(0.0).cop, cop, atol=1e-12)
+    # It ends its first phase as the plan does.
+    for time in (0.8, 1.0, plan.duration):
+        for name in ("dcm", "cop"):
+            np.testing.assert_allclose(
+                getattr(begun.evaluate(time), name),
+                getattr(plan.evaluate(time), name),
+                atol=1e-12,
+            )
+    # A small support bounds how far the CoP goes aside.
+    small = SupportPolygon(0.05 * wide.vertices)
+    bounded = begun_at(plan, cop, small)
+    sideways = [bounded.evaluate(0.01 * k).cop[1] for k in range(41)]
+    assert max(np.abs(sideways)) <= 0.05 + 1e-12

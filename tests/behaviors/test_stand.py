@@ -163,7 +163,9 @@ def test_a_fall_is_flagged_early_and_time_goes_on(record, force, duration):
     assert recording.sim.has_fallen
     assert recording.sim.summary()["fell"]
     assert not recording.sim.summary()["success"]
-    assert not np.any(recording.looks[-1].report.f_out)
+    # Limp: braked, and no more.
+    share = recording.looks[-1].report.f_out / recording.sim.robot.effort_limit
+    assert np.abs(share).max() < 0.1
     assert [event.kind for event in recording.sim.events].count("fall") == 1
 
 

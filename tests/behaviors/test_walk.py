@@ -184,6 +184,10 @@ def test_a_gap_in_the_queue_is_missing_data_and_no_inconsistency(record, walk_me
     recording.sim.publish(walk_message((2, 0, 0.1, 0.14), (4, 0, 0.3, 0.14)))
     recording.advance(LONGEST, in_stand)
     assert [step["index"] for step in recording.sim.footsteps] == [2]
+    # Somebody asked for more than that.
+    left = [e.text for e in recording.sim.events if e.kind == "steps left"]
+    assert left == ["WALK ends without the steps 4"]
+    assert not recording.sim.summary()["success"]
     last = changes(recording, flags)[-1]
     assert last == (
         WalkStatus.SUBSTATE_CATCHING | WalkStatus.WARNING_INSUFFICIENT_STEP_DATA

@@ -10,6 +10,7 @@ from pydrake.common.eigen_geometry import AngleAxis
 from pydrake.math import RollPitchYaw, RotationMatrix
 
 from atlas_drake.control.rotations import (
+    cross,
     mean_yaw,
     orientation,
     rotation_about,
@@ -47,6 +48,11 @@ def test_orientation_is_roll_pitch_yaw_and_tilt_takes_it_apart(yaw, pitch, roll)
     expected = RotationMatrix(RollPitchYaw(roll, pitch, yaw)).matrix()
     np.testing.assert_allclose(R, expected, atol=1e-12)
     np.testing.assert_allclose(tilt_of(R), [roll, pitch], atol=1e-7)
+
+
+@given(*[st.tuples(SMALL, SMALL, SMALL).map(np.array)] * 2)
+def test_the_vector_product_is_numpys(a, b):
+    np.testing.assert_allclose(cross(a, b), np.cross(a, b), atol=1e-15)
 
 
 @given(angle=ANGLES)

@@ -1,0 +1,177 @@
+"""Logs on the command line: draw a page of figures, replay in the 3D view.
+
+What is drawn and replayed is in ``logs``; options are parsed in ``cli``.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from pydrake.systems.analysis import Simulator
+
+from atlas_drake.cli import EXIT_INTERRUPTED, EXIT_OK
+from atlas_drake.errors import did_you_mean
+from atlas_drake.logs import Log, LogError, read_log
+from atlas_drake.logs.figures import make_page
+from atlas_drake.logs.formats import (
+    PLOT_EXTRA,
+    MissingPackageError,
+    missing_package,
+)
+from atlas_drake.logs.replay import make_replay
+from atlas_drake.logs.whole_file import whole_file
+from atlas_drake.messages import Behavior
+from atlas_drake.progress import Progress
+from atlas_drake.run_command import PIECE, check_writable, ctrl_c, quiet_logs
+from atlas_drake.viewer import (
+    await_viewer,
+    interactive,
+    keep_serving,
+    start_meshcat,
+)
+from atlas_drake.visualization import FRAME_RATE
+
+PICTURES = (".png", ".html")
+"""What ``plot`` writes: a picture, and an interactive page."""
+
+
+def plot_log(options: argparse.Namespace) -> int:
+    """Draws the figures of a log.
+
+    Args:
+        options: Of ``atlas-drake plot``.
+
+    Returns:
+        The exit status.
+
+    Raises:
+        LogError: If the log cannot be read or a file cannot be made.
+        ScenarioError: If a file cannot be written, before anything is.
+    """
+    files = options.output or [options.log.with_suffix(end) for end in PICTURES]
+    for file in files:
+        check_writable("--output", file)
+    drawings, left_out = {}, ""
+    for file in files:
+        try:
+            drawings[file] = _drawing(file)
+        except MissingPackageError as error:
+            # Who asks for nothing in particular gets what there is.
+            if options.output:
+                raise
+            left_out = f" Left out: {error}"
+    page = make_page(_read(options.log))
+    for file, write in drawings.items():
+        _say(f"Drawing {file} ...")
+        try:
+            with whole_file(file) as unfinished:
+                write(page, unfinished)
+        except OSError as error:
+            raise LogError(f"{file}: cannot be written: {error.strerror}") from error
+    _say(f"Wrote {' and '.join(map(str, drawings))}.{left_out}")
+    return EXIT_OK
+
+
+def _drawing(file: Path) -> Callable[[Any, Path], None]:
+    """What draws a file of that kind."""
+    try:
+        if file.suffix == ".png":
+            from atlas_drake.logs.png_page import write_png
+
+            return write_png
+        if file.suffix == ".html":
+            from atlas_drake.logs.html_page import write_html
+
+            return write_html
+    except ModuleNotFoundError as error:
+        raise missing_package(f"{file}: drawing it", error.name, PLOT_EXTRA) from None
+    hint = did_you_mean(file.suffix, PICTURES)
+    raise LogError(f"{file}: figures must end in one of {', '.join(PICTURES)}.{hint}")
+
+
+def replay_log(options: argparse.Namespace) -> int:
+    """Plays a log in the 3D view.
+
+    Args:
+        options: Of ``atlas-drake replay``.
+
+    Returns:
+        The exit status.
+
+    Raises:
+        LogError: If the log cannot be read, or there is nothing to do.
+        ScenarioError: If a file or an address cannot be used, before anything is.
+    """
+    if options.headless and options.record is None:
+        raise LogError(
+            "--headless shows nothing: add --record FILE.html, or leave it out to watch"
+        )
+    if options.record is not None:
+        check_writable("--record", options.record)
+    quiet_logs()
+    log = _read(options.log)
+    begin, end = float(log.time[0]), float(log.time[-1])
+    progress = Progress(sys.stdout, end)
+    meshcat = start_meshcat(options.host, options.port, progress)
+    if options.record is not None:
+        # Before the diagram, whose first picture belongs to the recording.
+        meshcat.StartRecording(
+            frames_per_second=FRAME_RATE,
+            set_visualizations_while_recording=not options.headless,
+        )
+    simulator = Simulator(make_replay(log, meshcat))
+    simulator.get_mutable_context().SetTime(begin)
+    simulator.Initialize()
+    if not options.headless:
+        progress.say(f"Watch at {meshcat.web_url()}")
+        if interactive():
+            await_viewer(meshcat, progress)
+    rate = options.realtime_rate
+    if rate is None:
+        rate = 0.0 if options.headless else 1.0
+    simulator.set_target_realtime_rate(rate)
+    interrupted = _play(log, simulator, end, progress)
+    now = simulator.get_context().get_time()
+    progress.say(f"{'Stopped' if interrupted else 'Replayed'} at {now:.1f} s.")
+    if options.record is not None:
+        meshcat.StopRecording()
+        meshcat.PublishRecording()
+        options.record.write_text(meshcat.StaticHtml())
+        progress.say(f"Wrote {options.record}; open it in a browser.")
+    if interrupted:
+        return EXIT_INTERRUPTED
+    if not options.headless and interactive():
+        keep_serving(progress)
+    return EXIT_OK
+
+
+def _play(log: Log, simulator: Simulator, end: float, progress: Progress) -> bool:
+    """Plays to the end; says whether Ctrl-C came first."""
+    events = iter(log.events)
+    event = next(events, None)
+    with ctrl_c() as asked_to_stop:
+        while (now := simulator.get_context().get_time()) < end - 1e-9:
+            if asked_to_stop.is_set():
+                return True
+            now = min(now + PIECE, end)
+            simulator.AdvanceTo(now)
+            while event is not None and event.time <= now:
+                progress.event(event)
+                event = next(events, None)
+            row = min(int(log.time.searchsorted(now)), len(log) - 1)
+            progress.update(now, Behavior(log["behavior.current"][row]).name)
+        return asked_to_stop.is_set()
+
+
+def _read(path: Path) -> Log:
+    _say(f"Reading {path} ...")
+    return read_log(path)
+
+
+def _say(line: str) -> None:
+    sys.stdout.write(line + "\n")
+    sys.stdout.flush()

@@ -1,0 +1,123 @@
+"""Figures about balance: CoM, DCM and CoP against the support, feet and pelvis.
+
+Panels as data; where they stand on the page is up to ``figures``.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from atlas_drake.logs.joint_figures import JOINT_COLORS
+from atlas_drake.logs.layout import SIDES
+from atlas_drake.logs.log import Log
+from atlas_drake.logs.panels import Band, Item, Line, Outline, Panel
+from atlas_drake.logs.support import Feet, double_supports, footprints
+
+SIDE_COLORS = ("#1a6bd8", "#e66b14")
+"""Of the left and the right foot, as in the 3D view."""
+COM, DCM, COP, SUPPORT = "#222222", "#c2185b", "#2a9d3a", "#cfd8dc"
+_TRACKS = (
+    ("com", COM, "CoM", False),
+    ("dcm_reference", DCM, "", True),
+    ("dcm", DCM, "DCM", False),
+    ("cop", COP, "CoP", False),
+)
+
+
+def view_from_above(log: Log, feet: Feet) -> Panel:
+    """CoM, DCM and CoP over the footprints and support polygons."""
+    items: list[Item] = [
+        Outline(polygon, SUPPORT, opacity=0.35)
+        for polygon in double_supports(log, feet)
+    ]
+    for foot, side in enumerate(SIDES):
+        color = SIDE_COLORS[foot]
+        for number, corners in enumerate(footprints(log, feet, foot)):
+            label = f"{side} foot" if number == 0 else ""
+            items.append(Outline(corners, color, label, opacity=0.18))
+    items += [
+        Outline(_sole(log, event.data["commanded"]), "#555555", dashed=True)
+        for event in log.events
+        if event.kind == "footstep"
+    ]
+    for name, color, label, dashed in _TRACKS:
+        track = log[f"balance.{name}"]
+        width = 0.6 if name == "cop" else 1.3
+        items.append(Line(track[:, 0], track[:, 1], color, label, dashed, width))
+    return Panel(
+        "From above (dashed: planned)",
+        "y, to the left [m]",
+        tuple(items),
+        x_label="x, ahead [m]",
+        over_time=False,
+        equal=True,
+        rows=2,
+    )
+
+
+def balance_over_time(log: Log, feet: Feet, axis: int) -> Panel:
+    """CoM, DCM and CoP along x (axis 0) or y (1) against the extent of the support."""
+    items: list[Item] = [Band(log.time, *feet.extent(axis), SUPPORT, "support")]
+    items += [
+        Line(log.time, log[f"balance.{key}"][:, axis], color, label, dashed)
+        for key, color, label, dashed in _TRACKS
+    ]
+    where = "ahead" if axis == 0 else "sideways"
+    title = f"Balance {where} (dashed: planned)"
+    return Panel(title, f"{'xy'[axis]} [m]", tuple(items))
+
+
+def _sole(log: Log, pose: list[float]) -> np.ndarray:
+    """Corners of a sole at x, y [m] and yaw [rad], shape (4, 2)."""
+    x, y, yaw = pose
+    size = log.robot.file.sole
+    half = 0.5 * np.array([size.length, size.width])
+    corners = np.array([[1, 1], [1, -1], [-1, -1], [-1, 1]]) * half
+    cos, sin = np.cos(yaw), np.sin(yaw)
+    return np.array([x, y]) + corners @ np.array([[cos, sin], [-sin, cos]])
+
+
+# ---- feet and pelvis ---------------------------------------------------------
+
+
+def foot_heights(log: Log) -> Panel:
+    """Heights of both soles."""
+    items = tuple(
+        Line(log.time, log[f"feet.{side}_position"][:, 2], SIDE_COLORS[foot], side)
+        for foot, side in enumerate(SIDES)
+    )
+    return Panel("Foot heights", "sole z [m]", items)
+
+
+def foot_forces(log: Log) -> Panel:
+    """Vertical forces on both soles."""
+    items = tuple(
+        Line(log.time, log[f"feet.{side}_force"][:, 2], SIDE_COLORS[foot], side)
+        for foot, side in enumerate(SIDES)
+    )
+    return Panel("Foot forces", "vertical [N]", items)
+
+
+def pelvis_angles(log: Log) -> Panel:
+    """Orientation of the pelvis."""
+    w, x, y, z = log["pelvis.orientation"].T
+    angles = {
+        "roll": np.arctan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y)),
+        "pitch": np.arcsin(np.clip(2 * (w * y - z * x), -1.0, 1.0)),
+        "yaw": np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z)),
+    }
+    items = tuple(
+        Line(log.time, angle, color, name)
+        for (name, angle), color in zip(angles.items(), JOINT_COLORS, strict=False)
+    )
+    return Panel("Orientation of the pelvis", "angle [rad]", items)
+
+
+def pelvis_velocity(log: Log) -> Panel:
+    """Velocity of the pelvis."""
+    velocity = log["pelvis.velocity"]
+    items = tuple(
+        Line(log.time, velocity[:, axis], color, name)
+        for axis, (name, color) in enumerate(zip("xyz", JOINT_COLORS, strict=False))
+    )
+    return Panel("Velocity of the pelvis in the world", "velocity [m/s]", items)

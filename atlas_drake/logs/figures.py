@@ -1,0 +1,137 @@
+"""The page of figures of a log, and those about the run as a whole.
+
+Panels are data here; drawing them is up to ``png_page`` and ``html_page``.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from atlas_drake.frozen import replace
+from atlas_drake.logs.balance_figures import (
+    balance_over_time,
+    foot_forces,
+    foot_heights,
+    pelvis_angles,
+    pelvis_velocity,
+    view_from_above,
+)
+from atlas_drake.logs.joint_figures import effort_panel, position_panels, share_panel
+from atlas_drake.logs.log import Log
+from atlas_drake.logs.panels import Line, Marker, Page, Panel, Span
+from atlas_drake.logs.support import feet_of, runs
+from atlas_drake.messages import Behavior
+
+BEHAVIOR_COLORS = {
+    Behavior.NONE: "#9e9e9e",
+    Behavior.FREEZE: "#4fc3d9",
+    Behavior.STAND_PREP: "#b39ddb",
+    Behavior.STAND: "#7cb342",
+    Behavior.WALK: "#42a5f5",
+    Behavior.STEP: "#26a69a",
+    Behavior.MANIPULATE: "#ec407a",
+    Behavior.USER: "#ffb74d",
+}
+ALARM = "#d50000"
+HEIGHTS = (0.4, 3.5, 2.0, 2.0, 2.0, 2.2, 2.2, 2.0, 2.0)
+"""Of the rows of the page [inch]."""
+TICK_MARGIN = 1.3
+"""How far the axis of tick times reaches beyond what is usual [-]."""
+
+
+def make_page(log: Log) -> Page:
+    """The page of a log."""
+    feet = feet_of(log)
+    time = log.time
+    left_leg, right_leg, left_arm, right_arm, trunk = position_panels(log)
+    rows: list[list[Panel | None]] = [
+        [_modes(log), _solved(log)],
+        [share_panel(log), effort_panel(log)],
+        [left_leg, right_leg],
+        [left_arm, right_arm],
+        [trunk, _tick_times(log)],
+        [view_from_above(log, feet), balance_over_time(log, feet, 0)],
+        [None, balance_over_time(log, feet, 1)],
+        [foot_heights(log), foot_forces(log)],
+        [pelvis_angles(log), pelvis_velocity(log)],
+    ]
+    panels = [
+        replace(panel, row=row, column=column)
+        for row, pair in enumerate(rows)
+        for column, panel in enumerate(pair)
+        if panel is not None
+    ]
+    falls = [
+        Marker(event.time, ALARM, "fall")
+        for event in log.events
+        if event.kind == "fall"
+    ]
+    if falls:
+        panels = [
+            replace(panel, items=(*panel.items, *falls)) if panel.over_time else panel
+            for panel in panels
+        ]
+    return Page(
+        title=f"{log.path.name}: {log.header.model}, scenario {_scenario_name(log)}",
+        subtitle=f"{time[0]:.1f} s to {time[-1]:.1f} s, {len(log)} control ticks of "
+        f"{1e3 * log.header.control_period:g} ms",
+        heights=HEIGHTS,
+        columns=2,
+        panels=tuple(panels),
+        # The last row holds for one more period.
+        time=(float(time[0]), float(time[-1]) + log.header.control_period),
+    )
+
+
+def _scenario_name(log: Log) -> str:
+    for line in log.header.scenario.splitlines():
+        if line.startswith("name:"):
+            return line.partition(":")[2].strip()
+    return "(unnamed)"
+
+
+def _modes(log: Log) -> Panel:
+    current, time = log["behavior.current"], log.time
+    spans = []
+    for number in np.unique(current).tolist():
+        behavior = Behavior(number)
+        for begin, end in runs(current == number):
+            last = time[min(end, len(time) - 1)]
+            color = BEHAVIOR_COLORS[behavior]
+            spans.append(Span(time[begin], last, color, behavior.name))
+    spans.sort(key=lambda span: span.start)
+    return Panel("Active behaviour", "", tuple(spans), x_label="")
+
+
+def _solved(log: Log) -> Panel:
+    """Where the QP had a solution."""
+    unsolved = np.diff(log["controller.unsolved"], prepend=0) > 0
+    spans = []
+    for flags, color, label in (
+        (~unsolved, "#a5d6a7", "solved"),
+        (unsolved, ALARM, "no solution"),
+    ):
+        for begin, end in runs(flags):
+            last = log.time[min(end, len(log) - 1)]
+            spans.append(Span(log.time[begin], last, color, label))
+    return Panel("Whole-body QP", "", tuple(spans), x_label="")
+
+
+def _tick_times(log: Log) -> Panel:
+    ticks = 1e3 * log["controller.tick_time"]
+    period = 1e3 * log.header.control_period
+    known = ticks[np.isfinite(ticks)]
+    title = "Controller ticks"
+    top = period
+    if known.size:
+        median, high = np.percentile(known, [50, 99])
+        title += (
+            f" (median {median:.2f}, 99 % {high:.2f}, longest {known.max():.1f} ms)"
+        )
+        top = max(period, high)
+    limit = np.full(2, period)
+    items = (
+        Line(log.time, ticks, "#546e7a", "tick", width=0.7),
+        Line(log.time[[0, -1]], limit, ALARM, "control period", dashed=True),
+    )
+    return Panel(title, "wall time [ms]", items, y_range=(0.0, TICK_MARGIN * top))

@@ -1,0 +1,137 @@
+"""A log in memory, whatever file it came from.
+
+How it is drawn is in ``figures``, how it is replayed in ``replay``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from pydrake.common.yaml import yaml_load_typed
+
+from atlas_drake.behaviors.base import Event
+from atlas_drake.errors import did_you_mean
+from atlas_drake.logs.formats import read_file
+from atlas_drake.logs.notes import (
+    COMMANDS,
+    EVENT,
+    Header,
+    LogError,
+    Note,
+    message_from,
+    note_event,
+)
+from atlas_drake.messages import Message
+from atlas_drake.robot import Robot, load_robot
+from atlas_drake.scenario import Scenario
+
+
+@dataclass(frozen=True)
+class LoggedCommand:
+    """A command as it was sent, also one that was refused.
+
+    Attributes:
+        time: Of the control tick that saw it first [s].
+        message: An ``AtlasCommand`` or ``AtlasSimInterfaceCommand``.
+    """
+
+    time: float
+    message: Message
+
+
+@dataclass(frozen=True)
+class Log:
+    """What was recorded of a run.
+
+    Example:
+        >>> log = read_log("run.mcap")
+        >>> knee = log.robot.joint_index("l_leg_kny")
+        >>> log.time, log["joints.effort"][:, knee]
+
+    Attributes:
+        path: Where it was read from.
+        header: What there is to know about the log as a whole.
+        arrays: Channels by name, shape (rows,) or (rows, elements); names, units and
+            labels are in ``header.layout.channels``.
+        notes: Commands and events as they were written.
+    """
+
+    path: Path
+    header: Header
+    arrays: dict[str, np.ndarray]
+    notes: list[Note]
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """A channel.
+
+        Raises:
+            KeyError: If the log has no such channel.
+        """
+        if name not in self.arrays:
+            raise KeyError(
+                f"the log has no channel {name!r}.{did_you_mean(name, self.arrays)} "
+                f"It has {', '.join(self.arrays)}."
+            )
+        return self.arrays[name]
+
+    def __len__(self) -> int:
+        """Number of rows."""
+        return len(self.time)
+
+    @property
+    def time(self) -> np.ndarray:
+        """When the rows were sampled [s], shape (rows,); never decreasing."""
+        return self["time"]
+
+    @cached_property
+    def events(self) -> list[Event]:
+        """What happened, in order of time."""
+        events = [note_event(note) for note in self.notes if note.kind == EVENT]
+        return sorted(events, key=lambda event: event.time)
+
+    @cached_property
+    def commands(self) -> list[LoggedCommand]:
+        """The commands as they were sent, in order."""
+        return [
+            LoggedCommand(note.time, message_from(COMMANDS[note.kind], note.data))
+            for note in self.notes
+            if note.kind in COMMANDS
+        ]
+
+    @cached_property
+    def robot(self) -> Robot:
+        """The robot that was simulated."""
+        return load_robot(self.header.model)
+
+    @cached_property
+    def scenario(self) -> Scenario:
+        """The scenario that was simulated.
+
+        Raises:
+            LogError: If this program cannot run it any more.
+        """
+        try:
+            return yaml_load_typed(
+                schema=Scenario, data=self.header.scenario, defaults=Scenario()
+            ).validate()
+        except Exception as error:
+            # The loader raises many kinds of exception.
+            raise LogError(f"{self.path}: its scenario is unknown: {error}") from error
+
+
+def read_log(path: str | Path) -> Log:
+    """Reads a log; the ending of its name says in which format.
+
+    An .mcap file that was never completed is read as far as it goes.
+
+    Raises:
+        LogError: If the file cannot be read, is no log, or has no rows.
+    """
+    path = Path(path)
+    log = Log(path, *read_file(path))
+    if not len(log):
+        raise LogError(f"{path}: it has no rows; the run ended before its first tick")
+    return log

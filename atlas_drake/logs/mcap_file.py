@@ -1,0 +1,204 @@
+"""Logs as MCAP, which Foxglove and PlotJuggler open: JSON messages on topics.
+
+Needs ``mcap``. The file grows as the run goes on; what has been written can be read
+even if the run ends abruptly.
+"""
+
+from __future__ import annotations
+
+import json
+import struct
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from mcap.exceptions import McapError
+from mcap.records import Channel as McapChannel
+from mcap.records import Message, Metadata
+from mcap.stream_reader import StreamReader
+from mcap.writer import CompressionType, Writer
+from zstandard import ZstdError
+
+from atlas_drake.logs.layout import Channel, Layout
+from atlas_drake.logs.notes import COMMANDS, EVENT, Header, LogError, Note, to_plain
+from atlas_drake.logs.viewer_messages import (
+    VIEWER_SCHEMAS,
+    event_message,
+    json_schema,
+    viewer_messages,
+)
+
+METADATA, HEADER = "atlas_drake", "header"
+"""Names of the metadata record that holds the header, and of its entry."""
+VIEWER_PERIOD = 0.02
+"""Time between messages that only viewers read [s]."""
+SELDOM = ("gains",)
+"""Topics that are written only when they have changed."""
+CHUNK = 1 << 20
+"""Bytes that are compressed together, and are lost together [-]."""
+
+
+class McapWriter:
+    """Writes each tick as one message per topic."""
+
+    def __init__(self, path: Path, header: Header):
+        """Opens the file and describes all topics."""
+        self._layout = header.layout
+        self._file = path.open("wb")
+        self._writer = Writer(
+            self._file, chunk_size=CHUNK, compression=CompressionType.ZSTD
+        )
+        self._writer.start(library="atlas_drake")
+        self._writer.add_metadata(METADATA, {HEADER: header.to_json()})
+        self._channels: dict[str, int] = {}
+        self._rows = 0
+        self._latest: dict[str, Any] = {}
+        self._viewer_time = -np.inf
+        # Which numbers of a row each topic has, and under which names.
+        self._topics = [
+            (topic, [(_field(c), c.labels, self._layout.places[c.name]) for c in part])
+            for topic, part in _topics(self._layout).items()
+        ]
+        blank = [0.0] * self._layout.width
+        for topic, parts in self._topics:
+            self._register(topic, f"atlas_drake.{topic}", _fields(parts, blank))
+        for kind, message in COMMANDS.items():
+            self._register(kind, f"atlas_drake.{message.__name__}", to_plain(message()))
+        for topic, (schema, sample) in VIEWER_SCHEMAS.items():
+            self._register(topic, schema, sample)
+
+    def row(self, row: np.ndarray) -> None:
+        """Writes one tick."""
+        values = row.tolist()
+        if not np.isfinite(row).all():
+            # JSON knows neither NaN nor infinities.
+            finite = np.isfinite(row).tolist()
+            values = [v if f else None for v, f in zip(values, finite, strict=True)]
+        time = values[0]
+        for topic, parts in self._topics:
+            message = _fields(parts, values)
+            if topic in SELDOM:
+                if message == self._latest.get(topic):
+                    continue
+                self._latest[topic] = message
+            self._add(time, topic, message)
+        self._rows += 1
+        if time >= self._viewer_time + VIEWER_PERIOD - 1e-9:
+            self._viewer_time = time
+            for topic, message in viewer_messages(self._layout, values):
+                self._add(time, topic, message)
+
+    def note(self, note: Note) -> None:
+        """Writes a note."""
+        if note.kind == EVENT:
+            self._add(note.time, "events", event_message(note))
+        else:
+            self._add(note.time, note.kind, note.data)
+
+    def close(self) -> None:
+        """Completes the file with its index."""
+        self._writer.finish()
+        self._file.close()
+
+    def _register(self, topic: str, name: str, sample: Any) -> None:
+        schema = self._writer.register_schema(
+            name, "jsonschema", json.dumps(json_schema(sample)).encode()
+        )
+        self._channels[topic] = self._writer.register_channel(
+            f"/{topic}", "json", schema
+        )
+
+    def _add(self, time: float, topic: str, message: Any) -> None:
+        stamp = round(1e9 * time)
+        self._writer.add_message(
+            self._channels[topic],
+            log_time=stamp,
+            data=json.dumps(message).encode(),
+            publish_time=stamp,
+            sequence=self._rows,
+        )
+
+
+def read_mcap(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]:
+    """Header, channels and notes of a file, of an incomplete one as far as it goes.
+
+    Raises:
+        LogError: If it is no log.
+    """
+    topics: dict[int, str] = {}
+    messages: dict[str, list[Message]] = {}
+    notes: list[Note] = []
+    header = None
+    with path.open("rb") as file:
+        try:
+            for record in StreamReader(file).records:
+                if isinstance(record, Metadata) and record.name == METADATA:
+                    header = Header.from_json(record.metadata[HEADER])
+                elif isinstance(record, McapChannel):
+                    topics[record.id] = record.topic.removeprefix("/")
+                elif isinstance(record, Message):
+                    topic = topics[record.channel_id]
+                    if topic in COMMANDS or topic == "events":
+                        notes.append(_note(topic, record))
+                    elif topic not in VIEWER_SCHEMAS:
+                        messages.setdefault(topic, []).append(record)
+        except (McapError, ValueError, struct.error, ZstdError) as error:
+            # The end of a file that nobody completed looks like damage.
+            if header is None:
+                raise LogError("it is no MCAP file of a log") from error
+    if header is None:
+        raise LogError("it is an MCAP file, but not of this program")
+    return header, _arrays(header.layout, messages), notes
+
+
+def _note(topic: str, record: Message) -> Note:
+    data = json.loads(record.data)
+    if topic == "events":
+        plain = {"kind": data["kind"], "text": data["message"], "data": data["data"]}
+        return Note(data["time"], EVENT, plain)
+    return Note(record.log_time / 1e9, topic, data)
+
+
+def _arrays(
+    layout: Layout, messages: dict[str, list[Message]]
+) -> dict[str, np.ndarray]:
+    """The rows that all topics have; a message's sequence is the number of its row."""
+    topics = _topics(layout)
+    count = min(len(messages.get(t, ())) for t in topics if t not in SELDOM)
+    table = np.empty((count, layout.width))
+    for topic, channels in topics.items():
+        places = [layout.places[channel.name] for channel in channels]
+        for message in messages.get(topic, ()):
+            if message.sequence >= count:
+                break
+            fields = json.loads(message.data)
+            # What is written seldom holds from its row on.
+            rows = slice(
+                message.sequence, None if topic in SELDOM else message.sequence + 1
+            )
+            for channel, place in zip(channels, places, strict=True):
+                value = fields[_field(channel)]
+                # None becomes NaN.
+                table[rows, place] = np.array(
+                    list(value.values()) if channel.labels else value, dtype=float
+                )
+    return layout.split(table)
+
+
+def _topics(layout: Layout) -> dict[str, list[Channel]]:
+    """The channels of each topic, whose name is the first word of theirs."""
+    topics: dict[str, list[Channel]] = {}
+    for channel in layout.channels:
+        topics.setdefault(channel.name.split(".")[0], []).append(channel)
+    return topics
+
+
+def _field(channel: Channel) -> str:
+    return channel.name.split(".")[-1]
+
+
+def _fields(parts: list[tuple[str, tuple[str, ...], slice]], row: list[Any]) -> Any:
+    return {
+        name: dict(zip(labels, row[place], strict=True)) if labels else row[place.start]
+        for name, labels, place in parts
+    }

@@ -1,0 +1,165 @@
+"""What a log keeps besides its rows: its header, commands as sent, and events.
+
+All of it becomes plain data and back again here; files are the formats' business.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from typing import Any, Protocol
+
+import numpy as np
+
+from atlas_drake.behaviors.base import Event
+from atlas_drake.errors import AtlasError
+from atlas_drake.logs.layout import Layout
+from atlas_drake.messages import AtlasCommand, AtlasSimInterfaceCommand, Message
+
+FORMAT, VERSION = "atlas_drake log", 1
+COMMANDS: dict[str, type[Message]] = {
+    "atlas_command": AtlasCommand,
+    "atlas_sim_interface_command": AtlasSimInterfaceCommand,
+}
+"""Kinds of notes that are commands."""
+EVENT = "event"
+"""The kind of all other notes."""
+
+
+class LogError(AtlasError):
+    """A log that cannot be written, read, drawn or replayed."""
+
+
+@dataclass(frozen=True)
+class Note:
+    """Something that does not happen in every tick, as plain data.
+
+    Attributes:
+        time: When [s].
+        kind: One of COMMANDS, or EVENT.
+        data: What a JSON object can hold.
+    """
+
+    time: float
+    kind: str
+    data: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Header:
+    """What there is to know about a log as a whole.
+
+    Attributes:
+        model: Name of the robot.
+        control_period: Time between rows [s].
+        scenario: The scenario as YAML.
+        layout: Of the rows.
+    """
+
+    model: str
+    control_period: float
+    scenario: str
+    layout: Layout
+
+    def to_json(self) -> str:
+        """As text, with the mark by which a log is known."""
+        return json.dumps(
+            {
+                "format": FORMAT,
+                "version": VERSION,
+                "model": self.model,
+                "control_period": self.control_period,
+                "scenario": self.scenario,
+                "channels": self.layout.to_plain(),
+            }
+        )
+
+    @classmethod
+    def from_json(cls, text: str) -> Header:
+        """The reverse of ``to_json``.
+
+        Raises:
+            LogError: If the text is no header of a log, or of a later version.
+        """
+        try:
+            plain = json.loads(text)
+            if plain["format"] != FORMAT:
+                raise LogError(f"its format is {plain['format']!r}, not {FORMAT!r}")
+            if plain["version"] > VERSION:
+                raise LogError(
+                    f"its version is {plain['version']}, newer than this program"
+                )
+            return cls(
+                plain["model"],
+                plain["control_period"],
+                plain["scenario"],
+                Layout.from_plain(plain["channels"]),
+            )
+        except (KeyError, TypeError, ValueError) as error:
+            raise LogError("its header cannot be understood") from error
+
+
+class LogWriter(Protocol):
+    """One format being written."""
+
+    def row(self, row: np.ndarray) -> None:
+        """Keeps one tick, an array of the layout's width that is not used again."""
+
+    def note(self, note: Note) -> None:
+        """Keeps a note."""
+
+    def close(self) -> None:
+        """Completes the file; nothing is kept after that."""
+
+
+def event_note(event: Event) -> Note:
+    """An event as a note."""
+    data = {"kind": event.kind, "text": event.text, "data": to_plain(event.data)}
+    return Note(event.time, EVENT, data)
+
+
+def note_event(note: Note) -> Event:
+    """The reverse of ``event_note``."""
+    return Event(note.time, note.data["kind"], note.data["text"], note.data["data"])
+
+
+def to_plain(value: Any) -> Any:
+    """Messages, arrays and numbers as what JSON knows; NaN and infinities as None."""
+    if isinstance(value, Message):
+        return {
+            field.name: to_plain(getattr(value, field.name))
+            for field in fields(value)  # type: ignore[arg-type]
+        }
+    if isinstance(value, Mapping):
+        return {str(key): to_plain(item) for key, item in value.items()}
+    if isinstance(value, np.ndarray):
+        return to_plain(value.tolist())
+    if isinstance(value, (list, tuple)):
+        return [to_plain(item) for item in value]
+    if isinstance(value, (bool, np.bool_)):
+        return bool(value)
+    if isinstance(value, (int, np.integer)):
+        return int(value)
+    if isinstance(value, (float, np.floating)):
+        return float(value) if math.isfinite(value) else None
+    return value if value is None else str(value)
+
+
+def message_from(kind: type[Message], plain: Mapping[str, Any]) -> Message:
+    """A message from what ``to_plain`` made of it."""
+    message = kind()
+    for field in fields(message):  # type: ignore[arg-type]
+        if field.name in plain:
+            default = getattr(message, field.name)
+            setattr(message, field.name, _like(default, plain[field.name]))
+    return message
+
+
+def _like(default: Any, plain: Any) -> Any:
+    if isinstance(default, Message) and isinstance(plain, Mapping):
+        return message_from(type(default), plain)
+    if isinstance(default, list) and default and isinstance(default[0], Message):
+        return [_like(default[0], item) for item in plain]
+    return plain

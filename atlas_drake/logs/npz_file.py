@@ -1,0 +1,94 @@
+"""Logs as numpy's .npz: one array per channel, for Python without further packages.
+
+Kept in memory until the end, as the format knows no other way.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile
+
+import numpy as np
+
+from atlas_drake.logs.notes import Header, LogError, Note
+from atlas_drake.logs.whole_file import WholeFile
+
+BLOCK = 1024
+"""Rows that are kept together in memory."""
+
+
+class RowBlocks:
+    """Rows in memory, in arrays of some length each."""
+
+    def __init__(self, width: int):
+        """Takes the length of a row."""
+        self._width = width
+        self._full: list[np.ndarray] = []
+        self._rows: list[np.ndarray] = []
+
+    def add(self, row: np.ndarray) -> None:
+        """Keeps one row."""
+        self._rows.append(row)
+        if len(self._rows) == BLOCK:
+            self._full.append(np.array(self._rows))
+            self._rows = []
+
+    def table(self) -> np.ndarray:
+        """All rows, shape (number of rows, width)."""
+        rest = np.array(self._rows).reshape(-1, self._width)
+        return np.concatenate([*self._full, rest])
+
+
+class NpzWriter:
+    """Writes the file when it is closed, whole or not at all."""
+
+    def __init__(self, path: Path, header: Header):
+        """Opens the file, to notice now if that cannot be done."""
+        self._file = WholeFile(path)
+        self._header = header
+        self._rows = RowBlocks(header.layout.width)
+        self._notes: list[Note] = []
+
+    def row(self, row: np.ndarray) -> None:
+        """Keeps one tick."""
+        self._rows.add(row)
+
+    def note(self, note: Note) -> None:
+        """Keeps a note."""
+        self._notes.append(note)
+
+    def close(self) -> None:
+        """Writes the file."""
+        arrays: dict[str, Any] = self._header.layout.split(self._rows.table())
+        arrays["header"] = np.array(self._header.to_json())
+        arrays["notes"] = np.array(notes_to_json(self._notes))
+        with self._file as file:
+            np.savez_compressed(file, allow_pickle=False, **arrays)
+
+
+def read_npz(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]:
+    """Header, channels and notes of a file.
+
+    Raises:
+        LogError: If it is no log.
+    """
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            header = Header.from_json(str(file["header"]))
+            arrays = {c.name: file[c.name] for c in header.layout.channels}
+            return header, arrays, notes_from_json(str(file["notes"]))
+    except (BadZipFile, EOFError, KeyError, TypeError, ValueError) as error:
+        raise LogError("it is no .npz file of a log, or a damaged one") from error
+
+
+def notes_to_json(notes: Iterable[Note]) -> str:
+    """Notes as text."""
+    return json.dumps([[note.time, note.kind, note.data] for note in notes])
+
+
+def notes_from_json(text: str) -> list[Note]:
+    """The reverse of ``notes_to_json``."""
+    return [Note(*entry) for entry in json.loads(text)]

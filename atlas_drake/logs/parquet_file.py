@@ -1,0 +1,102 @@
+"""Logs as Parquet: one column per number, for pandas, polars, DuckDB and the like.
+
+Needs ``pyarrow``. Blocks of rows are written as the run goes on, but the file can
+only be read once it is closed.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+
+from atlas_drake.logs.layout import Layout
+from atlas_drake.logs.notes import Header, LogError, Note
+from atlas_drake.logs.npz_file import BLOCK, notes_from_json, notes_to_json
+from atlas_drake.logs.whole_file import WholeFile
+
+HEADER, NOTES = "atlas_drake.header", "atlas_drake.notes"
+"""Keys of the file's metadata."""
+
+
+class ParquetWriter:
+    """Writes beside the file until it is closed."""
+
+    def __init__(self, path: Path, header: Header):
+        """Opens the file."""
+        self._schema = _schema(header.layout)
+        self._file = WholeFile(path)
+        self._writer: Any = pq.ParquetWriter(
+            self._file.file, self._schema, compression="zstd"
+        )
+        self._writer.add_key_value_metadata({HEADER: header.to_json()})
+        self._rows: list[np.ndarray] = []
+        self._notes: list[Note] = []
+
+    def row(self, row: np.ndarray) -> None:
+        """Keeps one tick."""
+        self._rows.append(row)
+        if len(self._rows) == BLOCK:
+            self._flush()
+
+    def note(self, note: Note) -> None:
+        """Keeps a note."""
+        self._notes.append(note)
+
+    def close(self) -> None:
+        """Completes the file."""
+        with self._file:
+            try:
+                self._flush()
+                notes = notes_to_json(self._notes)
+                self._writer.add_key_value_metadata({NOTES: notes})
+            finally:
+                self._writer.close()
+
+    def _flush(self) -> None:
+        if not self._rows:
+            return
+        table = np.array(self._rows)
+        self._rows = []
+        columns = [
+            pa.array(column.astype(field.type.to_pandas_dtype()))
+            for column, field in zip(table.T, self._schema, strict=True)
+        ]
+        self._writer.write_table(pa.Table.from_arrays(columns, schema=self._schema))
+
+
+def read_parquet(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]:
+    """Header, channels and notes of a file.
+
+    Raises:
+        LogError: If it is no log.
+    """
+    try:
+        file = pq.ParquetFile(path)
+        metadata = file.metadata.metadata or {}
+        header = Header.from_json(metadata[HEADER.encode()].decode())
+        notes = notes_from_json(metadata[NOTES.encode()].decode())
+        table = file.read()
+        columns = [table.column(name).to_numpy() for name in header.layout.columns()]
+        rows = np.array(columns, dtype=float).T.reshape(-1, header.layout.width)
+        return header, header.layout.split(rows), notes
+    except (pa.ArrowException, KeyError, ValueError) as error:
+        raise LogError("it is no Parquet file of a log, or a damaged one") from error
+
+
+def _schema(layout: Layout) -> Any:
+    kinds = [
+        np.dtype(channel.kind)
+        for channel in layout.channels
+        for _ in range(channel.size)
+    ]
+    names = layout.columns()
+    return pa.schema(
+        [
+            pa.field(name, pa.from_numpy_dtype(kind), nullable=False)
+            for name, kind in zip(names, kinds, strict=True)
+        ]
+    )

@@ -1,0 +1,34 @@
+"""Begins a log: file, header and recorder of one scenario."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from pydrake.common.yaml import yaml_dump_typed
+
+from atlas_drake.logs.formats import LogFile
+from atlas_drake.logs.notes import Header
+from atlas_drake.logs.recorder import LogRecorder, layout_of
+from atlas_drake.robot import Robot
+from atlas_drake.scenario import Scenario
+
+
+def start_recorder(
+    path: Path, scenario: Scenario, robot: Robot, tick_seconds: Sequence[float]
+) -> LogRecorder:
+    """Opens the file and makes the system that fills it.
+
+    Args:
+        path: Of the file; its ending says in which format.
+        scenario: That is simulated.
+        robot: In the scenario.
+        tick_seconds: Wall times of the controller's ticks, which it appends to.
+
+    Raises:
+        LogError: If the file cannot be written.
+    """
+    layout = layout_of(robot)
+    period = scenario.control_period
+    header = Header(robot.name, period, yaml_dump_typed(scenario), layout)
+    return LogRecorder(robot, layout, LogFile(path, header), period, tick_seconds)

@@ -1,0 +1,102 @@
+"""The feet on the ground over time, for figures: which bear load, and where they are.
+
+Reads a log; plane geometry only.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from atlas_drake.control.support_polygon import SupportPolygon
+from atlas_drake.control.whole_body_model import GRAVITY
+from atlas_drake.logs.layout import SIDES
+from atlas_drake.logs.log import Log
+
+CONTACT_SHARE = 0.04
+"""Of the robot's weight on a sole that counts as contact [-]."""
+SHORTEST_STANCE = 0.06
+"""Contacts that last less are not drawn [s]."""
+SAME_PLACE = 0.01
+"""Footprints that are closer are drawn once [m]."""
+
+
+@dataclass(frozen=True)
+class Feet:
+    """Both soles over time.
+
+    Attributes:
+        corners: In W, horizontal [m], shape (2, rows, 4, 2).
+        contact: Which soles bear load, bool, shape (2, rows).
+    """
+
+    corners: np.ndarray
+    contact: np.ndarray
+
+    def extent(self, axis: int) -> tuple[np.ndarray, np.ndarray]:
+        """Lowest and highest coordinate of the soles in contact [m], shape (rows,)."""
+        values = np.where(
+            self.contact[:, :, None], self.corners[:, :, :, axis], np.nan
+        ).transpose(1, 0, 2)
+        flat = values.reshape(len(values), -1)
+        held = self.contact.any(axis=0)
+        low, high = np.full(len(flat), np.nan), np.full(len(flat), np.nan)
+        low[held], high[held] = (
+            np.nanmin(flat[held], axis=1),
+            np.nanmax(flat[held], axis=1),
+        )
+        return low, high
+
+
+def feet_of(log: Log) -> Feet:
+    """The feet of a log."""
+    sole = log.robot.file.sole
+    local = np.array([[1, 1], [1, -1], [-1, -1], [-1, 1]]) * (
+        0.5 * np.array([sole.length, sole.width])
+    )
+    load = CONTACT_SHARE * log.robot.mass * GRAVITY
+    corners, contact = [], []
+    for side in SIDES:
+        w, x, y, z = log[f"feet.{side}_orientation"].T
+        # The first two columns of the rotation matrix, horizontal part.
+        along = np.array([1 - 2 * (y * y + z * z), 2 * (x * y + w * z)]).T
+        across = np.array([2 * (x * y - w * z), 1 - 2 * (x * x + z * z)]).T
+        centre = log[f"feet.{side}_position"][:, None, :2]
+        corners.append(
+            centre
+            + local[None, :, :1] * along[:, None]
+            + local[None, :, 1:] * across[:, None]
+        )
+        contact.append(log[f"feet.{side}_force"][:, 2] > load)
+    return Feet(np.array(corners), np.array(contact))
+
+
+def runs(flags: np.ndarray) -> Iterator[tuple[int, int]]:
+    """Beginnings and ends, exclusive, of the stretches where flags are set."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], flags.astype(int), [0]])))
+    yield from zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
+
+
+def footprints(log: Log, feet: Feet, foot: int) -> list[np.ndarray]:
+    """Where one sole stood: corners in W [m], each of shape (4, 2)."""
+    prints: list[np.ndarray] = []
+    for begin, end in runs(feet.contact[foot]):
+        if log.time[end - 1] - log.time[begin] >= SHORTEST_STANCE:
+            _append_new(prints, feet.corners[foot, (begin + end) // 2])
+    return prints
+
+
+def double_supports(log: Log, feet: Feet) -> list[np.ndarray]:
+    """Support polygons of both soles together: corners in W [m], shape (any, 2)."""
+    pairs: list[np.ndarray] = []
+    for begin, end in runs(np.logical_and(*feet.contact)):
+        if log.time[end - 1] - log.time[begin] >= SHORTEST_STANCE:
+            _append_new(pairs, feet.corners[:, (begin + end) // 2].reshape(8, 2))
+    return [SupportPolygon(pair).vertices for pair in pairs]
+
+
+def _append_new(known: list[np.ndarray], fresh: np.ndarray) -> None:
+    if not any(np.abs(fresh - old).max() < SAME_PLACE for old in known):
+        known.append(fresh)

@@ -1,0 +1,93 @@
+"""How far the estimated state is from the true one, now and at worst.
+
+Only what a run reports; it controls nothing.
+"""
+
+import math
+
+import numpy as np
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.systems.framework import (
+    BasicVector,
+    Context,
+    DiscreteValues,
+    LeafSystem,
+)
+
+from atlas_drake.control.attitude import rotation_matrix, turn_between
+from atlas_drake.robot import Robot
+
+
+class EstimationError(LeafSystem):
+    """True and estimated state in, what lies between them out.
+
+    Input ports:
+        state: Positions and velocities of the plant.
+        estimated_state: Likewise.
+
+    Output ports:
+        estimation_error: Of the pelvis, estimated less true: position [m], velocity
+            [m/s] and rotation from the true to the estimated orientation [rad], each
+            in W; shape (9,).
+        largest_estimation_error: Of the run so far: distance [m], speed [m/s], tilt
+            [rad] and yaw [rad], shape (4,).
+    """
+
+    def __init__(self, robot: Robot, plant: MultibodyPlant, period: float):
+        """Looks every ``period`` [s]."""
+        super().__init__()
+        pelvis = plant.GetBodyByName(robot.file.pelvis)
+        q, v = (
+            pelvis.floating_positions_start(),
+            pelvis.floating_velocities_start_in_v(),
+        )
+        v += plant.num_positions() + 3
+        self._quaternion, self._position = slice(q, q + 4), slice(q + 4, q + 7)
+        self._velocity = slice(v, v + 3)
+        size = plant.num_multibody_states()
+        self._true = self.DeclareVectorInputPort("state", size)
+        self._estimated = self.DeclareVectorInputPort("estimated_state", size)
+        self._largest = self.DeclareDiscreteState(4)
+        error = self.DeclareVectorOutputPort("estimation_error", 9, self._calc_error)
+        self._error = error
+        self.DeclareVectorOutputPort(
+            "largest_estimation_error",
+            4,
+            lambda context, output: output.SetFromVector(
+                context.get_discrete_state(self._largest).value()
+            ),
+            prerequisites_of_calc={self.xd_ticket()},
+        )
+        self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._update)
+
+    def _calc_error(self, context: Context, output: BasicVector) -> None:
+        true, estimated = self._true.Eval(context), self._estimated.Eval(context)
+        difference = estimated - true
+        q_WP = true[self._quaternion]
+        turn_P = turn_between(q_WP, estimated[self._quaternion])
+        output.SetFromVector(
+            np.concatenate(
+                [
+                    difference[self._position],
+                    difference[self._velocity],
+                    rotation_matrix(q_WP) @ turn_P,
+                ]
+            )
+        )
+
+    def _update(self, context: Context, discrete: DiscreteValues) -> None:
+        largest = discrete.get_mutable_value(self._largest)
+        np.maximum(largest, error_sizes(self._error.Eval(context)), out=largest)
+
+
+def error_sizes(error: np.ndarray) -> np.ndarray:
+    """Distance [m], speed [m/s], tilt [rad] and yaw [rad] of an error, shape (4,)."""
+    x, y, z, vx, vy, vz, roll, pitch, yaw = error.tolist()
+    return np.array(
+        [
+            math.sqrt(x * x + y * y + z * z),
+            math.sqrt(vx * vx + vy * vy + vz * vz),
+            math.hypot(roll, pitch),
+            abs(yaw),
+        ]
+    )

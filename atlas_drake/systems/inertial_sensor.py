@@ -1,0 +1,117 @@
+"""The IMU as a state estimator reads it: what it felt since the last control tick.
+
+Built into a station only where there is an estimator; the ``Imu`` message, with what
+the IMU feels at an instant, is ``robot_sensors``'.
+"""
+
+import numpy as np
+from pydrake.common.value import AbstractValue
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.systems.framework import (
+    BasicVector,
+    Context,
+    DiscreteValues,
+    LeafSystem,
+    ValueProducer,
+)
+
+from atlas_drake.control.attitude import rotation_matrix, turn_between, turned
+from atlas_drake.control.whole_body_model import GRAVITY
+from atlas_drake.noise import NoiseModel, SensorNoise
+from atlas_drake.robot import Robot
+
+_UNSET = -1.0
+"""Time of the last tick before there was one."""
+
+
+class InertialSensor(LeafSystem):
+    """The plant's state in, increments of a strapdown IMU out.
+
+    Like the inertial sensors that navigate, it integrates inside at a rate far above
+    the control tick's. So nothing that happens between two ticks is lost, an impact
+    least of all, and no acceleration is needed before the plant's step at this
+    instant has been solved: the integral of acceleration is the change of velocity.
+
+    Input ports:
+        state: Positions and velocities of the plant.
+
+    Output ports:
+        inertial: In the pelvis' axes, shape (9,): the angular velocity now [rad/s],
+            the rotation since the last tick [rad], and the integral of the specific
+            force since then [m/s], in the axes halfway. The latter two are zero
+            before the first tick.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        plant: MultibodyPlant,
+        noise: NoiseModel,
+        seed: int,
+        physics_step: float,
+        control_period: float,
+    ):
+        """Measures ``robot`` in ``plant`` with the noise that ``RobotSensors`` has."""
+        super().__init__()
+        self._plant = plant
+        self._noise = SensorNoise(noise, seed, robot.num_joints, physics_step)
+        pelvis = plant.GetBodyByName(robot.file.pelvis)
+        self._imu = plant.GetFrameByName(robot.file.imu_frame)
+        self._R_PI = self._imu.GetFixedPoseInBodyFrame().rotation().matrix()
+        start = pelvis.floating_positions_start()
+        self._quaternion = slice(start, start + 4)
+        self._state = self.DeclareVectorInputPort("state", plant.num_multibody_states())
+        self._scratch = self.DeclareCacheEntry(
+            "scratch context of the plant",
+            ValueProducer(
+                allocate=lambda: AbstractValue.Make(plant.CreateDefaultContext()),
+                calc=ValueProducer.NoopCalc,
+            ),
+            {self.nothing_ticket()},
+        )
+        # At the last tick: its time, the pelvis' quaternion, the IMU's velocity in W.
+        self._last = self.DeclareDiscreteState(_nothing())
+        self.DeclareVectorOutputPort("inertial", 9, self._calc_inertial)
+        self.DeclarePeriodicDiscreteUpdateEvent(control_period, 0.0, self._update)
+
+    def reset(self, context: Context) -> None:
+        """Forgets the last tick: the robot was put somewhere."""
+        context.SetDiscreteState(self._last, _nothing())
+
+    def _motion(self, context: Context) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Quaternion of the pelvis, angular velocity and velocity of the IMU in W."""
+        state, scratch = self._state.Eval(context), self._scratch.Eval(context)
+        self._plant.SetPositionsAndVelocities(scratch, state)
+        V_WI = self._imu.CalcSpatialVelocityInWorld(scratch)
+        return state[self._quaternion], V_WI.rotational(), V_WI.translational()
+
+    def _update(self, context: Context, discrete: DiscreteValues) -> None:
+        q_WP, _, v_WI = self._motion(context)
+        now = np.concatenate([[context.get_time()], q_WP, v_WI])
+        discrete.get_mutable_vector(self._last).SetFromVector(now)
+
+    def _calc_inertial(self, context: Context, output: BasicVector) -> None:
+        q_WP, w_WP, v_WI = self._motion(context)
+        last = context.get_discrete_state(self._last).value()
+        rate = rotation_matrix(q_WP).T @ w_WP
+        turn, velocity, dt = np.zeros(3), np.zeros(3), 0.0
+        if last[0] != _UNSET:
+            dt = context.get_time() - last[0]
+            turn = turn_between(last[1:5], q_WP)
+            halfway = rotation_matrix(turned(last[1:5], 0.5 * turn))
+            gained = v_WI - last[5:]
+            gained[2] += GRAVITY * dt
+            velocity = halfway.T @ gained
+        if not self._noise.silent:
+            # One sample for all that lies between two ticks: rather too much noise.
+            noise = self._noise.sample(context.get_time())
+            gyro = self._R_PI @ noise.angular_velocity
+            rate = rate + gyro
+            turn = turn + dt * gyro
+            velocity = velocity + dt * (self._R_PI @ noise.specific_force)
+        output.SetFromVector(np.concatenate([rate, turn, velocity]))
+
+
+def _nothing() -> np.ndarray:
+    """What is remembered before the first tick, shape (8,)."""
+    return np.array([_UNSET, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])

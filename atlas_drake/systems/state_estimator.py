@@ -1,0 +1,177 @@
+"""The robot's state from what a robot can measure: IMU, joints, loads on its feet.
+
+The filter itself is ``control.leg_odometry``; this is its place in a diagram.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from pydrake.common.value import AbstractValue
+from pydrake.systems.framework import (
+    BasicVector,
+    Context,
+    LeafSystem,
+    State,
+    ValueProducer,
+)
+
+from atlas_drake.control.attitude import rotation_matrix
+from atlas_drake.control.leg_odometry import (
+    OdometryState,
+    OdometryTuning,
+    correct,
+    predict,
+    start_odometry,
+)
+from atlas_drake.control.rotations import cross
+from atlas_drake.control.whole_body_model import GRAVITY, WholeBodyModel
+from atlas_drake.frozen import Frozen
+from atlas_drake.robot import Robot
+
+
+@dataclass(frozen=True)
+class EstimatorState(Frozen):
+    """What the estimator remembers.
+
+    Attributes:
+        time: Of the last tick [s].
+        odometry: The filter then; None for a robot that has just been put somewhere.
+    """
+
+    time: float = 0.0
+    odometry: OdometryState | None = None
+
+
+class StateEstimator(LeafSystem):
+    """Measurements in, the state of the whole robot out.
+
+    The estimate is a function of what is remembered of the last tick and of what is
+    measured now, so that the controller's update, which comes at the same instant as
+    this system's own, already sees what is measured then.
+
+    Input ports:
+        measured_state: In plant order, of which only the joints are read.
+        inertial: Of ``InertialSensor``, shape (9,).
+        foot_loads: Vertical forces on left and right foot [N], shape (2,), as they
+            were one control tick ago.
+        start_state: Where the robot is known to be put, in plant order; read at the
+            first tick and the first one after a reset only.
+
+    Output ports:
+        estimated_state: In plant order. The joints are those measured.
+    """
+
+    def __init__(
+        self, robot: Robot, period: float, tuning: OdometryTuning | None = None
+    ):
+        """Runs every ``period`` [s]."""
+        super().__init__()
+        self._tuning = tuning or OdometryTuning()
+        self._weight = robot.mass * GRAVITY
+        self._plant = plant = WholeBodyModel(robot).plant
+        pelvis = plant.GetBodyByName(robot.file.pelvis)
+        q, v = (
+            pelvis.floating_positions_start(),
+            pelvis.floating_velocities_start_in_v(),
+        )
+        v += plant.num_positions()
+        self._quaternion, self._position = slice(q, q + 4), slice(q + 4, q + 7)
+        self._rate, self._velocity = slice(v, v + 3), slice(v + 3, v + 6)
+        self._imu = plant.GetFrameByName(robot.file.imu_frame)
+        self._p_PI = self._imu.GetFixedPoseInBodyFrame().translation()
+        self._soles = [plant.GetFrameByName(f.sole_frame) for f in robot.file.feet]
+        size = plant.num_multibody_states()
+        self._measured = self.DeclareVectorInputPort("measured_state", size)
+        self._inertial = self.DeclareVectorInputPort("inertial", 9)
+        self._loads = self.DeclareVectorInputPort("foot_loads", 2)
+        self._start = self.DeclareVectorInputPort("start_state", size)
+        self._scratch = self.DeclareCacheEntry(
+            "scratch context of the model",
+            ValueProducer(
+                allocate=lambda: AbstractValue.Make(plant.CreateDefaultContext()),
+                calc=ValueProducer.NoopCalc,
+            ),
+            {self.nothing_ticket()},
+        )
+        self._memory = self.DeclareAbstractState(AbstractValue.Make(EstimatorState()))
+        self._odometry = self.DeclareCacheEntry(
+            "odometry",
+            ValueProducer(
+                allocate=lambda: AbstractValue.Make(None), calc=self._calc_odometry
+            ),
+        )
+        self.DeclareVectorOutputPort("estimated_state", size, self._calc_state)
+        self.DeclarePeriodicUnrestrictedUpdateEvent(period, 0.0, self._update)
+
+    def reset(self, context: Context) -> None:
+        """Begins anew from where the robot is now known to be put."""
+        context.get_mutable_abstract_state(self._memory).set_value(EstimatorState())
+
+    def _update(self, context: Context, state: State) -> None:
+        after = EstimatorState(context.get_time(), self._odometry.Eval(context))
+        state.get_mutable_abstract_state(self._memory).set_value(after)
+
+    def _calc_odometry(self, context: Context, output: AbstractValue) -> None:
+        memory = context.get_abstract_state(self._memory).get_value()
+        if memory.odometry is None:
+            output.set_value(self._begin(context))
+            return
+        dt = context.get_time() - memory.time
+        # Asked at the tick's own instant but after it, when all of that is known.
+        output.set_value(
+            self._follow(context, memory.odometry, dt) if dt > 0.0 else memory.odometry
+        )
+
+    def _begin(self, context: Context) -> OdometryState:
+        start, scratch = self._start.Eval(context), self._scratch.Eval(context)
+        self._plant.SetPositionsAndVelocities(scratch, start)
+        soles = [sole.CalcPoseInWorld(scratch).translation() for sole in self._soles]
+        return start_odometry(
+            start[self._quaternion],
+            self._imu.CalcPoseInWorld(scratch).translation(),
+            self._imu.CalcSpatialVelocityInWorld(scratch).translational(),
+            np.array(soles),
+            self._tuning,
+        )
+
+    def _follow(
+        self, context: Context, before: OdometryState, dt: float
+    ) -> OdometryState:
+        inertial = self._inertial.Eval(context)
+        after = predict(before, inertial[3:6], inertial[6:], dt, self._tuning)
+        p_IF_P, v_IF_P = self._legs(context, inertial[:3])
+        R_PW = rotation_matrix(after.q_WP).T
+        load = self._loads.Eval(context) / self._weight
+        return correct(after, p_IF_P @ R_PW, v_IF_P @ R_PW, load, dt, self._tuning)
+
+    def _legs(
+        self, context: Context, w_WP_P: np.ndarray
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Both soles as the joints have them and the gyroscope turns them.
+
+        Returns:
+            p_IF [m] and v_IF [m/s], not that in the turning pelvis but that in W, both
+            along the pelvis' axes; each of shape (2, 3).
+        """
+        scratch, state = self._scratch.Eval(context), self._measured.Eval(context)
+        # With the pelvis at W's origin what is in W is in P.
+        state[self._quaternion], state[self._position] = (1.0, 0.0, 0.0, 0.0), 0.0
+        state[self._rate] = w_WP_P
+        state[self._velocity] = -cross(w_WP_P, self._p_PI)
+        self._plant.SetPositionsAndVelocities(scratch, state)
+        positions = [s.CalcPoseInWorld(scratch).translation() for s in self._soles]
+        velocities = [
+            s.CalcSpatialVelocityInWorld(scratch).translational() for s in self._soles
+        ]
+        return np.array(positions) - self._p_PI, np.array(velocities)
+
+    def _calc_state(self, context: Context, output: BasicVector) -> None:
+        odometry: OdometryState = self._odometry.Eval(context)
+        R_WP = rotation_matrix(odometry.q_WP)
+        p_PI_W, w_WP = R_WP @ self._p_PI, R_WP @ self._inertial.Eval(context)[:3]
+        state = self._measured.Eval(context)
+        state[self._quaternion] = odometry.q_WP
+        state[self._position] = odometry.p_WI - p_PI_W
+        state[self._rate] = w_WP
+        state[self._velocity] = odometry.v_WI - cross(w_WP, p_PI_W)
+        output.SetFromVector(state)

@@ -1,0 +1,98 @@
+"""How smoothly joints change hands in the tutorial: the largest jump of each effort.
+
+At every instant at which shares of control or the behaviour change, efforts are
+compared with those of the control tick before.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import logging
+import sys
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from atlas_drake import AtlasSimulation, Scenario
+from atlas_drake.tutorial import DURATION
+
+GOAL = 0.10
+"""Largest change within a control tick of a joint that the user has no share of, as a
+share of its effort limit [-]."""
+
+
+def hand_overs(
+    model: str = "atlas", duration: float = DURATION
+) -> list[dict[str, Any]]:
+    """Every hand-over of the tutorial.
+
+    Returns:
+        For each its ``time`` [s], the behaviours ``before`` and ``after``, how many
+        joints ``changed`` hands, and the joint with the largest jump as a share of its
+        limit: among those that are ``the behaviour's`` after it, and ``the user's``.
+    """
+    sim = AtlasSimulation(Scenario(model=model, programme="tutorial"))
+    robot, period = sim.robot, sim.scenario.control_period
+    effort = sim.diagram.GetOutputPort("effort")
+    found = []
+    before = None
+    for tick in range(1, round(duration / period)):
+        # Between two ticks, when what was decided at the last one is done.
+        sim.simulator.AdvanceTo((tick + 0.25) * period)
+        now = (
+            effort.Eval(sim.context),
+            np.array(sim.atlas_sim_interface_state.k_effort),
+            sim.current_behavior,
+        )
+        if before is not None:
+            changed = now[1] != before[1]
+            if changed.any() or now[2] is not before[2]:
+                jump = np.abs(now[0] - before[0]) / robot.effort_limit
+                entry = {
+                    "time": round(tick * period, 4),
+                    "before": before[2].name,
+                    "after": now[2].name,
+                    "changed": int(changed.sum()),
+                }
+                owners = (("the behaviour's", now[1] == 0), ("the user's", now[1] > 0))
+                for owner, joints in owners:
+                    if joints.any():
+                        worst = int(np.argmax(np.where(joints, jump, -1.0)))
+                        name = robot.joint_names[worst]
+                        entry[owner] = (name, float(jump[worst]))
+                found.append(entry)
+        before = now
+    return found
+
+
+def main() -> int:
+    """The command line; status 1 when the goal is missed."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--model", default="atlas")
+    parser.add_argument("--json", type=Path, metavar="FILE", help="write figures here")
+    options = parser.parse_args()
+    logging.getLogger("drake").setLevel(logging.ERROR)
+    found = hand_overs(options.model)
+    worst = 0.0
+    for entry in found:
+        text = f"{entry['before']} -> {entry['after']}, {entry['changed']} joints"
+        print(f"{entry['time']:6.2f} s  {text}")
+        for owner in ("the behaviour's", "the user's"):
+            if owner in entry:
+                name, jump = entry[owner]
+                print(f"          {owner:16} {100 * jump:6.1f} %  {name}")
+        worst = max(worst, entry.get("the behaviour's", ("", 0.0))[1])
+    met = worst <= GOAL
+    print(
+        f"largest jump of a behaviour's joint: {100 * worst:.1f} % of its limit, goal "
+        f"<= {100 * GOAL:.0f} %: {'met' if met else 'NOT MET'}"
+    )
+    if options.json is not None:
+        options.json.write_text(json.dumps(found, indent=2) + "\n")
+    return 0 if met else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,179 @@
+"""The filter on robots whose motion is known: standing, moving, stepping, hanging."""
+
+import numpy as np
+import pytest
+
+from atlas_drake.control.attitude import rotation_matrix, turn_between, turned
+from atlas_drake.control.leg_odometry import (
+    OdometryTuning,
+    correct,
+    predict,
+    start_odometry,
+)
+from atlas_drake.control.whole_body_model import GRAVITY
+
+DT = 0.002
+UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
+P_WI = np.array([0.3, -0.2, 0.9])
+FEET = np.array([[0.3, -0.1, 0.0], [0.3, -0.3, 0.0]])
+BIAS = np.array([0.1, -0.1, 0.1])
+"""Of the size that the reference IMU has [m/s²]."""
+TUNING = OdometryTuning()
+REST = np.zeros((2, 3))
+BOTH, LEFT, NONE = np.array([0.5, 0.5]), np.array([1.0, 0.0]), np.zeros(2)
+
+
+def start(velocity=(0.0, 0.0, 0.0), q=UPRIGHT):
+    return start_odometry(q, P_WI, np.array(velocity), FEET, TUNING)
+
+
+def rest(q=UPRIGHT, bias=(0.0, 0.0, 0.0)):
+    """What the accelerometer of a robot at rest integrates in a tick."""
+    return (rotation_matrix(q).T @ [0.0, 0.0, GRAVITY] + np.array(bias)) * DT
+
+
+def test_a_standing_robot_stays_and_learns_the_bias():
+    random = np.random.default_rng(0)
+    state = start()
+    worst_speed = 0.0
+    for _ in range(10_000):
+        felt = rest(bias=BIAS + random.normal(0.0, 1.7e-2, 3))
+        gyro = (7.5e-6 + random.normal(0.0, 2e-4, 3)) * DT
+        state = predict(state, gyro, felt, DT, TUNING)
+        legs = rotation_matrix(state.q_WP) @ (FEET - P_WI).T
+        legs += random.normal(0.0, 3e-4, legs.shape)
+        speed = random.normal(0.0, 0.02, (2, 3))
+        state = correct(state, legs.T, speed, BOTH, DT, TUNING)
+        worst_speed = max(worst_speed, np.abs(state.v_WI).max())
+    np.testing.assert_allclose(state.bias_P, BIAS, atol=3e-3)
+    # The bias is worth 1 m/s after 10 s.
+    assert worst_speed < 0.02
+    np.testing.assert_allclose(state.v_WI, 0.0, atol=2e-3)
+    np.testing.assert_allclose(state.p_WI, P_WI, atol=1e-3)
+    # Believed at once, the bias would tilt it by 10 mrad.
+    assert np.linalg.norm(turn_between(UPRIGHT, state.q_WP)) < 5e-4
+
+
+def test_the_bias_is_known_in_the_pelvis_axes():
+    q = turned(UPRIGHT, np.array([0.0, 0.0, 2.0]))
+    state = start(q=q)
+    for _ in range(2000):
+        state = predict(state, np.zeros(3), rest(bias=BIAS), DT, TUNING)
+        state = correct(state, FEET - P_WI, REST, BOTH, DT, TUNING)
+    np.testing.assert_allclose(state.bias_P, BIAS, atol=3e-3)
+
+
+def test_motion_under_exact_increments_is_followed_exactly():
+    velocity, acceleration = np.array([0.2, 0.1, -0.1]), np.array([0.5, -1.0, 0.3])
+    turn = np.array([0.1, 0.2, 0.9]) * DT
+    state, q = start(velocity), UPRIGHT
+    still = OdometryTuning(gravity_settling=np.inf)
+    for k in range(1, 501):
+        halfway = rotation_matrix(turned(q, 0.5 * turn))
+        felt = halfway.T @ (acceleration + np.array([0.0, 0.0, GRAVITY])) * DT
+        q, t = turned(q, turn), k * DT
+        p_WI = P_WI + velocity * t + 0.5 * acceleration * t * t
+        state = predict(state, turn, felt, DT, still)
+        v_FI = np.tile(velocity + acceleration * t, (2, 1))
+        state = correct(state, FEET - p_WI, -v_FI, BOTH, DT, still)
+    np.testing.assert_allclose(state.p_WI, p_WI, atol=1e-9)
+    np.testing.assert_allclose(state.v_WI, velocity + acceleration, atol=1e-9)
+    np.testing.assert_allclose(state.p_WF, FEET, atol=1e-9)
+    np.testing.assert_allclose(turn_between(q, state.q_WP), 0.0, atol=1e-12)
+
+
+def test_a_foot_is_anchored_anew_where_it_lands():
+    state, forward = start(), np.array([0.4, 0.0, 0.0])
+    # Both feet are on the ground, the right one swings ahead, it lands, the left one
+    # lifts: all of it on what kinematics alone says.
+    swing = np.array([np.zeros(3), forward])
+    for load, feet in (
+        (BOTH, FEET),
+        (LEFT, FEET + 0.5 * swing),
+        (LEFT, FEET + swing),
+        (BOTH, FEET + swing),
+        (1.0 - LEFT, FEET + swing),
+    ):
+        for _ in range(200):
+            state = predict(state, np.zeros(3), rest(), DT, TUNING)
+            state = correct(state, feet - P_WI, REST, load, DT, TUNING)
+        np.testing.assert_allclose(state.p_WI, P_WI, atol=1e-6)
+        np.testing.assert_allclose(state.p_WF, feet, atol=1e-6)
+    # Now it is the right foot that holds the pelvis.
+    feet[0] += 1.0
+    state = correct(state, feet - P_WI, REST, 1.0 - LEFT, DT, TUNING)
+    np.testing.assert_allclose(state.p_WI, P_WI, atol=1e-6)
+    np.testing.assert_allclose(state.p_WF, feet, atol=1e-6)
+
+
+def test_a_foot_that_lands_early_by_a_kick_does_not_push_the_pelvis():
+    # A sole that still slides under little load is believed much less than the other.
+    state = start()
+    grazing = np.array([0.95, 0.05])
+    slide = np.array([np.zeros(3), [0.01, 0.0, 0.0]])
+    for k in range(50):
+        state = predict(state, np.zeros(3), rest(), DT, TUNING)
+        feet = FEET + k / 50 * slide
+        state = correct(state, feet - P_WI, REST, grazing, DT, TUNING)
+    np.testing.assert_allclose(state.p_WI, P_WI, atol=5e-4)
+
+
+@pytest.mark.parametrize("speed", [0.15, 0.5])
+def test_a_foot_that_slides_does_not_take_the_pelvis_along(speed):
+    state = start()
+    for _ in range(1000):
+        state = predict(state, np.zeros(3), rest(bias=BIAS), DT, TUNING)
+        state = correct(state, FEET - P_WI, REST, BOTH, DT, TUNING)
+    before = state
+    # The stance foot slips by 15 mm, which the accelerometer does not feel.
+    way, slide = 0.0, np.array([[0.0, speed, 0.0], [0.0, 0.0, 0.0]])
+    while way < 0.015:
+        way += speed * DT
+        feet = FEET + way / speed * slide
+        state = predict(state, np.zeros(3), rest(bias=BIAS), DT, TUNING)
+        state = correct(state, feet - P_WI, slide, LEFT, DT, TUNING)
+    for _ in range(1000):
+        state = predict(state, np.zeros(3), rest(bias=BIAS), DT, TUNING)
+        state = correct(state, feet - P_WI, REST, LEFT, DT, TUNING)
+    np.testing.assert_allclose(state.p_WI, before.p_WI, atol=2e-3)
+    np.testing.assert_allclose(state.p_WF[0], feet[0], atol=2e-3)
+
+
+def test_a_hanging_robot_does_not_fly_away():
+    state = start()
+    for _ in range(5000):
+        state = predict(state, np.zeros(3), rest(bias=BIAS), DT, TUNING)
+        state = correct(state, FEET - P_WI, REST, NONE, DT, TUNING)
+    # The bias alone is 5 m in 10 s.
+    assert np.linalg.norm(state.p_WI - P_WI) < 0.2
+    np.testing.assert_allclose(state.v_WI, 0.0, atol=0.01)
+
+
+def test_the_covariance_stays_one():
+    random = np.random.default_rng(1)
+    state = start()
+    for k in range(3000):
+        load = [BOTH, LEFT, 1.0 - LEFT, NONE][k // 50 % 4]
+        state = predict(state, random.normal(0.0, 1e-3, 3), rest(), DT, TUNING)
+        state = correct(state, FEET - P_WI, REST, load, DT, TUNING)
+        np.testing.assert_array_equal(state.covariance, state.covariance.T)
+        assert np.linalg.eigvalsh(state.covariance).min() > -1e-12
+
+
+def test_what_was_believed_before_is_left_alone():
+    state = start()
+    before = [array.copy() for array in vars(state).values()]
+    after = predict(state, np.full(3, 1e-3), rest(), DT, TUNING)
+    correct(after, FEET - P_WI, REST, LEFT, DT, TUNING)
+    for array, copy in zip(vars(state).values(), before, strict=True):
+        np.testing.assert_array_equal(array, copy)
+
+
+@pytest.mark.parametrize("period", [0.001, 0.002, 0.004])
+def test_the_period_does_not_decide_how_soon_the_bias_is_known(period):
+    state = start()
+    for _ in range(round(1.0 / period)):
+        felt = (np.array([0.0, 0.0, GRAVITY]) + BIAS) * period
+        state = predict(state, np.zeros(3), felt, period, TUNING)
+        state = correct(state, FEET - P_WI, REST, BOTH, period, TUNING)
+    np.testing.assert_allclose(state.bias_P, BIAS, atol=0.02)

@@ -1,0 +1,256 @@
+"""Every format gives back what was written; what is no log is said to be none."""
+
+import json
+import shutil
+import sys
+
+import numpy as np
+import pytest
+
+from atlas_drake import AtlasSimulation, LogError, read_log
+from atlas_drake.logs import npz_file
+from atlas_drake.logs.formats import LogFile
+
+from .conftest import PACKAGES, assert_same_arrays
+
+
+def table_of(log):
+    parts = [log.arrays[c.name] for c in log.header.layout.channels]
+    return np.hstack([part.reshape(len(log), -1).astype(float) for part in parts])
+
+
+def write(log, path, rows=None, notes=True):
+    """The log in another file."""
+    file = LogFile(path, log.header)
+    for row in table_of(log)[:rows]:
+        file.row(row)
+    for note in log.notes if notes else ():
+        file.note(note)
+    file.close()
+    return path
+
+
+def test_every_format_gives_back_the_same(log, suffix, tmp_path):
+    again = read_log(write(log, tmp_path / f"again{suffix}"))
+    assert_same_arrays(again.arrays, log.arrays)
+    assert again.header.to_json() == log.header.to_json()
+    assert again.events == log.events
+    assert [c.message for c in again.commands] == [c.message for c in log.commands]
+    times = [command.time for command in log.commands]
+    assert [command.time for command in again.commands] == pytest.approx(times)
+
+
+def test_a_run_is_the_same_in_every_format(run, scenario, suffix, tmp_path):
+    _, log = run
+    with AtlasSimulation(scenario, log=tmp_path / f"run{suffix}") as sim:
+        sim.advance_to(0.04)
+    again = read_log(tmp_path / f"run{suffix}")
+    assert len(again) == 20
+    for name, values in log.arrays.items():
+        if name != "controller.tick_time":  # A fact about the machine.
+            np.testing.assert_array_equal(again[name], values[:20], err_msg=name)
+
+
+def test_what_is_not_known_stays_unknown(log, suffix, tmp_path):
+    table = table_of(log)
+    place = log.header.layout.places["balance.cop"]
+    table[:5, place] = np.nan
+    file = LogFile(tmp_path / f"gaps{suffix}", log.header)
+    for row in table:
+        file.row(row)
+    file.close()
+    cop = read_log(file.path)["balance.cop"]
+    assert np.isnan(cop[:5]).all()
+    np.testing.assert_array_equal(cop[5:], log["balance.cop"][5:])
+
+
+def test_many_rows_come_back_in_order(log, suffix, tmp_path, monkeypatch):
+    monkeypatch.setattr(npz_file, "BLOCK", 7)
+    again = read_log(write(log, tmp_path / f"again{suffix}"))
+    assert_same_arrays(again.arrays, log.arrays)
+
+
+def test_the_log_knows_its_scenario_and_robot(log):
+    assert log.scenario.name == "recorded"
+    assert log.scenario.noise == "reference"
+    assert log.robot.name == "atlas"
+
+
+def test_an_unknown_channel_is_answered_with_the_known_ones(log):
+    with pytest.raises(KeyError, match=r"joints\.position"):
+        log["joints.positon"]
+
+
+# ---- MCAP --------------------------------------------------------------------
+
+
+@pytest.fixture
+def small_chunks(monkeypatch):
+    pytest.importorskip("mcap")
+    from atlas_drake.logs import mcap_file
+
+    monkeypatch.setattr(mcap_file, "CHUNK", 50_000)
+
+
+@pytest.mark.usefixtures("small_chunks")
+@pytest.mark.parametrize("share", [0.3, 0.6, 0.95])
+def test_a_torn_mcap_is_read_as_far_as_it_goes(log, share, tmp_path):
+    whole = write(log, tmp_path / "whole.mcap").read_bytes()
+    torn = tmp_path / "torn.mcap"
+    torn.write_bytes(whole[: int(share * len(whole))])
+    again = read_log(torn)
+    assert 0 < len(again) <= len(log)
+    assert_same_arrays(
+        again.arrays, {name: a[: len(again)] for name, a in log.arrays.items()}
+    )
+
+
+@pytest.mark.usefixtures("small_chunks")
+def test_an_mcap_can_be_read_while_it_is_written(scenario, tmp_path):
+    sim = AtlasSimulation(scenario, log=tmp_path / "run.mcap")
+    sim.advance_to(0.1)
+    shutil.copy(tmp_path / "run.mcap", tmp_path / "killed.mcap")
+    sim.close()
+    assert 30 < len(read_log(tmp_path / "killed.mcap")) <= 50
+
+
+def test_mcap_viewers_find_topics_schemas_and_an_index(log, tmp_path):
+    pytest.importorskip("mcap")
+    from mcap.reader import make_reader
+
+    path = write(log, tmp_path / "run.mcap")
+    with path.open("rb") as file:
+        reader = make_reader(file)
+        summary = reader.get_summary()
+        schemas = {
+            channel.topic: summary.schemas[channel.schema_id]
+            for channel in summary.channels.values()
+        }
+        latest = {
+            channel.topic: (message.log_time, json.loads(message.data))
+            for _, channel, message in reader.iter_messages()
+        }
+    assert {channel.message_encoding for channel in summary.channels.values()} == {
+        "json"
+    }
+    assert {schema.encoding for schema in schemas.values()} == {"jsonschema"}
+    assert schemas["/tf"].name == "foxglove.FrameTransforms"
+    assert schemas["/joint_states"].name == "foxglove.JointStates"
+    assert schemas["/events"].name == "foxglove.Log"
+    stamp, joints = latest["/joints"]
+    assert stamp == round(1e9 * log.time[-1])
+    knee = log.robot.joint_index("l_leg_kny")
+    assert joints["position"]["l_leg_kny"] == log["joints.position"][-1, knee]
+    described = json.loads(schemas["/joints"].data)
+    assert described["properties"]["position"]["properties"]["l_leg_kny"] == {
+        "type": "number"
+    }
+    (pelvis, *_soles) = latest["/tf"][1]["transforms"]
+    assert pelvis["child_frame_id"] == "pelvis"
+    x, y, z = (pelvis["translation"][axis] for axis in "xyz")
+    places = log["pelvis.position"]
+    assert np.abs(places - [x, y, z]).max(axis=1).min() == 0.0
+    assert set(latest) >= {"/behavior", "/walk", "/balance", "/atlas_command"}
+    # Gains change seldom, and are written seldom.
+    counts = {
+        summary.channels[key].topic: count
+        for key, count in summary.statistics.channel_message_counts.items()
+    }
+    assert counts["/joints"] == len(log)
+    assert counts["/gains"] == 2
+
+
+# ---- errors ------------------------------------------------------------------
+
+
+def test_an_unknown_ending_names_the_known_ones(log, tmp_path):
+    for act in (read_log, lambda path: LogFile(path, log.header)):
+        with pytest.raises(LogError, match=r"\.mcap, \.npz, \.parquet"):
+            act(tmp_path / "run.csv")
+    with pytest.raises(LogError, match="Did you mean"):
+        read_log(tmp_path / "run.npy")
+
+
+@pytest.mark.parametrize(
+    ("suffix", "package"), [(".mcap", "mcap"), (".parquet", "pyarrow")]
+)
+def test_a_missing_package_is_named_with_what_to_install(
+    suffix, package, tmp_path, monkeypatch
+):
+    module = {".mcap": "mcap_file", ".parquet": "parquet_file"}[suffix]
+    for name in list(sys.modules):
+        if name.split(".")[0] == package or name == f"atlas_drake.logs.{module}":
+            monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(LogError, match=rf"'{package}'.*pip install {package},.*\[log"):
+        AtlasSimulation(log=tmp_path / f"run{suffix}")
+
+
+@pytest.mark.parametrize("content", [b"", b"no log at all", b"PK\x03\x04" + 50 * b"x"])
+def test_a_file_that_is_no_log_is_refused(content, suffix, tmp_path):
+    path = tmp_path / f"fake{suffix}"
+    path.write_bytes(content)
+    with pytest.raises(LogError, match=f"fake{suffix}: it is no"):
+        read_log(path)
+
+
+def test_files_of_others_are_refused(tmp_path):
+    path = tmp_path / "other.npz"
+    np.savez(path, x=np.zeros(3))
+    with pytest.raises(LogError, match=r"no \.npz file of a log"):
+        read_log(path)
+    header = json.dumps({"format": "something else", "version": 1})
+    np.savez(path, header=header)
+    with pytest.raises(LogError, match="something else"):
+        read_log(path)
+    header = json.dumps({"format": "atlas_drake log", "version": 99})
+    np.savez(path, header=header)
+    with pytest.raises(LogError, match="newer"):
+        read_log(path)
+
+
+def test_a_missing_file_is_said_to_be_missing(suffix, tmp_path):
+    with pytest.raises(LogError, match="there is no such file"):
+        read_log(tmp_path / f"none{suffix}")
+
+
+def test_a_log_without_rows_is_refused(log, suffix, tmp_path):
+    with pytest.raises(LogError, match="no rows"):
+        read_log(write(log, tmp_path / f"empty{suffix}", rows=0))
+
+
+def test_a_file_that_cannot_be_written_is_named(suffix, tmp_path):
+    with pytest.raises(LogError, match=f"run{suffix}: cannot be written: No such"):
+        AtlasSimulation(log=tmp_path / "missing" / f"run{suffix}")
+
+
+def test_a_full_disk_is_named(log, suffix, tmp_path, monkeypatch):
+    file = LogFile(tmp_path / f"run{suffix}", log.header)
+
+    def fail(*_arguments):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(file._writer, "row", fail)
+    with pytest.raises(LogError, match=f"run{suffix}: cannot be written: No space"):
+        file.row(table_of(log)[0])
+    file.close()
+
+
+@pytest.mark.parametrize("suffix", [".npz", ".parquet"])
+def test_a_file_that_cannot_be_completed_leaves_nothing(
+    log, suffix, tmp_path, monkeypatch
+):
+    pytest.importorskip(PACKAGES[suffix])
+    file = LogFile(tmp_path / f"run{suffix}", log.header)
+    file.row(table_of(log)[0])
+
+    def fail(*_arguments, **_options):
+        raise OSError(28, "No space left on device")
+
+    if suffix == ".npz":
+        monkeypatch.setattr(np, "savez_compressed", fail)
+    else:
+        monkeypatch.setattr(file._writer, "_flush", fail)
+    with pytest.raises(LogError, match="No space left"):
+        file.close()
+    assert [*tmp_path.iterdir()] == []

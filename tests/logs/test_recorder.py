@@ -1,0 +1,207 @@
+"""What is recorded is what the ports said, and recording changes nothing."""
+
+import numpy as np
+import pytest
+
+from atlas_drake import AtlasSimulation, Behavior, Scenario, read_log
+from atlas_drake.logs.figures import make_page
+from atlas_drake.logs.png_page import draw_figure
+from atlas_drake.logs.samples import centre_of_pressure
+from atlas_drake.messages import BehaviorStatus
+from atlas_drake.scenario import Jitter
+
+from .conftest import ARM, arm_command, drive, walk_command
+
+PERIOD = 0.002
+
+
+def test_rows_are_the_control_ticks(log):
+    np.testing.assert_allclose(log.time, PERIOD * np.arange(100), atol=1e-9)
+    assert log.header.control_period == PERIOD
+
+
+def test_recording_changes_not_a_bit(run, scenario):
+    recorded, _ = run
+    plain = AtlasSimulation(scenario)
+    drive(plain)
+    states = [
+        sim.plant.GetPositionsAndVelocities(sim.plant.GetMyContextFromRoot(sim.context))
+        for sim in (recorded, plain)
+    ]
+    np.testing.assert_array_equal(*states)
+    assert recorded.events == plain.events
+
+
+def test_no_recorder_is_built_where_there_is_no_log():
+    assert not AtlasSimulation().diagram.HasSubsystemNamed("log_recorder")
+
+
+def test_a_row_has_what_the_ports_said(tmp_path, scenario):
+    sim = AtlasSimulation(scenario, log=tmp_path / "run.npz")
+    sim.publish(arm_command())
+    seen = []
+    ports = ("state", "behavior_state", "foot_wrenches", "imu")
+    for tick in range(12):
+        sim.advance_to(PERIOD * tick)
+        before = {name: np.array(sim._output(name)) for name in ports[:3]}
+        before["imu"], before["report"] = sim.imu, sim.atlas_sim_interface_state
+        # The control tick, after which the physics is a step further.
+        sim.simulator.AdvancePendingEvents()
+        after = sim._output("controller_state"), sim._output("commands")
+        seen.append((before, *after))
+    sim.advance_to(PERIOD * 12)
+    sim.close()
+    log = read_log(tmp_path / "run.npz")
+    assert len(log) == 12
+    num_q = sim.plant.num_positions()
+    indices = sim.robot.indices(sim.plant)
+    for row, (before, controller, commands) in enumerate(seen):
+        report, imu = before["report"], before["imu"]
+        left, right = report.foot_pos_est
+        measured = before["behavior_state"]
+        expected = {
+            "state.q": before["state"][:num_q],
+            "state.v": before["state"][num_q:],
+            "joints.position": measured[indices.q],
+            "joints.velocity": measured[num_q + indices.v],
+            "joints.behavior_effort": controller.effort,
+            "joints.k_effort": commands.k_effort,
+            "joints.position_setpoint": commands.joints.position,
+            "gains.kp_velocity": commands.joints.kp_velocity,
+            "gains.kp_position": commands.joints.kp_position,
+            "behavior.current": controller.supervisor.current,
+            "controller.unsolved": controller.unsolved,
+            "pelvis.position": report.pos_est.position.to_array(),
+            "pelvis.velocity": report.pos_est.velocity.to_array(),
+            "feet.left_position": left.position.to_array(),
+            "feet.right_orientation": right.orientation.to_wxyz(),
+            "feet.left_torque": before["foot_wrenches"][:3],
+            "feet.right_force": before["foot_wrenches"][9:],
+            "imu.orientation": imu.orientation.to_wxyz(),
+            "imu.angular_velocity": imu.angular_velocity.to_array(),
+        }
+        for name, value in expected.items():
+            np.testing.assert_array_equal(log[name][row], value, err_msg=name)
+    # The behaviour has all joints but one, whose effort is the user's.
+    others = np.arange(28) != ARM
+    applied = log["joints.effort"]
+    np.testing.assert_allclose(
+        applied[:, others], log["joints.behavior_effort"][:, others]
+    )
+    np.testing.assert_allclose(applied[:, ARM], log["joints.user_effort"][:, ARM])
+    assert (applied[:, ARM] != 0.0).any()
+
+
+def test_balance_is_consistent(log):
+    """Standing still: CoM, DCM and CoP over the feet, and where they should be."""
+    standing = slice(10, 40)
+    support = 0.1
+    for name in ("com", "dcm", "cop", "dcm_reference", "cop_reference"):
+        assert np.abs(log[f"balance.{name}"][standing]).max(axis=0)[1] < support, name
+    error = (log["balance.dcm"] - log["balance.dcm_reference"])[standing]
+    assert np.abs(error).max() < 0.05
+    weight = log["feet.left_force"][-20:, 2] + log["feet.right_force"][-20:, 2]
+    assert weight.mean() == pytest.approx(9.81 * log.robot.mass, rel=0.2)
+
+
+def test_imu_and_ticks_are_plausible(log):
+    assert log["imu.linear_acceleration"][20:, 2].mean() == pytest.approx(9.81, abs=2)
+    ticks = log["controller.tick_time"]
+    assert np.isfinite(ticks).all()
+    assert (ticks > 0.0).all()
+
+
+def test_commands_are_kept_as_sent_with_their_times(log):
+    arm, bad, walk = log.commands
+    assert (arm.time, bad.time, walk.time) == pytest.approx((0.05, 0.1, 0.14))
+    assert arm.message == arm_command()
+    assert bad.message.k_effort[1] == 300
+    assert walk.message == walk_command()
+
+
+def test_events_are_kept(run):
+    sim, log = run
+    assert [(e.time, e.kind, e.text) for e in log.events] == sorted(
+        ((e.time, e.kind, e.text) for e in sim.events), key=lambda event: event[0]
+    )
+    assert {"push", "refusal", "behavior"} <= {event.kind for event in log.events}
+
+
+def test_feedback_is_kept(log):
+    numbers = log["behavior.request_number"]
+    assert set(numbers) == {0, 1}
+    walking = log["behavior.current"] == Behavior.WALK
+    assert walking[-1]
+    assert not walking[0]
+    assert log["behavior.trans_to"][-1] == Behavior.WALK
+    assert log["behavior.status_flags"][-1] == BehaviorStatus.TRANSITION_SUCCESS
+    assert log["behavior.error_code"].min() < 0  # The refused command.
+    steps = log["walk.steps"][-1].reshape(4, 6)
+    np.testing.assert_array_equal(steps[:, 0], [1, 2, 3, 4])
+
+
+def test_a_reset_goes_on_in_the_same_log(tmp_path):
+    file = tmp_path / "run.npz"
+    with AtlasSimulation(log=file) as sim:
+        sim.advance_to(0.02)
+        sim.reset()
+        sim.advance_to(0.04)
+    log = read_log(file)
+    np.testing.assert_allclose(log.time, PERIOD * np.arange(20), atol=1e-9)
+    assert "reset" in [event.kind for event in log.events]
+
+
+def test_a_forgotten_log_is_completed_with_its_simulation(tmp_path):
+    sim = AtlasSimulation(Scenario(), log=tmp_path / "run.npz")
+    sim.advance_to(0.02)
+    assert not (tmp_path / "run.npz").exists()
+    del sim
+    assert len(read_log(tmp_path / "run.npz")) == 10
+
+
+def test_the_run_may_go_on_without_its_log(tmp_path):
+    sim = AtlasSimulation(log=tmp_path / "run.npz")
+    sim.advance_to(0.02)
+    sim.close()
+    sim.close()
+    sim.advance_to(0.04)
+    assert len(read_log(tmp_path / "run.npz")) == 10
+
+
+@pytest.mark.slow
+def test_hands_of_a_fallen_robot_bear_load(tmp_path):
+    scenario = Scenario(initial_behavior="USER", jitter=Jitter(joints=0.6))
+    file = tmp_path / "run.npz"
+    with AtlasSimulation(scenario, log=file) as sim:
+        sim.advance_to(2.5)
+        state = sim.atlas_state
+    log = read_log(file)
+    (fall,) = [event for event in log.events if event.kind == "fall"]
+    # The arms touch the trunk in the random pose of the start.
+    upright = (log.time > 0.1) & (log.time < fall.time)
+    loads = []
+    for side, wrench in (("left", state.l_hand), ("right", state.r_hand)):
+        force = log[f"hands.{side}_force"]
+        assert not force[upright].any()
+        # It has come to lie, all but still.
+        np.testing.assert_allclose(force[-1], wrench.force.to_array(), atol=5.0)
+        torque = log[f"hands.{side}_torque"]
+        np.testing.assert_allclose(torque[-1], wrench.torque.to_array(), atol=1.0)
+        loads.append(np.abs(force).max())
+    assert max(loads) > 20.0
+    # Such a log can be drawn too.
+    titles = [panel.title for panel in make_page(log).panels]
+    assert "Foot forces" in titles
+    draw_figure(make_page(log)).draw_without_rendering()
+
+
+def test_centre_of_pressure():
+    soles = np.array([[0.0, 0.1, 0.0], [0.3, -0.1, 0.0]])
+    wrenches = np.zeros(12)
+    assert centre_of_pressure(soles, wrenches) is None
+    wrenches[5] = wrenches[11] = 400.0
+    np.testing.assert_allclose(centre_of_pressure(soles, wrenches), [0.15, 0.0])
+    # The left foot alone, pressed 5 cm before and 2 cm left of its centre.
+    wrenches[11] = 0.0
+    wrenches[:3] = np.cross([0.05, 0.02, 0.0], [0.0, 0.0, 400.0])
+    np.testing.assert_allclose(centre_of_pressure(soles, wrenches), [0.05, 0.12])

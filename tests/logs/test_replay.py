@@ -1,0 +1,148 @@
+"""A replay shows what the log has, as the run was shown."""
+
+import numpy as np
+import pytest
+from pydrake.geometry import Meshcat
+from pydrake.systems.analysis import Simulator
+
+from atlas_drake import (
+    AtlasSimInterfaceCommand,
+    AtlasSimulation,
+    LogError,
+    Scenario,
+    read_log,
+)
+from atlas_drake.logs.log import Log
+from atlas_drake.logs.notes import Header
+from atlas_drake.logs.replay import LogPlayer, make_replay
+from atlas_drake.terrain import Block
+from atlas_drake.visualization.caption import caption_of
+from atlas_drake.visualization.footsteps import footstep_marks
+
+from .conftest import drive, walk_command
+
+NAMES = ("commands", "controller_state", "atlas_sim_interface_state")
+
+
+@pytest.fixture(scope="module")
+def meshcat():
+    return Meshcat()
+
+
+def geometry_poses(query):
+    inspector = query.inspector()
+    return {
+        inspector.GetName(frame): query.GetPoseInWorld(frame).GetAsMatrix4()
+        for frame in inspector.GetAllFrameIds()
+    }
+
+
+def test_bodies_are_where_the_log_has_them(run, meshcat):
+    sim, log = run
+    diagram = make_replay(log, meshcat)
+    context = diagram.CreateDefaultContext()
+    station = diagram.GetSubsystemByName("station")
+    own = station.GetMyContextFromRoot(context)
+    plant = sim.plant
+    scratch = plant.CreateDefaultContext()
+    for row in (0, 42, len(log) - 1):
+        context.SetTime(log.time[row])
+        poses = geometry_poses(station.GetOutputPort("query_object").Eval(own))
+        plant.SetPositions(scratch, log["state.q"][row])
+        for name in sim.robot.body_names:
+            X_WB = plant.EvalBodyPoseInWorld(scratch, plant.GetBodyByName(name))
+            np.testing.assert_allclose(
+                poses[f"atlas::{name}"], X_WB.GetAsMatrix4(), atol=1e-12
+            )
+
+
+def test_the_row_is_the_latest_one(log):
+    player = LogPlayer(log)
+    context = player.CreateDefaultContext()
+    for time, row in ((0.0, 0), (0.0031, 1), (0.004, 2), (99.0, len(log) - 1)):
+        context.SetTime(time)
+        assert player.row(context) == row
+        np.testing.assert_array_equal(
+            player.GetOutputPort("positions").Eval(context), log["state.q"][row]
+        )
+
+
+def test_footsteps_and_caption_are_those_of_the_run(tmp_path, scenario):
+    sim = AtlasSimulation(scenario, log=tmp_path / "run.npz")
+    drive(sim)
+    live = [sim._output(name) for name in NAMES]
+    sim.close()
+    log = read_log(tmp_path / "run.npz")
+    player = LogPlayer(log)
+    context = player.CreateDefaultContext()
+    context.SetTime(log.time[-1])
+    again = [player.GetOutputPort(name).Eval(context) for name in NAMES]
+
+    def seen(commands, controller, report):
+        events = controller.supervisor.events
+        return footstep_marks(commands.request, report, events), caption_of(report)
+
+    marks, caption = seen(*again)
+    assert (marks, caption) == seen(*live)
+    assert len(marks) >= 4
+    assert caption[0].startswith("WALK")
+    assert again[0].request.command == walk_command()
+
+
+def test_a_replay_shows_robot_caption_and_footsteps(log, meshcat):
+    simulator = Simulator(make_replay(log, meshcat))
+    simulator.AdvanceTo(log.time[-1])
+    assert meshcat.HasPath("/drake/visualizer/atlas/pelvis")
+    assert meshcat.HasPath("/atlas_drake/footsteps/0")
+
+
+def test_terrain_is_shown(log, scenario, meshcat):
+    from pydrake.common.yaml import yaml_dump_typed, yaml_load_typed
+
+    from atlas_drake import Scenario
+
+    text = yaml_dump_typed(scenario)
+    rough = yaml_load_typed(schema=Scenario, data=text, defaults=Scenario())
+    rough.terrain = [Block()]
+    header = Header("atlas", 0.002, yaml_dump_typed(rough), log.header.layout)
+    terrain = Log(log.path, header, log.arrays, log.notes)
+    diagram = make_replay(terrain, meshcat)
+    station = diagram.GetSubsystemByName("station")
+    inspector = station.GetSubsystemByName("scene_graph").model_inspector()
+    names = [inspector.GetName(key) for key in inspector.GetAllGeometryIds()]
+    assert any("terrain_0" in name for name in names)
+
+
+def test_a_scenario_of_another_time_is_named(log, meshcat):
+    header = Header("atlas", 0.002, "gravity: up\n", log.header.layout)
+    with pytest.raises(LogError, match="scenario"):
+        make_replay(Log(log.path, header, log.arrays, log.notes), meshcat)
+
+
+@pytest.mark.parametrize("behavior", ["STEP", "MANIPULATE"])
+def test_other_behaviours_look_as_in_the_run(behavior, tmp_path):
+    command = AtlasSimInterfaceCommand()
+    command.behavior = behavior
+    step = command.step_params.desired_step
+    step.step_index, step.duration, step.swing_height = 1, 0.7, 0.1
+    step.pose.position.x, step.pose.position.y = 0.1, 0.14
+    sim = AtlasSimulation(Scenario(state="estimated"), log=tmp_path / "run.npz")
+    sim.publish(command)
+    sim.advance_to(0.1)
+    live = [sim._output(name) for name in NAMES]
+    sim.close()
+    log = read_log(tmp_path / "run.npz")
+    assert np.isfinite(log["balance.dcm_reference"]).all()
+    # The behaviours see the estimate, and so do the log's pelvis and feet.
+    assert (log["pelvis.position"][10:] != log["state.q"][10:, 4:7]).any()
+    player = LogPlayer(log)
+    context = player.CreateDefaultContext()
+    context.SetTime(log.time[-1])
+    again = [player.GetOutputPort(name).Eval(context) for name in NAMES]
+    looks = [
+        (footstep_marks(c.request, report, state.supervisor.events), caption_of(report))
+        for c, state, report in (live, again)
+    ]
+    assert looks[0] == looks[1]
+    assert looks[0][1][0].startswith(behavior)
+    assert len(looks[0][0]) == (1 if behavior == "STEP" else 0)

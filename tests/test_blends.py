@@ -1,0 +1,76 @@
+"""Any mixture of user and behaviour joints: nobody is thrown about."""
+
+import numpy as np
+import pytest
+
+from atlas_drake import AtlasCommand, AtlasSimInterfaceCommand, AtlasSimulation
+
+STEP = 0.5
+"""How far from where they are the user wants the joints at once [rad]."""
+
+
+def blended(limbs, k, seed, behavior="STAND"):
+    """A robot of which the user wants a share of some limbs elsewhere, at once."""
+    sim = AtlasSimulation()
+    if behavior != "STAND":
+        sim.publish(AtlasSimInterfaceCommand(behavior=behavior))
+    sim.advance(1.0)
+    robot, random = sim.robot, np.random.default_rng(seed)
+    command = AtlasCommand()
+    wish = sim.atlas_state.position + random.uniform(-STEP, STEP, robot.num_joints)
+    command.position = np.clip(wish, robot.position_lower, robot.position_upper)
+    command.kp_position = [200.0] * robot.num_joints
+    command.kp_velocity = [20.0] * robot.num_joints
+    command.k_effort = np.where(robot.limb(*limbs), k, 0)
+    sim.publish(command)
+    return sim
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("behavior", ["STAND", "MANIPULATE"])
+@pytest.mark.parametrize(("k", "seed"), [(20, 1), (128, 2), (200, 3), (248, 4)])
+def test_shared_arms_and_neck_do_not_move_the_rest(behavior, k, seed):
+    sim = blended(("l_arm", "r_arm", "neck"), k, seed, behavior)
+    others = ~sim.robot.limb("l_arm", "r_arm", "neck")
+    for _ in range(10):
+        sim.advance(0.1)
+        assert np.abs(np.array(sim.atlas_state.velocity)[others]).max() < 4.0
+    sim.advance(1.5)
+    assert not sim.has_fallen
+    assert np.abs(sim.atlas_state.velocity).max() < 0.1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("k", [60, 150, 240])
+def test_a_shared_back_leaves_the_robot_standing(k):
+    sim = blended(("back",), k, seed=5)
+    sim.advance(2.5)
+    assert not sim.has_fallen
+    assert sim.pelvis_pose.translation()[2] > 0.8
+
+
+@pytest.mark.slow
+def test_a_tenth_of_the_legs_leaves_the_robot_standing():
+    sim = blended(("l_leg", "r_leg"), 25, seed=6)
+    sim.advance(2.5)
+    assert not sim.has_fallen
+    assert sim.pelvis_pose.translation()[2] > 0.8
+
+
+@pytest.mark.parametrize("k", [128, 250])
+def test_a_joint_driven_into_its_stop_disturbs_no_other(k):
+    sim = AtlasSimulation()
+    sim.advance(0.5)
+    robot = sim.robot
+    neck = list(robot.joint_names).index("neck_ry")
+    command = AtlasCommand()
+    command.position = np.array(sim.atlas_state.position)
+    command.position[neck] = robot.position_upper[neck]
+    command.kp_position = [2000.0] * robot.num_joints
+    command.k_effort = np.zeros(robot.num_joints, dtype=int)
+    command.k_effort[neck] = k
+    sim.publish(command)
+    others = np.arange(robot.num_joints) != neck
+    for _ in range(15):
+        sim.advance(0.02)
+        assert np.abs(np.array(sim.atlas_state.velocity)[others]).max() < 1.5

@@ -1,0 +1,22 @@
+"""Joints change hands without a jump, in either direction."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "benchmarks"))
+from hand_over import GOAL, hand_overs
+
+
+@pytest.mark.slow
+def test_no_hand_over_of_the_tutorial_is_a_jump():
+    found = hand_overs()
+    behaviors = [(entry["before"], entry["after"]) for entry in found]
+    for change in [("STAND_PREP", "STAND"), ("STAND", "WALK"), ("WALK", "STAND")]:
+        assert change in behaviors
+    # Taken by the user, given back, some joints and all of them.
+    assert {entry["changed"] for entry in found} >= {5, 28}
+    for entry in found:
+        name, jump = entry.get("the behaviour's", ("", 0.0))
+        assert jump <= GOAL, (entry["time"], name)

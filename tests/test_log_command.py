@@ -1,0 +1,221 @@
+"""Logs on the command line: --log, plot and replay."""
+
+import logging
+import signal
+
+import pytest
+
+from atlas_drake import AtlasSimulation, log_command, read_log, run_command
+from atlas_drake.cli import main
+from atlas_drake.logs import png_page
+
+SHORT = "duration: 0.1\n"
+
+
+@pytest.fixture(autouse=True)
+def _restore_logs():
+    loggers = [logging.getLogger(name) for name in ("atlas_drake", "drake")]
+    before = [(log.propagate, log.level, list(log.filters)) for log in loggers]
+    yield
+    for log, (propagate, level, filters) in zip(loggers, before, strict=True):
+        log.propagate, log.filters = propagate, filters
+        log.setLevel(level)
+
+
+@pytest.fixture
+def scenario(tmp_path):
+    def write(text=SHORT):
+        path = tmp_path / "scenario.yaml"
+        path.write_text(text)
+        return str(path)
+
+    return write
+
+
+@pytest.fixture(scope="module")
+def log_file(tmp_path_factory):
+    path = tmp_path_factory.mktemp("log") / "run.npz"
+    with AtlasSimulation(log=path) as sim:
+        sim.advance_to(0.1)
+    return path
+
+
+# ---- recording ---------------------------------------------------------------
+
+
+def test_a_run_is_logged(scenario, tmp_path, capsys):
+    file = tmp_path / "run.npz"
+    assert main(["run", scenario(), "--headless", "--log", str(file)]) == 0
+    assert f"atlas-drake plot {file}" in capsys.readouterr().out
+    log = read_log(file)
+    assert len(log) == 50
+    assert log.scenario.duration == 0.1
+
+
+@pytest.mark.parametrize("suffix", [".npz", ".mcap", ".parquet"])
+def test_ctrl_c_keeps_what_was_logged(scenario, tmp_path, monkeypatch, suffix):
+    pytest.importorskip({".mcap": "mcap", ".parquet": "pyarrow"}.get(suffix, "numpy"))
+
+    def interrupt(_self, _time, _behavior):
+        signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr(run_command.Progress, "update", interrupt)
+    file = tmp_path / f"run{suffix}"
+    run = ["run", scenario("duration: 60.0\n"), "--headless", "--log", str(file)]
+    assert main(run) == 130
+    assert read_log(file).time[-1] == pytest.approx(run_command.PIECE - 0.002)
+
+
+@pytest.mark.parametrize("error", [RuntimeError("diverged"), KeyboardInterrupt()])
+def test_a_failure_keeps_what_was_logged(scenario, tmp_path, monkeypatch, error):
+    advance = AtlasSimulation._advance_chunk
+
+    def fail(self, t):
+        if self.time > 0.05:
+            raise error
+        advance(self, t)
+
+    monkeypatch.setattr(AtlasSimulation, "_advance_chunk", fail)
+    file = tmp_path / "run.npz"
+    status = main(["run", scenario(), "--headless", "--log", str(file)])
+    assert status == (1 if isinstance(error, RuntimeError) else 130)
+    assert len(read_log(file)) == 30
+
+
+@pytest.mark.parametrize(
+    ("name", "complaint"),
+    [("run.csv", ".mcap, .npz, .parquet"), ("none/run.npz", "there is no folder")],
+)
+def test_a_log_that_cannot_be_written_is_noticed_before_the_run(
+    name, complaint, scenario, tmp_path, capsys, monkeypatch
+):
+    monkeypatch.setattr(run_command, "AtlasSimulation", None)  # must not be reached
+    log = str(tmp_path / name)
+    assert main(["run", scenario(), "--headless", "--log", log]) == 2
+    assert complaint in capsys.readouterr().err
+
+
+# ---- figures -----------------------------------------------------------------
+
+
+def test_both_figures_are_drawn_beside_the_log(log_file, capsys, monkeypatch):
+    pytest.importorskip("plotly")
+    monkeypatch.setattr(png_page, "DPI", 40)
+    assert main(["plot", str(log_file)]) == 0
+    png, html = log_file.with_suffix(".png"), log_file.with_suffix(".html")
+    assert png.read_bytes().startswith(b"\x89PNG")
+    assert html.read_text().rstrip().endswith("</html>")
+    out = capsys.readouterr().out
+    for text in ("Reading", "Drawing", str(png), str(html)):
+        assert text in out
+
+
+def test_figures_are_drawn_where_they_are_wanted(log_file, tmp_path, monkeypatch):
+    monkeypatch.setattr(png_page, "DPI", 40)
+    before = {*log_file.parent.iterdir()}
+    assert main(["plot", str(log_file), "--output", str(tmp_path / "a.png")]) == 0
+    assert [file.name for file in tmp_path.iterdir()] == ["a.png"]
+    assert {*log_file.parent.iterdir()} == before
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (["plot", "LOG", "--output", "TMP/figure.gif"], ".png, .html"),
+        (["plot", "LOG", "--output", "TMP/none/figure.png"], "there is no folder"),
+        (["plot", "TMP/none.npz"], "there is no such file"),
+        (["plot", "TMP/fake.npz"], "no .npz file of a log"),
+        (["plot", "TMP/run.csv"], "must end in"),
+        (["replay", "TMP/none.npz", "--headless", "--record", "TMP/a.html"], "no such"),
+        (["replay", "LOG", "--headless"], "--record"),
+        (["replay", "LOG", "--record", "TMP/none/a.html"], "there is no folder"),
+    ],
+)
+def test_what_cannot_be_done_exits_with_2(
+    arguments, complaint, log_file, tmp_path, capsys
+):
+    (tmp_path / "fake.npz").write_text("no log")
+    (tmp_path / "run.csv").write_text("time\n")
+    line = [a.replace("TMP", str(tmp_path)) for a in arguments]
+    line = [str(log_file) if a == "LOG" else a for a in line]
+    assert main(line) == 2
+    assert complaint in capsys.readouterr().err
+
+
+def test_a_page_that_cannot_be_drawn_leaves_nothing(log_file, tmp_path, monkeypatch):
+    def fail(_page, path):
+        path.write_text("half")
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(log_command, "_drawing", lambda _file: fail)
+    assert main(["plot", str(log_file), "--output", str(tmp_path / "a.png")]) == 130
+    assert [*tmp_path.iterdir()] == []
+
+
+def test_without_plotly_one_is_told_what_to_install(
+    log_file, tmp_path, capsys, monkeypatch
+):
+    import sys
+
+    for name in list(sys.modules):
+        if name.split(".")[0] == "plotly" or name == "atlas_drake.logs.html_page":
+            monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, "plotly", None)
+    assert main(["plot", str(log_file), "--output", str(tmp_path / "a.html")]) == 2
+    assert "pip install plotly" in capsys.readouterr().err
+    # Without a wish there is the picture, and a hint.
+    monkeypatch.setattr(png_page, "DPI", 40)
+    log = tmp_path / "run.npz"
+    log.write_bytes(log_file.read_bytes())
+    assert main(["plot", str(log)]) == 0
+    assert "Left out" in capsys.readouterr().out
+    assert (tmp_path / "run.png").exists()
+    assert not (tmp_path / "run.html").exists()
+
+
+# ---- replay ------------------------------------------------------------------
+
+
+def test_a_replay_is_recorded(log_file, tmp_path, capsys):
+    page = tmp_path / "replay.html"
+    options = ["--headless", "--record", str(page)]
+    assert main(["replay", str(log_file), *options]) == 0
+    assert "Replayed at 0.1 s" in capsys.readouterr().out
+    assert page.read_text().rstrip().endswith("</html>")
+
+
+def test_a_replay_with_view_ends_by_itself_when_nobody_sits_there(log_file, capsys):
+    assert main(["replay", str(log_file), "--realtime-rate", "0"]) == 0
+    assert "Watch at http://localhost" in capsys.readouterr().out
+
+
+def test_ctrl_c_stops_a_replay_and_keeps_its_recording(
+    log_file, tmp_path, capsys, monkeypatch
+):
+    def interrupt(_self, _time, _behavior):
+        signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr(log_command, "PIECE", 0.02)
+    monkeypatch.setattr(log_command.Progress, "update", interrupt)
+    page = tmp_path / "replay.html"
+    options = ["--headless", "--record", str(page)]
+    assert main(["replay", str(log_file), *options]) == 130
+    assert "Stopped at 0.0 s" in capsys.readouterr().out
+    assert page.exists()
+
+
+@pytest.mark.parametrize(
+    ("command", "words"),
+    [
+        ("demo", ["--log", ".mcap", "Foxglove"]),
+        ("plot", ["--output", ".html", "exit status"]),
+        ("replay", ["--record", "--realtime-rate", "--headless"]),
+    ],
+)
+def test_help_explains_logs(command, words, capsys):
+    with pytest.raises(SystemExit) as stop:
+        main([command, "--help"])
+    assert stop.value.code == 0
+    out = capsys.readouterr().out
+    for word in words:
+        assert word in out
