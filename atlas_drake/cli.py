@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import re
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -91,6 +92,10 @@ def _diagram(options: argparse.Namespace) -> int:
 
     written, hint = write_diagram_picture(options.file)
     print(f"Wrote {written}.{hint}")
+    if not options.no_open and written.suffix != ".dot":
+        from atlas_drake.viewer import open_on_desktop
+
+        open_on_desktop(written.resolve().as_uri())
     return EXIT_OK
 
 
@@ -213,6 +218,11 @@ def _parser() -> argparse.ArgumentParser:
         metavar="FILE",
         help="a .svg, .png, .pdf or .dot file (default: %(default)s)",
     )
+    diagram.add_argument(
+        "--no-open",
+        action="store_true",
+        help="do not open the picture where there is a desktop",
+    )
     diagram.set_defaults(run=_diagram)
     return parser
 
@@ -278,7 +288,7 @@ def _add_address_options(view: argparse._ArgumentGroup) -> None:
         "--port",
         type=_port,
         metavar="P",
-        help="port of the 3D view (default: the first free one from 7000)",
+        help="port of the 3D view, or the next free one (default: from 7000)",
     )
     view.add_argument(
         "--host",
@@ -295,6 +305,21 @@ def _add_record_option(keep: argparse._ArgumentGroup) -> None:
         type=Path,
         metavar="FILE.html",
         help="write the 3D animation as one web page that plays without this program",
+    )
+    keep.add_argument(
+        "--video",
+        type=Path,
+        metavar="FILE",
+        help="film the run into a .mp4 or .gif, also with --headless; needs "
+        '`pip install "atlas-drake[video]"` and, for each simulated second, some '
+        "4 s of computing",
+    )
+    keep.add_argument(
+        "--video-size",
+        type=_size,
+        default=(960, 540),
+        metavar="WxH",
+        help="of the video's pictures (default: 960x540)",
     )
 
 
@@ -334,6 +359,15 @@ def _port(text: str) -> int:
     if not (text.isdecimal() and 1024 <= int(text) <= 65535):
         raise argparse.ArgumentTypeError(f"{text!r} is not a port in 1024..65535")
     return int(text)
+
+
+def _size(text: str) -> tuple[int, int]:
+    found = re.fullmatch(r"([0-9]{1,4})x([0-9]{1,4})", text)
+    if found is None or not all(64 <= int(side) <= 4096 for side in found.groups()):
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not a width and height in 64..4096 pixels, such as 960x540"
+        )
+    return int(found[1]), int(found[2])
 
 
 class _Version(argparse.Action):

@@ -115,8 +115,8 @@ def replay_log(options: argparse.Namespace) -> int:
     quiet_logs()
     log = _read(options.log)
     begin, end = float(log.time[0]), float(log.time[-1])
-    meshcat = start_meshcat(options.host, options.port)
     progress = Progress(sys.stdout, end)
+    meshcat = start_meshcat(options.host, options.port, progress)
     if options.record is not None:
         # Before the diagram, whose first picture belongs to the recording.
         meshcat.StartRecording(

@@ -16,7 +16,7 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from atlas_drake.cli import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK
 from atlas_drake.errors import ScenarioError
@@ -32,6 +32,9 @@ from atlas_drake.viewer import (
 )
 from atlas_drake.visualization import FRAME_RATE
 from atlas_drake.visualization.overlays import Overlays
+
+if TYPE_CHECKING:
+    from atlas_drake.visualization.video_display import Video
 
 PIECE = 0.1
 """Simulated time between updates of the progress line [s]."""
@@ -53,18 +56,19 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
         ScenarioError: If anything asked for cannot be done, before anything is.
     """
     apply_options(scenario, options)
-    for option in ("json", "record", "log"):
+    for option in ("json", "record", "video", "log"):
         path = getattr(options, option)
         if path is not None:
             check_writable(f"--{option}", path)
+    video = _video(options)
     if options.log is not None:
         check_format(options.log)
     quiet_logs()
 
     meshcat = None
-    if not options.headless or options.record is not None:
-        meshcat = start_meshcat(options.host, options.port)
     progress = Progress(sys.stdout, scenario.duration)
+    if not options.headless or options.record is not None:
+        meshcat = start_meshcat(options.host, options.port, progress)
     if meshcat is not None and options.record is not None:
         # Before the simulation, whose first picture belongs to the recording.
         meshcat.StartRecording(
@@ -74,6 +78,7 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
     sim = AtlasSimulation(
         scenario,
         meshcat=meshcat,
+        video=video,
         on_event=progress.event,
         overlays=Overlays(options.show),
         log=options.log,
@@ -90,6 +95,8 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
     try:
         stopped = _simulate(sim, progress)
     finally:
+        # Also after a second Ctrl-C: a video that is not finished cannot be played.
+        pictures = sim.close_video()
         if options.log is not None:
             progress.say(f"Completing {options.log} ...")
         sim.close()
@@ -109,6 +116,8 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
         meshcat.PublishRecording()
         options.record.write_text(meshcat.StaticHtml())
         progress.say(f"Wrote {options.record}; open it in a browser.")
+    if video is not None:
+        progress.say(f"Wrote {video.path}, {pictures} pictures.")
     if stopped == INTERRUPTED:
         return EXIT_INTERRUPTED
     if meshcat is not None and not options.headless and interactive():
@@ -212,6 +221,17 @@ def quiet_logs() -> None:
     drake.setLevel(logging.WARNING)
     # Drake warns whenever there is a half space; nothing here is deformable.
     drake.addFilter(lambda record: "deformable contact" not in record.getMessage())
+
+
+def _video(options: argparse.Namespace) -> Video | None:
+    """What is asked of a video, if there is to be one and if it can be made."""
+    if options.video is None:
+        return None
+    from atlas_drake.visualization.video_display import Video
+    from atlas_drake.visualization.video_file import check_video
+
+    check_video(options.video, *options.video_size)
+    return Video(options.video, *options.video_size)
 
 
 def check_writable(option: str, path: Path) -> None:

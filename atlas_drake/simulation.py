@@ -50,6 +50,7 @@ from atlas_drake.visualization.overlays import Overlays
 
 if TYPE_CHECKING:
     from atlas_drake.logs.recorder import LogRecorder
+    from atlas_drake.visualization.video_display import Video
 
 CHUNK = 0.02
 """Simulated time between looks at events, pushes and Ctrl-C [s]."""
@@ -82,6 +83,7 @@ class AtlasSimulation:
         *,
         meshcat: Meshcat | None = None,
         overlays: Overlays | None = None,
+        video: Video | None = None,
         on_event: Callable[[Event], None] | None = None,
         log: str | Path | None = None,
     ):
@@ -92,6 +94,7 @@ class AtlasSimulation:
                 nobody but the caller.
             meshcat: Where to show it; None shows nothing.
             overlays: What of the controller's thoughts is shown there.
+            video: What to film it into, until ``close_video``; None films nothing.
             on_event: Called with each event as it is noticed.
             log: File that records the run, see ``atlas_drake.logs``: .mcap, .npz or
                 .parquet. ``close`` completes it, and so does the end of the program.
@@ -99,6 +102,7 @@ class AtlasSimulation:
         Raises:
             ScenarioError: If the scenario has a value that cannot be used.
             LogError: If the log cannot be written.
+            VideoError: If the video cannot be made.
         """
         self.scenario = (scenario or Scenario()).validate()
         self.robot = load_robot(self.scenario.model)
@@ -128,7 +132,7 @@ class AtlasSimulation:
                 self.robot, literal=self.scenario.programme == "tutorial_literal"
             )
         self.diagram = make_control_mode_switch(
-            self.robot, programme, config, meshcat, overlays, self._recorder
+            self.robot, programme, config, meshcat, overlays, self._recorder, video
         )
         self.station = self.diagram.GetSubsystemByName("station")
         self.plant = self.station.GetSubsystemByName("plant")
@@ -271,6 +275,20 @@ class AtlasSimulation:
     def set_realtime_rate(self, rate: float) -> None:
         """Keeps simulated time at ``rate`` times real time; 0 is as fast as can be."""
         self.simulator.set_target_realtime_rate(rate)
+
+    def close_video(self) -> int:
+        """Finishes the video, of which nothing can be seen before.
+
+        What is simulated later is not filmed.
+
+        Returns:
+            How many pictures it has; 0 if nothing was filmed.
+        """
+        if not self.diagram.HasSubsystemNamed("video"):
+            return 0
+        display = self.diagram.GetSubsystemByName("video")
+        display.close()
+        return display.num_frames
 
     # ---- start ---------------------------------------------------------------
 

@@ -12,6 +12,8 @@ from pydrake.math import RigidTransform, RollPitchYaw
 
 from atlas_drake.errors import ScenarioError
 
+BLOCK_COLOR = np.array([0.80, 0.70, 0.56, 1.0])
+"""Red, green, blue, alpha of the boxes: light wood on the pale ground."""
 _PARALLEL = 1e-12
 """A component of a unit vector below this leads along a face, not through it [-]."""
 

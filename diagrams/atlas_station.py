@@ -32,10 +32,7 @@ from atlas_drake.systems.joint_pid_bank import JointPidBank
 from atlas_drake.systems.robot_sensors import RobotSensors
 from atlas_drake.systems.run_statistics import RunStatistics
 from atlas_drake.systems.state_estimator import StateEstimator
-from atlas_drake.terrain import Block
-
-BLOCK_COLOR = np.array([0.80, 0.70, 0.56, 1.0])
-"""Of the terrain's boxes, red, green, blue, alpha: light wood on the pale ground."""
+from atlas_drake.terrain import BLOCK_COLOR, Block
 
 
 @dataclass(frozen=True)

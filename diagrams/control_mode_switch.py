@@ -18,6 +18,7 @@ from atlas_drake.visualization.overlays import Overlays
 
 if TYPE_CHECKING:
     from atlas_drake.logs.recorder import LogRecorder
+    from atlas_drake.visualization.video_display import Video
 
 
 def make_control_mode_switch(
@@ -27,8 +28,9 @@ def make_control_mode_switch(
     meshcat: Meshcat | None = None,
     overlays: Overlays | None = None,
     recorder: LogRecorder | None = None,
+    video: Video | None = None,
 ) -> Diagram:
-    """Builds scheduler and station, with a 3D view and a recorder if they are given.
+    """Builds scheduler and station; 3D view, recorder and video if they are given.
 
     Input ports, all optional:
         other_atlas_command, other_atlas_sim_interface_command: Messages of a script or
@@ -66,6 +68,10 @@ def make_control_mode_switch(
         from atlas_drake.logs.recorder import add_log_recorder
 
         add_log_recorder(builder, station, recorder)
+    if video is not None:
+        from atlas_drake.visualization.video_display import add_video
+
+        add_video(builder, station, robot, config.terrain, video)
     diagram = builder.Build()
     diagram.set_name("control_mode_switch")
     return diagram

@@ -1,6 +1,6 @@
-"""Makes the pictures of the README from a run of the tutorial.
+"""Makes the pictures and the film of the README from runs of the tutorial.
 
-Needs Chromium for the views and Graphviz for the diagram::
+Needs Chromium for the views, Graphviz for the diagram and the extra ``video``::
 
     python docs/make_pictures.py [--browser chromium]
 """
@@ -9,6 +9,7 @@ Needs Chromium for the views and Graphviz for the diagram::
 
 import argparse
 import subprocess
+import sys
 import tempfile
 from pathlib import Path
 
@@ -25,6 +26,7 @@ from atlas_drake.diagram_picture import write_diagram_picture
 from atlas_drake.visualization.overlays import Overlays
 
 IMAGES = Path(__file__).parent / "images"
+FILM, FILM_SIZE = "demo.mp4", "400x224"
 MOMENTS = {"atlas.png": 10.5, "walk.png": 11.72}
 """Which picture, and when in the tutorial [s]: in the second and in the last step."""
 FIGURES = "figures.png"
@@ -75,6 +77,8 @@ def main() -> None:
     options = parser.parse_args()
     IMAGES.mkdir(exist_ok=True)
     print(f"Wrote {write_diagram_picture(IMAGES / 'diagram.svg')[0]}.")
+    film = ["--headless", "--video", str(IMAGES / FILM), "--video-size", FILM_SIZE]
+    subprocess.run([sys.executable, "-m", "atlas_drake", "demo", *film], check=True)
     meshcat = Meshcat()
     sim = AtlasSimulation(Scenario(programme="tutorial"), meshcat=meshcat)
     for name, time in sorted(MOMENTS.items(), key=lambda item: item[1]):

@@ -1,6 +1,7 @@
 """The command line: what it prints, writes and returns."""
 
 import base64
+import io
 import json
 import logging
 import re
@@ -9,12 +10,16 @@ import signal
 import socket
 import subprocess
 import sys
+import webbrowser
+from pathlib import Path
 
 import pytest
 
 from atlas_drake import run_command
 from atlas_drake.cli import main
+from atlas_drake.progress import Progress
 from atlas_drake.run_command import AFTER_FALL, verdict
+from atlas_drake.viewer import start_meshcat
 
 SUMMARY_KEYS = {
     "success",
@@ -96,6 +101,8 @@ def test_help_names_what_there_is(arguments, words, capsys):
         (["demo", "--seed", "x"], "--seed"),
         (["demo", "--show", "com,aura"], "no overlay 'aura'"),
         (["teleop", "--show", "aura"], "no overlay 'aura'"),
+        (["demo", "--video-size", "960"], "960x540"),
+        (["demo", "--video-size", "10x9000"], "64..4096"),
     ],
 )
 def test_arguments_that_cannot_be_used_exit_with_2(arguments, complaint, capsys):
@@ -151,7 +158,7 @@ def test_options_are_checked_like_the_file(capsys):
     assert "seed" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("option", ["--json", "--record"])
+@pytest.mark.parametrize("option", ["--json", "--record", "--video"])
 def test_a_path_that_cannot_be_written_is_noticed_before_the_run(
     option, scenario, tmp_path, capsys, monkeypatch
 ):
@@ -237,13 +244,55 @@ def test_a_recording_has_the_motion_and_the_caption(
     assert b".visible" in animation
 
 
-def test_a_port_that_is_taken_is_bad_input(scenario, capsys):
+def test_instead_of_a_port_in_use_the_next_free_one_is_taken(scenario, capsys):
     with socket.socket() as taken:
         taken.bind(("localhost", 0))
         taken.listen()
-        port = str(taken.getsockname()[1])
-        assert main(["run", scenario(SHORT), "--port", port]) == 2
-    assert port in capsys.readouterr().err
+        port = taken.getsockname()[1]
+        options = ["--port", str(port), "--realtime-rate", "0"]
+        assert main(["run", scenario(SHORT), *options]) == 0
+    out = capsys.readouterr().out
+    found = re.search(rf"Port {port} is in use; the 3D view is on (\d+)\.", out)
+    assert int(found[1]) > port
+    assert f"Watch at http://localhost:{found[1]}" in out
+
+
+def test_several_views_side_by_side_have_ports_of_their_own():
+    first = start_meshcat("localhost", None, Progress(io.StringIO(), 1.0))
+    said = io.StringIO()
+    second = start_meshcat("localhost", first.port(), Progress(said, 1.0))
+    third = start_meshcat("localhost", None, Progress(io.StringIO(), 1.0))
+    assert len({first.port(), second.port(), third.port()}) == 3
+    assert f"Port {first.port()} is in use" in said.getvalue()
+
+
+def test_the_view_is_for_this_computer_only_unless_told_otherwise(scenario, capsys):
+    def listening(port):
+        """Addresses, as the kernel writes them: 127.0.0.1 is 0100007F."""
+        rows = [
+            line.split()
+            for file in ("/proc/net/tcp", "/proc/net/tcp6")
+            for line in Path(file).read_text().splitlines()[1:]
+        ]
+        ends = [row[1].rsplit(":", 1) for row in rows if row[3] == "0A"]
+        return {address for address, at in ends if int(at, 16) == port}
+
+    if not Path("/proc/net/tcp").is_file():
+        pytest.skip("only Linux lists its sockets in /proc")
+    said = Progress(io.StringIO(), 1.0)
+    local = start_meshcat("localhost", None, said)
+    assert listening(local.port()) <= {"0100007F", "0" * 24 + "01000000"}
+    assert listening(local.port())
+    everywhere = start_meshcat("*", None, said)
+    assert listening(everywhere.port()) & {"0" * 8, "0" * 32}
+
+
+def test_a_host_that_is_not_this_computer_is_bad_input(scenario, capsys):
+    # Addresses set aside for documentation belong to nobody.
+    assert main(["run", scenario(SHORT), "--host", "192.0.2.1"]) == 2
+    error = capsys.readouterr().err
+    assert "--host" in error
+    assert "192.0.2.1" in error
 
 
 @pytest.mark.slow
@@ -349,8 +398,25 @@ def test_the_diagram_is_drawn_as_it_is_wired(tmp_path, capsys):
 @pytest.mark.skipif(shutil.which("dot") is None, reason="Graphviz is not installed")
 def test_the_diagram_becomes_a_picture(tmp_path):
     file = tmp_path / "diagram.svg"
-    assert main(["diagram", str(file)]) == 0
+    assert main(["diagram", str(file), "--no-open"]) == 0
     assert "behavior_controller" in file.read_text()
+
+
+@pytest.mark.skipif(shutil.which("dot") is None, reason="Graphviz is not installed")
+def test_the_picture_opens_where_there_is_a_desktop(tmp_path, monkeypatch):
+    opened = []
+    monkeypatch.setattr(webbrowser, "open", lambda address: not opened.append(address))
+    monkeypatch.setattr(sys, "platform", "linux")
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    monkeypatch.delenv("DISPLAY", raising=False)
+    file = tmp_path / "diagram.svg"
+    assert main(["diagram", str(file)]) == 0
+    assert opened == []
+    monkeypatch.setenv("DISPLAY", ":0")
+    assert main(["diagram", str(file), "--no-open"]) == 0
+    assert opened == []
+    assert main(["diagram", str(file)]) == 0
+    assert opened == [file.as_uri()]
 
 
 def test_without_graphviz_there_is_its_source_and_a_hint(tmp_path, capsys, monkeypatch):

@@ -23,7 +23,7 @@ from atlas_drake.simulation import AtlasSimulation, SimulationError
 from atlas_drake.teleop.controls import legend
 from atlas_drake.teleop.panel import Panel
 from atlas_drake.teleop.session import Session
-from atlas_drake.viewer import interactive, open_browser, start_meshcat
+from atlas_drake.viewer import interactive, open_on_desktop, start_meshcat
 from atlas_drake.visualization.overlays import Overlays
 
 
@@ -43,8 +43,8 @@ def run_teleop(scenario: Scenario, options: argparse.Namespace) -> int:
     apply_options(scenario, options)
     quiet_logs()
     overlays = Overlays(options.show)
-    meshcat = start_meshcat(options.host, options.port)
     progress = Progress(sys.stdout, options.duration)
+    meshcat = start_meshcat(options.host, options.port, progress)
     sim = AtlasSimulation(
         scenario, meshcat=meshcat, on_event=progress.event, overlays=overlays
     )
@@ -54,7 +54,7 @@ def run_teleop(scenario: Scenario, options: argparse.Namespace) -> int:
             f"Steer at {meshcat.web_url()}; Ctrl-C here ends it.\n\n{legend()}\n"
         )
         if interactive():
-            open_browser(meshcat)
+            open_on_desktop(meshcat.web_url())
         failure = _steer(sim, session, progress, options.duration, asked_to_stop)
     summary = sim.summary()
     # Nobody but the one who steered knows what was to be achieved.

@@ -66,6 +66,12 @@ class FootstepMark:
     yaw: float
     z: float = 0.0
 
+    @property
+    def X_WF(self) -> RigidTransform:
+        """Pose of what is drawn."""
+        p_WF: Any = np.array([self.x, self.y, self.z + self.kind.value])
+        return RigidTransform(RotationMatrix.MakeZRotation(self.yaw), p_WF)
+
 
 def footstep_marks(
     request: BehaviorRequest, report: AtlasSimInterfaceState, events: Iterable[Event]
@@ -171,6 +177,28 @@ def sole_outline(sole: SoleSize) -> NDArray[np.float64]:
     return outline
 
 
+def mark_triangles(
+    kind: Kind, outline: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+    """The shape of a mark: filled, an outline, or dashes.
+
+    Args:
+        kind: Of the mark.
+        outline: Of the sole, see ``sole_outline``.
+
+    Returns:
+        Vertices in the sole frame [m], shape (3, any), and triangles, shape (3, any).
+    """
+    if kind is Kind.LANDED:
+        last = outline.shape[1] - 1
+        fan = [[0, i, i + 1] for i in range(1, last)]
+        return outline, np.array(fan, dtype=np.int32).T
+    every = slice(None, None, 2 if kind is Kind.SATURATED else 1)
+    starts = outline[:, every]
+    ends = np.roll(outline, -1, axis=1)[:, every]
+    return ribbons(starts, ends, LINE_WIDTH)
+
+
 class FootstepDisplay(LeafSystem):
     """Draws footsteps: outlines where commanded, filled where landed.
 
@@ -205,18 +233,7 @@ class FootstepDisplay(LeafSystem):
     def _draw(self, path: str, mark: object) -> None:
         assert isinstance(mark, FootstepMark)
         color = COLORS[mark.foot]
-        outline = self._outline
         if mark.kind is Kind.LANDED:
-            last = outline.shape[1] - 1
-            fan = [[0, i, i + 1] for i in range(1, last)]
             color = Rgba(color.r(), color.g(), color.b(), LANDED_OPACITY)
-            faces = np.array(fan, dtype=np.int32).T
-            draw_flat(self._meshcat, path, outline, faces, color)
-        else:
-            every = slice(None, None, 2 if mark.kind is Kind.SATURATED else 1)
-            starts = outline[:, every]
-            ends = np.roll(outline, -1, axis=1)[:, every]
-            draw_flat(self._meshcat, path, *ribbons(starts, ends, LINE_WIDTH), color)
-        R_WF = RotationMatrix.MakeZRotation(mark.yaw)
-        p_WF: Any = np.array([mark.x, mark.y, mark.z + mark.kind.value])
-        self._meshcat.SetTransform(path, RigidTransform(R_WF, p_WF))
+        draw_flat(self._meshcat, path, *mark_triangles(mark.kind, self._outline), color)
+        self._meshcat.SetTransform(path, mark.X_WF)

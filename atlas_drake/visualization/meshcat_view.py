@@ -36,7 +36,7 @@ def add_meshcat_view(
 
     Args:
         builder: Of the diagram that holds the station.
-        station: An AtlasStation.
+        station: An AtlasStation, or what has some of its output ports.
         robot: Its robot.
         meshcat: Where to show it.
         overlays: What of the controller's thoughts is shown; it may change later.
@@ -52,23 +52,33 @@ def add_meshcat_view(
             publish_period=period, enable_alpha_slider=False, prefix=VISUALIZER
         ),
     )
-    plant: Any = station.GetSubsystemByName("plant")
-    links = {
-        name: f"{VISUALIZER}/{robot.name}/{_moved_by(plant, name)}"
-        for name in robot.joint_names
-    }
     displays: list[tuple[str, LeafSystem]] = [
         ("footstep_display", FootstepDisplay(meshcat, robot.file.sole, period)),
         ("caption_display", CaptionDisplay(meshcat, overlays, period)),
         ("following_camera", FollowingCamera(meshcat, overlays, period)),
         ("balance_marks", BalanceMarks(meshcat, robot, overlays, period)),
         ("contact_force_display", ContactForces(meshcat, overlays, period)),
-        (
-            "control_colors",
-            ControlColors(meshcat, visualizer, robot, links, overlays, period),
-        ),
     ]
+    if station.HasSubsystemNamed("plant"):
+        plant: Any = station.GetSubsystemByName("plant")
+        links = {
+            name: f"{VISUALIZER}/{robot.name}/{_moved_by(plant, name)}"
+            for name in robot.joint_names
+        }
+        colors = ControlColors(meshcat, visualizer, robot, links, overlays, period)
+        displays.append(("control_colors", colors))
+    offered = {
+        station.get_output_port(index).get_name()
+        for index in range(station.num_output_ports())
+    }
     for name, display in displays:
+        wanted = {
+            display.get_input_port(index).get_name()
+            for index in range(display.num_input_ports())
+        }
+        # What replays a log has no thoughts of a controller to show.
+        if not wanted <= offered:
+            continue
         builder.AddNamedSystem(name, display)
         for index in range(display.num_input_ports()):
             port = display.get_input_port(index)

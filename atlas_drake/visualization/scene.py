@@ -31,7 +31,7 @@ CAMERA_POSITION: Array = np.array([3.3, -2.5, 1.45])
 CAMERA_TARGET: Array = np.array([0.2, 0.0, 0.98])
 """In W [m]: three quarters from the front, start and end of the tutorial in view."""
 
-SUN_POSITION = np.array([2.5, -1.0, 6.0])
+SUN_POSITION = np.array([2.0, -3.0, 6.0])
 """Of the lamp that throws the shadows, in W [m]."""
 
 
@@ -70,10 +70,10 @@ def _add_ground(meshcat: Meshcat) -> None:
 def _add_light(meshcat: Meshcat) -> None:
     """One lamp from above with soft shadows; the others do not fade with distance."""
     for name, intensity in (
-        ("PointLightNegativeX", 0.5),
-        ("PointLightPositiveX", 0.4),
-        ("FillLight", 0.4),
-        ("AmbientLight", 1.35),
+        ("PointLightNegativeX", 0.35),
+        ("PointLightPositiveX", 0.35),
+        ("FillLight", 0.3),
+        ("AmbientLight", 0.75),
     ):
         meshcat.SetProperty(f"/Lights/{name}/<object>", "intensity", intensity)
     for name in ("PointLightNegativeX", "PointLightPositiveX"):
@@ -84,7 +84,7 @@ def _add_light(meshcat: Meshcat) -> None:
     sun += "/<object>"
     meshcat.SetProperty(sun, "position", SUN_POSITION.tolist())
     for name, value in (
-        ("intensity", 1.8),
+        ("intensity", 2.2),
         ("decay", 0.0),
         ("angle", 1.25),
         ("penumbra", 1.0),

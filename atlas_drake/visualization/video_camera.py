@@ -1,0 +1,55 @@
+"""A camera that follows the robot from the front and the side.
+
+Where it stands and looks; taking the picture is the business of ``video_stage``.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydrake.math import RigidTransform, RotationMatrix
+
+Vector = NDArray[np.float64]
+
+OFFSET_H: Vector = np.array([3.6, -2.6, 0.45])
+"""From what is looked at to the lens, in axes H: x is the robot's first heading [m]."""
+TARGET_ABOVE_PELVIS: Vector = np.array([0.0, 0.0, 0.06])
+"""What is looked at: the middle of the robot's height, with room for a caption [m]."""
+LAG = 0.5
+"""Time constant with which the camera follows [s]: it does not sway with each step."""
+
+
+def follow(target: Vector | None, p_WP: Vector, elapsed: float) -> Vector:
+    """What the camera looks at next.
+
+    Args:
+        target: What it looked at last, in W [m]; None at the beginning.
+        p_WP: Position of the pelvis [m].
+        elapsed: Time since then [s].
+
+    Returns:
+        A point in W [m], shape (3,).
+    """
+    wanted = p_WP + TARGET_ABOVE_PELVIS
+    if target is None:
+        return wanted
+    share: float = -math.expm1(-elapsed / LAG)
+    return target + share * (wanted - target)
+
+
+def camera_pose(target: Vector, yaw: float) -> RigidTransform:
+    """Pose of the camera, x to the right in the picture, y down and z ahead.
+
+    Args:
+        target: What it looks at, in W [m].
+        yaw: Of the axes H in W [rad].
+    """
+    p_TC: Any = RotationMatrix.MakeZRotation(yaw).multiply(OFFSET_H)
+    ahead = -p_TC / np.linalg.norm(p_TC)
+    right = np.cross(ahead, [0.0, 0.0, 1.0])
+    right /= np.linalg.norm(right)
+    axes: Any = np.column_stack([right, np.cross(ahead, right), ahead])
+    return RigidTransform(RotationMatrix(axes), target + p_TC)

@@ -1,0 +1,162 @@
+"""Films a run: the robot, its footsteps and a caption, followed by a camera.
+
+Reads ports and hands pictures to a file; nothing here changes what is simulated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydrake.common.eigen_geometry import Quaternion
+from pydrake.common.value import AbstractValue
+from pydrake.math import RollPitchYaw
+from pydrake.systems.framework import Context, DiagramBuilder, LeafSystem, System
+
+from atlas_drake.robot import Robot
+from atlas_drake.terrain import Block
+from atlas_drake.visualization.caption import caption_of
+from atlas_drake.visualization.footsteps import footstep_marks
+from atlas_drake.visualization.video_camera import camera_pose, follow
+from atlas_drake.visualization.video_file import VideoFile
+from atlas_drake.visualization.video_stage import VideoStage
+
+VIDEO_RATE = 25
+"""Pictures per simulated second [1/s]."""
+TITLE_HEIGHT, NOTE_HEIGHT, MARGIN = 0.055, 0.030, 0.045
+"""Of the caption's letters and its distance from the edges, as shares of the height."""
+INK = (33, 43, 56)
+"""Red, green and blue of the letters."""
+ACCENTS = ((60, 125, 225), (235, 135, 50), (160, 190, 230), (235, 195, 160))
+"""Red, green and blue of footsteps as they look in the light."""
+
+
+@dataclass(frozen=True)
+class Video:
+    """What is asked of a video: where to, and how large its pictures are [pixel]."""
+
+    path: Path
+    width: int = 960
+    height: int = 540
+
+
+class VideoDisplay(LeafSystem):
+    """Takes a picture every 1 / VIDEO_RATE seconds.
+
+    What it has seen and where its camera looks is, as with Drake's own writers of
+    videos, a fact about the file and not state of the simulation.
+
+    Input ports:
+        state: Of the plant, configuration first.
+        commands: ``CommandsInForce``
+        controller_state: ``ControllerState``
+        atlas_sim_interface_state: ``AtlasSimInterfaceState``
+    """
+
+    def __init__(
+        self, video: Video, robot: Robot, terrain: Sequence[Block], num_states: int
+    ) -> None:
+        """Opens the file.
+
+        Args:
+            video: What is asked for.
+            robot: Who is seen.
+            terrain: Boxes on the ground.
+            num_states: Size of the plant's state.
+
+        Raises:
+            VideoError: If the video cannot be made.
+        """
+        super().__init__()
+        self._file = VideoFile(
+            video.path, VIDEO_RATE, video.width, video.height, ACCENTS
+        )
+        self._stage = VideoStage(robot, terrain, video.width, video.height)
+        self._state = self.DeclareVectorInputPort("state", num_states)
+        self._commands, self._controller, self._report = (
+            self.DeclareAbstractInputPort(name, AbstractValue.Make(None))
+            for name in ("commands", "controller_state", "atlas_sim_interface_state")
+        )
+        self._target: NDArray[np.float64] | None = None
+        self._yaw = 0.0
+        self.DeclarePeriodicPublishEvent(1.0 / VIDEO_RATE, 0.0, self._publish)
+
+    @property
+    def num_frames(self) -> int:
+        """How many pictures the video has."""
+        return self._file.num_frames
+
+    def close(self) -> None:
+        """Finishes the file; what is simulated later is not filmed."""
+        self._file.close()
+
+    def _publish(self, context: Context) -> None:
+        q = self._state.Eval(context)[: self._stage.num_positions]
+        commands: Any = self._commands.Eval(context)
+        report: Any = self._report.Eval(context)
+        controller: Any = self._controller.Eval(context)
+        if self._target is None:
+            self._yaw = RollPitchYaw(
+                Quaternion(q[:4] / np.linalg.norm(q[:4]))
+            ).yaw_angle()
+        self._target = follow(self._target, q[4:7], 1.0 / VIDEO_RATE)
+        marks = footstep_marks(commands.request, report, controller.supervisor.events)
+        pose = camera_pose(self._target, self._yaw)
+        picture = self._stage.picture(q, marks, pose)
+        self._file.add(with_caption(picture, *caption_of(report), context.get_time()))
+
+
+def with_caption(
+    picture: NDArray[np.uint8], title: str, note: str, time: float
+) -> NDArray[np.uint8]:
+    """The picture with title and note in its upper left corner, and the time.
+
+    Args:
+        picture: Shape (height, width, 3).
+        title: What the robot does.
+        note: Whose joints are whose.
+        time: Simulated time [s].
+    """
+    from PIL import Image, ImageDraw, ImageFont
+
+    image = Image.fromarray(picture)
+    height, margin = image.height, MARGIN * image.height
+    draw = ImageDraw.Draw(image)
+    large = ImageFont.load_default(TITLE_HEIGHT * height)
+    small = ImageFont.load_default(NOTE_HEIGHT * height)
+    draw.text((margin, margin), title.upper(), INK, large)
+    draw.text((margin, margin + 1.3 * TITLE_HEIGHT * height), note, INK, small)
+    right = image.width - margin
+    draw.text((right, margin), f"{time:.1f} s", INK, small, anchor="ra")
+    return np.array(image)
+
+
+def add_video(
+    builder: DiagramBuilder,
+    station: System,
+    robot: Robot,
+    terrain: Sequence[Block],
+    video: Video,
+) -> None:
+    """Adds a ``VideoDisplay`` named ``video`` to a diagram that holds a station.
+
+    Args:
+        builder: Of the diagram.
+        station: An AtlasStation.
+        robot: Its robot.
+        terrain: Its boxes.
+        video: What is asked for.
+
+    Raises:
+        VideoError: If the video cannot be made.
+    """
+    num_states = station.GetOutputPort("state").size()
+    display = VideoDisplay(video, robot, terrain, num_states)
+    builder.AddNamedSystem("video", display)
+    for index in range(display.num_input_ports()):
+        port = display.get_input_port(index)
+        builder.Connect(station.GetOutputPort(port.get_name()), port)

@@ -1,0 +1,149 @@
+"""Pictures into a file: MP4 with H.264, or an animated GIF, one picture at a time.
+
+Knows nothing of robots. Its packages are an extra, loaded when needed.
+"""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Sequence
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from atlas_drake.errors import AtlasError
+
+ENDINGS = (".mp4", ".gif")
+INSTALL = 'pip install "atlas-drake[video]"'
+PACKAGES = ("av", "PIL")
+"""What the extra installs: encoders, and text and palettes."""
+QUALITY = "23"
+"""Constant rate factor of H.264: 18 is faultless, 28 visibly poor."""
+
+
+class VideoError(AtlasError):
+    """A video cannot be made as asked."""
+
+
+def check_video(path: Path, width: int, height: int) -> None:
+    """Refuses what could not be made, before anything is.
+
+    Args:
+        path: Of the file to be; its ending is one of ENDINGS.
+        width: Of the pictures [pixel].
+        height: Of the pictures [pixel].
+
+    Raises:
+        VideoError: If the ending is unknown, a package is missing, or the format
+            cannot have this size.
+    """
+    if path.suffix not in ENDINGS:
+        raise VideoError(f"--video: {path}: must end in {' or '.join(ENDINGS)}")
+    if path.suffix == ".mp4" and (width % 2 or height % 2):
+        raise VideoError(f"--video-size: {width}x{height}: an .mp4 needs even numbers")
+    for package in PACKAGES:
+        try:
+            importlib.import_module(package)
+        except ImportError as error:
+            raise VideoError(
+                f"--video: needs packages that are not installed: {INSTALL}"
+            ) from error
+
+
+class VideoFile:
+    """Encodes pictures as they come, so that a long video needs no memory."""
+
+    def __init__(
+        self,
+        path: Path,
+        rate: int,
+        width: int,
+        height: int,
+        accents: Sequence[tuple[int, int, int]] = (),
+    ) -> None:
+        """Opens the file.
+
+        Args:
+            path: Where to; the ending is one of ENDINGS.
+            rate: Pictures per second.
+            width: Of the pictures [pixel].
+            height: Of the pictures [pixel].
+            accents: Red, green and blue of colours that come later in a video and
+                that a GIF, whose first picture decides its palette, shall have.
+
+        Raises:
+            VideoError: See ``check_video``.
+        """
+        check_video(path, width, height)
+        import av
+
+        gif = path.suffix == ".gif"
+        options = {"movflags": "+faststart"} if not gif else {}
+        self._container: Any = av.open(str(path), "w", options=options)
+        self._stream = self._container.add_stream("gif" if gif else "libx264", rate)
+        self._stream.width, self._stream.height = width, height
+        self._stream.pix_fmt = "pal8" if gif else "yuv420p"
+        if not gif:
+            self._stream.options = {"crf": QUALITY}
+        self._time_base = Fraction(1, rate)
+        self._palette: Any = None
+        self._gif, self._accents = gif, accents
+        self.num_frames = 0
+
+    def add(self, picture: NDArray[np.uint8]) -> None:
+        """Appends a picture; does nothing when the file is closed.
+
+        Args:
+            picture: Red, green and blue, shape (height, width, 3).
+        """
+        if self._container is None:
+            return
+        frame = self._indexed(picture) if self._gif else self._coloured(picture)
+        frame.pts, frame.time_base = self.num_frames, self._time_base
+        self._container.mux(self._stream.encode(frame))
+        self.num_frames += 1
+
+    def close(self) -> None:
+        """Finishes the file; only then it can be played."""
+        if self._container is None:
+            return
+        if self.num_frames:
+            self._container.mux(self._stream.encode())
+        self._container.close()
+        self._container = None
+
+    def _coloured(self, picture: NDArray[np.uint8]) -> Any:
+        import av
+
+        return av.VideoFrame.from_ndarray(picture, format="rgb24")
+
+    def _indexed(self, picture: NDArray[np.uint8]) -> Any:
+        """In the 256 colours that suit the first picture: nothing flickers."""
+        import av
+        from PIL import Image
+
+        image = Image.fromarray(picture)
+        if self._palette is None:
+            self._palette = _palette(image, self._accents)
+        indexed = image.quantize(palette=self._palette, dither=Image.Dither.NONE)
+        colors = np.array(indexed.getpalette("RGB"), dtype=np.uint8).reshape(-1, 3)
+        palette = np.zeros((256, 4), dtype=np.uint8)  # Alpha, red, green, blue.
+        palette[: len(colors), 1:], palette[:, 0] = colors, 255
+        both: Any = (np.array(indexed), palette)
+        return av.VideoFrame.from_ndarray(both, format="pal8")
+
+
+def _palette(image: Any, accents: Sequence[tuple[int, int, int]]) -> Any:
+    """An image whose palette has the colours of another and the accents."""
+    from PIL import Image
+
+    indexed = image.quantize(256 - len(accents), method=Image.Quantize.FASTOCTREE)
+    colors = [*indexed.getpalette("RGB")]
+    for accent in accents:
+        colors += accent
+    palette = Image.new("P", (1, 1))
+    palette.putpalette(colors)
+    return palette

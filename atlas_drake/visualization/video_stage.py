@@ -1,0 +1,222 @@
+"""The robot's world for Drake's own renderer, which needs neither window nor browser.
+
+A copy of robot and terrain to be posed and looked at. The simulation never sees it, so
+that filming changes nothing. What is done with the pictures is in ``video_display``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from pydrake.common import MemoryFile
+from pydrake.geometry import (
+    Box,
+    ClippingRange,
+    ColorRenderCamera,
+    GeometryId,
+    GeometryInstance,
+    InMemoryMesh,
+    LightParameter,
+    MakeRenderEngineVtk,
+    Mesh,
+    PerceptionProperties,
+    RenderCameraCore,
+    RenderEngineVtkParams,
+    RenderLabel,
+    Rgba,
+    SceneGraph,
+)
+from pydrake.math import RigidTransform
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.systems.framework import DiagramBuilder
+from pydrake.systems.sensors import CameraInfo
+
+from atlas_drake.robot import Robot
+from atlas_drake.terrain import BLOCK_COLOR, Block
+from atlas_drake.visualization.footsteps import (
+    COLORS,
+    LANDED_OPACITY,
+    FootstepMark,
+    Kind,
+    mark_triangles,
+    sole_outline,
+)
+from atlas_drake.visualization.ribbons import ribbons
+from atlas_drake.visualization.video_camera import camera_pose
+
+Picture = NDArray[np.uint8]
+"""Red, green and blue of each pixel, shape (height, width, 3)."""
+
+FIELD_OF_VIEW = 32.0
+"""Of the camera, upright [degree]."""
+NEAR, FAR = 0.1, 100.0
+"""What the camera sees, from its lens [m]."""
+SKY = np.array([0.84, 0.90, 0.95])
+GROUND_COLOR = np.array([0.86, 0.87, 0.88, 1.0])
+GROUND_SIZE, GROUND_THICKNESS = 160.0, 0.02
+"""[m]"""
+GRID_SIZE, GRID_SPACING, GRID_LIFT = 12.0, 0.5, 0.002
+"""[m]"""
+GRID_WIDTH, GRID_COLOR = 0.012, np.array([0.75, 0.78, 0.81, 1.0])
+SHADOW_MAP = 2048
+"""Side of the shadow map [pixel]."""
+LAMP, LAMP_INTENSITY, LAMP_CONE = np.array([3.0, -5.0, 9.0]), 1.7, 62.0
+"""From what is looked at, in axes H [m]; brightness; half angle [degree]."""
+FILL, FILL_INTENSITY = np.array([45.0, 3.0, 45.0]), 2.0
+"""The lamp without shadow: from what is looked at, in axes H [m]; brightness."""
+_RENDERER = "vtk"
+
+
+class VideoStage:
+    """Takes pictures of the robot in any pose."""
+
+    def __init__(
+        self, robot: Robot, terrain: Sequence[Block], width: int, height: int
+    ) -> None:
+        """Sets up the scene.
+
+        Args:
+            robot: Who is seen.
+            terrain: Boxes on the ground.
+            width: Of the pictures [pixel].
+            height: Of the pictures [pixel].
+        """
+        self._outline = sole_outline(robot.file.sole)
+        builder = DiagramBuilder()
+        self._scene_graph = builder.AddSystem(SceneGraph())
+        self._plant = builder.AddSystem(MultibodyPlant(0.0))
+        self._plant.RegisterAsSourceForSceneGraph(self._scene_graph)
+        robot.add_to(self._plant)
+        self._add_ground(terrain)
+        self._plant.Finalize()
+        builder.Connect(
+            self._plant.get_geometry_pose_output_port(),
+            self._scene_graph.get_source_pose_port(self._plant.get_source_id()),
+        )
+        self._source = self._scene_graph.RegisterSource("footsteps")
+        self._diagram = builder.Build()
+        self._camera = ColorRenderCamera(
+            RenderCameraCore(
+                _RENDERER,
+                CameraInfo(width, height, np.radians(FIELD_OF_VIEW)),
+                ClippingRange(NEAR, FAR),
+                RigidTransform(),
+            )
+        )
+        self._scene_graph.AddRenderer(_RENDERER, MakeRenderEngineVtk(_looks()))
+        self._context = self._diagram.CreateDefaultContext()
+        self._shown: dict[FootstepMark, GeometryId] = {}
+        self._drawn = 0
+
+    @property
+    def num_positions(self) -> int:
+        """Length of the robot's configuration, quaternion and position first."""
+        return self._plant.num_positions()
+
+    def picture(
+        self,
+        q: NDArray[np.float64],
+        marks: Iterable[FootstepMark],
+        X_WC: RigidTransform,
+    ) -> Picture:
+        """Takes one picture.
+
+        Args:
+            q: Configuration of the robot, as the plant orders it.
+            marks: Footsteps to be seen.
+            X_WC: Pose of the camera, z ahead and y down.
+        """
+        context = self._plant.GetMyMutableContextFromRoot(self._context)
+        self._plant.SetPositions(context, q)
+        self._show(set(marks))
+        own = self._scene_graph.GetMyContextFromRoot(self._context)
+        query = self._scene_graph.get_query_output_port().Eval(own)
+        world = SceneGraph.world_frame_id()
+        image = query.RenderColorImage(self._camera, world, X_WC)
+        return np.array(image.data[:, :, :3])
+
+    def _show(self, marks: set[FootstepMark]) -> None:
+        context = self._scene_graph.GetMyMutableContextFromRoot(self._context)
+        for mark in set(self._shown) - marks:
+            geometry = self._shown.pop(mark)
+            self._scene_graph.RemoveGeometry(context, self._source, geometry)
+        for mark in marks - set(self._shown):
+            shape = _mesh(*mark_triangles(mark.kind, self._outline))
+            self._drawn += 1
+            instance = GeometryInstance(mark.X_WF, shape, str(self._drawn))
+            instance.set_perception_properties(_painted(_color(mark)))
+            self._shown[mark] = self._scene_graph.RegisterGeometry(
+                context, self._source, SceneGraph.world_frame_id(), instance
+            )
+
+    def _add_ground(self, terrain: Sequence[Block]) -> None:
+        plant, world = self._plant, self._plant.world_body()
+        slab = Box(GROUND_SIZE, GROUND_SIZE, GROUND_THICKNESS)
+        X_WS = RigidTransform([0.0, 0.0, -0.5 * GROUND_THICKNESS])
+        plant.RegisterVisualGeometry(world, X_WS, slab, "ground", GROUND_COLOR)
+        at = np.arange(-0.5 * GRID_SIZE, 0.5 * GRID_SIZE + 1e-9, GRID_SPACING)
+        end, flat = np.full(at.size, 0.5 * GRID_SIZE), np.zeros(at.size)
+        starts = np.hstack([[at, -end, flat], [-end, at, flat]])
+        ends = np.hstack([[at, end, flat], [end, at, flat]])
+        grid = _mesh(*ribbons(starts, ends, GRID_WIDTH))
+        X_WG = RigidTransform([0.0, 0.0, GRID_LIFT])
+        plant.RegisterVisualGeometry(world, X_WG, grid, "grid", GRID_COLOR)
+        for number, block in enumerate(terrain):
+            box = Box(np.array(block.size))
+            name = f"terrain_{number}"
+            plant.RegisterVisualGeometry(world, block.X_WC, box, name, BLOCK_COLOR)
+
+
+def _mesh(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> Mesh:
+    """Triangles that are seen from above, as the renderer reads them."""
+    lines = [f"v {x:.5f} {y:.5f} {z:.5f}" for x, y, z in vertices.T]
+    lines.append("vn 0 0 1")
+    lines += ["f " + " ".join(f"{i + 1}//1" for i in face) for face in faces.T]
+    file = MemoryFile("\n".join(lines) + "\n", ".obj", "triangles")
+    return Mesh(InMemoryMesh(mesh_file=file))
+
+
+def _color(mark: FootstepMark) -> Rgba:
+    """Of a mark; a landed one is pale, as see-through ones are not drawn reliably."""
+    color = COLORS[mark.foot]
+    if mark.kind is not Kind.LANDED:
+        return color
+    rgb = np.array([color.r(), color.g(), color.b()])
+    return Rgba(*(LANDED_OPACITY * rgb + (1.0 - LANDED_OPACITY) * GROUND_COLOR[:3]))
+
+
+def _painted(color: Rgba) -> PerceptionProperties:
+    properties = PerceptionProperties()
+    properties.AddProperty("phong", "diffuse", color)
+    properties.AddProperty("label", "id", RenderLabel.kDontCare)
+    return properties
+
+
+def _looks() -> RenderEngineVtkParams:
+    """Lamps hang in the camera's frame, so that they follow the robot with it."""
+    X_CT = camera_pose(np.zeros(3), 0.0).inverse()
+    p_CT = X_CT.translation()
+
+    def lamp(
+        p_TL: NDArray[np.float64], intensity: float, cone: float
+    ) -> LightParameter:
+        position = X_CT @ p_TL
+        return LightParameter(
+            type="spot" if cone else "point",
+            frame="camera",
+            position=position,
+            direction=p_CT - position,
+            intensity=intensity,
+            cone_angle=cone,
+        )
+
+    lights = [lamp(LAMP, LAMP_INTENSITY, LAMP_CONE)]
+    lights += [lamp(FILL, FILL_INTENSITY, 0.0)]
+    return RenderEngineVtkParams(
+        default_clear_color=SKY,
+        lights=lights,
+        cast_shadows=True,
+        shadow_map_size=SHADOW_MAP,
+    )

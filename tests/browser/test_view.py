@@ -1,0 +1,160 @@
+"""The 3D view as a browser shows it: live, and as a recording without a network.
+
+What is in the scene is asked of the page; that it can be seen is checked by pixels.
+"""
+
+import json
+
+import numpy as np
+import pytest
+from pydrake.geometry import Meshcat, MeshcatParams
+
+from atlas_drake import AtlasSimInterfaceCommand, AtlasSimulation
+from atlas_drake.cli import main
+
+pytestmark = pytest.mark.slow
+
+ROBOT = ["drake", "visualizer", "atlas"]
+CAPTION = ["Cameras", "default", "rotated", "<object>", "caption"]
+FOOTSTEPS = ["atlas_drake", "footsteps"]
+LINKS = ("pelvis", "utorso", "head", "l_foot", "r_foot", "l_hand", "r_hand")
+VISIBLE = 30
+"""Difference between two colours that anybody sees, of 255."""
+FOOT_PIXELS = 12
+"""How far a sole may seem to be from where the ground is [pixel]."""
+
+
+def node(path):
+    """JavaScript for a node of Meshcat's tree."""
+    return f"viewer.scene_tree.find({json.dumps(path)})"
+
+
+def wait_for_robot(page):
+    """Until the meshes, which are loaded one by one, are all there."""
+    page.wait_until("typeof viewer !== 'undefined'")
+    page.wait_until(f"'pelvis' in {node(ROBOT)}.children")
+    count = (
+        f"(() => {{ let n = 0; {node(ROBOT)}.object.traverse("
+        "o => { n += o.isMesh ? 1 : 0 }); return n })()"
+    )
+    page.wait_until(f"{count} >= {len(LINKS)}")
+    seen = -1
+    while seen != (now := page.evaluate(count)):
+        seen = now
+        page.picture()
+
+
+def position(page, link):
+    """Of a link in W [m]; the browser's y axis points up."""
+    matrix = f"{node([*ROBOT, link])}.object"
+    x, y, z = page.evaluate(
+        f"(() => {{ const o = {matrix}; o.updateWorldMatrix(true, false);"
+        "return Array.from(o.matrixWorld.elements.slice(12, 15)) })()"
+    )
+    return np.array([x, -z, y])
+
+
+def pixel(page, p_W):
+    """Column and row at which a point is seen."""
+    x, y, z = p_W
+    u, v, width, height = page.evaluate(
+        f"(() => {{ const c = viewer.camera; c.updateWorldMatrix(true, false);"
+        f"const p = viewer.scene.position.clone().set({x}, {z}, {-y}).project(c);"
+        "return [p.x, p.y, window.innerWidth, window.innerHeight] })()"
+    )
+    return 0.5 * (1 + u) * width, 0.5 * (1 - v) * height
+
+
+def rows_and_columns_of_robot(page):
+    """The pixels that change when the robot is hidden."""
+    picture = page.picture()
+    page.evaluate(f"{node(['drake'])}.object.visible = false")
+    empty = page.picture()
+    page.evaluate(f"{node(['drake'])}.object.visible = true")
+    # A shadow darkens the ground a little; the robot differs more.
+    return np.nonzero(np.abs(picture - empty).max(axis=2) > VISIBLE)
+
+
+def shown(page, path):
+    """Names of the things under a path that are visible."""
+    return set(
+        page.evaluate(
+            f"Object.entries({node(path)}.children)"
+            ".filter(([name, child]) => child.object.visible).map(([name]) => name)"
+        )
+    )
+
+
+def caption_pixels(page):
+    """The upper middle of the picture, where the caption is."""
+    picture = page.picture()
+    height, width, _ = picture.shape
+    return picture[: height // 6, width // 6 : -width // 6]
+
+
+def check_that_it_stands(page):
+    """The robot is seen as a whole, upright, with its feet on the ground."""
+    where = {link: position(page, link) for link in LINKS}
+    assert where["head"][2] > where["utorso"][2] > where["pelvis"][2] > 0.7
+    rows, columns = rows_and_columns_of_robot(page)
+    assert np.ptp(rows) > 200
+    assert np.ptp(rows) > 1.3 * np.ptp(columns)
+    head_column, head_row = pixel(page, where["head"])
+    assert rows.min() < head_row
+    assert abs(np.median(columns) - head_column) < np.ptp(columns)
+    soles = [pixel(page, [*where[foot][:2], 0.0])[1] for foot in ("l_foot", "r_foot")]
+    assert abs(rows.max() - max(soles)) < FOOT_PIXELS + 0.05 * np.ptp(rows)
+
+
+def test_a_run_is_seen_as_it_goes(open_page):
+    meshcat = Meshcat(MeshcatParams(host="localhost"))
+    sim = AtlasSimulation(meshcat=meshcat)
+    page = open_page(meshcat.web_url())
+    wait_for_robot(page)
+    check_that_it_stands(page)
+
+    standing, words = shown(page, CAPTION), caption_pixels(page)
+    command = AtlasSimInterfaceCommand()
+    command.behavior = command.MANIPULATE
+    sim.publish(command)
+    sim.advance(0.2)
+    assert sim.current_behavior.name == "MANIPULATE"
+    page.wait_for(lambda: shown(page, CAPTION) != standing, "another caption")
+    assert (np.abs(caption_pixels(page) - words).max(axis=2) > VISIBLE).sum() > 100
+
+    plant_context = sim.plant.GetMyContextFromRoot(sim.context)
+    for link in LINKS:
+        body = sim.plant.GetBodyByName(link)
+        p_W = sim.plant.EvalBodyPoseInWorld(plant_context, body).translation()
+        assert position(page, link) == pytest.approx(p_W, abs=0.005), link
+    check_that_it_stands(page)
+
+
+def seek(page, time):
+    page.evaluate(f"viewer.animator.pause(); viewer.animator.seek({time})")
+
+
+def test_a_recording_plays_from_disk_without_a_network(open_page, tmp_path):
+    scenario, recording = tmp_path / "scenario.yaml", tmp_path / "run.html"
+    # Until the tutorial's walk has just begun: four steps are asked for.
+    scenario.write_text("programme: tutorial\nduration: 9.3\nphysics_step: 0.002\n")
+    options = ["--headless", "--record", str(recording)]
+    assert main(["run", str(scenario), *options]) == 0
+    page = open_page(recording.as_uri(), offline=True)
+    wait_for_robot(page)
+    # Nothing was asked of any other address.
+    asked = page.evaluate("performance.getEntriesByType('resource').map(e => e.name)")
+    assert [name for name in asked if not name.startswith(("data:", "blob:"))] == []
+
+    assert page.evaluate("viewer.animator.duration") == pytest.approx(9.3, abs=0.1)
+    for name in ("slab", "bold"):
+        assert page.evaluate(f"{node(['atlas_drake', 'ground', name])}.object.visible")
+    seek(page, 0.0)
+    check_that_it_stands(page)
+    first, words = shown(page, CAPTION), caption_pixels(page)
+    assert shown(page, FOOTSTEPS) == set()
+    seek(page, 9.25)
+    check_that_it_stands(page)
+    assert shown(page, CAPTION) != first
+    assert (np.abs(caption_pixels(page) - words).max(axis=2) > VISIBLE).sum() > 100
+    assert len(shown(page, FOOTSTEPS)) == 4

@@ -1,0 +1,214 @@
+"""Videos: what is in the file, and that asking for the impossible is answered."""
+
+import importlib
+
+import numpy as np
+import pytest
+
+from atlas_drake import AtlasSimulation
+from atlas_drake.cli import main
+from atlas_drake.robot import load_robot
+from atlas_drake.visualization.footsteps import FootstepMark, Kind
+from atlas_drake.visualization.video_camera import LAG, camera_pose, follow
+from atlas_drake.visualization.video_display import VIDEO_RATE, Video, with_caption
+from atlas_drake.visualization.video_file import VideoError, VideoFile, check_video
+from atlas_drake.visualization.video_stage import VideoStage
+
+av = pytest.importorskip("av", reason='needs pip install "atlas-drake[video]"')
+
+WIDTH, HEIGHT = 192, 108
+SOME_PIXELS = 0.01
+"""Share of the picture that is more than noise."""
+
+
+def frames(path):
+    with av.open(str(path)) as video:
+        return [frame.to_ndarray(format="rgb24") for frame in video.decode(video=0)]
+
+
+def differing(a, b, by=25):
+    """Where two pictures differ visibly, shape (height, width)."""
+    return np.abs(a.astype(int) - b.astype(int)).max(axis=2) > by
+
+
+# ---- the file ----------------------------------------------------------------
+
+
+@pytest.mark.parametrize("ending", [".mp4", ".gif"])
+def test_a_file_holds_the_pictures_that_were_added(ending, tmp_path):
+    path = tmp_path / f"video{ending}"
+    greys = (40, 120, 200)
+    file = VideoFile(path, 25, 64, 48)
+    for grey in greys:
+        file.add(np.full((48, 64, 3), grey, dtype=np.uint8))
+    file.close()
+    file.close()  # Once too often does no harm.
+    found = frames(path)
+    assert [picture.shape for picture in found] == 3 * [(48, 64, 3)]
+    if ending == ".mp4":  # A GIF has the first picture's colours alone.
+        for picture, grey in zip(found, greys, strict=True):
+            assert np.abs(picture.astype(int) - grey).max() < 8
+    with av.open(str(path)) as video:
+        assert video.streams.video[0].average_rate == 25
+
+
+def test_a_gif_has_the_accents_that_its_first_picture_lacks(tmp_path):
+    path = tmp_path / "video.gif"
+    orange = (235, 135, 50)
+    file = VideoFile(path, 25, 64, 48, [orange])
+    file.add(np.full((48, 64, 3), 200, dtype=np.uint8))
+    file.add(np.full((48, 64, 3), orange, dtype=np.uint8))
+    file.close()
+    assert np.abs(frames(path)[1].astype(int) - orange).max() < 3
+
+
+def test_a_file_without_pictures_is_closed_quietly(tmp_path):
+    VideoFile(tmp_path / "video.mp4", 25, 64, 48).close()
+
+
+def test_what_cannot_be_made_is_said(tmp_path, monkeypatch):
+    with pytest.raises(VideoError, match=r"\.mp4 or \.gif"):
+        check_video(tmp_path / "video.avi", 64, 48)
+    with pytest.raises(VideoError, match="even"):
+        check_video(tmp_path / "video.mp4", 65, 48)
+    check_video(tmp_path / "video.gif", 65, 47)
+
+    def missing(name):
+        raise ImportError(name)
+
+    monkeypatch.setattr(importlib, "import_module", missing)
+    with pytest.raises(VideoError, match=r"pip install .*atlas-drake\[video\]"):
+        check_video(tmp_path / "video.mp4", 64, 48)
+
+
+def test_a_video_of_unknown_kind_is_bad_input(tmp_path, capsys):
+    file = tmp_path / "video.avi"
+    assert main(["demo", "--headless", "--video", str(file)]) == 2
+    assert "video.avi" in capsys.readouterr().err
+    assert not file.exists()
+
+
+# ---- the camera --------------------------------------------------------------
+
+
+def test_the_camera_looks_at_its_target_from_the_front_and_upright():
+    target = np.array([1.0, 2.0, 0.9])
+    X_WC = camera_pose(target, 0.5)
+    p_CT = X_WC.inverse() @ target
+    assert p_CT[:2] == pytest.approx([0.0, 0.0], abs=1e-12)
+    assert p_CT[2] > 2.0
+    heading = np.array([np.cos(0.5), np.sin(0.5), 0.0])
+    assert heading @ (X_WC.translation() - target) > 1.0
+    right, down = X_WC.rotation().matrix()[:, 0], X_WC.rotation().matrix()[:, 1]
+    assert right[2] == pytest.approx(0.0, abs=1e-12)
+    assert down[2] < -0.9
+
+
+def test_the_camera_follows_smoothly():
+    still = follow(None, np.zeros(3), 0.04)
+    assert follow(still, np.zeros(3), 0.04) == pytest.approx(still)
+    target, moved = still, np.array([1.0, 0.0, 0.0])
+    for _ in range(25):
+        target = follow(target, moved, LAG / 25)
+    assert target[0] == pytest.approx(1.0 - np.exp(-1.0))
+
+
+# ---- the picture -------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def stage():
+    return VideoStage(load_robot(), [], WIDTH, HEIGHT)
+
+
+@pytest.fixture(scope="module")
+def standing():
+    sim = AtlasSimulation()
+    return sim.plant.GetPositions(sim.plant.GetMyContextFromRoot(sim.context))
+
+
+def test_the_robot_stands_in_the_picture(stage, standing):
+    X_WC = camera_pose(follow(None, standing[4:7], 0.0), 0.0)
+    away = standing.copy()
+    away[4:7] = [0.0, 0.0, -50.0]
+    empty = stage.picture(away, [], X_WC)
+    rows, columns = np.nonzero(differing(stage.picture(standing, [], X_WC), empty))
+    assert rows.size > SOME_PIXELS * WIDTH * HEIGHT
+    # Upright: higher than wide, all of it in the picture.
+    assert 0.5 * HEIGHT < np.ptp(rows) < HEIGHT - 2
+    assert np.ptp(rows) > np.ptp(columns)
+    # Its feet are where the ground is: below the horizon, above which is sky.
+    sky = empty[0, 0].astype(int)
+    ground = np.nonzero(np.abs(empty[:, 0].astype(int) - sky).max(axis=1) > 8)[0]
+    assert rows.min() < ground.min() < rows.max()
+
+
+def test_footsteps_appear_and_disappear(stage, standing):
+    X_WC = camera_pose(follow(None, standing[4:7], 0.0), 0.0)
+    mark = FootstepMark(Kind.LANDED, 1, 0.5, -0.3, 0.0)
+    before = stage.picture(standing, [], X_WC)
+    during = stage.picture(standing, [mark], X_WC)
+    after = stage.picture(standing, [], X_WC)
+    seen = differing(before, during, by=15)
+    assert seen.any()
+    red, _, blue = during[seen].mean(axis=0)
+    assert red > blue + 10  # The right foot's colour is orange.
+    assert not differing(before, after, by=15).any()
+
+
+def test_the_caption_is_in_the_corner():
+    plain = np.full((540, 960, 3), 200, dtype=np.uint8)
+    rows, columns = np.nonzero(differing(with_caption(plain, "walk", "x", 1.0), plain))
+    assert rows.max() < 0.2 * 540
+    assert columns.min() < 0.1 * 960
+    other = with_caption(plain, "stand", "x", 1.0)
+    assert differing(other, with_caption(plain, "walk", "x", 1.0)).any()
+
+
+# ---- runs --------------------------------------------------------------------
+
+
+def test_filming_changes_nothing(tmp_path):
+    path = tmp_path / "video.mp4"
+    filmed = AtlasSimulation(video=Video(path, WIDTH, HEIGHT))
+    plain = AtlasSimulation()
+    for sim in (filmed, plain):
+        sim.advance_to(0.1)
+    states = [s.diagram.GetOutputPort("state").Eval(s.context) for s in (filmed, plain)]
+    assert np.array_equal(*states)
+    assert filmed.close_video() == 3
+    assert plain.close_video() == 0
+    filmed.advance_to(0.2)  # What comes after the end is simulated, not filmed.
+    assert len(frames(path)) == 3
+
+
+@pytest.mark.slow
+def test_a_run_becomes_a_film_of_the_robot(tmp_path, capsys):
+    scenario, path = tmp_path / "scenario.yaml", tmp_path / "video.mp4"
+    seconds = 1.0
+    scenario.write_text(f"duration: {seconds}\n")
+    options = ["--headless", "--video", str(path), "--video-size", f"{WIDTH}x{HEIGHT}"]
+    assert main(["run", str(scenario), *options]) == 0
+    found = frames(path)
+    assert f"Wrote {path}, {len(found)} pictures." in capsys.readouterr().out
+    assert len(found) == round(seconds * VIDEO_RATE)
+    # Against a picture whose columns all look like the leftmost: no robot there.
+    last = found[-1]
+    rows, _ = np.nonzero(differing(last, np.repeat(last[:, :1], WIDTH, axis=1), by=60))
+    assert np.ptp(rows) > 0.5 * HEIGHT
+
+
+def test_an_interrupted_film_can_be_played(tmp_path, monkeypatch):
+    import signal
+
+    from atlas_drake import run_command
+
+    def interrupt(_self, _time, _behavior):
+        signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr(run_command.Progress, "update", interrupt)
+    scenario, path = tmp_path / "scenario.yaml", tmp_path / "video.mp4"
+    scenario.write_text("duration: 60.0\n")
+    options = ["--headless", "--video", str(path), "--video-size", f"{WIDTH}x{HEIGHT}"]
+    assert main(["run", str(scenario), *options]) == 130
+    assert len(frames(path)) == 3
