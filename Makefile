@@ -39,7 +39,7 @@ format: $(STAMP) ## Format the code and fix what can be fixed.
 
 # Each goes on whether or not the one before it met its goals.
 bench: $(STAMP) ## Measure speed and reliability (about half an hour).
-	@failed=0; for name in startup realtime qp_solvers walking tutorial_campaign; do \
+	@failed=0; for name in startup realtime hand_over qp_solvers walking tutorial_campaign; do \
 	  echo; echo "== benchmarks/$$name.py"; \
 	  $(BIN)/python benchmarks/$$name.py || failed=1; \
 	done; exit $$failed
