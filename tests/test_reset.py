@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from pydrake.multibody.plant import MultibodyPlant
 
 from atlas_drake import (
     AtlasCommand,
@@ -14,7 +15,9 @@ from atlas_drake import (
     ScenarioError,
     Start,
 )
-from atlas_drake.control.limp import limp_effort
+from atlas_drake.control.joint_mobility import JointMobility
+from atlas_drake.control.limp import LIMP_DAMPING, limp_effort
+from atlas_drake.robot import load_robot
 
 
 def asking(behavior, **fields):
@@ -52,6 +55,21 @@ def test_limp_joints_are_only_braked():
     assert (effort * v <= 0.0).all()
     assert effort[2] == 0.0
     assert effort[3] == -40.0
+
+
+@pytest.mark.parametrize("name", ["atlas", "atlas_v3"])
+def test_limp_damping_is_too_weak_to_shake_a_joint(name):
+    robot = load_robot(name)
+    mobility = JointMobility(robot)
+    context = mobility.create_context()
+    plant = MultibodyPlant(time_step=0.0)
+    robot.add_to(plant)
+    plant.Finalize()
+    q = plant.GetPositions(plant.CreateDefaultContext())
+    inertia = 1.0 / np.diag(mobility.evaluate(context, q, (False, False)))
+    damping = LIMP_DAMPING * robot.effort_limit
+    # Held over a control tick, it would overshoot from inertia / period on.
+    assert (damping * Scenario().control_period < 0.6 * inertia).all()
 
 
 @pytest.mark.slow

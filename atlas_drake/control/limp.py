@@ -7,12 +7,13 @@ from __future__ import annotations
 
 import numpy as np
 
-LIMP_DAMPING = 0.02
+LIMP_DAMPING = 0.005
 """Damping of a limp joint per unit of its effort limit [s/rad].
 
-A joint that turns at 5 rad/s is braked by a tenth of what its motor can do: limbs do
-not whip, and nothing is pushed hard against the ground. Stable at every control period
-on offer, as the joints' inertias are at least a few thousandths of their limits.
+A joint that turns at 10 rad/s is braked by a twentieth of what its motor can do: limbs
+do not whip, and nothing is pushed hard against the ground. Damping that is held over a
+control tick has to stay well below twice a joint's inertia per tick, which for the
+wrists (0.003 kg·m², 114 N·m) is 0.028 at 2 ms.
 """
 
 
