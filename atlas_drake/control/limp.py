@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import numpy as np
 
-LIMP_DAMPING = 0.005
+LIMP_DAMPING = 0.002
 """Damping of a limp joint per unit of its effort limit [s/rad].
 
-A joint that turns at 10 rad/s is braked by a twentieth of what its motor can do: limbs
+A joint that turns at 10 rad/s is braked by a fiftieth of what its motor can do: limbs
 do not whip, and nothing is pushed hard against the ground. Damping that is held over a
 control tick has to stay well below twice a joint's inertia per tick, which for the
-wrists (0.003 kg·m², 114 N·m) is 0.028 at 2 ms.
+ankles in the air (0.009 kg·m², 700 N·m) is 0.013 at 2 ms.
 """
 
 
