@@ -20,6 +20,7 @@ from atlas_drake.behaviors.footstep_event import footstep_event
 from atlas_drake.behaviors.step_action import (
     DesiredStep,
     StepAction,
+    demo_step,
     desired_step,
     step_spec_from,
 )
@@ -161,8 +162,12 @@ class Step:
         self, memory: StepMemory, request: AtlasSimInterfaceCommand
     ) -> DesiredStep | None:
         """The step in force that has not begun, if any."""
-        feet_z = (float(memory.feet[0].p_WF[2]), float(memory.feet[1].p_WF[2]))
-        wanted = desired_step(request.step_params, feet_z, self._default)
+        params = request.step_params
+        if params.use_demo_walk:
+            wanted = demo_step(memory.feet, memory.index + 1, self._default)
+        else:
+            feet_z = (float(memory.feet[0].p_WF[2]), float(memory.feet[1].p_WF[2]))
+            wanted = desired_step(params, feet_z, self._default)
         if wanted is None or wanted.step.index <= memory.index:
             return None
         return None if memory.refused is request.step_params else wanted
@@ -172,7 +177,7 @@ class Step:
     ) -> tuple[StepMemory, tuple[Event, ...]]:
         """Warns of a new message whose step comes too late to be taken."""
         params = request.step_params
-        if params is memory.looked_at:
+        if params is memory.looked_at or params.use_demo_walk:
             return memory, ()
         before, memory = memory.looked_at, replace(memory, looked_at=params)
         step = params.desired_step_spec if params.use_spec else params.desired_step

@@ -6,12 +6,15 @@ foothold can be reached is decided when the step begins.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from atlas_drake.behaviors.step_queue import footstep_from
-from atlas_drake.control.footstep import Footstep
+from atlas_drake.behaviors.walk_steps import demo_steps
+from atlas_drake.control.footstep import LEFT, RIGHT, FootPose, Footstep
+from atlas_drake.control.rotations import mean_yaw
 from atlas_drake.frozen import replace
 from atlas_drake.messages import (
     NO_STEP,
@@ -119,6 +122,10 @@ def resolve_action(sent: AtlasBehaviorStepAction, default: StepAction) -> StepAc
     return StepAction(**bounded, toe_off=ToeOff(sent.toe_off))
 
 
+SIDE_BY_SIDE = 0.02
+"""Feet nearer than this along the heading count as side by side [m]."""
+
+
 def desired_step(
     params: AtlasBehaviorStepParams,
     feet_z: tuple[float, float],
@@ -140,6 +147,30 @@ def desired_step(
         rise = np.array([0.0, 0.0, feet_z[1 - step.foot]])
         wanted = replace(wanted, step=replace(step, p_WF=step.p_WF + rise))
     return wanted
+
+
+def demo_step(
+    feet: tuple[FootPose, FootPose], index: int, default: StepAction
+) -> DesiredStep | None:
+    """A step ahead with the foot that is behind; None after the demonstration's last.
+
+    Args:
+        feet: Where the left and the right sole are.
+        index: Of the step.
+        default: How it is taken.
+    """
+    yaw = mean_yaw(feet[0].yaw, feet[1].yaw)
+    ahead = np.array([math.cos(yaw), math.sin(yaw)])
+    behind = float(ahead @ (feet[1].p_WF[:2] - feet[0].p_WF[:2])) < -SIDE_BY_SIDE
+    steps = demo_steps(feet, index, RIGHT if behind else LEFT)
+    if not steps:
+        return None
+    step = replace(
+        steps[0],
+        duration=default.step_duration,
+        swing_height=default.lift_height + default.swing_height,
+    )
+    return DesiredStep(step, default)
 
 
 def _from_spec(spec: AtlasBehaviorStepSpec, default: StepAction) -> DesiredStep | None:

@@ -366,3 +366,19 @@ def test_a_step_out_of_reach_is_refused_and_the_next_one_taken(stepping):
     robot.send(LEFT, 0.1, 0.13)
     robot.recording.advance(0.3)
     assert robot.report.step_feedback.current_step_index == 1
+
+
+@pytest.mark.slow
+def test_a_demonstration_steps_ahead_by_itself(stepping):
+    sim = stepping().sim
+    command = AtlasSimInterfaceCommand(behavior="STEP")
+    command.step_params.use_demo_walk = True
+    sim.publish(command)
+    sim.advance(9.0)
+    assert not sim.has_fallen
+    steps = sim.footsteps
+    assert len(steps) >= 2
+    assert [step["foot"] for step in steps] == [LEFT, RIGHT, LEFT, RIGHT][: len(steps)]
+    places = [step["landed"][0] for step in steps]
+    assert all(ahead > behind + 0.05 for behind, ahead in itertools.pairwise(places))
+    assert max(step["error_m"] for step in steps) < LANDING_ERROR
