@@ -21,24 +21,6 @@ from atlas_drake.progress import Progress
 from atlas_drake.run_command import AFTER_FALL, verdict
 from atlas_drake.viewer import start_meshcat
 
-SUMMARY_KEYS = {
-    "success",
-    "fell",
-    "model",
-    "seed",
-    "sim_time",
-    "wall_time",
-    "real_time_factor",
-    "physics_step",
-    "control_period",
-    "controller_tick_ms",
-    "min_pelvis_height",
-    "max_pelvis_tilt_rad",
-    "final_pelvis_pose",
-    "footsteps",
-    "peak_effort_fraction",
-    "events",
-}
 SHORT = "duration: 0.1\n"
 FALL = "initial_behavior: USER\nduration: 30.0\njitter: {joints: 0.6}\n"
 """All joints in the user's hands, in a pose that does not stand: down within 1 s."""
@@ -174,14 +156,14 @@ def test_a_path_that_cannot_be_written_is_noticed_before_the_run(
 # ---- runs --------------------------------------------------------------------
 
 
-def test_a_run_that_stays_upright_succeeds(scenario, tmp_path, capsys):
+def test_a_run_that_stays_upright_succeeds(scenario, tmp_path, capsys, summary_keys):
     file = tmp_path / "out.json"
     arguments = ["--model", "atlas_v3", "--seed", "7", "--physics-step", "0.002"]
     arguments += ["--headless", "--json", str(file)]
     assert main(["run", scenario(SHORT), *arguments]) == 0
     assert "Success: Atlas is upright after 0.1 s" in capsys.readouterr().out
     summary = json.loads(file.read_text())
-    assert summary.keys() >= SUMMARY_KEYS
+    assert summary.keys() >= summary_keys
     assert summary["success"] is True
     assert summary["stopped"] is None
     assert (summary["model"], summary["seed"]) == ("atlas_v3", 7)
