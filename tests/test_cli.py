@@ -173,6 +173,7 @@ def test_a_run_that_stays_upright_succeeds(scenario, tmp_path, capsys, summary_k
     assert len(summary["peak_effort_fraction"]) == 28
 
 
+@pytest.mark.slow
 def test_a_fall_fails_and_ends_the_run(scenario, tmp_path, capsys):
     file = tmp_path / "out.json"
     assert main(["run", scenario(FALL), "--headless", "--json", str(file)]) == 1

@@ -98,6 +98,7 @@ def test_a_log_that_cannot_be_written_is_noticed_before_the_run(
 # ---- figures -----------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_both_figures_are_drawn_beside_the_log(log_file, capsys, monkeypatch):
     pytest.importorskip("plotly")
     monkeypatch.setattr(png_page, "DPI", 40)
@@ -110,6 +111,7 @@ def test_both_figures_are_drawn_beside_the_log(log_file, capsys, monkeypatch):
         assert text in out
 
 
+@pytest.mark.slow
 def test_figures_are_drawn_where_they_are_wanted(log_file, tmp_path, monkeypatch):
     monkeypatch.setattr(png_page, "DPI", 40)
     before = {*log_file.parent.iterdir()}
@@ -152,6 +154,7 @@ def test_a_page_that_cannot_be_drawn_leaves_nothing(log_file, tmp_path, monkeypa
     assert [*tmp_path.iterdir()] == []
 
 
+@pytest.mark.slow
 def test_without_plotly_one_is_told_what_to_install(
     log_file, tmp_path, capsys, monkeypatch
 ):

@@ -11,6 +11,7 @@ def pelvis_height(look):
     return look.state[6]
 
 
+@pytest.mark.slow
 def test_stand_stands_still(record):
     recording = record()
     recording.advance(1.5)
@@ -60,6 +61,7 @@ def test_user_takes_all_joints_at_once(record):
     assert np.abs(recording.sim.atlas_state.effort).max() > 1.0
 
 
+@pytest.mark.slow
 def test_stand_prep_warms_up_under_the_users_joints_then_stand_takes_over(record):
     recording = record(Scenario(initial_behavior="USER"))
     warm_up = AtlasSimInterfaceCommand()

@@ -195,6 +195,7 @@ def test_no_titles_legends_or_figures_overlap(page):
             assert not box.overlaps(rival), (name, other)
 
 
+@pytest.mark.slow
 def test_a_png_is_written(page, tmp_path, monkeypatch):
     monkeypatch.setattr(png_page, "DPI", 40)
     png_page.write_png(page, tmp_path / "page.png")
@@ -252,6 +253,7 @@ def test_a_band_has_gaps_where_there_is_nothing():
     assert np.isnan(empty).all()
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("rows", [1, 2])
 def test_short_logs_without_contact_can_be_drawn(log, rows):

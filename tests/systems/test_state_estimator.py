@@ -167,6 +167,7 @@ def test_the_error_is_that_between_estimate_and_truth(running):
         assert value >= 0.9 * drift["final"][name]
 
 
+@pytest.mark.slow
 def test_the_imu_integrates_to_the_motion_and_has_the_bias_of_its_message():
     sim = AtlasSimulation(Scenario(state="estimated", noise="reference"))
     sensor = sim.station.GetSubsystemByName("inertial_sensor")
