@@ -40,6 +40,10 @@ MIDDLE = 0.01
 USER_JOINT_WEIGHT = 1e-5
 """Least weight of a posture: keeps the QP well posed, far below any task
 [1/(rad/s²)²]."""
+YIELDING = 100.0
+"""How much weaker a posture is at the user's full share than at none, before it fades
+altogether [-]. While nothing else asks for the joint, any weight holds the posture;
+when the user moves it fast, a strong one would fight them with the whole body."""
 _HUGE = 1e30
 """What the solver takes for infinity."""
 
@@ -305,7 +309,8 @@ def _within_authority(
     wanted = np.minimum(
         np.maximum(command.joint_acceleration, lowest / inertia), highest / inertia
     )
-    weight = command.joint_weight * bounds.authority**2
+    fading = bounds.authority**2 / (1.0 + YIELDING * (1.0 - bounds.authority))
+    weight = command.joint_weight * fading
     return replace(
         command,
         joint_acceleration=wanted,
