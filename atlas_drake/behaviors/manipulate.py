@@ -302,8 +302,7 @@ class Manipulate:
         return PelvisPose(height=self._nominal_height - above)
 
     def _omega(self, seen: Observation, stance: Stance) -> float:
-        height = float(seen.terms.com[2] - stance.middle[2])
-        return tasks.pendulum_frequency(max(height, 0.3 * self._nominal_height))
+        return tasks.pendulum_frequency(float(seen.terms.com[2] - stance.middle[2]))
 
     # ---- feet ----------------------------------------------------------------
 

@@ -78,7 +78,7 @@ class Stand:
     ) -> StandMemory:
         """Starts from where the DCM is, so that nothing moves abruptly."""
         memory = self._note_feet(seen, com=np.zeros(2))
-        omega = tasks.pendulum_frequency(self._height_above(seen, memory))
+        omega = _pendulum_frequency(seen, memory)
         com = memory.support.clamp(tasks.dcm(seen.terms, omega))
         return replace(memory, com=com)
 
@@ -113,7 +113,7 @@ class Stand:
             seen,
             body,
             DcmReference(dcm=com, cop=com),
-            tasks.pendulum_frequency(self._height_above(seen, memory)),
+            _pendulum_frequency(seen, memory),
             memory.support,
             (self._balance.planted(seen, 0), self._balance.planted(seen, 1)),
         )
@@ -121,10 +121,6 @@ class Stand:
 
     def report(self, memory: StandMemory, state: AtlasSimInterfaceState) -> None:
         """There is nothing to report beyond the behaviour's name."""
-
-    def _height_above(self, seen: Observation, memory: StandMemory) -> float:
-        height = float(seen.terms.com[2] - memory.middle[2])
-        return max(height, 0.3 * self._nominal_height)
 
     def _note_feet(self, seen: Observation, com: np.ndarray) -> StandMemory:
         left, right = seen.foot_pose(0), seen.foot_pose(1)
@@ -149,6 +145,11 @@ class Stand:
             for noted, now in zip(memory.feet, seen.terms.feet, strict=True)
             for x, noted_x in zip(now.p_WF.tolist(), noted.p_WF.tolist(), strict=True)
         )
+
+
+def _pendulum_frequency(seen: Observation, memory: StandMemory) -> float:
+    """Of the pendulum on both feet [1/s]."""
+    return tasks.pendulum_frequency(float(seen.terms.com[2] - memory.middle[2]))
 
 
 def _towards(value: np.ndarray, goal: np.ndarray, step: float) -> np.ndarray:

@@ -21,9 +21,6 @@ from atlas_drake.control.swing_foot import quintic_progress
 from atlas_drake.control.toe_off import on_toes, toe_off_reference
 from atlas_drake.control.whole_body_command import FootCommand, WholeBodyCommand
 
-LEAST_HEIGHT = 0.3
-"""The pendulum is taken to be at least this share of its nominal height [-]."""
-
 
 class StepBalance:
     """Balance in the phases of STEP. Holds constants only."""
@@ -62,10 +59,7 @@ class StepBalance:
     def omega(self, seen: Observation, feet: tuple[FootPose, ...]) -> float:
         """Natural frequency of the pendulum on ``feet`` [1/s]."""
         ground = sum(float(foot.p_WF[2]) for foot in feet) / len(feet)
-        height = float(seen.terms.com[2]) - ground
-        return tasks.pendulum_frequency(
-            max(height, LEAST_HEIGHT * self._nominal_height)
-        )
+        return tasks.pendulum_frequency(float(seen.terms.com[2]) - ground)
 
     def body_target(self, memory: StepMemory) -> BodyTarget:
         """Where trunk and posture go: as high as asked for, and as the legs reach."""

@@ -41,10 +41,6 @@ LEAVES_IN_ORDER = frozenset({Behavior.WALK, Behavior.STEP, Behavior.MANIPULATE})
 for. WALK and STEP finish their step, MANIPULATE goes back to STAND's pose."""
 
 
-LEAST_HEIGHT = 0.3
-"""Height of the CoM above the soles that a pendulum is taken to have at least [m]."""
-
-
 @dataclass(frozen=True)
 class EntryLimits:
     """When STAND can take over; measured by ``benchmarks/entry_limits.py``."""
@@ -75,8 +71,8 @@ def refusal(
     if support.distance_outside(terms.com[:2]) > -limits.com_inside:
         return BehaviorStatus.FAILED_TRANS_COM_POS
     soles = 0.5 * float(terms.feet[0].p_WF[2] + terms.feet[1].p_WF[2])
-    height = max(float(terms.com[2]) - soles, LEAST_HEIGHT)
-    dcm = tasks.dcm(terms, tasks.pendulum_frequency(height))
+    omega = tasks.pendulum_frequency(float(terms.com[2]) - soles)
+    dcm = tasks.dcm(terms, omega)
     if support.distance_outside(dcm) > -limits.dcm_inside:
         return BehaviorStatus.FAILED_TRANS_COM_VEL
     if float(np.abs(terms.v[~seen.user_held]).max(initial=0.0)) > limits.joint_speed:

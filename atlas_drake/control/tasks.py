@@ -6,16 +6,26 @@ active, and what they refer to, is the behaviours' business.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from atlas_drake.control.gains import PdGains
 from atlas_drake.control.rotations import rotation_error
 from atlas_drake.control.whole_body_model import GRAVITY, FootTerms, WholeBodyTerms
 
+LEAST_HEIGHT = 0.3
+"""A pendulum is taken to be at least this high, which keeps the frequency of a robot
+that lies on the ground finite [m]."""
+
 
 def pendulum_frequency(height: float) -> float:
-    """Natural frequency of the inverted pendulum √(g/z) [1/s], z = height [m]."""
-    return float(np.sqrt(GRAVITY / height))
+    """Natural frequency of the inverted pendulum √(g/z) [1/s].
+
+    Args:
+        height: z, of the centre of mass above what it stands on [m].
+    """
+    return math.sqrt(GRAVITY / max(height, LEAST_HEIGHT))
 
 
 def dcm(terms: WholeBodyTerms, omega: float) -> np.ndarray:
