@@ -17,7 +17,6 @@ from pydrake.systems.framework import (
     Context,
     LeafSystem,
     State,
-    ValueProducer,
 )
 
 from atlas_drake.behaviors.base import Observation
@@ -45,6 +44,7 @@ from atlas_drake.messages import (
     Vector3,
 )
 from atlas_drake.robot import Robot
+from atlas_drake.systems.scratch import declare_scratch_context
 
 
 @dataclass(frozen=True)
@@ -110,14 +110,7 @@ class BehaviorController(LeafSystem):
         self._command_input = self.DeclareAbstractInputPort(
             "commands", AbstractValue.Make(None)
         )
-        self._scratch = self.DeclareCacheEntry(
-            "scratch context of the model",
-            ValueProducer(
-                allocate=lambda: AbstractValue.Make(self._model.create_context()),
-                calc=ValueProducer.NoopCalc,
-            ),
-            {self.nothing_ticket()},
-        )
+        self._scratch = declare_scratch_context(self, self._model.create_context)
         self._memory = self.DeclareAbstractState(AbstractValue.Make(start))
         self.DeclareVectorOutputPort(
             "behavior_effort",

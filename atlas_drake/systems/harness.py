@@ -10,12 +10,13 @@ import numpy as np
 from pydrake.common.value import AbstractValue
 from pydrake.multibody.math import SpatialForce
 from pydrake.multibody.plant import ExternallyAppliedSpatialForce, MultibodyPlant
-from pydrake.systems.framework import Context, LeafSystem, ValueProducer
+from pydrake.systems.framework import Context, LeafSystem
 
 from atlas_drake.control.rotations import rotation_error
 from atlas_drake.control.whole_body_model import GRAVITY
 from atlas_drake.frozen import Frozen, replace
 from atlas_drake.robot import Robot
+from atlas_drake.systems.scratch import declare_scratch_context
 
 
 @dataclass(frozen=True)
@@ -78,14 +79,7 @@ class Harness(LeafSystem):
         )
         no_forces = AbstractValue.Make([ExternallyAppliedSpatialForce()])
         self._others = self.DeclareAbstractInputPort("other_spatial_force", no_forces)
-        self._scratch = self.DeclareCacheEntry(
-            "scratch context of the plant",
-            ValueProducer(
-                allocate=lambda: AbstractValue.Make(plant.CreateDefaultContext()),
-                calc=ValueProducer.NoopCalc,
-            ),
-            {self.nothing_ticket()},
-        )
+        self._scratch = declare_scratch_context(self, plant.CreateDefaultContext)
         self._memory = self.DeclareAbstractState(AbstractValue.Make(HarnessState()))
         self.DeclareAbstractOutputPort(
             "applied_spatial_force", no_forces.Clone, self._calc_forces

@@ -33,6 +33,7 @@ from atlas_drake.frozen import Frozen, replace
 from atlas_drake.joint_command import JointCommand
 from atlas_drake.messages import K_EFFORT_MAX
 from atlas_drake.robot import PlantIndices, Robot
+from atlas_drake.systems.scratch import declare_scratch_context
 
 MOVED = 0.1
 """A joint that moved this far makes the step's model worth computing anew [rad]."""
@@ -155,14 +156,7 @@ class JointPidBank(LeafSystem):
             self._calc_effort,
             prerequisites_of_calc={self._step.ticket()},
         )
-        self._scratch = self.DeclareCacheEntry(
-            "scratch context of the mobility",
-            ValueProducer(
-                allocate=lambda: AbstractValue.Make(self._mobility.create_context()),
-                calc=ValueProducer.NoopCalc,
-            ),
-            {self.nothing_ticket()},
-        )
+        self._scratch = declare_scratch_context(self, self._mobility.create_context)
         self._prepared = self.DeclareAbstractState(AbstractValue.Make(None))
         self.DeclarePeriodicDiscreteUpdateEvent(physics_step, 0.0, self._update)
         self.DeclarePeriodicUnrestrictedUpdateEvent(

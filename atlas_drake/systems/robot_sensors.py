@@ -11,9 +11,9 @@ from pydrake.systems.framework import (
     Context,
     DiscreteValues,
     LeafSystem,
-    ValueProducer,
 )
 
+from atlas_drake.control.rotations import cross
 from atlas_drake.control.whole_body_model import GRAVITY
 from atlas_drake.messages import (
     AtlasState,
@@ -24,6 +24,7 @@ from atlas_drake.messages import (
 )
 from atlas_drake.noise import NoiseModel, SensorNoise
 from atlas_drake.robot import Robot
+from atlas_drake.systems.scratch import declare_scratch_context
 
 
 class RobotSensors(LeafSystem):
@@ -83,14 +84,7 @@ class RobotSensors(LeafSystem):
         self._commands = self.DeclareAbstractInputPort(
             "commands", AbstractValue.Make(None)
         )
-        self._scratch = self.DeclareCacheEntry(
-            "scratch context of the plant",
-            ValueProducer(
-                allocate=lambda: AbstractValue.Make(plant.CreateDefaultContext()),
-                calc=ValueProducer.NoopCalc,
-            ),
-            {self.nothing_ticket()},
-        )
+        self._scratch = declare_scratch_context(self, plant.CreateDefaultContext)
         state_ticket = self.input_port_ticket(self._state.get_index())
         self.DeclareVectorOutputPort(
             "measured_state",
@@ -263,7 +257,7 @@ def contact_wrenches(
 
 def _shift(wrench: np.ndarray, p_WQ: np.ndarray) -> None:
     """Moves a wrench from W's origin to the point Q, in place."""
-    wrench[:3] -= np.cross(p_WQ, wrench[3:])
+    wrench[:3] -= cross(p_WQ, wrench[3:])
 
 
 def _wrench(coefficients: np.ndarray) -> Wrench:
