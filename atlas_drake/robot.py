@@ -97,6 +97,23 @@ class LegGeometry:
 
 
 @dataclass(frozen=True)
+class PelvisParts:
+    """Parts of a plant's state [q; v] that are the free pelvis'.
+
+    Attributes:
+        orientation: Quaternion, w first.
+        position: In W [m].
+        angular_velocity: In W [rad/s].
+        velocity: In W [m/s].
+    """
+
+    orientation: slice
+    position: slice
+    angular_velocity: slice
+    velocity: slice
+
+
+@dataclass(frozen=True)
 class PlantIndices:
     """Where a plant keeps each joint, in message order.
 
@@ -105,12 +122,14 @@ class PlantIndices:
         v: Index of each joint into the plant's velocities, shape (n,).
         actuation: Index of each joint into the actuation vector, shape (n,).
         generalized: The six base velocities, then ``v``: shape (6 + n,).
+        pelvis: The free pelvis, in the state.
     """
 
     q: np.ndarray
     v: np.ndarray
     actuation: np.ndarray
     generalized: np.ndarray
+    pelvis: PelvisParts
 
 
 @dataclass(frozen=True)
@@ -198,12 +217,20 @@ class Robot:
         }
         v = np.array([joint.velocity_start() for joint in joints])
         base = plant.GetBodyByName(self.file.pelvis)
+        base_q = base.floating_positions_start()
         base_v = base.floating_velocities_start_in_v()
+        in_state = plant.num_positions() + base_v
         return PlantIndices(
             q=np.array([joint.position_start() for joint in joints]),
             v=v,
             actuation=np.array([starts[name] for name in self.joint_names]),
             generalized=np.concatenate([np.arange(base_v, base_v + 6), v]),
+            pelvis=PelvisParts(
+                orientation=slice(base_q, base_q + 4),
+                position=slice(base_q + 4, base_q + 7),
+                angular_velocity=slice(in_state, in_state + 3),
+                velocity=slice(in_state + 3, in_state + 6),
+            ),
         )
 
 

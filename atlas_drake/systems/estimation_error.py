@@ -36,14 +36,7 @@ class EstimationError(LeafSystem):
     def __init__(self, robot: Robot, plant: MultibodyPlant, period: float):
         """Looks every ``period`` [s]."""
         super().__init__()
-        pelvis = plant.GetBodyByName(robot.file.pelvis)
-        q, v = (
-            pelvis.floating_positions_start(),
-            pelvis.floating_velocities_start_in_v(),
-        )
-        v += plant.num_positions() + 3
-        self._quaternion, self._position = slice(q, q + 4), slice(q + 4, q + 7)
-        self._velocity = slice(v, v + 3)
+        self._pelvis = robot.indices(plant).pelvis
         size = plant.num_multibody_states()
         self._true = self.DeclareVectorInputPort("state", size)
         self._estimated = self.DeclareVectorInputPort("estimated_state", size)
@@ -63,13 +56,13 @@ class EstimationError(LeafSystem):
     def _calc_error(self, context: Context, output: BasicVector) -> None:
         true, estimated = self._true.Eval(context), self._estimated.Eval(context)
         difference = estimated - true
-        q_WP = true[self._quaternion]
-        turn_P = turn_between(q_WP, estimated[self._quaternion])
+        q_WP = true[self._pelvis.orientation]
+        turn_P = turn_between(q_WP, estimated[self._pelvis.orientation])
         output.SetFromVector(
             np.concatenate(
                 [
-                    difference[self._position],
-                    difference[self._velocity],
+                    difference[self._pelvis.position],
+                    difference[self._pelvis.velocity],
                     rotation_matrix(q_WP) @ turn_P,
                 ]
             )

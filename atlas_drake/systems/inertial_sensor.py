@@ -5,20 +5,19 @@ the IMU feels at an instant, is ``robot_sensors``'.
 """
 
 import numpy as np
-from pydrake.common.value import AbstractValue
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import (
     BasicVector,
     Context,
     DiscreteValues,
     LeafSystem,
-    ValueProducer,
 )
 
 from atlas_drake.control.attitude import rotation_matrix, turn_between, turned
 from atlas_drake.control.whole_body_model import GRAVITY
 from atlas_drake.noise import NoiseModel, SensorNoise
 from atlas_drake.robot import Robot
+from atlas_drake.systems.scratch import declare_scratch_context
 
 _UNSET = -1.0
 """Time of the last tick before there was one."""
@@ -55,20 +54,11 @@ class InertialSensor(LeafSystem):
         super().__init__()
         self._plant = plant
         self._noise = SensorNoise(noise, seed, robot.num_joints, physics_step)
-        pelvis = plant.GetBodyByName(robot.file.pelvis)
         self._imu = plant.GetFrameByName(robot.file.imu_frame)
         self._R_PI = self._imu.GetFixedPoseInBodyFrame().rotation().matrix()
-        start = pelvis.floating_positions_start()
-        self._quaternion = slice(start, start + 4)
+        self._orientation = robot.indices(plant).pelvis.orientation
         self._state = self.DeclareVectorInputPort("state", plant.num_multibody_states())
-        self._scratch = self.DeclareCacheEntry(
-            "scratch context of the plant",
-            ValueProducer(
-                allocate=lambda: AbstractValue.Make(plant.CreateDefaultContext()),
-                calc=ValueProducer.NoopCalc,
-            ),
-            {self.nothing_ticket()},
-        )
+        self._scratch = declare_scratch_context(self, plant.CreateDefaultContext)
         # At the last tick: its time, the pelvis' quaternion, the IMU's velocity in W.
         self._last = self.DeclareDiscreteState(_nothing())
         self.DeclareVectorOutputPort("inertial", 9, self._calc_inertial)
@@ -83,7 +73,7 @@ class InertialSensor(LeafSystem):
         state, scratch = self._state.Eval(context), self._scratch.Eval(context)
         self._plant.SetPositionsAndVelocities(scratch, state)
         V_WI = self._imu.CalcSpatialVelocityInWorld(scratch)
-        return state[self._quaternion], V_WI.rotational(), V_WI.translational()
+        return state[self._orientation], V_WI.rotational(), V_WI.translational()
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
         q_WP, _, v_WI = self._motion(context)

@@ -35,6 +35,7 @@ class RunStatistics(LeafSystem):
         super().__init__()
         n = robot.num_joints
         self._order = indices.actuation
+        self._pelvis = indices.pelvis
         self._per_limit = 1.0 / robot.effort_limit
         self._state = self.DeclareVectorInputPort("state", num_states)
         self._actuation = self.DeclareVectorInputPort("actuation", n)
@@ -54,8 +55,9 @@ class RunStatistics(LeafSystem):
         output.SetFromVector(extremes)
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
-        # The free pelvis comes first in the plant's positions: quaternion, position.
-        _, qx, qy, _, _, _, height = self._state.Eval(context)[:7].tolist()
+        state = self._state.Eval(context)
+        _, qx, qy, _ = state[self._pelvis.orientation].tolist()
+        height = float(state[self._pelvis.position.stop - 1])
         tilt = math.acos(min(max(1.0 - 2.0 * (qx * qx + qy * qy), -1.0), 1.0))
         after = discrete.get_mutable_value(self._extremes)
         peaks = after[:-2]

@@ -27,6 +27,7 @@ from atlas_drake.control.rotations import cross
 from atlas_drake.control.whole_body_model import GRAVITY, WholeBodyModel
 from atlas_drake.frozen import Frozen
 from atlas_drake.robot import Robot
+from atlas_drake.systems.scratch import declare_scratch_context
 
 
 @dataclass(frozen=True)
@@ -69,14 +70,7 @@ class StateEstimator(LeafSystem):
         self._tuning = tuning or OdometryTuning()
         self._weight = robot.mass * GRAVITY
         self._plant = plant = WholeBodyModel(robot).plant
-        pelvis = plant.GetBodyByName(robot.file.pelvis)
-        q, v = (
-            pelvis.floating_positions_start(),
-            pelvis.floating_velocities_start_in_v(),
-        )
-        v += plant.num_positions()
-        self._quaternion, self._position = slice(q, q + 4), slice(q + 4, q + 7)
-        self._rate, self._velocity = slice(v, v + 3), slice(v + 3, v + 6)
+        self._pelvis = robot.indices(plant).pelvis
         self._imu = plant.GetFrameByName(robot.file.imu_frame)
         self._p_PI = self._imu.GetFixedPoseInBodyFrame().translation()
         self._soles = [plant.GetFrameByName(f.sole_frame) for f in robot.file.feet]
@@ -85,14 +79,7 @@ class StateEstimator(LeafSystem):
         self._inertial = self.DeclareVectorInputPort("inertial", 9)
         self._loads = self.DeclareVectorInputPort("foot_loads", 2)
         self._start = self.DeclareVectorInputPort("start_state", size)
-        self._scratch = self.DeclareCacheEntry(
-            "scratch context of the model",
-            ValueProducer(
-                allocate=lambda: AbstractValue.Make(plant.CreateDefaultContext()),
-                calc=ValueProducer.NoopCalc,
-            ),
-            {self.nothing_ticket()},
-        )
+        self._scratch = declare_scratch_context(self, plant.CreateDefaultContext)
         self._memory = self.DeclareAbstractState(AbstractValue.Make(EstimatorState()))
         self._odometry = self.DeclareCacheEntry(
             "odometry",
@@ -127,7 +114,7 @@ class StateEstimator(LeafSystem):
         self._plant.SetPositionsAndVelocities(scratch, start)
         soles = [sole.CalcPoseInWorld(scratch).translation() for sole in self._soles]
         return start_odometry(
-            start[self._quaternion],
+            start[self._pelvis.orientation],
             self._imu.CalcPoseInWorld(scratch).translation(),
             self._imu.CalcSpatialVelocityInWorld(scratch).translational(),
             np.array(soles),
@@ -155,9 +142,10 @@ class StateEstimator(LeafSystem):
         """
         scratch, state = self._scratch.Eval(context), self._measured.Eval(context)
         # With the pelvis at W's origin what is in W is in P.
-        state[self._quaternion], state[self._position] = (1.0, 0.0, 0.0, 0.0), 0.0
-        state[self._rate] = w_WP_P
-        state[self._velocity] = -cross(w_WP_P, self._p_PI)
+        pelvis = self._pelvis
+        state[pelvis.orientation], state[pelvis.position] = (1.0, 0.0, 0.0, 0.0), 0.0
+        state[pelvis.angular_velocity] = w_WP_P
+        state[pelvis.velocity] = -cross(w_WP_P, self._p_PI)
         self._plant.SetPositionsAndVelocities(scratch, state)
         positions = [s.CalcPoseInWorld(scratch).translation() for s in self._soles]
         velocities = [
@@ -170,8 +158,9 @@ class StateEstimator(LeafSystem):
         R_WP = rotation_matrix(odometry.q_WP)
         p_PI_W, w_WP = R_WP @ self._p_PI, R_WP @ self._inertial.Eval(context)[:3]
         state = self._measured.Eval(context)
-        state[self._quaternion] = odometry.q_WP
-        state[self._position] = odometry.p_WI - p_PI_W
-        state[self._rate] = w_WP
-        state[self._velocity] = odometry.v_WI - cross(w_WP, p_PI_W)
+        pelvis = self._pelvis
+        state[pelvis.orientation] = odometry.q_WP
+        state[pelvis.position] = odometry.p_WI - p_PI_W
+        state[pelvis.angular_velocity] = w_WP
+        state[pelvis.velocity] = odometry.v_WI - cross(w_WP, p_PI_W)
         output.SetFromVector(state)
