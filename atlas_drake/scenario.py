@@ -22,8 +22,6 @@ PHYSICS_STEPS = (0.0005, 0.001, 0.002)
 CONTACT_APPROXIMATIONS = ("lagged", "similar", "sap", "tamsi")
 PROGRAMMES = ("none", "tutorial", "tutorial_literal")
 STATES = ("true", "estimated")
-
-
 IN_THE_AIR = (Behavior.USER, Behavior.FREEZE)
 """Behaviours that a robot without ground under its feet can begin with."""
 

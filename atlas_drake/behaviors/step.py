@@ -1,8 +1,9 @@
 """STEP: one quasi-static step at a time, in any order of the feet.
 
-Phases: SWAY (weight over the foot that stays), SWING (lift, move, lower) and REST
-(weight back between the feet) until the next step is asked for. In single support the
-centre of mass stands still over the sole; nothing here depends on momentum.
+Phases: SWAY (weight over the foot that stays), SWING (lift and move), LOWER, SETTLE
+(the new foot is pressed flat) and REST (weight back between the feet) until the next
+step is asked for. In single support the centre of mass stands still over the sole;
+nothing here depends on momentum.
 """
 
 from __future__ import annotations
@@ -170,16 +171,18 @@ class Step:
             wanted = desired_step(params, feet_z, self._default)
         if wanted is None or wanted.step.index <= memory.index:
             return None
-        return None if memory.refused is request.step_params else wanted
+        return None if memory.refused is params else wanted
 
     def _look_at(
         self, memory: StepMemory, seen: Observation, request: AtlasSimInterfaceCommand
     ) -> tuple[StepMemory, tuple[Event, ...]]:
         """Warns of a new message whose step comes too late to be taken."""
         params = request.step_params
-        if params is memory.looked_at or params.use_demo_walk:
+        if params is memory.looked_at:
             return memory, ()
         before, memory = memory.looked_at, replace(memory, looked_at=params)
+        if params.use_demo_walk:
+            return memory, ()
         step = params.desired_step_spec if params.use_spec else params.desired_step
         if step.step_index == NO_STEP or step.step_index > memory.index:
             return memory, ()
