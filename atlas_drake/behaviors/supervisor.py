@@ -293,8 +293,8 @@ class Supervisor:
         self, state: SupervisorState, seen: Observation
     ) -> SupervisorState:
         """Steps with a leg under user control are allowed, and seldom end well."""
-        held = [i for i in self._legs if seen.user_held[i]]
-        if not held:
+        held = self._legs[seen.user_held[self._legs]]
+        if not held.size:
             return state
         names = ", ".join(self._balance.robot.joint_names[i] for i in held)
         text = f"{state.current.name} with leg joints under user control: {names}"

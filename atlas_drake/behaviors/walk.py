@@ -29,7 +29,7 @@ from atlas_drake.behaviors.walk_steps import (
     steps_asked_for,
 )
 from atlas_drake.control import tasks
-from atlas_drake.control.footstep import Footstep, StepLimits, saturate
+from atlas_drake.control.footstep import LEFT, Footstep, StepLimits, saturate
 from atlas_drake.control.rotations import mean_yaw
 from atlas_drake.control.step_adjustment import StepAdjustmentLimits, step_shift
 from atlas_drake.control.swing_foot import (
@@ -412,10 +412,10 @@ class Walk:
     ) -> tuple[FootCommand, FootCommand]:
         balance = self._balance
         if swing_reference is not None:
-            feet = [balance.planted(seen, 0), balance.planted(seen, 1)]
             foot = memory.step.foot
-            feet[foot] = balance.swinging(seen, foot, swing_reference)
-            return feet[0], feet[1]
+            stance = balance.planted(seen, 1 - foot)
+            swing = balance.swinging(seen, foot, swing_reference)
+            return (swing, stance) if foot == LEFT else (stance, swing)
         loads = [FULL_LOAD, FULL_LOAD]
         if memory.unloading is not None and not memory.waiting:
             left_share = 1.0 - memory.elapsed / memory.duration

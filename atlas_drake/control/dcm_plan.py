@@ -53,12 +53,13 @@ class DcmPlan:
         self.omega = omega
         self._segments = tuple(segments)
         self._ends = list(accumulate(segment.duration for segment in segments))
-        finals = []
+        pieces = []
         final = np.asarray(segments[-1].end, dtype=float)
         for segment in reversed(self._segments):
-            finals.append(final)
-            final = self._dcm(segment, 0.0, final)
-        self._final_dcm = tuple(reversed(finals))
+            piece = _Piece.before(final, segment, omega)
+            pieces.append(piece)
+            final = piece.evaluate(0.0).dcm
+        self._pieces = tuple(reversed(pieces))
 
     @property
     def segments(self) -> tuple[CopSegment, ...]:
@@ -73,19 +74,37 @@ class DcmPlan:
     def evaluate(self, time: float) -> DcmReference:
         """The reference at ``time`` [s], held beyond either end."""
         time = min(max(time, 0.0), self.duration)
-        last = len(self._segments) - 1
-        index = min(bisect_right(self._ends, time), last)
-        segment = self._segments[index]
-        into = time - (self._ends[index] - segment.duration)
-        rate = (segment.end - segment.start) / segment.duration
-        return DcmReference(
-            dcm=self._dcm(segment, into, self._final_dcm[index]),
-            cop=segment.start + rate * into,
-        )
+        index = min(bisect_right(self._ends, time), len(self._pieces) - 1)
+        piece = self._pieces[index]
+        return piece.evaluate(time - (self._ends[index] - piece.duration))
 
-    def _dcm(self, segment: CopSegment, into: float, final: np.ndarray) -> np.ndarray:
-        """DCM ``into`` a segment that ends with the DCM at ``final``."""
-        drift = (segment.end - segment.start) / (segment.duration * self.omega)
-        cop = segment.start + drift * (self.omega * into)
-        decay = math.exp(self.omega * (into - segment.duration))
-        return cop + drift + decay * (final - segment.end - drift)
+
+@dataclass(frozen=True)
+class _Piece:
+    """The DCM's motion within one segment, all but what depends on time.
+
+    With the CoP at p = p₀ + ṗ·t the DCM is ξ = p + ṗ/ω + e^{ω(t-T)}·(ξ_T - p_T - ṗ/ω).
+    """
+
+    duration: float
+    omega: float
+    start: np.ndarray
+    rate: np.ndarray
+    ahead: np.ndarray
+    """ṗ/ω: the DCM that keeps its distance leads the CoP by this."""
+    apart: np.ndarray
+    """How far from there the DCM ends."""
+
+    @classmethod
+    def before(cls, final: np.ndarray, segment: CopSegment, omega: float) -> _Piece:
+        """The segment that ends with the DCM at ``final``."""
+        rate = (segment.end - segment.start) / segment.duration
+        ahead = rate / omega
+        apart = final - segment.end - ahead
+        return cls(segment.duration, omega, segment.start, rate, ahead, apart)
+
+    def evaluate(self, into: float) -> DcmReference:
+        """The reference ``into`` the segment [s]."""
+        cop = self.start + self.rate * into
+        decay = math.exp(self.omega * (into - self.duration))
+        return DcmReference(dcm=cop + self.ahead + decay * self.apart, cop=cop)

@@ -82,16 +82,17 @@ def rotation_with_normal(yaw: float, normal: np.ndarray) -> np.ndarray:
         normal: Unit vector in W, shape (3,), not horizontal.
     """
     c, s = math.cos(yaw), math.sin(yaw)
-    x = np.array([c, s, -(c * normal[0] + s * normal[1]) / normal[2]])
-    x /= math.sqrt(x @ x)
-    y = np.array(
+    nx, ny, nz = normal.tolist()
+    slope = -(c * nx + s * ny) / nz
+    length = math.sqrt(1.0 + slope * slope)
+    x, y, z = c / length, s / length, slope / length
+    return np.array(
         [
-            normal[1] * x[2] - normal[2] * x[1],
-            normal[2] * x[0] - normal[0] * x[2],
-            normal[0] * x[1] - normal[1] * x[0],
+            [x, ny * z - nz * y, nx],
+            [y, nz * x - nx * z, ny],
+            [z, nx * y - ny * x, nz],
         ]
     )
-    return np.column_stack([x, y, normal])
 
 
 def rotation_vector(R: np.ndarray) -> np.ndarray:

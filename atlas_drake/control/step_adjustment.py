@@ -15,7 +15,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from atlas_drake.control.footstep import FootPose
-from atlas_drake.control.rotations import rotation_z
 
 
 @dataclass(frozen=True)
@@ -58,16 +57,19 @@ def step_shift(
     Returns:
         Horizontal shift in W [m], shape (2,), zero for errors that need no step.
     """
-    R_WS = rotation_z(stance.yaw)[:2, :2]
-    error = R_WS.T @ dcm_error
+    c, s = math.cos(stance.yaw), math.sin(stance.yaw)
+    x, y = dcm_error.tolist()
     growth = math.exp(omega * remaining)
-    shift = np.empty(2)
-    axes = (
-        (limits.cop_forward, limits.tolerated_forward, limits.forward),
-        (limits.cop_sideways, limits.tolerated_sideways, limits.sideways),
-    )
-    for axis, (ankle, tolerated, reach) in enumerate(axes):
-        final = error[axis] * growth
+
+    def along(error: float, ankle: float, tolerated: float, reach: float) -> float:
+        final = error * growth
         rest = abs(final) - ankle * (growth - 1.0) - tolerated
-        shift[axis] = math.copysign(min(max(rest / sensitivity, 0.0), reach), final)
-    return R_WS @ shift
+        return math.copysign(min(max(rest / sensitivity, 0.0), reach), final)
+
+    forward = along(
+        c * x + s * y, limits.cop_forward, limits.tolerated_forward, limits.forward
+    )
+    sideways = along(
+        c * y - s * x, limits.cop_sideways, limits.tolerated_sideways, limits.sideways
+    )
+    return np.array([c * forward - s * sideways, s * forward + c * sideways])

@@ -157,10 +157,11 @@ def _sole_on_ground(
     Heading and normal go from one to the other with the progress ``s``, 0 to 1, which
     grows at ``rate`` [1/s].
     """
-    turn = wrap_angle(target.yaw - start.yaw)
-    yaw = start.yaw + s * turn
-    difference = target.normal - start.R_WF[:, 2]
-    along = start.R_WF[:, 2] + s * difference
+    start_yaw, start_normal = start.yaw, start.R_WF[:, 2]
+    turn = wrap_angle(target.yaw - start_yaw)
+    yaw = start_yaw + s * turn
+    difference = target.normal - start_normal
+    along = start_normal + s * difference
     length = math.sqrt(along @ along)
     normal = along / length
     tilting = rate / length * (difference - normal * (normal @ difference))
@@ -168,13 +169,14 @@ def _sole_on_ground(
     # The turn about the normal follows from x staying above the heading: x goes along
     # u = [cos, sin, slope], and only the part of u's rate along y turns it.
     c, si, yaw_rate = math.cos(yaw), math.sin(yaw), turn * rate
-    n, t = normal, tilting
+    n, t = normal.tolist(), tilting.tolist()
     slope = -(c * n[0] + si * n[1]) / n[2]
     slope_rate = (
         yaw_rate * (si * n[0] - c * n[1]) - (c * t[0] + si * t[1]) - slope * t[2]
     ) / n[2]
-    u_rate = np.array([-si * yaw_rate, c * yaw_rate, slope_rate])
-    spin = float(u_rate @ R[:, 1]) / math.sqrt(1.0 + slope * slope)
+    y = R[:, 1].tolist()
+    along_y = yaw_rate * (c * y[1] - si * y[0]) + slope_rate * y[2]
+    spin = along_y / math.sqrt(1.0 + slope * slope)
     w = np.array(
         [
             n[1] * t[2] - n[2] * t[1] + spin * n[0],
