@@ -10,22 +10,20 @@ import time
 import weakref
 from array import array
 from collections.abc import Callable, MutableSequence, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from pydrake.geometry import Meshcat
 from pydrake.math import RigidTransform
-from pydrake.multibody.math import SpatialForce
-from pydrake.multibody.plant import ExternallyAppliedSpatialForce
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Context
 
 from atlas_drake.behaviors.base import Event
 from atlas_drake.diagrams.atlas_station import StationConfig
 from atlas_drake.diagrams.control_mode_switch import make_control_mode_switch
-from atlas_drake.errors import AtlasError, InvalidMessageError, ScenarioError
+from atlas_drake.diagrams.station_reset import reset_station
+from atlas_drake.errors import AtlasError, ScenarioError
 from atlas_drake.frozen import replace
 from atlas_drake.messages import (
     AtlasCommand,
@@ -39,6 +37,7 @@ from atlas_drake.messages import (
     validate_sim_interface_command,
 )
 from atlas_drake.noise import NOISE_MODELS
+from atlas_drake.pushes import Push, make_push
 from atlas_drake.robot import load_robot
 from atlas_drake.run_log import RunLog
 from atlas_drake.scenario import Scenario, Start, starting_behavior
@@ -56,13 +55,6 @@ CHUNK = 0.02
 """Simulated time between looks at events, pushes and Ctrl-C [s]."""
 CLEARANCE = 0.10
 """How far above the ground the feet of a harnessed robot hang [m]."""
-
-
-@dataclass(frozen=True)
-class _Push:
-    body: str
-    force_W: np.ndarray
-    end: float
 
 
 class AtlasSimulation:
@@ -110,7 +102,7 @@ class AtlasSimulation:
         self._recorder = None if log is None else self._start_log(Path(log))
         self._log = RunLog(_listener(on_event, self._recorder))
         self._meshcat = meshcat
-        self._pushes: list[_Push] = []
+        self._pushes: list[Push] = []
         self._wall_time = 0.0
 
         self._variation = variation = draw_variation(self.scenario, self.robot)
@@ -218,17 +210,10 @@ class AtlasSimulation:
         Raises:
             InvalidMessageError: If there is no such body or a value is no number.
         """
-        force = np.asarray(force_W, dtype=float)
-        if force.shape != (3,) or not np.isfinite(force).all():
-            raise InvalidMessageError(
-                "force_W", force_W, "must be three finite numbers"
-            )
-        if not (np.isfinite(duration) and duration > 0.0):
-            raise InvalidMessageError("duration", duration, "must be positive")
-        if not self.plant.HasBodyNamed(body):
-            raise InvalidMessageError("body", body, f"the robot has no body {body!r}")
-        self._pushes.append(_Push(body, force, self.time + duration))
-        text = f"push of {np.round(force, 1).tolist()} N on {body} for {duration:g} s"
+        push = make_push(self.plant, body, force_W, duration, self.time)
+        self._pushes.append(push)
+        force = np.round(push.force_W, 1).tolist()
+        text = f"push of {force} N on {body} for {duration:g} s"
         self._log.note(Event(self.time, "push", text))
 
     # ---- time ----------------------------------------------------------------
@@ -319,16 +304,7 @@ class AtlasSimulation:
             )
         self._pushes = []
         self._exert(())
-        station = self.station
-        forgetful = ["joint_pid_bank", "robot_sensors"]
-        if self.scenario.state == "estimated":
-            forgetful += ["inertial_sensor", "state_estimator"]
-        for name in forgetful:
-            system = station.GetSubsystemByName(name)
-            system.reset(system.GetMyMutableContextFromRoot(self.context))
-        for name in ("command_interface", "behavior_controller"):
-            system = station.GetSubsystemByName(name)
-            system.reset(system.GetMyMutableContextFromRoot(self.context), begin)
+        reset_station(self.station, self.context, begin)
         moved = self._variation
         if pose is not None:
             moved = replace(
@@ -457,14 +433,9 @@ class AtlasSimulation:
         self._pushes = alive
         self._exert(alive)
 
-    def _exert(self, pushes: Sequence[_Push]) -> None:
+    def _exert(self, pushes: Sequence[Push]) -> None:
         """Puts forces on the plant's port."""
-        forces = []
-        for push in pushes:
-            force = ExternallyAppliedSpatialForce()
-            force.body_index = self.plant.GetBodyByName(push.body).index()
-            force.F_Bq_W = SpatialForce(np.zeros(3), push.force_W)
-            forces.append(force)
+        forces = [push.on(self.plant) for push in pushes]
         self.diagram.GetInputPort("applied_spatial_force").FixValue(
             self.context, forces
         )
