@@ -49,7 +49,7 @@ from atlas_drake.messages import (
 _UPRIGHT = np.zeros(2)
 STEPS_LEFT = "steps left"
 """Kind of the event that tells of steps asked for and never taken."""
-REACH = 0.03
+REACH = 0.04
 """The lower leg stretches by this much where the ground is uneven [m]."""
 
 
@@ -394,9 +394,9 @@ class Walk:
     def _body_target(self, memory: WalkMemory) -> BodyTarget:
         left, right = feet_to_come(memory)
         low, high = sorted([float(left.p_WF[2]), float(right.p_WF[2])])
-        # With one foot above the other, or on its way there, both legs shall reach the
-        # ground without bending the upper one more than need be.
-        ground = min(0.5 * (low + high), low + REACH)
+        # With one foot above the other, or on its way there, the upper leg shall bend no
+        # more than the lower one's reach makes it: bent knees carry least.
+        ground = min(high, low + REACH)
         return BodyTarget(
             height=ground + self._nominal_height,
             yaw=mean_yaw(left.yaw, right.yaw),
