@@ -1,6 +1,6 @@
 """Records a station: one row of numbers per control tick, and notes beside it.
 
-What a row holds is in ``layout``. Files are the business of the writer it is given.
+What a row holds is in ``channels``. Files are the business of the writer it is given.
 """
 
 from __future__ import annotations
@@ -22,9 +22,11 @@ from pydrake.systems.framework import (
 
 from atlas_drake.behaviors.base import Event
 from atlas_drake.control.tasks import pendulum_frequency
-from atlas_drake.logs.layout import GAINS, SIDES, Layout, robot_layout
+from atlas_drake.logs.channels import GAINS, robot_layout
+from atlas_drake.logs.layout import SIDES, Layout
 from atlas_drake.logs.notes import COMMANDS, LogWriter, Note, event_note, to_plain
-from atlas_drake.logs.samples import centre_of_pressure, reported
+from atlas_drake.logs.report_channels import reported
+from atlas_drake.logs.samples import centre_of_pressure
 from atlas_drake.messages import AtlasSimInterfaceState
 from atlas_drake.robot import Robot
 from atlas_drake.systems.robot_sensors import contact_wrenches

@@ -25,11 +25,10 @@ from atlas_drake.behaviors.supervisor import KEPT_EVENTS, SupervisorState
 from atlas_drake.commands import BehaviorRequest, CommandsInForce, commands_at_start
 from atlas_drake.diagrams.atlas_station import add_scenery
 from atlas_drake.frozen import replace
-from atlas_drake.logs.layout import STEP_FIELDS
 from atlas_drake.logs.log import Log
+from atlas_drake.logs.notes import LogError
+from atlas_drake.logs.report_channels import REPORT_CHANNELS, report_from
 from atlas_drake.messages import (
-    NO_STEP,
-    AtlasBehaviorStepData,
     AtlasSimInterfaceCommand,
     AtlasSimInterfaceState,
     Behavior,
@@ -45,13 +44,17 @@ class LogPlayer(LeafSystem):
         positions: Of the plant, the true ones.
         commands: ``CommandsInForce``, as far as the view needs it: the request.
         controller_state: ``ControllerState``, likewise: the events so far.
-        atlas_sim_interface_state: ``AtlasSimInterfaceState``, likewise: behaviours,
-            flags, steps, and who has which joint.
+        atlas_sim_interface_state: ``AtlasSimInterfaceState``, all of it.
     """
 
     def __init__(self, log: Log):
-        """Plays ``log``; beyond its ends the first or the last row stands."""
+        """Plays ``log``; beyond its ends the first or the last row stands.
+
+        Raises:
+            LogError: If the log lacks what is to be shown.
+        """
         super().__init__()
+        _check_complete(log)
         self._log = log
         self._requests = _requests(log)
         start = commands_at_start(log.robot, Behavior.STAND)
@@ -102,30 +105,20 @@ class LogPlayer(LeafSystem):
 
     def _report(self, context: Context) -> AtlasSimInterfaceState:
         log, row = self._log, self.row(context)
-        message = AtlasSimInterfaceState()
-        message.header.stamp = float(log.time[row])
-        message.current_behavior = int(log["behavior.current"][row])
-        message.desired_behavior = int(log["behavior.desired"][row])
-        message.behavior_feedback.status_flags = int(log["behavior.status_flags"][row])
-        message.k_effort = log["joints.k_effort"][row].tolist()
-        walk = message.walk_feedback
-        walk.status_flags = int(log["walk.status_flags"][row])
-        walk.current_step_index = int(log["walk.current_step_index"][row])
-        steps = log["walk.steps"][row].reshape(-1, len(STEP_FIELDS))
-        walk.step_queue_saturated = [_step_data(step.tolist()) for step in steps]
-        step = message.step_feedback
-        step.status_flags = int(log["step.status_flags"][row])
-        step.t_step_rem = float(log["step.t_step_rem"][row])
-        step.current_step_index = int(log["step.current_step_index"][row])
-        step.desired_step_saturated = _step_data(log["step.step"][row].tolist())
-        return message
+        names = (entry.channel.name for entry in REPORT_CHANNELS)
+        report = report_from({name: log[name][row] for name in names})
+        report.header.stamp = float(log.time[row])
+        report.f_out = log["joints.behavior_effort"][row].tolist()
+        report.k_effort = log["joints.k_effort"][row].tolist()
+        return report
 
 
 def make_replay(log: Log, meshcat: Meshcat) -> Diagram:
     """Builds a diagram that shows a log as the run was shown.
 
     Raises:
-        LogError: If the log's scenario is unknown to this program.
+        LogError: If the log lacks what is to be shown, or has a scenario that is
+            unknown to this program.
     """
     # Loads only where there is something to see.
     from atlas_drake.visualization.meshcat_view import add_meshcat_view
@@ -162,6 +155,17 @@ def _make_station(log: Log) -> Diagram:
     return station
 
 
+def _check_complete(log: Log) -> None:
+    """Refuses the log of a program that kept less."""
+    needed = ("state.q", *(entry.channel.name for entry in REPORT_CHANNELS))
+    missing = [name for name in needed if name not in log.arrays]
+    if missing:
+        raise LogError(
+            f"{log.path}: it was recorded without {', '.join(missing)}, so that it "
+            "cannot be replayed; record it anew"
+        )
+
+
 def _requests(log: Log) -> dict[int, BehaviorRequest]:
     """The behaviour commands that were accepted, by their number."""
     requests = {}
@@ -177,14 +181,3 @@ def _requests(log: Log) -> dict[int, BehaviorRequest]:
             behavior = behavior_from(message.behavior)
             requests[number] = BehaviorRequest(behavior, message.snapshot(), number)
     return requests
-
-
-def _step_data(step: list[float]) -> AtlasBehaviorStepData:
-    index, foot, x, y, z, yaw = step
-    data = AtlasBehaviorStepData()
-    data.step_index, data.foot_index = int(index), int(foot)
-    if data.step_index != NO_STEP:
-        position, orientation = data.pose.position, data.pose.orientation
-        position.x, position.y, position.z = x, y, z
-        orientation.z, orientation.w = float(np.sin(yaw / 2)), float(np.cos(yaw / 2))
-    return data

@@ -17,10 +17,24 @@ from atlas_drake.logs.notes import Header
 from atlas_drake.logs.replay import LogPlayer, make_replay
 from atlas_drake.terrain import Block
 from atlas_drake.visualization.caption import caption_of
+from atlas_drake.visualization.feedback_words import feedback_words
 from atlas_drake.visualization.footsteps import footstep_marks
 
 from .conftest import drive, walk_command
 
+FEEDBACK = (
+    "error_code",
+    "current_behavior",
+    "desired_behavior",
+    "f_out",
+    "behavior_feedback",
+    "stand_feedback",
+    "step_feedback",
+    "walk_feedback",
+    "manipulate_feedback",
+    "k_effort",
+)
+"""What of a report changes in control ticks alone."""
 NAMES = ("commands", "controller_state", "atlas_sim_interface_state")
 
 
@@ -84,6 +98,8 @@ def test_footsteps_and_caption_are_those_of_the_run(tmp_path, scenario):
 
     marks, caption = seen(*again)
     assert (marks, caption) == seen(*live)
+    for name in FEEDBACK:
+        assert getattr(again[2], name) == getattr(live[2], name), name
     assert len(marks) >= 4
     assert caption[0].startswith("WALK")
     assert again[0].request.command == walk_command()
@@ -119,6 +135,12 @@ def test_a_scenario_of_another_time_is_named(log, meshcat):
         make_replay(Log(log.path, header, log.arrays, log.notes), meshcat)
 
 
+def test_a_log_that_kept_less_is_refused(log):
+    arrays = {n: a for n, a in log.arrays.items() if n != "manipulate.clamped"}
+    with pytest.raises(LogError, match=r"without manipulate\.clamped"):
+        LogPlayer(Log(log.path, log.header, arrays, log.notes))
+
+
 @pytest.mark.parametrize("behavior", ["STEP", "MANIPULATE"])
 def test_other_behaviours_look_as_in_the_run(behavior, tmp_path):
     command = AtlasSimInterfaceCommand()
@@ -126,6 +148,8 @@ def test_other_behaviours_look_as_in_the_run(behavior, tmp_path):
     step = command.step_params.desired_step
     step.step_index, step.duration, step.swing_height = 1, 0.7, 0.1
     step.pose.position.x, step.pose.position.y = 0.1, 0.14
+    command.manipulate_params.use_desired = True
+    command.manipulate_params.desired.pelvis_height = 0.75
     sim = AtlasSimulation(Scenario(state="estimated"), log=tmp_path / "run.npz")
     sim.publish(command)
     sim.advance_to(0.1)
@@ -140,9 +164,20 @@ def test_other_behaviours_look_as_in_the_run(behavior, tmp_path):
     context.SetTime(log.time[-1])
     again = [player.GetOutputPort(name).Eval(context) for name in NAMES]
     looks = [
-        (footstep_marks(c.request, report, state.supervisor.events), caption_of(report))
+        (
+            footstep_marks(c.request, report, state.supervisor.events),
+            caption_of(report),
+            feedback_words(report),
+        )
         for c, state, report in (live, again)
     ]
     assert looks[0] == looks[1]
-    assert looks[0][1][0].startswith(behavior)
-    assert len(looks[0][0]) == (1 if behavior == "STEP" else 0)
+    marks, caption, words = looks[0]
+    assert caption[0].startswith(behavior)
+    assert len(marks) == (1 if behavior == "STEP" else 0)
+    assert words != "ok"
+    for name in FEEDBACK:
+        assert getattr(again[2], name) == getattr(live[2], name), name
+    feedback = again[2].manipulate_feedback
+    moved = feedback.internal_sensed.pelvis_height != 0.8
+    assert moved == (behavior == "MANIPULATE")
