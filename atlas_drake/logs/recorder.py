@@ -21,12 +21,12 @@ from pydrake.systems.framework import (
 )
 
 from atlas_drake.behaviors.base import Event
+from atlas_drake.control.centre_of_pressure import centre_of_pressure
 from atlas_drake.control.tasks import pendulum_frequency
 from atlas_drake.logs.channels import GAINS, robot_layout
 from atlas_drake.logs.layout import SIDES, Layout
 from atlas_drake.logs.notes import COMMANDS, LogWriter, Note, event_note, to_plain
 from atlas_drake.logs.report_channels import reported
-from atlas_drake.logs.samples import centre_of_pressure
 from atlas_drake.messages import AtlasSimInterfaceState
 from atlas_drake.robot import Robot
 from atlas_drake.systems.robot_sensors import contact_wrenches
@@ -203,7 +203,7 @@ class LogRecorder(LeafSystem):
             [values[f"feet.{side}_position"] for side in SIDES], wrenches
         )
         if cop is not None:
-            values["balance.cop"] = cop
+            values["balance.cop"] = cop[:2]
         for name, value in values.items():
             row[self._layout.places[name]] = value
         discrete.get_mutable_vector(self._row).SetFromVector(row)

@@ -1,18 +1,17 @@
-"""Plays a log in Meshcat: the same view as of the run, fed from the log.
+"""Plays a log: the same 3D view and video as of the run, fed from the log.
 
 A diagram without physics: the robot is put where the log says it was.
 """
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from pydrake.common.value import AbstractValue
 from pydrake.geometry import Meshcat, SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import (
-    BasicVector,
     Context,
     Diagram,
     DiagramBuilder,
@@ -25,6 +24,7 @@ from atlas_drake.behaviors.supervisor import KEPT_EVENTS, SupervisorState
 from atlas_drake.commands import BehaviorRequest, CommandsInForce, commands_at_start
 from atlas_drake.diagrams.atlas_station import add_scenery
 from atlas_drake.frozen import replace
+from atlas_drake.logs.layout import SIDES
 from atlas_drake.logs.log import Log
 from atlas_drake.logs.notes import LogError
 from atlas_drake.logs.report_channels import REPORT_CHANNELS, report_from
@@ -35,14 +35,30 @@ from atlas_drake.messages import (
     behavior_from,
 )
 from atlas_drake.systems.behavior_controller import ControllerState
+from atlas_drake.visualization.overlays import Overlays
+
+if TYPE_CHECKING:
+    from atlas_drake.visualization.video_display import Video
+
+VECTORS = {
+    "state": ("state.q", "state.v"),
+    "effort": ("joints.effort",),
+    "foot_wrenches": tuple(
+        f"feet.{side}_{part}" for side in SIDES for part in ("torque", "force")
+    ),
+}
+"""Channels of which the ports that carry plain vectors are made."""
 
 
 class LogPlayer(LeafSystem):
-    """The log's row at the Context's time, as the ports that the view reads.
+    """The log's row at the Context's time, as the ports that displays read.
 
     Output ports:
-        positions: Of the plant, the true ones.
-        commands: ``CommandsInForce``, as far as the view needs it: the request.
+        state: Of the plant, the true one.
+        effort: Of the motors [N·m], shape (n,).
+        foot_wrenches: See ``RobotSensors``, shape (12,).
+        commands: ``CommandsInForce``, as far as displays need it: the request, and
+            who has which joint.
         controller_state: ``ControllerState``, likewise: the events so far.
         atlas_sim_interface_state: ``AtlasSimInterfaceState``, all of it.
     """
@@ -62,9 +78,16 @@ class LogPlayer(LeafSystem):
         idle = ControllerState(SupervisorState(Behavior.STAND, Behavior.STAND), nothing)
         self._start, self._idle = start, idle
         now = {self.time_ticket()}
-        self.DeclareVectorOutputPort(
-            "positions", log["state.q"].shape[1], self._calc_positions, now
-        )
+        for name, channels in VECTORS.items():
+            tables = [log[channel] for channel in channels]
+            self.DeclareVectorOutputPort(
+                name,
+                sum(table.shape[1] for table in tables),
+                lambda context, out, tables=tables: out.SetFromVector(
+                    np.concatenate([table[self.row(context)] for table in tables])
+                ),
+                now,
+            )
         for name, blank, calc in (
             ("commands", start, self._commands),
             ("controller_state", idle, self._controller_state),
@@ -84,13 +107,13 @@ class LogPlayer(LeafSystem):
         after = np.searchsorted(time, context.get_time() + 1e-9, side="right")
         return max(int(after) - 1, 0)
 
-    def _calc_positions(self, context: Context, output: BasicVector) -> None:
-        output.SetFromVector(self._log["state.q"][self.row(context)])
-
     def _commands(self, context: Context) -> CommandsInForce:
-        number = int(self._log["behavior.request_number"][self.row(context)])
+        log, row = self._log, self.row(context)
+        number = int(log["behavior.request_number"][row])
         request = self._requests.get(number, self._start.request)
-        return replace(self._start, request=request)
+        k_effort = log["joints.k_effort"][row].astype(float)
+        joints = replace(self._start.joints, k_effort=k_effort)
+        return replace(self._start, request=request, joints=joints)
 
     def _controller_state(self, context: Context) -> ControllerState:
         # The latest events, as in the controller.
@@ -113,20 +136,37 @@ class LogPlayer(LeafSystem):
         return report
 
 
-def make_replay(log: Log, meshcat: Meshcat) -> Diagram:
+def make_replay(
+    log: Log,
+    meshcat: Meshcat | None = None,
+    overlays: Overlays | None = None,
+    video: Video | None = None,
+) -> Diagram:
     """Builds a diagram that shows a log as the run was shown.
+
+    Args:
+        log: Of the run.
+        meshcat: Where to show it; None shows nothing.
+        overlays: What is shown besides, of ``LOGGED``.
+        video: What to film it into; None films nothing.
 
     Raises:
         LogError: If the log lacks what is to be shown, or has a scenario that is
             unknown to this program.
+        VideoError: If the video cannot be made.
     """
-    # Loads only where there is something to see.
-    from atlas_drake.visualization.meshcat_view import add_meshcat_view
-
     builder = DiagramBuilder()
     builder.AddNamedSystem("station", _make_station(log))
     station: Any = builder.GetSubsystemByName("station")
-    add_meshcat_view(builder, station, log.robot, meshcat)
+    # What displays need loads only where there is one.
+    if meshcat is not None:
+        from atlas_drake.visualization.meshcat_view import add_meshcat_view
+
+        add_meshcat_view(builder, station, log.robot, meshcat, overlays)
+    if video is not None:
+        from atlas_drake.visualization.video_display import add_video
+
+        add_video(builder, station, log.robot, log.scenario.terrain, video)
     diagram = builder.Build()
     diagram.set_name("replay")
     return diagram
@@ -143,12 +183,14 @@ def _make_station(log: Log) -> Diagram:
     scenario = log.scenario
     add_scenery(plant, scenario.terrain, scenario.ground_friction)
     plant.Finalize()
-    poses = builder.AddNamedSystem("poses", MultibodyPositionToGeometryPose(plant))
-    builder.Connect(player.GetOutputPort("positions"), poses.get_input_port())
+    poses = builder.AddNamedSystem(
+        "poses", MultibodyPositionToGeometryPose(plant, input_multibody_state=True)
+    )
+    builder.Connect(player.GetOutputPort("state"), poses.get_input_port())
     builder.Connect(poses.get_output_port(), scene_graph.get_source_pose_port(source))
-    for name in ("commands", "controller_state", "atlas_sim_interface_state"):
-        builder.ExportOutput(player.GetOutputPort(name), name)
-    builder.ExportOutput(player.GetOutputPort("positions"), "positions")
+    for index in range(player.num_output_ports()):
+        port = player.get_output_port(index)
+        builder.ExportOutput(port, port.get_name())
     builder.ExportOutput(scene_graph.get_query_output_port(), "query_object")
     station = builder.Build()
     station.set_name("ReplayStation")
@@ -157,7 +199,10 @@ def _make_station(log: Log) -> Diagram:
 
 def _check_complete(log: Log) -> None:
     """Refuses the log of a program that kept less."""
-    needed = ("state.q", *(entry.channel.name for entry in REPORT_CHANNELS))
+    needed = [
+        *(channel for channels in VECTORS.values() for channel in channels),
+        *(entry.channel.name for entry in REPORT_CHANNELS),
+    ]
     missing = [name for name in needed if name not in log.arrays]
     if missing:
         raise LogError(

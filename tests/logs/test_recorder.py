@@ -9,7 +9,6 @@ from atlas_drake import AtlasSimulation, Behavior, Scenario, read_log
 from atlas_drake.logs.channels import GAINS
 from atlas_drake.logs.figures import make_page
 from atlas_drake.logs.png_page import draw_figure
-from atlas_drake.logs.samples import centre_of_pressure
 from atlas_drake.messages import BehaviorStatus
 from atlas_drake.scenario import Jitter
 
@@ -235,15 +234,3 @@ def test_hands_of_a_fallen_robot_bear_load(tmp_path):
     titles = [panel.title for panel in make_page(log).panels]
     assert "Foot forces" in titles
     draw_figure(make_page(log)).draw_without_rendering()
-
-
-def test_centre_of_pressure():
-    soles = np.array([[0.0, 0.1, 0.0], [0.3, -0.1, 0.0]])
-    wrenches = np.zeros(12)
-    assert centre_of_pressure(soles, wrenches) is None
-    wrenches[5] = wrenches[11] = 400.0
-    np.testing.assert_allclose(centre_of_pressure(soles, wrenches), [0.15, 0.0])
-    # The left foot alone, pressed 5 cm before and 2 cm left of its centre.
-    wrenches[11] = 0.0
-    wrenches[:3] = np.cross([0.05, 0.02, 0.0], [0.0, 0.0, 400.0])
-    np.testing.assert_allclose(centre_of_pressure(soles, wrenches), [0.05, 0.12])

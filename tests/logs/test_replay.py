@@ -12,15 +12,28 @@ from atlas_drake import (
     Scenario,
     read_log,
 )
+from atlas_drake.control.centre_of_pressure import centre_of_pressure
+from atlas_drake.logs.layout import SIDES
 from atlas_drake.logs.log import Log
 from atlas_drake.logs.notes import Header
 from atlas_drake.logs.replay import LogPlayer, make_replay
 from atlas_drake.terrain import Block
+from atlas_drake.visualization.balance_marks import PATH as BALANCE
 from atlas_drake.visualization.caption import caption_of
 from atlas_drake.visualization.feedback_words import feedback_words
 from atlas_drake.visualization.footsteps import footstep_marks
+from atlas_drake.visualization.overlays import LOGGED, Overlays
 
-from .conftest import drive, walk_command
+from .conftest import ARM, drive, walk_command
+
+DISPLAYS = (
+    "footstep_display",
+    "caption_display",
+    "following_camera",
+    "balance_marks",
+    "contact_force_display",
+    "control_colors",
+)
 
 FEEDBACK = (
     "error_code",
@@ -77,7 +90,8 @@ def test_the_row_is_the_latest_one(log):
         context.SetTime(time)
         assert player.row(context) == row
         np.testing.assert_array_equal(
-            player.GetOutputPort("positions").Eval(context), log["state.q"][row]
+            player.GetOutputPort("state").Eval(context),
+            np.concatenate([log["state.q"][row], log["state.v"][row]]),
         )
 
 
@@ -110,6 +124,38 @@ def test_a_replay_shows_robot_caption_and_footsteps(log, meshcat):
     simulator.AdvanceTo(log.time[-1])
     assert meshcat.HasPath("/drake/visualizer/atlas/pelvis")
     assert meshcat.HasPath("/atlas_drake/footsteps/0")
+
+
+def test_what_a_log_is_enough_for_is_shown(log):
+    meshcat, overlays = Meshcat(), Overlays(LOGGED)
+    simulator = Simulator(make_replay(log, meshcat, overlays))
+    for name in ("owner", "effort"):
+        overlays.switch(name, True)
+        simulator.AdvanceTo(simulator.get_context().get_time() + 0.1)
+    for mark in ("com_ball", "dcm", "cop"):
+        assert meshcat.HasPath(f"{BALANCE}/{mark}")
+    view = simulator.get_system()
+    shown = {name for name in DISPLAYS if view.HasSubsystemNamed(name)}
+    assert shown == set(DISPLAYS) - {"contact_force_display"}
+
+
+def test_displays_read_what_they_read_in_the_run(run):
+    sim, log = run
+    player = LogPlayer(log)
+    context = player.CreateDefaultContext()
+    # The push and the user's arm are in force.
+    context.SetTime(0.11)
+    commands = player.GetOutputPort("commands").Eval(context)
+    assert commands.k_effort[ARM] == 255.0
+    wrenches = player.GetOutputPort("foot_wrenches").Eval(context)
+    weight = wrenches[5] + wrenches[11]
+    assert weight == pytest.approx(9.81 * sim.robot.mass, rel=0.3)
+    row = player.row(context)
+    soles = [log[f"feet.{side}_position"][row] for side in SIDES]
+    cop = centre_of_pressure(soles, wrenches)[:2]
+    np.testing.assert_array_equal(cop, log["balance.cop"][row])
+    effort = player.GetOutputPort("effort").Eval(context)
+    np.testing.assert_array_equal(effort, log["joints.effort"][row])
 
 
 def test_terrain_is_shown(log, scenario, meshcat):

@@ -1,6 +1,6 @@
-"""Pure parts of a log's row: the CoP.
+"""Where the ground's force acts, from the wrenches on both soles.
 
-Which ports they come from is in ``recorder``.
+What is measured; where it may lie is in ``support_polygon``.
 """
 
 from __future__ import annotations
@@ -19,15 +19,16 @@ def centre_of_pressure(
     """Where the ground's force acts on both soles together.
 
     Args:
-        soles: Positions of the soles' centres in W [m].
+        soles: Positions of the soles' centres in W [m], each of shape (3,).
         wrenches: Moment and force on each, at its centre in W [N·m; N], shape (12,).
 
     Returns:
-        Horizontal position in W [m], shape (2,); None without enough load.
+        Position in W [m], shape (3,), as high as the soles are in the mean of their
+        loads; None without enough load.
     """
-    total, moment = 0.0, np.zeros(2)
+    total, moment = 0.0, np.zeros(3)
     for sole, wrench in zip(soles, wrenches.reshape(2, 6), strict=True):
         load = wrench[5]
         total += load
-        moment += load * sole[:2] + np.array([-wrench[1], wrench[0]])
+        moment += load * sole + np.array([-wrench[1], wrench[0], 0.0])
     return moment / total if total > LEAST_LOAD else None
