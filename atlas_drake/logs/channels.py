@@ -1,7 +1,7 @@
 """What a log keeps of every control tick: its channels, with units.
 
 Those of ``AtlasSimInterfaceState`` are in ``report_channels``. How the numbers come
-about is in ``recorder``.
+about is in ``samples``.
 """
 
 from __future__ import annotations

@@ -15,8 +15,9 @@ from atlas_drake import (
 from atlas_drake.control.centre_of_pressure import centre_of_pressure
 from atlas_drake.logs.layout import SIDES
 from atlas_drake.logs.log import Log
+from atlas_drake.logs.log_player import LogPlayer
 from atlas_drake.logs.notes import Header
-from atlas_drake.logs.replay import LogPlayer, make_replay
+from atlas_drake.logs.replay import make_replay
 from atlas_drake.terrain import Block
 from atlas_drake.visualization.balance_marks import PATH as BALANCE
 from atlas_drake.visualization.caption import caption_of
