@@ -315,8 +315,8 @@ def _add_record_option(keep: argparse._ArgumentGroup) -> None:
         type=Path,
         metavar="FILE",
         help="film the run into a .mp4 or .gif, also with --headless; needs "
-        '`pip install "atlas-drake[video]"` and, for each simulated second, some '
-        "4 s of computing",
+        '`pip install "atlas-drake[video]"` and, for each simulated second, 3 to '
+        "6 s of computing, by its size",
     )
     keep.add_argument(
         "--video-size",
