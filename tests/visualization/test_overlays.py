@@ -184,6 +184,16 @@ def test_flags_in_words(message, words):
     assert feedback_words(message) == words
 
 
+def test_manipulate_says_whether_the_pelvis_has_arrived():
+    message = report(Behavior.MANIPULATE)
+    assert feedback_words(message) == "ok"
+    message.manipulate_feedback.clamped.pelvis_yaw = 0.1
+    assert feedback_words(message) == "pelvis moves"
+    assert set("PELVIS MOVES") <= set(_GLYPHS)
+    message.manipulate_feedback.internal_desired.pelvis_yaw = 0.1
+    assert feedback_words(message) == "ok"
+
+
 def test_the_font_has_every_letter_of_every_word():
     everything = [
         report(Behavior.WALK, sum(BehaviorStatus), sum(WalkStatus), error=code)
