@@ -10,11 +10,12 @@ import argparse
 import math
 import re
 import sys
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
+from functools import partial
 from pathlib import Path
 
 from atlas_drake.errors import AtlasError
-from atlas_drake.visualization.overlays import OVERLAYS, Overlays, overlays_from
+from atlas_drake.visualization.overlays import LOGGED, OVERLAYS, overlays_from
 
 EXIT_OK, EXIT_FAILED, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 0, 1, 2, 130
 """Did what was asked; fell or failed; input that cannot be used; stopped by Ctrl-C."""
@@ -163,15 +164,18 @@ def _parser() -> argparse.ArgumentParser:
 
     replay = commands.add_parser(
         "replay",
-        help="watch a log in the 3D view",
-        description="Show the robot as the log has it, with footsteps and caption. "
-        "Nothing is simulated.",
+        help="watch or film a log",
+        description="Show the robot as the log has it, with footsteps and caption, in "
+        "the 3D view or in a video. Nothing is simulated.",
         epilog=_LOG_EXIT_STATUS,
     )
     replay.add_argument("log", metavar="LOG", type=Path)
     view = replay.add_argument_group("how you watch it")
-    _add_speed_options(view, "no 3D view: for --record alone, as fast as possible")
+    _add_speed_options(
+        view, "no 3D view: for --record and --video alone, as fast as possible"
+    )
     _add_address_options(view)
+    _add_show_option(view, "none", LOGGED)
     _add_record_option(replay.add_argument_group("what you keep"))
     replay.set_defaults(run=_replay)
 
@@ -311,8 +315,8 @@ def _add_record_option(keep: argparse._ArgumentGroup) -> None:
         type=Path,
         metavar="FILE",
         help="film the run into a .mp4 or .gif, also with --headless; needs "
-        '`pip install "atlas-drake[video]"` and, for each simulated second, some '
-        "4 s of computing",
+        '`pip install "atlas-drake[video]"` and, for each simulated second, 3 to '
+        "6 s of computing, by its size",
     )
     keep.add_argument(
         "--video-size",
@@ -323,25 +327,27 @@ def _add_record_option(keep: argparse._ArgumentGroup) -> None:
     )
 
 
-def _add_show_option(view: argparse._ArgumentGroup, show: str) -> None:
+def _add_show_option(
+    view: argparse._ArgumentGroup, show: str, offered: Collection[str] = OVERLAYS
+) -> None:
+    missing = [name for name in OVERLAYS if name not in offered]
     view.add_argument(
         "--show",
-        type=_overlays,
-        default=_overlays(show),
+        type=partial(_overlays, offered=offered),
+        default=_overlays(show, offered),
         metavar="LIST",
         help="what the 3D view shows of the controller's thoughts, with commas: "
-        + ", ".join(OVERLAYS)
-        + f"; or all, or none (default: {show})",
+        + ", ".join(offered)
+        + f"; or all, or none (default: {show})"
+        + (f"; {', '.join(missing)} are not in a log" if missing else ""),
     )
 
 
-def _overlays(text: str) -> list[str]:
+def _overlays(text: str, offered: Collection[str]) -> list[str]:
     try:
-        names = overlays_from(text)
-        Overlays(names)
+        return overlays_from(text, offered)
     except AtlasError as error:
         raise argparse.ArgumentTypeError(str(error)) from error
-    return names
 
 
 def _rate(text: str) -> float:

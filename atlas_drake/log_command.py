@@ -1,4 +1,4 @@
-"""Logs on the command line: draw a page of figures, replay in the 3D view.
+"""Logs on the command line: draw a page of figures, watch or film a replay.
 
 What is drawn and replayed is in ``logs``; options are parsed in ``cli``.
 """
@@ -25,15 +25,18 @@ from atlas_drake.logs.formats import (
 from atlas_drake.logs.replay import make_replay
 from atlas_drake.logs.whole_file import whole_file
 from atlas_drake.messages import Behavior
-from atlas_drake.progress import Progress
-from atlas_drake.run_command import PIECE, check_writable, ctrl_c, quiet_logs
-from atlas_drake.viewer import (
-    await_viewer,
-    interactive,
-    keep_serving,
-    start_meshcat,
+from atlas_drake.outputs import (
+    check_writable,
+    invite_viewer,
+    keep_recording,
+    open_view,
+    realtime_rate,
+    video_asked_for,
 )
-from atlas_drake.visualization import FRAME_RATE
+from atlas_drake.progress import Progress
+from atlas_drake.run_command import PIECE, ctrl_c, quiet_logs
+from atlas_drake.viewer import interactive, keep_serving
+from atlas_drake.visualization.overlays import Overlays
 
 PICTURES = (".png", ".html")
 """What ``plot`` writes: a picture, and an interactive page."""
@@ -94,7 +97,7 @@ def _drawing(file: Path) -> Callable[[Any, Path], None]:
 
 
 def replay_log(options: argparse.Namespace) -> int:
-    """Plays a log in the 3D view.
+    """Plays a log in the 3D view, or films it.
 
     Args:
         options: Of ``atlas-drake replay``.
@@ -105,43 +108,39 @@ def replay_log(options: argparse.Namespace) -> int:
     Raises:
         LogError: If the log cannot be read, or there is nothing to do.
         ScenarioError: If a file or an address cannot be used, before anything is.
+        VideoError: If the video cannot be made, likewise.
     """
-    if options.headless and options.record is None:
+    if options.headless and options.record is None and options.video is None:
         raise LogError(
-            "--headless shows nothing: add --record FILE.html, or leave it out to watch"
+            "--headless shows nothing: add --record FILE.html or --video FILE.mp4, or "
+            "leave it out to watch"
         )
-    if options.record is not None:
-        check_writable("--record", options.record)
+    for option in ("record", "video"):
+        check_writable(f"--{option}", getattr(options, option))
+    video = video_asked_for(options)
     quiet_logs()
     log = _read(options.log)
     begin, end = float(log.time[0]), float(log.time[-1])
     progress = Progress(sys.stdout, end)
-    meshcat = start_meshcat(options.host, options.port, progress)
-    if options.record is not None:
-        # Before the diagram, whose first picture belongs to the recording.
-        meshcat.StartRecording(
-            frames_per_second=FRAME_RATE,
-            set_visualizations_while_recording=not options.headless,
-        )
-    simulator = Simulator(make_replay(log, meshcat))
+    meshcat = open_view(options, progress)
+    diagram = make_replay(log, meshcat, Overlays(options.show), video)
+    filmed: Any = None if video is None else diagram.GetSubsystemByName("video")
+    simulator = Simulator(diagram)
     simulator.get_mutable_context().SetTime(begin)
     simulator.Initialize()
-    if not options.headless:
-        progress.say(f"Watch at {meshcat.web_url()}")
-        if interactive():
-            await_viewer(meshcat, progress)
-    rate = options.realtime_rate
-    if rate is None:
-        rate = 0.0 if options.headless else 1.0
-    simulator.set_target_realtime_rate(rate)
-    interrupted = _play(log, simulator, end, progress)
+    invite_viewer(meshcat, options, progress)
+    simulator.set_target_realtime_rate(realtime_rate(options))
+    try:
+        interrupted = _play(log, simulator, end, progress)
+    finally:
+        # Also after a second Ctrl-C: a video that is not finished cannot be played.
+        if filmed is not None:
+            filmed.close()
     now = simulator.get_context().get_time()
     progress.say(f"{'Stopped' if interrupted else 'Replayed'} at {now:.1f} s.")
-    if options.record is not None:
-        meshcat.StopRecording()
-        meshcat.PublishRecording()
-        options.record.write_text(meshcat.StaticHtml())
-        progress.say(f"Wrote {options.record}; open it in a browser.")
+    keep_recording(meshcat, options, progress)
+    if video is not None:
+        progress.say(f"Wrote {video.path}, {filmed.num_frames} pictures.")
     if interrupted:
         return EXIT_INTERRUPTED
     if not options.headless and interactive():

@@ -148,6 +148,7 @@ class Robot:
         effort_limit: Effort limits [N·m].
         mass: Total mass [kg].
         body_names: Names of all links.
+        moved_links: Name of the link that each joint moves.
         legs: Their lengths.
     """
 
@@ -160,6 +161,7 @@ class Robot:
     effort_limit: np.ndarray
     mass: float
     body_names: tuple[str, ...]
+    moved_links: tuple[str, ...]
     legs: LegGeometry
 
     @property
@@ -280,6 +282,7 @@ def load_robot(name: str = DEFAULT_ROBOT) -> Robot:
             plant.get_body(index).name()
             for index in plant.GetBodyIndices(plant.GetModelInstanceByName(name))
         ),
+        moved_links=tuple(str(joint.child_body().name()) for joint in joints),
         legs=_leg_geometry(file, plant),
     )
 

@@ -9,32 +9,28 @@ import argparse
 import json
 import logging
 import math
-import os
 import signal
 import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from atlas_drake.cli import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK
-from atlas_drake.errors import ScenarioError
 from atlas_drake.logs.formats import check_format
+from atlas_drake.outputs import (
+    check_writable,
+    invite_viewer,
+    keep_recording,
+    open_view,
+    realtime_rate,
+    video_asked_for,
+)
 from atlas_drake.progress import Progress
 from atlas_drake.scenario import Scenario
 from atlas_drake.simulation import AtlasSimulation, SimulationError
-from atlas_drake.viewer import (
-    await_viewer,
-    interactive,
-    keep_serving,
-    start_meshcat,
-)
-from atlas_drake.visualization import FRAME_RATE
+from atlas_drake.viewer import interactive, keep_serving
 from atlas_drake.visualization.overlays import Overlays
-
-if TYPE_CHECKING:
-    from atlas_drake.visualization.video_display import Video
 
 PIECE = 0.1
 """Simulated time between updates of the progress line [s]."""
@@ -57,24 +53,14 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
     """
     apply_options(scenario, options)
     for option in ("json", "record", "video", "log"):
-        path = getattr(options, option)
-        if path is not None:
-            check_writable(f"--{option}", path)
-    video = _video(options)
+        check_writable(f"--{option}", getattr(options, option))
+    video = video_asked_for(options)
     if options.log is not None:
         check_format(options.log)
     quiet_logs()
 
-    meshcat = None
     progress = Progress(sys.stdout, scenario.duration)
-    if not options.headless or options.record is not None:
-        meshcat = start_meshcat(options.host, options.port, progress)
-    if meshcat is not None and options.record is not None:
-        # Before the simulation, whose first picture belongs to the recording.
-        meshcat.StartRecording(
-            frames_per_second=FRAME_RATE,
-            set_visualizations_while_recording=not options.headless,
-        )
+    meshcat = open_view(options, progress)
     sim = AtlasSimulation(
         scenario,
         meshcat=meshcat,
@@ -83,14 +69,8 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
         overlays=Overlays(options.show),
         log=options.log,
     )
-    if meshcat is not None and not options.headless:
-        progress.say(f"Watch at {meshcat.web_url()}")
-        if interactive():
-            await_viewer(meshcat, progress)
-    rate = options.realtime_rate
-    if rate is None:
-        rate = 0.0 if options.headless else 1.0
-    sim.set_realtime_rate(rate)
+    invite_viewer(meshcat, options, progress)
+    sim.set_realtime_rate(realtime_rate(options))
 
     try:
         stopped = _simulate(sim, progress)
@@ -111,16 +91,12 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
         progress.say(f"Wrote {options.json}.")
     if options.log is not None:
         progress.say(f"Wrote {options.log}; draw it: atlas-drake plot {options.log}")
-    if meshcat is not None and options.record is not None:
-        meshcat.StopRecording()
-        meshcat.PublishRecording()
-        options.record.write_text(meshcat.StaticHtml())
-        progress.say(f"Wrote {options.record}; open it in a browser.")
+    keep_recording(meshcat, options, progress)
     if video is not None:
         progress.say(f"Wrote {video.path}, {pictures} pictures.")
     if stopped == INTERRUPTED:
         return EXIT_INTERRUPTED
-    if meshcat is not None and not options.headless and interactive():
+    if not options.headless and interactive():
         keep_serving(progress)
     return EXIT_OK if summary["success"] else EXIT_FAILED
 
@@ -221,28 +197,6 @@ def quiet_logs() -> None:
     drake.setLevel(logging.WARNING)
     # Drake warns whenever there is a half space; nothing here is deformable.
     drake.addFilter(lambda record: "deformable contact" not in record.getMessage())
-
-
-def _video(options: argparse.Namespace) -> Video | None:
-    """What is asked of a video, if there is to be one and if it can be made."""
-    if options.video is None:
-        return None
-    from atlas_drake.visualization.video_display import Video
-    from atlas_drake.visualization.video_file import check_video
-
-    check_video(options.video, *options.video_size)
-    return Video(options.video, *options.video_size)
-
-
-def check_writable(option: str, path: Path) -> None:
-    """Refuses a path now rather than after the run."""
-    folder = path.parent
-    if path.is_dir():
-        raise ScenarioError(option, str(path), f"{path} is a folder")
-    if not folder.is_dir():
-        raise ScenarioError(option, str(path), f"there is no folder {folder}")
-    if not os.access(path if path.exists() else folder, os.W_OK):
-        raise ScenarioError(option, str(path), f"{path} cannot be written")
 
 
 def _plain(value: Any) -> Any:

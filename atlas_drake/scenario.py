@@ -121,10 +121,10 @@ class Scenario:
     """Where the robot begins."""
     noise: str = "none"
     """Sensor noise, a name from NOISE_MODELS."""
-    state: str = "true"
+    state: str | bool = "true"
     """What the behaviours see, one of STATES: the true state with the noise of the
-    sensors, or what an estimator makes of IMU, joints and loads on the feet. A file
-    needs quotes for "true", which YAML takes for a truth value without them."""
+    sensors, or what an estimator makes of IMU, joints and loads on the feet. A bare
+    ``true``, which YAML takes for a truth value, means the word."""
     seed: int = 0
     """Of noise and jitter."""
     jitter: Jitter = field(default_factory=Jitter)
@@ -132,6 +132,8 @@ class Scenario:
 
     def validate(self) -> "Scenario":
         """Checks every field; the YAML loader only checks names and types.
+
+        A truth value for ``state`` becomes the word.
 
         Returns:
             The scenario itself.
@@ -142,6 +144,8 @@ class Scenario:
         _one_of("model", self.model, available_robots())
         _one_of("programme", self.programme, PROGRAMMES)
         _one_of("noise", self.noise, tuple(NOISE_MODELS))
+        if self.state is True:
+            self.state = "true"
         _one_of("state", self.state, STATES)
         _one_of("physics_step", self.physics_step, PHYSICS_STEPS)
         _one_of(

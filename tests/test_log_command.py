@@ -1,11 +1,20 @@
 """Logs on the command line: --log, plot and replay."""
 
+import base64
 import logging
+import re
 import signal
 
+import numpy as np
 import pytest
 
-from atlas_drake import AtlasSimulation, log_command, read_log, run_command
+from atlas_drake import (
+    AtlasCommand,
+    AtlasSimulation,
+    log_command,
+    read_log,
+    run_command,
+)
 from atlas_drake.cli import main
 from atlas_drake.logs import png_page
 
@@ -131,6 +140,8 @@ def test_figures_are_drawn_where_they_are_wanted(log_file, tmp_path, monkeypatch
         (["replay", "TMP/none.npz", "--headless", "--record", "TMP/a.html"], "no such"),
         (["replay", "LOG", "--headless"], "--record"),
         (["replay", "LOG", "--record", "TMP/none/a.html"], "there is no folder"),
+        (["replay", "LOG", "--video", "TMP/none/a.mp4"], "there is no folder"),
+        (["replay", "LOG", "--video", "TMP/a.avi"], ".mp4 or .gif"),
     ],
 )
 def test_what_cannot_be_done_exits_with_2(
@@ -207,18 +218,89 @@ def test_ctrl_c_stops_a_replay_and_keeps_its_recording(
     assert page.exists()
 
 
+@pytest.mark.slow
+def test_a_replay_is_filmed_as_the_run_was(tmp_path, capsys, monkeypatch):
+    pytest.importorskip("av", reason='needs pip install "atlas-drake[video]"')
+    from atlas_drake.visualization.video_display import Video
+    from atlas_drake.visualization.video_file import VideoFile
+
+    pictures, add = [], VideoFile.add
+
+    def notice(self, picture):
+        pictures.append(picture)
+        add(self, picture)
+
+    # What is encoded is compared: the codec changes pictures a little.
+    monkeypatch.setattr(VideoFile, "add", notice)
+    log, live, again = (tmp_path / name for name in ("a.npz", "a.mp4", "b.mp4"))
+    with AtlasSimulation(log=log, video=Video(live, 192, 108)) as sim:
+        command = AtlasCommand()
+        command.k_effort = [255] + 27 * [0]
+        sim.publish(command)
+        sim.advance_to(0.1)
+        sim.close_video()
+    options = ["--headless", "--video", str(again), "--video-size", "192x108"]
+    assert main(["replay", str(log), *options]) == 0
+    assert f"Wrote {again}, 3 pictures." in capsys.readouterr().out
+    assert len(pictures) == 6
+    # The first picture of a run comes before its first tick, in which the log begins.
+    for filmed, replayed in zip(pictures[1:3], pictures[4:], strict=True):
+        np.testing.assert_array_equal(filmed, replayed)
+    assert not np.array_equal(pictures[4], pictures[5])
+
+
+def test_ctrl_c_stops_a_replay_and_its_film_can_be_played(
+    log_file, tmp_path, capsys, monkeypatch
+):
+    av = pytest.importorskip("av", reason='needs pip install "atlas-drake[video]"')
+
+    def interrupt(_self, _time, _behavior):
+        signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr(log_command, "PIECE", 0.05)
+    monkeypatch.setattr(log_command.Progress, "update", interrupt)
+    film = tmp_path / "replay.mp4"
+    options = ["--headless", "--video", str(film), "--video-size", "64x64"]
+    assert main(["replay", str(log_file), *options]) == 130
+    assert "Stopped at 0.1 s" in capsys.readouterr().out
+    with av.open(str(film)) as video:
+        assert len(list(video.decode(video=0))) == 2
+
+
+def test_a_replay_is_recorded_with_what_is_to_be_shown(log_file, tmp_path):
+    page = tmp_path / "replay.html"
+    options = ["--headless", "--record", str(page), "--show", "com,cop"]
+    assert main(["replay", str(log_file), *options]) == 0
+    blobs = re.findall(r"base64,([A-Za-z0-9+/=]+)", page.read_text())
+    messages = [base64.b64decode(blob) for blob in blobs]
+    (animation,) = [message for message in messages if b"set_animation" in message]
+    assert b"/visualizer/atlas/pelvis" in animation
+    assert b"/balance/com_ball" in animation
+    assert b"/balance/cop" in animation
+    assert b"/balance/dcm" not in animation
+
+
+@pytest.mark.parametrize("name", ["support", "plan", "swing", "forces"])
+def test_what_is_not_in_a_log_cannot_be_shown(name, log_file, capsys):
+    with pytest.raises(SystemExit) as stop:
+        main(["replay", str(log_file), "--show", f"com,{name}"])
+    assert stop.value.code == 2
+    assert "is not in a log, which has com, dcm" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("command", "words"),
     [
         ("demo", ["--log", ".mcap", "Foxglove"]),
         ("plot", ["--output", ".html", "exit status"]),
-        ("replay", ["--record", "--realtime-rate", "--headless"]),
+        ("replay", ["--record", "--realtime-rate", "--headless", "--video", "--show"]),
+        ("replay", ["support, plan, swing, forces are not in a log"]),
     ],
 )
 def test_help_explains_logs(command, words, capsys):
     with pytest.raises(SystemExit) as stop:
         main([command, "--help"])
     assert stop.value.code == 0
-    out = capsys.readouterr().out
+    out = " ".join(capsys.readouterr().out.split())
     for word in words:
         assert word in out

@@ -27,6 +27,19 @@ def test_what_is_left_out_has_its_default(tmp_path):
     assert scenario.duration == Scenario().duration
 
 
+@pytest.mark.parametrize("text", ["true", "True", '"true"', "'true'"])
+def test_the_true_state_needs_no_quotes(text, tmp_path):
+    assert load(tmp_path, f"state: {text}\n").state == "true"
+    assert load(tmp_path, "state: estimated\n").state == "estimated"
+    assert Scenario(state=True).validate().state == "true"
+
+
+@pytest.mark.parametrize("text", ["false", "1", "[true]", "null"])
+def test_nothing_else_stands_for_the_true_state(text, tmp_path):
+    with pytest.raises(ScenarioError, match="state"):
+        load(tmp_path, f"state: {text}\n")
+
+
 def test_validate_returns_the_scenario_itself():
     scenario = Scenario()
     assert scenario.validate() is scenario
@@ -51,6 +64,7 @@ def test_behaviors_are_named_in_any_case(name):
         ("programme", "dance"),
         ("noise", "deafening"),
         ("state", "guessed"),
+        ("state", False),
         ("physics_step", 0.003),
         ("physics_step", -0.001),
         ("physics_step", math.nan),

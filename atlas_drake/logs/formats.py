@@ -5,21 +5,32 @@ The formats themselves are in the files beside this one.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
 from atlas_drake.errors import did_you_mean
 from atlas_drake.logs.notes import Header, LogError, LogWriter, Note
 
+
+class Format(NamedTuple):
+    """Names of a format's module in this package, and of what is in it."""
+
+    module: str
+    writer: str
+    reader: str
+
+
 FORMATS = {
-    ".mcap": ("mcap_file", "McapWriter", "read_mcap"),
-    ".npz": ("npz_file", "NpzWriter", "read_npz"),
-    ".parquet": ("parquet_file", "ParquetWriter", "read_parquet"),
+    ".mcap": Format("mcap_file", "McapWriter", "read_mcap"),
+    ".npz": Format("npz_file", "NpzWriter", "read_npz"),
+    ".parquet": Format("parquet_file", "ParquetWriter", "read_parquet"),
 }
-"""Module, writer and reader by ending."""
+"""By ending."""
 LOG_EXTRA, PLOT_EXTRA = "log", "plot"
 """Optional dependencies that bring the formats' and the figures' packages."""
 
@@ -39,38 +50,37 @@ class LogFile:
                 cannot be written.
         """
         self.path = path
-        writer = _member(path, 1)
-        try:
+        writer = _member(path, "writer")
+        with self._named_faults():
             self._writer: LogWriter | None = writer(path, header)
-        except OSError as error:
-            raise self._failure(error) from error
 
     def row(self, row: np.ndarray) -> None:
         """Keeps one tick, unless the file is closed."""
-        self._do("row", row)
+        if self._writer is not None:
+            with self._named_faults():
+                self._writer.row(row)
 
     def note(self, note: Note) -> None:
         """Keeps a note, unless the file is closed."""
-        self._do("note", note)
+        if self._writer is not None:
+            with self._named_faults():
+                self._writer.note(note)
 
     def close(self) -> None:
         """Completes the file; does nothing when it is closed."""
         writer, self._writer = self._writer, None
         if writer is not None:
-            try:
+            with self._named_faults():
                 writer.close()
-            except OSError as error:
-                raise self._failure(error) from error
 
-    def _do(self, name: str, argument: object) -> None:
-        if self._writer is not None:
-            try:
-                getattr(self._writer, name)(argument)
-            except OSError as error:
-                raise self._failure(error) from error
-
-    def _failure(self, error: OSError) -> LogError:
-        return LogError(f"{self.path}: cannot be written: {error.strerror or error}")
+    @contextmanager
+    def _named_faults(self) -> Iterator[None]:
+        try:
+            yield
+        except OSError as error:
+            raise LogError(
+                f"{self.path}: cannot be written: {error.strerror or error}"
+            ) from error
 
 
 def check_format(path: Path) -> None:
@@ -79,7 +89,7 @@ def check_format(path: Path) -> None:
     Raises:
         LogError: If the ending is unknown or a package is missing.
     """
-    _member(path, 1)
+    _member(path, "writer")
 
 
 def read_file(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]:
@@ -88,7 +98,7 @@ def read_file(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]:
     Raises:
         LogError: If the file cannot be read.
     """
-    read = _member(path, 2)
+    read = _member(path, "reader")
     if not path.exists():
         raise LogError(f"{path}: there is no such file")
     try:
@@ -118,13 +128,14 @@ def missing_package(what: str, name: str | None, extra: str) -> MissingPackageEr
     )
 
 
-def _member(path: Path, index: int) -> Any:
+def _member(path: Path, role: Literal["writer", "reader"]) -> Any:
+    """What writes or reads a log with that name."""
     entry = FORMATS.get(path.suffix)
     if entry is None:
         hint = did_you_mean(path.suffix, FORMATS)
         raise LogError(f"{path}: a log must end in one of {', '.join(FORMATS)}.{hint}")
     try:
-        module = import_module(f"atlas_drake.logs.{entry[0]}")
+        module = import_module(f"atlas_drake.logs.{entry.module}")
     except ModuleNotFoundError as error:
         raise missing_package(f"{path}: {path.suffix}", error.name, LOG_EXTRA) from None
-    return getattr(module, entry[index])
+    return getattr(module, getattr(entry, role))

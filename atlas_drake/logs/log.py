@@ -21,8 +21,8 @@ from atlas_drake.logs.notes import (
     Header,
     LogError,
     Note,
+    event_from_note,
     message_from,
-    note_event,
 )
 from atlas_drake.messages import Message
 from atlas_drake.robot import Robot, load_robot
@@ -89,7 +89,7 @@ class Log:
     @cached_property
     def events(self) -> list[Event]:
         """What happened, in order of time."""
-        events = [note_event(note) for note in self.notes if note.kind == EVENT]
+        events = [event_from_note(note) for note in self.notes if note.kind == EVENT]
         return sorted(events, key=lambda event: event.time)
 
     @cached_property

@@ -7,7 +7,9 @@ even if the run ends abruptly.
 from __future__ import annotations
 
 import json
+import math
 import struct
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -35,7 +37,7 @@ VIEWER_PERIOD = 0.02
 SELDOM = ("gains",)
 """Topics that are written only when they have changed."""
 CHUNK = 1 << 20
-"""Bytes that are compressed together, and are lost together [-]."""
+"""Messages that are compressed together, and lost together if torn [byte]."""
 
 
 class McapWriter:
@@ -54,39 +56,34 @@ class McapWriter:
         self._rows = 0
         self._latest: dict[str, Any] = {}
         self._viewer_time = -np.inf
-        # Which numbers of a row each topic has, and under which names.
-        self._topics = [
-            (topic, [(_field(c), c.labels, self._layout.places[c.name]) for c in part])
-            for topic, part in _topics(self._layout).items()
-        ]
+        self._topics = _topics(self._layout)
         blank = [0.0] * self._layout.width
-        for topic, parts in self._topics:
-            self._register(topic, f"atlas_drake.{topic}", _fields(parts, blank))
+        for name, topic in self._topics.items():
+            self._register(name, f"atlas_drake.{name}", topic.message(blank))
         for kind, message in COMMANDS.items():
             self._register(kind, f"atlas_drake.{message.__name__}", to_plain(message()))
-        for topic, (schema, sample) in VIEWER_SCHEMAS.items():
-            self._register(topic, schema, sample)
+        for name, (schema, sample) in VIEWER_SCHEMAS.items():
+            self._register(name, schema, sample)
 
     def row(self, row: np.ndarray) -> None:
         """Writes one tick."""
         values = row.tolist()
         if not np.isfinite(row).all():
             # JSON knows neither NaN nor infinities.
-            finite = np.isfinite(row).tolist()
-            values = [v if f else None for v, f in zip(values, finite, strict=True)]
+            values = [value if math.isfinite(value) else None for value in values]
         time = values[0]
-        for topic, parts in self._topics:
-            message = _fields(parts, values)
-            if topic in SELDOM:
-                if message == self._latest.get(topic):
+        for name, topic in self._topics.items():
+            message = topic.message(values)
+            if name in SELDOM:
+                if message == self._latest.get(name):
                     continue
-                self._latest[topic] = message
-            self._add(time, topic, message)
+                self._latest[name] = message
+            self._add(time, name, message)
         self._rows += 1
         if time >= self._viewer_time + VIEWER_PERIOD - 1e-9:
             self._viewer_time = time
-            for topic, message in viewer_messages(self._layout, values):
-                self._add(time, topic, message)
+            for name, message in viewer_messages(self._layout, values):
+                self._add(time, name, message)
 
     def note(self, note: Note) -> None:
         """Writes a note."""
@@ -166,39 +163,47 @@ def _arrays(
     topics = _topics(layout)
     count = min(len(messages.get(t, ())) for t in topics if t not in SELDOM)
     table = np.empty((count, layout.width))
-    for topic, channels in topics.items():
-        places = [layout.places[channel.name] for channel in channels]
-        for message in messages.get(topic, ()):
-            if message.sequence >= count:
+    for name, topic in topics.items():
+        for message in messages.get(name, ()):
+            first = message.sequence
+            if first >= count:
                 break
-            fields = json.loads(message.data)
             # What is written seldom holds from its row on.
-            rows = slice(
-                message.sequence, None if topic in SELDOM else message.sequence + 1
-            )
-            for channel, place in zip(channels, places, strict=True):
-                value = fields[_field(channel)]
-                # None becomes NaN.
-                table[rows, place] = np.array(
-                    list(value.values()) if channel.labels else value, dtype=float
-                )
+            rows = slice(first, None if name in SELDOM else first + 1)
+            topic.fill(table[rows], json.loads(message.data))
     return layout.split(table)
 
 
-def _topics(layout: Layout) -> dict[str, list[Channel]]:
-    """The channels of each topic, whose name is the first word of theirs."""
-    topics: dict[str, list[Channel]] = {}
+class _Topic:
+    """Which numbers of a row a topic has, and under which names."""
+
+    def __init__(self, channels: Iterable[Channel], layout: Layout):
+        self._fields = [
+            (channel.name.split(".")[-1], channel.labels, layout.places[channel.name])
+            for channel in channels
+        ]
+
+    def message(self, row: list[Any]) -> dict[str, Any]:
+        """What is written of a row."""
+        return {
+            name: dict(zip(labels, row[place], strict=True))
+            if labels
+            else row[place.start]
+            for name, labels, place in self._fields
+        }
+
+    def fill(self, rows: np.ndarray, message: dict[str, Any]) -> None:
+        """Puts a message that was read into rows, with NaN for None."""
+        for name, labels, place in self._fields:
+            value = message[name]
+            rows[:, place] = np.array(
+                list(value.values()) if labels else value, dtype=float
+            )
+
+
+def _topics(layout: Layout) -> dict[str, _Topic]:
+    """All topics; the name of each is the first word of its channels' names."""
+    channels: dict[str, list[Channel]] = {}
     for channel in layout.channels:
-        topics.setdefault(channel.name.split(".")[0], []).append(channel)
-    return topics
-
-
-def _field(channel: Channel) -> str:
-    return channel.name.split(".")[-1]
-
-
-def _fields(parts: list[tuple[str, tuple[str, ...], slice]], row: list[Any]) -> Any:
-    return {
-        name: dict(zip(labels, row[place], strict=True)) if labels else row[place.start]
-        for name, labels, place in parts
-    }
+        channels.setdefault(channel.name.split(".")[0], []).append(channel)
+    return {name: _Topic(part, layout) for name, part in channels.items()}

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
 from typing import Any, Protocol
 
@@ -114,15 +114,25 @@ class LogWriter(Protocol):
         """Completes the file; nothing is kept after that."""
 
 
-def event_note(event: Event) -> Note:
+def note_from_event(event: Event) -> Note:
     """An event as a note."""
     data = {"kind": event.kind, "text": event.text, "data": to_plain(event.data)}
     return Note(event.time, EVENT, data)
 
 
-def note_event(note: Note) -> Event:
-    """The reverse of ``event_note``."""
+def event_from_note(note: Note) -> Event:
+    """The reverse of ``note_from_event``."""
     return Event(note.time, note.data["kind"], note.data["text"], note.data["data"])
+
+
+def notes_to_json(notes: Iterable[Note]) -> str:
+    """Notes as text, for formats that keep them all in one place."""
+    return json.dumps([[note.time, note.kind, note.data] for note in notes])
+
+
+def notes_from_json(text: str) -> list[Note]:
+    """The reverse of ``notes_to_json``."""
+    return [Note(*entry) for entry in json.loads(text)]
 
 
 def to_plain(value: Any) -> Any:

@@ -5,15 +5,19 @@ Kept in memory until the end, as the format knows no other way.
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 from zipfile import BadZipFile
 
 import numpy as np
 
-from atlas_drake.logs.notes import Header, LogError, Note
+from atlas_drake.logs.notes import (
+    Header,
+    LogError,
+    Note,
+    notes_from_json,
+    notes_to_json,
+)
 from atlas_drake.logs.whole_file import WholeFile
 
 BLOCK = 1024
@@ -82,13 +86,3 @@ def read_npz(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]:
             return header, arrays, notes_from_json(str(file["notes"]))
     except (BadZipFile, EOFError, KeyError, TypeError, ValueError) as error:
         raise LogError("it is no .npz file of a log, or a damaged one") from error
-
-
-def notes_to_json(notes: Iterable[Note]) -> str:
-    """Notes as text."""
-    return json.dumps([[note.time, note.kind, note.data] for note in notes])
-
-
-def notes_from_json(text: str) -> list[Note]:
-    """The reverse of ``notes_to_json``."""
-    return [Note(*entry) for entry in json.loads(text)]

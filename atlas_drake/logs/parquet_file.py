@@ -14,8 +14,14 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 
 from atlas_drake.logs.layout import Layout
-from atlas_drake.logs.notes import Header, LogError, Note
-from atlas_drake.logs.npz_file import BLOCK, notes_from_json, notes_to_json
+from atlas_drake.logs.notes import (
+    Header,
+    LogError,
+    Note,
+    notes_from_json,
+    notes_to_json,
+)
+from atlas_drake.logs.npz_file import BLOCK
 from atlas_drake.logs.whole_file import WholeFile
 
 HEADER, NOTES = "atlas_drake.header", "atlas_drake.notes"

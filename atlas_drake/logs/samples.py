@@ -1,79 +1,177 @@
-"""Pure parts of a log's row: what the behaviours report, and the CoP.
+"""What a log's row holds at one instant, made of the values of a station's ports.
 
-Which ports they come from is in ``recorder``.
+When rows are sampled and written is the business of ``recorder``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from pydrake.multibody.plant import ContactResults, MultibodyPlant
+from pydrake.systems.framework import Context
 
-from atlas_drake.behaviors.step_queue import footstep_from
-from atlas_drake.logs.layout import SIDES, STEP_FIELDS
-from atlas_drake.messages import NO_STEP, AtlasSimInterfaceState
+from atlas_drake.control.centre_of_pressure import centre_of_pressure
+from atlas_drake.control.tasks import pendulum_frequency
+from atlas_drake.logs.channels import GAINS, robot_layout
+from atlas_drake.logs.layout import SIDES
+from atlas_drake.logs.report_channels import reported
+from atlas_drake.messages import AtlasSimInterfaceState
+from atlas_drake.robot import Robot
+from atlas_drake.systems.robot_sensors import contact_wrenches
 
-LEAST_LOAD = 20.0
-"""Vertical force on both soles together below which there is no CoP [N]."""
+LEAST_HEIGHT = 0.1
+"""Of the CoM above the soles, for the DCM of a robot that lies on the ground [m]."""
 
 
-def centre_of_pressure(
-    soles: Sequence[np.ndarray], wrenches: np.ndarray
-) -> np.ndarray | None:
-    """Where the ground's force acts on both soles together.
+class RowSampler:
+    """Makes rows of one robot's log.
 
-    Args:
-        soles: Positions of the soles' centres in W [m].
-        wrenches: Moment and force on each, at its centre in W [N·m; N], shape (12,).
-
-    Returns:
-        Horizontal position in W [m], shape (2,); None without enough load.
+    Attributes:
+        layout: Of the rows.
+        port_sizes: Lengths of the vector-valued ports that rows are made of, by name.
     """
-    total, moment = 0.0, np.zeros(2)
-    for sole, wrench in zip(soles, wrenches.reshape(2, 6), strict=True):
-        load = wrench[5]
-        total += load
-        moment += load * sole[:2] + np.array([-wrench[1], wrench[0]])
-    return moment / total if total > LEAST_LOAD else None
+
+    def __init__(self, robot: Robot):
+        """Takes the robot; its coordinates lie here as in the station's plant."""
+        self._plant = plant = MultibodyPlant(time_step=0.0)
+        robot.add_to(plant)
+        plant.Finalize()
+        self.layout = robot_layout(
+            robot,
+            plant.GetPositionNames(add_model_instance_prefix=False),
+            plant.GetVelocityNames(add_model_instance_prefix=False),
+        )
+        num_states, num_joints = plant.num_multibody_states(), robot.num_joints
+        self.port_sizes = {
+            "state": num_states,
+            "behavior_state": num_states,
+            "foot_wrenches": 12,
+            "effort": num_joints,
+            "user_effort": num_joints,
+        }
+        self._indices = robot.indices(plant)
+        self._num_q = plant.num_positions()
+        self._hands = [plant.GetBodyByName(name) for name in robot.file.hands]
+        # The robot is the first in both plants: its bodies have the same numbers.
+        self._hand_bodies = {int(body.index()): i for i, body in enumerate(self._hands)}
+
+    def create_context(self) -> Context:
+        """A scratch context for ``row``, which overwrites it."""
+        return self._plant.CreateDefaultContext()
+
+    def row(
+        self, scratch: Context, time: float, tick_time: float, ports: Mapping[str, Any]
+    ) -> np.ndarray:
+        """One row, shape (layout's width,); NaN where there is nothing to say.
+
+        Args:
+            scratch: Of ``create_context``.
+            time: Now [s].
+            tick_time: Wall time of the controller's tick [s].
+            ports: Values of the station's ports, by name.
+        """
+        values: dict[str, Any] = {
+            "time": time,
+            "controller.tick_time": tick_time,
+            "controller.unsolved": ports["controller_state"].unsolved,
+            **reported(ports["atlas_sim_interface_state"]),
+            **self._joints(ports),
+            **_commanded(ports["commands"]),
+            **_measured_by_imu(ports["imu"]),
+            **self._coordinates(ports),
+            **self._balance(scratch, ports),
+            **self._hand_wrenches(scratch, ports["state"], ports["contact_results"]),
+        }
+        wrenches = ports["foot_wrenches"]
+        for foot, side in enumerate(SIDES):
+            values[f"feet.{side}_torque"] = wrenches[6 * foot : 6 * foot + 3]
+            values[f"feet.{side}_force"] = wrenches[6 * foot + 3 : 6 * foot + 6]
+        soles = [values[f"feet.{side}_position"] for side in SIDES]
+        cop = centre_of_pressure(soles, wrenches)
+        if cop is not None:
+            values["balance.cop"] = cop[:2]
+        row = np.full(self.layout.width, np.nan)
+        for name, value in values.items():
+            row[self.layout.places[name]] = value
+        return row
+
+    def _joints(self, ports: Mapping[str, Any]) -> dict[str, Any]:
+        measured = ports["behavior_state"]
+        return {
+            "joints.position": measured[self._indices.q],
+            "joints.velocity": measured[self._num_q + self._indices.v],
+            "joints.effort": ports["effort"],
+            "joints.user_effort": ports["user_effort"],
+            "joints.behavior_effort": ports["controller_state"].effort,
+        }
+
+    def _coordinates(self, ports: Mapping[str, Any]) -> dict[str, Any]:
+        return {
+            # The free pelvis comes first in the plant's positions, and its quaternion.
+            "pelvis.orientation": ports["behavior_state"][:4],
+            "state.q": ports["state"][: self._num_q],
+            "state.v": ports["state"][self._num_q :],
+        }
+
+    def _balance(self, scratch: Context, ports: Mapping[str, Any]) -> dict[str, Any]:
+        """Centre of mass and DCM as the controller believes them, and their plan."""
+        plant: Any = self._plant
+        plant.SetPositionsAndVelocities(scratch, ports["behavior_state"])
+        com = plant.CalcCenterOfMassPositionInWorld(scratch)
+        velocity = plant.CalcCenterOfMassTranslationalVelocityInWorld(scratch)
+        report: AtlasSimInterfaceState = ports["atlas_sim_interface_state"]
+        soles = [foot.position.z for foot in report.foot_pos_est]
+        height = max(com[2] - 0.5 * sum(soles), LEAST_HEIGHT)
+        memory = ports["controller_state"].supervisor.memory
+        omega = getattr(memory, "omega", None) or pendulum_frequency(height)
+        values = {
+            "balance.com": com,
+            "balance.com_velocity": velocity,
+            "balance.dcm": com[:2] + velocity[:2] / omega,
+        }
+        plan = getattr(memory, "dcm_reference", None)
+        if plan is not None:
+            reference = plan(omega)
+            values["balance.dcm_reference"] = reference.dcm
+            values["balance.cop_reference"] = reference.cop
+        return values
+
+    def _hand_wrenches(
+        self, scratch: Context, state: np.ndarray, contacts: ContactResults
+    ) -> dict[str, np.ndarray]:
+        """Contact on both hands, about their body origins."""
+        totals = np.array(contact_wrenches(contacts, self._hand_bodies))
+        if totals.any():
+            plant: Any = self._plant
+            plant.SetPositionsAndVelocities(scratch, state)
+            for hand, wrench in zip(self._hands, totals, strict=True):
+                X_WH = plant.EvalBodyPoseInWorld(scratch, hand)
+                wrench[:3] -= np.cross(X_WH.translation(), wrench[3:])
+        values = {}
+        for side, wrench in zip(SIDES, totals, strict=True):
+            values[f"hands.{side}_torque"] = wrench[:3]
+            values[f"hands.{side}_force"] = wrench[3:]
+        return values
 
 
-def reported(report: AtlasSimInterfaceState) -> dict[str, Any]:
-    """Values of the channels that hold what the behaviours report, by name."""
-    feedback = report.behavior_feedback
-    walk, step = report.walk_feedback, report.step_feedback
-    values: dict[str, Any] = {
-        "behavior.current": report.current_behavior,
-        "behavior.desired": report.desired_behavior,
-        "behavior.status_flags": feedback.status_flags,
-        "behavior.trans_from": feedback.trans_from,
-        "behavior.trans_to": feedback.trans_to,
-        "behavior.error_code": report.error_code,
-        "step.status_flags": step.status_flags,
-        "step.t_step_rem": step.t_step_rem,
-        "step.current_step_index": step.current_step_index,
-        "step.next_step_index_needed": step.next_step_index_needed,
-        "step.step": _steps([step.desired_step_saturated]),
-        "walk.status_flags": walk.status_flags,
-        "walk.t_step_rem": walk.t_step_rem,
-        "walk.current_step_index": walk.current_step_index,
-        "walk.next_step_index_needed": walk.next_step_index_needed,
-        "walk.steps": _steps(walk.step_queue_saturated),
-        "pelvis.position": report.pos_est.position.to_array(),
-        "pelvis.velocity": report.pos_est.velocity.to_array(),
+def _commanded(commands: Any) -> dict[str, Any]:
+    """What ``CommandsInForce`` say about joints and requests."""
+    joints = commands.joints
+    return {
+        "behavior.request_number": commands.request.number,
+        "joints.k_effort": commands.k_effort,
+        "joints.position_setpoint": joints.position,
+        "joints.velocity_setpoint": joints.velocity,
+        "joints.effort_setpoint": joints.effort,
+        **{f"gains.{name}": getattr(joints, name) for name in GAINS},
     }
-    for side, pose in zip(SIDES, report.foot_pos_est, strict=True):
-        values[f"feet.{side}_position"] = pose.position.to_array()
-        values[f"feet.{side}_orientation"] = pose.orientation.to_wxyz()
-    return values
 
 
-def _steps(queue: Sequence[Any]) -> list[float]:
-    numbers: list[float] = []
-    for data in queue:
-        if data.step_index == NO_STEP:
-            numbers += [NO_STEP] + [0.0] * (len(STEP_FIELDS) - 1)
-        else:
-            step = footstep_from(data)
-            numbers += [step.index, step.foot, *step.p_WF.tolist(), step.yaw]
-    return numbers
+def _measured_by_imu(imu: Any) -> dict[str, Any]:
+    return {
+        "imu.orientation": imu.orientation.to_wxyz(),
+        "imu.angular_velocity": imu.angular_velocity.to_array(),
+        "imu.linear_acceleration": imu.linear_acceleration.to_array(),
+    }

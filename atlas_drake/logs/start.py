@@ -9,7 +9,8 @@ from pydrake.common.yaml import yaml_dump_typed
 
 from atlas_drake.logs.formats import LogFile
 from atlas_drake.logs.notes import Header
-from atlas_drake.logs.recorder import LogRecorder, layout_of
+from atlas_drake.logs.recorder import LogRecorder
+from atlas_drake.logs.samples import RowSampler
 from atlas_drake.robot import Robot
 from atlas_drake.scenario import Scenario
 
@@ -28,7 +29,7 @@ def start_recorder(
     Raises:
         LogError: If the file cannot be written.
     """
-    layout = layout_of(robot)
+    sampler = RowSampler(robot)
     period = scenario.control_period
-    header = Header(robot.name, period, yaml_dump_typed(scenario), layout)
-    return LogRecorder(robot, layout, LogFile(path, header), period, tick_seconds)
+    header = Header(robot.name, period, yaml_dump_typed(scenario), sampler.layout)
+    return LogRecorder(sampler, LogFile(path, header), period, tick_seconds)

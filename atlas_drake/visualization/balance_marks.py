@@ -12,13 +12,12 @@ import numpy as np
 from pydrake.common.value import AbstractValue
 from pydrake.geometry import Cylinder, Meshcat, Rgba, Sphere
 from pydrake.math import RigidTransform
-from pydrake.multibody.plant import ContactResults
 from pydrake.systems.framework import Context, LeafSystem
 
+from atlas_drake.control.centre_of_pressure import centre_of_pressure
 from atlas_drake.control.tasks import dcm, pendulum_frequency
 from atlas_drake.control.whole_body_model import WholeBodyModel, WholeBodyTerms
 from atlas_drake.robot import Robot
-from atlas_drake.visualization.contact_forces import contact_forces_of, pressure_centre
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.palette import COM, COP, DCM, SUPPORT, SWING
 from atlas_drake.visualization.planned_paths import (
@@ -53,7 +52,7 @@ class BalanceMarks(LeafSystem):
     Input ports:
         state: Of the plant.
         controller_state: ``ControllerState``
-        contact_results: Of the plant.
+        foot_wrenches: Of contact on both soles, see ``RobotSensors``.
     """
 
     def __init__(
@@ -66,12 +65,9 @@ class BalanceMarks(LeafSystem):
         self._model = WholeBodyModel(robot)
         self._scratch = self._model.create_context()
         self._state = self.DeclareVectorInputPort("state", self._model.num_states)
-        self._controller, self._contacts = (
-            self.DeclareAbstractInputPort(name, AbstractValue.Make(value))
-            for name, value in (
-                ("controller_state", None),
-                ("contact_results", ContactResults()),
-            )
+        self._wrenches = self.DeclareVectorInputPort("foot_wrenches", 12)
+        self._controller = self.DeclareAbstractInputPort(
+            "controller_state", AbstractValue.Make(None)
         )
         self._pictures = -1
         self._drawn: dict[str, object] = {}
@@ -96,7 +92,8 @@ class BalanceMarks(LeafSystem):
         if "dcm" in on:
             self._draw_disc("dcm", dcm(terms, omega), ground, time)
         if "cop" in on:
-            p_WC = pressure_centre(contact_forces_of(self._contacts.Eval(context)))
+            soles = [foot.p_WF for foot in terms.feet]
+            p_WC = centre_of_pressure(soles, self._wrenches.Eval(context))
             if p_WC is None:
                 self._show("cop", False)
             else:

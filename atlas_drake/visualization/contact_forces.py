@@ -47,15 +47,6 @@ def contact_forces_of(results: Any) -> list[ContactForce]:
     return forces
 
 
-def pressure_centre(forces: list[ContactForce]) -> np.ndarray | None:
-    """Where the ground's pressure acts in W [m], shape (3,); None in the air."""
-    weights = np.array([contact.force_W[2] for contact in forces])
-    if weights.sum() <= LEAST_FORCE:
-        return None
-    points = np.array([contact.p_WC for contact in forces])
-    return weights @ points / weights.sum()
-
-
 def arrow_transform(force: ContactForce) -> np.ndarray:
     """Takes an arrow from 0 to z = 1 to where a force is, as long as it is strong.
 

@@ -5,7 +5,7 @@ The pelvis, which no joint moves, keeps its looks.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -76,7 +76,7 @@ class ControlColors(LeafSystem):
         meshcat: Meshcat,
         visualizer: MeshcatVisualizer,
         robot: Robot,
-        link_paths: Mapping[str, str],
+        links: str,
         overlays: Overlays,
         period: float,
     ) -> None:
@@ -86,7 +86,7 @@ class ControlColors(LeafSystem):
             meshcat: Where the links are.
             visualizer: That draws them, and draws them anew in their own colours.
             robot: Whose links.
-            link_paths: Path in Meshcat of the link that each joint moves, by joint.
+            links: Path in Meshcat under which its links are.
             overlays: What is switched on.
             period: Between looks [s].
         """
@@ -94,7 +94,7 @@ class ControlColors(LeafSystem):
         self._meshcat = meshcat
         self._visualizer = visualizer
         self._limit = robot.effort_limit
-        self._paths = [link_paths[name] for name in robot.joint_names]
+        self._paths = [f"{links}/{link}" for link in robot.moved_links]
         self._overlays = overlays
         self._commands = self.DeclareAbstractInputPort(
             "commands", AbstractValue.Make(None)

@@ -6,10 +6,12 @@ Text only; where it is written is the caption's business.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import fields
 from typing import Any
 
 from atlas_drake.errors import ErrorCode
 from atlas_drake.messages import (
+    AtlasBehaviorManipulateFeedback,
     AtlasSimInterfaceState,
     Behavior,
     BehaviorStatus,
@@ -17,6 +19,8 @@ from atlas_drake.messages import (
     WalkStatus,
 )
 
+ARRIVED = 1e-3
+"""Closer to its goal than this the pelvis' reference has arrived [m or rad]."""
 _TRANSITION = {
     BehaviorStatus.TRANSITION_IN_PROGRESS: "transition in progress",
     BehaviorStatus.FAILED_TRANS_UNKNOWN_BEHAVIOR: "unknown behavior",
@@ -47,10 +51,22 @@ def feedback_words(report: AtlasSimInterfaceState) -> str:
         words += _said(report.walk_feedback.status_flags, _WALK)
     elif report.current_behavior == Behavior.STEP:
         words += _said(report.step_feedback.status_flags, _STEP)
+    elif report.current_behavior == Behavior.MANIPULATE:
+        words += _pelvis_words(report.manipulate_feedback)
     words += _said(report.behavior_feedback.status_flags, _TRANSITION)
     if report.error_code != ErrorCode.NO_ERRORS:
         words.append(f"error: {ErrorCode(report.error_code).name.replace('_', ' ')}")
     return ", ".join(words) or "ok"
+
+
+def _pelvis_words(feedback: AtlasBehaviorManipulateFeedback) -> list[str]:
+    """MANIPULATE has no flags, but says whether its reference has arrived."""
+    goal, now = feedback.clamped, feedback.internal_desired
+    arrived = all(
+        abs(getattr(goal, field.name) - getattr(now, field.name)) < ARRIVED
+        for field in fields(goal)
+    )
+    return [] if arrived else ["pelvis moves"]
 
 
 def _said(flags: int, words: Mapping[Any, str]) -> list[str]:

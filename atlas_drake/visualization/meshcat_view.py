@@ -5,8 +5,6 @@ Wiring only; what is drawn is in the files beside this one.
 
 from __future__ import annotations
 
-from typing import Any
-
 from pydrake.geometry import Meshcat, MeshcatVisualizer, MeshcatVisualizerParams
 from pydrake.systems.framework import DiagramBuilder, LeafSystem, System
 
@@ -52,21 +50,16 @@ def add_meshcat_view(
             publish_period=period, enable_alpha_slider=False, prefix=VISUALIZER
         ),
     )
+    links = f"{VISUALIZER}/{robot.name}"
+    colors = ControlColors(meshcat, visualizer, robot, links, overlays, period)
     displays: list[tuple[str, LeafSystem]] = [
         ("footstep_display", FootstepDisplay(meshcat, robot.file.sole, period)),
         ("caption_display", CaptionDisplay(meshcat, overlays, period)),
         ("following_camera", FollowingCamera(meshcat, overlays, period)),
         ("balance_marks", BalanceMarks(meshcat, robot, overlays, period)),
         ("contact_force_display", ContactForces(meshcat, overlays, period)),
+        ("control_colors", colors),
     ]
-    if station.HasSubsystemNamed("plant"):
-        plant: Any = station.GetSubsystemByName("plant")
-        links = {
-            name: f"{VISUALIZER}/{robot.name}/{_moved_by(plant, name)}"
-            for name in robot.joint_names
-        }
-        colors = ControlColors(meshcat, visualizer, robot, links, overlays, period)
-        displays.append(("control_colors", colors))
     offered = {
         station.get_output_port(index).get_name()
         for index in range(station.num_output_ports())
@@ -76,15 +69,10 @@ def add_meshcat_view(
             display.get_input_port(index).get_name()
             for index in range(display.num_input_ports())
         }
-        # What replays a log has no thoughts of a controller to show.
+        # What replays a log has no single contacts to show.
         if not wanted <= offered:
             continue
         builder.AddNamedSystem(name, display)
         for index in range(display.num_input_ports()):
             port = display.get_input_port(index)
             builder.Connect(station.GetOutputPort(port.get_name()), port)
-
-
-def _moved_by(plant: Any, joint: str) -> str:
-    """The link that a joint moves."""
-    return str(plant.GetJointByName(joint).child_body().name())

@@ -5,7 +5,7 @@ Switches only; what is drawn is in the files beside this one.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 
 from atlas_drake.errors import ScenarioError, did_you_mean
 
@@ -24,6 +24,9 @@ OVERLAYS = {
 }
 """Names, and what they show."""
 
+LOGGED = ("com", "dcm", "cop", "owner", "effort", "flags", "follow")
+"""Those that a log is enough for: it has neither a behaviour's plan nor its support
+polygon, and of contacts the sums over each foot alone."""
 _COLORINGS = ("owner", "effort")
 """Of these at most one is on: a link has one colour."""
 
@@ -71,9 +74,27 @@ class Overlays:
         (self._on.add if on else self._on.discard)(name)
 
 
-def overlays_from(text: str) -> list[str]:
-    """Names from a list such as ``com,dcm``; ``all`` and ``none`` are known too."""
+def overlays_from(text: str, offered: Collection[str] = OVERLAYS) -> list[str]:
+    """Names from a list such as ``com,dcm``; ``all`` and ``none`` are known too.
+
+    Args:
+        text: The list.
+        offered: Which of them can be shown: all, or LOGGED.
+
+    Raises:
+        ScenarioError: If there is no such overlay, or it is not offered.
+    """
     words = [word.strip() for word in text.split(",") if word.strip()]
     if words == ["all"]:
-        return [name for name in OVERLAYS if name != "effort"]
-    return [] if words == ["none"] else words
+        return [name for name in offered if name != "effort"]
+    names = [] if words == ["none"] else words
+    Overlays(names)
+    for name in names:
+        if name not in offered:
+            raise ScenarioError(
+                "--show",
+                name,
+                f"{name!r} ({OVERLAYS[name]}) is not in a log, which has "
+                + ", ".join(offered),
+            )
+    return names

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -121,18 +122,25 @@ def with_caption(
         note: Whose joints are whose.
         time: Simulated time [s].
     """
-    from PIL import Image, ImageDraw, ImageFont
+    from PIL import Image, ImageDraw
 
     image = Image.fromarray(picture)
     height, margin = image.height, MARGIN * image.height
     draw = ImageDraw.Draw(image)
-    large = ImageFont.load_default(TITLE_HEIGHT * height)
-    small = ImageFont.load_default(NOTE_HEIGHT * height)
+    large, small = _font(TITLE_HEIGHT * height), _font(NOTE_HEIGHT * height)
     draw.text((margin, margin), title.upper(), INK, large)
     draw.text((margin, margin + 1.3 * TITLE_HEIGHT * height), note, INK, small)
     right = image.width - margin
     draw.text((right, margin), f"{time:.1f} s", INK, small, anchor="ra")
     return np.array(image)
+
+
+@cache
+def _font(size: float) -> Any:
+    """Letters of a height [pixel], whose outlines take a while to load."""
+    from PIL import ImageFont
+
+    return ImageFont.load_default(size)
 
 
 def add_video(

@@ -60,8 +60,9 @@ GROUND_SIZE, GROUND_THICKNESS = 160.0, 0.02
 GRID_SIZE, GRID_SPACING, GRID_LIFT = 12.0, 0.5, 0.002
 """[m]"""
 GRID_WIDTH, GRID_COLOR = 0.012, np.array([0.75, 0.78, 0.81, 1.0])
-SHADOW_MAP = 2048
-"""Side of the shadow map [pixel]."""
+SHADOW_MAP = 1280
+"""Side of the shadow map [pixel]; without a graphics card it is filled at the expense
+of a third of a small picture's time."""
 LAMP, LAMP_INTENSITY, LAMP_CONE = np.array([3.0, -5.0, 9.0]), 1.7, 62.0
 """From what is looked at, in axes H [m]; brightness; half angle [degree]."""
 FILL, FILL_INTENSITY = np.array([45.0, 3.0, 45.0]), 2.0

@@ -97,6 +97,25 @@ class Page:
         assert "exceptionDetails" not in answer, answer["exceptionDetails"]
         return answer["result"].get("value")
 
+    def press(self, code, key):
+        """Presses a key and lets it go."""
+        for kind in ("keyDown", "keyUp"):
+            self.call("Input.dispatchKeyEvent", type=kind, code=code, key=key)
+
+    def drag(self, *points):
+        """Moves the mouse along points [pixel], its button down from first to last."""
+        left = {"button": "left", "clickCount": 1}
+
+        def mouse(kind, point, **more):
+            x, y = map(float, point)
+            self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, **more)
+
+        mouse("mouseMoved", points[0])
+        mouse("mousePressed", points[0], buttons=1, **left)
+        for point in points[1:]:
+            mouse("mouseMoved", point, buttons=1)
+        mouse("mouseReleased", points[-1], buttons=0, **left)
+
     def wait_for(self, condition, what):
         """Waits until a function says yes."""
         wait_for(condition, what)

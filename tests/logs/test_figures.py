@@ -11,7 +11,7 @@ from atlas_drake.control.support_polygon import sole_corners
 from atlas_drake.logs import png_page
 from atlas_drake.logs.figures import make_page
 from atlas_drake.logs.log import Log
-from atlas_drake.logs.notes import event_note
+from atlas_drake.logs.notes import note_from_event
 from atlas_drake.logs.panels import Band, Heat, Line, Marker, Span, thinned
 from atlas_drake.logs.support import double_supports, feet_of, footprints, runs
 
@@ -91,7 +91,7 @@ def test_the_cop_lies_in_the_support(log, page):
 
 
 def test_a_fall_is_marked_in_all_figures_over_time(log):
-    fall = event_note(Event(0.1, "fall", "falling in STAND"))
+    fall = note_from_event(Event(0.1, "fall", "falling in STAND"))
     fallen = Log(log.path, log.header, log.arrays, [*log.notes, fall])
     for p in make_page(fallen).panels:
         marked = any(isinstance(item, Marker) and item.x == 0.1 for item in p.items)

@@ -1,12 +1,14 @@
 """What is recorded is what the ports said, and recording changes nothing."""
 
+from dataclasses import fields
+
 import numpy as np
 import pytest
 
 from atlas_drake import AtlasSimulation, Behavior, Scenario, read_log
+from atlas_drake.logs.channels import GAINS
 from atlas_drake.logs.figures import make_page
 from atlas_drake.logs.png_page import draw_figure
-from atlas_drake.logs.samples import centre_of_pressure
 from atlas_drake.messages import BehaviorStatus
 from atlas_drake.scenario import Jitter
 
@@ -136,8 +138,47 @@ def test_feedback_is_kept(log):
     assert log["behavior.trans_to"][-1] == Behavior.WALK
     assert log["behavior.status_flags"][-1] == BehaviorStatus.TRANSITION_SUCCESS
     assert log["behavior.error_code"].min() < 0  # The refused command.
-    steps = log["walk.steps"][-1].reshape(4, 6)
-    np.testing.assert_array_equal(steps[:, 0], [1, 2, 3, 4])
+    steps = [log[f"walk.step_{place}"][-1] for place in (1, 2, 3, 4)]
+    np.testing.assert_array_equal([step[0] for step in steps], [1, 2, 3, 4])
+
+
+def test_no_field_of_the_joints_state_is_left_out(tmp_path, scenario):
+    with AtlasSimulation(scenario, log=tmp_path / "run.npz") as sim:
+        sim.publish(arm_command())
+        sim.advance_to(5 * PERIOD)
+        # What the next tick finds; what motors do and touch changes in the tick.
+        state = sim.atlas_state
+        sim.advance_to(6 * PERIOD)
+    log = read_log(tmp_path / "run.npz")
+    in_tick = {
+        "effort": "joints.effort",
+        "linear_acceleration": "imu.linear_acceleration",
+    }
+    for hand, side in (("l_hand", "left"), ("r_hand", "right")):
+        in_tick[hand] = f"hands.{side}_force"
+    plain = {
+        "joints": ("position", "velocity", "k_effort"),
+        "gains": tuple(GAINS),
+    }
+    expected = {
+        name: (getattr(state, name), f"{topic}.{name}")
+        for topic, names in plain.items()
+        for name in names
+    }
+    expected["header"] = state.header.stamp, "time"
+    expected["orientation"] = state.orientation.to_wxyz(), "imu.orientation"
+    expected["angular_velocity"] = (
+        state.angular_velocity.to_array(),
+        "imu.angular_velocity",
+    )
+    for foot, side in (("l_foot", "left"), ("r_foot", "right")):
+        force = getattr(state, foot).force.to_array()
+        expected[foot] = force, f"feet.{side}_force"
+    assert {f.name for f in fields(state)} == {*expected, *in_tick}
+    for name, (value, channel) in expected.items():
+        np.testing.assert_allclose(log[channel][5], value, atol=1e-9, err_msg=name)
+    for channel in in_tick.values():
+        assert np.isfinite(log[channel]).all()
 
 
 def test_a_reset_goes_on_in_the_same_log(tmp_path):
@@ -193,15 +234,3 @@ def test_hands_of_a_fallen_robot_bear_load(tmp_path):
     titles = [panel.title for panel in make_page(log).panels]
     assert "Foot forces" in titles
     draw_figure(make_page(log)).draw_without_rendering()
-
-
-def test_centre_of_pressure():
-    soles = np.array([[0.0, 0.1, 0.0], [0.3, -0.1, 0.0]])
-    wrenches = np.zeros(12)
-    assert centre_of_pressure(soles, wrenches) is None
-    wrenches[5] = wrenches[11] = 400.0
-    np.testing.assert_allclose(centre_of_pressure(soles, wrenches), [0.15, 0.0])
-    # The left foot alone, pressed 5 cm before and 2 cm left of its centre.
-    wrenches[11] = 0.0
-    wrenches[:3] = np.cross([0.05, 0.02, 0.0], [0.0, 0.0, 400.0])
-    np.testing.assert_allclose(centre_of_pressure(soles, wrenches), [0.05, 0.12])

@@ -12,15 +12,43 @@ from atlas_drake import (
     Scenario,
     read_log,
 )
+from atlas_drake.control.centre_of_pressure import centre_of_pressure
+from atlas_drake.logs.layout import SIDES
 from atlas_drake.logs.log import Log
+from atlas_drake.logs.log_player import LogPlayer
 from atlas_drake.logs.notes import Header
-from atlas_drake.logs.replay import LogPlayer, make_replay
+from atlas_drake.logs.replay import make_replay
 from atlas_drake.terrain import Block
+from atlas_drake.visualization.balance_marks import PATH as BALANCE
 from atlas_drake.visualization.caption import caption_of
+from atlas_drake.visualization.feedback_words import feedback_words
 from atlas_drake.visualization.footsteps import footstep_marks
+from atlas_drake.visualization.overlays import LOGGED, Overlays
 
-from .conftest import drive, walk_command
+from .conftest import ARM, drive, walk_command
 
+DISPLAYS = (
+    "footstep_display",
+    "caption_display",
+    "following_camera",
+    "balance_marks",
+    "contact_force_display",
+    "control_colors",
+)
+
+FEEDBACK = (
+    "error_code",
+    "current_behavior",
+    "desired_behavior",
+    "f_out",
+    "behavior_feedback",
+    "stand_feedback",
+    "step_feedback",
+    "walk_feedback",
+    "manipulate_feedback",
+    "k_effort",
+)
+"""What of a report changes in control ticks alone."""
 NAMES = ("commands", "controller_state", "atlas_sim_interface_state")
 
 
@@ -63,7 +91,8 @@ def test_the_row_is_the_latest_one(log):
         context.SetTime(time)
         assert player.row(context) == row
         np.testing.assert_array_equal(
-            player.GetOutputPort("positions").Eval(context), log["state.q"][row]
+            player.GetOutputPort("state").Eval(context),
+            np.concatenate([log["state.q"][row], log["state.v"][row]]),
         )
 
 
@@ -84,6 +113,8 @@ def test_footsteps_and_caption_are_those_of_the_run(tmp_path, scenario):
 
     marks, caption = seen(*again)
     assert (marks, caption) == seen(*live)
+    for name in FEEDBACK:
+        assert getattr(again[2], name) == getattr(live[2], name), name
     assert len(marks) >= 4
     assert caption[0].startswith("WALK")
     assert again[0].request.command == walk_command()
@@ -94,6 +125,38 @@ def test_a_replay_shows_robot_caption_and_footsteps(log, meshcat):
     simulator.AdvanceTo(log.time[-1])
     assert meshcat.HasPath("/drake/visualizer/atlas/pelvis")
     assert meshcat.HasPath("/atlas_drake/footsteps/0")
+
+
+def test_what_a_log_is_enough_for_is_shown(log):
+    meshcat, overlays = Meshcat(), Overlays(LOGGED)
+    simulator = Simulator(make_replay(log, meshcat, overlays))
+    for name in ("owner", "effort"):
+        overlays.switch(name, True)
+        simulator.AdvanceTo(simulator.get_context().get_time() + 0.1)
+    for mark in ("com_ball", "dcm", "cop"):
+        assert meshcat.HasPath(f"{BALANCE}/{mark}")
+    view = simulator.get_system()
+    shown = {name for name in DISPLAYS if view.HasSubsystemNamed(name)}
+    assert shown == set(DISPLAYS) - {"contact_force_display"}
+
+
+def test_displays_read_what_they_read_in_the_run(run):
+    sim, log = run
+    player = LogPlayer(log)
+    context = player.CreateDefaultContext()
+    # The push and the user's arm are in force.
+    context.SetTime(0.11)
+    commands = player.GetOutputPort("commands").Eval(context)
+    assert commands.k_effort[ARM] == 255.0
+    wrenches = player.GetOutputPort("foot_wrenches").Eval(context)
+    weight = wrenches[5] + wrenches[11]
+    assert weight == pytest.approx(9.81 * sim.robot.mass, rel=0.3)
+    row = player.row(context)
+    soles = [log[f"feet.{side}_position"][row] for side in SIDES]
+    cop = centre_of_pressure(soles, wrenches)[:2]
+    np.testing.assert_array_equal(cop, log["balance.cop"][row])
+    effort = player.GetOutputPort("effort").Eval(context)
+    np.testing.assert_array_equal(effort, log["joints.effort"][row])
 
 
 def test_terrain_is_shown(log, scenario, meshcat):
@@ -119,6 +182,12 @@ def test_a_scenario_of_another_time_is_named(log, meshcat):
         make_replay(Log(log.path, header, log.arrays, log.notes), meshcat)
 
 
+def test_a_log_that_kept_less_is_refused(log):
+    arrays = {n: a for n, a in log.arrays.items() if n != "manipulate.clamped"}
+    with pytest.raises(LogError, match=r"without manipulate\.clamped"):
+        LogPlayer(Log(log.path, log.header, arrays, log.notes))
+
+
 @pytest.mark.parametrize("behavior", ["STEP", "MANIPULATE"])
 def test_other_behaviours_look_as_in_the_run(behavior, tmp_path):
     command = AtlasSimInterfaceCommand()
@@ -126,6 +195,8 @@ def test_other_behaviours_look_as_in_the_run(behavior, tmp_path):
     step = command.step_params.desired_step
     step.step_index, step.duration, step.swing_height = 1, 0.7, 0.1
     step.pose.position.x, step.pose.position.y = 0.1, 0.14
+    command.manipulate_params.use_desired = True
+    command.manipulate_params.desired.pelvis_height = 0.75
     sim = AtlasSimulation(Scenario(state="estimated"), log=tmp_path / "run.npz")
     sim.publish(command)
     sim.advance_to(0.1)
@@ -140,9 +211,20 @@ def test_other_behaviours_look_as_in_the_run(behavior, tmp_path):
     context.SetTime(log.time[-1])
     again = [player.GetOutputPort(name).Eval(context) for name in NAMES]
     looks = [
-        (footstep_marks(c.request, report, state.supervisor.events), caption_of(report))
+        (
+            footstep_marks(c.request, report, state.supervisor.events),
+            caption_of(report),
+            feedback_words(report),
+        )
         for c, state, report in (live, again)
     ]
     assert looks[0] == looks[1]
-    assert looks[0][1][0].startswith(behavior)
-    assert len(looks[0][0]) == (1 if behavior == "STEP" else 0)
+    marks, caption, words = looks[0]
+    assert caption[0].startswith(behavior)
+    assert len(marks) == (1 if behavior == "STEP" else 0)
+    assert words != "ok"
+    for name in FEEDBACK:
+        assert getattr(again[2], name) == getattr(live[2], name), name
+    feedback = again[2].manipulate_feedback
+    moved = feedback.internal_sensed.pelvis_height != 0.8
+    assert moved == (behavior == "MANIPULATE")

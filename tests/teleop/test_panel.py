@@ -1,22 +1,11 @@
-"""The widgets in Meshcat, without a browser and with one."""
-
-import importlib.util
-import shutil
-import time
-from pathlib import Path
+"""The widgets in Meshcat, without a browser."""
 
 import pytest
 from pydrake.geometry import Meshcat
 
-from atlas_drake import AtlasSimulation, Behavior
 from atlas_drake.teleop.controls import SHARES, SLIDERS, Action, legend
 from atlas_drake.teleop.panel import Panel, stick_direction
-from atlas_drake.teleop.session import Session
 from atlas_drake.visualization.overlays import Overlays
-
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
-PATIENCE = 40.0
-"""For a browser that draws without a graphics card [s]."""
 
 
 @pytest.fixture(scope="module")
@@ -99,41 +88,3 @@ def test_sticks_point_somewhere():
     assert stick_direction([0.0, -1.0, 0.0]) == (1.0, 0.0, 0.0)
     assert stick_direction([-1.0, 0.0, 0.6]) == (0.0, 1.0, -0.5)
     assert stick_direction([]) == (0.0, 0.0, 0.0)
-
-
-def _browser():
-    path = Path(__file__).with_name("browser.py")
-    spec = importlib.util.spec_from_file_location("browser", path)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module.Browser
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium to press keys in")
-def test_a_key_in_the_browser_makes_the_robot_walk(tmp_path):
-    meshcat, overlays = Meshcat(), Overlays()
-    sim = AtlasSimulation()
-    session = Session(sim, Panel(meshcat, sim.robot, overlays), real_time=False)
-    browser = _browser()(CHROMIUM, meshcat.web_url(), tmp_path)
-    try:
-        give_up = time.monotonic() + PATIENCE
-        while meshcat.GetNumActiveConnections() == 0:
-            assert time.monotonic() < give_up, "the page did not connect"
-            time.sleep(0.1)
-        # The page is ready once it knows the button.
-        label = Action.FORWARD.label
-        while not browser.evaluate("document.body.innerText").count(label):
-            assert time.monotonic() < give_up, "the page has no buttons"
-            time.sleep(0.1)
-        assert browser.evaluate("document.body.innerText").count("stride [m]")
-        browser.press(Action.FORWARD.key.code, "i")
-        while meshcat.GetButtonClicks(label) == 0:
-            assert time.monotonic() < give_up, "the key did not arrive"
-            time.sleep(0.1)
-    finally:
-        browser.close()
-    assert meshcat.GetButtonClicks(label) == 1
-    session.advance()
-    session.advance()
-    assert sim.current_behavior is Behavior.WALK

@@ -23,11 +23,10 @@ from atlas_drake.visualization.contact_forces import (
     ContactForce,
     arrow_transform,
     contact_forces_of,
-    pressure_centre,
 )
 from atlas_drake.visualization.control_colors import effort_colors, owner_colors
 from atlas_drake.visualization.feedback_words import feedback_words
-from atlas_drake.visualization.overlays import OVERLAYS, Overlays, overlays_from
+from atlas_drake.visualization.overlays import LOGGED, OVERLAYS, Overlays, overlays_from
 from atlas_drake.visualization.palette import (
     BEHAVIOR_RGB,
     BUSY_RGB,
@@ -72,7 +71,10 @@ def test_overlays_are_known_by_name():
     assert overlays_from("none") == []
     Overlays(overlays_from("all"))
     with pytest.raises(ScenarioError, match="Did you mean 'swing'"):
-        Overlays(["swings"])
+        overlays_from("swings")
+    assert "effort" not in overlays_from("all", LOGGED)
+    with pytest.raises(ScenarioError, match="not in a log"):
+        overlays_from("com,plan", LOGGED)
 
 
 def test_of_the_colourings_the_later_one_counts():
@@ -109,15 +111,6 @@ def test_an_arrow_is_as_long_as_its_force_is_strong():
     np.testing.assert_allclose(tip, SCALE * force.force_W)
     np.testing.assert_allclose(X[:3, 0] @ force.force_W, 0.0, atol=1e-9)
     np.testing.assert_allclose(np.linalg.norm(X[:3, :2], axis=0), 1.0)
-
-
-def test_the_pressure_centre_is_the_weighted_mean():
-    forces = [
-        ContactForce(np.array([0.0, 0.0, 0.0]), np.array([0.0, 0.0, 100.0])),
-        ContactForce(np.array([1.0, 1.0, 0.0]), np.array([50.0, 0.0, 300.0])),
-    ]
-    np.testing.assert_allclose(pressure_centre(forces), [0.75, 0.75, 0.0])
-    assert pressure_centre([]) is None
 
 
 def test_the_ground_carries_a_standing_robot():
@@ -189,6 +182,16 @@ def report(behavior=Behavior.STAND, transition=0, walk=0, step=0, error=0):
 )
 def test_flags_in_words(message, words):
     assert feedback_words(message) == words
+
+
+def test_manipulate_says_whether_the_pelvis_has_arrived():
+    message = report(Behavior.MANIPULATE)
+    assert feedback_words(message) == "ok"
+    message.manipulate_feedback.clamped.pelvis_yaw = 0.1
+    assert feedback_words(message) == "pelvis moves"
+    assert set("PELVIS MOVES") <= set(_GLYPHS)
+    message.manipulate_feedback.internal_desired.pelvis_yaw = 0.1
+    assert feedback_words(message) == "ok"
 
 
 def test_the_font_has_every_letter_of_every_word():

@@ -1,0 +1,92 @@
+"""What a log keeps of every control tick: its channels, with units.
+
+Those of ``AtlasSimInterfaceState`` are in ``report_channels``. How the numbers come
+about is in ``samples``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from atlas_drake.logs.layout import SIDES, WXYZ, XY, XYZ, Channel, Layout
+from atlas_drake.logs.report_channels import REPORT_CHANNELS
+from atlas_drake.robot import Robot
+
+GAINS = {
+    "kp_position": "N·m/rad",
+    "ki_position": "N·m/(rad·s)",
+    "kd_position": "N·m·s/rad",
+    "kp_velocity": "N·m·s/rad",
+    "i_effort_min": "N·m",
+    "i_effort_max": "N·m",
+}
+
+
+def robot_layout(
+    robot: Robot, positions: Iterable[str], velocities: Iterable[str]
+) -> Layout:
+    """What is kept of one robot.
+
+    Args:
+        robot: Whose joints name the elements.
+        positions: Names of the plant's positions.
+        velocities: Names of the plant's velocities.
+    """
+    return Layout(
+        [
+            Channel("time", "s", about="of the tick"),
+            *(entry.channel for entry in REPORT_CHANNELS),
+            Channel(
+                "behavior.request_number",
+                kind="i8",
+                about="behaviour commands accepted so far",
+            ),
+            *_joints(robot.joint_names),
+            *_body(),
+            Channel("controller.tick_time", "s", about="wall time of the tick"),
+            Channel("controller.unsolved", kind="i8", about="QPs without a solution"),
+            Channel("state.q", labels=tuple(positions), about="true positions"),
+            Channel("state.v", labels=tuple(velocities), about="true velocities"),
+        ]
+    )
+
+
+def _joints(names: tuple[str, ...]) -> Iterable[Channel]:
+    for name, unit, about in (
+        ("position", "rad", "measured"),
+        ("velocity", "rad/s", "measured"),
+        ("effort", "N·m", "applied by the motors"),
+        ("user_effort", "N·m", "of the joint controllers"),
+        ("behavior_effort", "N·m", "of the behaviour"),
+        ("position_setpoint", "rad", "in force for the user's share"),
+        ("velocity_setpoint", "rad/s", "in force for the user's share"),
+        ("effort_setpoint", "N·m", "in force for the user's share"),
+    ):
+        yield Channel(f"joints.{name}", unit, names, about=about)
+    yield Channel("joints.k_effort", "", names, "u1", "the user's share, 0 to 255")
+    for name, unit in GAINS.items():
+        yield Channel(f"gains.{name}", unit, names, about="in force")
+
+
+def _body() -> Iterable[Channel]:
+    yield Channel("pelvis.orientation", "", WXYZ, about="in W")
+    yield Channel("imu.orientation", "", WXYZ, about="in W")
+    yield Channel("imu.angular_velocity", "rad/s", XYZ, about="in its own frame")
+    yield Channel("imu.linear_acceleration", "m/s²", XYZ, about="specific force")
+    for side in SIDES:
+        yield Channel(f"feet.{side}_torque", "N·m", XYZ, about="as of force")
+        yield Channel(
+            f"feet.{side}_force",
+            "N",
+            XYZ,
+            about="of contact at the sole's centre, in W, of the tick before",
+        )
+    for side in SIDES:
+        yield Channel(f"hands.{side}_torque", "N·m", XYZ, about="of contact, in W")
+        yield Channel(f"hands.{side}_force", "N", XYZ, about="of contact, in W")
+    yield Channel("balance.com", "m", XYZ, about="centre of mass, in W")
+    yield Channel("balance.com_velocity", "m/s", XYZ)
+    yield Channel("balance.dcm", "m", XY, about="divergent component of motion")
+    yield Channel("balance.cop", "m", XY, about="measured; NaN without load")
+    yield Channel("balance.dcm_reference", "m", XY, about="planned; NaN without plan")
+    yield Channel("balance.cop_reference", "m", XY, about="planned; NaN without plan")

@@ -1,0 +1,151 @@
+"""The control panel as a hand uses it: keys, buttons and sliders in a real browser."""
+
+import json
+
+import numpy as np
+import pytest
+from pydrake.geometry import Meshcat, MeshcatParams
+
+from atlas_drake import AtlasSimulation, Behavior
+from atlas_drake.teleop.controls import PELVIS_HEIGHT, SHARES, Action
+from atlas_drake.teleop.panel import Panel
+from atlas_drake.teleop.session import Session
+from atlas_drake.visualization.overlays import Overlays
+
+pytestmark = pytest.mark.slow
+
+DRAG_POINTS = 5
+"""Places on the way of the mouse from where a slider is to where it shall be."""
+
+BEYOND = 5
+"""How far beyond a slider's end the mouse is moved to reach that end [pixel]."""
+
+
+class Hand:
+    """Somebody at the panel of a simulated robot."""
+
+    def __init__(self, open_page):
+        self.meshcat = Meshcat(MeshcatParams(host="localhost"))
+        self.sim = AtlasSimulation()
+        panel = Panel(self.meshcat, self.sim.robot, Overlays())
+        self._session = Session(self.sim, panel, real_time=False)
+        self.page = open_page(self.meshcat.web_url())
+        # The page is ready once it knows the last slider.
+        self.page.wait_until(f"{row('show follow')} !== undefined")
+
+    def open_panel(self):
+        """Unfolds it, as it is folded in a small window."""
+        self.page.drag(middle(self.page, "document.querySelector('.close-button')"))
+        self.page.wait_until("document.querySelector('.dg.main > ul.closed') === null")
+
+    def click(self, action):
+        """Clicks on a button, and waits until the click has arrived."""
+        before = self.meshcat.GetButtonClicks(action.label)
+        self.page.drag(middle(self.page, row(action.label)))
+        self.page.wait_for(
+            lambda: self.meshcat.GetButtonClicks(action.label) > before, "the click"
+        )
+
+    def slide(self, slider, value):
+        """Drags a slider to a value or next to it, and says which it got."""
+        before = self.meshcat.GetSliderValue(slider.label)
+        track = f"{row(slider.label)}.querySelector('.slider')"
+        left, top, width, height = box(self.page, track)
+        begin, end = (
+            left + width * (at - slider.low) / (slider.high - slider.low)
+            for at in (before, value)
+        )
+        # The mouse has to come down on the slider, and may go up beyond its end.
+        begin = min(max(begin, left + 1.0), left + width - 1.0)
+        end += {slider.low: -BEYOND, slider.high: BEYOND}.get(value, 0.0)
+        y = top + 0.5 * height
+        self.page.drag(*((x, y) for x in np.linspace(begin, end, DRAG_POINTS)))
+        shown = self.shown(slider)
+        assert shown == pytest.approx(value, abs=2.0 * slider.step)
+        self.page.wait_for(
+            lambda: self.meshcat.GetSliderValue(slider.label) == pytest.approx(shown),
+            f"{slider.label} to be {shown}",
+        )
+        return shown
+
+    def shown(self, slider):
+        """What the page writes beside a slider."""
+        return float(
+            self.page.evaluate(f"{row(slider.label)}.querySelector('input').value")
+        )
+
+    def go(self, seconds):
+        """Lets the session look and simulate."""
+        end = self.sim.time + seconds
+        while self.sim.time < end - 1e-9:
+            self._session.advance()
+
+
+def row(label):
+    """JavaScript for the row of the panel that has a label, or undefined."""
+    return (
+        "[...document.querySelectorAll('.dg li')].find(e => "
+        f"e.querySelector('.property-name')?.textContent === {json.dumps(label)})"
+    )
+
+
+def box(page, element):
+    """Left, top, width and height of an element, once it is in the window [pixel]."""
+    return page.evaluate(
+        f"(() => {{ const e = {element}; e.scrollIntoView({{block: 'center'}});"
+        "const b = e.getBoundingClientRect();"
+        "return [b.left, b.top, b.width, b.height] })()"
+    )
+
+
+def middle(page, element):
+    left, top, width, height = box(page, element)
+    return left + 0.5 * width, top + 0.5 * height
+
+
+@pytest.fixture
+def hand(open_page):
+    return Hand(open_page)
+
+
+def test_a_key_makes_the_robot_walk(hand):
+    key = Action.FORWARD.key
+    hand.page.press(key.code, key.cap)
+    label = Action.FORWARD.label
+    hand.page.wait_for(lambda: hand.meshcat.GetButtonClicks(label), "the key")
+    hand.go(0.08)
+    assert hand.meshcat.GetButtonClicks(label) == 1
+    assert hand.sim.current_behavior is Behavior.WALK
+
+
+def test_a_button_and_a_slider_move_the_pelvis(hand):
+    sim = hand.sim
+    hand.open_panel()
+    hand.click(Action.MANIPULATE)
+    hand.go(0.2)
+    assert sim.current_behavior is Behavior.MANIPULATE
+    # The slider has gone to where the pelvis is, in the browser too.
+    height = sim.pelvis_pose.translation()[2]
+    hand.page.wait_for(
+        lambda: abs(hand.shown(PELVIS_HEIGHT) - height) < 0.02, "the slider to follow"
+    )
+    goal = hand.slide(PELVIS_HEIGHT, height - 0.1)
+    hand.go(0.08)
+    feedback = sim.atlas_sim_interface_state.manipulate_feedback
+    assert feedback.clamped.pelvis_height == pytest.approx(goal)
+    hand.go(2.0)
+    assert sim.pelvis_pose.translation()[2] == pytest.approx(goal, abs=0.02)
+    assert not sim.has_fallen
+
+
+def test_a_slider_takes_an_arm_and_gives_it_back(hand):
+    sim, slider = hand.sim, SHARES["left arm"]
+    left_arm = sim.robot.limb("l_arm")
+    hand.open_panel()
+    hand.go(0.08)
+    for share in (slider.high, slider.low):
+        hand.slide(slider, share)
+        hand.go(0.12)
+        k_effort = np.array(sim.atlas_sim_interface_state.k_effort)
+        np.testing.assert_array_equal(k_effort, np.where(left_arm, share, 0))
+    assert sim.current_behavior is Behavior.STAND

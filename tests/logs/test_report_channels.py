@@ -1,0 +1,67 @@
+"""A report goes into a row and comes out of it again with every field it has."""
+
+import itertools
+from dataclasses import fields
+
+import numpy as np
+
+from atlas_drake.logs.report_channels import REPORT_CHANNELS, report_from, reported
+from atlas_drake.messages import AtlasSimInterfaceState, Message
+
+KEPT_ELSEWHERE = {"header", "f_out", "k_effort"}
+"""As the row's time, and with the other numbers of the joints."""
+
+
+def fill(message, numbers):
+    """Gives every number of a message another value."""
+    for field in fields(message):
+        value = getattr(message, field.name)
+        if isinstance(value, Message):
+            fill(value, numbers)
+        elif isinstance(value, list):
+            for element in value:
+                fill(element, numbers)
+        else:
+            kind = int if isinstance(value, int) else float
+            setattr(message, field.name, kind(next(numbers)))
+
+
+def filled_report():
+    report, numbers = AtlasSimInterfaceState(), itertools.count(2)
+    for field in fields(report):
+        if field.name in KEPT_ELSEWHERE:
+            continue
+        value = getattr(report, field.name)
+        if isinstance(value, int):
+            setattr(report, field.name, next(numbers))
+        else:
+            for message in value if isinstance(value, list) else [value]:
+                fill(message, numbers)
+    return report, next(numbers)
+
+
+def test_no_field_of_a_report_is_left_out():
+    report, count = filled_report()
+    assert report != AtlasSimInterfaceState()
+    rows = reported(report)
+    assert report_from(rows) == report
+    # Each number is kept once.
+    assert sum(entry.channel.size for entry in REPORT_CHANNELS) == count - 2
+
+
+def test_a_channel_has_as_many_labels_as_numbers():
+    for entry in REPORT_CHANNELS:
+        assert entry.channel.size == len(entry.leaves), entry.channel.name
+        assert len(set(entry.channel.labels)) == len(entry.channel.labels)
+
+
+def test_whole_numbers_come_back_whole():
+    report, _ = filled_report()
+    again = report_from({name: _floats(v) for name, v in reported(report).items()})
+    assert isinstance(again.walk_feedback.step_queue_saturated[3].step_index, int)
+    assert isinstance(again.behavior_feedback.status_flags, int)
+    assert again == report
+
+
+def _floats(value):
+    return value.astype(float) if isinstance(value, np.ndarray) else float(value)
