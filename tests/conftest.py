@@ -1,6 +1,33 @@
 """What several test files share."""
 
+import logging
+
 import pytest
+
+SHORT = "duration: 0.1\n"
+
+
+@pytest.fixture
+def restored_loggers():
+    """Loggers after the test as before it: the command line sets them up."""
+    loggers = [logging.getLogger(name) for name in ("atlas_drake", "drake")]
+    before = [(log.propagate, log.level, list(log.filters)) for log in loggers]
+    yield
+    for log, (propagate, level, filters) in zip(loggers, before, strict=True):
+        log.propagate, log.filters = propagate, filters
+        log.setLevel(level)
+
+
+@pytest.fixture
+def scenario(tmp_path):
+    """Writes a scenario's file and gives its path."""
+
+    def write(text=SHORT):
+        path = tmp_path / "scenario.yaml"
+        path.write_text(text)
+        return str(path)
+
+    return write
 
 
 @pytest.fixture

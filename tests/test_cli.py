@@ -3,7 +3,6 @@
 import base64
 import io
 import json
-import logging
 import re
 import shutil
 import signal
@@ -21,29 +20,10 @@ from atlas_drake.progress import Progress
 from atlas_drake.run_command import AFTER_FALL, verdict
 from atlas_drake.viewer import start_meshcat
 
-SHORT = "duration: 0.1\n"
+pytestmark = pytest.mark.usefixtures("restored_loggers")
+
 FALL = "initial_behavior: USER\nduration: 30.0\njitter: {joints: 0.6}\n"
 """All joints in the user's hands, in a pose that does not stand: down within 1 s."""
-
-
-@pytest.fixture(autouse=True)
-def _restore_logs():
-    loggers = [logging.getLogger(name) for name in ("atlas_drake", "drake")]
-    before = [(log.propagate, log.level, list(log.filters)) for log in loggers]
-    yield
-    for log, (propagate, level, filters) in zip(loggers, before, strict=True):
-        log.propagate, log.filters = propagate, filters
-        log.setLevel(level)
-
-
-@pytest.fixture
-def scenario(tmp_path):
-    def write(text):
-        path = tmp_path / "scenario.yaml"
-        path.write_text(text)
-        return str(path)
-
-    return write
 
 
 # ---- parsing -----------------------------------------------------------------
@@ -145,7 +125,7 @@ def test_a_path_that_cannot_be_written_is_noticed_before_the_run(
     option, scenario, tmp_path, capsys, monkeypatch
 ):
     monkeypatch.setattr(run_command, "AtlasSimulation", None)  # must not be reached
-    file = scenario(SHORT)
+    file = scenario()
     missing = tmp_path / "missing" / "file"
     assert main(["run", file, "--headless", option, str(missing)]) == 2
     assert option in capsys.readouterr().err
@@ -160,7 +140,7 @@ def test_a_run_that_stays_upright_succeeds(scenario, tmp_path, capsys, summary_k
     file = tmp_path / "out.json"
     arguments = ["--model", "atlas_v3", "--seed", "7", "--physics-step", "0.002"]
     arguments += ["--headless", "--json", str(file)]
-    assert main(["run", scenario(SHORT), *arguments]) == 0
+    assert main(["run", scenario(), *arguments]) == 0
     assert "Success: Atlas is upright after 0.1 s" in capsys.readouterr().out
     summary = json.loads(file.read_text())
     assert summary.keys() >= summary_keys
@@ -207,7 +187,7 @@ def test_ctrl_c_stops_cleanly_and_keeps_what_was_recorded(
 
 
 def test_a_run_with_view_ends_by_itself_when_nobody_sits_there(scenario, capsys):
-    assert main(["run", scenario(SHORT), "--realtime-rate", "0"]) == 0
+    assert main(["run", scenario(), "--realtime-rate", "0"]) == 0
     assert re.search(r"Watch at http://localhost:\d+", capsys.readouterr().out)
 
 
@@ -216,7 +196,7 @@ def test_a_recording_has_the_motion_and_the_caption(
     options, scenario, tmp_path, capsys
 ):
     page = tmp_path / "out.html"
-    assert main(["run", scenario(SHORT), "--record", str(page), *options]) == 0
+    assert main(["run", scenario(), "--record", str(page), *options]) == 0
     assert str(page) in capsys.readouterr().out
     blobs = re.findall(r"base64,([A-Za-z0-9+/=]+)", page.read_text())
     messages = [base64.b64decode(blob) for blob in blobs]
@@ -233,7 +213,7 @@ def test_instead_of_a_port_in_use_the_next_free_one_is_taken(scenario, capsys):
         taken.listen()
         port = taken.getsockname()[1]
         options = ["--port", str(port), "--realtime-rate", "0"]
-        assert main(["run", scenario(SHORT), *options]) == 0
+        assert main(["run", scenario(), *options]) == 0
     out = capsys.readouterr().out
     found = re.search(rf"Port {port} is in use; the 3D view is on (\d+)\.", out)
     assert int(found[1]) > port
@@ -272,7 +252,7 @@ def test_the_view_is_for_this_computer_only_unless_told_otherwise(scenario, caps
 
 def test_a_host_that_is_not_this_computer_is_bad_input(scenario, capsys):
     # Addresses set aside for documentation belong to nobody.
-    assert main(["run", scenario(SHORT), "--host", "192.0.2.1"]) == 2
+    assert main(["run", scenario(), "--host", "192.0.2.1"]) == 2
     error = capsys.readouterr().err
     assert "--host" in error
     assert "192.0.2.1" in error

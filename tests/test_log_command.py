@@ -1,7 +1,6 @@
 """Logs on the command line: --log, plot and replay."""
 
 import base64
-import logging
 import re
 import signal
 
@@ -18,27 +17,7 @@ from atlas_drake import (
 from atlas_drake.cli import main
 from atlas_drake.logs import png_page
 
-SHORT = "duration: 0.1\n"
-
-
-@pytest.fixture(autouse=True)
-def _restore_logs():
-    loggers = [logging.getLogger(name) for name in ("atlas_drake", "drake")]
-    before = [(log.propagate, log.level, list(log.filters)) for log in loggers]
-    yield
-    for log, (propagate, level, filters) in zip(loggers, before, strict=True):
-        log.propagate, log.filters = propagate, filters
-        log.setLevel(level)
-
-
-@pytest.fixture
-def scenario(tmp_path):
-    def write(text=SHORT):
-        path = tmp_path / "scenario.yaml"
-        path.write_text(text)
-        return str(path)
-
-    return write
+pytestmark = pytest.mark.usefixtures("restored_loggers")
 
 
 @pytest.fixture(scope="module")

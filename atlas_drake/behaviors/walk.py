@@ -394,7 +394,7 @@ class Walk:
     def _body_target(self, memory: WalkMemory) -> BodyTarget:
         left, right = feet_to_come(memory)
         low, high = sorted([float(left.p_WF[2]), float(right.p_WF[2])])
-        # With one foot above the other, or on its way there, the upper leg shall bend no
+        # With one foot above the other, or on its way there, the upper leg bends no
         # more than the lower one's reach makes it: bent knees carry least.
         ground = min(high, low + REACH)
         return BodyTarget(

@@ -21,9 +21,6 @@ from atlas_drake.messages import AtlasSimInterfaceState
 from atlas_drake.robot import Robot
 from atlas_drake.systems.robot_sensors import contact_wrenches
 
-LEAST_HEIGHT = 0.1
-"""Of the CoM above the soles, for the DCM of a robot that lies on the ground [m]."""
-
 
 class RowSampler:
     """Makes rows of one robot's log.
@@ -123,7 +120,7 @@ class RowSampler:
         velocity = plant.CalcCenterOfMassTranslationalVelocityInWorld(scratch)
         report: AtlasSimInterfaceState = ports["atlas_sim_interface_state"]
         soles = [foot.position.z for foot in report.foot_pos_est]
-        height = max(com[2] - 0.5 * sum(soles), LEAST_HEIGHT)
+        height = com[2] - 0.5 * sum(soles)
         memory = ports["controller_state"].supervisor.memory
         omega = getattr(memory, "omega", None) or pendulum_frequency(height)
         values = {
