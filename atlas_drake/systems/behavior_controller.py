@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from pydrake.common.value import AbstractValue
-from pydrake.math import RotationMatrix
+from pydrake.math import RigidTransform
 from pydrake.systems.framework import (
     BasicVector,
     Context,
@@ -27,7 +27,6 @@ from atlas_drake.control.limp import limp_effort
 from atlas_drake.control.user_share import behavior_share, effort_bounds
 from atlas_drake.control.whole_body_command import EffortBounds, WholeBodyCommand
 from atlas_drake.control.whole_body_model import (
-    FootTerms,
     WholeBodyModel,
     WholeBodyTerms,
     nominal_com_height,
@@ -94,6 +93,7 @@ class BehaviorController(LeafSystem):
         self._limit = limit = robot.effort_limit
         self._own_bounds = EffortBounds(-limit, limit, np.zeros(n, dtype=bool))
         self._model = WholeBodyModel(robot)
+        self._pelvis = robot.indices(self._model.plant).pelvis
         self._qp = WholeBodyQp(robot, gains)
         height = nominal_com_height(self._model) - gains.com_drop
         self._supervisor = Supervisor(self._model, gains, height)
@@ -145,10 +145,6 @@ class BehaviorController(LeafSystem):
     def _remembered(self, context: Context) -> ControllerState:
         return context.get_abstract_state(self._memory).get_value()
 
-    def _evaluate(self, context: Context) -> WholeBodyTerms:
-        scratch = self._scratch.Eval(context)
-        return self._model.evaluate(scratch, self._state_input.Eval(context))
-
     def _update(self, context: Context, state: State) -> None:
         begin = time.perf_counter()
         after = self._tick(context, self._remembered(context))
@@ -157,7 +153,9 @@ class BehaviorController(LeafSystem):
             self.tick_seconds.append(time.perf_counter() - begin)
 
     def _tick(self, context: Context, before: ControllerState) -> ControllerState:
-        terms = self._evaluate(context)
+        terms = self._model.evaluate(
+            self._scratch.Eval(context), self._state_input.Eval(context)
+        )
         commands: CommandsInForce = self._command_input.Eval(context)
         k_effort = commands.joints.k_effort
         seen = Observation(
@@ -210,7 +208,7 @@ class BehaviorController(LeafSystem):
     def _calc_report(self, context: Context, output: AbstractValue) -> None:
         memory = self._remembered(context)
         commands = self._command_input.Eval(context)
-        terms = self._evaluate(context)
+        state = self._state_input.Eval(context)
         message = AtlasSimInterfaceState()
         message.header.stamp = context.get_time()
         self._supervisor.report(memory.supervisor, message)
@@ -218,15 +216,16 @@ class BehaviorController(LeafSystem):
             message.error_code = commands.error_code
         message.f_out = memory.effort.tolist()
         message.k_effort = commands.k_effort.astype(int).tolist()
-        message.pos_est.position = Vector3.from_array(terms.p_WP)
-        message.pos_est.velocity = Vector3.from_array(terms.V_WP[3:])
-        message.foot_pos_est = [_pose(foot) for foot in terms.feet]
+        message.pos_est.position = Vector3.from_array(state[self._pelvis.position])
+        message.pos_est.velocity = Vector3.from_array(state[self._pelvis.velocity])
+        soles = self._model.soles(self._scratch.Eval(context), state)
+        message.foot_pos_est = [_pose(X_WF) for X_WF in soles]
         output.set_value(message)
 
 
-def _pose(foot: FootTerms) -> Pose:
-    quaternion = RotationMatrix(foot.R_WF).ToQuaternion()
+def _pose(X_WF: RigidTransform) -> Pose:
+    quaternion = X_WF.rotation().ToQuaternion()
     return Pose(
-        position=Vector3.from_array(foot.p_WF),
+        position=Vector3.from_array(X_WF.translation()),
         orientation=Quaternion.from_wxyz(quaternion.wxyz()),
     )
