@@ -123,7 +123,8 @@ def replay_log(options: argparse.Namespace) -> int:
             frames_per_second=FRAME_RATE,
             set_visualizations_while_recording=not options.headless,
         )
-    simulator = Simulator(make_replay(log, meshcat))
+    recorded = options.record is not None
+    simulator = Simulator(make_replay(log, meshcat, recorded=recorded))
     simulator.get_mutable_context().SetTime(begin)
     simulator.Initialize()
     if not options.headless:

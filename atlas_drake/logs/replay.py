@@ -121,8 +121,13 @@ class LogPlayer(LeafSystem):
         return message
 
 
-def make_replay(log: Log, meshcat: Meshcat) -> Diagram:
+def make_replay(log: Log, meshcat: Meshcat, *, recorded: bool = False) -> Diagram:
     """Builds a diagram that shows a log as the run was shown.
+
+    Args:
+        log: What to play.
+        meshcat: Where to.
+        recorded: Whether Meshcat records, see ``add_meshcat_view``.
 
     Raises:
         LogError: If the log's scenario is unknown to this program.
@@ -133,7 +138,7 @@ def make_replay(log: Log, meshcat: Meshcat) -> Diagram:
     builder = DiagramBuilder()
     builder.AddNamedSystem("station", _make_station(log))
     station: Any = builder.GetSubsystemByName("station")
-    add_meshcat_view(builder, station, log.robot, meshcat)
+    add_meshcat_view(builder, station, log.robot, meshcat, recorded=recorded)
     diagram = builder.Build()
     diagram.set_name("replay")
     return diagram

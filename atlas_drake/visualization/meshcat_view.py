@@ -7,7 +7,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from pydrake.geometry import Meshcat, MeshcatVisualizer, MeshcatVisualizerParams
+from pydrake.geometry import (
+    FrameId,
+    Meshcat,
+    MeshcatVisualizer,
+    MeshcatVisualizerParams,
+)
 from pydrake.systems.framework import DiagramBuilder, LeafSystem, System
 
 from atlas_drake.robot import Robot
@@ -31,6 +36,7 @@ def add_meshcat_view(
     robot: Robot,
     meshcat: Meshcat,
     overlays: Overlays | None = None,
+    recorded: bool = False,
 ) -> None:
     """Adds the robot's visualiser, footsteps and caption, and dresses the scene.
 
@@ -40,11 +46,12 @@ def add_meshcat_view(
         robot: Its robot.
         meshcat: Where to show it.
         overlays: What of the controller's thoughts is shown; it may change later.
+        recorded: Whether a recording runs, which needs all that was ever shown.
     """
     overlays = overlays or Overlays()
     period = 1.0 / FRAME_RATE
     prepare_scene(meshcat)
-    visualizer = MeshcatVisualizer.AddToBuilder(
+    MeshcatVisualizer.AddToBuilder(
         builder,
         station.GetOutputPort("query_object"),
         meshcat,
@@ -53,19 +60,19 @@ def add_meshcat_view(
         ),
     )
     displays: list[tuple[str, LeafSystem]] = [
-        ("footstep_display", FootstepDisplay(meshcat, robot.file.sole, period)),
-        ("caption_display", CaptionDisplay(meshcat, overlays, period)),
+        (
+            "footstep_display",
+            FootstepDisplay(meshcat, robot.file.sole, period, recorded),
+        ),
+        ("caption_display", CaptionDisplay(meshcat, overlays, period, recorded)),
         ("following_camera", FollowingCamera(meshcat, overlays, period)),
-        ("balance_marks", BalanceMarks(meshcat, robot, overlays, period)),
+        ("balance_marks", BalanceMarks(meshcat, robot, overlays, period, recorded)),
         ("contact_force_display", ContactForces(meshcat, overlays, period)),
     ]
     if station.HasSubsystemNamed("plant"):
         plant: Any = station.GetSubsystemByName("plant")
-        links = {
-            name: f"{VISUALIZER}/{robot.name}/{_moved_by(plant, name)}"
-            for name in robot.joint_names
-        }
-        colors = ControlColors(meshcat, visualizer, robot, links, overlays, period)
+        links = {name: _moved_by(plant, name) for name in robot.joint_names}
+        colors = ControlColors(meshcat, VISUALIZER, robot, links, overlays, period)
         displays.append(("control_colors", colors))
     offered = {
         station.get_output_port(index).get_name()
@@ -85,6 +92,7 @@ def add_meshcat_view(
             builder.Connect(station.GetOutputPort(port.get_name()), port)
 
 
-def _moved_by(plant: Any, joint: str) -> str:
-    """The link that a joint moves."""
-    return str(plant.GetJointByName(joint).child_body().name())
+def _moved_by(plant: Any, joint: str) -> FrameId:
+    """The frame of the link that a joint moves."""
+    body = plant.GetJointByName(joint).child_body()
+    return plant.GetBodyFrameIdOrThrow(body.index())
