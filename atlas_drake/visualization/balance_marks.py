@@ -47,7 +47,7 @@ LOWEST = 0.1
 """The centre of mass of a robot on the ground counts as this high at least [m]."""
 PATHS_EVERY = 4
 """Pictures between looks at the paths, which are dear to compute and slow to change."""
-AREA_GRID, CURVE_GRID, BEND = 0.002, 0.001, 0.001
+AREA_GRID, CURVE_GRID, BEND = 0.002, 0.001, 0.002
 """Corners and points are rounded to a grid [m]; points are left out where a curve
 bends by less [m]: a recording keeps every shape there ever was."""
 _COLORS = {"com": COM, "dcm": DCM, "cop": COP}
@@ -211,7 +211,7 @@ def _area(support: SupportPolygon | None, ground: float) -> list[tuple[Point, ..
     """The polygon as a mark, if there is one."""
     if support is None:
         return []
-    corners = support.vertices.T
+    corners = support.vertices
     z = np.full(len(corners), ground + LIFT["support"])
     return [_points(np.column_stack([corners, z]), AREA_GRID)]
 
