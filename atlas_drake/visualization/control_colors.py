@@ -23,6 +23,7 @@ from atlas_drake.visualization.palette import (
     BEHAVIOR_RGB,
     BUSY_RGB,
     IDLE_RGB,
+    SHARED_RGB,
     SPENT_RGB,
     USER_RGB,
 )
@@ -39,14 +40,13 @@ Color = tuple[float, float, float]
 
 
 def owner_colors(k_effort: np.ndarray) -> list[Color]:
-    """From the behaviour's colour to the user's, shared joints in between.
+    """From the behaviour's colour over that of shared joints to the user's.
 
     Args:
         k_effort: User's share per joint, 0 to 255, shape (n,).
     """
-    return [
-        _between((BEHAVIOR_RGB, USER_RGB), share / K_EFFORT_MAX) for share in k_effort
-    ]
+    colors = (BEHAVIOR_RGB, SHARED_RGB, USER_RGB)
+    return [_between(colors, share / K_EFFORT_MAX) for share in k_effort]
 
 
 def effort_colors(effort: np.ndarray, limit: np.ndarray) -> list[Color]:
