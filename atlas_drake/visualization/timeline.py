@@ -41,6 +41,8 @@ class Timeline:
         self._visible[path] = visible
         if before is None and time > 0.0:
             self._meshcat.SetProperty(path, "visible", not visible, 0.0)
+            # Seen while a browser still loads the recording.
+            self._meshcat.SetProperty(path, "visible", not visible)
         self._meshcat.SetProperty(path, "visible", visible, time)
 
     def jump(self, path: str, name: str, number: float, time: float) -> None:

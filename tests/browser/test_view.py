@@ -48,6 +48,12 @@ def wait_for_robot(page):
         page.picture()
 
 
+def wait_for_recording(page):
+    """Until everything is there, the motions too, which are loaded last."""
+    wait_for_robot(page)
+    page.wait_until("viewer.animator.duration > 0")
+
+
 def position(page, link):
     """Of a link in W [m]; the browser's y axis points up."""
     matrix = f"{node([*ROBOT, link])}.object"
@@ -145,7 +151,7 @@ def test_a_recording_plays_from_disk_without_a_network(open_page, tmp_path):
     options = ["--headless", "--record", str(recording)]
     assert main(["run", str(scenario), *options]) == 0
     page = open_page(recording.as_uri(), offline=True)
-    wait_for_robot(page)
+    wait_for_recording(page)
     # Nothing was asked of any other address.
     asked = page.evaluate("performance.getEntriesByType('resource').map(e => e.name)")
     assert [name for name in asked if not name.startswith(("data:", "blob:"))] == []
@@ -241,7 +247,7 @@ def color_of(page, path):
 
 def test_a_recording_shows_what_the_controller_thinks(open_page, tmp_path):
     page = open_page(record_thoughts(tmp_path).as_uri(), offline=True)
-    wait_for_robot(page)
+    wait_for_recording(page)
     look_at_the_ground(page)
     covered = [*HEAD[:-1], HEAD[-1] + COVER]
 

@@ -21,7 +21,7 @@ class Recorder:
     def Delete(self, path):
         self.deleted.append(path)
 
-    def SetProperty(self, path, name, value, time):
+    def SetProperty(self, path, name, value, time=None):
         self.properties.append((path, name, value, time))
 
 
@@ -45,6 +45,7 @@ def test_marks_are_drawn_once_and_then_shown_or_hidden():
         ("/marks/0", "visible", False, 1.0),
         # Where a recording begins b is yet to come.
         ("/marks/1", "visible", False, 0.0),
+        ("/marks/1", "visible", False, None),
         ("/marks/1", "visible", True, 1.0),
         ("/marks/1", "visible", False, 2.0),
         ("/marks/0", "visible", True, 2.0),

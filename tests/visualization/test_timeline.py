@@ -10,9 +10,12 @@ class Recording:
     """Plays properties back as a browser does."""
 
     def __init__(self):
-        self.keys = {}
+        self.keys, self.unrecorded = {}, {}
 
-    def SetProperty(self, path, name, value, time):
+    def SetProperty(self, path, name, value, time=None):
+        if time is None:
+            self.unrecorded[path, name] = value
+            return
         self.keys.setdefault((path, name), {})[time] = value
 
     def visible(self, path, time):
@@ -35,6 +38,8 @@ def test_what_comes_later_is_not_there_before():
     seen = [recording.visible("/late", time) for time in (0.0, 1.9, 2.0, 3.9, 4.0)]
     assert seen == [False, False, True, True, False]
     assert len(recording.keys["/late", "visible"]) == 3
+    # Nor is it while the recording is being loaded.
+    assert recording.unrecorded == {("/late", "visible"): False}
 
 
 def test_what_is_hidden_later_is_there_before():
