@@ -308,7 +308,8 @@ def _add_record_option(keep: argparse._ArgumentGroup) -> None:
         "--record",
         type=Path,
         metavar="FILE.html",
-        help="write the 3D animation as one web page that plays without this program",
+        help="write the 3D animation, with what --show asks for, as one web page that "
+        "plays without this program",
     )
     keep.add_argument(
         "--video",

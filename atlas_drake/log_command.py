@@ -123,7 +123,13 @@ def replay_log(options: argparse.Namespace) -> int:
     begin, end = float(log.time[0]), float(log.time[-1])
     progress = Progress(sys.stdout, end)
     meshcat = open_view(options, progress)
-    diagram = make_replay(log, meshcat, Overlays(options.show), video)
+    diagram = make_replay(
+        log,
+        meshcat,
+        Overlays(options.show),
+        video,
+        recorded=options.record is not None,
+    )
     filmed: Any = None if video is None else diagram.GetSubsystemByName("video")
     simulator = Simulator(diagram)
     simulator.get_mutable_context().SetTime(begin)

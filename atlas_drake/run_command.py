@@ -64,6 +64,7 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
     sim = AtlasSimulation(
         scenario,
         meshcat=meshcat,
+        recorded=options.record is not None,
         video=video,
         on_event=progress.event,
         overlays=Overlays(options.show),

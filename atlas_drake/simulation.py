@@ -75,6 +75,7 @@ class AtlasSimulation:
         *,
         meshcat: Meshcat | None = None,
         overlays: Overlays | None = None,
+        recorded: bool = False,
         video: Video | None = None,
         on_event: Callable[[Event], None] | None = None,
         log: str | Path | None = None,
@@ -86,6 +87,8 @@ class AtlasSimulation:
                 nobody but the caller.
             meshcat: Where to show it; None shows nothing.
             overlays: What of the controller's thoughts is shown there.
+            recorded: Whether Meshcat records, from before this on: all that is shown
+                is then kept for the recording.
             video: What to film it into, until ``close_video``; None films nothing.
             on_event: Called with each event as it is noticed.
             log: File that records the run, see ``atlas_drake.logs``: .mcap, .npz or
@@ -124,7 +127,14 @@ class AtlasSimulation:
                 self.robot, literal=self.scenario.programme == "tutorial_literal"
             )
         self.diagram = make_control_mode_switch(
-            self.robot, programme, config, meshcat, overlays, self._recorder, video
+            self.robot,
+            programme,
+            config,
+            meshcat,
+            overlays,
+            recorded,
+            self._recorder,
+            video,
         )
         self.station = self.diagram.GetSubsystemByName("station")
         self.plant = self.station.GetSubsystemByName("plant")

@@ -27,10 +27,13 @@ def make_control_mode_switch(
     config: StationConfig | None = None,
     meshcat: Meshcat | None = None,
     overlays: Overlays | None = None,
+    recorded: bool = False,
     recorder: LogRecorder | None = None,
     video: Video | None = None,
 ) -> Diagram:
     """Builds scheduler and station; 3D view, recorder and video if they are given.
+
+    ``recorded`` says whether Meshcat records; ``recorder`` writes a log.
 
     Input ports, all optional:
         other_atlas_command, other_atlas_sim_interface_command: Messages of a script or
@@ -63,7 +66,7 @@ def make_control_mode_switch(
         # Meshcat's part loads only where there is something to see.
         from atlas_drake.visualization.meshcat_view import add_meshcat_view
 
-        add_meshcat_view(builder, station, robot, meshcat, overlays)
+        add_meshcat_view(builder, station, robot, meshcat, overlays, recorded)
     if recorder is not None:
         from atlas_drake.logs.recorder import add_log_recorder
 

@@ -26,6 +26,8 @@ def make_replay(
     meshcat: Meshcat | None = None,
     overlays: Overlays | None = None,
     video: Video | None = None,
+    *,
+    recorded: bool = False,
 ) -> Diagram:
     """Builds a diagram that shows a log as the run was shown.
 
@@ -34,6 +36,7 @@ def make_replay(
         meshcat: Where to show it; None shows nothing.
         overlays: What is shown besides, of ``LOGGED``.
         video: What to film it into; None films nothing.
+        recorded: Whether Meshcat records, see ``add_meshcat_view``.
 
     Raises:
         LogError: If the log lacks what is to be shown, or has a scenario that is
@@ -47,7 +50,9 @@ def make_replay(
     if meshcat is not None:
         from atlas_drake.visualization.meshcat_view import add_meshcat_view
 
-        add_meshcat_view(builder, station, log.robot, meshcat, overlays)
+        add_meshcat_view(
+            builder, station, log.robot, meshcat, overlays, recorded=recorded
+        )
     if video is not None:
         from atlas_drake.visualization.video_display import add_video
 

@@ -6,6 +6,7 @@ Drawn from the station's ports while it is switched on. What is planned comes fr
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,9 +16,11 @@ from pydrake.math import RigidTransform
 from pydrake.systems.framework import Context, LeafSystem
 
 from atlas_drake.control.centre_of_pressure import centre_of_pressure
+from atlas_drake.control.support_polygon import SupportPolygon
 from atlas_drake.control.tasks import dcm, pendulum_frequency
 from atlas_drake.control.whole_body_model import WholeBodyModel, WholeBodyTerms
 from atlas_drake.robot import Robot
+from atlas_drake.visualization.marks import Marks
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.palette import COM, COP, DCM, SUPPORT, SWING
 from atlas_drake.visualization.planned_paths import (
@@ -26,7 +29,8 @@ from atlas_drake.visualization.planned_paths import (
     swing_path,
 )
 from atlas_drake.visualization.ribbons import draw_flat
-from atlas_drake.visualization.tubes import tube
+from atlas_drake.visualization.timeline import Timeline
+from atlas_drake.visualization.tubes import thinned, tube
 
 PATH = "/atlas_drake/balance"
 BALL, PLUMB_LINE = 0.03, 0.003
@@ -42,8 +46,14 @@ LOWEST = 0.1
 """The centre of mass of a robot on the ground counts as this high at least [m]."""
 PATHS_EVERY = 4
 """Pictures between looks at the paths, which are dear to compute and slow to change."""
+AREA_GRID, CURVE_GRID, BEND = 0.002, 0.001, 0.002
+"""Corners and points are rounded to a grid [m]; points are left out where a curve
+bends by less [m]: a recording keeps every shape there ever was."""
 _COLORS = {"com": COM, "dcm": DCM, "cop": COP}
+_CURVES = {"plan_com": COM, "plan_dcm": DCM, "swing": SWING}
 _NAMES = ("com", "dcm", "cop", "support", "plan", "swing")
+
+Point = tuple[float, float, float]
 
 
 class BalanceMarks(LeafSystem):
@@ -56,9 +66,22 @@ class BalanceMarks(LeafSystem):
     """
 
     def __init__(
-        self, meshcat: Meshcat, robot: Robot, overlays: Overlays, period: float
+        self,
+        meshcat: Meshcat,
+        robot: Robot,
+        overlays: Overlays,
+        period: float,
+        recorded: bool,
     ) -> None:
-        """Looks every ``period`` [s] at what is switched on."""
+        """Looks every ``period`` [s] at what is switched on.
+
+        Args:
+            meshcat: Where to draw.
+            robot: Whose balance.
+            overlays: What is switched on.
+            period: Between looks [s].
+            recorded: See ``Marks``.
+        """
         super().__init__()
         self._meshcat = meshcat
         self._overlays = overlays
@@ -70,120 +93,108 @@ class BalanceMarks(LeafSystem):
             "controller_state", AbstractValue.Make(None)
         )
         self._pictures = -1
-        self._drawn: dict[str, object] = {}
-        self._visible: dict[str, bool] = {}
+        self._timeline = Timeline(meshcat)
+        self._drawn: set[str] = set()
         meshcat.Delete(PATH)
+        self._support = Marks(meshcat, f"{PATH}/support", self._draw_support, recorded)
+        self._curves = {
+            name: Marks(
+                meshcat, f"{PATH}/{name}", partial(self._draw_curve, color), recorded
+            )
+            for name, color in _CURVES.items()
+        }
         self.DeclarePeriodicPublishEvent(period, 0.0, self._publish)
 
     def _publish(self, context: Context) -> None:
         on = {name for name in _NAMES if self._overlays.is_on(name)}
-        for path, visible in self._visible.items():
-            if visible and path.split("_")[0] not in on:
-                self._show(path, False)
+        time = context.get_time()
+        for path in self._drawn:
+            if path.split("_")[0] not in on:
+                self._timeline.show(f"{PATH}/{path}", False, time)
+        for name, marks in [("support", self._support), *self._curves.items()]:
+            if name.split("_")[0] not in on:
+                marks.show([], time)
         if not on:
             return
-        time = context.get_time()
         memory = self._remembered(context)
         terms = self._model.evaluate(self._scratch, self._state.Eval(context))
         ground = min(float(foot.p_WF[2]) for foot in terms.feet)
-        omega = pendulum_frequency(max(float(terms.com[2]) - ground, LOWEST))
+        omega = pendulum_frequency(float(terms.com[2]) - ground)
         if "com" in on:
-            self._draw_com(terms, ground, time)
+            self._move_com(terms, ground, time)
         if "dcm" in on:
-            self._draw_disc("dcm", dcm(terms, omega), ground, time)
+            self._move_disc("dcm", dcm(terms, omega), ground, time)
         if "cop" in on:
             soles = [foot.p_WF for foot in terms.feet]
             p_WC = centre_of_pressure(soles, self._wrenches.Eval(context))
-            if p_WC is None:
-                self._show("cop", False)
-            else:
-                self._draw_disc("cop", p_WC[:2], float(p_WC[2]), time)
+            if p_WC is not None:
+                self._move_disc("cop", p_WC[:2], float(p_WC[2]), time)
+            elif "cop" in self._drawn:
+                self._timeline.show(f"{PATH}/cop", False, time)
         if "support" in on:
-            support = support_of(memory)
-            self._draw_support(support.vertices if support else None, ground)
+            self._support.show(_area(support_of(memory), ground), time)
         self._pictures += 1
         if self._pictures % PATHS_EVERY:
             return
         if "plan" in on:
             paths = planned_paths(memory, terms.com[:2], omega)
-            for name, color in (("com", COM), ("dcm", DCM)):
-                points = getattr(paths, name) if paths else None
-                if points is not None:
-                    z = np.full(len(points), ground + LIFT["plan"])
-                    points = np.column_stack([points, z])
-                self._draw_path(f"plan_{name}", points, color)
+            for name in ("com", "dcm"):
+                points = None
+                if paths is not None:
+                    flat = getattr(paths, name)
+                    z = np.full(len(flat), ground + LIFT["plan"])
+                    points = np.column_stack([flat, z])
+                self._curves[f"plan_{name}"].show(_curve(points), time)
         if "swing" in on:
-            self._draw_path("swing", swing_path(memory), SWING)
+            self._curves["swing"].show(_curve(swing_path(memory)), time)
 
     def _remembered(self, context: Context) -> Any:
         controller: Any = self._controller.Eval(context)
         return controller.supervisor.memory
 
-    def _draw_com(self, terms: WholeBodyTerms, ground: float, time: float) -> None:
+    def _move_com(self, terms: WholeBodyTerms, ground: float, time: float) -> None:
         """A ball, seen through the body that hides it, and where it is above."""
         x, y, z = map(float, terms.com)
         if "com_ball" not in self._drawn:
-            self._drawn["com_ball"] = True
             path = f"{PATH}/com_ball"
             self._meshcat.SetObject(path, Sphere(BALL), COM)
             self._see_through(path)
         self._move("com_ball", [x, y, z], time)
         height = max(z - ground, LOWEST)
+        rod = f"{PATH}/com_line/rod"
         if "com_line" not in self._drawn:
-            self._drawn["com_line"] = True
-            line = Cylinder(PLUMB_LINE, 1.0)
-            self._meshcat.SetObject(f"{PATH}/com_line/rod", line, COM)
-        X = np.diag([1.0, 1.0, height, 1.0])
-        scaled: Any = np.asfortranarray(X)
-        self._meshcat.SetTransform(f"{PATH}/com_line/rod", scaled)
+            self._meshcat.SetObject(rod, Cylinder(PLUMB_LINE, 1.0), COM)
+        # Of a node of its own, as every transform resets its node's scale.
+        self._meshcat.SetProperty(rod, "scale", [1.0, 1.0, height], time)
         self._move("com_line", [x, y, ground + 0.5 * height], time)
-        self._draw_disc("com", terms.com[:2], ground, time)
+        self._move_disc("com", terms.com[:2], ground, time)
 
-    def _draw_disc(
+    def _move_disc(
         self, name: str, point: np.ndarray, ground: float, time: float
     ) -> None:
         if name not in self._drawn:
-            self._drawn[name] = True
             disc = Cylinder(DISC[name], DISC_HEIGHT)
             self._meshcat.SetObject(f"{PATH}/{name}", disc, _COLORS[name])
             self._see_through(f"{PATH}/{name}")
         x, y = map(float, point)
         self._move(name, [x, y, ground + LIFT[name]], time)
 
-    def _draw_support(self, corners: np.ndarray | None, ground: float) -> None:
-        if corners is None:
-            self._show("support", False)
-            return
-        if self._is_new("support", corners):
-            vertices = np.vstack([corners.T, np.full(len(corners), 0.0)])
-            fan = [[0, i, i + 1] for i in range(1, len(corners) - 1)]
-            faces = np.array(fan, dtype=np.int32).T
-            draw_flat(self._meshcat, f"{PATH}/support", vertices, faces, SUPPORT)
-            self._see_through(f"{PATH}/support", order=1.0)
-        p_W: Any = np.array([0.0, 0.0, ground + LIFT["support"]])
-        self._meshcat.SetTransform(f"{PATH}/support", RigidTransform(p_W))
-        self._show("support", True)
-
-    def _draw_path(self, name: str, points: np.ndarray | None, color: Rgba) -> None:
-        if points is None:
-            self._show(name, False)
-            return
-        if self._is_new(name, points):
-            draw_flat(self._meshcat, f"{PATH}/{name}", *tube(points, TUBE), color)
-        self._show(name, True)
-
-    def _is_new(self, name: str, points: np.ndarray) -> bool:
-        """Whether something else than these points was drawn last."""
-        before = self._drawn.get(name)
-        if isinstance(before, np.ndarray) and np.array_equal(before, points):
-            return False
-        self._drawn[name] = points
-        return True
-
     def _move(self, name: str, position: list[float], time: float) -> None:
         p_W: Any = np.array(position)
         self._meshcat.SetTransform(f"{PATH}/{name}", RigidTransform(p_W), time)
-        self._show(name, True)
+        self._timeline.show(f"{PATH}/{name}", True, time)
+        self._drawn.add(name)
+
+    def _draw_support(self, path: str, mark: object) -> None:
+        corners: Any = mark
+        fan = [[0, i, i + 1] for i in range(1, len(corners) - 1)]
+        faces = np.array(fan, dtype=np.int32).T
+        draw_flat(self._meshcat, path, np.array(corners).T, faces, SUPPORT)
+        self._see_through(path, order=1.0)
+
+    def _draw_curve(self, color: Rgba, path: str, mark: object) -> None:
+        points: Any = mark
+        draw_flat(self._meshcat, path, *tube(np.array(points), TUBE), color)
 
     def _see_through(self, path: str, order: float = 2.0) -> None:
         """Draws an object over whatever hides it, those of a higher order on top."""
@@ -192,7 +203,24 @@ class BalanceMarks(LeafSystem):
         self._meshcat.SetProperty(target, "material.transparent", True)
         self._meshcat.SetProperty(target, "renderOrder", order)
 
-    def _show(self, name: str, visible: bool) -> None:
-        if self._visible.get(name, False) != visible or name not in self._visible:
-            self._visible[name] = visible
-            self._meshcat.SetProperty(f"{PATH}/{name}", "visible", visible)
+
+def _area(support: SupportPolygon | None, ground: float) -> list[tuple[Point, ...]]:
+    """The polygon as a mark, if there is one."""
+    if support is None:
+        return []
+    corners = support.vertices
+    z = np.full(len(corners), ground + LIFT["support"])
+    return [_points(np.column_stack([corners, z]), AREA_GRID)]
+
+
+def _curve(points: np.ndarray | None) -> list[tuple[Point, ...]]:
+    """The curve as a mark, if there is one."""
+    return [] if points is None else [_points(thinned(points, BEND), CURVE_GRID)]
+
+
+def _points(points: np.ndarray, grid: float) -> tuple[Point, ...]:
+    """Rounded to a grid [m], so that what looks the same is the same."""
+    return tuple(
+        (round(float(x), 4), round(float(y), 4), round(float(z), 4))
+        for x, y, z in grid * np.round(points / grid)
+    )

@@ -85,15 +85,24 @@ class CaptionDisplay(LeafSystem):
         atlas_sim_interface_state: ``AtlasSimInterfaceState``
     """
 
-    def __init__(self, meshcat: Meshcat, overlays: Overlays, period: float) -> None:
-        """Looks every ``period`` [s]; ``overlays`` say whether flags are shown."""
+    def __init__(
+        self, meshcat: Meshcat, overlays: Overlays, period: float, recorded: bool
+    ) -> None:
+        """Looks every ``period`` [s].
+
+        Args:
+            meshcat: Where to draw.
+            overlays: They say whether flags are shown.
+            period: Between looks [s].
+            recorded: See ``Marks``.
+        """
         super().__init__()
         self._overlays = overlays
         self._meshcat = meshcat
         self._report = self.DeclareAbstractInputPort(
             "atlas_sim_interface_state", AbstractValue.Make(AtlasSimInterfaceState())
         )
-        self._marks = Marks(meshcat, f"{CAMERA}/caption", self._draw)
+        self._marks = Marks(meshcat, f"{CAMERA}/caption", self._draw, recorded)
         self.DeclarePeriodicPublishEvent(period, 0.0, self._publish)
 
     def _publish(self, context: Context) -> None:

@@ -10,12 +10,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from pydrake.common.value import AbstractValue
 from pydrake.geometry import Meshcat
+from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.plant import ContactResults
 from pydrake.systems.framework import Context, LeafSystem
 
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.palette import FORCE
 from atlas_drake.visualization.ribbons import draw_flat
+from atlas_drake.visualization.timeline import Timeline
 from atlas_drake.visualization.tubes import tube
 
 PATH = "/atlas_drake/forces"
@@ -47,20 +49,18 @@ def contact_forces_of(results: Any) -> list[ContactForce]:
     return forces
 
 
-def arrow_transform(force: ContactForce) -> np.ndarray:
-    """Takes an arrow from 0 to z = 1 to where a force is, as long as it is strong.
-
-    Returns:
-        Shape (4, 4); thickness stays, length is scaled.
-    """
-    size = float(np.linalg.norm(force.force_W))
-    z = force.force_W / size
+def arrow_pose(force: ContactForce) -> RigidTransform:
+    """Pose in W of an arrow along z: from where a force acts to where it points."""
+    z = force.force_W / np.linalg.norm(force.force_W)
     x = np.cross([0.0, 1.0, 0.0], z)
     x /= np.linalg.norm(x)
-    X = np.eye(4)
-    X[:3, 0], X[:3, 1], X[:3, 2] = x, np.cross(z, x), SCALE * size * z
-    X[:3, 3] = force.p_WC
-    return X
+    R_WA: Any = np.column_stack([x, np.cross(z, x), z])
+    return RigidTransform(RotationMatrix(R_WA), force.p_WC)
+
+
+def arrow_length(force: ContactForce) -> float:
+    """How long the arrow of a force is [m]."""
+    return SCALE * float(np.linalg.norm(force.force_W))
 
 
 class ContactForces(LeafSystem):
@@ -78,8 +78,8 @@ class ContactForces(LeafSystem):
         self._results = self.DeclareAbstractInputPort(
             "contact_results", AbstractValue.Make(ContactResults())
         )
+        self._timeline = Timeline(meshcat)
         self._made = 0
-        self._shown = 0
         meshcat.Delete(PATH)
         self.DeclarePeriodicPublishEvent(period, 0.0, self._publish)
 
@@ -87,21 +87,21 @@ class ContactForces(LeafSystem):
         forces = []
         if self._overlays.is_on("forces"):
             forces = contact_forces_of(self._results.Eval(context))
-        meshcat = self._meshcat
+        time = context.get_time()
         for number, force in enumerate(forces):
             path = f"{PATH}/{number}"
             if number == self._made:
-                self._draw(path)
+                self._draw(f"{path}/arrow")
                 self._made += 1
-            X: Any = np.asfortranarray(arrow_transform(force))
-            meshcat.SetTransform(path, X)
-        for number in range(max(self._shown, len(forces))):
-            visible = number < len(forces)
-            if visible != (number < self._shown):
-                meshcat.SetProperty(f"{PATH}/{number}", "visible", visible)
-        self._shown = len(forces)
+            self._meshcat.SetTransform(path, arrow_pose(force), time)
+            # Of a node of its own, as every transform resets its node's scale.
+            scale = [1.0, 1.0, arrow_length(force)]
+            self._meshcat.SetProperty(f"{path}/arrow", "scale", scale, time)
+        for number in range(self._made):
+            self._timeline.show(f"{PATH}/{number}", number < len(forces), time)
 
     def _draw(self, path: str) -> None:
+        """An arrow from 0 to z = 1."""
         neck = 1.0 - HEAD_LENGTH
         shaft = tube(np.array([[0.0, 0.0, 0.0], [0.0, 0.0, neck]]), THICKNESS)
         rim = HEAD_WIDTH * np.array([[1, 0], [0, 1], [-1, 0], [0, -1]])
@@ -113,4 +113,3 @@ class ContactForces(LeafSystem):
         vertices = np.hstack([shaft[0], cone])
         faces = np.hstack([shaft[1], sides, bottom]).astype(np.int32)
         draw_flat(self._meshcat, path, vertices, faces, FORCE)
-        self._meshcat.SetProperty(path, "visible", True)

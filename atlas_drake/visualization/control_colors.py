@@ -6,43 +6,54 @@ The pelvis, which no joint moves, keeps its looks.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import chain
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from pydrake.common.value import AbstractValue
-from pydrake.geometry import Meshcat, MeshcatVisualizer
+from pydrake.geometry import (
+    FrameId,
+    Mesh,
+    Meshcat,
+    QueryObject,
+    Role,
+    SceneGraphInspector,
+)
 from pydrake.systems.framework import Context, LeafSystem
 
 from atlas_drake.messages import K_EFFORT_MAX
 from atlas_drake.robot import Robot
+from atlas_drake.visualization.gltf_triangles import gltf_triangles
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.palette import (
     BEHAVIOR_RGB,
     BUSY_RGB,
     IDLE_RGB,
+    SHARED_RGB,
     SPENT_RGB,
     USER_RGB,
 )
+from atlas_drake.visualization.timeline import Timeline
 
 SHADES = 20
 """Steps of a colour scale: what looks the same is not sent again."""
 GAMMA = 2.2
 """Meshcat takes the colours of materials as intensities of light."""
-REPEAT = 1.0
-"""After this time all colours are sent again, for browsers that came later [s]."""
+COVER = "_coloured"
+"""What the path of a link's copy ends in."""
 
 Color = tuple[float, float, float]
 
 
 def owner_colors(k_effort: np.ndarray) -> list[Color]:
-    """From the behaviour's colour to the user's, shared joints in between.
+    """From the behaviour's colour over that of shared joints to the user's.
 
     Args:
         k_effort: User's share per joint, 0 to 255, shape (n,).
     """
-    return [
-        _between((BEHAVIOR_RGB, USER_RGB), share / K_EFFORT_MAX) for share in k_effort
-    ]
+    colors = (BEHAVIOR_RGB, SHARED_RGB, USER_RGB)
+    return [_between(colors, share / K_EFFORT_MAX) for share in k_effort]
 
 
 def effort_colors(effort: np.ndarray, limit: np.ndarray) -> list[Color]:
@@ -66,7 +77,12 @@ def _between(colors: Sequence[Color], share: float) -> Color:
 class ControlColors(LeafSystem):
     """Colours the links while one of the two colourings is switched on.
 
+    A link that is coloured is hidden behind a copy of one material. Browsers load the
+    link itself when they come to it, too late for a recording to reach its materials;
+    and once uncovered it has its own colours again.
+
     Input ports:
+        query_object: Of the scene graph.
         commands: ``CommandsInForce``
         effort: Of the motors [N·m], shape (n,).
     """
@@ -74,9 +90,8 @@ class ControlColors(LeafSystem):
     def __init__(
         self,
         meshcat: Meshcat,
-        visualizer: MeshcatVisualizer,
+        prefix: str,
         robot: Robot,
-        links: str,
         overlays: Overlays,
         period: float,
     ) -> None:
@@ -84,44 +99,74 @@ class ControlColors(LeafSystem):
 
         Args:
             meshcat: Where the links are.
-            visualizer: That draws them, and draws them anew in their own colours.
+            prefix: Path under which Drake's visualiser draws them.
             robot: Whose links.
-            links: Path in Meshcat under which its links are.
             overlays: What is switched on.
             period: Between looks [s].
         """
         super().__init__()
         self._meshcat = meshcat
-        self._visualizer = visualizer
+        self._prefix = prefix
         self._limit = robot.effort_limit
-        self._paths = [f"{links}/{link}" for link in robot.moved_links]
+        self._frame_names = [f"{robot.name}::{link}" for link in robot.moved_links]
         self._overlays = overlays
-        self._commands = self.DeclareAbstractInputPort(
-            "commands", AbstractValue.Make(None)
+        self._query, self._commands = (
+            self.DeclareAbstractInputPort(name, AbstractValue.Make(value))
+            for name, value in (("query_object", QueryObject()), ("commands", None))
         )
         self._effort = self.DeclareVectorInputPort("effort", robot.num_joints)
-        self._sent: dict[str, Color] = {}
-        self._sent_all = -np.inf
+        self._begin()
+        # Drake's visualiser then draws all anew, and what it deletes is gone here too.
+        self.DeclareInitializationPublishEvent(lambda _context: self._begin())
         self.DeclarePeriodicPublishEvent(period, 0.0, self._publish)
 
+    def _begin(self) -> None:
+        self._timeline = Timeline(self._meshcat)
+        self._links: list[list[str]] = []
+
     def _publish(self, context: Context) -> None:
+        time = context.get_time()
         if self._overlays.is_on("owner"):
             commands: Any = self._commands.Eval(context)
             colors = owner_colors(commands.k_effort)
         elif self._overlays.is_on("effort"):
             colors = effort_colors(self._effort.Eval(context), self._limit)
         else:
-            if self._sent:
-                # Their own colours are known to the one that drew them.
-                self._visualizer.Delete()
-                self._sent.clear()
+            self._cover(False, time)
             return
-        time = context.get_time()
-        if not self._sent_all <= time < self._sent_all + REPEAT:
-            self._sent.clear()
-            self._sent_all = time
-        for path, color in zip(self._paths, colors, strict=True):
-            if self._sent.get(path) != color:
-                self._sent[path] = color
-                light = [value**GAMMA for value in color]
-                self._meshcat.SetProperty(path, "color", [*light, 1.0], time)
+        if not self._links:
+            query: Any = self._query.Eval(context)
+            inspector = query.inspector()
+            frames = {inspector.GetName(f): f for f in inspector.GetAllFrameIds()}
+            self._links = [
+                self._draw(inspector, frames[name]) for name in self._frame_names
+            ]
+        for paths, color in zip(self._links, colors, strict=True):
+            for path in paths:
+                for part, value in zip("rgb", color, strict=True):
+                    name = f"material.color[{part}]"
+                    target = f"{path}{COVER}/<object>"
+                    self._timeline.jump(target, name, value**GAMMA, time)
+        self._cover(True, time)
+
+    def _cover(self, covered: bool, time: float) -> None:
+        for path in chain.from_iterable(self._links):
+            self._timeline.show(f"{path}{COVER}", covered, time)
+            self._timeline.show(path, not covered, time)
+
+    def _draw(self, inspector: SceneGraphInspector, frame: FrameId) -> list[str]:
+        """Makes the copies of a link's meshes; the paths of these."""
+        paths = []
+        for geometry in inspector.GetGeometries(frame, Role.kIllustration):
+            shape = inspector.GetShape(geometry)
+            if not isinstance(shape, Mesh) or shape.extension() != ".gltf":
+                continue
+            names = inspector.GetName(frame), inspector.GetName(geometry)
+            path = "/".join([self._prefix, *(n.replace("::", "/") for n in names)])
+            vertices, faces = gltf_triangles(Path(shape.source().path()))
+            points: Any = np.asfortranarray(vertices)
+            self._meshcat.SetTriangleMesh(f"{path}{COVER}", points, faces)
+            X_FG = inspector.GetPoseInFrame(geometry)
+            self._meshcat.SetTransform(f"{path}{COVER}", X_FG)
+            paths.append(path)
+        return paths

@@ -210,8 +210,10 @@ class FootstepDisplay(LeafSystem):
         atlas_sim_interface_state: ``AtlasSimInterfaceState``
     """
 
-    def __init__(self, meshcat: Meshcat, sole: SoleSize, period: float) -> None:
-        """Looks every ``period`` [s]."""
+    def __init__(
+        self, meshcat: Meshcat, sole: SoleSize, period: float, recorded: bool
+    ) -> None:
+        """Looks every ``period`` [s]; ``recorded`` as in ``Marks``."""
         super().__init__()
         self._meshcat = meshcat
         self._outline = sole_outline(sole)
@@ -219,7 +221,7 @@ class FootstepDisplay(LeafSystem):
             self.DeclareAbstractInputPort(name, AbstractValue.Make(None))
             for name in ("commands", "controller_state", "atlas_sim_interface_state")
         )
-        self._marks = Marks(meshcat, "/atlas_drake/footsteps", self._draw)
+        self._marks = Marks(meshcat, "/atlas_drake/footsteps", self._draw, recorded)
         self.DeclarePeriodicPublishEvent(period, 0.0, self._publish)
 
     def _publish(self, context: Context) -> None:

@@ -11,16 +11,26 @@ from collections.abc import Callable, Iterable
 
 from pydrake.geometry import Meshcat
 
+from atlas_drake.visualization.timeline import Timeline
+
+SPARE = 16
+"""Hidden marks that are kept, if nothing is recorded, in case they come again."""
+
 
 class Marks:
     """Shows a changing set of objects under one path.
 
-    What has been drawn is known here and not in a Context: it is a fact about the
-    browser, as with Drake's own visualisers.
+    Recorded, every mark keeps its object, which the recording goes back to. Otherwise
+    a new mark takes the object of the one that was hidden first, so that a view that
+    is watched for hours does not grow.
     """
 
     def __init__(
-        self, meshcat: Meshcat, path: str, draw: Callable[[str, object], None]
+        self,
+        meshcat: Meshcat,
+        path: str,
+        draw: Callable[[str, object], None],
+        recorded: bool,
     ) -> None:
         """Draws under ``path``.
 
@@ -28,14 +38,21 @@ class Marks:
             meshcat: Where to.
             path: Of all marks together.
             draw: Makes the object of a mark at the path that it is given.
+            recorded: Whether a recording is to show them all.
         """
         self._meshcat = meshcat
         self._path = path
         self._draw = draw
+        self._recorded = recorded
+        self._time = 0.0
+        self._begin()
+
+    def _begin(self) -> None:
+        self._meshcat.Delete(self._path)
+        self._timeline = Timeline(self._meshcat)
+        # In the order in which they were last shown.
         self._paths: dict[object, str] = {}
         self._shown: set[object] = set()
-        self._time = 0.0
-        meshcat.Delete(path)
 
     def show(self, marks: Iterable[object], time: float) -> None:
         """Shows these marks and no others.
@@ -46,19 +63,19 @@ class Marks:
         """
         wanted = set(marks)
         if time < self._time:
-            self._meshcat.Delete(self._path)
-            self._paths.clear()
-            self._shown.clear()
+            self._begin()
         self._time = time
         for mark in self._shown - wanted:
-            self._meshcat.SetProperty(self._paths[mark], "visible", False, time)
+            path = self._paths[mark] = self._paths.pop(mark)
+            self._timeline.show(path, False, time)
+        hidden = [mark for mark in self._paths if mark not in wanted]
         for mark in wanted - self._shown:
             if mark not in self._paths:
-                path = f"{self._path}/{len(self._paths)}"
+                if self._recorded or len(hidden) <= SPARE:
+                    path = f"{self._path}/{len(self._paths)}"
+                else:
+                    path = self._paths.pop(hidden.pop(0))
                 self._paths[mark] = path
                 self._draw(path, mark)
-                if time > 0.0:
-                    # Where a recording is rewound to, the mark is yet to come.
-                    self._meshcat.SetProperty(path, "visible", False, 0.0)
-            self._meshcat.SetProperty(self._paths[mark], "visible", True, time)
+            self._timeline.show(self._paths[mark], True, time)
         self._shown = wanted

@@ -29,6 +29,7 @@ def add_meshcat_view(
     robot: Robot,
     meshcat: Meshcat,
     overlays: Overlays | None = None,
+    recorded: bool = False,
 ) -> None:
     """Adds the robot's visualiser, footsteps and caption, and dresses the scene.
 
@@ -38,11 +39,12 @@ def add_meshcat_view(
         robot: Its robot.
         meshcat: Where to show it.
         overlays: What of the controller's thoughts is shown; it may change later.
+        recorded: Whether a recording runs, which needs all that was ever shown.
     """
     overlays = overlays or Overlays()
     period = 1.0 / FRAME_RATE
     prepare_scene(meshcat)
-    visualizer = MeshcatVisualizer.AddToBuilder(
+    MeshcatVisualizer.AddToBuilder(
         builder,
         station.GetOutputPort("query_object"),
         meshcat,
@@ -50,15 +52,19 @@ def add_meshcat_view(
             publish_period=period, enable_alpha_slider=False, prefix=VISUALIZER
         ),
     )
-    links = f"{VISUALIZER}/{robot.name}"
-    colors = ControlColors(meshcat, visualizer, robot, links, overlays, period)
     displays: list[tuple[str, LeafSystem]] = [
-        ("footstep_display", FootstepDisplay(meshcat, robot.file.sole, period)),
-        ("caption_display", CaptionDisplay(meshcat, overlays, period)),
+        (
+            "footstep_display",
+            FootstepDisplay(meshcat, robot.file.sole, period, recorded),
+        ),
+        ("caption_display", CaptionDisplay(meshcat, overlays, period, recorded)),
         ("following_camera", FollowingCamera(meshcat, overlays, period)),
-        ("balance_marks", BalanceMarks(meshcat, robot, overlays, period)),
+        ("balance_marks", BalanceMarks(meshcat, robot, overlays, period, recorded)),
         ("contact_force_display", ContactForces(meshcat, overlays, period)),
-        ("control_colors", colors),
+        (
+            "control_colors",
+            ControlColors(meshcat, VISUALIZER, robot, overlays, period),
+        ),
     ]
     offered = {
         station.get_output_port(index).get_name()

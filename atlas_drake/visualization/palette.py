@@ -17,7 +17,11 @@ SWING = Rgba(0.05, 0.60, 0.66, 1.0)
 FORCE = Rgba(0.93, 0.68, 0.05, 1.0)
 """Yellow."""
 
-BEHAVIOR_RGB, USER_RGB = (0.32, 0.52, 0.82), (0.96, 0.58, 0.12)
-"""Blue and amber: whose joint it is; shared ones lie between."""
-IDLE_RGB, BUSY_RGB, SPENT_RGB = (0.75, 0.80, 0.80), (0.95, 0.80, 0.15), (0.85, 0.1, 0.1)
+BEHAVIOR_RGB, SHARED_RGB, USER_RGB = (
+    (0.32, 0.52, 0.82),
+    (0.66, 0.30, 0.68),
+    (0.96, 0.58, 0.12),
+)
+"""Blue, violet and amber: the behaviour's joint, half each, the user's."""
+IDLE_RGB, BUSY_RGB, SPENT_RGB = (0.50, 0.57, 0.66), (0.95, 0.80, 0.15), (0.85, 0.1, 0.1)
 """Grey, yellow and red: no effort, half of its limit, all of it."""

@@ -12,6 +12,38 @@ SIDES = 6
 """Of a tube's cross section."""
 
 
+def thinned(points: NDArray[np.float64], bend: float) -> NDArray[np.float64]:
+    """The points of a curve without which it would look different.
+
+    After Ramer (1972) and Douglas and Peucker (1973).
+
+    Args:
+        points: Along the curve [m], shape (k, 3), k > 1.
+        bend: How far from the result a point that is left out may be [m].
+
+    Returns:
+        Some of the points, first and last among them, shape (any, 3).
+    """
+    kept = {0, len(points) - 1}
+    pieces = [(0, len(points) - 1)]
+    while pieces:
+        first, last = pieces.pop()
+        between = points[first + 1 : last] - points[first]
+        if not len(between):
+            continue
+        chord = points[last] - points[first]
+        length = float(chord @ chord)
+        share = between @ chord / length if length > 0.0 else np.zeros(len(between))
+        nearest = np.outer(np.clip(share, 0.0, 1.0), chord)
+        away = np.linalg.norm(between - nearest, axis=1)
+        farthest = int(np.argmax(away))
+        if away[farthest] > bend:
+            middle = first + 1 + farthest
+            kept.add(middle)
+            pieces += [(first, middle), (middle, last)]
+    return points[sorted(kept)]
+
+
 def tube(
     points: NDArray[np.float64], radius: float
 ) -> tuple[NDArray[np.float64], NDArray[np.int32]]:

@@ -11,6 +11,10 @@ from pydrake.geometry import Meshcat, MeshcatParams
 
 from atlas_drake import AtlasSimInterfaceCommand, AtlasSimulation
 from atlas_drake.cli import main
+from atlas_drake.visualization import FRAME_RATE
+from atlas_drake.visualization.control_colors import COVER, GAMMA
+from atlas_drake.visualization.overlays import Overlays, overlays_from
+from atlas_drake.visualization.palette import BEHAVIOR_RGB, USER_RGB
 
 pytestmark = pytest.mark.slow
 
@@ -42,6 +46,12 @@ def wait_for_robot(page):
     while seen != (now := page.evaluate(count)):
         seen = now
         page.picture()
+
+
+def wait_for_recording(page):
+    """Until everything is there, the motions too, which are loaded last."""
+    wait_for_robot(page)
+    page.wait_until("viewer.animator.duration > 0")
 
 
 def position(page, link):
@@ -141,7 +151,7 @@ def test_a_recording_plays_from_disk_without_a_network(open_page, tmp_path):
     options = ["--headless", "--record", str(recording)]
     assert main(["run", str(scenario), *options]) == 0
     page = open_page(recording.as_uri(), offline=True)
-    wait_for_robot(page)
+    wait_for_recording(page)
     # Nothing was asked of any other address.
     asked = page.evaluate("performance.getEntriesByType('resource').map(e => e.name)")
     assert [name for name in asked if not name.startswith(("data:", "blob:"))] == []
@@ -158,3 +168,117 @@ def test_a_recording_plays_from_disk_without_a_network(open_page, tmp_path):
     assert shown(page, CAPTION) != first
     assert (np.abs(caption_pixels(page) - words).max(axis=2) > VISIBLE).sum() > 100
     assert len(shown(page, FOOTSTEPS)) == 4
+
+
+BALANCE = ["atlas_drake", "balance"]
+HEAD = [*ROBOT, "head", "atlas", "head_visual"]
+STANDING, SWINGING, UNCOLOURED = 0.5, 1.5, 1.75
+"""Moments of a run in which WALK is asked for at the start [s]."""
+
+
+def record_thoughts(folder):
+    """A walk with all overlays; the head is the user's from some time on."""
+    meshcat = Meshcat()
+    meshcat.StartRecording(
+        frames_per_second=FRAME_RATE, set_visualizations_while_recording=False
+    )
+    overlays = Overlays(overlays_from("all"))
+    sim = AtlasSimulation(meshcat=meshcat, overlays=overlays, recorded=True)
+    command = AtlasSimInterfaceCommand()
+    command.behavior = command.WALK
+    command.walk_params.use_demo_walk = True
+    command.k_effort = [0] * sim.robot.num_joints
+    sim.publish(command)
+    sim.advance_to(1.0)
+    command.k_effort[sim.robot.joint_names.index("neck_ry")] = 255
+    sim.publish(command)
+    sim.advance_to(1.6)
+    overlays.switch("owner", False)
+    sim.advance_to(1.8)
+    file = folder / "thoughts.html"
+    meshcat.StopRecording()
+    meshcat.PublishRecording()
+    file.write_text(meshcat.StaticHtml())
+    return file
+
+
+def look_at_the_ground(page):
+    """From above and aside, so that nothing lies behind the legs."""
+    page.evaluate(
+        "viewer.handle_command({type: 'set_property', property: 'position',"
+        " path: '/Cameras/default/rotated/<object>', value: [2.2, 1.6, 1.6]});"
+        "viewer.handle_command({type: 'set_target', value: [0.1, 0.3, 0.0]})"
+    )
+
+
+def seen_of(page, path):
+    """How many pixels change when something is hidden."""
+    target = f"{node(path)}.object.visible"
+    with_it = page.picture()
+    before = page.evaluate(
+        f"(() => {{ const v = {target}; {target} = false;return v }})()"
+    )
+    without = page.picture()
+    page.evaluate(f"{target} = {json.dumps(before)}")
+    return int((np.abs(with_it - without).max(axis=2) > VISIBLE).sum())
+
+
+def arrow_heights(page):
+    """How high the tips of the visible arrows are [m]."""
+    forces = ["atlas_drake", "forces"]
+    heights = []
+    for name in shown(page, forces):
+        arrow = f"{node([*forces, name, 'arrow'])}.object"
+        heights.append(
+            page.evaluate(
+                f"(() => {{ const o = {arrow}; o.updateWorldMatrix(true, false);"
+                "return o.position.clone().set(0, 0, 1)"
+                ".applyMatrix4(o.matrixWorld).y })()"
+            )
+        )
+    return sorted(heights)
+
+
+def color_of(page, path):
+    """Of the copy that covers a link."""
+    link = [*path[:-1], path[-1] + COVER, "<object>"]
+    return page.evaluate(f"{node(link)}.object.material.color.toArray()")
+
+
+def test_a_recording_shows_what_the_controller_thinks(open_page, tmp_path):
+    page = open_page(record_thoughts(tmp_path).as_uri(), offline=True)
+    wait_for_recording(page)
+    look_at_the_ground(page)
+    covered = [*HEAD[:-1], HEAD[-1] + COVER]
+
+    # Forward, back and forward again: what is seen depends on the moment alone.
+    for _ in range(2):
+        seek(page, SWINGING)
+        swinging = {m: shown(page, [*BALANCE, m]) for m in ("support", "plan_dcm")}
+        assert len(shown(page, [*BALANCE, "swing"])) == 1
+        assert seen_of(page, [*BALANCE, "swing"]) > 30
+        assert seen_of(page, [*BALANCE, "plan_dcm"]) > 30
+        on_one_foot = arrow_heights(page)
+        assert seen_of(page, ["atlas_drake", "forces"]) > 30
+        users = color_of(page, HEAD)
+        np.testing.assert_allclose(users, np.power(USER_RGB, GAMMA), atol=0.01)
+        assert page.evaluate(f"{node(covered)}.object.visible")
+        assert not page.evaluate(f"{node(HEAD)}.object.visible")
+
+        seek(page, STANDING)
+        for mark, then in swinging.items():
+            now = shown(page, [*BALANCE, mark])
+            assert len(then) == 1, mark
+            assert now != then, mark
+        assert shown(page, [*BALANCE, "swing"]) == set()
+        assert seen_of(page, [*BALANCE, "support"]) > 100
+        on_two_feet = arrow_heights(page)
+        assert len(on_two_feet) == 8
+        assert len(on_one_foot) <= 4
+        assert max(on_one_foot) > 1.2 * max(on_two_feet)
+        behaviors = color_of(page, HEAD)
+        np.testing.assert_allclose(behaviors, np.power(BEHAVIOR_RGB, GAMMA), atol=0.01)
+
+    seek(page, UNCOLOURED)
+    assert not page.evaluate(f"{node(covered)}.object.visible")
+    assert page.evaluate(f"{node(HEAD)}.object.visible")

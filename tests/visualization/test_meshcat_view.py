@@ -5,7 +5,7 @@ import pytest
 from pydrake.geometry import Meshcat
 
 from atlas_drake import AtlasSimulation, Scenario
-from atlas_drake.visualization.marks import Marks
+from atlas_drake.visualization.marks import SPARE, Marks
 from atlas_drake.visualization.scene import CAMERA
 
 SHORT = 0.1
@@ -21,7 +21,7 @@ class Recorder:
     def Delete(self, path):
         self.deleted.append(path)
 
-    def SetProperty(self, path, name, value, time):
+    def SetProperty(self, path, name, value, time=None):
         self.properties.append((path, name, value, time))
 
 
@@ -32,7 +32,9 @@ def meshcat():
 
 def test_marks_are_drawn_once_and_then_shown_or_hidden():
     recorder, drawn = Recorder(), []
-    marks = Marks(recorder, "/marks", lambda path, mark: drawn.append((path, mark)))
+    marks = Marks(
+        recorder, "/marks", lambda path, mark: drawn.append((path, mark)), True
+    )
     marks.show(["a"], 0.0)
     marks.show(["b"], 1.0)
     marks.show(["a"], 2.0)
@@ -43,6 +45,7 @@ def test_marks_are_drawn_once_and_then_shown_or_hidden():
         ("/marks/0", "visible", False, 1.0),
         # Where a recording begins b is yet to come.
         ("/marks/1", "visible", False, 0.0),
+        ("/marks/1", "visible", False, None),
         ("/marks/1", "visible", True, 1.0),
         ("/marks/1", "visible", False, 2.0),
         ("/marks/0", "visible", True, 2.0),
@@ -51,12 +54,37 @@ def test_marks_are_drawn_once_and_then_shown_or_hidden():
 
 def test_a_new_run_begins_with_nothing():
     recorder, drawn = Recorder(), []
-    marks = Marks(recorder, "/marks", lambda path, _mark: drawn.append(path))
+    marks = Marks(recorder, "/marks", lambda path, _mark: drawn.append(path), True)
     marks.show(["a"], 5.0)
     recorder.deleted.clear()
     marks.show(["a"], 0.0)
     assert recorder.deleted == ["/marks"]
     assert drawn == ["/marks/0", "/marks/0"]
+
+
+@pytest.mark.parametrize("recorded", [False, True])
+def test_only_what_is_recorded_grows(recorded):
+    recorder, drawn = Recorder(), {}
+    marks = Marks(recorder, "/marks", drawn.__setitem__, recorded)
+    seen = {}
+    for number in range(100):
+        marks.show([number, "always"], float(number))
+        for path, name, value, _time in recorder.properties:
+            if name == "visible":
+                seen[path] = value
+        visible = {drawn[path] for path, shown in seen.items() if shown}
+        assert visible == {number, "always"}
+    assert len(drawn) == (101 if recorded else SPARE + 2)
+
+
+def test_an_object_that_is_used_again_may_come_back():
+    recorder, drawn = Recorder(), {}
+    marks = Marks(recorder, "/marks", drawn.__setitem__, False)
+    for time, number in enumerate([*range(50), 0, 49]):
+        marks.show([number], float(time))
+    path, _, visible, _ = recorder.properties[-1]
+    assert (drawn[path], visible) == (49, True)
+    assert 0 in drawn.values()
 
 
 def test_the_view_has_everything(meshcat):

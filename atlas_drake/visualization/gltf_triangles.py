@@ -1,0 +1,60 @@
+"""Triangles of the robot's meshes, which browsers read too late to colour them.
+
+Reads what ``models/generator`` writes: one node at the origin, data within the file.
+"""
+
+from __future__ import annotations
+
+import base64
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+_TYPES = {5121: "u1", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
+"""Types of numbers by the codes of glTF."""
+_WIDTHS = {"SCALAR": 1, "VEC3": 3}
+
+
+def gltf_triangles(file: Path) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+    """Reads all parts of a mesh as one.
+
+    Args:
+        file: In glTF 2.0.
+
+    Returns:
+        Vertices with z up [m], shape (3, any), and triangles, shape (3, any).
+    """
+    document = json.loads(file.read_text())
+    buffers = [
+        base64.b64decode(buffer["uri"].split(",", 1)[1])
+        for buffer in document["buffers"]
+    ]
+    vertices: list[NDArray[np.float64]] = []
+    faces: list[NDArray[np.int32]] = []
+    count = 0
+    for mesh in document["meshes"]:
+        for part in mesh["primitives"]:
+            x, y, z = _values(document, buffers, part["attributes"]["POSITION"]).T
+            corners = _values(document, buffers, part["indices"]).reshape(-1, 3).T
+            # Of glTF the y axis points up.
+            vertices.append(np.array([x, -z, y], dtype=float))
+            faces.append(corners.astype(np.int32) + np.int32(count))
+            count += len(x)
+    return np.hstack(vertices), np.hstack(faces)
+
+
+def _values(document: Any, buffers: list[bytes], number: int) -> NDArray[Any]:
+    """Of an accessor, one row per element."""
+    accessor = document["accessors"][number]
+    view = document["bufferViews"][accessor["bufferView"]]
+    width = _WIDTHS[accessor["type"]]
+    values = np.frombuffer(
+        buffers[view["buffer"]],
+        dtype=_TYPES[accessor["componentType"]],
+        count=accessor["count"] * width,
+        offset=view.get("byteOffset", 0) + accessor.get("byteOffset", 0),
+    )
+    return values.reshape(-1, width)
