@@ -76,7 +76,7 @@ class RobotFile:
 
 
 @dataclass(frozen=True)
-class LegGeometry:
+class LegLengths:
     """Lengths of the legs; index 0 left, 1 right.
 
     Attributes:
@@ -162,7 +162,7 @@ class Robot:
     mass: float
     body_names: tuple[str, ...]
     moved_links: tuple[str, ...]
-    legs: LegGeometry
+    legs: LegLengths
 
     @property
     def num_joints(self) -> int:
@@ -283,7 +283,7 @@ def load_robot(name: str = DEFAULT_ROBOT) -> Robot:
             for index in plant.GetBodyIndices(plant.GetModelInstanceByName(name))
         ),
         moved_links=tuple(str(joint.child_body().name()) for joint in joints),
-        legs=_leg_geometry(file, plant),
+        legs=_leg_lengths(file, plant),
     )
 
 
@@ -291,7 +291,7 @@ _HIP_PITCH, _KNEE, _ANKLE_PITCH = 2, 3, 4
 """Places among a leg's joints: hip z, x, y, knee, ankle y, x."""
 
 
-def _leg_geometry(file: RobotFile, plant: MultibodyPlant) -> LegGeometry:
+def _leg_lengths(file: RobotFile, plant: MultibodyPlant) -> LegLengths:
     """Reads the legs' lengths off the robot with all joints at zero."""
     context = plant.CreateDefaultContext()
 
@@ -314,7 +314,7 @@ def _leg_geometry(file: RobotFile, plant: MultibodyPlant) -> LegGeometry:
         ankles.append(ankle - position(plant.GetFrameByName(foot.sole_frame)))
         knees.append(leg[_KNEE])
     thigh, shank = knee - hip, ankle - knee
-    return LegGeometry(
+    return LegLengths(
         p_PH=np.array(hips),
         p_FA=np.array(ankles),
         thigh=float(np.linalg.norm(thigh)),

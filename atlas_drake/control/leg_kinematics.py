@@ -23,7 +23,7 @@ JOINT_AXES = "zxyyyx"
 
 
 @dataclass(frozen=True)
-class LegGeometry:
+class LegChain:
     """One leg; joints from the pelvis down, hip z to ankle x.
 
     Attributes:
@@ -69,16 +69,16 @@ class LegPose:
         return -(self.axes * np.cross(p_PC - self.points, f_P)).sum(axis=1)
 
 
-def leg_geometry(plant: MultibodyPlant, robot: Robot) -> tuple[LegGeometry, ...]:
+def leg_chains(plant: MultibodyPlant, robot: Robot) -> tuple[LegChain, ...]:
     """Reads the left and the right leg from a finalized plant.
 
     Raises:
         ValueError: If a leg is built differently.
     """
-    return tuple(_leg_geometry(plant, robot, foot) for foot in (0, 1))
+    return tuple(_leg_chain(plant, robot, foot) for foot in (0, 1))
 
 
-def _leg_geometry(plant: Any, robot: Robot, foot: int) -> LegGeometry:
+def _leg_chain(plant: Any, robot: Robot, foot: int) -> LegChain:
     context = plant.CreateDefaultContext()
     pelvis = plant.GetBodyByName(robot.file.pelvis).body_frame()
     joints = np.flatnonzero(robot.limb(LEGS[foot]))
@@ -112,7 +112,7 @@ def _leg_geometry(plant: Any, robot: Robot, foot: int) -> LegGeometry:
         plant.GetJointByName(robot.joint_names[i]).child_body().get_mass(context)
         for i in joints
     ]
-    return LegGeometry(
+    return LegChain(
         p_PH=p[0],
         hip=plane(2, 1),
         thigh=plane(3, 2),
@@ -123,7 +123,7 @@ def _leg_geometry(plant: Any, robot: Robot, foot: int) -> LegGeometry:
     )
 
 
-def solve_leg(leg: LegGeometry, p_PF: np.ndarray, R_PF: np.ndarray) -> LegPose | None:
+def solve_leg(leg: LegChain, p_PF: np.ndarray, R_PF: np.ndarray) -> LegPose | None:
     """The joints that put the sole where it is, knee bent forward.
 
     Args:

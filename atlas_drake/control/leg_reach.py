@@ -12,7 +12,7 @@ import numpy as np
 
 from atlas_drake.control.footstep import FootPose
 from atlas_drake.control.whole_body_model import WholeBodyTerms
-from atlas_drake.robot import LegGeometry
+from atlas_drake.robot import LegLengths
 
 SHORTEST_FLEXION = 0.30
 """Knees stay bent by this much, counted from the straight leg [rad]: near it they
@@ -23,26 +23,26 @@ HALVINGS = 9
 """Of that range: it is found to within a millimetre."""
 
 
-def leg_length(legs: LegGeometry, knee: float) -> float:
+def leg_length(legs: LegLengths, knee: float) -> float:
     """Distance from hip to ankle [m] with the knee joint at ``knee`` [rad]."""
     a, b = legs.thigh, legs.shank
     return math.sqrt(a * a + b * b + 2.0 * a * b * math.cos(knee - legs.straight))
 
 
-def knee_for_length(legs: LegGeometry, length: float) -> float:
+def knee_for_length(legs: LegLengths, length: float) -> float:
     """Position of the bent knee joint [rad] for a distance from hip to ankle [m]."""
     a, b = legs.thigh, legs.shank
     cosine = (length * length - a * a - b * b) / (2.0 * a * b)
     return legs.straight + math.acos(min(max(cosine, -1.0), 1.0))
 
 
-def hips_from_com(terms: WholeBodyTerms, legs: LegGeometry) -> np.ndarray:
+def hips_from_com(terms: WholeBodyTerms, legs: LegLengths) -> np.ndarray:
     """Where the hips are now, seen from the centre of mass, in W [m], shape (2, 3)."""
     return terms.p_WP + legs.p_PH @ terms.R_WP.T - terms.com
 
 
 def highest_com(
-    legs: LegGeometry,
+    legs: LegLengths,
     hips: np.ndarray,
     com: np.ndarray,
     footholds: Iterable[tuple[int, FootPose]],
@@ -66,7 +66,7 @@ def highest_com(
 
 
 def lowest_com(
-    legs: LegGeometry,
+    legs: LegLengths,
     hips: np.ndarray,
     com: np.ndarray,
     foot: int,
@@ -95,7 +95,7 @@ def lowest_com(
 
 
 def _knee_ahead(
-    legs: LegGeometry, hips: np.ndarray, com: np.ndarray, foot: int, pose: FootPose
+    legs: LegLengths, hips: np.ndarray, com: np.ndarray, foot: int, pose: FootPose
 ) -> float:
     """How far the knee of a leg that stands lies ahead of the centre of mass [m]."""
     forward = np.array([math.cos(pose.yaw), math.sin(pose.yaw), 0.0])

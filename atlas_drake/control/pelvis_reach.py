@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from atlas_drake.control.leg_kinematics import (
-    LegGeometry,
+    LegChain,
     LegPose,
-    leg_geometry,
+    leg_chains,
     solve_leg,
 )
 from atlas_drake.control.pelvis_pose import PelvisPose, Stance
@@ -74,7 +74,7 @@ class PelvisReach:
         """Reads the legs from ``model``."""
         robot, plant = model.robot, model.plant
         self.limits = limits or PelvisLimits()
-        self._legs: tuple[LegGeometry, ...] = leg_geometry(plant, robot)
+        self._legs: tuple[LegChain, ...] = leg_chains(plant, robot)
         self._weight = robot.mass * GRAVITY
         legs_mass = sum(float(leg.mass_beyond[0]) for leg in self._legs)
         self._legs_share = legs_mass / robot.mass

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from atlas_drake.control.leg_kinematics import leg_geometry, solve_leg
+from atlas_drake.control.leg_kinematics import leg_chains, solve_leg
 
 KNEE = 3
 """Index of the knee within a leg."""
@@ -13,7 +13,7 @@ KNEE = 3
 
 @pytest.fixture(scope="module")
 def legs(model):
-    return leg_geometry(model.plant, model.robot)
+    return leg_chains(model.plant, model.robot)
 
 
 def evaluate(model, random_state, legs, seed):
@@ -73,4 +73,4 @@ def test_another_kind_of_leg_is_refused(model):
         robot, file=dataclasses.replace(robot.file, joints=joints)
     )
     with pytest.raises(ValueError, match="l_leg"):
-        leg_geometry(model.plant, odd)
+        leg_chains(model.plant, odd)
