@@ -112,7 +112,8 @@ class WholeBodyQp:
         if not answer.found:
             return self._carry_weight(terms, bounds, contacts)
         wrenches = np.zeros((2, _WRENCH))
-        wrenches[contacts] = answer.x[n:].reshape(-1, _WRENCH)
+        for i, wrench in zip(contacts, answer.x[n:].reshape(-1, _WRENCH), strict=True):
+            wrenches[i] = wrench
         return WholeBodySolution(
             effort=T @ answer.x + t,
             joint_acceleration=answer.x[:n],
@@ -143,7 +144,7 @@ class WholeBodyQp:
         np.negative(terms.h[:_BASE], out=right[:, size])
         if J_contacts is not None:
             right[:, n:size] = J_contacts[:, :_BASE].T
-        X = _solve_base(stack[:_BASE, :_BASE], right)
+        X = np.linalg.solve(stack[:_BASE, :_BASE], right)
 
         rows = np.empty((n + 18, size + 1))
         np.matmul(stack[_BASE:, :_BASE], X, out=rows[:-3])
@@ -316,37 +317,6 @@ def _within_authority(
         joint_acceleration=wanted,
         joint_weight=np.maximum(weight, USER_JOINT_WEIGHT),
     )
-
-
-def _solve_base(M: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """X with M·X = ``right`` for the pelvis' block of the mass matrix.
-
-    The mass resists alike in all directions: M = [[I, C], [Cᵀ, m·1]]. Only the 3x3
-    inertia about the centre of mass I - C·Cᵀ/m is left to invert, in closed form,
-    which costs a third of a general solve of this size.
-
-    Args:
-        M: Shape (6, 6), rotation first.
-        right: Shape (6, k).
-    """
-    mass, C = M[5, 5], M[:3, 3:]
-    lever = C / mass
-    angular = _inverse_3x3(M[:3, :3] - lever @ C.T) @ (right[:3] - lever @ right[3:])
-    return np.concatenate([angular, right[3:] / mass - lever.T @ angular])
-
-
-def _inverse_3x3(A: np.ndarray) -> np.ndarray:
-    """Inverse of a 3x3 matrix by cofactors."""
-    (a, b, c), (d, e, f), (g, h, i) = A.tolist()
-    x, y, z = e * i - f * h, f * g - d * i, d * h - e * g
-    cofactors = np.array(
-        [
-            [x, c * h - b * i, b * f - c * e],
-            [y, a * i - c * g, c * d - a * f],
-            [z, b * g - a * h, a * e - b * d],
-        ]
-    )
-    return cofactors / (a * x + b * y + c * z)
 
 
 def _task_weight(
