@@ -17,6 +17,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from atlas_drake.cli import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK
+from atlas_drake.drake_log import is_news
 from atlas_drake.logs.formats import check_format
 from atlas_drake.outputs import (
     check_writable,
@@ -196,8 +197,7 @@ def quiet_logs() -> None:
     drake = logging.getLogger("drake")
     # The address of the 3D view is a line of its own.
     drake.setLevel(logging.WARNING)
-    # Drake warns whenever there is a half space; nothing here is deformable.
-    drake.addFilter(lambda record: "deformable contact" not in record.getMessage())
+    drake.addFilter(is_news)
 
 
 def _plain(value: Any) -> Any:

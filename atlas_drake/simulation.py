@@ -23,6 +23,7 @@ from atlas_drake.behaviors.base import Event
 from atlas_drake.diagrams.atlas_station import StationConfig
 from atlas_drake.diagrams.control_mode_switch import make_control_mode_switch
 from atlas_drake.diagrams.station_reset import reset_station
+from atlas_drake.drake_log import only_news
 from atlas_drake.errors import AtlasError, ScenarioError
 from atlas_drake.frozen import replace
 from atlas_drake.messages import (
@@ -141,7 +142,8 @@ class AtlasSimulation:
         self._scheduler = self.diagram.GetSubsystemByName("scheduler")
         self._controller = self.station.GetSubsystemByName("behavior_controller")
         self._controller.tick_seconds = self._tick_seconds
-        self.simulator = Simulator(self.diagram)
+        with only_news():
+            self.simulator = Simulator(self.diagram)
         scale_masses(self.plant, self._plant_context(), variation)
         self._release_time: float | None = None
         self._place(variation, self.scenario.start)

@@ -44,6 +44,11 @@ def behavior_command(behavior, **fields):
 # ---- commands ------------------------------------------------------------------
 
 
+def test_a_simulation_begins_without_a_word(caplog):
+    AtlasSimulation()
+    assert not caplog.records
+
+
 @pytest.mark.parametrize(
     ("message", "field", "code"),
     [
