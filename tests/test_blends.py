@@ -52,6 +52,26 @@ def test_a_shared_back_leaves_the_robot_standing(k):
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize("behavior", ["STAND", "MANIPULATE"])
+def test_a_back_of_stiff_joints_with_little_damping_comes_to_rest(behavior):
+    # The default gains: 4000 N·m/rad and 2 N·m·s/rad at the stiffest.
+    sim = AtlasSimulation()
+    sim.publish(AtlasSimInterfaceCommand(behavior=behavior))
+    sim.advance(1.0)
+    back = sim.robot.limb("back")
+    command = AtlasCommand()
+    command.position = sim.atlas_state.position
+    command.kp_position, command.kd_position = (
+        sim.robot.default_kp,
+        sim.robot.default_kd,
+    )
+    command.k_effort = np.where(back, 255, 0)
+    sim.publish(command)
+    sim.advance(2.0)
+    assert np.abs(np.array(sim.atlas_state.velocity)[back]).max() < 0.2
+
+
+@pytest.mark.slow
 def test_a_tenth_of_the_legs_leaves_the_robot_standing():
     sim = blended(("l_leg", "r_leg"), 25, seed=6)
     sim.advance(2.5)

@@ -36,6 +36,7 @@ def forecast_user_effort(
     v: np.ndarray,
     effort_limit: np.ndarray,
     dt: float,
+    step: float,
 ) -> UserForecast:
     """What the user's law will do in the coming tick.
 
@@ -43,10 +44,16 @@ def forecast_user_effort(
     present effort for constant would see the joint as free where it is nearly locked,
     would answer each of the damper's short corrections, and would be late with its
     answer to every oscillation: enough to shake a standing robot down. So the law is
-    taken at the middle of the tick for its stiffness and, since it is stiff, at the
-    end for its damping:
+    taken as it will be in the tick on average for its stiffness and, since it is
+    stiff, at the end for its damping. The spring is sampled at the beginning of every
+    step h; with v̇ constant and q_j = q + j·h·v + j·(j+1)/2·h²·v̇ its mean over the
+    dt/h steps is
 
-        τ = τ_static - kp·(v·dt/2 + v̇·dt²/2) - d·(v + v̇·dt)
+        τ = τ_static - kp·(v·(dt - h)/2 + v̇·(dt² - h²)/6) - d·(v + v̇·dt)
+
+    A mean that runs ahead by as little as half a step has the body's answer pump up a
+    stiff joint of little damping, such as a back under the default gains, until the
+    robot falls.
 
     Where stiffness and feed-forward alone exceed the motor, the effort is its limit.
     A damper that would exceed it for an instant is not cut off: with v̇ it brings the
@@ -60,11 +67,12 @@ def forecast_user_effort(
         v: Joint velocities [rad/s], shape (n,).
         effort_limit: [N·m], shape (n,).
         dt: Length of the tick [s].
+        step: Of the user's law h [s].
     """
     limited = np.minimum(np.maximum(static_effort, -effort_limit), effort_limit)
     yields = limited == static_effort
-    law = static_effort - ((0.5 * dt) * stiffness + damping) * v
-    inertia = dt * damping + (0.5 * dt * dt) * stiffness
+    law = static_effort - (0.5 * (dt - step) * stiffness + damping) * v
+    inertia = dt * damping + ((dt * dt - step * step) / 6.0) * stiffness
     return UserForecast(np.where(yields, law, limited), np.where(yields, inertia, 0.0))
 
 

@@ -226,6 +226,7 @@ class JointPidBank(LeafSystem):
                 state.take(self._v),
                 self._limit,
                 self._control_period,
+                self._dt,
             )
         )
 

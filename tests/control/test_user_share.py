@@ -15,8 +15,8 @@ SHARE = np.array([0.0, 0.25, 0.8, 1.0])
 FORECAST = UserForecast(
     effort=np.array([4.0, -8.0, 12.0, -16.0]), inertia=np.array([0.1, 0.2, 0.3, 0.4])
 )
-DT = 0.005
-"""Control tick [s]."""
+DT, STEP = 0.006, 0.002
+"""Control tick, and step of the user's law [s]."""
 
 
 def test_total_effort_is_within_the_bounds_whatever_the_behavior_does():
@@ -58,14 +58,20 @@ def test_the_behaviors_part_keeps_the_effort_limit():
 
 
 @pytest.mark.parametrize("acceleration", [0.0, 3.0, -40.0])
-def test_forecast_is_the_law_at_the_velocity_of_the_ticks_end(acceleration):
+@pytest.mark.parametrize("steps", [1, 2, 4])
+def test_forecast_is_the_mean_of_what_the_law_will_do(acceleration, steps):
     static, stiffness, damping, v = 6.0, 300.0, 20.0, -0.7
+    tick = steps * STEP
     forecast = forecast_user_effort(
-        *(np.array([x]) for x in (static, stiffness, damping, v, 1e9)), DT
+        *(np.array([x]) for x in (static, stiffness, damping, v, 1e9)), tick, STEP
     )
-    velocity = v + acceleration * DT
-    # The stiffness at the middle of the tick, which is half the way at that velocity.
-    expected = static - stiffness * velocity * DT / 2 - damping * velocity
+    # The spring as it is sampled while the plant steps on.
+    way, velocity, springs = 0.0, v, []
+    for _ in range(steps):
+        springs.append(-stiffness * way)
+        velocity += acceleration * STEP
+        way += velocity * STEP
+    expected = static + np.mean(springs) - damping * velocity
     found = forecast.effort - forecast.inertia * acceleration
     np.testing.assert_allclose(found, expected)
 
@@ -73,7 +79,7 @@ def test_forecast_is_the_law_at_the_velocity_of_the_ticks_end(acceleration):
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_motor_at_its_limit_does_not_yield(sign):
     forecast = forecast_user_effort(
-        *(np.array([x]) for x in (sign * 15.0, 300.0, 20.0, 2.0, 10.0)), DT
+        *(np.array([x]) for x in (sign * 15.0, 300.0, 20.0, 2.0, 10.0)), DT, STEP
     )
     assert forecast.effort[0] == sign * 10.0
     assert forecast.inertia[0] == 0.0
@@ -81,6 +87,6 @@ def test_a_motor_at_its_limit_does_not_yield(sign):
 
 def test_without_gains_the_forecast_is_the_feed_forward():
     forecast = forecast_user_effort(
-        *(np.array([x]) for x in (3.0, 0.0, 0.0, 2.0, 10.0)), DT
+        *(np.array([x]) for x in (3.0, 0.0, 0.0, 2.0, 10.0)), DT, STEP
     )
     assert (forecast.effort[0], forecast.inertia[0]) == (3.0, 0.0)
