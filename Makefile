@@ -22,10 +22,10 @@ demo: $(STAMP) ## Run the demonstration in a browser (Meshcat).
 	@$(BIN)/atlas-drake demo $(ARGS)
 
 test: $(STAMP) ## Run all tests.
-	@$(BIN)/python -m pytest -n $(TEST_JOBS) $(ARGS)
+	@$(BIN)/python -m pytest -n $(TEST_JOBS) --dist worksteal $(ARGS)
 
 fast: $(STAMP) ## Run the tests that take seconds.
-	@$(BIN)/python -m pytest -n $(TEST_JOBS) -m "not slow" $(ARGS)
+	@$(BIN)/python -m pytest -n $(TEST_JOBS) --dist worksteal -m "not slow" $(ARGS)
 
 check: $(STAMP) ## Check style, formatting and types.
 	@$(BIN)/ruff check .

@@ -13,7 +13,7 @@ from atlas_drake import (
     Behavior,
 )
 
-NUM_STEPS = 40  # once round
+NUM_STEPS = 28  # once round
 LENGTH, TURN = 0.2, 2.0 * math.pi / (NUM_STEPS - 1)  # of each step [m], [rad]
 HALF_WIDTH = 0.12  # of each foot from the middle [m]
 AHEAD = 2  # steps known and not begun, with which the next ones are sent
