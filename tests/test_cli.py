@@ -274,7 +274,8 @@ def test_the_demo_is_the_tutorial(options, programme, monkeypatch):
 @pytest.mark.slow
 def test_the_demo_does_the_whole_tutorial(tmp_path, capsys):
     file = tmp_path / "out.json"
-    status = main(["demo", "--headless", "--json", str(file)])
+    options = ["--headless", "--physics-step", "0.002", "--json", str(file)]
+    status = main(["demo", *options])
     out = capsys.readouterr().out
     summary = json.loads(file.read_text())
     lines = [
