@@ -7,6 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from atlas_drake.control.rotations import rotation_z
+from atlas_drake.control.support_polygon import sole_corners
 from atlas_drake.logs.joint_figures import JOINT_COLORS
 from atlas_drake.logs.layout import SIDES
 from atlas_drake.logs.log import Log
@@ -71,10 +73,10 @@ def _sole(log: Log, pose: list[float]) -> np.ndarray:
     """Corners of a sole at x, y [m] and yaw [rad], shape (4, 2)."""
     x, y, yaw = pose
     size = log.robot.file.sole
-    half = 0.5 * np.array([size.length, size.width])
-    corners = np.array([[1, 1], [1, -1], [-1, -1], [-1, 1]]) * half
-    cos, sin = np.cos(yaw), np.sin(yaw)
-    return np.array([x, y]) + corners @ np.array([[cos, sin], [-sin, cos]])
+    corners = sole_corners(
+        np.array([x, y, 0.0]), rotation_z(yaw), 0.5 * size.length, 0.5 * size.width
+    )
+    return corners[:, :2]
 
 
 # ---- feet and pelvis ---------------------------------------------------------

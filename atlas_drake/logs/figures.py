@@ -91,14 +91,11 @@ def _scenario_name(log: Log) -> str:
 
 
 def _modes(log: Log) -> Panel:
-    current, time = log["behavior.current"], log.time
+    current = log["behavior.current"]
     spans = []
-    for number in np.unique(current).tolist():
-        behavior = Behavior(number)
-        for begin, end in runs(current == number):
-            last = time[min(end, len(time) - 1)]
-            color = BEHAVIOR_COLORS[behavior]
-            spans.append(Span(time[begin], last, color, behavior.name))
+    for behavior in map(Behavior, np.unique(current).tolist()):
+        color = BEHAVIOR_COLORS[behavior]
+        spans += _spans(log, current == behavior, color, behavior.name)
     spans.sort(key=lambda span: span.start)
     return Panel("Active behaviour", "", tuple(spans), x_label="")
 
@@ -106,15 +103,19 @@ def _modes(log: Log) -> Panel:
 def _solved(log: Log) -> Panel:
     """Where the QP had a solution."""
     unsolved = np.diff(log["controller.unsolved"], prepend=0) > 0
-    spans = []
-    for flags, color, label in (
-        (~unsolved, "#a5d6a7", "solved"),
-        (unsolved, ALARM, "no solution"),
-    ):
-        for begin, end in runs(flags):
-            last = log.time[min(end, len(log) - 1)]
-            spans.append(Span(log.time[begin], last, color, label))
-    return Panel("Whole-body QP", "", tuple(spans), x_label="")
+    spans = (
+        *_spans(log, ~unsolved, "#a5d6a7", "solved"),
+        *_spans(log, unsolved, ALARM, "no solution"),
+    )
+    return Panel("Whole-body QP", "", spans, x_label="")
+
+
+def _spans(log: Log, flags: np.ndarray, color: str, label: str) -> list[Span]:
+    """The stretches of time where flags are set, shape (rows,)."""
+    return [
+        Span(log.time[begin], log.time[min(end, len(log) - 1)], color, label)
+        for begin, end in runs(flags)
+    ]
 
 
 def _tick_times(log: Log) -> Panel:

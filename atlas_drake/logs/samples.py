@@ -19,7 +19,7 @@ from atlas_drake.logs.layout import SIDES
 from atlas_drake.logs.report_channels import reported
 from atlas_drake.messages import AtlasSimInterfaceState
 from atlas_drake.robot import Robot
-from atlas_drake.systems.robot_sensors import contact_wrenches
+from atlas_drake.systems.robot_sensors import contact_wrenches, shift_wrench
 
 
 class RowSampler:
@@ -106,8 +106,9 @@ class RowSampler:
 
     def _coordinates(self, ports: Mapping[str, Any]) -> dict[str, Any]:
         return {
-            # The free pelvis comes first in the plant's positions, and its quaternion.
-            "pelvis.orientation": ports["behavior_state"][:4],
+            "pelvis.orientation": ports["behavior_state"][
+                self._indices.pelvis.orientation
+            ],
             "state.q": ports["state"][: self._num_q],
             "state.v": ports["state"][self._num_q :],
         }
@@ -145,7 +146,7 @@ class RowSampler:
             plant.SetPositionsAndVelocities(scratch, state)
             for hand, wrench in zip(self._hands, totals, strict=True):
                 X_WH = plant.EvalBodyPoseInWorld(scratch, hand)
-                wrench[:3] -= np.cross(X_WH.translation(), wrench[3:])
+                shift_wrench(wrench, X_WH.translation())
         values = {}
         for side, wrench in zip(SIDES, totals, strict=True):
             values[f"hands.{side}_torque"] = wrench[:3]

@@ -159,7 +159,7 @@ class RobotSensors(LeafSystem):
         scratch = self._at_state(context)
         for foot, sole in enumerate(self._soles):
             centre = sole.CalcPoseInWorld(scratch).translation()
-            _shift(wrenches[6 * foot : 6 * foot + 6], centre)
+            shift_wrench(wrenches[6 * foot : 6 * foot + 6], centre)
         output.SetFromVector(wrenches)
 
     def _calc_imu(self, context: Context, output: AbstractValue) -> None:
@@ -221,7 +221,7 @@ class RobotSensors(LeafSystem):
         for hand, total in zip(self._hands, totals, strict=True):
             wrench = np.array(total)
             X_WH = self._plant.EvalBodyPoseInWorld(scratch, hand)
-            _shift(wrench, X_WH.translation())
+            shift_wrench(wrench, X_WH.translation())
             wrenches.append(_wrench(wrench))
         return wrenches[0], wrenches[1]
 
@@ -255,8 +255,13 @@ def contact_wrenches(
     return totals
 
 
-def _shift(wrench: np.ndarray, p_WQ: np.ndarray) -> None:
-    """Moves a wrench from W's origin to the point Q, in place."""
+def shift_wrench(wrench: np.ndarray, p_WQ: np.ndarray) -> None:
+    """Moves a wrench from W's origin to the point Q, in place.
+
+    Args:
+        wrench: Moment and force in W [N·m; N], shape (6,).
+        p_WQ: The point in W [m], shape (3,).
+    """
     wrench[:3] -= cross(p_WQ, wrench[3:])
 
 
