@@ -62,7 +62,7 @@ _USERS = (Behavior.USER, Behavior.NONE)
 
 
 @dataclass(frozen=True)
-class Push:
+class PushOrder:
     """A push on a body: force in W [N], shape (3,), for a time [s]."""
 
     body: str
@@ -85,7 +85,7 @@ class Orders:
 
     atlas_command: AtlasCommand | None = None
     sim_command: AtlasSimInterfaceCommand | None = None
-    push: Push | None = None
+    push: PushOrder | None = None
     reset: bool = False
     sliders: dict[Slider, float] = field(default_factory=dict)
     joints: Mapping[int, float] = field(default_factory=dict)
@@ -298,12 +298,12 @@ class Commander:
             self._stick_used = False
 
 
-def push_of(controls: Controls, report: AtlasSimInterfaceState) -> Push:
+def push_of(controls: Controls, report: AtlasSimInterfaceState) -> PushOrder:
     """The push that the sliders describe, its direction from the robot's heading."""
     heading = foothold(report.foot_pos_est[0]).yaw
     angle = heading + math.radians(controls.value(PUSH_DIRECTION))
     force = controls.value(PUSH_IMPULSE) / PUSH_DURATION
-    return Push(
+    return PushOrder(
         body=PUSH_BODIES[int(controls.value(PUSH_BODY)) - 1],
         force_W=force * np.array([math.cos(angle), math.sin(angle), 0.0]),
         duration=PUSH_DURATION,
