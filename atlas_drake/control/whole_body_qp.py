@@ -178,9 +178,8 @@ class WholeBodyQp:
         weighted = tasks.T * weight
         H = weighted @ tasks
         f = weighted @ (drift - target)
-        diagonal = H.reshape(-1)[:: layout.size + 1]
-        diagonal += layout.regularization
-        diagonal[:n] += command.joint_weight
+        H += layout.regularization
+        H.reshape(-1)[: n * layout.size : layout.size + 1] += command.joint_weight
         f[:n] -= command.joint_weight * command.joint_acceleration
         if command.balance:
             # Centre of mass through the contact forces: m·c̈ = Σ F + m·g.
@@ -274,14 +273,13 @@ class _Layout:
         self.kind = np.full(self.size + rows, INEQUALITY, dtype=np.int32)
         self.kind[:n] = SOFT
         weights = gains.weights
-        self.regularization = np.zeros(self.size)
+        self.regularization = np.zeros((self.size, self.size))
+        self.regularization[n:, n:] = _wrench_cost(weights, feet)
         com = np.zeros((3, self.size))
         for k in range(feet):
             cone_part = self.cone_rows(k)
             self.upper[self.size + cone_part.start : self.size + cone_part.stop] = 0.0
             start = n + _WRENCH * k
-            self.regularization[start : start + 3] = weights.contact_moment
-            self.regularization[start + 3 : start + 6] = weights.contact_force
             com[:, start + 3 : start + 6] = np.eye(3) / robot.mass
         self.com_gradient = com.T * [weights.com, weights.com, weights.com_height]
         self.com_hessian = self.com_gradient @ com
@@ -329,6 +327,22 @@ def _task_weight(
     }
     trunk = [weights.chest_orientation] * 3 + [weights.pelvis_orientation] * 3
     return np.array(foot[left] + foot[right] + [float(balance) * w for w in trunk])
+
+
+def _wrench_cost(weights: QpWeights, feet: int) -> np.ndarray:
+    """Hessian of what contact wrenches cost by themselves, shape (6 feet, 6 feet).
+
+    What two feet do against each other moves nothing, and so would be all but free.
+    But it tilts: where the pressure is at the edge of a sole that has turned by a
+    thousandth of a radian, hundreds of newtons from foot to foot win the pitch moment
+    of a fraction of one, and rub the soles over the ground from tick to tick.
+    """
+    each = [weights.contact_moment] * 3 + [weights.contact_force] * 3
+    cost = np.diag(each * feet)
+    if feet == 2:  # noqa: PLR2004
+        apart = np.diag([weights.opposed_moment] * 3 + [weights.opposed_force] * 2 + [0])
+        cost += np.block([[apart, -apart], [-apart, apart]])
+    return cost
 
 
 def _wrench_cone(robot: Robot, gains: ControlGains, pressure: Pressure) -> np.ndarray:
