@@ -58,6 +58,7 @@ class Balance:
         terms, gains = seen.terms, self.gains
         error = tasks.dcm(terms, omega) - reference.dcm
         cop = support.clamp(tasks.feedback_cop(error, reference.cop, gains.dcm_gain))
+        base = np.array([*cop, terms.com[2] - GRAVITY / (omega * omega)])
         com_acceleration = np.empty(3)
         com_acceleration[:2] = tasks.com_acceleration_for_cop(terms.com, cop, omega)
         com_acceleration[2] = tasks.height_acceleration(
@@ -78,6 +79,7 @@ class Balance:
             )
         return WholeBodyCommand(
             com_acceleration=com_acceleration,
+            pendulum_base=base,
             pelvis_angular_acceleration=tasks.orientation_acceleration(
                 body.R_WP, turning, terms.R_WP, terms.V_WP[:3], gains.orientation
             ),

@@ -69,6 +69,7 @@ class Freeze:
         still = np.zeros(3)
         command = WholeBodyCommand(
             com_acceleration=still,
+            pendulum_base=still,
             pelvis_angular_acceleration=still,
             chest_angular_acceleration=still,
             feet=feet,  # type: ignore[arg-type]

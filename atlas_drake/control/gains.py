@@ -23,8 +23,11 @@ class PdGains:
 class QpWeights:
     """Weights of the QP's cost, per squared unit of the task's acceleration."""
 
-    com: float = 100.0
+    com: float = 30.0
     """Centre of mass, horizontal, through the contact forces [1/(m/s²)²]."""
+    pendulum: float = 70.0
+    """The ground's force passes through the centre of pressure that balance asks for
+    [1/(m/s²)²]."""
     com_height: float = 60.0
     """Likewise upright: less, for where a knee is at its limit the robot shall rather
     sink than lose its balance [1/(m/s²)²]."""

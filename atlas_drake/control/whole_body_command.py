@@ -50,16 +50,19 @@ class WholeBodyCommand:
 
     Attributes:
         com_acceleration: Of the centre of mass in W [m/s²], shape (3,).
+        pendulum_base: Point that the ground's force on the whole robot shall pass
+            through, below the centre of mass, in W [m], shape (3,).
         pelvis_angular_acceleration: In W [rad/s²], shape (3,).
         chest_angular_acceleration: In W [rad/s²], shape (3,).
         feet: Left and right foot.
         joint_acceleration: Posture [rad/s²], shape (n,).
         joint_weight: Weight of each joint's posture, shape (n,), positive.
         balance: False where there is nothing to balance with: the task weights of
-            the centre of mass, pelvis and chest are then dropped.
+            the centre of mass, pendulum, pelvis and chest are then dropped.
     """
 
     com_acceleration: np.ndarray
+    pendulum_base: np.ndarray
     pelvis_angular_acceleration: np.ndarray
     chest_angular_acceleration: np.ndarray
     feet: tuple[FootCommand, FootCommand]

@@ -44,6 +44,7 @@ YIELDING = 100.0
 """How much weaker a posture is at the user's full share than at none, before it fades
 altogether [-]. While nothing else asks for the joint, any weight holds the posture;
 when the user moves it fast, a strong one would fight them with the whole body."""
+_NO_MOMENT = np.zeros(2)
 _HUGE = 1e30
 """What the solver takes for infinity."""
 
@@ -103,7 +104,7 @@ class WholeBodyQp:
         contacts = [i for i in (0, 1) if command.feet[i].in_contact]
         layout = self._layouts[len(contacts)]
         size = layout.size
-        rows = self._rows_on_unknowns(terms, contacts, size)
+        rows = self._rows_on_unknowns(terms, command, contacts, size)
         T, t = rows[:n, :size], rows[:n, size]
         command = _within_authority(command, terms, bounds)
         H, f = self._cost(command, layout, rows[n:, :size], rows[n:, size])
@@ -123,13 +124,18 @@ class WholeBodyQp:
         )
 
     def _rows_on_unknowns(
-        self, terms: WholeBodyTerms, contacts: list[int], size: int
+        self,
+        terms: WholeBodyTerms,
+        command: WholeBodyCommand,
+        contacts: list[int],
+        size: int,
     ) -> np.ndarray:
         """Efforts and task accelerations as affine functions of the unknowns z.
 
         Returns:
             Rows [A a] with A z + a: n joint efforts, then the accelerations of left
-            sole, right sole, chest and pelvis, shape (n + 18, size + 1).
+            sole, right sole, chest and pelvis, and the pendulum's, shape
+            (n + 20, size + 1).
         """
         n = self._num_joints
         stack, J = terms.stack, terms.J
@@ -146,15 +152,42 @@ class WholeBodyQp:
             right[:, n:size] = J_contacts[:, :_BASE].T
         X = np.linalg.solve(stack[:_BASE, :_BASE], right)
 
-        rows = np.empty((n + 18, size + 1))
-        np.matmul(stack[_BASE:, :_BASE], X, out=rows[:-3])
-        rows[-3:] = X[:3]
-        rows[:-3, :n] += on_joints
+        rows = np.empty((n + 20, size + 1))
+        np.matmul(stack[_BASE:, :_BASE], X, out=rows[:-5])
+        rows[-5:-2] = X[:3]
+        rows[:-5, :n] += on_joints
         rows[:n, size] += terms.h[_BASE:]
-        rows[n:-3, size] += terms.bias
+        rows[n:-5, size] += terms.bias
         if J_contacts is not None:
             rows[:n, n:size] -= J_contacts[:, _BASE:].T
+        self._pendulum_rows(terms, command, contacts, rows[-2:])
         return rows
+
+    def _pendulum_rows(
+        self,
+        terms: WholeBodyTerms,
+        command: WholeBodyCommand,
+        contacts: list[int],
+        rows: np.ndarray,
+    ) -> None:
+        """Moments of the contact forces about the pendulum's base, into ``rows``.
+
+        About y and x, divided by m·h: what they would accelerate a point mass by that
+        stands on the base at the height h of the centre of mass.
+        """
+        rows[:] = 0.0
+        if not command.balance:
+            return
+        base = command.pendulum_base
+        scale = 1.0 / (self._robot.mass * float(terms.com[2] - base[2]))
+        for k, i in enumerate(contacts):
+            start = self._num_joints + _WRENCH * k
+            x, y, z = (scale * (terms.feet[i].p_WF - base)).tolist()
+            rows[0, start + 1] = rows[1, start] = scale
+            rows[0, start + 3] = z
+            rows[0, start + 5] = -x
+            rows[1, start + 4] = -z
+            rows[1, start + 5] = y
 
     def _cost(
         self,
@@ -173,6 +206,7 @@ class WholeBodyQp:
                 right.acceleration,
                 command.chest_angular_acceleration,
                 command.pelvis_angular_acceleration,
+                _NO_MOMENT,
             ]
         )
         weighted = tasks.T * weight
@@ -320,13 +354,14 @@ def _within_authority(
 def _task_weight(
     weights: QpWeights, left: bool, right: bool, balance: bool
 ) -> np.ndarray:
-    """Weights of the stacked task rows, shape (18,)."""
+    """Weights of the stacked task rows, shape (20,)."""
     foot = {
         True: [weights.stance_foot] * 6,
         False: [weights.swing_foot_orientation] * 3 + [weights.swing_foot_position] * 3,
     }
-    trunk = [weights.chest_orientation] * 3 + [weights.pelvis_orientation] * 3
-    return np.array(foot[left] + foot[right] + [float(balance) * w for w in trunk])
+    body = [weights.chest_orientation] * 3 + [weights.pelvis_orientation] * 3
+    body += [weights.pendulum] * 2
+    return np.array(foot[left] + foot[right] + [float(balance) * w for w in body])
 
 
 def _wrench_cost(weights: QpWeights, feet: int) -> np.ndarray:

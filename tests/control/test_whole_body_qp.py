@@ -49,6 +49,7 @@ def command_for(robot, contacts, random=None, scale=1.0):
 
     return WholeBodyCommand(
         com_acceleration=wish(3),
+        pendulum_base=0.1 * wish(3),
         pelvis_angular_acceleration=wish(3),
         chest_angular_acceleration=wish(3),
         feet=tuple(
