@@ -45,10 +45,9 @@ class QpWeights:
     """Spreads the load over the feet [1/N²]."""
     contact_moment: float = 1e-4
     """Keeps the pressure near the soles' middles [1/(N·m)²]."""
-    opposed_force: float = 1e-4
-    """Feet pushing against each other along the ground, per difference [1/N²]."""
-    opposed_moment: float = 1e-2
-    """Likewise turning against each other [1/(N·m)²]."""
+    opposed_force: float = 3e-5
+    """Feet pushing against each other along the ground, per difference: enough to keep
+    them from it where nothing is won, not where knees at their limit need it [1/N²]."""
 
 
 @dataclass(frozen=True)

@@ -374,8 +374,8 @@ def _wrench_cost(weights: QpWeights, feet: int) -> np.ndarray:
     """
     each = [weights.contact_moment] * 3 + [weights.contact_force] * 3
     cost = np.diag(each * feet)
-    if feet == 2:  # noqa: PLR2004
-        apart = np.diag([weights.opposed_moment] * 3 + [weights.opposed_force] * 2 + [0])
+    if feet == 2:
+        apart = np.diag([0.0] * 3 + [weights.opposed_force] * 2 + [0.0])
         cost += np.block([[apart, -apart], [-apart, apart]])
     return cost
 

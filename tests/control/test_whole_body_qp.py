@@ -62,6 +62,16 @@ def command_for(robot, contacts, random=None, scale=1.0):
     )
 
 
+def over_its_feet(command, terms, acceleration=(0.0, 0.0, 0.0)):
+    """The command with the pendulum's base where it gives the acceleration."""
+    acceleration = np.array(acceleration)
+    base = np.array([*terms.com[:2], terms.feet[0].p_WF[2]])
+    base[:2] -= acceleration[:2] * (terms.com[2] - base[2]) / GRAVITY
+    return dataclasses.replace(
+        command, com_acceleration=acceleration, pendulum_base=base
+    )
+
+
 def moving(model, random_state, standing, seed):
     """Terms near the stand-prep pose, so that contacts make sense, but in motion."""
     random = np.random.default_rng(seed)
@@ -144,7 +154,8 @@ def test_a_foot_in_the_air_gets_no_wrench(robot, qp, bounds, standing, foot):
 
 
 def test_standing_still_takes_the_weight(robot, qp, bounds, standing):
-    solution = qp.solve(standing, command_for(robot, (0, 1)), bounds)
+    command = over_its_feet(command_for(robot, (0, 1)), standing)
+    solution = qp.solve(standing, command, bounds)
     assert solution.found
     weight = robot.mass * GRAVITY
     total = solution.foot_wrenches[:, 3:].sum(axis=0)
@@ -157,23 +168,27 @@ def test_standing_still_takes_the_weight(robot, qp, bounds, standing):
     np.testing.assert_allclose(solution.joint_acceleration[trunk], 0.0, atol=0.5)
 
 
-def test_centre_of_pressure_is_under_the_centre_of_mass(robot, qp, bounds, standing):
-    solution = qp.solve(standing, command_for(robot, (0, 1)), bounds)
+@pytest.mark.parametrize("ahead", [0.0, 0.05])
+def test_centre_of_pressure_is_where_it_shall_be(robot, qp, bounds, standing, ahead):
+    height = standing.com[2] - standing.feet[0].p_WF[2]
+    acceleration = [-ahead * GRAVITY / height, 0.0, 0.0]
+    command = over_its_feet(command_for(robot, (0, 1)), standing, acceleration)
+    solution = qp.solve(standing, command, bounds)
     moment = np.zeros(3)
     for foot, wrench in zip(standing.feet, solution.foot_wrenches, strict=True):
         moment += wrench[:3] + np.cross(foot.p_WF, wrench[3:])
     force = solution.foot_wrenches[:, 5].sum()
     cop = np.array([-moment[1], moment[0]]) / force
-    np.testing.assert_allclose(cop, standing.com[:2], atol=0.01)
+    np.testing.assert_allclose(cop, command.pendulum_base[:2], atol=0.01)
 
 
 @pytest.mark.parametrize("axis", range(3))
 def test_com_acceleration_asked_for_is_reached(robot, qp, bounds, standing, axis):
-    command = command_for(robot, (0, 1))
+    command = over_its_feet(command_for(robot, (0, 1)), standing)
     still = qp.solve(standing, command, bounds).foot_wrenches[:, 3:].sum(axis=0)
     wanted = np.zeros(3)
     wanted[axis] = 0.1
-    command = dataclasses.replace(command, com_acceleration=wanted)
+    command = over_its_feet(command, standing, wanted)
     pushed = qp.solve(standing, command, bounds).foot_wrenches[:, 3:].sum(axis=0)
     gained = (pushed - still) / robot.mass
     np.testing.assert_allclose(gained, wanted, atol=0.03)
@@ -242,7 +257,7 @@ def test_effort_bounds_of_blended_joints_are_kept(robot, qp, bounds, standing):
 
 
 def test_normal_force_keeps_to_its_bounds(robot, qp, bounds, standing):
-    command = command_for(robot, (0, 1))
+    command = over_its_feet(command_for(robot, (0, 1)), standing)
     share = 0.1 * robot.mass * GRAVITY
     capped = dataclasses.replace(command.feet[0], max_normal_force=share)
     solution = qp.solve(
