@@ -26,6 +26,30 @@ def blended(limbs, k, seed, behavior="STAND"):
     return sim
 
 
+def taken(limbs, behavior="STAND", jump=0.0):
+    """A robot of which the user holds some limbs with the default gains.
+
+    Their set-points are where the joints are, or ``jump`` [rad] away.
+    """
+    sim = AtlasSimulation()
+    if behavior != "STAND":
+        sim.publish(AtlasSimInterfaceCommand(behavior=behavior))
+    sim.advance(1.0)
+    robot = sim.robot
+    command = AtlasCommand()
+    command.position = sim.atlas_state.position + jump * robot.limb(*limbs)
+    command.kp_position, command.kd_position = robot.default_kp, robot.default_kd
+    command.k_effort = np.where(robot.limb(*limbs), 255, 0)
+    sim.publish(command)
+    return sim
+
+
+def soles(sim):
+    """Where the soles are, horizontal [m], shape (2, 2)."""
+    poses = sim.atlas_sim_interface_state.foot_pos_est
+    return np.array([pose.position.to_array()[:2] for pose in poses])
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("behavior", "k", "seed"),
@@ -61,20 +85,22 @@ def test_a_shared_back_leaves_the_robot_standing(k):
 @pytest.mark.parametrize("behavior", ["STAND", "MANIPULATE"])
 def test_a_back_of_stiff_joints_with_little_damping_comes_to_rest(behavior):
     # The default gains: 4000 N·m/rad and 2 N·m·s/rad at the stiffest.
-    sim = AtlasSimulation()
-    sim.publish(AtlasSimInterfaceCommand(behavior=behavior))
-    sim.advance(1.0)
-    back = sim.robot.limb("back")
-    command = AtlasCommand()
-    command.position = sim.atlas_state.position
-    command.kp_position, command.kd_position = (
-        sim.robot.default_kp,
-        sim.robot.default_kd,
-    )
-    command.k_effort = np.where(back, 255, 0)
-    sim.publish(command)
+    sim = taken(("back",), behavior)
     sim.advance(2.0)
+    back = sim.robot.limb("back")
     assert np.abs(np.array(sim.atlas_state.velocity)[back]).max() < 0.2
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("behavior", "jump"), [("STAND", 0.05), ("STAND", -0.1), ("MANIPULATE", 0.1)]
+)
+def test_a_back_that_swings_leaves_the_feet_where_they_are(behavior, jump):
+    sim = taken(("back",), behavior, jump)
+    before = soles(sim)
+    sim.advance(3.0)
+    assert np.linalg.norm(soles(sim) - before, axis=1).max() < 0.01
+    assert not sim.has_fallen
 
 
 @pytest.mark.slow

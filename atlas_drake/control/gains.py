@@ -48,6 +48,8 @@ class QpWeights:
     opposed_force: float = 3e-5
     """Feet pushing against each other along the ground, per difference: enough to keep
     them from it where nothing is won, not where knees at their limit need it [1/N²]."""
+    opposed_twist: float = 1e-3
+    """Likewise about the vertical [1/(N·m)²]."""
 
 
 @dataclass(frozen=True)

@@ -375,7 +375,8 @@ def _wrench_cost(weights: QpWeights, feet: int) -> np.ndarray:
     each = [weights.contact_moment] * 3 + [weights.contact_force] * 3
     cost = np.diag(each * feet)
     if feet == 2:
-        apart = np.diag([0.0] * 3 + [weights.opposed_force] * 2 + [0.0])
+        twist, force = weights.opposed_twist, weights.opposed_force
+        apart = np.diag([0.0, 0.0, twist, force, force, 0.0])
         cost += np.block([[apart, -apart], [-apart, apart]])
     return cost
 
