@@ -1,7 +1,11 @@
-"""Walking with a leg under user control: allowed, and warned about."""
+"""Legs under user control: what the behaviours make of what is left to them."""
+
+import numpy as np
+import pytest
 
 from atlas_drake import (
     AtlasBehaviorStepData,
+    AtlasCommand,
     AtlasSimInterfaceCommand,
     AtlasSimulation,
     AtlasState,
@@ -25,3 +29,77 @@ def test_walking_with_a_user_leg_is_allowed_and_warned_about_once():
     assert len(warnings) == 1
     assert "l_leg_akx" in warnings[0]
     assert sim.current_behavior.name == "WALK"
+
+
+def holding(sim, names, k):
+    """The user's default gains where joints are whose names hold one of ``names``."""
+    robot = sim.robot
+    command = AtlasCommand()
+    command.position = sim.atlas_state.position
+    command.kp_position, command.kd_position = robot.default_kp, robot.default_kd
+    held = [any(part in name for part in names) for name in robot.joint_names]
+    command.k_effort = np.where(held, k, 0)
+    sim.publish(command)
+
+
+def warnings(sim):
+    return [event.text for event in sim.events if event.kind == "warning"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("behavior", "joints", "k"),
+    [
+        ("STAND", ["_leg_"], 255),
+        ("STAND", ["l_leg_ak", "r_leg_hp"], 255),
+        ("STAND", ["leg_hpy"], 245),
+        ("MANIPULATE", ["_leg_hp"], 255),
+    ],
+)
+def test_without_a_leg_of_its_own_the_robot_holds_its_pose(behavior, joints, k):
+    sim = AtlasSimulation()
+    if behavior != "STAND":
+        sim.publish(AtlasSimInterfaceCommand(behavior=behavior))
+    sim.advance(1.5)
+    holding(sim, joints, k)
+    sim.advance(4.0)
+    assert not sim.has_fallen
+    (warning,) = warnings(sim)
+    assert warning.startswith(f"{behavior} only holds its pose")
+    assert sim.current_behavior.name == behavior
+    # Given back, the legs balance again.
+    holding(sim, joints, 0)
+    sim.advance(0.1)
+    sim.apply_push(sim.robot.file.chest, [0.0, 200.0, 0.0], 0.1)
+    sim.advance(2.5)
+    assert not sim.has_fallen
+    assert np.abs(sim.atlas_state.velocity).max() < 0.1
+    assert len(warnings(sim)) == 1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("joints", [["l_leg_"], ["leg_kny"], ["leg_hpx", "leg_akx"]])
+def test_one_leg_is_enough_to_balance(joints):
+    sim = AtlasSimulation()
+    sim.advance(1.0)
+    holding(sim, joints, 255)
+    sim.advance(1.0)
+    sim.apply_push(sim.robot.file.chest, [100.0, 0.0, 0.0], 0.1)
+    sim.advance(2.0)
+    assert not sim.has_fallen
+    assert not warnings(sim)
+    assert sim.pelvis_pose.translation()[2] > 0.85
+
+
+@pytest.mark.slow
+def test_manipulate_ends_in_stand_also_while_it_only_holds_its_pose():
+    sim = AtlasSimulation()
+    sim.publish(AtlasSimInterfaceCommand(behavior="MANIPULATE"))
+    sim.advance(0.5)
+    holding(sim, ["_leg_"], 255)
+    sim.advance(0.5)
+    sim.publish(AtlasSimInterfaceCommand(behavior="STAND"))
+    sim.advance(0.1)
+    assert sim.current_behavior.name == "STAND"
+    assert len(warnings(sim)) == 2
+    assert not sim.has_fallen

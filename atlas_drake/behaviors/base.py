@@ -27,14 +27,19 @@ class Observation:
         dt: Time since the last tick [s].
         terms: Kinematics and dynamics at the present state.
         foot_force: Normal force on the left and right sole [N], shape (2,).
-        user_held: Joints whose effort the user decides alone, bool, shape (n,).
+        user_share: The user's share of each joint's effort, 0 to 1, shape (n,).
     """
 
     time: float
     dt: float
     terms: WholeBodyTerms
     foot_force: np.ndarray
-    user_held: np.ndarray
+    user_share: np.ndarray
+
+    @property
+    def user_held(self) -> np.ndarray:
+        """Joints whose effort the user decides alone, bool, shape (n,)."""
+        return self.user_share >= 1.0
 
     def foot_pose(self, foot: int) -> FootPose:
         """Where a sole is now."""

@@ -20,6 +20,8 @@ LEGS = ("l_leg", "r_leg")
 """Limbs in the order of foot indices."""
 JOINT_AXES = "zxyyyx"
 """Axes of a leg's joints from the pelvis down."""
+HIP_PITCH, ANKLE_PITCH = 2, 4
+"""Places of two of them."""
 
 
 @dataclass(frozen=True)

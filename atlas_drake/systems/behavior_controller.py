@@ -157,13 +157,13 @@ class BehaviorController(LeafSystem):
             self._scratch.Eval(context), self._state_input.Eval(context)
         )
         commands: CommandsInForce = self._command_input.Eval(context)
-        k_effort = commands.joints.k_effort
+        share = commands.joints.k_effort * (1.0 / K_EFFORT_MAX)
         seen = Observation(
             time=context.get_time(),
             dt=self._period,
             terms=terms,
             foot_force=self._load_input.Eval(context),
-            user_held=k_effort >= K_EFFORT_MAX,
+            user_share=share,
         )
         supervisor, command = self._supervisor.update(
             before.supervisor, seen, commands.request
@@ -175,8 +175,8 @@ class BehaviorController(LeafSystem):
                 else np.zeros(self._robot.num_joints)
             )
             return ControllerState(supervisor, effort, unsolved=before.unsolved)
-        if k_effort.any():
-            solution, effort = self._solve_shared(context, terms, command, k_effort)
+        if share.any():
+            solution, effort = self._solve_shared(context, terms, command, share)
         else:
             solution = self._qp.solve(terms, command, self._own_bounds)
             effort = solution.effort
@@ -189,10 +189,9 @@ class BehaviorController(LeafSystem):
         context: Context,
         terms: WholeBodyTerms,
         command: WholeBodyCommand,
-        k_effort: np.ndarray,
+        share: np.ndarray,
     ) -> tuple[WholeBodySolution, np.ndarray]:
         """The QP's answer where the user has a share; the behaviour's part of it."""
-        share = k_effort * (1.0 / K_EFFORT_MAX)
         user = self._user_input.Eval(context)
         solution = self._qp.solve(
             terms, command, effort_bounds(share, user, self._limit)

@@ -50,7 +50,7 @@ def observe(model):
             dt=0.002,
             terms=model.evaluate(model.create_context(), state),
             foot_force=np.full(2, 0.5 * robot.mass * 9.81),
-            user_held=np.isin(robot.joint_names, held),
+            user_share=np.isin(robot.joint_names, held).astype(float),
         )
 
     return make
