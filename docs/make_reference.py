@@ -20,7 +20,7 @@ from typing import Any
 import source_docs
 
 from atlas_drake import errors, messages
-from atlas_drake.behaviors import base, supervisor, transitions
+from atlas_drake.behaviors import base, needs_a_leg, supervisor, transitions
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.control.whole_body_model import WholeBodyModel
 from atlas_drake.messages import Behavior, Message
@@ -85,6 +85,10 @@ def message_page(name: str, cls: type) -> str:
 
 def behavior_page(behavior: Behavior, implementation: base.Behavior) -> str:
     """What a behaviour does, when it can begin, what it reads, says and keeps to."""
+    guard = None
+    if isinstance(implementation, needs_a_leg.NeedsALeg):
+        guard = needs_a_leg.__doc__
+        implementation = implementation.behavior
     module = sys.modules[type(implementation).__module__]
     legal = transitions.LEGAL_TRANSITIONS
     before = [b.name for b in Behavior if behavior in legal.get(b, ())]
@@ -104,6 +108,8 @@ def behavior_page(behavior: Behavior, implementation: base.Behavior) -> str:
             f"**Reads** [`{params}`](../{params}.md), **reports** "
             f"[`{feedback}`](../{feedback}.md)."
         )
+    if guard:
+        parts += ["## Without a leg", source_docs.paragraphs(guard)]
     sets = [v for v in vars(module).values() if source_docs.is_parameter_set(v)]
     if sets:
         parts.append("## Numbers")

@@ -65,7 +65,7 @@ def test_without_a_leg_of_its_own_the_robot_holds_its_pose(behavior, joints, k):
     sim.advance(4.0)
     assert not sim.has_fallen
     (warning,) = warnings(sim)
-    assert warning.startswith(f"{behavior} only holds its pose")
+    assert "no leg to balance with" in warning
     assert sim.current_behavior.name == behavior
     # Given back, the legs balance again.
     holding(sim, joints, 0)

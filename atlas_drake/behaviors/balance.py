@@ -14,7 +14,6 @@ from atlas_drake.control import tasks
 from atlas_drake.control.dcm_plan import DcmReference
 from atlas_drake.control.footstep import FootPose
 from atlas_drake.control.gains import ControlGains
-from atlas_drake.control.leg_kinematics import ANKLE_PITCH, HIP_PITCH, LEGS
 from atlas_drake.control.support_polygon import SupportPolygon, sole_corners
 from atlas_drake.control.swing_foot import SwingReference
 from atlas_drake.control.toe_off import toe_corners
@@ -28,9 +27,6 @@ from atlas_drake.robot import Robot
 
 FULL_LOAD = 3.0
 """Largest normal force asked of one sole, in weights of the robot [-]."""
-
-LEAST_EFFORT = 15.0
-"""What the behaviour must be able to give a joint to balance with it [N·m]."""
 
 
 class Balance:
@@ -48,20 +44,6 @@ class Balance:
             np.where(back, gains.back_posture_weight, gains.arm_posture_weight),
         )
         self._back = np.flatnonzero(back)
-        self._pitch = np.array(
-            [np.flatnonzero(robot.limb(leg))[[HIP_PITCH, ANKLE_PITCH]] for leg in LEGS]
-        )
-        self._pitch_limit = robot.effort_limit[self._pitch]
-
-    def has_a_leg(self, seen: Observation) -> bool:
-        """Whether there is a leg to balance with.
-
-        It takes hip and ankle pitch of the same leg: one moves the centre of pressure,
-        the other keeps the trunk upright. Sideways the stance of two feet is stable
-        whoever holds the joints.
-        """
-        least = (1.0 - seen.user_share[self._pitch]) * self._pitch_limit
-        return bool(least.min(axis=1).max() >= LEAST_EFFORT)
 
     def command(
         self,

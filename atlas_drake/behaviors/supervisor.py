@@ -12,17 +12,18 @@ from typing import Any
 
 import numpy as np
 
-from atlas_drake.behaviors.balance import LEAST_EFFORT, Balance
+from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.base import Behavior as BehaviorProtocol
-from atlas_drake.behaviors.base import Event, Observation, Outcome
+from atlas_drake.behaviors.base import Event, Observation
 from atlas_drake.behaviors.body_reference import (
     BodyRates,
     BodyReference,
     capture_body,
 )
-from atlas_drake.behaviors.freeze import Freeze, FreezeMemory
+from atlas_drake.behaviors.freeze import Freeze
 from atlas_drake.behaviors.idle import Idle
 from atlas_drake.behaviors.manipulate import Manipulate
+from atlas_drake.behaviors.needs_a_leg import NeedsALeg
 from atlas_drake.behaviors.stand import Stand
 from atlas_drake.behaviors.step import Step
 from atlas_drake.behaviors.transitions import (
@@ -69,7 +70,6 @@ class SupervisorState:
         trans_to: Behaviour that the last transition was to.
         behavior_flags: The active behaviour's own flags, latched.
         error_code: Of the last request.
-        holding: What is held while there is no leg to balance with; else None.
         warned: Whether the user was told that steps on legs of theirs are risky.
         falling: Whether a fall was noticed and no behaviour begun since.
         events: The latest events.
@@ -87,7 +87,6 @@ class SupervisorState:
     trans_to: Behavior = Behavior.NONE
     behavior_flags: int = 0
     error_code: ErrorCode = ErrorCode.NO_ERRORS
-    holding: FreezeMemory | None = None
     warned: bool = False
     falling: bool = False
     events: tuple[Event, ...] = ()
@@ -110,6 +109,8 @@ class Supervisor:
         balance = Balance(robot, gains)
         rates = BodyRates()
         stand = Stand(balance, nominal_height, rates)
+        manipulate = Manipulate(balance, PelvisReach(model), nominal_height, rates)
+        freeze = Freeze(balance)
         idle = Idle()
         self._balance = balance
         self._entry_limits = EntryLimits()
@@ -119,13 +120,11 @@ class Supervisor:
         self._behaviors: dict[Behavior, BehaviorProtocol] = {
             Behavior.NONE: idle,
             Behavior.USER: idle,
-            Behavior.FREEZE: Freeze(balance),
-            Behavior.STAND_PREP: stand,
-            Behavior.STAND: stand,
+            Behavior.FREEZE: freeze,
+            Behavior.STAND_PREP: NeedsALeg(stand, freeze, balance),
+            Behavior.STAND: NeedsALeg(stand, freeze, balance),
             Behavior.WALK: Walk(balance, nominal_height, rates),
-            Behavior.MANIPULATE: Manipulate(
-                balance, PelvisReach(model), nominal_height, rates
-            ),
+            Behavior.MANIPULATE: NeedsALeg(manipulate, freeze, balance),
             Behavior.STEP: Step(balance, nominal_height),
         }
 
@@ -167,12 +166,15 @@ class Supervisor:
 
         if state.current in _ON_FOOT and not state.warned:
             state = self._warn_of_user_legs(state, seen)
-        if state.current in _ON_BOTH_FEET and not self._balance.has_a_leg(seen):
-            state, outcome = self._hold(state, seen, request)
-        else:
-            if state.holding is not None:
-                state = replace(self._enter(state, seen, request), holding=None)
-            outcome = self._act(state, state.memory, state.current, seen, request)
+        assert state.body is not None
+        behavior = self._behaviors[state.current]
+        outcome = behavior.update(
+            state.memory,
+            seen,
+            state.body,
+            request.command,
+            leaving=state.desired != state.current,
+        )
         state = replace(
             state,
             memory=outcome.memory,
@@ -191,52 +193,6 @@ class Supervisor:
             state = self._change(state, seen, Behavior.STAND, status)
         command = None if state.falling else outcome.command
         return state, command
-
-    def _act(
-        self,
-        state: SupervisorState,
-        memory: Any,
-        behavior: Behavior,
-        seen: Observation,
-        request: BehaviorRequest,
-    ) -> Outcome:
-        assert state.body is not None
-        return self._behaviors[behavior].update(
-            memory,
-            seen,
-            state.body,
-            request.command,
-            leaving=state.desired is not state.current,
-        )
-
-    def _hold(
-        self, state: SupervisorState, seen: Observation, request: BehaviorRequest
-    ) -> tuple[SupervisorState, Outcome]:
-        """Holds the pose as FREEZE does while there is no leg to balance with.
-
-        Whoever tries it all the same leans further and further, to move the centre of
-        mass by what trunk and arms can do. The behaviour stays the one that it is, and
-        begins anew as soon as it has a leg.
-        """
-        memory = state.holding
-        if memory is None:
-            assert state.body is not None
-            freeze = self._behaviors[Behavior.FREEZE]
-            memory = freeze.enter(seen, state.body, request.command)
-            text = (
-                f"{state.current.name} only holds its pose: to balance it needs hip and"
-                f" ankle pitch (hpy, aky) of one leg, {LEAST_EFFORT:.0f} N·m of each"
-            )
-            state = _log(state, Event(seen.time, "warning", text))
-        outcome = self._act(state, memory, Behavior.FREEZE, seen, request)
-        return (
-            replace(state, holding=outcome.memory),
-            replace(
-                outcome,
-                memory=state.memory,
-                finished=state.desired is not state.current,
-            ),
-        )
 
     def report(self, state: SupervisorState, message: AtlasSimInterfaceState) -> None:
         """Fills in what the behaviours have to say."""
@@ -313,7 +269,6 @@ class Supervisor:
             trans_from=state.current,
             trans_to=target,
             behavior_flags=0,
-            holding=None,
             warned=False,
             falling=state.falling and not balancing,
         )
@@ -369,9 +324,6 @@ class Supervisor:
 
 _ON_FOOT = (Behavior.WALK, Behavior.STEP)
 """Behaviours that lift feet, and need legs of their own for it."""
-
-_ON_BOTH_FEET = (Behavior.STAND_PREP, Behavior.STAND, Behavior.MANIPULATE)
-"""Behaviours that balance without a step."""
 
 _SUBSTATES = 7
 """Bits of a behaviour's flags that say where it is now, and so do not latch."""

@@ -1,0 +1,109 @@
+"""What a standing behaviour does while the user leaves it no leg to balance with.
+
+It holds its pose, as FREEZE does. Who tries to balance all the same moves the centre of
+mass by what trunk and arms can do, leans further and further, and falls.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from atlas_drake.behaviors.balance import Balance
+from atlas_drake.behaviors.base import Behavior, Event, Observation, Outcome
+from atlas_drake.behaviors.body_reference import BodyReference
+from atlas_drake.behaviors.freeze import Freeze, FreezeMemory
+from atlas_drake.control.leg_kinematics import ANKLE_PITCH, HIP_PITCH, LEGS
+from atlas_drake.frozen import replace
+from atlas_drake.messages import AtlasSimInterfaceCommand, AtlasSimInterfaceState
+
+LEAST_EFFORT = 15.0
+"""What the behaviour must be able to give a joint to balance with it [N·m]."""
+
+_WARNING = (
+    "no leg to balance with: only the pose is held. It takes hip and ankle pitch"
+    f" (hpy, aky) of one leg, and {LEAST_EFFORT:.0f} N·m of each"
+)
+
+
+@dataclass(frozen=True)
+class Holding:
+    """What is remembered while the pose is held.
+
+    Attributes:
+        pose: FREEZE's memory.
+        before: That of the behaviour, as it was when it lost its last leg.
+    """
+
+    pose: FreezeMemory
+    before: Any
+
+
+class NeedsALeg:
+    """A standing behaviour that begins anew whenever it has been without a leg.
+
+    Attributes:
+        behavior: Who balances.
+    """
+
+    def __init__(self, behavior: Behavior, freeze: Freeze, balance: Balance):
+        """Runs ``behavior`` where it can balance, else ``freeze``."""
+        self.behavior = behavior
+        self._freeze = freeze
+        robot = balance.robot
+        self._pitch = np.array(
+            [np.flatnonzero(robot.limb(leg))[[HIP_PITCH, ANKLE_PITCH]] for leg in LEGS]
+        )
+        self._limit = robot.effort_limit[self._pitch]
+
+    def enter(
+        self,
+        seen: Observation,
+        body: BodyReference,
+        request: AtlasSimInterfaceCommand,
+    ) -> Any:
+        """The behaviour's own memory."""
+        return self.behavior.enter(seen, body, request)
+
+    def update(
+        self,
+        memory: Any,
+        seen: Observation,
+        body: BodyReference,
+        request: AtlasSimInterfaceCommand,
+        leaving: bool,
+    ) -> Outcome:
+        """One tick."""
+        if self.has_a_leg(seen):
+            if isinstance(memory, Holding):
+                memory = self.behavior.enter(seen, body, request)
+            return self.behavior.update(memory, seen, body, request, leaving)
+        events: tuple[Event, ...] = ()
+        if not isinstance(memory, Holding):
+            memory = Holding(self._freeze.enter(seen, body, request), before=memory)
+            events = (Event(seen.time, "warning", _WARNING),)
+        outcome = self._freeze.update(memory.pose, seen, body, request, leaving)
+        return replace(
+            outcome,
+            memory=replace(memory, pose=outcome.memory),
+            finished=leaving,
+            events=events,
+        )
+
+    def report(self, memory: Any, state: AtlasSimInterfaceState) -> None:
+        """What the behaviour has to say; while the pose is held, what it last had."""
+        if isinstance(memory, Holding):
+            memory = memory.before
+        self.behavior.report(memory, state)
+
+    def has_a_leg(self, seen: Observation) -> bool:
+        """Whether there is a leg to balance with.
+
+        It takes hip and ankle pitch of the same leg: one keeps the trunk upright, the
+        other moves the centre of pressure. Sideways the stance of two feet is stable
+        whoever holds the joints.
+        """
+        left_over = (1.0 - seen.user_share[self._pitch]) * self._limit
+        return bool(left_over.min(axis=1).max() >= LEAST_EFFORT)
