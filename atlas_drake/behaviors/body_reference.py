@@ -14,6 +14,9 @@ import numpy as np
 from atlas_drake.control.rotations import orientation, tilt_of, wrap_angle, yaw_of
 from atlas_drake.control.whole_body_model import WholeBodyTerms
 
+EASING = 0.1
+"""Time in which height and heading take up their speed, and lose it [s]."""
+
 
 @dataclass(frozen=True)
 class BodyRates:
@@ -105,26 +108,35 @@ def advance_body(
     Joints that the user holds follow what is measured, so that they are taken back
     from where the user left them.
     """
-    height = _approach(body.height, target.height, rates.height * dt)
+    height_rate = _eased(
+        target.height - body.height, body.height_rate, rates.height, dt
+    )
     turn = wrap_angle(target.yaw - body.yaw)
-    yaw = body.yaw + _approach(0.0, turn, rates.yaw * dt)
+    yaw_rate = _eased(turn, body.yaw_rate, rates.yaw, dt)
     joints = _approach_all(body.joints, target.joints, rates.joints * dt)
     if user_held.any():
         joints = np.where(user_held, measured, joints)
     tilt = rates.tilt * dt
     return BodyReference(
-        height=height,
-        height_rate=(height - body.height) / dt,
-        yaw=yaw,
-        yaw_rate=(yaw - body.yaw) / dt,
+        height=body.height + height_rate * dt,
+        height_rate=height_rate,
+        yaw=body.yaw + yaw_rate * dt,
+        yaw_rate=yaw_rate,
         pelvis_tilt=_approach_all(body.pelvis_tilt, target.pelvis_tilt, tilt),
         chest_tilt=_approach_all(body.chest_tilt, target.pelvis_tilt, tilt),
         joints=joints,
     )
 
 
-def _approach(value: float, goal: float, step: float) -> float:
-    return value + min(max(goal - value, -step), step)
+def _eased(way: float, rate: float, limit: float, dt: float) -> float:
+    """The next rate of what has ``way`` to go, and goes at most at ``limit``.
+
+    It takes up its speed over EASING, and loses it as it comes near: a rate that jumps
+    is a jump of every effort, since the feedback laws damp the difference to it.
+    """
+    wanted = min(max(way / EASING, -limit), limit)
+    change = limit * dt / EASING
+    return min(max(wanted, rate - change), rate + change)
 
 
 def _approach_all(value: np.ndarray, goal: np.ndarray, step: float) -> np.ndarray:

@@ -8,6 +8,7 @@ import pytest
 from pydrake.math import RollPitchYaw
 
 from atlas_drake.behaviors.body_reference import (
+    EASING,
     BodyRates,
     BodyTarget,
     advance_body,
@@ -114,6 +115,23 @@ def test_one_step_keeps_all_rates(captured, target, nobody):
         body = after
 
 
+@pytest.mark.parametrize("way", [1e-4, 0.01, 1.0])
+def test_rates_take_up_speed_and_lose_it(captured, target, nobody, way):
+    goal = dataclasses.replace(
+        target, height=captured.height - way, yaw=captured.yaw + way
+    )
+    body, most = captured, 0.0
+    for _ in range(1500):
+        after = advance(body, goal, nobody)
+        for name, limit in (("height_rate", RATES.height), ("yaw_rate", RATES.yaw)):
+            change = abs(getattr(after, name) - getattr(body, name))
+            assert change <= limit * DT / EASING + 1e-12
+        most = max(most, after.yaw - goal.yaw, goal.height - after.height)
+        body = after
+    assert body.yaw == pytest.approx(goal.yaw, abs=1e-9)
+    assert most < 1e-9, "it went too far"
+
+
 def test_it_arrives_and_stays(captured, target, nobody):
     body = advance(captured, target, nobody, steps=3000)
     assert body.height == pytest.approx(target.height)
@@ -133,7 +151,7 @@ def test_it_arrives_and_stays(captured, target, nobody):
 
 def test_it_turns_the_short_way(captured, target, nobody):
     # From 2.5 to -2.9 rad the short way leads over π.
-    after = advance(captured, target, nobody, steps=5)
+    after = advance(captured, target, nobody, steps=15)
     assert after.yaw > captured.yaw
     assert after.yaw_rate == pytest.approx(RATES.yaw)
 
