@@ -106,3 +106,13 @@ def test_manipulate_ends_in_stand_also_while_it_only_holds_its_pose():
     assert sim.current_behavior.name == "STAND"
     assert len(warnings(sim)) == 2
     assert not sim.has_fallen
+
+
+def test_who_takes_every_joint_is_not_warned_until_some_are_given_back():
+    sim = AtlasSimulation()
+    holding(sim, [""], 255)
+    sim.advance(0.1)
+    assert not warnings(sim)
+    holding(sim, ["_leg_"], 255)
+    sim.advance(0.1)
+    assert len(warnings(sim)) == 1

@@ -35,10 +35,12 @@ class Holding:
     Attributes:
         pose: FREEZE's memory.
         before: That of the behaviour, as it was when it lost its last leg.
+        warned: Whether the user was told.
     """
 
     pose: FreezeMemory
     before: Any
+    warned: bool = False
 
 
 class NeedsALeg:
@@ -80,16 +82,16 @@ class NeedsALeg:
             if isinstance(memory, Holding):
                 memory = self.behavior.enter(seen, body, request)
             return self.behavior.update(memory, seen, body, request, leaving)
-        events: tuple[Event, ...] = ()
         if not isinstance(memory, Holding):
             memory = Holding(self._freeze.enter(seen, body, request), before=memory)
-            events = (Event(seen.time, "warning", _WARNING),)
+        # Who takes every joint knows that nobody balances.
+        warn = not memory.warned and not seen.user_held.all()
         outcome = self._freeze.update(memory.pose, seen, body, request, leaving)
         return replace(
             outcome,
-            memory=replace(memory, pose=outcome.memory),
+            memory=replace(memory, pose=outcome.memory, warned=memory.warned or warn),
             finished=leaving,
-            events=events,
+            events=(Event(seen.time, "warning", _WARNING),) if warn else (),
         )
 
     def report(self, memory: Any, state: AtlasSimInterfaceState) -> None:
