@@ -64,9 +64,15 @@ def test_without_a_leg_of_its_own_the_robot_holds_its_pose(behavior, joints, k):
     if behavior != "STAND":
         sim.publish(AtlasSimInterfaceCommand(behavior=behavior))
     sim.advance(1.0)
+    own = np.array(
+        [not any(part in name for part in joints) for name in sim.robot.joint_names]
+    )
+    pose = np.array(sim.atlas_state.position)
     holding(sim, joints, k)
     sim.advance(3.5)
     assert not sim.has_fallen
+    moved = np.abs(np.array(sim.atlas_state.position) - pose)
+    assert moved[own].max() < 0.05
     (warning,) = warnings(sim)
     assert "no leg to balance with" in warning
     assert sim.current_behavior.name == behavior

@@ -132,8 +132,11 @@ def _eased(way: float, rate: float, limit: float, dt: float) -> float:
     """The next rate of what has ``way`` to go, and goes at most at ``limit``.
 
     It takes up its speed over EASING, and loses it as it comes near: a rate that jumps
-    is a jump of every effort, since the feedback laws damp the difference to it.
+    is a jump of every effort, since the feedback laws damp the difference to it. Behind
+    a goal that moves it stays by EASING times the goal's speed. A rate that it inherits
+    takes it beyond a goal close by, by limit·EASING/2 at most.
     """
+    rate = min(max(rate, -limit), limit)
     wanted = min(max(way / EASING, -limit), limit)
     change = limit * dt / EASING
     return min(max(wanted, rate - change), rate + change)

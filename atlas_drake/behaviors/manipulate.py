@@ -185,6 +185,27 @@ class Manipulate:
             finished=leaving and (waits or remaining < HOME),
         )
 
+    def idle(self, memory: ManipulateMemory, seen: Observation) -> ManipulateMemory:
+        """Wish and reference wait while the pose is held; the robot is looked at."""
+        return replace(memory, sensed=memory.stance.measure(seen.terms))
+
+    def resume(
+        self,
+        memory: ManipulateMemory,
+        seen: Observation,
+        body: BodyReference,
+        request: AtlasSimInterfaceCommand,
+    ) -> ManipulateMemory:
+        """Pursues the old wish, or goes on with the demo, from where the robot is."""
+        resumed = replace(
+            self.enter(seen, body, request),
+            wish=memory.wish,
+            heard=memory.heard,
+            demo_time=memory.demo_time,
+            demo_share=memory.demo_share,
+        )
+        return self._pursue(resumed, seen)
+
     def report(self, memory: ManipulateMemory, state: AtlasSimInterfaceState) -> None:
         """The poses pursued, commanded at this moment, and sensed."""
         feedback = state.manipulate_feedback

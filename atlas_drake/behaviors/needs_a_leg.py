@@ -1,13 +1,15 @@
 """What a standing behaviour does while the user leaves it no leg to balance with.
 
-It holds its pose, as FREEZE does. Who tries to balance all the same moves the centre of
-mass by what trunk and arms can do, leans further and further, and falls.
+A leg to balance with is one of whose hip pitch and ankle pitch both the behaviour
+commands at least 15 N·m. Without one the behaviour holds its pose, as FREEZE does.
+Balancing all the same would move the centre of mass by what trunk and arms can do, lean
+further and further, and fall. With a leg given back it takes up what it was about.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -34,7 +36,7 @@ class Holding:
 
     Attributes:
         pose: FREEZE's memory.
-        before: That of the behaviour, as it was when it lost its last leg.
+        before: That of the behaviour.
         warned: Whether the user was told.
     """
 
@@ -43,14 +45,30 @@ class Holding:
     warned: bool = False
 
 
+class StandingBehavior(Behavior, Protocol):
+    """A behaviour that can be interrupted while its pose is held."""
+
+    def idle(self, memory: Any, seen: Observation) -> Any:
+        """The memory after a tick in which the pose was held."""
+
+    def resume(
+        self,
+        memory: Any,
+        seen: Observation,
+        body: BodyReference,
+        request: AtlasSimInterfaceCommand,
+    ) -> Any:
+        """The memory with which it goes on from where the robot is now."""
+
+
 class NeedsALeg:
-    """A standing behaviour that begins anew whenever it has been without a leg.
+    """A standing behaviour, interrupted whenever it is without a leg.
 
     Attributes:
         behavior: Who balances.
     """
 
-    def __init__(self, behavior: Behavior, freeze: Freeze, balance: Balance):
+    def __init__(self, behavior: StandingBehavior, freeze: Freeze, balance: Balance):
         """Runs ``behavior`` where it can balance, else ``freeze``."""
         self.behavior = behavior
         self._freeze = freeze
@@ -80,7 +98,7 @@ class NeedsALeg:
         """One tick."""
         if self.has_a_leg(seen):
             if isinstance(memory, Holding):
-                memory = self.behavior.enter(seen, body, request)
+                memory = self.behavior.resume(memory.before, seen, body, request)
             return self.behavior.update(memory, seen, body, request, leaving)
         if not isinstance(memory, Holding):
             memory = Holding(self._freeze.enter(seen, body, request), before=memory)
@@ -89,13 +107,17 @@ class NeedsALeg:
         outcome = self._freeze.update(memory.pose, seen, body, request, leaving)
         return replace(
             outcome,
-            memory=replace(memory, pose=outcome.memory, warned=memory.warned or warn),
+            memory=Holding(
+                pose=outcome.memory,
+                before=self.behavior.idle(memory.before, seen),
+                warned=memory.warned or warn,
+            ),
             finished=leaving,
             events=(Event(seen.time, "warning", _WARNING),) if warn else (),
         )
 
     def report(self, memory: Any, state: AtlasSimInterfaceState) -> None:
-        """What the behaviour has to say; while the pose is held, what it last had."""
+        """What the behaviour has to say."""
         if isinstance(memory, Holding):
             memory = memory.before
         self.behavior.report(memory, state)

@@ -119,6 +119,20 @@ class Stand:
         )
         return Outcome(memory=memory, body=body, command=command)
 
+    def idle(self, memory: StandMemory, seen: Observation) -> StandMemory:
+        """Nothing moves on while the pose is held."""
+        return memory
+
+    def resume(
+        self,
+        memory: StandMemory,
+        seen: Observation,
+        body: BodyReference,
+        request: AtlasSimInterfaceCommand,
+    ) -> StandMemory:
+        """Begins anew: the feet may have moved."""
+        return self.enter(seen, body, request)
+
     def report(self, memory: StandMemory, state: AtlasSimInterfaceState) -> None:
         """There is nothing to report beyond the behaviour's name."""
 

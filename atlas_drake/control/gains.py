@@ -46,8 +46,8 @@ class QpWeights:
     contact_moment: float = 1e-4
     """Keeps the pressure near the soles' middles [1/(N·m)²]."""
     opposed_force: float = 3e-5
-    """Feet pushing against each other along the ground, per difference: enough to keep
-    them from it where nothing is won, not where knees at their limit need it [1/N²]."""
+    """Feet pushing against each other horizontally, per difference: enough to keep them
+    from it where nothing is won, not where knees at their limit need it [1/N²]."""
     opposed_twist: float = 1e-3
     """Likewise about the vertical [1/(N·m)²]."""
 

@@ -21,7 +21,7 @@ LEGS = ("l_leg", "r_leg")
 JOINT_AXES = "zxyyyx"
 """Axes of a leg's joints from the pelvis down."""
 HIP_PITCH, ANKLE_PITCH = 2, 4
-"""Places of two of them."""
+"""Indices of hip y and ankle y among a leg's joints."""
 
 
 @dataclass(frozen=True)

@@ -129,7 +129,19 @@ def test_rates_take_up_speed_and_lose_it(captured, target, nobody, way):
         most = max(most, after.yaw - goal.yaw, goal.height - after.height)
         body = after
     assert body.yaw == pytest.approx(goal.yaw, abs=1e-9)
+    assert body.height == pytest.approx(goal.height, abs=1e-9)
     assert most < 1e-9, "it went too far"
+
+
+def test_a_rate_beyond_its_limit_is_not_taken_over(captured, target, nobody):
+    goal = dataclasses.replace(target, height=captured.height)
+    body = dataclasses.replace(captured, height_rate=0.5)
+    highest = 0.0
+    for _ in range(300):
+        body = advance(body, goal, nobody)
+        highest = max(highest, body.height - goal.height)
+    assert highest <= 0.5 * RATES.height * EASING
+    assert body.height == pytest.approx(goal.height, abs=1e-6)
 
 
 def test_it_arrives_and_stays(captured, target, nobody):

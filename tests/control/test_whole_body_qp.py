@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from atlas_drake.control.gains import ControlGains
+from atlas_drake.control.gains import ControlGains, QpWeights
 from atlas_drake.control.toe_off import TOES
 from atlas_drake.control.whole_body_command import (
     EffortBounds,
@@ -180,6 +180,29 @@ def test_centre_of_pressure_is_where_it_shall_be(robot, qp, bounds, standing, ah
     force = solution.foot_wrenches[:, 5].sum()
     cop = np.array([-moment[1], moment[0]]) / force
     np.testing.assert_allclose(cop, command.pendulum_base[:2], atol=0.01)
+
+
+@pytest.mark.parametrize("aside", [(0.03, 0.0), (0.0, 0.03)])
+@pytest.mark.parametrize("raised", [0.0, 0.05])
+def test_the_force_of_the_ground_goes_through_the_pendulums_base(
+    robot, bounds, standing, aside, raised
+):
+    # Where the acceleration asked for is another than that which the base gives.
+    command = over_its_feet(command_for(robot, (0, 1)), standing)
+    base = command.pendulum_base + np.array([*aside, raised])
+    command = dataclasses.replace(command, pendulum_base=base)
+
+    def moment(weights):
+        gains = dataclasses.replace(ControlGains(), weights=weights)
+        wrenches = WholeBodyQp(robot, gains).solve(standing, command, bounds)
+        total = np.zeros(3)
+        for foot, wrench in zip(standing.feet, wrenches.foot_wrenches, strict=True):
+            total += wrench[:3] + np.cross(foot.p_WF - base, wrench[3:])
+        return np.linalg.norm(total[:2])
+
+    with_it, without = moment(QpWeights()), moment(QpWeights(pendulum=0.0))
+    assert without > 0.02 * robot.mass * GRAVITY
+    assert with_it < 0.5 * without
 
 
 @pytest.mark.parametrize("roll", [-0.002, 0.002])

@@ -1,0 +1,148 @@
+"""Where there is no leg to balance with the pose is held; the rule, and the change."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from atlas_drake import AtlasSimInterfaceCommand
+from atlas_drake.behaviors.balance import Balance
+from atlas_drake.behaviors.body_reference import BodyRates, capture_body
+from atlas_drake.behaviors.freeze import Freeze
+from atlas_drake.behaviors.manipulate import Manipulate
+from atlas_drake.behaviors.needs_a_leg import LEAST_EFFORT, Holding, NeedsALeg
+from atlas_drake.behaviors.stand import Stand
+from atlas_drake.control.gains import ControlGains
+from atlas_drake.control.pelvis_reach import PelvisReach
+from atlas_drake.messages import AtlasSimInterfaceState
+
+HEIGHT = 0.9
+"""Of the CoM above the soles in STAND [m]."""
+
+
+@pytest.fixture(scope="module")
+def balance(robot):
+    return Balance(robot, ControlGains())
+
+
+@pytest.fixture(scope="module")
+def stand(balance):
+    return NeedsALeg(Stand(balance, HEIGHT, BodyRates()), Freeze(balance), balance)
+
+
+@pytest.fixture(scope="module")
+def manipulate(balance, model):
+    inner = Manipulate(balance, PelvisReach(model), HEIGHT, BodyRates())
+    return NeedsALeg(inner, Freeze(balance), balance)
+
+
+@pytest.fixture
+def seen(observe, robot):
+    """Makes what is seen while the user has some shares of some joints."""
+
+    def make(**shares):
+        user_share = np.zeros(robot.num_joints)
+        for name, share in shares.items():
+            user_share[robot.joint_names.index(name)] = share
+        return dataclasses.replace(observe(), user_share=user_share)
+
+    return make
+
+
+BOTH_HIPS = {"l_leg_hpy": 1.0, "r_leg_hpy": 1.0}
+
+
+@pytest.mark.parametrize(
+    ("shares", "balances"),
+    [
+        ({}, True),
+        (BOTH_HIPS, False),
+        ({"l_leg_aky": 1.0, "r_leg_aky": 1.0}, False),
+        ({"l_leg_aky": 1.0, "r_leg_hpy": 1.0}, False),
+        ({"l_leg_aky": 1.0, "l_leg_hpy": 1.0}, True),
+        ({"l_leg_kny": 1.0, "r_leg_kny": 1.0}, True),
+        ({"l_leg_akx": 1.0, "r_leg_akx": 1.0, "l_leg_hpx": 1.0}, True),
+        ({"back_bky": 1.0, "l_arm_shx": 1.0}, True),
+    ],
+)
+def test_it_takes_hip_and_ankle_pitch_of_the_same_leg(stand, seen, shares, balances):
+    assert stand.has_a_leg(seen(**shares)) is balances
+
+
+def test_a_share_counts_by_the_effort_it_leaves(robot, stand, seen):
+    enough = (
+        1.0 - (LEAST_EFFORT + 0.1) / robot.effort_limit[robot.joint_index("l_leg_hpy")]
+    )
+    little = (
+        1.0 - (LEAST_EFFORT - 0.1) / robot.effort_limit[robot.joint_index("l_leg_hpy")]
+    )
+    assert stand.has_a_leg(seen(l_leg_hpy=enough, r_leg_hpy=1.0))
+    assert not stand.has_a_leg(seen(l_leg_hpy=little, r_leg_hpy=1.0))
+
+
+def run(behavior, memory, observations, request=None, leaving=False):
+    """Outcomes of one tick after the other; ``memory`` None enters first."""
+    request = request or AtlasSimInterfaceCommand()
+    outcomes = []
+    for seen in observations:
+        body = capture_body(seen.terms)
+        if memory is None:
+            memory = behavior.enter(seen, body, request)
+        outcomes.append(behavior.update(memory, seen, body, request, leaving))
+        memory = outcomes[-1].memory
+    return outcomes
+
+
+def test_the_pose_is_held_and_said_so_once(stand, seen, robot):
+    balancing, first, second = run(
+        stand, None, [seen(), seen(**BOTH_HIPS), seen(**BOTH_HIPS)]
+    )
+    assert balancing.command.balance
+    assert not first.command.balance
+    assert [event.kind for event in first.events] == ["warning"]
+    assert second.events == ()
+    np.testing.assert_array_equal(second.memory.pose.joints, first.memory.pose.joints)
+    # Also where STAND is entered without a leg.
+    (entered,) = run(stand, None, [seen(**BOTH_HIPS)])
+    assert isinstance(entered.memory, Holding)
+    # With a leg it balances again.
+    (again,) = run(stand, second.memory, [seen()])
+    assert again.command.balance
+    assert not isinstance(again.memory, Holding)
+
+
+def test_leaving_ends_at_once_while_the_pose_is_held(manipulate, seen):
+    (held,) = run(manipulate, None, [seen(**BOTH_HIPS)])
+    assert not held.finished
+    (left,) = run(manipulate, held.memory, [seen(**BOTH_HIPS)], leaving=True)
+    assert left.finished
+
+
+def test_a_wish_outlasts_the_time_without_a_leg(manipulate, seen):
+    wish = AtlasSimInterfaceCommand()
+    wish.behavior = wish.MANIPULATE
+    wish.manipulate_params.use_desired = True
+    wish.manipulate_params.desired.pelvis_height = 0.80
+    outcomes = run(manipulate, None, [seen(), seen(**BOTH_HIPS), seen()], wish)
+    # A message of another kind, such as one that gives the legs back, asks for nothing.
+    silent = AtlasSimInterfaceCommand()
+    silent.behavior = silent.MANIPULATE
+    held = outcomes[1].memory
+    (resumed,) = run(manipulate, held, [seen()], silent)
+    for memory in (outcomes[2].memory, resumed.memory):
+        report = AtlasSimInterfaceState()
+        manipulate.report(memory, report)
+        clamped = report.manipulate_feedback.clamped
+        assert clamped.pelvis_height == pytest.approx(0.80, abs=1e-6)
+
+
+def test_the_robot_is_still_looked_at(manipulate, seen, observe):
+    (held,) = run(manipulate, None, [seen(**BOTH_HIPS)])
+    tilted = dataclasses.replace(
+        observe(pitch=0.1), user_share=seen(**BOTH_HIPS).user_share
+    )
+    (later,) = run(manipulate, held.memory, [tilted])
+    report = AtlasSimInterfaceState()
+    manipulate.report(later.memory, report)
+    sensed = report.manipulate_feedback.internal_sensed
+    assert sensed.pelvis_pitch == pytest.approx(0.1, abs=0.01)
