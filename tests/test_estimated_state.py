@@ -22,7 +22,13 @@ def assert_drifted_by_at_most(sim, position, velocity):
 
 def test_the_tutorial():
     sim = AtlasSimulation(
-        Scenario(programme="tutorial", state="estimated", noise="rough", seed=1)
+        Scenario(
+            programme="tutorial",
+            state="estimated",
+            noise="rough",
+            seed=1,
+            physics_step=0.002,
+        )
     )
     sim.advance_to(17.0)
     summary = sim.summary()
