@@ -3,7 +3,12 @@
 import numpy as np
 import pytest
 
-from atlas_drake import AtlasCommand, AtlasSimInterfaceCommand, AtlasSimulation
+from atlas_drake import (
+    AtlasCommand,
+    AtlasSimInterfaceCommand,
+    AtlasSimulation,
+    Scenario,
+)
 
 STEP = 0.5
 """How far from where they are the user wants the joints at once [rad]."""
@@ -11,7 +16,8 @@ STEP = 0.5
 
 def blended(limbs, k, seed, behavior="STAND"):
     """A robot of which the user wants a share of some limbs elsewhere, at once."""
-    sim = AtlasSimulation()
+    # The coarser physics halves the wait.
+    sim = AtlasSimulation(Scenario(physics_step=0.002))
     if behavior != "STAND":
         sim.publish(AtlasSimInterfaceCommand(behavior=behavior))
     sim.advance(1.0)

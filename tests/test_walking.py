@@ -100,7 +100,8 @@ def assert_walked(sim, steps):
 
 @pytest.fixture
 def sim():
-    return AtlasSimulation()
+    """The coarser physics halves the wait."""
+    return AtlasSimulation(Scenario(physics_step=0.002))
 
 
 @pytest.mark.parametrize("model", ["atlas", "atlas_v3"])

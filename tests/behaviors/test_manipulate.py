@@ -283,7 +283,7 @@ def assert_follows(recording):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["atlas", "atlas_v3"])
 def test_the_robot_takes_the_pose_that_is_granted(record, name):
-    recording = record(Scenario(model=name))
+    recording = record(Scenario(model=name, physics_step=0.002))
     # The customary pose; far too deep and sideways; leaning and turned.
     for request, granted in (
         (message(), True),
