@@ -25,12 +25,12 @@ class QpWeights:
 
     com: float = 30.0
     """Centre of mass, horizontal, through the contact forces [1/(m/s²)²]."""
-    pendulum: float = 70.0
-    """The ground's force passes through the centre of pressure that balance asks for
-    [1/(m/s²)²]."""
     com_height: float = 60.0
     """Likewise upright: less, for where a knee is at its limit the robot shall rather
     sink than lose its balance [1/(m/s²)²]."""
+    pendulum: float = 70.0
+    """The ground's force passes through the centre of pressure that balance asks for
+    [1/(m/s²)²]."""
     pelvis_orientation: float = 2.0
     """[1/(rad/s²)²]."""
     chest_orientation: float = 0.2
