@@ -117,19 +117,7 @@ class Manipulate:
         request: AtlasSimInterfaceCommand,
     ) -> ManipulateMemory:
         """Starts from where the reference and the DCM are."""
-        stance = self._note_feet(seen)
-        motion = self._motion_from(seen, body, stance)
-        pose = motion.pose(stance)
-        memory = ManipulateMemory(
-            stance=stance,
-            wish=pose,
-            goal=pose,
-            home=self._home(seen, stance),
-            motion=motion,
-            upper=self._reach.upper_body(seen.terms, stance),
-            sensed=stance.measure(seen.terms),
-        )
-        return self._pursue(self._listen(memory, seen, request), seen)
+        return self._pursue(self._listen(self._here(seen, body), seen, request), seen)
 
     def update(
         self,
@@ -198,7 +186,7 @@ class Manipulate:
     ) -> ManipulateMemory:
         """Pursues the old wish, or goes on with the demo, from where the robot is."""
         resumed = replace(
-            self.enter(seen, body, request),
+            self._here(seen, body),
             wish=memory.wish,
             heard=memory.heard,
             demo_time=memory.demo_time,
@@ -212,6 +200,21 @@ class Manipulate:
         feedback.clamped = _params(memory.goal)
         feedback.internal_desired = _params(memory.motion.pose(memory.stance))
         feedback.internal_sensed = _params(memory.sensed)
+
+    def _here(self, seen: Observation, body: BodyReference) -> ManipulateMemory:
+        """Memory that asks for nothing but what is."""
+        stance = self._note_feet(seen)
+        motion = self._motion_from(seen, body, stance)
+        pose = motion.pose(stance)
+        return ManipulateMemory(
+            stance=stance,
+            wish=pose,
+            goal=pose,
+            home=self._home(seen, stance),
+            motion=motion,
+            upper=self._reach.upper_body(seen.terms, stance),
+            sensed=stance.measure(seen.terms),
+        )
 
     # ---- what is wished ------------------------------------------------------
 

@@ -130,4 +130,4 @@ class NeedsALeg:
         whoever holds the joints.
         """
         left_over = (1.0 - seen.user_share[self._pitch]) * self._limit
-        return bool(left_over.min(axis=1).max() >= LEAST_EFFORT)
+        return any(min(leg) >= LEAST_EFFORT for leg in left_over.tolist())

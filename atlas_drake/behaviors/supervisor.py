@@ -108,9 +108,10 @@ class Supervisor:
         robot = model.robot
         balance = Balance(robot, gains)
         rates = BodyRates()
-        stand = Stand(balance, nominal_height, rates)
-        manipulate = Manipulate(balance, PelvisReach(model), nominal_height, rates)
         freeze = Freeze(balance)
+        stand = Stand(balance, nominal_height, rates)
+        stand_on_a_leg = NeedsALeg(stand, freeze, balance)
+        manipulate = Manipulate(balance, PelvisReach(model), nominal_height, rates)
         idle = Idle()
         self._balance = balance
         self._entry_limits = EntryLimits()
@@ -121,8 +122,8 @@ class Supervisor:
             Behavior.NONE: idle,
             Behavior.USER: idle,
             Behavior.FREEZE: freeze,
-            Behavior.STAND_PREP: NeedsALeg(stand, freeze, balance),
-            Behavior.STAND: NeedsALeg(stand, freeze, balance),
+            Behavior.STAND_PREP: stand_on_a_leg,
+            Behavior.STAND: stand_on_a_leg,
             Behavior.WALK: Walk(balance, nominal_height, rates),
             Behavior.MANIPULATE: NeedsALeg(manipulate, freeze, balance),
             Behavior.STEP: Step(balance, nominal_height),
