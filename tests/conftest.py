@@ -2,7 +2,10 @@
 
 import logging
 
+import numpy as np
 import pytest
+
+from atlas_drake import AtlasCommand
 
 SHORT = "duration: 0.1\n"
 
@@ -16,6 +19,24 @@ def restored_loggers():
     for log, (propagate, level, filters) in zip(loggers, before, strict=True):
         log.propagate, log.filters = propagate, filters
         log.setLevel(level)
+
+
+@pytest.fixture
+def take():
+    """Gives the user joints, bool (n,), with the default gains and a k_effort.
+
+    The set-points are where the joints are, or ``jump`` [rad] away.
+    """
+
+    def take(sim, joints, k=255, jump=0.0):
+        command = AtlasCommand()
+        command.position = sim.atlas_state.position + jump * joints
+        command.kp_position = sim.robot.default_kp
+        command.kd_position = sim.robot.default_kd
+        command.k_effort = np.where(joints, k, 0)
+        sim.publish(command)
+
+    return take
 
 
 @pytest.fixture

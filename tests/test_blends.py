@@ -14,13 +14,19 @@ STEP = 0.5
 """How far from where they are the user wants the joints at once [rad]."""
 
 
-def blended(limbs, k, seed, behavior="STAND"):
-    """A robot of which the user wants a share of some limbs elsewhere, at once."""
-    # The coarser physics halves the wait.
-    sim = AtlasSimulation(Scenario(physics_step=0.002))
+def robot_in(behavior, **scenario):
+    """A robot that has been in a behaviour for a second."""
+    sim = AtlasSimulation(Scenario(**scenario))
     if behavior != "STAND":
         sim.publish(AtlasSimInterfaceCommand(behavior=behavior))
     sim.advance(1.0)
+    return sim
+
+
+def blended(limbs, k, seed, behavior="STAND"):
+    """A robot of which the user wants a share of some limbs elsewhere, at once."""
+    # The coarser physics halves the wait.
+    sim = robot_in(behavior, physics_step=0.002)
     robot, random = sim.robot, np.random.default_rng(seed)
     command = AtlasCommand()
     wish = sim.atlas_state.position + random.uniform(-STEP, STEP, robot.num_joints)
@@ -28,24 +34,6 @@ def blended(limbs, k, seed, behavior="STAND"):
     command.kp_position = [200.0] * robot.num_joints
     command.kp_velocity = [20.0] * robot.num_joints
     command.k_effort = np.where(robot.limb(*limbs), k, 0)
-    sim.publish(command)
-    return sim
-
-
-def taken(limbs, behavior="STAND", jump=0.0):
-    """A robot of which the user holds some limbs with the default gains.
-
-    Their set-points are where the joints are, or ``jump`` [rad] away.
-    """
-    sim = AtlasSimulation()
-    if behavior != "STAND":
-        sim.publish(AtlasSimInterfaceCommand(behavior=behavior))
-    sim.advance(1.0)
-    robot = sim.robot
-    command = AtlasCommand()
-    command.position = sim.atlas_state.position + jump * robot.limb(*limbs)
-    command.kp_position, command.kd_position = robot.default_kp, robot.default_kd
-    command.k_effort = np.where(robot.limb(*limbs), 255, 0)
     sim.publish(command)
     return sim
 
@@ -89,18 +77,20 @@ def test_a_shared_back_leaves_the_robot_standing(k):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("behavior", ["STAND", "MANIPULATE"])
-def test_a_back_of_stiff_joints_with_little_damping_comes_to_rest(behavior):
+def test_a_back_of_stiff_joints_with_little_damping_comes_to_rest(take, behavior):
     # The default gains: 4000 N·m/rad and 2 N·m·s/rad at the stiffest.
-    sim = taken(("back",), behavior)
-    sim.advance(2.0)
+    sim = robot_in(behavior)
     back = sim.robot.limb("back")
+    take(sim, back)
+    sim.advance(2.0)
     assert np.abs(np.array(sim.atlas_state.velocity)[back]).max() < 0.2
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("behavior", "jump"), [("STAND", 0.05), ("MANIPULATE", -0.1)])
-def test_a_back_that_swings_leaves_the_feet_where_they_are(behavior, jump):
-    sim = taken(("back",), behavior, jump)
+def test_a_back_that_swings_leaves_the_feet_where_they_are(take, behavior, jump):
+    sim = robot_in(behavior)
+    take(sim, sim.robot.limb("back"), jump=jump)
     before = soles(sim)
     sim.advance(3.0)
     assert np.linalg.norm(soles(sim) - before, axis=1).max() < 0.01

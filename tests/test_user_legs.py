@@ -5,7 +5,6 @@ import pytest
 
 from atlas_drake import (
     AtlasBehaviorStepData,
-    AtlasCommand,
     AtlasSimInterfaceCommand,
     AtlasSimulation,
     AtlasState,
@@ -14,6 +13,16 @@ from atlas_drake import (
 
 COARSE = Scenario(physics_step=0.002)
 """Halves the wait."""
+
+
+def joints_of(sim, *parts):
+    """Joints whose names hold one of these, bool, shape (n,)."""
+    names = sim.robot.joint_names
+    return np.array([any(part in name for part in parts) for name in names])
+
+
+def warnings(sim):
+    return [event.text for event in sim.events if event.kind == "warning"]
 
 
 def test_walking_with_a_user_leg_is_allowed_and_warned_about_once():
@@ -29,25 +38,9 @@ def test_walking_with_a_user_leg_is_allowed_and_warned_about_once():
     command.k_effort[AtlasState.l_leg_akx] = 255
     sim.publish(command)
     sim.advance(0.2)
-    warnings = [event.text for event in sim.events if event.kind == "warning"]
-    assert len(warnings) == 1
-    assert "l_leg_akx" in warnings[0]
+    (warning,) = warnings(sim)
+    assert "l_leg_akx" in warning
     assert sim.current_behavior.name == "WALK"
-
-
-def holding(sim, names, k):
-    """The user's default gains where joints are whose names hold one of ``names``."""
-    robot = sim.robot
-    command = AtlasCommand()
-    command.position = sim.atlas_state.position
-    command.kp_position, command.kd_position = robot.default_kp, robot.default_kd
-    held = [any(part in name for part in names) for name in robot.joint_names]
-    command.k_effort = np.where(held, k, 0)
-    sim.publish(command)
-
-
-def warnings(sim):
-    return [event.text for event in sim.events if event.kind == "warning"]
 
 
 @pytest.mark.slow
@@ -59,25 +52,23 @@ def warnings(sim):
         ("MANIPULATE", ["l_leg_ak", "r_leg_hp"], 255),
     ],
 )
-def test_without_a_leg_of_its_own_the_robot_holds_its_pose(behavior, joints, k):
+def test_without_a_leg_of_its_own_the_robot_holds_its_pose(take, behavior, joints, k):
     sim = AtlasSimulation(COARSE)
     if behavior != "STAND":
         sim.publish(AtlasSimInterfaceCommand(behavior=behavior))
     sim.advance(1.0)
-    own = np.array(
-        [not any(part in name for part in joints) for name in sim.robot.joint_names]
-    )
+    users = joints_of(sim, *joints)
     pose = np.array(sim.atlas_state.position)
-    holding(sim, joints, k)
+    take(sim, users, k)
     sim.advance(3.5)
     assert not sim.has_fallen
     moved = np.abs(np.array(sim.atlas_state.position) - pose)
-    assert moved[own].max() < 0.05
+    assert moved[~users].max() < 0.05
     (warning,) = warnings(sim)
     assert "no leg to balance with" in warning
     assert sim.current_behavior.name == behavior
     # Given back, the legs balance again.
-    holding(sim, joints, 0)
+    take(sim, users, k=0)
     sim.advance(0.1)
     sim.apply_push(sim.robot.file.chest, [0.0, 200.0, 0.0], 0.1)
     sim.advance(2.0)
@@ -88,10 +79,10 @@ def test_without_a_leg_of_its_own_the_robot_holds_its_pose(behavior, joints, k):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("joints", [["l_leg_"], ["leg_kny"], ["leg_hpx", "leg_akx"]])
-def test_one_leg_is_enough_to_balance(joints):
+def test_one_leg_is_enough_to_balance(take, joints):
     sim = AtlasSimulation(COARSE)
     sim.advance(1.0)
-    holding(sim, joints, 255)
+    take(sim, joints_of(sim, *joints))
     sim.advance(1.0)
     sim.apply_push(sim.robot.file.chest, [100.0, 0.0, 0.0], 0.1)
     sim.advance(2.0)
@@ -101,11 +92,11 @@ def test_one_leg_is_enough_to_balance(joints):
 
 
 @pytest.mark.slow
-def test_manipulate_ends_in_stand_also_while_it_only_holds_its_pose():
+def test_manipulate_ends_in_stand_also_while_it_only_holds_its_pose(take):
     sim = AtlasSimulation(COARSE)
     sim.publish(AtlasSimInterfaceCommand(behavior="MANIPULATE"))
     sim.advance(0.5)
-    holding(sim, ["_leg_"], 255)
+    take(sim, joints_of(sim, "_leg_"))
     sim.advance(0.5)
     sim.publish(AtlasSimInterfaceCommand(behavior="STAND"))
     sim.advance(0.1)
@@ -114,11 +105,11 @@ def test_manipulate_ends_in_stand_also_while_it_only_holds_its_pose():
     assert not sim.has_fallen
 
 
-def test_who_takes_every_joint_is_not_warned_until_some_are_given_back():
+def test_who_takes_every_joint_is_not_warned_until_some_are_given_back(take):
     sim = AtlasSimulation()
-    holding(sim, [""], 255)
+    take(sim, joints_of(sim, ""))
     sim.advance(0.1)
     assert not warnings(sim)
-    holding(sim, ["_leg_"], 255)
+    take(sim, joints_of(sim, "_leg_"))
     sim.advance(0.1)
     assert len(warnings(sim)) == 1

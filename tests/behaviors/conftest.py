@@ -32,12 +32,13 @@ def observe(model):
     """Makes what a behaviour sees of the robot in the stand-prep pose.
 
     Tilted by ``pitch`` [rad] forward, moving ahead at ``speed`` [m/s], with joints that
-    move by name [rad/s], the ``held`` ones in the user's hands.
+    move by name [rad/s], and the ``users`` share of joints by name.
     """
     robot, plant = model.robot, model.plant
     indices = robot.indices(plant)
 
-    def make(pitch=0.0, speed=0.0, joints=None, held=()):
+    def make(pitch=0.0, speed=0.0, joints=None, users=None):
+        users = users or {}
         state = np.zeros(model.num_states)
         state[[0, 2]] = np.cos(0.5 * pitch), np.sin(0.5 * pitch)
         state[indices.q] = robot.stand_prep
@@ -50,7 +51,7 @@ def observe(model):
             dt=0.002,
             terms=model.evaluate(model.create_context(), state),
             foot_force=np.full(2, 0.5 * robot.mass * 9.81),
-            user_share=np.isin(robot.joint_names, held).astype(float),
+            user_share=np.array([users.get(name, 0.0) for name in robot.joint_names]),
         )
 
     return make

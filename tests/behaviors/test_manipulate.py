@@ -187,7 +187,7 @@ def test_arms_stay_and_hands_are_taken_back_where_the_user_leaves_them(
         robot.tick(observe(), quiet)
     assert robot.body.joints[arm] == raised.joints[arm]
     # The user's joints are where the user has them, and stay there afterwards.
-    held = observe(held=("l_arm_ely",))
+    held = observe(users={"l_arm_ely": 1.0})
     robot.tick(held, quiet)
     assert robot.body.joints[arm] == held.terms.q[arm]
     robot.tick(observe(), quiet)
@@ -197,7 +197,7 @@ def test_arms_stay_and_hands_are_taken_back_where_the_user_leaves_them(
 def test_a_user_who_has_a_leg_is_waited_for(start, observe):
     request = message(pelvis_height=0.85)
     robot = start(request)
-    held = observe(held=("r_leg_kny",))
+    held = observe(users={"r_leg_kny": 1.0})
     for _ in range(20):
         robot.tick(held, request)
     feedback = robot.feedback

@@ -1,7 +1,5 @@
 """Where there is no leg to balance with the pose is held; the rule, and the change."""
 
-import dataclasses
-
 import numpy as np
 import pytest
 
@@ -36,19 +34,6 @@ def manipulate(balance, model):
     return NeedsALeg(inner, Freeze(balance), balance)
 
 
-@pytest.fixture
-def seen(observe, robot):
-    """Makes what is seen while the user has some shares of some joints."""
-
-    def make(**shares):
-        user_share = np.zeros(robot.num_joints)
-        for name, share in shares.items():
-            user_share[robot.joint_names.index(name)] = share
-        return dataclasses.replace(observe(), user_share=user_share)
-
-    return make
-
-
 BOTH_HIPS = {"l_leg_hpy": 1.0, "r_leg_hpy": 1.0}
 
 
@@ -65,19 +50,19 @@ BOTH_HIPS = {"l_leg_hpy": 1.0, "r_leg_hpy": 1.0}
         ({"back_bky": 1.0, "l_arm_shx": 1.0}, True),
     ],
 )
-def test_it_takes_hip_and_ankle_pitch_of_the_same_leg(stand, seen, shares, balances):
-    assert stand.has_a_leg(seen(**shares)) is balances
+def test_it_takes_hip_and_ankle_pitch_of_the_same_leg(stand, observe, shares, balances):
+    assert stand.has_a_leg(observe(users=shares)) is balances
 
 
-def test_a_share_counts_by_the_effort_it_leaves(robot, stand, seen):
-    enough = (
-        1.0 - (LEAST_EFFORT + 0.1) / robot.effort_limit[robot.joint_index("l_leg_hpy")]
-    )
-    little = (
-        1.0 - (LEAST_EFFORT - 0.1) / robot.effort_limit[robot.joint_index("l_leg_hpy")]
-    )
-    assert stand.has_a_leg(seen(l_leg_hpy=enough, r_leg_hpy=1.0))
-    assert not stand.has_a_leg(seen(l_leg_hpy=little, r_leg_hpy=1.0))
+def test_a_share_counts_by_the_effort_it_leaves(robot, stand, observe):
+    limit = robot.effort_limit[robot.joint_index("l_leg_hpy")]
+
+    def balances_with(effort):
+        shares = {"l_leg_hpy": 1.0 - effort / limit, "r_leg_hpy": 1.0}
+        return stand.has_a_leg(observe(users=shares))
+
+    assert balances_with(LEAST_EFFORT + 0.1)
+    assert not balances_with(LEAST_EFFORT - 0.1)
 
 
 def run(behavior, memory, observations, request=None, leaving=False):
@@ -93,9 +78,9 @@ def run(behavior, memory, observations, request=None, leaving=False):
     return outcomes
 
 
-def test_the_pose_is_held_and_said_so_once(stand, seen, robot):
+def test_the_pose_is_held_and_said_so_once(stand, observe):
     balancing, first, second = run(
-        stand, None, [seen(), seen(**BOTH_HIPS), seen(**BOTH_HIPS)]
+        stand, None, [observe(), observe(users=BOTH_HIPS), observe(users=BOTH_HIPS)]
     )
     assert balancing.command.balance
     assert not first.command.balance
@@ -103,32 +88,34 @@ def test_the_pose_is_held_and_said_so_once(stand, seen, robot):
     assert second.events == ()
     np.testing.assert_array_equal(second.memory.pose.joints, first.memory.pose.joints)
     # Also where STAND is entered without a leg.
-    (entered,) = run(stand, None, [seen(**BOTH_HIPS)])
+    (entered,) = run(stand, None, [observe(users=BOTH_HIPS)])
     assert isinstance(entered.memory, Holding)
     # With a leg it balances again.
-    (again,) = run(stand, second.memory, [seen()])
+    (again,) = run(stand, second.memory, [observe()])
     assert again.command.balance
     assert not isinstance(again.memory, Holding)
 
 
-def test_leaving_ends_at_once_while_the_pose_is_held(manipulate, seen):
-    (held,) = run(manipulate, None, [seen(**BOTH_HIPS)])
+def test_leaving_ends_at_once_while_the_pose_is_held(manipulate, observe):
+    (held,) = run(manipulate, None, [observe(users=BOTH_HIPS)])
     assert not held.finished
-    (left,) = run(manipulate, held.memory, [seen(**BOTH_HIPS)], leaving=True)
+    (left,) = run(manipulate, held.memory, [observe(users=BOTH_HIPS)], leaving=True)
     assert left.finished
 
 
-def test_a_wish_outlasts_the_time_without_a_leg(manipulate, seen):
+def test_a_wish_outlasts_the_time_without_a_leg(manipulate, observe):
     wish = AtlasSimInterfaceCommand()
     wish.behavior = wish.MANIPULATE
     wish.manipulate_params.use_desired = True
     wish.manipulate_params.desired.pelvis_height = 0.80
-    outcomes = run(manipulate, None, [seen(), seen(**BOTH_HIPS), seen()], wish)
+    outcomes = run(
+        manipulate, None, [observe(), observe(users=BOTH_HIPS), observe()], wish
+    )
     # A message of another kind, such as one that gives the legs back, asks for nothing.
     silent = AtlasSimInterfaceCommand()
     silent.behavior = silent.MANIPULATE
     held = outcomes[1].memory
-    (resumed,) = run(manipulate, held, [seen()], silent)
+    (resumed,) = run(manipulate, held, [observe()], silent)
     for memory in (outcomes[2].memory, resumed.memory):
         report = AtlasSimInterfaceState()
         manipulate.report(memory, report)
@@ -136,11 +123,9 @@ def test_a_wish_outlasts_the_time_without_a_leg(manipulate, seen):
         assert clamped.pelvis_height == pytest.approx(0.80, abs=1e-6)
 
 
-def test_the_robot_is_still_looked_at(manipulate, seen, observe):
-    (held,) = run(manipulate, None, [seen(**BOTH_HIPS)])
-    tilted = dataclasses.replace(
-        observe(pitch=0.1), user_share=seen(**BOTH_HIPS).user_share
-    )
+def test_the_robot_is_still_looked_at(manipulate, observe):
+    (held,) = run(manipulate, None, [observe(users=BOTH_HIPS)])
+    tilted = observe(pitch=0.1, users=BOTH_HIPS)
     (later,) = run(manipulate, held.memory, [tilted])
     report = AtlasSimInterfaceState()
     manipulate.report(later.memory, report)

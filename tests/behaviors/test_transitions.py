@@ -181,7 +181,7 @@ def test_stand_takes_over_only_a_robot_that_it_can_hold(
 def test_joints_that_stay_with_the_user_may_move_as_they_like(make, observe):
     robot = make(USER)
     robot.ask(STAND)
-    robot.tick(observe(joints={WRIST: 8.0}, held=(WRIST,)))
+    robot.tick(observe(joints={WRIST: 8.0}, users={WRIST: 1.0}))
     assert robot.report.current_behavior is STAND
 
 
