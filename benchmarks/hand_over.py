@@ -24,7 +24,7 @@ share of its effort limit [-]."""
 
 
 def hand_overs(
-    model: str = "atlas", duration: float = DURATION
+    model: str = "atlas", duration: float = DURATION, physics_step: float = 0.001
 ) -> list[dict[str, Any]]:
     """Every hand-over of the tutorial.
 
@@ -33,9 +33,13 @@ def hand_overs(
         joints ``changed`` hands, and the joint with the largest jump as a share of its
         limit: among those that are ``the behaviour's`` after it, and ``the user's``.
     """
-    sim = AtlasSimulation(Scenario(model=model, programme="tutorial"))
+    sim = AtlasSimulation(
+        Scenario(model=model, programme="tutorial", physics_step=physics_step)
+    )
     robot, period = sim.robot, sim.scenario.control_period
     effort = sim.diagram.GetOutputPort("effort")
+    # The report holds the shares too, but costs as much as a tick.
+    commands = sim.diagram.GetOutputPort("commands")
     found = []
     before = None
     for tick in range(1, round(duration / period)):
@@ -43,7 +47,7 @@ def hand_overs(
         sim.simulator.AdvanceTo((tick + 0.25) * period)
         now = (
             effort.Eval(sim.context),
-            np.array(sim.atlas_sim_interface_state.k_effort),
+            commands.Eval(sim.context).k_effort,
             sim.current_behavior,
         )
         if before is not None:

@@ -19,7 +19,6 @@ from atlas_drake import (
 )
 
 POSES = [  # what, and how [m], [rad]
-    ("the customary height", {"pelvis_height": 0.8}),
     ("lean forward", {"pelvis_height": 0.85, "pelvis_pitch": 0.35}),
     ("weight to the left", {"pelvis_height": 0.85, "com_v0": 0.08}),
     ("turn and tilt", {"pelvis_yaw": -0.1, "pelvis_roll": 0.15}),
@@ -54,7 +53,7 @@ for what, pose in POSES:
     for field, value in pose.items():
         setattr(desired, field, value)
     sim.publish(command)
-    sim.advance(3.5)
+    sim.advance(3.0)
     feedback = sim.atlas_sim_interface_state.manipulate_feedback
     granted, sensed = feedback.clamped, feedback.internal_sensed
     print(f"{sim.time:5.2f} s  {what}")

@@ -119,7 +119,7 @@ def test_the_whole_tutorial(physics_step):
 
 @pytest.mark.slow
 def test_the_tutorial_as_published_does_not_fall_either():
-    sim = AtlasSimulation(Scenario(programme="tutorial_literal"))
+    sim = AtlasSimulation(Scenario(programme="tutorial_literal", physics_step=0.002))
     sim.advance_to(DURATION)
     assert_upright(sim)
     assert len(sim.footsteps) == 4

@@ -140,14 +140,14 @@ def test_sideways(sim):
 
 def test_a_full_turn_on_the_spot(sim):
     path = Path(sim)
-    pairs = 21
+    pairs, turn = 14, 0.45
     for _ in range(pairs):
-        path.step(turn=0.3).step()
+        path.step(turn=turn).step()
     walk(sim, path.steps)
     assert_walked(sim, path.steps)
     turned = sim.pelvis_pose.rotation().ToAngleAxis()
     yaw = turned.angle() * turned.axis()[2]
-    assert math.remainder(yaw - pairs * 0.3, 2 * math.pi) == pytest.approx(0, abs=0.05)
+    assert math.remainder(yaw - pairs * turn, 2 * math.pi) == pytest.approx(0, abs=0.05)
     np.testing.assert_allclose(sim.pelvis_pose.translation()[:2], 0.0, atol=0.06)
 
 
