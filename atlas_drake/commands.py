@@ -28,6 +28,8 @@ from atlas_drake.robot import Robot
 
 _log = logging.getLogger(__name__)
 
+Command = AtlasCommand | AtlasSimInterfaceCommand
+
 
 @dataclass(frozen=True)
 class BehaviorRequest(Frozen):
@@ -63,6 +65,8 @@ class CommandsInForce(Frozen):
         error_code: Of the last message; NO_ERRORS once one is accepted.
         refusals: The latest refused messages, oldest first.
         refused: How many there were in all.
+        messages: The latest messages, refused ones too, oldest first.
+        received: How many there were in all.
         atlas_command: The last joint command looked at, to notice the next one.
         sim_command: The last behaviour command looked at.
         atlas_stamp: Time stamp of the last accepted joint command [s].
@@ -74,6 +78,8 @@ class CommandsInForce(Frozen):
     error_code: ErrorCode = ErrorCode.NO_ERRORS
     refusals: tuple[Refusal, ...] = ()
     refused: int = 0
+    messages: tuple[Command, ...] = ()
+    received: int = 0
     atlas_command: AtlasCommand | None = None
     sim_command: AtlasSimInterfaceCommand | None = None
     atlas_stamp: float | None = None
@@ -96,8 +102,8 @@ SERVO_FIELDS = (
 )
 """Joint arrays that a behaviour command has too; the later message counts."""
 
-KEPT_REFUSALS = 50
-"""How many refusals are kept for the log."""
+KEPT = 50
+"""How many messages and refusals are kept for the log."""
 
 
 def commands_at_start(robot: Robot, behavior: Behavior) -> CommandsInForce:
@@ -151,13 +157,31 @@ def latch(
     if not (new_atlas or new_sim):
         return force
     if new_atlas and new_sim and _stamp(atlas_command) > _stamp(sim_command):
-        force = _take(force, sim_command, _apply_sim_command, robot, time)
-        return _take(force, atlas_command, _apply_atlas_command, robot, time)
+        force = _take(force, "sim_command", sim_command, robot, time)
+        return _take(force, "atlas_command", atlas_command, robot, time)
     if new_atlas:
-        force = _take(force, atlas_command, _apply_atlas_command, robot, time)
+        force = _take(force, "atlas_command", atlas_command, robot, time)
     if new_sim:
-        force = _take(force, sim_command, _apply_sim_command, robot, time)
+        force = _take(force, "sim_command", sim_command, robot, time)
     return force
+
+
+def apply(
+    force: CommandsInForce, message: Command, robot: Robot, time: float
+) -> CommandsInForce:
+    """What is in force once a message has been applied.
+
+    Args:
+        force: In force so far.
+        message: A snapshot.
+        robot: Whose joints the message is about.
+        time: Now [s].
+
+    Raises:
+        InvalidMessageError: If it cannot be applied; it names field and value.
+    """
+    port = "atlas_command" if isinstance(message, AtlasCommand) else "sim_command"
+    return _APPLY[port](force, message, robot, time)
 
 
 def _stamp(message: object) -> float:
@@ -167,20 +191,18 @@ def _stamp(message: object) -> float:
 
 
 def _take(
-    force: CommandsInForce,
-    message: Any,
-    apply: Callable[[CommandsInForce, Any, Robot, float], CommandsInForce],
-    robot: Robot,
-    time: float,
+    force: CommandsInForce, port: str, message: Any, robot: Robot, time: float
 ) -> CommandsInForce:
-    """Applies one message, or notes why not."""
-    if apply is _apply_atlas_command:
-        seen = replace(force, atlas_command=message)
-    else:
-        seen = replace(force, sim_command=message)
+    """Applies the message of one port, whatever it is, or notes why not."""
+    seen = replace(
+        force,
+        messages=(*force.messages, message)[-KEPT:],
+        received=force.received + 1,
+        **{port: message},
+    )
     try:
         return replace(
-            apply(seen, message, robot, time), error_code=ErrorCode.NO_ERRORS
+            _APPLY[port](seen, message, robot, time), error_code=ErrorCode.NO_ERRORS
         )
     except InvalidMessageError as error:
         refusal = Refusal(time, error.error_code, f"refused: {error}")
@@ -188,7 +210,7 @@ def _take(
         return replace(
             seen,
             error_code=error.error_code,
-            refusals=(*seen.refusals, refusal)[-KEPT_REFUSALS:],
+            refusals=(*seen.refusals, refusal)[-KEPT:],
             refused=seen.refused + 1,
         )
 
@@ -233,6 +255,13 @@ def _apply_sim_command(
         request=BehaviorRequest(behavior, message, force.request.number + 1),
         sim_stamp=message.header.stamp or time,
     )
+
+
+_APPLY: dict[str, Callable[[CommandsInForce, Any, Robot, float], CommandsInForce]] = {
+    "atlas_command": _apply_atlas_command,
+    "sim_command": _apply_sim_command,
+}
+"""By the field that remembers the message."""
 
 
 def _given(message: object, names: tuple[str, ...]) -> dict[str, np.ndarray]:

@@ -54,7 +54,8 @@ class Start:
     harnessed: bool = False
     """Hangs with its feet in the air, in a harness that holds the pelvis."""
     release_time: float | None = None
-    """When the harness lets the robot down by itself [s]; null for not by itself."""
+    """Time after the start, or the reset, at which the harness lets the robot down by
+    itself [s]; null for not by itself."""
 
     def validate(self, behavior: Behavior) -> None:
         """Checks every field against each other and the behaviour to begin with.

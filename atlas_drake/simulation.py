@@ -20,6 +20,7 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Context
 
 from atlas_drake.behaviors.base import Event
+from atlas_drake.commands import apply
 from atlas_drake.diagrams.atlas_station import StationConfig
 from atlas_drake.diagrams.control_mode_switch import make_control_mode_switch
 from atlas_drake.diagrams.station_reset import reset_station
@@ -33,9 +34,6 @@ from atlas_drake.messages import (
     AtlasState,
     Behavior,
     Imu,
-    Message,
-    validate_atlas_command,
-    validate_sim_interface_command,
 )
 from atlas_drake.noise import NOISE_MODELS
 from atlas_drake.pushes import Push, make_push
@@ -183,31 +181,30 @@ class AtlasSimulation:
     def publish(self, message: AtlasCommand | AtlasSimInterfaceCommand) -> None:
         """Sends a command; it takes effect at the next control update.
 
-        The message is copied: the caller may go on changing and sending it. Of two
-        messages of one kind sent at the same instant the second counts.
+        The message is copied: the caller may go on changing and sending it. Messages
+        of one instant are taken in the order in which they are sent.
 
         Raises:
             InvalidMessageError: If the message cannot be applied. The robot then
                 reports the error's code, and what was in force stays in force.
             TypeError: If it is no command.
         """
-        force = self._output("commands")
-        names = self.robot.joint_names
         if isinstance(message, AtlasCommand):
-            self._send("other_atlas_command", message)
-            validate_atlas_command(message, names, force.atlas_stamp)
+            port = "other_atlas_command"
         elif isinstance(message, AtlasSimInterfaceCommand):
-            self._send("other_atlas_sim_interface_command", message)
-            validate_sim_interface_command(message, names, force.sim_stamp)
+            port = "other_atlas_sim_interface_command"
         else:
             raise TypeError(
                 "publish takes an AtlasCommand or an AtlasSimInterfaceCommand, not "
                 f"{type(message).__name__}"
             )
-
-    def _send(self, port: str, message: Message) -> None:
-        """Puts a copy on the port also if it is faulty: the robot refuses it itself."""
+        before = self._output("commands")
+        # Also if it is faulty: the robot refuses it itself.
         self.diagram.GetInputPort(port).FixValue(self.context, message.snapshot())
+        interface = self.station.GetSubsystemByName("command_interface")
+        for system in (self._scheduler, interface):
+            system.take_in(system.GetMyMutableContextFromRoot(self.context))
+        apply(before, message, self.robot, self.time)
 
     def apply_push(
         self, body: str, force_W: Sequence[float] | np.ndarray, duration: float
@@ -346,6 +343,7 @@ class AtlasSimulation:
     def _place(self, variation: Variation, start: Start) -> None:
         """Puts the robot where it begins, and into the harness if there is one."""
         clearance = CLEARANCE if start.harnessed else 0.0
+        self._release_time = None
         plant, context = self.plant, self._plant_context()
         terrain = self.scenario.terrain
         place_robot(plant, context, self.robot, variation, terrain, clearance)
@@ -357,7 +355,8 @@ class AtlasSimulation:
             X_WP = self.pelvis_pose
             p_WP, R_WP = X_WP.translation(), X_WP.rotation().matrix()
             harness.hold(own, p_WP, R_WP, clearance)
-            self._release_time = start.release_time
+            if start.release_time is not None:
+                self._release_time = self.time + start.release_time
         else:
             harness.let_go(own)
 

@@ -9,7 +9,7 @@ import pytest
 
 from atlas_drake.commands import (
     JOINT_FIELDS,
-    KEPT_REFUSALS,
+    KEPT,
     SERVO_FIELDS,
     CommandsInForce,
     commands_at_start,
@@ -359,10 +359,10 @@ def test_an_accepted_message_clears_the_error_but_not_the_log(robot, start):
 def test_refusals_are_counted_but_only_the_latest_kept(robot, start, caplog):
     caplog.set_level(logging.CRITICAL)
     force = start
-    for number in range(KEPT_REFUSALS + 7):
+    for number in range(KEPT + 7):
         force = sent(force, robot, AtlasCommand(position=[0.0]), time=float(number))
-    assert force.refused == KEPT_REFUSALS + 7
-    assert [r.time for r in force.refusals] == list(range(7, KEPT_REFUSALS + 7))
+    assert force.refused == KEPT + 7
+    assert [r.time for r in force.refusals] == list(range(7, KEPT + 7))
 
 
 def test_refusals_are_logged(robot, start, caplog):

@@ -201,6 +201,18 @@ def test_the_harness_lets_go_by_itself_at_its_time():
     assert [event.time for event in events] == [pytest.approx(0.05)]
 
 
+def test_after_a_reset_the_harness_waits_anew_and_only_if_it_holds():
+    start = Start(harnessed=True, release_time=0.05)
+    sim = AtlasSimulation(Scenario(initial_behavior="FREEZE", start=start))
+    sim.advance(0.1)
+    sim.reset()
+    sim.advance(0.1)
+    sim.reset("STAND", Start())
+    sim.advance(0.1)
+    events = [event for event in sim.events if event.kind == "harness"]
+    assert [event.time for event in events] == pytest.approx([0.05, 0.15])
+
+
 @pytest.mark.parametrize(
     ("fields", "fault"),
     [

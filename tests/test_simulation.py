@@ -98,6 +98,40 @@ def test_a_bad_message_raises_is_reported_and_changes_nothing(
     assert sim.atlas_sim_interface_state.error_code is ErrorCode.NO_ERRORS
 
 
+def test_messages_of_one_instant_are_taken_in_their_order(sim):
+    neck = AtlasState.neck_ry
+    # The gains of one and the shares of the next, and what comes last counts.
+    sim.publish(joint_command(kp_position=[7.0] * 28))
+    sim.publish(joint_command(k_effort=[255] * 28))
+    stand = behavior_command("STAND")
+    stand.k_effort = [0] * 28
+    sim.publish(stand)
+    sim.publish(joint_command(k_effort=[255 * (k == neck) for k in range(28)]))
+    sim.advance(TICK)
+    state = sim.atlas_state
+    assert list(state.kp_position) == [7.0] * 28
+    assert [k for k in range(28) if state.k_effort[k]] == [neck]
+
+
+def test_a_faulty_message_takes_nothing_from_the_one_before_it(sim):
+    sim.publish(behavior_command("USER"))
+    with pytest.raises(InvalidMessageError):
+        sim.publish(joint_command(position=[np.nan] * 28))
+    faulty = behavior_command("STAND")
+    faulty.k_effort = [256] * 28
+    with pytest.raises(InvalidMessageError):
+        sim.publish(faulty)
+    sim.advance(TICK)
+    assert sim.current_behavior is Behavior.USER
+    assert list(sim.atlas_state.k_effort) == [255] * 28
+    assert [event.kind for event in sim.events].count("refusal") == 2
+
+
+def test_a_bound_that_crosses_the_one_in_force_is_refused_at_once(sim):
+    with pytest.raises(InvalidMessageError, match=r"i_effort_min\[0\]"):
+        sim.publish(joint_command(i_effort_min=[5.0] * 28))
+
+
 @pytest.mark.parametrize("thing", [None, "STAND", {"behavior": 3}, AtlasState()])
 def test_only_commands_are_published(sim, thing):
     with pytest.raises(TypeError, match=type(thing).__name__):

@@ -7,6 +7,7 @@ and hand back, so that the Context of a diagram can own it.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
@@ -36,7 +37,7 @@ class Observation:
     foot_force: np.ndarray
     user_share: np.ndarray
 
-    @property
+    @cached_property
     def user_held(self) -> np.ndarray:
         """Joints whose effort the user decides alone, bool, shape (n,)."""
         return self.user_share >= 1.0

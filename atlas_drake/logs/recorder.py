@@ -90,7 +90,7 @@ class LogRecorder(LeafSystem):
         self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._sample)
         self.DeclarePeriodicPublishEvent(period, 0.0, self._write)
         self._written_time = -np.inf
-        self._seen: dict[str, object] = dict.fromkeys(COMMANDS)
+        self._received = 0
 
     # ---- writing -------------------------------------------------------------
 
@@ -114,11 +114,11 @@ class LogRecorder(LeafSystem):
             return
         self._written_time = time
         commands: Any = self._ports["commands"].Eval(context)
-        latest = (commands.atlas_command, commands.sim_command)
-        for kind, message in zip(COMMANDS, latest, strict=True):
-            if message is not None and message is not self._seen[kind]:
-                self._seen[kind] = message
-                self._writer.note(Note(time, kind, to_plain(message)))
+        fresh = commands.received - self._received
+        self._received = commands.received
+        for message in commands.messages[len(commands.messages) - fresh :]:
+            kind = next(k for k, cls in COMMANDS.items() if isinstance(message, cls))
+            self._writer.note(Note(time, kind, to_plain(message)))
         self._writer.row(row)
 
     # ---- sampling ------------------------------------------------------------

@@ -23,6 +23,11 @@ def check_kind(value: object, kind: type[Message], field: str) -> None:
         )
 
 
+LARGEST = 1e12
+"""Largest size of a number in a message, whatever its unit: products of larger ones
+could leave the range of floating point."""
+
+
 def check_number(
     value: object,
     field: str,
@@ -30,7 +35,7 @@ def check_number(
     *,
     strictly: bool = False,
 ) -> float:
-    """Check that a value is a finite number, and not too small.
+    """Check that a value is a finite number, not too large and not too small.
 
     Args:
         value: The value; truth values are not numbers.
@@ -42,13 +47,18 @@ def check_number(
         The number.
 
     Raises:
-        InvalidMessageError: If it is none, not finite, or too small.
+        InvalidMessageError: If it is none, not finite, beyond ``LARGEST`` or too
+            small.
     """
     number = _float(value)
     if number is None:
         raise InvalidMessageError(field, value, f"must be a number, is {value!r}")
     if not math.isfinite(number):
         raise InvalidMessageError(field, value, f"must be finite, is {value!r}")
+    if abs(number) > LARGEST:
+        raise InvalidMessageError(
+            field, value, f"must be within ±{LARGEST:g}, is {value!r}"
+        )
     if number < lower or (strictly and number == lower):
         bound = "greater than" if strictly else "at least"
         raise InvalidMessageError(
@@ -96,11 +106,14 @@ def check_joint_array(
 
     Raises:
         InvalidMessageError: If it is no such list, has another length, or an element
-            is no number, not finite, out of bounds, or not whole.
+            is no number, not finite, beyond ``LARGEST``, out of bounds, or not whole.
     """
     numbers = _joint_numbers(values, field, joint_names)
     bad = ~np.isfinite(numbers)
     requirement = "must be finite"
+    if not bad.any():
+        bad = np.abs(numbers) > LARGEST
+        requirement = f"must be within ±{LARGEST:g}"
     if not bad.any():
         bad = (numbers < lower) | (numbers > upper)
         requirement = f"must be at least {lower:g}"

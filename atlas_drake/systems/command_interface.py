@@ -72,7 +72,7 @@ class CommandInterface(LeafSystem):
     def reset(self, context: Context, behavior: Behavior) -> None:
         """Puts in force what was at the start, with ``behavior`` asked for.
 
-        What lies on the ports counts as seen; the log of refusals is kept.
+        What lies on the ports counts as seen; the log of messages is kept.
         """
         before = context.get_abstract_state(self._state).get_value()
         atlas_command, sim_command = self._messages(context)
@@ -80,9 +80,19 @@ class CommandInterface(LeafSystem):
             commands_at_start(self._robot, behavior),
             refusals=before.refusals,
             refused=before.refused,
+            messages=before.messages,
+            received=before.received,
             atlas_command=atlas_command,
             sim_command=sim_command,
         )
+        context.get_mutable_abstract_state(self._state).set_value(after)
+
+    def take_in(self, context: Context) -> None:
+        """Puts in force what lies on the ports now, so that more can be laid there.
+
+        For senders outside the diagram, who are faster than its clock.
+        """
+        after = self._commands.Eval(context)
         context.get_mutable_abstract_state(self._state).set_value(after)
 
     def _messages(self, context: Context) -> list[Any]:

@@ -2,7 +2,8 @@
 
 A programme is a list of messages, or of functions that make one from the latest
 feedback: footsteps, for example, are thought of in the robot's frame and have to be
-moved to the world frame when they are sent.
+moved to the world frame when they are sent. Entries of the same time are sent in their
+order, one in each tick, so that none takes another's place on its port.
 """
 
 from collections.abc import Callable, Sequence
@@ -11,6 +12,7 @@ from dataclasses import dataclass
 from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context, LeafSystem, State, ValueProducer
 
+from atlas_drake.commands import Command
 from atlas_drake.frozen import Frozen, replace
 from atlas_drake.messages import (
     AtlasCommand,
@@ -19,8 +21,6 @@ from atlas_drake.messages import (
     AtlasState,
     Imu,
 )
-
-Command = AtlasCommand | AtlasSimInterfaceCommand
 
 
 @dataclass(frozen=True)
@@ -127,6 +127,11 @@ class CommandScheduler(LeafSystem):
         )
         self.DeclarePeriodicUnrestrictedUpdateEvent(period, 0.0, self._update)
 
+    def take_in(self, context: Context) -> None:
+        """Passes on what lies on the ports now, so that more can be laid there."""
+        after = self._now.Eval(context)
+        context.get_mutable_abstract_state(self._state).set_value(after)
+
     def _calc_now(self, context: Context, result: AbstractValue) -> None:
         state: SchedulerState = context.get_abstract_state(self._state).get_value()
         atlas, sim = (
@@ -143,9 +148,7 @@ class CommandScheduler(LeafSystem):
         after = self._now.Eval(context)
         # A hair of slack: times are sums of rounded periods.
         now = context.get_time() + 1e-9
-        while (
-            after.sent < len(self.programme) and self.programme[after.sent].time <= now
-        ):
+        if after.sent < len(self.programme) and self.programme[after.sent].time <= now:
             after = self._send(context, after, self.programme[after.sent])
         state.get_mutable_abstract_state(self._state).set_value(after)
 

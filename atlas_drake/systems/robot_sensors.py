@@ -241,17 +241,20 @@ def contact_wrenches(
     totals = [[0.0] * 6 for _ in bodies]
     for k in range(results.num_point_pair_contacts()):
         info = results.point_pair_contact_info(k)
-        body_B, body_A = int(info.bodyB_index()), int(info.bodyA_index())
-        if body_B not in bodies and body_A not in bodies:
-            continue
-        x, y, z = info.contact_point().tolist()
-        fx, fy, fz = info.contact_force().tolist()
-        wrench = (y * fz - z * fy, z * fx - x * fz, x * fy - y * fx, fx, fy, fz)
         # The force is that on body B.
-        for body, sign in ((body_B, 1.0), (body_A, -1.0)):
-            if body in bodies:
-                total = totals[bodies[body]]
-                total[:] = [a + sign * b for a, b in zip(total, wrench, strict=True)]
+        for body, sign in ((info.bodyB_index(), 1.0), (info.bodyA_index(), -1.0)):
+            place = bodies.get(int(body))
+            if place is None:
+                continue
+            x, y, z = info.contact_point().tolist()
+            fx, fy, fz = (sign * info.contact_force()).tolist()
+            total = totals[place]
+            total[0] += y * fz - z * fy
+            total[1] += z * fx - x * fz
+            total[2] += x * fy - y * fx
+            total[3] += fx
+            total[4] += fy
+            total[5] += fz
     return totals
 
 

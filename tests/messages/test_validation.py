@@ -88,6 +88,7 @@ def test_wrong_length_names_the_field_and_both_lengths(kind, name, length):
         (-float("inf"), "finite"),
         (10**400, "finite"),
         (-(10**400), "finite"),
+        (1e13, "within"),
         (None, "must be a number"),
         ("1.0", "must be a number"),
         (True, "must be a number"),

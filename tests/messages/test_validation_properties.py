@@ -19,13 +19,14 @@ from atlas_drake.messages import (
     validate_atlas_command,
     validate_sim_interface_command,
 )
+from atlas_drake.messages.checks import LARGEST
 
 JOINTS = ["neck", "knee", "wrist"]
 SETPOINTS = ["position", "velocity", "effort", "i_effort_min", "i_effort_max"]
 GAINS = ["kp_position", "ki_position", "kd_position", "kp_velocity"]
 
-finite = st.floats(allow_nan=False, allow_infinity=False)
-not_negative = st.floats(min_value=0.0, allow_nan=False, allow_infinity=False)
+finite = st.floats(-LARGEST, LARGEST)
+not_negative = st.floats(0.0, LARGEST)
 anything = st.one_of(
     st.none(),
     st.booleans(),
@@ -76,7 +77,7 @@ def test_any_value_of_an_array_gives_an_error_of_that_array_or_none(name, value)
         not value
         or (
             len(value) == len(JOINTS)
-            and all(isinstance(x, float) and math.isfinite(x) for x in value)
+            and all(isinstance(x, float) and abs(x) <= LARGEST for x in value)
         )
     )
     if not good:

@@ -89,16 +89,22 @@ def test_times_that_are_sums_of_rounded_periods_are_not_a_tick_late():
         assert run.out(ATLAS) == joint_command(float(k))
 
 
-def test_several_entries_at_one_time_are_all_counted_and_the_last_one_stays():
+def test_several_entries_at_one_time_are_all_sent_one_in_each_tick():
     run = Run(
         (0.05, joint_command(1.0)),
         (0.05, joint_command(2.0)),
         (0.05, behavior_command(Behavior.FREEZE)),
     )
-    run.to(0.055)
-    assert run.out("sent") == 3
-    assert run.out(ATLAS) == joint_command(2.0)
-    assert run.out(SIM) == behavior_command(Behavior.FREEZE)
+    ports = []
+    for tick in range(3):
+        run.to(0.05 + (tick + 0.5) * PERIOD)
+        ports.append((run.out("sent"), run.out(ATLAS), run.out(SIM)))
+    freeze = behavior_command(Behavior.FREEZE)
+    assert ports == [
+        (1, joint_command(1.0), None),
+        (2, joint_command(2.0), None),
+        (3, joint_command(2.0), freeze),
+    ]
 
 
 def test_a_function_sees_the_feedback_of_the_moment_of_sending():
