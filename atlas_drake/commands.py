@@ -61,7 +61,7 @@ class CommandsInForce(Frozen):
 
     Attributes:
         joints: For the PID bank, and who has which joint.
-        request: For the behaviour controller.
+        requests: The latest for the behaviour controller, oldest first.
         error_code: Of the last message; NO_ERRORS once one is accepted.
         refusals: The latest refused messages, oldest first.
         refused: How many there were in all.
@@ -74,7 +74,7 @@ class CommandsInForce(Frozen):
     """
 
     joints: JointCommand
-    request: BehaviorRequest
+    requests: tuple[BehaviorRequest, ...]
     error_code: ErrorCode = ErrorCode.NO_ERRORS
     refusals: tuple[Refusal, ...] = ()
     refused: int = 0
@@ -84,6 +84,11 @@ class CommandsInForce(Frozen):
     sim_command: AtlasSimInterfaceCommand | None = None
     atlas_stamp: float | None = None
     sim_stamp: float | None = None
+
+    @property
+    def request(self) -> BehaviorRequest:
+        """The latest request."""
+        return self.requests[-1]
 
     @property
     def k_effort(self) -> np.ndarray:
@@ -103,7 +108,7 @@ SERVO_FIELDS = (
 """Joint arrays that a behaviour command has too; the later message counts."""
 
 KEPT = 50
-"""How many messages and refusals are kept for the log."""
+"""How many messages, requests and refusals are kept for whoever looks late."""
 
 
 def commands_at_start(robot: Robot, behavior: Behavior) -> CommandsInForce:
@@ -129,7 +134,7 @@ def commands_at_start(robot: Robot, behavior: Behavior) -> CommandsInForce:
             i_effort_max=zero,
             k_effort=np.full(robot.num_joints, float(K_EFFORT_MAX if user else 0)),
         ),
-        request=BehaviorRequest(behavior, command.snapshot(), number=0),
+        requests=(BehaviorRequest(behavior, command.snapshot(), number=0),),
     )
 
 
@@ -244,6 +249,7 @@ def _apply_sim_command(
 ) -> CommandsInForce:
     validate_sim_interface_command(message, robot.joint_names, force.sim_stamp)
     behavior = behavior_from(message.behavior)
+    request = BehaviorRequest(behavior, message, force.request.number + 1)
     given = _given(message, SERVO_FIELDS)
     if behavior is Behavior.USER:
         # USER returns every joint to the user at once, whatever the message says.
@@ -252,7 +258,7 @@ def _apply_sim_command(
         force,
         # The same object when nothing changes, so that nothing is prepared anew.
         joints=replace(force.joints, **given) if given else force.joints,
-        request=BehaviorRequest(behavior, message, force.request.number + 1),
+        requests=(*force.requests, request)[-KEPT:],
         sim_stamp=message.header.stamp or time,
     )
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from atlas_drake.behaviors.walk import STEPS_LEFT
+from atlas_drake.behaviors.base import STEPS_LEFT
 from atlas_drake.systems.estimation_error import error_sizes
 
 if TYPE_CHECKING:

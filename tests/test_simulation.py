@@ -11,6 +11,7 @@ from atlas_drake import (
     AtlasSimulation,
     AtlasState,
     Behavior,
+    BehaviorStatus,
     InvalidMessageError,
     Scenario,
     ScenarioError,
@@ -130,6 +131,25 @@ def test_a_faulty_message_takes_nothing_from_the_one_before_it(sim):
 def test_a_bound_that_crosses_the_one_in_force_is_refused_at_once(sim):
     with pytest.raises(InvalidMessageError, match=r"i_effort_min\[0\]"):
         sim.publish(joint_command(i_effort_min=[5.0] * 28))
+
+
+def test_the_error_is_that_of_the_last_message(sim):
+    def report():
+        sim.advance(TICK)
+        return sim.atlas_sim_interface_state
+
+    sim.publish(behavior_command("USER"))
+    sim.publish(behavior_command("WALK"))
+    assert report().error_code is ErrorCode.FAILED_TO_START_BEHAVIOR
+    sim.publish(joint_command())
+    assert report().error_code is ErrorCode.NO_ERRORS
+    with pytest.raises(InvalidMessageError):
+        sim.publish(behavior_command("HOP"))
+    unknown = BehaviorStatus.FAILED_TRANS_UNKNOWN_BEHAVIOR
+    assert report().error_code is ErrorCode.NO_SUCH_BEHAVIOR
+    assert report().behavior_feedback.status_flags & unknown
+    sim.publish(behavior_command("USER"))
+    assert not report().behavior_feedback.status_flags & unknown
 
 
 @pytest.mark.parametrize("thing", [None, "STAND", {"behavior": 3}, AtlasState()])

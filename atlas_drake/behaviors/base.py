@@ -48,6 +48,10 @@ class Observation:
         return FootPose(terms.p_WF.copy(), terms.R_WF.copy())
 
 
+STEPS_LEFT = "steps left"
+"""Kind of the event that tells of steps asked for and not taken."""
+
+
 @dataclass(frozen=True)
 class Event:
     """Something worth telling the user: printed, logged, written to the summary."""

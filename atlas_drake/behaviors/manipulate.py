@@ -33,8 +33,6 @@ from atlas_drake.messages import (
     AtlasBehaviorPelvisServoParams,
     AtlasSimInterfaceCommand,
     AtlasSimInterfaceState,
-    Behavior,
-    behavior_from,
 )
 
 FOOT_SLIP = 0.002
@@ -224,10 +222,8 @@ class Manipulate:
         seen: Observation,
         request: AtlasSimInterfaceCommand,
     ) -> ManipulateMemory:
-        """Takes in a message; one that asks for another behaviour changes nothing."""
+        """Takes in a message."""
         memory = replace(memory, heard=request)
-        if behavior_from(request.behavior) is not Behavior.MANIPULATE:
-            return memory
         params = request.manipulate_params
         if params.use_demo_mode:
             if memory.demo_time is not None:

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from atlas_drake.behaviors.balance import Balance
-from atlas_drake.behaviors.base import Event, Observation, Outcome
+from atlas_drake.behaviors.base import STEPS_LEFT, Event, Observation, Outcome
 from atlas_drake.behaviors.body_reference import (
     BodyRates,
     BodyReference,
@@ -149,13 +149,23 @@ class Step:
         feedback.next_step_index_needed = memory.index + 1
         if memory.taken is None:
             return
-        if memory.phase is not StepPhase.REST:
-            ahead = memory.flight.duration
-            if memory.phase is StepPhase.SWAY:
-                ahead += memory.sway.duration
-            feedback.t_step_rem = max(ahead - memory.elapsed, 0.0)
+        feedback.t_step_rem = self._time_left(memory)
         feedback.desired_step_saturated = step_data_from(memory.step)
         feedback.desired_step_spec_saturated = step_spec_from(memory.step, memory.how)
+
+    def _time_left(self, memory: StepMemory) -> float:
+        """Until both feet carry again, if the ground is where it is thought to be [s].
+
+        It does not grow when something takes longer than planned.
+        """
+        if memory.phase is StepPhase.REST:
+            return 0.0
+        settle, flight = self._rules.settle, memory.flight.duration
+        if memory.phase is StepPhase.SETTLE:
+            return max(settle - memory.elapsed, 0.0)
+        if memory.phase is StepPhase.SWAY:
+            return max(memory.sway.duration - memory.elapsed, 0.0) + flight + settle
+        return max(flight - memory.elapsed, 0.0) + settle
 
     # ---- steps ---------------------------------------------------------------
 
@@ -208,7 +218,7 @@ class Step:
         if plan is None:
             text = f"step {wanted.step.index} is not taken: it is out of reach"
             memory = replace(memory, refused=memory.looked_at)
-            return memory, (Event(seen.time, "warning", text),)
+            return memory, (Event(seen.time, STEPS_LEFT, text),)
         taken = plan.taken
         swing = plan_step_swing(
             on_toes(feet[foot], plan.heel, self._planner.half_length),
@@ -235,6 +245,7 @@ class Step:
             sway=sway,
             sway_time=0.0,
             index=taken.index,
+            went_back=False,
             sent=wanted,
             taken=replace(
                 taken,
@@ -261,9 +272,11 @@ class Step:
         if memory.phase is StepPhase.REST:
             return self._begin(memory, seen, wanted)
         if memory.phase is StepPhase.SWAY:
-            return self._lift_off(memory, seen) if self._ready(
-                memory, seen
-            ) else memory, ()
+            if self._ready(memory, seen):
+                return self._lift_off(memory, seen), ()
+            if memory.elapsed > memory.sway.duration + self._rules.longest_wait:
+                return self._stay(memory, seen)
+            return memory, ()
         if memory.phase is StepPhase.SETTLE:
             if memory.elapsed < self._rules.settle:
                 return memory, ()
@@ -302,14 +315,27 @@ class Step:
         )
 
     def _begin_to_lower(self, memory: StepMemory) -> StepMemory:
-        """Leans into the step while the foot comes down, as far as it was asked."""
+        """Leans into the step while the foot comes down, as far as it was asked.
+
+        But only as far as the standing foot can undo it: there may be no ground.
+        """
         memory = replace(memory, phase=StepPhase.LOWER)
         distance = memory.how.step_end_dist
         if distance == 0.0:
             return memory
         over = memory.sway.end
         way = memory.step.p_WF[:2] - memory.feet[memory.stance].p_WF[:2]
-        end = over + distance * way / np.hypot(*way)
+        lean = distance * way / np.hypot(*way)
+        shares = np.linspace(1.0, 0.0, 11)
+        end = next(
+            (
+                over + share * lean
+                for share in shares
+                if memory.support.distance_outside(over + share * lean)
+                <= -self._rules.lean_inside
+            ),
+            over,
+        )
         sway = sway_from_rest(over, end, memory.flight.lower)
         return replace(memory, sway=sway, sway_time=0.0)
 
@@ -331,14 +357,30 @@ class Step:
         step = memory.step
         landed = seen.foot_pose(step.foot)
         feet = _with(memory.feet, step.foot, landed)
-        event = footstep_event(seen.time, memory.wanted.step, step, landed)
+        memory = self._rest(memory, seen, feet)
+        if memory.went_back:
+            return memory, ()
+        return memory, (footstep_event(seen.time, memory.wanted.step, step, landed),)
+
+    def _stay(
+        self, memory: StepMemory, seen: Observation
+    ) -> tuple[StepMemory, tuple[Event, ...]]:
+        """Gives up a step whose foot cannot be spared: something pushes the robot."""
+        text = f"step {memory.index} is not taken: its foot cannot be spared"
+        memory = self._rest(memory, seen, memory.feet)
+        return memory, (Event(seen.time, STEPS_LEFT, text),)
+
+    def _rest(
+        self, memory: StepMemory, seen: Observation, feet: tuple[FootPose, FootPose]
+    ) -> StepMemory:
+        """The weight goes between the feet, the one of this step pressed flat."""
         middle = 0.5 * (feet[0].p_WF + feet[1].p_WF)[:2]
         uneven = abs(float(feet[0].p_WF[2] - feet[1].p_WF[2]))
         action = self._default
         sway = self._sway_to(
             memory, middle, action.sway_duration, action.max_body_accel
         )
-        memory = replace(
+        return replace(
             memory,
             phase=StepPhase.REST,
             elapsed=0.0,
@@ -348,10 +390,9 @@ class Step:
             sway=sway,
             sway_time=0.0,
             heel=0.0,
-            fresh=step.foot,
+            fresh=memory.step.foot,
             lean=memory.lean if uneven > self._rules.level else 0.0,
         )
-        return memory, (event,)
 
     def _step_back(
         self, memory: StepMemory, seen: Observation
@@ -374,9 +415,20 @@ class Step:
         back = replace(step, p_WF=home.p_WF, yaw=home.yaw, normal=normal)
         text = f"step {step.index} found no ground and goes back"
         memory = replace(
-            memory, phase=StepPhase.SWING, elapsed=0.0, taken=back, swing=swing
+            memory,
+            phase=StepPhase.SWING,
+            elapsed=0.0,
+            taken=back,
+            swing=swing,
+            went_back=True,
         )
-        return memory, (Event(seen.time, "warning", text),)
+        if action.step_end_dist != 0.0:
+            # Over the standing foot again, from which it leant into the step.
+            over = memory.sway.start
+            sway = self._sway_to(memory, over, swing.lower, action.max_body_accel)
+            action = replace(action, step_end_dist=0.0)
+            memory = replace(memory, sway=sway, sway_time=0.0, action=action)
+        return memory, (Event(seen.time, STEPS_LEFT, text),)
 
     def _may_stand(self, memory: StepMemory, seen: Observation) -> bool:
         """Whether both feet carry; after a step that was cut short also at rest."""

@@ -46,6 +46,11 @@ class StepRules:
     """A foot that carries more than this does not lift off, in weights [-]."""
     dcm_ready: float = 0.02
     """DCM error with which a foot may lift off [m]."""
+    longest_wait: float = 0.3
+    """Time after the sway for which a foot waits to leave; then it stays [s]."""
+    lean_inside: float = 0.025
+    """How far inside the standing sole the centre of mass stays when it leans into a
+    step [m]."""
     rest_speed: float = 0.05
     """Speed of the centre of mass below which the robot is at rest [m/s]."""
     heel_begins: float = 0.5
@@ -74,6 +79,7 @@ class StepMemory:
         heel: Angle that the leaving foot's heel has risen by at lift-off [rad].
         lean: Pitch of the trunk in this phase [rad].
         fresh: The foot that landed just now, if any.
+        went_back: Whether the foot found no ground and goes to where it came from.
         leaving: Whether STAND was asked for with a foot in the air.
         refused: Parameters whose step cannot be taken.
         looked_at: The parameters that were last read, to notice new ones.
@@ -94,6 +100,7 @@ class StepMemory:
     heel: float = 0.0
     lean: float = 0.0
     fresh: int | None = None
+    went_back: bool = False
     leaving: bool = False
     refused: object = None
     looked_at: object = None

@@ -13,7 +13,13 @@ import numpy as np
 
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.step_action import DesiredStep, StepAction
-from atlas_drake.control.footstep import FootPose, Footstep, StepLimits, saturate
+from atlas_drake.control.footstep import (
+    FootPose,
+    Footstep,
+    StepLimits,
+    laid_out,
+    saturate,
+)
 from atlas_drake.control.leg_reach import (
     highest_com,
     hips_from_com,
@@ -129,7 +135,8 @@ class StepPlanner:
         """
         foot, rules = wanted.step.foot, self._rules
         stance = feet[1 - foot]
-        step = saturate(wanted.step, stance, self._limits)
+        limits = self._limits
+        step = saturate(laid_out(wanted.step, stance, limits), stance, limits)
         level = abs(float(step.p_WF[2] - stance.p_WF[2])) < rules.level
         shares = np.linspace(1.0, rules.smallest_share, 15) if level else (1.0,)
         for knee_effort in rules.knee_efforts:

@@ -6,7 +6,7 @@ Which changes are allowed is in ``transitions``.
 
 from __future__ import annotations
 
-import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,6 +20,7 @@ from atlas_drake.behaviors.body_reference import (
     BodyReference,
     capture_body,
 )
+from atlas_drake.behaviors.fall import FallLimits, sign_of_fall
 from atlas_drake.behaviors.freeze import Freeze
 from atlas_drake.behaviors.idle import Idle
 from atlas_drake.behaviors.manipulate import Manipulate
@@ -39,20 +40,15 @@ from atlas_drake.control.whole_body_command import WholeBodyCommand
 from atlas_drake.control.whole_body_model import WholeBodyModel
 from atlas_drake.errors import ErrorCode
 from atlas_drake.frozen import replace
-from atlas_drake.messages import AtlasSimInterfaceState, Behavior, BehaviorStatus
+from atlas_drake.messages import (
+    AtlasSimInterfaceCommand,
+    AtlasSimInterfaceState,
+    Behavior,
+    BehaviorStatus,
+)
 
 KEPT_EVENTS = 200
 """How many events the state keeps; whoever wants all of them reads in time."""
-
-
-@dataclass(frozen=True)
-class FallLimits:
-    """When the robot counts as falling."""
-
-    tilt: float = 0.8
-    """Angle of the pelvis' z axis from the vertical [rad]."""
-    height: float = 0.6
-    """Height of the CoM above the lower sole, as a share of the nominal one [-]."""
 
 
 @dataclass(frozen=True)
@@ -63,15 +59,19 @@ class SupervisorState:
         current: Active behaviour.
         desired: Behaviour asked for; leads ``current`` while a change takes time.
         memory: The active behaviour's own; None before its first tick.
+        entered: Whether it has had that tick.
         body: Reference of trunk and posture; None before the first tick.
         request_number: Of the last request acted upon.
+        heard: The last command that was the active behaviour's business: the one that
+            it began with, or one of its own kind since; None before the first tick.
         status: Flags of the last transition.
         trans_from: Behaviour that the last transition left.
         trans_to: Behaviour that the last transition was to.
         behavior_flags: The active behaviour's own flags, latched.
         error_code: Of the last request.
         warned: Whether the user was told that steps on legs of theirs are risky.
-        falling: Whether a fall was noticed and no behaviour begun since.
+        falling: Whether a fall was noticed, and no behaviour begun since in another
+            posture than that of a fall.
         events: The latest events.
         event_count: How many there have been.
     """
@@ -82,6 +82,7 @@ class SupervisorState:
     entered: bool = False
     body: BodyReference | None = None
     request_number: int = 0
+    heard: AtlasSimInterfaceCommand | None = None
     status: BehaviorStatus = BehaviorStatus.OK
     trans_from: Behavior = Behavior.NONE
     trans_to: Behavior = Behavior.NONE
@@ -149,21 +150,38 @@ class Supervisor:
         return _log(fresh, Event(time, "reset", text))
 
     def update(
-        self, state: SupervisorState, seen: Observation, request: BehaviorRequest
+        self,
+        state: SupervisorState,
+        seen: Observation,
+        requests: Sequence[BehaviorRequest],
     ) -> tuple[SupervisorState, WholeBodyCommand | None]:
         """One tick.
+
+        Args:
+            state: After the last tick.
+            seen: What the robot measures now.
+            requests: The latest ones, at least one, oldest first; those that came
+                since the last tick are acted upon in their order.
 
         Returns:
             The next state, and the command for the whole-body QP; None when no
             behaviour acts.
         """
         if state.body is None:
-            state = replace(state, body=capture_body(seen.terms))
+            state = replace(
+                state, body=capture_body(seen.terms), heard=requests[0].command
+            )
         state = self._watch_for_fall(state, seen)
-        if request.number != state.request_number:
-            state = self._take_request(state, seen, request)
+        if requests[-1].number != state.request_number:
+            for request in requests:
+                if request.number > state.request_number:
+                    state = self._take_request(state, seen, request)
+        if state.limp:
+            # There is nothing left to do, nor to tell of.
+            return replace(state, body=capture_body(seen.terms)), None
+        assert state.heard is not None
         if not state.entered:
-            state = self._enter(state, seen, request)
+            state = self._enter(state, seen, state.heard)
 
         if state.current in _ON_FOOT and not state.warned:
             state = self._warn_of_user_legs(state, seen)
@@ -173,7 +191,7 @@ class Supervisor:
             state.memory,
             seen,
             state.body,
-            request.command,
+            state.heard,
             leaving=state.desired != state.current,
         )
         state = replace(
@@ -192,8 +210,7 @@ class Supervisor:
                 else BehaviorStatus.WARNING_AUTO_TRANS
             )
             state = self._change(state, seen, Behavior.STAND, status)
-        command = None if state.falling else outcome.command
-        return state, command
+        return state, None if state.falling else outcome.command
 
     def report(self, state: SupervisorState, message: AtlasSimInterfaceState) -> None:
         """Fills in what the behaviours have to say."""
@@ -222,23 +239,30 @@ class Supervisor:
             state, request_number=request.number, error_code=ErrorCode.NO_ERRORS
         )
         target = request.behavior
-        if target is state.current:
+        if target is state.current and not state.limp:
             # More of the same, such as further steps, or second thoughts about
             # leaving.
             status = state.status & ~BehaviorStatus.TRANSITION_IN_PROGRESS
-            return replace(state, desired=target, status=status)
-        why = refusal(state.current, target, seen, self._balance, self._entry_limits)
+            return replace(state, desired=target, status=status, heard=request.command)
+        # Of a limp robot no behaviour has a hold, whichever is active.
+        source = Behavior.FREEZE if state.limp else state.current
+        why = refusal(source, target, seen, self._balance, self._entry_limits)
+        hint = ""
+        sign = self._sign_of_fall(seen) if target in _BALANCING else ""
+        if sign and why is BehaviorStatus.OK:
+            why = BehaviorStatus.FAILED_TRANS_COM_POS
+            hint = f" ({sign}; a reset puts the robot back on its feet)"
         if why is not BehaviorStatus.OK:
-            text = f"{state.current.name} -> {target.name} refused: {why.name}"
+            text = f"{state.current.name} -> {target.name} refused: {why.name}{hint}"
             state = replace(
                 state,
                 error_code=ErrorCode.FAILED_TO_START_BEHAVIOR,
-                status=why,
+                status=why | (state.status & BehaviorStatus.TRANSITION_IN_PROGRESS),
                 trans_from=state.current,
                 trans_to=target,
             )
             return _log(state, Event(seen.time, "refusal", text))
-        if state.current in LEAVES_IN_ORDER and target is Behavior.STAND:
+        if source in LEAVES_IN_ORDER and target is Behavior.STAND:
             # It comes to an end in good order, and says when it is done.
             return replace(
                 state,
@@ -247,6 +271,7 @@ class Supervisor:
                 trans_from=state.current,
                 trans_to=target,
             )
+        state = replace(state, heard=request.command)
         return self._change(state, seen, target, BehaviorStatus.TRANSITION_SUCCESS)
 
     def _change(
@@ -259,7 +284,6 @@ class Supervisor:
         """Makes ``target`` the active behaviour; it is entered at its first tick."""
         auto = " (by itself)" if status is BehaviorStatus.WARNING_AUTO_TRANS else ""
         text = f"{state.current.name} -> {target.name}{auto}"
-        balancing = target not in (Behavior.NONE, Behavior.USER)
         state = replace(
             state,
             current=target,
@@ -271,7 +295,7 @@ class Supervisor:
             trans_to=target,
             behavior_flags=0,
             warned=False,
-            falling=state.falling and not balancing,
+            falling=state.falling and bool(self._sign_of_fall(seen)),
         )
         return _log(
             state,
@@ -284,11 +308,14 @@ class Supervisor:
         )
 
     def _enter(
-        self, state: SupervisorState, seen: Observation, request: BehaviorRequest
+        self,
+        state: SupervisorState,
+        seen: Observation,
+        command: AtlasSimInterfaceCommand,
     ) -> SupervisorState:
         assert state.body is not None
         behavior = self._behaviors[state.current]
-        memory = behavior.enter(seen, state.body, request.command)
+        memory = behavior.enter(seen, state.body, command)
         return replace(state, memory=memory, entered=True)
 
     def _warn_of_user_legs(
@@ -305,23 +332,21 @@ class Supervisor:
     def _watch_for_fall(
         self, state: SupervisorState, seen: Observation
     ) -> SupervisorState:
-        """Notices a fall before the robot hits the ground.
-
-        A robot that hangs in the air or lies still is told from one that stands by the
-        height of its centre of mass above its own lower sole, not above the world.
-        """
+        """Notices a fall before the robot hits the ground."""
         if state.falling:
             return state
-        terms = seen.terms
-        tilt = math.acos(min(max(float(terms.R_WP[2, 2]), -1.0), 1.0))
-        sole = min(terms.feet[0].p_WF[2], terms.feet[1].p_WF[2])
-        height = float(terms.com[2] - sole)
-        limits = self._fall_limits
-        if tilt < limits.tilt and height > limits.height * self._nominal_height:
+        sign = self._sign_of_fall(seen)
+        if not sign:
             return state
-        text = f"falling in {state.current.name} (pelvis tilted {tilt:.2f} rad)"
+        text = f"falling in {state.current.name} ({sign})"
         return _log(replace(state, falling=True), Event(seen.time, "fall", text))
 
+    def _sign_of_fall(self, seen: Observation) -> str:
+        return sign_of_fall(seen.terms, self._nominal_height, self._fall_limits)
+
+
+_BALANCING = frozenset(Behavior) - {Behavior.NONE, Behavior.USER, Behavior.FREEZE}
+"""Behaviours that keep the robot on its feet, and so need it to be there."""
 
 _ON_FOOT = (Behavior.WALK, Behavior.STEP)
 """Behaviours that lift feet, and need legs of their own for it."""

@@ -61,7 +61,7 @@ def refusal(
     limits: EntryLimits,
 ) -> BehaviorStatus:
     """Why ``target`` cannot follow ``source`` now; OK when it can."""
-    if target not in LEGAL_TRANSITIONS.get(source, _ALWAYS):
+    if target not in LEGAL_TRANSITIONS[source]:
         return BehaviorStatus.FAILED_TRANS_ILLEGAL_BEHAVIOR
     standing = {Behavior.STAND} | LEAVES_IN_ORDER
     if target is not Behavior.STAND or source in standing:

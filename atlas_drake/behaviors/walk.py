@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from atlas_drake.behaviors.balance import FULL_LOAD, Balance
-from atlas_drake.behaviors.base import Event, Observation, Outcome
+from atlas_drake.behaviors.base import STEPS_LEFT, Event, Observation, Outcome
 from atlas_drake.behaviors.body_reference import (
     BodyRates,
     BodyReference,
@@ -47,8 +47,6 @@ from atlas_drake.messages import (
 )
 
 _UPRIGHT = np.zeros(2)
-STEPS_LEFT = "steps left"
-"""Kind of the event that tells of steps asked for and never taken."""
 REACH = 0.04
 """The lower leg stretches by this much where the ground is uneven [m]."""
 

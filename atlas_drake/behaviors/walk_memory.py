@@ -37,7 +37,7 @@ class WalkRules:
     unload_share: float = 0.4
     """Last share of a transfer in which the leaving foot is unloaded [-]."""
     dcm_ready: float = 0.025
-    """DCM error across the stance foot with which a foot may lift off [m]."""
+    """DCM error with which a foot may lift off [m]."""
     longest_wait: float = 0.25
     """Time that lift-off waits at most for that [s]."""
     straight_knee: float = 0.25

@@ -19,7 +19,10 @@ from atlas_drake.control.footstep import FootPose
 
 @dataclass(frozen=True)
 class StepAdjustmentLimits:
-    """How much of the error the ankles are trusted with, and how far steps move."""
+    """How much of the error is left to the ankles and to double support.
+
+    How far a step can be moved is for the limits of steps to say.
+    """
 
     cop_forward: float = 0.10
     """Shift of the CoP that the stance foot can hold along the sole [m]."""
@@ -29,10 +32,6 @@ class StepAdjustmentLimits:
     """DCM error at touchdown that double support will take up, along the sole [m]."""
     tolerated_sideways: float = 0.02
     """Likewise across the sole [m]."""
-    forward: float = 0.25
-    """Largest shift of a step along the stance foot [m]."""
-    sideways: float = 0.15
-    """Largest shift across it [m]."""
 
 
 def step_shift(
@@ -52,7 +51,7 @@ def step_shift(
         sensitivity: How far the planned DCM at touchdown moves per metre that the
             next foot moves [-].
         stance: The foot on the ground.
-        limits: What the ankles and the step can do.
+        limits: What the ankles can do.
 
     Returns:
         Horizontal shift in W [m], shape (2,), zero for errors that need no step.
@@ -61,15 +60,11 @@ def step_shift(
     x, y = dcm_error.tolist()
     growth = math.exp(omega * remaining)
 
-    def along(error: float, ankle: float, tolerated: float, reach: float) -> float:
+    def along(error: float, ankle: float, tolerated: float) -> float:
         final = error * growth
         rest = abs(final) - ankle * (growth - 1.0) - tolerated
-        return math.copysign(min(max(rest / sensitivity, 0.0), reach), final)
+        return math.copysign(max(rest / sensitivity, 0.0), final)
 
-    forward = along(
-        c * x + s * y, limits.cop_forward, limits.tolerated_forward, limits.forward
-    )
-    sideways = along(
-        c * y - s * x, limits.cop_sideways, limits.tolerated_sideways, limits.sideways
-    )
+    forward = along(c * x + s * y, limits.cop_forward, limits.tolerated_forward)
+    sideways = along(c * y - s * x, limits.cop_sideways, limits.tolerated_sideways)
     return np.array([c * forward - s * sideways, s * forward + c * sideways])

@@ -98,7 +98,7 @@ class LogPlayer(LeafSystem):
         request = self._requests.get(number, self._start.request)
         k_effort = log["joints.k_effort"][row].astype(float)
         joints = replace(self._start.joints, k_effort=k_effort)
-        return replace(self._start, request=request, joints=joints)
+        return replace(self._start, requests=(request,), joints=joints)
 
     def _controller_state(self, context: Context) -> ControllerState:
         # The latest events, as in the controller.

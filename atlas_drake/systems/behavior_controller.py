@@ -38,6 +38,7 @@ from atlas_drake.messages import (
     K_EFFORT_MAX,
     AtlasSimInterfaceState,
     Behavior,
+    BehaviorStatus,
     Pose,
     Quaternion,
     Vector3,
@@ -166,7 +167,7 @@ class BehaviorController(LeafSystem):
             user_share=share,
         )
         supervisor, command = self._supervisor.update(
-            before.supervisor, seen, commands.request
+            before.supervisor, seen, commands.requests
         )
         if command is None:
             effort = (
@@ -211,8 +212,14 @@ class BehaviorController(LeafSystem):
         message = AtlasSimInterfaceState()
         message.header.stamp = context.get_time()
         self._supervisor.report(memory.supervisor, message)
-        if commands.error_code is not ErrorCode.NO_ERRORS:
+        last = commands.messages[-1] if commands.messages else None
+        if last is not commands.request.command:
+            # Another message than the one that the behaviours heard.
             message.error_code = commands.error_code
+        if commands.error_code is ErrorCode.NO_SUCH_BEHAVIOR:
+            message.behavior_feedback.status_flags |= (
+                BehaviorStatus.FAILED_TRANS_UNKNOWN_BEHAVIOR
+            )
         message.f_out = memory.effort.tolist()
         message.k_effort = commands.k_effort.astype(int).tolist()
         message.pos_est.position = Vector3.from_array(state[self._pelvis.position])

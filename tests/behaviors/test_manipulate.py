@@ -148,14 +148,6 @@ def test_messages_change_the_goal_and_no_desired_keeps_it(start, observe):
     assert robot.feedback.clamped.pelvis_height == 0.83
 
 
-def test_a_message_for_another_behavior_is_not_listened_to(start, observe):
-    robot = start(message(pelvis_height=0.85))
-    refused = message(pelvis_height=0.7)
-    refused.behavior = "walk"
-    robot.tick(observe(), refused)
-    assert robot.feedback.clamped.pelvis_height == 0.85
-
-
 def test_the_demo_is_not_begun_anew_and_stops_where_it_is(start, observe):
     demo = message(demo=True)
     robot = start(demo)

@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 from atlas_drake import AtlasSimInterfaceCommand, Scenario
+from atlas_drake.behaviors.base import STEPS_LEFT
+from atlas_drake.behaviors.step_memory import StepRules
 from atlas_drake.messages import (
     NO_STEP,
     AtlasBehaviorStepData,
@@ -46,6 +48,10 @@ def waiting(index):
     return look
 
 
+def in_step(report):
+    return report.step_feedback.t_step_rem > 0.0
+
+
 def in_air(report):
     return flags(report) == StepStatus.SUBSTATE_STEPPING
 
@@ -82,7 +88,8 @@ class Stepping:
         """Every step landed in place; upright, and nothing to complain of."""
         sim = self.sim
         assert not sim.has_fallen
-        assert [e.text for e in sim.events if e.kind == "warning"] == []
+        complaints = [e.text for e in sim.events if e.kind in ("warning", STEPS_LEFT)]
+        assert complaints == []
         landed = [step["index"] for step in sim.footsteps]
         assert landed == list(range(1, self.index + 1))
         for step in sim.footsteps:
@@ -248,12 +255,52 @@ def test_ground_that_is_lower_than_told_is_looked_for(stepping):
 @pytest.mark.slow
 def test_a_foot_that_finds_no_ground_goes_back(stepping):
     robot = stepping()
-    step = robot.step(LEFT, 0.2, 0.14, 0.15)
-    (warning,) = [e for e in robot.sim.events if e.kind == "warning"]
-    assert "no ground" in warning.text
-    np.testing.assert_allclose(step["landed"][:2], STANDING[LEFT], atol=LANDING_ERROR)
+    # It has leant into the step, too.
+    robot.send(LEFT, 0.2, 0.14, 0.15, step_end_dist=0.03)
+    assert robot.recording.advance(LONGEST, waiting(1))
+    (left,) = [e for e in robot.sim.events if e.kind == STEPS_LEFT]
+    assert "no ground" in left.text
+    assert not robot.sim.has_fallen
+    foot = robot.report.foot_pos_est[LEFT].position
+    np.testing.assert_allclose([foot.x, foot.y], STANDING[LEFT], atol=LANDING_ERROR)
+    # A foot that is back where it was has taken no step.
+    assert robot.sim.footsteps == []
+    assert not robot.sim.summary()["success"]
+    robot.stand()
+
+
+@pytest.mark.slow
+def test_a_foot_that_cannot_be_spared_stays(stepping):
+    robot = stepping()
+    robot.sim.apply_push("utorso", [0.0, 36.0, 0.0], 100.0)
+    robot.send(LEFT, 0.15, 0.12)
+    robot.recording.advance(4.0)
+    (left,) = [e for e in robot.sim.events if e.kind == STEPS_LEFT]
+    assert "cannot be spared" in left.text
     assert not robot.sim.has_fallen
     robot.stand()
+
+
+@pytest.mark.slow
+def test_the_time_left_of_a_step_only_falls(stepping):
+    robot = stepping()
+    robot.send(LEFT, 0.15, 0.12, step_end_dist=0.03)
+    assert robot.recording.advance(LONGEST, waiting(1))
+    looks = [look for look in robot.recording.looks if in_step(look.report)]
+    left = np.array([look.report.step_feedback.t_step_rem for look in looks])
+    assert (np.diff(left) <= 1e-9).all()
+    # It was right from the start.
+    taken = looks[-1].time - looks[0].time
+    assert left[0] == pytest.approx(taken, abs=0.3)
+    robot.assert_done()
+
+
+def test_a_height_that_no_foot_can_mean_is_that_of_the_ground(stepping):
+    robot = stepping()
+    robot.send(LEFT, 0.15, 0.12, 0.9)
+    robot.recording.advance(0.1)
+    spec = robot.report.step_feedback.desired_step_spec_saturated
+    assert spec.foot.position.z == pytest.approx(0.0, abs=0.005)
 
 
 @pytest.mark.slow
@@ -333,7 +380,7 @@ def test_a_step_is_reported_as_it_is_taken(stepping):
     assert spec.action.step_duration > 2.0
     assert data.duration == spec.action.step_duration
     assert data.swing_height >= 0.12
-    planned = spec.action.sway_duration + spec.action.step_duration
+    planned = spec.action.sway_duration + spec.action.step_duration + StepRules.settle
     assert feedback.t_step_rem == pytest.approx(planned - 0.12, abs=0.05)
 
 
@@ -359,8 +406,8 @@ def test_a_step_out_of_reach_is_refused_and_the_next_one_taken(stepping):
     robot = stepping(model="atlas_v3")
     robot.send(LEFT, -0.25, 0.13, -0.15)
     robot.recording.advance(0.3)
-    (warning,) = [e for e in robot.sim.events if e.kind == "warning"]
-    assert "out of reach" in warning.text
+    (left,) = [e for e in robot.sim.events if e.kind == STEPS_LEFT]
+    assert "out of reach" in left.text
     assert robot.report.step_feedback.current_step_index == 0
     robot.index = 0
     robot.send(LEFT, 0.1, 0.13)

@@ -16,6 +16,7 @@ from atlas_drake.messages import (
     AtlasState,
     Behavior,
     BehaviorStatus,
+    behavior_from,
 )
 
 NONE, FREEZE, STAND_PREP, STAND, WALK, STEP, MANIPULATE, USER = Behavior
@@ -60,9 +61,14 @@ class Robot:
     def ask(self, behavior):
         self.request = self._request(behavior, self.request.number + 1)
 
+    def send(self, command):
+        self.request = BehaviorRequest(
+            behavior_from(command.behavior), command.snapshot(), self.request.number + 1
+        )
+
     def tick(self, seen):
         self.state, self.command = self.supervisor.update(
-            self.state, seen, self.request
+            self.state, seen, (self.request,)
         )
 
     @property
@@ -239,13 +245,105 @@ def test_a_fall_is_noticed_once_and_ends_all_effort(make, observe, behavior):
     # It stays so until another behaviour begins ...
     robot.tick(observe())
     assert robot.command is None
-    robot.ask(USER)
-    robot.tick(observe())
-    flags = robot.report.behavior_feedback.status_flags
-    assert flags & BehaviorStatus.ERROR_FALLING
-    # ... that keeps the robot up.
     robot.ask(STAND)
     robot.tick(observe())
     flags = robot.report.behavior_feedback.status_flags
     assert not flags & BehaviorStatus.ERROR_FALLING
     assert robot.command is not None
+
+
+@pytest.mark.parametrize("behavior", [USER, FREEZE], ids=lambda b: b.name)
+def test_a_robot_that_lies_stays_a_fallen_one_whoever_has_it(make, observe, behavior):
+    robot = make(STAND)
+    lying = observe(pitch=1.5)
+    robot.tick(lying)
+    robot.ask(behavior)
+    for _ in range(3):
+        robot.tick(lying)
+        flags = robot.report.behavior_feedback.status_flags
+        assert flags & BehaviorStatus.ERROR_FALLING
+        assert robot.command is None
+    assert len(robot.texts("fall")) == 1
+
+
+@pytest.mark.parametrize(
+    "target", [STAND, STAND_PREP, WALK, STEP, MANIPULATE], ids=lambda b: b.name
+)
+@pytest.mark.parametrize("source", LEGAL, ids=lambda b: b.name)
+def test_no_behavior_takes_a_robot_that_lies(make, observe, source, target):
+    robot = make(source)
+    lying = observe(pitch=1.5)
+    robot.tick(lying)
+    robot.ask(target)
+    robot.tick(lying)
+    report = robot.report
+    assert report.current_behavior == source
+    assert report.error_code is ErrorCode.FAILED_TO_START_BEHAVIOR
+    assert report.behavior_feedback.status_flags & BehaviorStatus.ERROR_FALLING
+    assert robot.command is None
+    assert len(robot.texts("refusal")) == 1
+
+
+def test_a_robot_put_back_on_its_feet_is_given_to_the_same_behavior_again(
+    make, observe
+):
+    robot = make(STAND_PREP)
+    robot.tick(observe(pitch=1.0))
+    robot.ask(STAND_PREP)
+    robot.tick(observe())
+    assert robot.texts("behavior") == ["STAND_PREP -> STAND_PREP"]
+    flags = robot.report.behavior_feedback.status_flags
+    assert flags == BehaviorStatus.TRANSITION_SUCCESS
+    assert robot.command is not None
+
+
+def test_a_limp_robot_has_to_stand_before_it_walks(make, observe):
+    robot = make(STAND)
+    robot.tick(observe(pitch=1.0))
+    robot.ask(WALK)
+    robot.tick(observe())
+    status = BehaviorStatus.FAILED_TRANS_ILLEGAL_BEHAVIOR | BehaviorStatus.ERROR_FALLING
+    assert_refused(robot, STAND, WALK, status, code=ErrorCode.FAILED_TO_START_BEHAVIOR)
+
+
+def test_a_fall_says_what_gave_it_away(make, observe, model):
+    robot = make(STAND)
+    robot.tick(observe(pitch=1.0))
+    assert "pelvis tilted by 1.00 rad" in robot.texts("fall")[0]
+    low = make(STAND)
+    low.supervisor = Supervisor(model, ControlGains(), 2.0)
+    low.tick(observe())
+    assert "centre of mass only" in low.texts("fall")[0]
+
+
+def test_a_refused_command_changes_nothing_of_what_is_done(make, observe, walk_message):
+    robot = make(STAND)
+    steps = [(k, k % 2, 0.2 * k, 0.15 - 0.3 * (k % 2)) for k in range(1, 5)]
+    robot.send(walk_message(*steps))
+    robot.tick(observe())
+    coming = list(robot.report.walk_feedback.step_queue_saturated)
+    assert coming[0].step_index == 1
+    other = AtlasSimInterfaceCommand(behavior="MANIPULATE")
+    other.walk_params.use_demo_walk = True
+    robot.send(other)
+    robot.tick(observe())
+    assert robot.report.error_code is ErrorCode.FAILED_TO_START_BEHAVIOR
+    assert list(robot.report.walk_feedback.step_queue_saturated) == coming
+
+
+def test_a_refusal_does_not_hide_that_another_change_is_under_way(
+    make, observe, walk_message
+):
+    robot = make(STAND)
+    robot.send(walk_message((1, 0, 0.2, 0.15), (2, 1, 0.2, -0.15)))
+    robot.tick(observe())
+    robot.ask(STAND)
+    robot.tick(observe())
+    robot.ask(MANIPULATE)
+    robot.tick(observe())
+    flags = robot.report.behavior_feedback.status_flags
+    assert flags == (
+        BehaviorStatus.FAILED_TRANS_ILLEGAL_BEHAVIOR
+        | BehaviorStatus.TRANSITION_IN_PROGRESS
+    )
+    assert robot.report.desired_behavior == STAND

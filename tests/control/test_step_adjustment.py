@@ -1,10 +1,10 @@
-"""Step adjustment: none for small errors, bounded for large, the same on all sides."""
+"""Step adjustment: none for small errors, as needed for large, alike on all sides."""
 
 import math
 
 import numpy as np
 import pytest
-from hypothesis import assume, given
+from hypothesis import given
 from hypothesis import strategies as st
 
 from atlas_drake.control.footstep import FootPose
@@ -62,11 +62,9 @@ def test_opposite_errors_give_opposite_shifts(error, remaining, yaw):
 
 
 @given(error=ERRORS, remaining=TIMES, yaw=YAWS)
-def test_shift_is_bounded_and_towards_the_error(error, remaining, yaw):
+def test_the_shift_is_towards_the_error(error, remaining, yaw):
     R_WS = rotation_z(yaw)[:2, :2]
     shift = R_WS.T @ shift_of(100.0 * error, remaining, yaw)
-    assert abs(shift[0]) <= LIMITS.forward + 1e-12
-    assert abs(shift[1]) <= LIMITS.sideways + 1e-12
     assert (shift * (R_WS.T @ error) >= -1e-12).all()
 
 
@@ -83,8 +81,6 @@ def test_shift_turns_with_the_stance_foot(error, remaining, yaw):
 @given(error=ERRORS, remaining=TIMES)
 def test_with_ankles_and_tolerance_the_shift_makes_up_for_the_error(error, remaining):
     shift = shift_of(error, remaining)
-    reach = np.array([LIMITS.forward, LIMITS.sideways])
-    assume((np.abs(shift) < 0.999 * reach).all())
     final = np.abs(error) * math.exp(OMEGA * remaining)
     budget = taken_by_ankles(remaining) * math.exp(OMEGA * remaining)
     left = final - SENSITIVITY * np.abs(shift)
