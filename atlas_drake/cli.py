@@ -44,6 +44,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return EXIT_BAD_INPUT
     except KeyboardInterrupt:
         return EXIT_INTERRUPTED
+    except ImportError as error:
+        # What Drake's modules make of Ctrl-C while they load.
+        if isinstance(error.__cause__ or error.__context__, KeyboardInterrupt):
+            return EXIT_INTERRUPTED
+        raise
 
 
 def _demo(options: argparse.Namespace) -> int:

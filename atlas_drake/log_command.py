@@ -13,7 +13,7 @@ from typing import Any
 
 from pydrake.systems.analysis import Simulator
 
-from atlas_drake.cli import EXIT_INTERRUPTED, EXIT_OK
+from atlas_drake.cli import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK
 from atlas_drake.errors import did_you_mean
 from atlas_drake.logs import Log, LogError, read_log
 from atlas_drake.logs.figures import make_page
@@ -26,9 +26,11 @@ from atlas_drake.logs.replay import make_replay
 from atlas_drake.logs.whole_file import whole_file
 from atlas_drake.messages import Behavior
 from atlas_drake.outputs import (
+    check_outputs,
     check_writable,
     invite_viewer,
     keep_recording,
+    nothing_cut_off,
     open_view,
     realtime_rate,
     video_asked_for,
@@ -115,8 +117,7 @@ def replay_log(options: argparse.Namespace) -> int:
             "--headless shows nothing: add --record FILE.html or --video FILE.mp4, or "
             "leave it out to watch"
         )
-    for option in ("record", "video"):
-        check_writable(f"--{option}", getattr(options, option))
+    check_outputs(options, ("record", "video"))
     video = video_asked_for(options)
     quiet_logs()
     log = _read(options.log)
@@ -136,19 +137,21 @@ def replay_log(options: argparse.Namespace) -> int:
     simulator.Initialize()
     invite_viewer(meshcat, options, progress)
     simulator.set_target_realtime_rate(realtime_rate(options))
-    try:
-        interrupted = _play(log, simulator, end, progress)
-    finally:
-        # Also after a second Ctrl-C: a video that is not finished cannot be played.
-        if filmed is not None:
-            filmed.close()
-    now = simulator.get_context().get_time()
-    progress.say(f"{'Stopped' if interrupted else 'Replayed'} at {now:.1f} s.")
-    keep_recording(meshcat, options, progress)
-    if video is not None:
-        progress.say(f"Wrote {video.path}, {filmed.num_frames} pictures.")
+    with nothing_cut_off():
+        try:
+            interrupted = _play(log, simulator, end, progress)
+        finally:
+            # Also after a second Ctrl-C: a video that is not finished cannot be played.
+            if filmed is not None:
+                filmed.close()
+                progress.say(f"Wrote {options.video}, {filmed.num_frames} pictures.")
+        now = simulator.get_context().get_time()
+        progress.say(f"{'Stopped' if interrupted else 'Replayed'} at {now:.1f} s.")
+        kept = keep_recording(meshcat, options, progress)
     if interrupted:
         return EXIT_INTERRUPTED
+    if not kept:
+        return EXIT_FAILED
     if not options.headless and interactive():
         keep_serving(progress)
     return EXIT_OK

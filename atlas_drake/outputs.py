@@ -7,12 +7,17 @@ from __future__ import annotations
 
 import argparse
 import os
+import signal
+import sys
+import threading
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pydrake.geometry import Meshcat
 
-from atlas_drake.errors import ScenarioError
+from atlas_drake.errors import AtlasError, ScenarioError
 from atlas_drake.progress import Progress
 from atlas_drake.viewer import await_viewer, interactive, start_meshcat
 from atlas_drake.visualization import FRAME_RATE
@@ -21,14 +26,79 @@ if TYPE_CHECKING:
     from atlas_drake.visualization.video_display import Video
 
 
-def check_writable(option: str, path: Path | None) -> None:
-    """Refuses a path now rather than after the run; None is no path and no fault.
+WEB_PAGES = (".html", ".htm")
+"""How the name of a recording may end."""
+
+
+def check_outputs(options: argparse.Namespace, names: Iterable[str]) -> None:
+    """Refuses a path now rather than after the run.
+
+    Args:
+        options: Of the command line; those that are None ask for no file.
+        names: Of the options that name a file to write.
+
+    Raises:
+        ScenarioError: If a file cannot be written, or would take the place of another.
+    """
+    taken = {}
+    for name in ("scenario", "log"):
+        read = getattr(options, name, None)
+        if read is not None and name not in names:
+            taken[read.resolve()] = f"the {name} that is read"
+    for name in names:
+        path = getattr(options, name)
+        if path is None:
+            continue
+        option = f"--{name}"
+        check_writable(option, path)
+        if name == "record" and path.suffix not in WEB_PAGES:
+            raise ScenarioError(
+                option, str(path), f"{path} must end in .html: it is a web page"
+            )
+        before = taken.setdefault(path.resolve(), option)
+        if before != option:
+            raise ScenarioError(option, str(path), f"{path} is {before} already")
+
+
+def keep(path: Path, write: Callable[[], object], progress: Progress) -> bool:
+    """Writes a file at the end of a run; says whether that went well.
+
+    What cannot be written takes nothing with it that can.
+    """
+    try:
+        write()
+    except (OSError, AtlasError) as error:
+        problem = getattr(error, "strerror", None) or error
+        progress.say(f"! {path} is lost: {problem}")
+        return False
+    return True
+
+
+@contextmanager
+def nothing_cut_off() -> Iterator[None]:
+    """Lets Ctrl-C wait while files are written."""
+
+    def ask_for_patience(_number: int, _frame: object) -> None:
+        # A stream of Python's may be in the middle of a line.
+        os.write(sys.stderr.fileno(), b"\nStill writing; one moment.\n")
+
+    # Only the main thread receives signals, and only it may change their handlers.
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, ask_for_patience)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def check_writable(option: str, path: Path) -> None:
+    """Refuses a path now rather than after the run.
 
     Raises:
         ScenarioError: If no file can be written there.
     """
-    if path is None:
-        return
     folder = path.parent
     if path.is_dir():
         raise ScenarioError(option, str(path), f"{path} is a folder")
@@ -92,10 +162,14 @@ def realtime_rate(options: argparse.Namespace) -> float:
 
 def keep_recording(
     meshcat: Meshcat | None, options: argparse.Namespace, progress: Progress
-) -> None:
-    """Writes the recording, if there is to be one."""
-    if meshcat is not None and options.record is not None:
-        meshcat.StopRecording()
-        meshcat.PublishRecording()
-        options.record.write_text(meshcat.StaticHtml())
+) -> bool:
+    """Writes the recording, if there is to be one; says whether that went well."""
+    if meshcat is None or options.record is None:
+        return True
+    meshcat.StopRecording()
+    meshcat.PublishRecording()
+    page = meshcat.StaticHtml()
+    kept = keep(options.record, lambda: options.record.write_text(page), progress)
+    if kept:
         progress.say(f"Wrote {options.record}; open it in a browser.")
+    return kept

@@ -5,14 +5,15 @@ Forces for the plant's port; when they begin and end is asked by the simulation.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from pydrake.multibody.math import SpatialForce
 from pydrake.multibody.plant import ExternallyAppliedSpatialForce, MultibodyPlant
 
-from atlas_drake.errors import InvalidMessageError
+from atlas_drake.errors import InvalidMessageError, did_you_mean
+from atlas_drake.messages.checks import check_number
 
 
 @dataclass(frozen=True)
@@ -38,7 +39,7 @@ class Push:
 
 
 def make_push(
-    plant: MultibodyPlant,
+    bodies: Collection[str],
     body: str,
     force_W: Sequence[float] | np.ndarray,
     duration: float,
@@ -47,8 +48,8 @@ def make_push(
     """A push that begins at ``time`` [s].
 
     Args:
-        plant: That has the body.
-        body: Name of a link.
+        bodies: Names of the robot's links.
+        body: One of them.
         force_W: Force in W [N], shape (3,).
         duration: How long [s], positive.
         time: Simulated time now [s].
@@ -56,11 +57,17 @@ def make_push(
     Raises:
         InvalidMessageError: If there is no such body or a value is no number.
     """
-    force = np.asarray(force_W, dtype=float)
+    try:
+        force = np.asarray(force_W, dtype=float)
+    except (TypeError, ValueError):
+        force = np.empty(0)
     if force.shape != (3,) or not np.isfinite(force).all():
-        raise InvalidMessageError("force_W", force_W, "must be three finite numbers")
-    if not (np.isfinite(duration) and duration > 0.0):
-        raise InvalidMessageError("duration", duration, "must be positive")
-    if not plant.HasBodyNamed(body):
-        raise InvalidMessageError("body", body, f"the robot has no body {body!r}")
+        raise InvalidMessageError(
+            "force_W", force_W, f"must be three finite numbers, is {force_W!r}"
+        )
+    check_number(duration, "duration", 0.0, strictly=True)
+    if body not in bodies:
+        hint = did_you_mean(str(body), bodies) or f" It has {', '.join(bodies)}."
+        problem = f"the robot has no body {body!r}.{hint}"
+        raise InvalidMessageError("body", body, problem)
     return Push(body, force, time + duration)

@@ -16,13 +16,16 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
+from atlas_drake.behaviors.base import STEPS_LEFT
 from atlas_drake.cli import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK
 from atlas_drake.drake_log import is_news
 from atlas_drake.logs.formats import check_format
 from atlas_drake.outputs import (
-    check_writable,
+    check_outputs,
     invite_viewer,
+    keep,
     keep_recording,
+    nothing_cut_off,
     open_view,
     realtime_rate,
     video_asked_for,
@@ -53,8 +56,7 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
         ScenarioError: If anything asked for cannot be done, before anything is.
     """
     apply_options(scenario, options)
-    for option in ("json", "record", "video", "log"):
-        check_writable(f"--{option}", getattr(options, option))
+    check_outputs(options, ("json", "record", "video", "log"))
     video = video_asked_for(options)
     if options.log is not None:
         check_format(options.log)
@@ -74,33 +76,48 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
     invite_viewer(meshcat, options, progress)
     sim.set_realtime_rate(realtime_rate(options))
 
-    try:
-        stopped = _simulate(sim, progress)
-    finally:
-        # Also after a second Ctrl-C: a video that is not finished cannot be played.
-        pictures = sim.close_video()
-        if options.log is not None:
-            progress.say(f"Completing {options.log} ...")
-        sim.close()
-
-    summary = sim.summary()
-    summary["stopped"] = stopped
-    if stopped is not None:
-        summary["success"] = False
-    progress.say(verdict(summary))
-    if options.json is not None:
-        options.json.write_text(json.dumps(_plain(summary), indent=2) + "\n")
-        progress.say(f"Wrote {options.json}.")
-    if options.log is not None:
-        progress.say(f"Wrote {options.log}; draw it: atlas-drake plot {options.log}")
-    keep_recording(meshcat, options, progress)
-    if video is not None:
-        progress.say(f"Wrote {video.path}, {pictures} pictures.")
+    with nothing_cut_off():
+        try:
+            stopped = _simulate(sim, progress)
+        finally:
+            # Also after a second Ctrl-C: neither can be read if it is not finished.
+            kept = _keep_what_grew(sim, options, progress)
+        summary = sim.summary()
+        summary["stopped"] = stopped
+        if stopped is not None:
+            summary["success"] = False
+        progress.say(verdict(summary))
+        if options.json is not None:
+            text = json.dumps(_plain(summary), indent=2) + "\n"
+            if keep(options.json, lambda: options.json.write_text(text), progress):
+                progress.say(f"Wrote {options.json}.")
+            else:
+                kept = False
+        kept = keep_recording(meshcat, options, progress) and kept
     if stopped == INTERRUPTED:
         return EXIT_INTERRUPTED
+    if not kept:
+        return EXIT_FAILED
     if not options.headless and interactive():
         keep_serving(progress)
     return EXIT_OK if summary["success"] else EXIT_FAILED
+
+
+def _keep_what_grew(
+    sim: AtlasSimulation, options: argparse.Namespace, progress: Progress
+) -> bool:
+    """Completes video and log, written all along; says whether that went well."""
+    kept = True
+    if options.video is not None:
+        pictures = sim.close_video()
+        progress.say(f"Wrote {options.video}, {pictures} pictures.")
+    if options.log is not None:
+        progress.say(f"Completing {options.log} ...")
+        kept = keep(options.log, sim.close, progress)
+        if kept:
+            draw = f"draw it: atlas-drake plot {options.log}"
+            progress.say(f"Wrote {options.log}; {draw}")
+    return kept
 
 
 def apply_options(scenario: Scenario, options: argparse.Namespace) -> None:
@@ -152,7 +169,7 @@ def ctrl_c() -> Iterator[threading.Event]:
 
     def notice(_number: int, _frame: object) -> None:
         asked.set()
-        signal.signal(signal.SIGINT, before)
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
     # Only the main thread receives signals, and only it may change their handlers.
     main = threading.current_thread() is threading.main_thread()
@@ -184,8 +201,10 @@ def verdict(summary: dict[str, Any]) -> str:
     elif "refusal" in first:
         why = first["refusal"]["text"]
         text = f"Failed: Atlas is upright but did not obey: {why}."
+    elif STEPS_LEFT in first:
+        text = f"Failed: Atlas is upright, but {first[STEPS_LEFT]['text']}."
     else:
-        text = f"Failed: Atlas did not do all that it was told{steps}."
+        text = f"Failed: Atlas did not end upright{steps}."
     factor = summary["real_time_factor"]
     return text if factor is None else f"{text} Ran at {factor:.2f} x real time."
 

@@ -4,21 +4,24 @@ One dataclass, one comment per field, all defaults here. What is done with it is
 ``simulation``.
 """
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-from pydrake.common.yaml import yaml_load_typed
+from pydrake.common.yaml import yaml_load, yaml_load_typed
 
 from atlas_drake.errors import InvalidMessageError, ScenarioError
 from atlas_drake.messages import Behavior, behavior_from
 from atlas_drake.noise import NOISE_MODELS
 from atlas_drake.robot import DEFAULT_ROBOT, available_robots
+from atlas_drake.scenario_kinds import check_kinds
 from atlas_drake.terrain import Block
 
 PHYSICS_STEPS = (0.0005, 0.001, 0.002)
 """Physics steps on offer [s]."""
+LONGEST_PERIOD = 0.02
+"""Longest control period on offer [s]."""
 CONTACT_APPROXIMATIONS = ("lagged", "similar", "sap", "tamsi")
 PROGRAMMES = ("none", "tutorial", "tutorial_literal")
 STATES = ("true", "estimated")
@@ -40,7 +43,8 @@ class Jitter:
     joints: float = 0.0
     """Of each joint [rad]."""
     mass: float = 0.0
-    """Of each link's mass and inertia, as a share of what the controller believes."""
+    """Of each link's mass and inertia, as a share of what the controller believes;
+    below 1."""
 
 
 @dataclass
@@ -58,11 +62,12 @@ class Start:
     itself [s]; null for not by itself."""
 
     def validate(self, behavior: Behavior) -> None:
-        """Checks every field against each other and the behaviour to begin with.
+        """Checks every field, also against each other and the behaviour to begin with.
 
         Raises:
             ScenarioError: Naming the first field that cannot be used.
         """
+        check_kinds(self, Start, "start")
         position = self.position
         if len(position) != 2 or not np.isfinite(position).all():
             raise ScenarioError(
@@ -132,7 +137,7 @@ class Scenario:
     """Random changes at the start."""
 
     def validate(self) -> "Scenario":
-        """Checks every field; the YAML loader only checks names and types.
+        """Checks every field.
 
         A truth value for ``state`` becomes the word.
 
@@ -142,6 +147,7 @@ class Scenario:
         Raises:
             ScenarioError: Naming the first field that cannot be used.
         """
+        check_kinds(self, Scenario)
         _one_of("model", self.model, available_robots())
         _one_of("programme", self.programme, PROGRAMMES)
         _one_of("noise", self.noise, tuple(NOISE_MODELS))
@@ -163,20 +169,33 @@ class Scenario:
             raise ScenarioError(
                 "control_period",
                 self.control_period,
-                f"must be a whole multiple of physics_step ({self.physics_step} s)",
+                f"is {self.control_period!r}; must be a whole multiple of physics_step "
+                f"({self.physics_step} s)",
+            )
+        if self.control_period > LONGEST_PERIOD:
+            raise ScenarioError(
+                "control_period",
+                self.control_period,
+                f"is {self.control_period!r}; must be at most {LONGEST_PERIOD}: the "
+                "robot cannot balance with longer ones",
             )
         if self.seed < 0:
-            raise ScenarioError("seed", self.seed, "must not be negative")
+            raise ScenarioError(
+                "seed", self.seed, f"is {self.seed!r}; must not be negative"
+            )
         for name, value in vars(self.jitter).items():
-            if not (np.isfinite(value) and value >= 0.0):
+            most = 1.0 if name == "mass" else np.inf
+            if not 0.0 <= value < most:
+                wanted = "0 or more, and below 1" if name == "mass" else "0 or more"
                 raise ScenarioError(
-                    f"jitter.{name}", value, "must be a number not below 0"
+                    f"jitter.{name}", value, f"is {value!r}; must be {wanted}"
                 )
         if not 0.0 <= self.friction_jitter < self.ground_friction:
             raise ScenarioError(
                 "friction_jitter",
                 self.friction_jitter,
-                f"must lie in 0..{self.ground_friction}, the ground's friction",
+                f"is {self.friction_jitter!r}; must be 0 or more, and below the "
+                f"ground's friction ({self.ground_friction})",
             )
         for index, block in enumerate(self.terrain):
             block.validate(f"terrain[{index}]")
@@ -211,7 +230,7 @@ def starting_behavior(value: object, name: str) -> Behavior:
     allowed = (Behavior.STAND, Behavior.STAND_PREP, Behavior.USER, Behavior.FREEZE)
     if behavior not in allowed:
         names = ", ".join(b.name for b in allowed)
-        raise InvalidMessageError(name, value, f"must be one of {names}")
+        raise InvalidMessageError(name, value, f"is {value!r}; must be one of {names}")
     return behavior
 
 
@@ -222,15 +241,26 @@ def load_scenario(path: str | Path) -> Scenario:
         ScenarioError: If the file cannot be read, has unknown keys or bad values.
     """
     try:
-        scenario = yaml_load_typed(
-            schema=Scenario, filename=str(path), defaults=Scenario()
-        )
-    except ScenarioError:
-        raise
+        text = Path(path).read_text()
+        raw = yaml_load(data=text) if text.strip() else None
     except Exception as error:
-        # The loader raises many kinds of exception for what is always a faulty file.
-        raise ScenarioError("file", str(path), f"cannot be read: {error}") from error
-    return scenario.validate()
+        # The parser raises many kinds of exception for what is always a faulty file.
+        problem = f"{path} cannot be read: {error}"
+        raise ScenarioError("file", str(path), problem) from error
+    try:
+        if not isinstance(raw, Mapping):
+            raise ScenarioError(
+                "file", raw, "must have fields of a scenario, such as duration: 10"
+            )
+        check_kinds(raw, Scenario, from_text=True)
+        scenario: Scenario = yaml_load_typed(
+            schema=Scenario, data=text, defaults=Scenario()
+        )
+        return scenario.validate()
+    except ScenarioError as error:
+        raise ScenarioError(
+            error.field, error.value, f"{error.problem} (in {path})"
+        ) from None
 
 
 def _one_of(name: str, value: object, allowed: Collection[object]) -> None:

@@ -40,6 +40,7 @@ from atlas_drake.pushes import Push, make_push
 from atlas_drake.robot import load_robot
 from atlas_drake.run_log import RunLog
 from atlas_drake.scenario import Scenario, Start, starting_behavior
+from atlas_drake.scenario_kinds import check_kinds
 from atlas_drake.start import Variation, draw_variation, place_robot, scale_masses
 from atlas_drake.steady import steady_ticks
 from atlas_drake.summary import estimator_drift, make_summary
@@ -94,10 +95,16 @@ class AtlasSimulation:
                 .parquet. ``close`` completes it, and so does the end of the program.
 
         Raises:
+            TypeError: If the scenario is none.
             ScenarioError: If the scenario has a value that cannot be used.
             LogError: If the log cannot be written.
             VideoError: If the video cannot be made.
         """
+        if not isinstance(scenario, Scenario | None):
+            raise TypeError(
+                f"scenario must be a Scenario, is {scenario!r}; load_scenario reads "
+                "one from a file"
+            )
         self.scenario = (scenario or Scenario()).validate()
         self.robot = load_robot(self.scenario.model)
         self._tick_seconds = array("d")
@@ -219,7 +226,7 @@ class AtlasSimulation:
         Raises:
             InvalidMessageError: If there is no such body or a value is no number.
         """
-        push = make_push(self.plant, body, force_W, duration, self.time)
+        push = make_push(self.robot.body_names, body, force_W, duration, self.time)
         self._pushes.append(push)
         force = np.round(push.force_W, 1).tolist()
         text = f"push of {force} N on {body} for {duration:g} s"
@@ -241,7 +248,8 @@ class AtlasSimulation:
         """
         if not np.isfinite(t) or t < self.time - 1e-9:
             raise ValueError(
-                f"cannot advance to {t!r}: it is {self.time:.3f} s already"
+                f"cannot advance to {t!r} s: it must be a time not before now, "
+                f"{self.time:.3f} s"
             )
         begin = time.perf_counter()
         try:
@@ -306,6 +314,7 @@ class AtlasSimulation:
         asked = self.scenario.initial_behavior if behavior is None else behavior
         start = self.scenario.start if pose is None else pose
         begin = starting_behavior(asked, "behavior")
+        check_kinds(start, Start, "pose")
         start.validate(begin)
         if start.harnessed and not self.scenario.start.harnessed:
             raise ScenarioError(

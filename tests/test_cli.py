@@ -296,6 +296,56 @@ def test_the_demo_does_the_whole_tutorial(tmp_path, capsys):
     assert status == 0
 
 
+@pytest.mark.parametrize(
+    ("options", "word"),
+    [
+        (["--log", "a.npz", "--json", "a.npz"], "--log"),
+        (["--record", "a.html", "--json", "./a.html"], "--record"),
+        (["--json", "scenario.yaml"], "the scenario that is read"),
+        (["--record", "a.txt"], "must end in .html"),
+    ],
+)
+def test_no_file_takes_the_place_of_another(
+    options, word, scenario, tmp_path, capsys, monkeypatch
+):
+    monkeypatch.setattr(run_command, "AtlasSimulation", None)  # must not be reached
+    monkeypatch.chdir(tmp_path)
+    text = Path(scenario()).read_text()
+    assert main(["run", "scenario.yaml", "--headless", *options]) == 2
+    assert word in capsys.readouterr().err
+    assert Path("scenario.yaml").read_text() == text
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no full disk here")
+def test_a_full_disk_takes_nothing_else_with_it(scenario, tmp_path, capsys):
+    page, log = tmp_path / "run.html", tmp_path / "run.npz"
+    keep = ["--json", "/dev/full", "--record", str(page), "--log", str(log)]
+    assert main(["run", scenario(), "--headless", *keep]) == 1
+    out = capsys.readouterr().out
+    assert "/dev/full is lost: No space left on device" in out
+    assert page.stat().st_size > 1e5
+    assert log.is_file()
+
+
+def test_a_second_ctrl_c_cuts_off_nothing_that_is_written(
+    scenario, tmp_path, capfd, monkeypatch
+):
+    def interrupt(*_arguments):
+        signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr(run_command.Progress, "update", interrupt)
+    close = run_command.AtlasSimulation.close
+    monkeypatch.setattr(
+        run_command.AtlasSimulation, "close", lambda sim: (interrupt(), close(sim))
+    )
+    file, log = tmp_path / "out.json", tmp_path / "out.npz"
+    keep = ["--json", str(file), "--log", str(log)]
+    assert main(["run", scenario("duration: 60.0\n"), "--headless", *keep]) == 130
+    assert json.loads(file.read_text())["stopped"] == "interrupted"
+    assert log.is_file()
+    assert "Still writing" in capfd.readouterr().err
+
+
 # ---- verdicts ----------------------------------------------------------------
 
 
@@ -320,7 +370,9 @@ def test_verdicts_tell_apart_what_can_happen():
     refusal = [{"time": 1.0, "kind": "refusal", "text": "no such thing"}]
     refused = verdict(outcome(success=False, events=refusal))
     assert "did not obey: no such thing" in refused
-    assert "did not do all" in verdict(outcome(success=False))
+    left = [{"time": 1.0, "kind": "steps left", "text": "WALK ends without step 2"}]
+    assert "ends without step 2" in verdict(outcome(success=False, events=left))
+    assert "did not end upright" in verdict(outcome(success=False))
     assert "diverged" in verdict(outcome(success=False, stopped="diverged"))
 
 

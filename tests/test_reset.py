@@ -160,7 +160,7 @@ def test_a_reset_that_cannot_be_done_changes_nothing():
     sim = AtlasSimulation()
     sim.advance(0.02)
     before = sim._output("state")
-    with pytest.raises(InvalidMessageError, match="behavior: must be one of STAND"):
+    with pytest.raises(InvalidMessageError, match="behavior: is 'WALK'; must be"):
         sim.reset("WALK")
     with pytest.raises(ScenarioError, match=r"start.position: is \[1.0\]"):
         sim.reset(pose=Start(position=[1.0]))

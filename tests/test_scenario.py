@@ -7,7 +7,7 @@ import pytest
 
 from atlas_drake import Scenario, ScenarioError, load_scenario
 from atlas_drake.messages import Behavior
-from atlas_drake.scenario import PHYSICS_STEPS
+from atlas_drake.scenario import PHYSICS_STEPS, Jitter
 
 EXAMPLES = sorted((Path(__file__).parents[1] / "examples/scenarios").glob("*.yaml"))
 
@@ -77,44 +77,79 @@ def test_behaviors_are_named_in_any_case(name):
         ("ground_friction", math.nan),
         ("control_period", 0.0),
         ("control_period", 0.0015),
+        ("control_period", 0.1),
         ("seed", -1),
         ("friction_jitter", 0.9),
         ("friction_jitter", -0.1),
         ("friction_jitter", math.nan),
+        ("duration", "5"),
+        ("seed", 1.5),
+        ("seed", True),
+        ("name", 3),
+        ("start", {"yaw": 1.0, "tilt": 0.0}),
+        ("terrain", "flat"),
     ],
 )
 def test_a_value_that_cannot_be_used_is_named(field, value):
     scenario = Scenario(**{field: value})
     with pytest.raises(ScenarioError) as error:
         scenario.validate()
+    if isinstance(value, dict):
+        field, value = "start.tilt", value["tilt"]
     assert error.value.field == field
     assert error.value.value is value
     assert str(error.value).startswith(f"{field}: ")
 
 
+def test_a_field_that_does_not_exist_is_noticed_in_python_too():
+    scenario = Scenario()
+    scenario.modle = "atlas"
+    with pytest.raises(ScenarioError, match=r"modle: .*Did you mean 'model'"):
+        scenario.validate()
+
+
 @pytest.mark.parametrize("field", ["position", "orientation", "joints", "mass"])
-@pytest.mark.parametrize("value", [-0.1, math.nan, math.inf])
+@pytest.mark.parametrize("value", [-0.1, math.nan, math.inf, "much"])
 def test_jitter_is_checked_field_by_field(field, value):
     scenario = Scenario()
     setattr(scenario.jitter, field, value)
     with pytest.raises(ScenarioError) as error:
         scenario.validate()
     assert error.value.field == f"jitter.{field}"
+    assert repr(value) in str(error.value)
+
+
+def test_no_link_can_lose_all_its_mass():
+    with pytest.raises(ScenarioError, match=r"jitter.mass: is 1.0; .*below 1"):
+        Scenario(jitter=Jitter(mass=1.0)).validate()
 
 
 @pytest.mark.parametrize(
     ("text", "word"),
     [
-        ("durration: 3.0\n", "durration"),
-        ("jitter: {weight: 0.1}\n", "weight"),
-        ("duration: soon\n", "soon"),
+        ("durration: 3.0\n", "durration: .*Did you mean 'duration'"),
+        ("jitter: {weight: 0.1}\n", r"jitter\.weight: .*position, orientation"),
+        ("duration: soon\n", "duration: is 'soon'; must be a number"),
+        ("duration: 5 s\n", "duration: is '5 s'; must be a number"),
+        ("start: {yaw: ninety}\n", r"start\.yaw: is 'ninety'"),
+        ("start: {harnessed: 1}\n", r"start\.harnessed: .*true or false"),
+        ("jitter: 0.02\n", "jitter: is 0.02; must be fields of a Jitter"),
+        ("terrain: [{sizes: [1, 1, 1]}]\n", r"terrain\[0\]\.sizes: .*'size'"),
+        ("terrain: [{size: [1, 1, high]}]\n", r"terrain\[0\]\.size\[2\]: is 'high'"),
+        ("", "file: must have fields of a scenario"),
         ("duration: [\n", "file"),
         ("- duration\n", "file"),
     ],
 )
 def test_a_file_that_is_no_scenario_is_refused(text, word, tmp_path):
-    with pytest.raises(ScenarioError, match=word):
+    with pytest.raises(ScenarioError, match=word) as error:
         load(tmp_path, text)
+    assert str(tmp_path) in str(error.value)
+
+
+@pytest.mark.parametrize("text", ["1.0e-2", "1e-2", "0.01"])
+def test_a_number_may_be_written_in_any_way(text, tmp_path):
+    assert load(tmp_path, f"jitter: {{joints: {text}}}\n").jitter.joints == 0.01
 
 
 def test_a_file_that_is_missing_is_named(tmp_path):

@@ -254,6 +254,7 @@ def test_time_does_not_go_back_nor_on_for_ever(sim, t):
     [
         (("tail", [1.0, 0.0, 0.0], 0.1), "body"),
         (("utorso", [1.0, 0.0], 0.1), "force_W"),
+        (("utorso", "abc", 0.1), "force_W"),
         (("utorso", [1.0, 0.0, np.inf], 0.1), "force_W"),
         (("utorso", [1.0, 0.0, 0.0], 0.0), "duration"),
         (("utorso", [1.0, 0.0, 0.0], -1.0), "duration"),
@@ -264,6 +265,7 @@ def test_pushes_that_make_no_sense_are_refused(sim, arguments, field):
     with pytest.raises(InvalidMessageError) as caught:
         sim.apply_push(*arguments)
     assert caught.value.field == field
+    assert repr(caught.value.value) in str(caught.value)
     assert sim.events == []
 
 

@@ -179,9 +179,10 @@ class Supervisor:
         if state.limp:
             # There is nothing left to do, nor to tell of.
             return replace(state, body=capture_body(seen.terms)), None
-        assert state.heard is not None
+        command = state.heard
+        assert command is not None
         if not state.entered:
-            state = self._enter(state, seen, state.heard)
+            state = self._enter(state, seen, command)
 
         if state.current in _ON_FOOT and not state.warned:
             state = self._warn_of_user_legs(state, seen)
@@ -191,7 +192,7 @@ class Supervisor:
             state.memory,
             seen,
             state.body,
-            state.heard,
+            command,
             leaving=state.desired != state.current,
         )
         state = replace(

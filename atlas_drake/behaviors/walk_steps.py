@@ -18,6 +18,7 @@ from atlas_drake.control.footstep import (
     Footstep,
     StepLimits,
     cleared,
+    kept_brisk,
     laid_out,
     outward,
     saturate,
@@ -119,7 +120,7 @@ def coming_steps(memory: WalkMemory, limits: StepLimits) -> tuple[Footstep, ...]
             break
         start, stance = poses[step.foot], poses[1 - step.foot]
         taken = saturate(laid_out(step, stance, limits), stance, limits)
-        taken = cleared(taken, start, limits)
+        taken = kept_brisk(cleared(taken, start, limits), start, stance, limits)
         steps.append(taken)
         poses[taken.foot] = taken.pose
         last_foot = taken.foot

@@ -102,7 +102,14 @@ class StepLimits:
     min_duration: float = 0.60
     """[s]"""
     max_duration: float = 3.0
-    """[s]"""
+    """Of a step from and to a place near the other foot [s]."""
+    near: float = 0.40
+    """Feet no farther apart than this give a step all the time it wants [m]."""
+    far: float = 0.60
+    """Feet this far apart or farther ... [m]"""
+    far_duration: float = 1.0
+    """... give it this much: in more, the centre of mass would have to come over the
+    standing foot before the other leg is long enough to let it [s]."""
     min_swing_height: float = 0.03
     """[m]"""
     max_swing_height: float = 0.30
@@ -176,6 +183,27 @@ def cleared(step: Footstep, start: FootPose, limits: StepLimits) -> Footstep:
     if step.swing_height >= lowest:
         return step
     return replace(step, swing_height=lowest)
+
+
+def kept_brisk(
+    step: Footstep, start: FootPose, stance: FootPose, limits: StepLimits
+) -> Footstep:
+    """The step in no more time than feet so far apart allow, before it or after it.
+
+    Args:
+        step: Saturated.
+        start: Where its foot lifts off.
+        stance: The foot that stays on the ground.
+        limits: How long a step between which distances may take.
+    """
+    apart = max(
+        float(np.hypot(*(place - stance.p_WF)[:2])) for place in (start.p_WF, step.p_WF)
+    )
+    share = _clip((apart - limits.near) / (limits.far - limits.near), 0.0, 1.0)
+    longest = limits.max_duration + share * (limits.far_duration - limits.max_duration)
+    if step.duration <= longest:
+        return step
+    return replace(step, duration=longest)
 
 
 def _tilted_at_most(normal: np.ndarray, tilt: float) -> np.ndarray:
