@@ -26,9 +26,6 @@ FRICTION = (0.6, 1.0)
 NOISE = "reference"
 """Name of the sensors' noise model."""
 
-UPRIGHT_HEIGHT = 0.7
-"""A pelvis above this stands on its legs [m]; it is at 0.86 m in stand-prep."""
-
 
 def disturbed_simulation(
     seed: int, *, model: str = "atlas", programme: str = "none", duration: float = 10.0

@@ -4,6 +4,8 @@ import json
 
 import numpy as np
 import pytest
+from pydrake.common.eigen_geometry import Quaternion as DrakeQuaternion
+from pydrake.math import RotationMatrix
 
 from atlas_drake import (
     AtlasCommand,
@@ -15,6 +17,7 @@ from atlas_drake import (
     InvalidMessageError,
     Scenario,
     ScenarioError,
+    Start,
 )
 from atlas_drake.errors import ErrorCode
 
@@ -244,6 +247,22 @@ def test_time_does_not_go_back_nor_on_for_ever(sim, t):
     with pytest.raises(ValueError, match="cannot advance"):
         sim.advance_to(t)
     assert sim.time == pytest.approx(0.02)
+
+
+# ---- sensors -------------------------------------------------------------------
+
+
+def test_the_gyroscopes_noise_is_in_its_own_axes():
+    scenario = Scenario(noise="rough", seed=3, start=Start(yaw=1.2))
+    sim = AtlasSimulation(scenario)
+    sim.advance(0.05)
+    measured = sim.diagram.GetOutputPort("behavior_state").Eval(sim.context)
+    imu = sim.imu
+    q = imu.orientation
+    R_WI = RotationMatrix(DrakeQuaternion([q.w, q.x, q.y, q.z])).matrix()
+    w_WP = measured[sim.plant.num_positions() :][:3]
+    in_imu = imu.angular_velocity.to_array()
+    np.testing.assert_allclose(R_WI.T @ w_WP, in_imu, atol=1e-9)
 
 
 # ---- pushes --------------------------------------------------------------------

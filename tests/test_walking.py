@@ -166,6 +166,29 @@ def test_an_s_curve(sim):
     assert turned.angle() == pytest.approx(0.0, abs=0.06)
 
 
+def test_wide_long_and_slow_steps():
+    # Each is within the limits, all at once would leave a leg too short.
+    sim = AtlasSimulation(Scenario(model="atlas_v3", physics_step=0.002))
+    sim.advance(0.3)
+    command = AtlasSimInterfaceCommand(behavior="WALK")
+    for k in range(4):
+        step = AtlasBehaviorStepData(step_index=k + 1, foot_index=k % 2, duration=3.0)
+        step.swing_height = 0.1
+        step.pose.position.x = 0.42 * (1 + k // 2)
+        step.pose.position.y = 0.2 if k % 2 == 0 else -0.2
+        command.walk_params.step_queue[k] = step
+    sim.publish(command)
+    sim.advance(0.1)
+    (first, *_) = sim.atlas_sim_interface_state.walk_feedback.step_queue_saturated
+    assert 1.0 < first.duration < 2.0
+    sim.advance(11.0)
+    assert sim.current_behavior is Behavior.STAND
+    assert not sim.has_fallen
+    errors = [step["error_m"] for step in sim.footsteps]
+    assert len(errors) == 4
+    assert max(errors) <= LANDING_ERROR
+
+
 def test_on_what_the_robot_measures():
     sim = AtlasSimulation(
         Scenario(model="atlas_v3", state="estimated", noise="rough", seed=2)

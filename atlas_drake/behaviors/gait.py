@@ -40,17 +40,13 @@ class GaitTiming:
 
 
 COP_INWARD = 0.010
-"""The CoP's reference lies this far from the stance sole's middle to the inside."""
-COP_FORWARD = 0.0
-"""And this far to the toes [m]."""
+"""The CoP's reference lies this far from the stance sole's middle to the inside [m]."""
 
 
 def stance_cop(pose: FootPose, foot: int) -> np.ndarray:
     """Reference of the CoP while ``foot`` alone carries the robot, shape (2,)."""
-    offset = rotation_z(pose.yaw)[:2, :2] @ np.array(
-        [COP_FORWARD, -outward(foot) * COP_INWARD]
-    )
-    return pose.p_WF[:2] + offset
+    inward = -outward(foot) * rotation_z(pose.yaw)[:2, 1]
+    return pose.p_WF[:2] + COP_INWARD * inward
 
 
 def plan_walk(

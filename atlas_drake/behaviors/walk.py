@@ -160,6 +160,11 @@ class Walk:
         if finished and memory.pending:
             left = ", ".join(str(step.index) for step in memory.pending)
             text = f"WALK ends without the steps {left}"
+            if memory.inconsistent:
+                text += ": two steps in a row are for the same foot"
+            events = (*events, Event(seen.time, STEPS_LEFT, text))
+        elif finished and memory.current is None and not leaving:
+            text = "WALK ends without a step: walk_params.step_queue has none"
             events = (*events, Event(seen.time, STEPS_LEFT, text))
         return Outcome(
             memory=memory,

@@ -102,7 +102,6 @@ class WholeBodyModel:
         robot.add_to(plant)
         plant.Finalize()
         self.robot = robot
-        self.mass = robot.mass
         self._plant = plant
         self._indices = robot.indices(plant)
         self._world = plant.world_frame()

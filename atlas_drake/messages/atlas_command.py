@@ -24,7 +24,8 @@ class AtlasCommand(Message):
         effort: Efforts added to what the gains give [N·m].
         kp_position: Proportional gains [N·m/rad], not negative.
         ki_position: Integral gains [N·m/(rad·s)], not negative.
-        kd_position: Gains on the rate of the position error [N·m·s/rad], not negative.
+        kd_position: Damping of the joint [N·m·s/rad], not negative: the gain on the
+            rate of the position error, of a set-point taken to stand still.
         kp_velocity: Gains on the velocity error [N·m·s/rad], not negative.
         i_effort_min: Lower bounds of the integral term [N·m].
         i_effort_max: Upper bounds of the integral term [N·m].

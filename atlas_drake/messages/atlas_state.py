@@ -31,11 +31,13 @@ class AtlasState(JointIndices, Message):
         k_effort: Shares of user control in force, 0 to 255.
         orientation: Orientation of the pelvis in the world frame.
         angular_velocity: Angular velocity of the pelvis, in its own frame [rad/s].
-        linear_acceleration: Specific force at the pelvis, in its own frame [m/s²].
-        l_foot: Wrench on the left foot.
-        r_foot: Wrench on the right foot.
-        l_hand: Wrench on the left hand.
-        r_hand: Wrench on the right hand.
+        linear_acceleration: Specific force at the IMU, in its own frame [m/s²].
+        l_foot: Wrench of contact on the left foot, in the world frame about the sole's
+            middle, one control tick old.
+        r_foot: Likewise on the right foot.
+        l_hand: Wrench of contact on the left hand, in the world frame about the origin
+            of its link, of now.
+        r_hand: Likewise on the right hand.
     """
 
     header: Header = field(default_factory=Header)

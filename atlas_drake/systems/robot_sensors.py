@@ -13,6 +13,7 @@ from pydrake.systems.framework import (
     LeafSystem,
 )
 
+from atlas_drake.control.attitude import rotation_matrix
 from atlas_drake.control.rotations import cross
 from atlas_drake.control.whole_body_model import GRAVITY
 from atlas_drake.messages import (
@@ -138,7 +139,10 @@ class RobotSensors(LeafSystem):
             indices, num_q = self._indices, self._plant.num_positions()
             state[indices.q] += noise.joint_position
             state[num_q + indices.v] += noise.joint_velocity
-            state[num_q + indices.generalized[:3]] += noise.angular_velocity
+            # The gyroscope's axes are the IMU's, those of the state the world's.
+            R_WP = rotation_matrix(state[indices.pelvis.orientation])
+            turned = R_WP @ self._X_PI.rotation().multiply(noise.angular_velocity)
+            state[num_q + indices.generalized[:3]] += turned
         output.SetFromVector(state)
 
     def _sample_foot_wrenches(self, context: Context, discrete: DiscreteValues) -> None:

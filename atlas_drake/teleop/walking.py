@@ -47,9 +47,6 @@ class Direction(NamedTuple):
     turn: float = 0.0
 
 
-ON_THE_SPOT = Direction()
-
-
 @dataclass(frozen=True)
 class Gait:
     """How to walk.

@@ -171,6 +171,8 @@ def test_the_same_foot_twice_is_an_error_and_ends_in_stand(record, walk_message)
     recording.advance(LONGEST, in_stand)
     assert_returned_by_itself(recording)
     assert_upright(recording)
+    left = [e.text for e in recording.sim.events if e.kind == "steps left"]
+    assert "two steps in a row are for the same foot" in left[0]
     # The first of the two was a step like any other.
     assert [step["index"] for step in recording.sim.footsteps] == [1]
     last = changes(recording, flags)[-1]
@@ -208,6 +210,15 @@ def test_an_inconsistency_latches_and_ends_the_walk(record, walk_message):
         WalkStatus.SUBSTATE_CATCHING | WalkStatus.ERROR_INCONSISTENT_STEPS
     )
     assert_returned_by_itself(recording)
+
+
+def test_a_walk_without_steps_says_so(record):
+    recording = record()
+    recording.ask("walk")
+    recording.advance(0.02)
+    recording.advance(LONGEST, in_stand)
+    left = [e.text for e in recording.sim.events if e.kind == "steps left"]
+    assert left == ["WALK ends without a step: walk_params.step_queue has none"]
 
 
 def test_asked_to_stand_before_the_first_step_no_foot_lifts(record, walk_message):

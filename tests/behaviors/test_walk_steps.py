@@ -15,6 +15,7 @@ from atlas_drake.control.footstep import (
     Footstep,
     StepLimits,
     cleared,
+    kept_brisk,
     laid_out,
     outward,
     saturate,
@@ -93,6 +94,27 @@ def test_a_climb_needs_a_swing_that_clears_it(climb):
     assert above == pytest.approx(LIMITS.min_swing_height + 0.5 * abs(climb))
     high = replace(low, swing_height=0.25)
     assert cleared(high, start, LIMITS) is high
+
+
+@pytest.mark.parametrize("foot_first", [True, False])
+@pytest.mark.parametrize(
+    ("apart", "longest"),
+    [
+        (0.2, LIMITS.max_duration),
+        (LIMITS.near, LIMITS.max_duration),
+        (LIMITS.far, LIMITS.far_duration),
+        (0.8, LIMITS.far_duration),
+    ],
+)
+def test_feet_far_apart_leave_no_time(apart, longest, foot_first):
+    # Whether they are before the step or after it.
+    near, away = np.array([0.0, 0.0, GROUND]), np.array([0.0, apart, GROUND])
+    stance = FootPose(near, np.eye(3))
+    begin, end = (away, near) if foot_first else (near, away)
+    for duration in (0.6, 2.9):
+        sent = replace(step(GROUND), p_WF=end, duration=duration)
+        done = kept_brisk(sent, FootPose(begin, np.eye(3)), stance, LIMITS)
+        assert done.duration == pytest.approx(min(duration, longest))
 
 
 def feet(x=0.0, y=0.0, yaw=0.0, width=0.3):

@@ -108,7 +108,9 @@ def test_centre_of_mass(model, state, terms, generalized):
     np.testing.assert_allclose(terms.com_velocity, velocity, atol=1e-6)
     # The momentum of a uniform motion of all masses is that of the CoM.
     momentum = terms.M[3:6] @ generalized
-    np.testing.assert_allclose(momentum, model.mass * terms.com_velocity, atol=1e-8)
+    np.testing.assert_allclose(
+        momentum, model.robot.mass * terms.com_velocity, atol=1e-8
+    )
 
 
 def test_mass_matrix_gives_the_kinetic_energy(model, state, terms, generalized):
