@@ -5,20 +5,29 @@ Messages are imported at once; the simulation, which needs Drake, when it is ask
 
 from typing import TYPE_CHECKING, Any
 
-from atlas_drake.errors import AtlasError, InvalidMessageError, ScenarioError
+from atlas_drake.errors import (
+    AtlasError,
+    ErrorCode,
+    InvalidMessageError,
+    ScenarioError,
+)
 from atlas_drake.messages import *  # noqa: F403
 from atlas_drake.messages import __all__ as _messages
 
 if TYPE_CHECKING:
     from atlas_drake.logs import Log, LogError, read_log
-    from atlas_drake.scenario import Scenario, Start, load_scenario
-    from atlas_drake.simulation import AtlasSimulation
+    from atlas_drake.scenario import Jitter, Scenario, Start, load_scenario
+    from atlas_drake.simulation import AtlasSimulation, SimulationError
+    from atlas_drake.terrain import Block
 
 _LAZY = {
     "AtlasSimulation": "atlas_drake.simulation",
+    "Block": "atlas_drake.terrain",
+    "Jitter": "atlas_drake.scenario",
     "Log": "atlas_drake.logs",
     "LogError": "atlas_drake.logs",
     "Scenario": "atlas_drake.scenario",
+    "SimulationError": "atlas_drake.simulation",
     "Start": "atlas_drake.scenario",
     "load_scenario": "atlas_drake.scenario",
     "read_log": "atlas_drake.logs",
@@ -27,11 +36,15 @@ _LAZY = {
 __all__ = [  # noqa: PLE0604
     "AtlasError",
     "AtlasSimulation",
+    "Block",
+    "ErrorCode",
     "InvalidMessageError",
+    "Jitter",
     "Log",
     "LogError",
     "Scenario",
     "ScenarioError",
+    "SimulationError",
     "Start",
     "load_scenario",
     "read_log",

@@ -203,6 +203,13 @@ class Robot:
             + ", ".join(self.joint_names)
         )
 
+    def make_plant(self) -> MultibodyPlant:
+        """A finalized plant of the robot alone, for models: no geometry, no ground."""
+        plant = MultibodyPlant(time_step=0.0)
+        self.add_to(plant)
+        plant.Finalize()
+        return plant
+
     def add_to(self, plant: MultibodyPlant) -> ModelInstanceIndex:
         """Parses the robot into ``plant`` (before Finalize)."""
         return Parser(plant).AddModels(MODELS_FOLDER / self.file.urdf)[0]
@@ -287,7 +294,7 @@ def load_robot(name: str = DEFAULT_ROBOT) -> Robot:
     )
 
 
-_HIP_PITCH, _KNEE, _ANKLE_PITCH = 2, 3, 4
+HIP_PITCH, KNEE, ANKLE_PITCH = 2, 3, 4
 """Places among a leg's joints: hip z, x, y, knee, ankle y, x."""
 
 
@@ -308,11 +315,11 @@ def _leg_lengths(file: RobotFile, plant: MultibodyPlant) -> LegLengths:
         leg = [i for i, joint in enumerate(file.joints) if joint.limb == limb]
         hip, knee, ankle = (
             position(plant.GetJointByName(file.joints[leg[k]].name).frame_on_child())
-            for k in (_HIP_PITCH, _KNEE, _ANKLE_PITCH)
+            for k in (HIP_PITCH, KNEE, ANKLE_PITCH)
         )
         hips.append(hip - position(pelvis))
         ankles.append(ankle - position(plant.GetFrameByName(foot.sole_frame)))
-        knees.append(leg[_KNEE])
+        knees.append(leg[KNEE])
     thigh, shank = knee - hip, ankle - knee
     return LegLengths(
         p_PH=np.array(hips),

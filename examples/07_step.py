@@ -9,9 +9,9 @@ from atlas_drake import (
     AtlasSimInterfaceCommand,
     AtlasSimulation,
     Behavior,
+    Block,
     Scenario,
 )
-from atlas_drake.terrain import Block
 
 RISE = 0.12  # [m]
 
@@ -20,7 +20,7 @@ parser.add_argument("--headless", action="store_true", help="no 3D view")
 options = parser.parse_args()
 
 meshcat = None if options.headless else Meshcat()
-block = Block(size=[0.8, 1.2, RISE], position=[0.75, 0.0, RISE])
+block = Block(size=[0.8, 1.2, RISE], position=[0.6, 0.0, RISE])
 sim = AtlasSimulation(Scenario(terrain=[block]), meshcat=meshcat)
 if meshcat is not None:
     sim.set_realtime_rate(1.0)
@@ -28,10 +28,8 @@ if meshcat is not None:
 
 # Foot (0 left, 1 right), then x, y, z of the sole in the world [m].
 FOOTHOLDS = [
-    (0, 0.15, 0.12, 0.0),
-    (1, 0.15, -0.12, 0.0),
-    (0, 0.48, 0.12, RISE),
-    (1, 0.48, -0.12, RISE),
+    (0, 0.35, 0.12, RISE),
+    (1, 0.35, -0.12, RISE),
 ]
 
 
@@ -51,13 +49,11 @@ def take_step(index: int, foot: int, x: float, y: float, z: float) -> None:
         sim.advance(0.1)
         if sim.has_fallen:
             return
-    while len(sim.footsteps) < index and not sim.has_fallen:
-        sim.advance(0.1)
 
 
 for number, foothold in enumerate(FOOTHOLDS, start=1):
     take_step(number, *foothold)
-    if sim.has_fallen:
+    if sim.has_fallen or len(sim.footsteps) < number:
         break
     landed = sim.footsteps[-1]
     print(

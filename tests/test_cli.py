@@ -272,10 +272,10 @@ def test_the_demo_is_the_tutorial(options, programme, monkeypatch):
 
 
 @pytest.mark.slow
-def test_the_demo_does_the_whole_tutorial(tmp_path, capsys):
+def test_the_demo_does_the_whole_tutorial_also_as_published(tmp_path, capsys):
     file = tmp_path / "out.json"
-    options = ["--headless", "--physics-step", "0.002", "--json", str(file)]
-    status = main(["demo", *options])
+    options = ["--literal", "--headless", "--physics-step", "0.002"]
+    status = main(["demo", *options, "--json", str(file)])
     out = capsys.readouterr().out
     summary = json.loads(file.read_text())
     lines = [

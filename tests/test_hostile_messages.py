@@ -19,6 +19,7 @@ from atlas_drake import (
     InvalidMessageError,
     Pose,
     Quaternion,
+    Scenario,
     Vector3,
 )
 from atlas_drake.messages.checks import LARGEST
@@ -148,7 +149,7 @@ def steps_ahead(sim, command):
 @functools.cache
 def robot_in(behavior):
     """A robot in that behaviour, the same for all messages of a test."""
-    sim = AtlasSimulation()
+    sim = AtlasSimulation(Scenario(physics_step=0.002))
     sim.advance(0.1)
     if behavior is not Behavior.STAND:
         command = AtlasSimInterfaceCommand(behavior=behavior)
@@ -236,7 +237,7 @@ def violent(random, decades):
 @pytest.mark.parametrize(("seed", "decades"), [(1, 5), (2, np.log10(LARGEST))])
 def test_violent_messages_throw_the_robot_down_and_nothing_else(seed, decades):
     random = np.random.default_rng(seed)
-    sim = AtlasSimulation()
+    sim = AtlasSimulation(Scenario(physics_step=0.002))
     limit = sim.robot.effort_limit
     for number in range(150):
         sim.publish(violent(random, decades))

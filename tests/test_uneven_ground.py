@@ -45,6 +45,7 @@ def simulate(model, seed, terrain, x=0.0):
     return AtlasSimulation(
         Scenario(
             model=model,
+            physics_step=0.002,
             seed=seed,
             jitter=jitter,
             terrain=terrain,

@@ -106,7 +106,7 @@ def sim():
 
 @pytest.mark.parametrize("model", ["atlas", "atlas_v3"])
 def test_twenty_steps_ahead(model):
-    sim = AtlasSimulation(Scenario(model=model))
+    sim = AtlasSimulation(Scenario(model=model, physics_step=0.002))
     path = Path(sim)
     for _ in range(19):
         path.step(ahead=0.25)
@@ -191,7 +191,13 @@ def test_wide_long_and_slow_steps():
 
 def test_on_what_the_robot_measures():
     sim = AtlasSimulation(
-        Scenario(model="atlas_v3", state="estimated", noise="rough", seed=2)
+        Scenario(
+            model="atlas_v3",
+            state="estimated",
+            noise="rough",
+            seed=2,
+            physics_step=0.002,
+        )
     )
     path = Path(sim)
     for _ in range(7):

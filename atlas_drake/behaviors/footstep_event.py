@@ -1,4 +1,4 @@
-"""The event that tells of a landed foot, the same from every behaviour that steps."""
+"""What is told of a step, the same by every behaviour that steps."""
 
 from __future__ import annotations
 
@@ -31,3 +31,22 @@ def footstep_event(
             "error_m": landing_error(sent, landed),
         },
     )
+
+
+NOTABLE = 0.05
+"""A step taken this far from where it was sent is told of before it lands [m]."""
+
+
+def out_of_reach(time: float, sent: Footstep, taken: Footstep) -> tuple[Event, ...]:
+    """A warning if a step begins that goes somewhere else than it was sent.
+
+    Args:
+        time: [s]
+        sent: The step as commanded.
+        taken: The step as it is aimed for.
+    """
+    away = landing_error(sent, taken.pose)
+    if away < NOTABLE:
+        return ()
+    text = f"step {taken.index} is out of reach and ends {away:.2f} m from its place"
+    return (Event(time, "warning", text),)

@@ -17,9 +17,10 @@ from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.base import Behavior, Event, Observation, Outcome
 from atlas_drake.behaviors.body_reference import BodyReference
 from atlas_drake.behaviors.freeze import Freeze, FreezeMemory
-from atlas_drake.control.leg_kinematics import ANKLE_PITCH, HIP_PITCH, LEGS
+from atlas_drake.control.leg_kinematics import LEGS
 from atlas_drake.frozen import replace
 from atlas_drake.messages import AtlasSimInterfaceCommand, AtlasSimInterfaceState
+from atlas_drake.robot import ANKLE_PITCH, HIP_PITCH
 
 LEAST_EFFORT = 15.0
 """What the behaviour must be able to give a joint to balance with it [N·m]."""

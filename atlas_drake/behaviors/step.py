@@ -17,7 +17,7 @@ from atlas_drake.behaviors.body_reference import (
     BodyReference,
     advance_body,
 )
-from atlas_drake.behaviors.footstep_event import footstep_event
+from atlas_drake.behaviors.footstep_event import footstep_event, out_of_reach
 from atlas_drake.behaviors.step_action import (
     DesiredStep,
     StepAction,
@@ -262,7 +262,7 @@ class Step:
             heel=plan.heel,
             lean=plan.lean,
         )
-        return memory, ()
+        return memory, out_of_reach(seen.time, wanted.step, taken)
 
     # ---- phases --------------------------------------------------------------
 

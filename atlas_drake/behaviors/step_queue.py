@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 from pydrake.math import RotationMatrix
 
+from atlas_drake.control.attitude import rotation_matrix
 from atlas_drake.control.footstep import Footstep
 from atlas_drake.control.rotations import yaw_of
 from atlas_drake.messages import NO_STEP, AtlasBehaviorStepData, Quaternion, Vector3
@@ -23,19 +24,15 @@ def footstep_from(data: AtlasBehaviorStepData, relative: bool = False) -> Footst
     """
     p = data.pose.position
     quaternion = data.pose.orientation.to_wxyz()
-    w, x, y, z = quaternion / np.linalg.norm(quaternion)
-    x_axis = np.array([[1.0 - 2.0 * (y * y + z * z)], [2.0 * (x * y + w * z)]])
-    z_axis = np.array(
-        [2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)]
-    )
+    R_WF = rotation_matrix(quaternion / np.linalg.norm(quaternion))
     return Footstep(
         index=int(data.step_index),
         foot=int(data.foot_index),
         p_WF=np.array([p.x, p.y, p.z], dtype=float),
-        yaw=yaw_of(x_axis),
+        yaw=yaw_of(R_WF),
         duration=float(data.duration),
         swing_height=float(data.swing_height),
-        normal=z_axis,
+        normal=R_WF[:, 2],
         relative=relative,
     )
 

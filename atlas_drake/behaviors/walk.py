@@ -18,7 +18,7 @@ from atlas_drake.behaviors.body_reference import (
     BodyTarget,
     advance_body,
 )
-from atlas_drake.behaviors.footstep_event import footstep_event
+from atlas_drake.behaviors.footstep_event import footstep_event, out_of_reach
 from atlas_drake.behaviors.gait import GaitTiming, begun_at, plan_walk, stance_cop
 from atlas_drake.behaviors.step_queue import step_data_from
 from atlas_drake.behaviors.walk_memory import Phase, WalkMemory, WalkRules
@@ -255,7 +255,8 @@ class Walk:
         if patient and not self._ready(memory, seen):
             # Hold the plan at the moment of lift-off until the DCM is there.
             return replace(memory, plan_time=memory.plan_time - seen.dt), ()
-        return self._lift_off(memory, seen), ()
+        memory = self._lift_off(memory, seen)
+        return memory, out_of_reach(seen.time, memory.sent, memory.step)
 
     def _ready(self, memory: WalkMemory, seen: Observation) -> bool:
         """Whether the DCM is near enough to its plan for single support."""

@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import JacobianWrtVariable
 from pydrake.systems.framework import Context
 
@@ -25,9 +24,7 @@ class JointMobility:
     def __init__(self, robot: Robot):
         """Builds a plant of its own without geometry."""
         # Untyped, because pydrake's stubs misname the type of every array.
-        self._plant: Any = MultibodyPlant(time_step=0.0)
-        robot.add_to(self._plant)
-        self._plant.Finalize()
+        self._plant: Any = robot.make_plant()
         indices = robot.indices(self._plant)
         self._block = np.ix_(indices.v, indices.v)
         self._soles = [

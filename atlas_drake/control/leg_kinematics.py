@@ -20,8 +20,6 @@ LEGS = ("l_leg", "r_leg")
 """Limbs in the order of foot indices."""
 JOINT_AXES = "zxyyyx"
 """Axes of a leg's joints from the pelvis down."""
-HIP_PITCH, ANKLE_PITCH = 2, 4
-"""Indices of hip y and ankle y among a leg's joints."""
 
 
 @dataclass(frozen=True)

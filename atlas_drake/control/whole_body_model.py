@@ -98,9 +98,7 @@ class WholeBodyModel:
 
     def __init__(self, robot: Robot):
         # Untyped, because pydrake's stubs misname the type of every array.
-        plant: Any = MultibodyPlant(time_step=0.0)
-        robot.add_to(plant)
-        plant.Finalize()
+        plant: Any = robot.make_plant()
         self.robot = robot
         self._plant = plant
         self._indices = robot.indices(plant)

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from pydrake.multibody.plant import ContactResults, MultibodyPlant
+from pydrake.multibody.plant import ContactResults
 from pydrake.systems.framework import Context
 
 from atlas_drake.control.centre_of_pressure import centre_of_pressure
@@ -32,9 +32,7 @@ class RowSampler:
 
     def __init__(self, robot: Robot):
         """Takes the robot; its coordinates lie here as in the station's plant."""
-        self._plant = plant = MultibodyPlant(time_step=0.0)
-        robot.add_to(plant)
-        plant.Finalize()
+        self._plant = plant = robot.make_plant()
         self.layout = robot_layout(
             robot,
             plant.GetPositionNames(add_model_instance_prefix=False),

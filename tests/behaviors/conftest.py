@@ -5,7 +5,12 @@ import dataclasses
 import numpy as np
 import pytest
 
-from atlas_drake import AtlasBehaviorStepData, AtlasSimInterfaceCommand, AtlasSimulation
+from atlas_drake import (
+    AtlasBehaviorStepData,
+    AtlasSimInterfaceCommand,
+    AtlasSimulation,
+    Scenario,
+)
 from atlas_drake.behaviors.base import Observation
 from atlas_drake.control.whole_body_model import WholeBodyModel
 from atlas_drake.messages import AtlasSimInterfaceState
@@ -88,7 +93,8 @@ class Recording:
     """A simulation that is looked at every LOOK seconds."""
 
     def __init__(self, scenario=None):
-        self.sim = AtlasSimulation(scenario)
+        # The coarser physics halves the wait.
+        self.sim = AtlasSimulation(scenario or Scenario(physics_step=0.002))
         self.looks: list[Look] = []
 
     def advance(self, seconds, until=None):

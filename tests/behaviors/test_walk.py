@@ -212,6 +212,15 @@ def test_an_inconsistency_latches_and_ends_the_walk(record, walk_message):
     assert_returned_by_itself(recording)
 
 
+def test_a_step_out_of_reach_is_told_of_before_it_lands(record, walk_message):
+    recording = record()
+    recording.sim.publish(walk_message((1, 0, 250.0, 0.14)))
+    assert recording.advance(LONGEST, stepping(1))
+    recording.advance(0.02)
+    (warning,) = [e.text for e in recording.sim.events if e.kind == "warning"]
+    assert "step 1 is out of reach and ends 249.5" in warning
+
+
 def test_a_walk_without_steps_says_so(record):
     recording = record()
     recording.ask("walk")
