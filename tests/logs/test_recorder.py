@@ -5,7 +5,7 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from atlas_drake import AtlasSimulation, Behavior, Scenario, read_log
+from atlas_drake import AtlasCommand, AtlasSimulation, Behavior, Scenario, read_log
 from atlas_drake.logs.channels import GAINS
 from atlas_drake.logs.figures import make_page
 from atlas_drake.logs.png_page import draw_figure
@@ -119,6 +119,18 @@ def test_commands_are_kept_as_sent_with_their_times(log):
     assert arm.message == arm_command()
     assert bad.message.k_effort[1] == 300
     assert walk.message == walk_command()
+
+
+def test_all_commands_of_one_instant_are_kept(tmp_path):
+    gains = AtlasCommand(kp_position=[7.0] * 28)
+    with AtlasSimulation(log=tmp_path / "run.npz") as sim:
+        sim.advance(0.01)
+        for message in (gains, arm_command(), walk_command()):
+            sim.publish(message)
+        sim.advance(0.01)
+    log = read_log(tmp_path / "run.npz")
+    sent = [command.message for command in log.commands]
+    assert sent == [gains, arm_command(), walk_command()]
 
 
 def test_events_are_kept(run):
