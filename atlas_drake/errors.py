@@ -14,7 +14,7 @@ class ErrorCode(IntEnum):
     NO_ERRORS = 0
     """The last message was accepted."""
     UNSPECIFIED = -1
-    """Something else went wrong."""
+    """Something else went wrong. Never reported here: every fault has its code."""
     VALUE_OUT_OF_RANGE = -2
     """A number that cannot be used, or an array of the wrong length."""
     INVALID_INDEX = -3
@@ -22,11 +22,11 @@ class ErrorCode(IntEnum):
     FAILED_TO_START_BEHAVIOR = -4
     """The behaviour cannot begin now; the status flags say why."""
     NO_ACTIVE_BEHAVIOR = -5
-    """There is no behaviour to do it."""
+    """There is no behaviour to do it. Never reported here: one is always active."""
     NO_SUCH_BEHAVIOR = -6
     """A name or number that no behaviour has."""
     BEHAVIOR_NOT_IMPLEMENTED = -7
-    """A behaviour that this library lacks."""
+    """A behaviour that this library lacks. Never reported here: it has all of them."""
     TIME_RAN_BACKWARD = -8
     """The message is stamped earlier than the one before."""
 

@@ -30,7 +30,7 @@ class BehaviorStatus(IntFlag):
     FAILED_TRANS_ILLEGAL_BEHAVIOR = 8
     """It may not follow the active one."""
     FAILED_TRANS_COM_POS = 16
-    """The centre of mass is not over the feet."""
+    """The centre of mass is not over the feet, or the robot falls or lies."""
     FAILED_TRANS_COM_VEL = 32
     """The centre of mass moves too fast."""
     FAILED_TRANS_VEL = 64
