@@ -8,7 +8,7 @@ import logging
 from collections.abc import Callable
 from dataclasses import dataclass
 from numbers import Real
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -29,6 +29,7 @@ from atlas_drake.robot import Robot
 _log = logging.getLogger(__name__)
 
 Command = AtlasCommand | AtlasSimInterfaceCommand
+_T = TypeVar("_T")
 
 
 @dataclass(frozen=True)
@@ -48,11 +49,25 @@ class BehaviorRequest(Frozen):
 
 @dataclass(frozen=True)
 class Refusal:
-    """A message that was not applied."""
+    """A message that was not applied.
+
+    Attributes:
+        time: At which it came [s].
+        error: Why.
+    """
 
     time: float
-    error_code: ErrorCode
-    text: str
+    error: InvalidMessageError
+
+    @property
+    def error_code(self) -> ErrorCode:
+        """What the robot reports."""
+        return self.error.error_code
+
+    @property
+    def text(self) -> str:
+        """For the user."""
+        return f"refused: {self.error}"
 
 
 @dataclass(frozen=True)
@@ -90,10 +105,22 @@ class CommandsInForce(Frozen):
         """The latest request."""
         return self.requests[-1]
 
+    def messages_since(self, received: int) -> tuple[Command, ...]:
+        """Those that came after the first ``received``, as far as they are kept."""
+        return _last(self.messages, self.received - received)
+
+    def refusals_since(self, refused: int) -> tuple[Refusal, ...]:
+        """Those that came after the first ``refused``, as far as they are kept."""
+        return _last(self.refusals, self.refused - refused)
+
     @property
     def k_effort(self) -> np.ndarray:
         """User's share per joint, 0 to 255, shape (n,)."""
         return self.joints.k_effort
+
+
+def _last(items: tuple[_T, ...], count: int) -> tuple[_T, ...]:
+    return items[-count:] if count else ()
 
 
 SERVO_FIELDS = (
@@ -171,24 +198,6 @@ def latch(
     return force
 
 
-def apply(
-    force: CommandsInForce, message: Command, robot: Robot, time: float
-) -> CommandsInForce:
-    """What is in force once a message has been applied.
-
-    Args:
-        force: In force so far.
-        message: A snapshot.
-        robot: Whose joints the message is about.
-        time: Now [s].
-
-    Raises:
-        InvalidMessageError: If it cannot be applied; it names field and value.
-    """
-    port = "atlas_command" if isinstance(message, AtlasCommand) else "sim_command"
-    return _APPLY[port](force, message, robot, time)
-
-
 def _stamp(message: object) -> float:
     """When a message that is yet to be checked was sent [s]; 0 where it is silent."""
     stamp = getattr(getattr(message, "header", None), "stamp", None)
@@ -210,7 +219,7 @@ def _take(
             _APPLY[port](seen, message, robot, time), error_code=ErrorCode.NO_ERRORS
         )
     except InvalidMessageError as error:
-        refusal = Refusal(time, error.error_code, f"refused: {error}")
+        refusal = Refusal(time, error.with_traceback(None))
         _log.warning("t = %.3f s: %s", time, refusal.text)
         return replace(
             seen,

@@ -15,6 +15,7 @@ from pydrake.systems.analysis import Simulator
 
 from atlas_drake.cli import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK
 from atlas_drake.errors import did_you_mean
+from atlas_drake.interrupts import ctrl_c, nothing_cut_off
 from atlas_drake.logs import Log, LogError, read_log
 from atlas_drake.logs.figures import make_page
 from atlas_drake.logs.formats import (
@@ -30,13 +31,12 @@ from atlas_drake.outputs import (
     check_writable,
     invite_viewer,
     keep_recording,
-    nothing_cut_off,
     open_view,
     realtime_rate,
     video_asked_for,
 )
 from atlas_drake.progress import Progress
-from atlas_drake.run_command import PIECE, ctrl_c, quiet_logs
+from atlas_drake.run_command import PIECE, quiet_logs
 from atlas_drake.viewer import interactive, keep_serving
 from atlas_drake.visualization.overlays import Overlays
 

@@ -7,11 +7,8 @@ from __future__ import annotations
 
 import argparse
 import os
-import signal
-import sys
-import threading
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Collection
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -30,7 +27,7 @@ WEB_PAGES = (".html", ".htm")
 """How the name of a recording may end."""
 
 
-def check_outputs(options: argparse.Namespace, names: Iterable[str]) -> None:
+def check_outputs(options: argparse.Namespace, names: Collection[str]) -> None:
     """Refuses a path now rather than after the run.
 
     Args:
@@ -60,10 +57,18 @@ def check_outputs(options: argparse.Namespace, names: Iterable[str]) -> None:
             raise ScenarioError(option, str(path), f"{path} is {before} already")
 
 
-def keep(path: Path, write: Callable[[], object], progress: Progress) -> bool:
+def keep(
+    path: Path, write: Callable[[], object], progress: Progress, use: str = "."
+) -> bool:
     """Writes a file at the end of a run; says whether that went well.
 
     What cannot be written takes nothing with it that can.
+
+    Args:
+        path: Of the file.
+        write: Writes it.
+        progress: Tells the user.
+        use: What to do with the file, the end of the sentence that names it.
     """
     try:
         write()
@@ -71,26 +76,8 @@ def keep(path: Path, write: Callable[[], object], progress: Progress) -> bool:
         problem = getattr(error, "strerror", None) or error
         progress.say(f"! {path} is lost: {problem}")
         return False
+    progress.say(f"Wrote {path}{use}")
     return True
-
-
-@contextmanager
-def nothing_cut_off() -> Iterator[None]:
-    """Lets Ctrl-C wait while files are written."""
-
-    def ask_for_patience(_number: int, _frame: object) -> None:
-        # A stream of Python's may be in the middle of a line.
-        os.write(sys.stderr.fileno(), b"\nStill writing; one moment.\n")
-
-    # Only the main thread receives signals, and only it may change their handlers.
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    before = signal.signal(signal.SIGINT, ask_for_patience)
-    try:
-        yield
-    finally:
-        signal.signal(signal.SIGINT, before)
 
 
 def check_writable(option: str, path: Path) -> None:
@@ -168,8 +155,5 @@ def keep_recording(
         return True
     meshcat.StopRecording()
     meshcat.PublishRecording()
-    page = meshcat.StaticHtml()
-    kept = keep(options.record, lambda: options.record.write_text(page), progress)
-    if kept:
-        progress.say(f"Wrote {options.record}; open it in a browser.")
-    return kept
+    write = partial(options.record.write_text, meshcat.StaticHtml())
+    return keep(options.record, write, progress, "; open it in a browser.")

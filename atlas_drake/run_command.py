@@ -9,23 +9,20 @@ import argparse
 import json
 import logging
 import math
-import signal
 import sys
-import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
+from functools import partial
 from typing import Any
 
 from atlas_drake.behaviors.base import STEPS_LEFT
 from atlas_drake.cli import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK
 from atlas_drake.drake_log import is_news
+from atlas_drake.interrupts import ctrl_c, nothing_cut_off
 from atlas_drake.logs.formats import check_format
 from atlas_drake.outputs import (
     check_outputs,
     invite_viewer,
     keep,
     keep_recording,
-    nothing_cut_off,
     open_view,
     realtime_rate,
     video_asked_for,
@@ -89,10 +86,8 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
         progress.say(verdict(summary))
         if options.json is not None:
             text = json.dumps(_plain(summary), indent=2) + "\n"
-            if keep(options.json, lambda: options.json.write_text(text), progress):
-                progress.say(f"Wrote {options.json}.")
-            else:
-                kept = False
+            write = partial(options.json.write_text, text)
+            kept = keep(options.json, write, progress) and kept
         kept = keep_recording(meshcat, options, progress) and kept
     if stopped == INTERRUPTED:
         return EXIT_INTERRUPTED
@@ -107,17 +102,14 @@ def _keep_what_grew(
     sim: AtlasSimulation, options: argparse.Namespace, progress: Progress
 ) -> bool:
     """Completes video and log, written all along; says whether that went well."""
-    kept = True
     if options.video is not None:
         pictures = sim.close_video()
         progress.say(f"Wrote {options.video}, {pictures} pictures.")
-    if options.log is not None:
-        progress.say(f"Completing {options.log} ...")
-        kept = keep(options.log, sim.close, progress)
-        if kept:
-            draw = f"draw it: atlas-drake plot {options.log}"
-            progress.say(f"Wrote {options.log}; {draw}")
-    return kept
+    if options.log is None:
+        return True
+    progress.say(f"Completing {options.log} ...")
+    draw = f"; draw it: atlas-drake plot {options.log}"
+    return keep(options.log, sim.close, progress, draw)
 
 
 def apply_options(scenario: Scenario, options: argparse.Namespace) -> None:
@@ -156,30 +148,6 @@ def _simulate(sim: AtlasSimulation, progress: Progress) -> str | None:
         except SimulationError as error:
             return str(error)
         return INTERRUPTED if asked_to_stop.is_set() else None
-
-
-@contextmanager
-def ctrl_c() -> Iterator[threading.Event]:
-    """Turns Ctrl-C into a flag, so that no simulation step is torn apart.
-
-    A second Ctrl-C interrupts at once.
-    """
-    asked = threading.Event()
-    before = signal.getsignal(signal.SIGINT)
-
-    def notice(_number: int, _frame: object) -> None:
-        asked.set()
-        signal.signal(signal.SIGINT, signal.default_int_handler)
-
-    # Only the main thread receives signals, and only it may change their handlers.
-    main = threading.current_thread() is threading.main_thread()
-    if main:
-        signal.signal(signal.SIGINT, notice)
-    try:
-        yield asked
-    finally:
-        if main:
-            signal.signal(signal.SIGINT, before)
 
 
 def verdict(summary: dict[str, Any]) -> str:

@@ -45,10 +45,9 @@ class RunLog:
             for entry in programme[self._seen_sent : sent]
         ]
         self._seen_sent = sent
-        refused = commands.refused - self._seen_refusals
         fresh.extend(
             Event(refusal.time, "refusal", refusal.text)
-            for refusal in commands.refusals[len(commands.refusals) - refused :]
+            for refusal in commands.refusals_since(self._seen_refusals)
         )
         self._seen_refusals = commands.refused
         count = supervisor.event_count - self._seen_events

@@ -62,12 +62,11 @@ class Start:
     itself [s]; null for not by itself."""
 
     def validate(self, behavior: Behavior) -> None:
-        """Checks every field, also against each other and the behaviour to begin with.
+        """Checks every field against each other and the behaviour to begin with.
 
         Raises:
             ScenarioError: Naming the first field that cannot be used.
         """
-        check_kinds(self, Start, "start")
         position = self.position
         if len(position) != 2 or not np.isfinite(position).all():
             raise ScenarioError(

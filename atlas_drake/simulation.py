@@ -20,12 +20,11 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Context
 
 from atlas_drake.behaviors.base import Event
-from atlas_drake.commands import apply
 from atlas_drake.diagrams.atlas_station import StationConfig
 from atlas_drake.diagrams.control_mode_switch import make_control_mode_switch
 from atlas_drake.diagrams.station_reset import reset_station
 from atlas_drake.drake_log import only_news
-from atlas_drake.errors import AtlasError, ScenarioError
+from atlas_drake.errors import AtlasError, InvalidMessageError, ScenarioError
 from atlas_drake.frozen import replace
 from atlas_drake.messages import (
     AtlasCommand,
@@ -44,6 +43,8 @@ from atlas_drake.scenario_kinds import check_kinds
 from atlas_drake.start import Variation, draw_variation, place_robot, scale_masses
 from atlas_drake.steady import steady_ticks
 from atlas_drake.summary import estimator_drift, make_summary
+from atlas_drake.systems.command_interface import CommandInterface
+from atlas_drake.systems.command_scheduler import CommandScheduler
 from atlas_drake.tutorial import control_mode_switch_programme
 from atlas_drake.visualization.overlays import Overlays
 
@@ -145,6 +146,7 @@ class AtlasSimulation:
         self.station = self.diagram.GetSubsystemByName("station")
         self.plant = self.station.GetSubsystemByName("plant")
         self._scheduler = self.diagram.GetSubsystemByName("scheduler")
+        self._interface = self.station.GetSubsystemByName("command_interface")
         self._controller = self.station.GetSubsystemByName("behavior_controller")
         self._controller.tick_seconds = self._tick_seconds
         with only_news():
@@ -205,13 +207,19 @@ class AtlasSimulation:
                 "publish takes an AtlasCommand or an AtlasSimInterfaceCommand, not "
                 f"{type(message).__name__}"
             )
-        before = self._output("commands")
-        # Also if it is faulty: the robot refuses it itself.
+        # It must not take the place of what the programme has just sent.
+        self._take_in(self._interface)
+        refused = self._output("commands").refused
         self.diagram.GetInputPort(port).FixValue(self.context, message.snapshot())
-        interface = self.station.GetSubsystemByName("command_interface")
-        for system in (self._scheduler, interface):
-            system.take_in(system.GetMyMutableContextFromRoot(self.context))
-        apply(before, message, self.robot, self.time)
+        self._take_in(self._scheduler)
+        self._take_in(self._interface)
+        refusals = self._output("commands").refusals_since(refused)
+        if refusals:
+            # A new one: what is raised collects a traceback.
+            raise InvalidMessageError(*refusals[-1].error.args)
+
+    def _take_in(self, system: CommandScheduler | CommandInterface) -> None:
+        system.take_in(system.GetMyMutableContextFromRoot(self.context))
 
     def apply_push(
         self, body: str, force_W: Sequence[float] | np.ndarray, duration: float

@@ -293,6 +293,10 @@ def test_the_demo_does_the_whole_tutorial_also_as_published(tmp_path, capsys):
     assert changes[-1] == "WALK -> STAND (by itself)"
     assert [step["foot"] for step in summary["footsteps"]] == [0, 1, 0, 1]
     assert all(step["error_m"] < 0.02 for step in summary["footsteps"])
+    assert summary["success"]
+    assert summary["max_pelvis_tilt_rad"] < 0.3
+    assert summary["min_pelvis_height"] > 0.7
+    assert max(summary["peak_effort_fraction"].values()) <= 1.0
     assert status == 0
 
 

@@ -20,6 +20,7 @@ from atlas_drake import (
     Start,
 )
 from atlas_drake.errors import ErrorCode
+from atlas_drake.tutorial import FIRST_COMMAND
 
 TICK = 0.002
 """Control period of the default scenario [s]."""
@@ -115,6 +116,17 @@ def test_messages_of_one_instant_are_taken_in_their_order(sim):
     state = sim.atlas_state
     assert list(state.kp_position) == [7.0] * 28
     assert [k for k in range(28) if state.k_effort[k]] == [neck]
+
+
+def test_a_message_takes_nothing_from_the_programme_before_it():
+    # The programme takes all joints at its first command, at this very tick.
+    sim = AtlasSimulation(Scenario(programme="tutorial", initial_behavior="FREEZE"))
+    sim.advance_to(FIRST_COMMAND + TICK)
+    assert [event.kind for event in sim.events].count("command") == 1
+    sim.publish(joint_command(kp_velocity=[1.0] * 28))
+    sim.advance(TICK)
+    assert list(sim.atlas_state.k_effort) == [255] * 28
+    assert list(sim.atlas_state.kp_velocity) == [1.0] * 28
 
 
 def test_a_faulty_message_takes_nothing_from_the_one_before_it(sim):

@@ -326,15 +326,10 @@ class Step:
         over = memory.sway.end
         way = memory.step.p_WF[:2] - memory.feet[memory.stance].p_WF[:2]
         lean = distance * way / np.hypot(*way)
-        shares = np.linspace(1.0, 0.0, 11)
+        inside = self._rules.lean_inside
+        ends = (over + share * lean for share in np.linspace(1.0, 0.0, 11))
         end = next(
-            (
-                over + share * lean
-                for share in shares
-                if memory.support.distance_outside(over + share * lean)
-                <= -self._rules.lean_inside
-            ),
-            over,
+            (p for p in ends if memory.support.distance_outside(p) <= -inside), over
         )
         sway = sway_from_rest(over, end, memory.flight.lower)
         return replace(memory, sway=sway, sway_time=0.0)

@@ -114,11 +114,10 @@ class LogRecorder(LeafSystem):
             return
         self._written_time = time
         commands: Any = self._ports["commands"].Eval(context)
-        fresh = commands.received - self._received
-        self._received = commands.received
-        for message in commands.messages[len(commands.messages) - fresh :]:
+        for message in commands.messages_since(self._received):
             kind = next(k for k, cls in COMMANDS.items() if isinstance(message, cls))
             self._writer.note(Note(time, kind, to_plain(message)))
+        self._received = commands.received
         self._writer.row(row)
 
     # ---- sampling ------------------------------------------------------------

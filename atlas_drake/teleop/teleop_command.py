@@ -10,11 +10,11 @@ import sys
 import threading
 
 from atlas_drake.cli import EXIT_FAILED, EXIT_OK
+from atlas_drake.interrupts import ctrl_c
 from atlas_drake.progress import Progress
 from atlas_drake.run_command import (
     INTERRUPTED,
     apply_options,
-    ctrl_c,
     quiet_logs,
     verdict,
 )

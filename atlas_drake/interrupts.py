@@ -1,0 +1,56 @@
+"""What Ctrl-C does while a command runs, and while it writes what it has.
+
+Nothing here knows what is run or written.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from types import FrameType
+
+
+@contextmanager
+def ctrl_c() -> Iterator[threading.Event]:
+    """Turns Ctrl-C into a flag, so that no simulation step is torn apart.
+
+    A second Ctrl-C interrupts at once.
+    """
+    asked = threading.Event()
+
+    def notice(_number: int, _frame: FrameType | None) -> None:
+        asked.set()
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+
+    with _on_ctrl_c(notice):
+        yield asked
+
+
+@contextmanager
+def nothing_cut_off() -> Iterator[None]:
+    """Lets Ctrl-C wait while files are written."""
+
+    def ask_for_patience(_number: int, _frame: FrameType | None) -> None:
+        # A stream of Python's may be in the middle of a line.
+        os.write(sys.stderr.fileno(), b"\nStill writing; one moment.\n")
+
+    with _on_ctrl_c(ask_for_patience):
+        yield
+
+
+@contextmanager
+def _on_ctrl_c(handler: Callable[[int, FrameType | None], None]) -> Iterator[None]:
+    """Puts a handler in place, and afterwards the one that was there."""
+    # Only the main thread receives signals, and only it may change their handlers.
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
