@@ -13,7 +13,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from atlas_drake.errors import ErrorCode, InvalidMessageError
-from atlas_drake.frozen import Frozen, replace
+from atlas_drake.frozen import NOTHING, Frozen, Nothing, replace
 from atlas_drake.joint_command import JOINT_FIELDS, JointCommand
 from atlas_drake.messages import (
     K_EFFORT_MAX,
@@ -95,8 +95,8 @@ class CommandsInForce(Frozen):
     refused: int = 0
     messages: tuple[Command, ...] = ()
     received: int = 0
-    atlas_command: AtlasCommand | None = None
-    sim_command: AtlasSimInterfaceCommand | None = None
+    atlas_command: AtlasCommand | Nothing = NOTHING
+    sim_command: AtlasSimInterfaceCommand | Nothing = NOTHING
     atlas_stamp: float | None = None
     sim_stamp: float | None = None
 
@@ -167,8 +167,8 @@ def commands_at_start(robot: Robot, behavior: Behavior) -> CommandsInForce:
 
 def latch(
     force: CommandsInForce,
-    atlas_command: AtlasCommand | None,
-    sim_command: AtlasSimInterfaceCommand | None,
+    atlas_command: AtlasCommand | Nothing,
+    sim_command: AtlasSimInterfaceCommand | Nothing,
     robot: Robot,
     time: float,
 ) -> CommandsInForce:
@@ -179,13 +179,13 @@ def latch(
 
     Args:
         force: In force so far.
-        atlas_command: A snapshot, or None when there is none yet.
+        atlas_command: A snapshot, or NOTHING when there is none yet.
         sim_command: Likewise.
         robot: Whose joints the messages are about.
         time: Now [s].
     """
-    new_atlas = atlas_command is not None and atlas_command is not force.atlas_command
-    new_sim = sim_command is not None and sim_command is not force.sim_command
+    new_atlas = _is_new(atlas_command, force.atlas_command)
+    new_sim = _is_new(sim_command, force.sim_command)
     if not (new_atlas or new_sim):
         return force
     if new_atlas and new_sim and _stamp(atlas_command) > _stamp(sim_command):
@@ -196,6 +196,11 @@ def latch(
     if new_sim:
         force = _take(force, "sim_command", sim_command, robot, time)
     return force
+
+
+def _is_new(message: object, seen: object) -> bool:
+    """Whether a port holds another message than the one seen before."""
+    return message is not NOTHING and message is not seen
 
 
 def _stamp(message: object) -> float:

@@ -16,6 +16,7 @@ from atlas_drake.commands import (
     latch,
 )
 from atlas_drake.errors import ErrorCode
+from atlas_drake.frozen import NOTHING
 from atlas_drake.messages import (
     AtlasCommand,
     AtlasSimInterfaceCommand,
@@ -91,7 +92,7 @@ def test_at_start_joints_are_the_users_only_without_behavior(robot, behavior):
 
 
 def test_without_messages_nothing_changes(robot, start):
-    assert latch(start, None, None, robot, 1.0) is start
+    assert latch(start, NOTHING, NOTHING, robot, 1.0) is start
 
 
 # Joint commands.
@@ -317,13 +318,13 @@ def test_an_equal_message_that_was_sent_again_is_new(robot, start):
     first = AtlasSimInterfaceCommand(behavior=Behavior.WALK).snapshot()
     second = AtlasSimInterfaceCommand(behavior=Behavior.WALK).snapshot()
     assert first == second
-    after = latch(latch(start, None, first, robot, 1.0), None, second, robot, 2.0)
+    after = latch(latch(start, NOTHING, first, robot, 1.0), NOTHING, second, robot, 2.0)
     assert after.request.number == 2
 
 
 def test_a_message_that_leaves_its_port_is_not_forgotten(robot, start, everything):
     after = sent(start, robot, everything)
-    assert latch(after, None, None, robot, 2.0) is after
+    assert latch(after, NOTHING, NOTHING, robot, 2.0) is after
 
 
 def test_time_must_not_run_backward_for_either_kind(robot, start):
@@ -375,7 +376,7 @@ def test_refusals_are_logged(robot, start, caplog):
 
 @pytest.mark.parametrize("thing", ["stand", 4, [1, 2]])
 def test_what_is_no_message_is_refused(robot, start, thing):
-    for arguments in ((thing, None), (None, thing)):
+    for arguments in ((thing, NOTHING), (NOTHING, thing)):
         after = latch(start, *arguments, robot, 1.0)
         assert_only_the_error_is_new(after, start)
         assert after.refused == 1
@@ -397,7 +398,7 @@ def test_arrays_in_force_are_not_the_senders(robot, start):
     positions = np.full(28, 0.25)
     shares = np.full(28, 17)
     after = latch(
-        start, AtlasCommand(position=positions, k_effort=shares), None, robot, 1.0
+        start, AtlasCommand(position=positions, k_effort=shares), NOTHING, robot, 1.0
     )
     positions[:] = 9.0
     shares[:] = 0

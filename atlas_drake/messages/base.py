@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from atlas_drake.errors import did_you_mean
 
 if TYPE_CHECKING:
-    from typing_extensions import Self
+    from typing import Self
 
 FloatArray = list[float] | NDArray[Any]
 """One number for each joint in message order, or nothing: "leave what is in force"."""

@@ -13,7 +13,7 @@ from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context, LeafSystem, State, ValueProducer
 
 from atlas_drake.commands import Command
-from atlas_drake.frozen import Frozen, replace
+from atlas_drake.frozen import NOTHING, Frozen, Nothing, replace
 from atlas_drake.messages import (
     AtlasCommand,
     AtlasSimInterfaceCommand,
@@ -55,17 +55,17 @@ class SchedulerState(Frozen):
 
     Attributes:
         sent: Entries of the programme sent so far.
-        atlas_command: On the output port, a snapshot or None.
+        atlas_command: On the output port, a snapshot or NOTHING.
         sim_command: Likewise.
         seen_atlas: The latest message of another commander, to notice the next one.
         seen_sim: Likewise.
     """
 
     sent: int = 0
-    atlas_command: AtlasCommand | None = None
-    sim_command: AtlasSimInterfaceCommand | None = None
-    seen_atlas: AtlasCommand | None = None
-    seen_sim: AtlasSimInterfaceCommand | None = None
+    atlas_command: AtlasCommand | Nothing = NOTHING
+    sim_command: AtlasSimInterfaceCommand | Nothing = NOTHING
+    seen_atlas: AtlasCommand | Nothing = NOTHING
+    seen_sim: AtlasSimInterfaceCommand | Nothing = NOTHING
 
 
 class CommandScheduler(LeafSystem):
@@ -77,8 +77,8 @@ class CommandScheduler(LeafSystem):
             a panel, as snapshots; optional. Passed on at once; the later message wins.
 
     Output ports:
-        atlas_command: ``AtlasCommand`` or None.
-        atlas_sim_interface_command: ``AtlasSimInterfaceCommand`` or None.
+        atlas_command: ``AtlasCommand`` or NOTHING.
+        atlas_sim_interface_command: ``AtlasSimInterfaceCommand`` or NOTHING.
         sent: How many entries of the programme have been sent.
     """
 
@@ -87,11 +87,11 @@ class CommandScheduler(LeafSystem):
         super().__init__()
         self.programme = tuple(sorted(programme, key=lambda entry: entry.time))
         self._feedback = [
-            self.DeclareAbstractInputPort(name, AbstractValue.Make(None))
+            self.DeclareAbstractInputPort(name, AbstractValue.Make(NOTHING))
             for name in ("atlas_state", "atlas_sim_interface_state", "imu")
         ]
         self._others = [
-            self.DeclareAbstractInputPort(name, AbstractValue.Make(None))
+            self.DeclareAbstractInputPort(name, AbstractValue.Make(NOTHING))
             for name in ("other_atlas_command", "other_atlas_sim_interface_command")
         ]
         self._state = self.DeclareAbstractState(AbstractValue.Make(SchedulerState()))
@@ -109,13 +109,13 @@ class CommandScheduler(LeafSystem):
         now = {self._now.ticket()}
         self.DeclareAbstractOutputPort(
             "atlas_command",
-            lambda: AbstractValue.Make(None),
+            lambda: AbstractValue.Make(NOTHING),
             lambda context, out: out.set_value(self._now.Eval(context).atlas_command),
             prerequisites_of_calc=now,
         )
         self.DeclareAbstractOutputPort(
             "atlas_sim_interface_command",
-            lambda: AbstractValue.Make(None),
+            lambda: AbstractValue.Make(NOTHING),
             lambda context, out: out.set_value(self._now.Eval(context).sim_command),
             prerequisites_of_calc=now,
         )
@@ -135,12 +135,12 @@ class CommandScheduler(LeafSystem):
     def _calc_now(self, context: Context, result: AbstractValue) -> None:
         state: SchedulerState = context.get_abstract_state(self._state).get_value()
         atlas, sim = (
-            port.Eval(context) if port.HasValue(context) else None
+            port.Eval(context) if port.HasValue(context) else NOTHING
             for port in self._others
         )
-        if atlas is not None and atlas is not state.seen_atlas:
+        if atlas is not NOTHING and atlas is not state.seen_atlas:
             state = replace(state, atlas_command=atlas, seen_atlas=atlas)
-        if sim is not None and sim is not state.seen_sim:
+        if sim is not NOTHING and sim is not state.seen_sim:
             state = replace(state, sim_command=sim, seen_sim=sim)
         result.set_value(state)
 
