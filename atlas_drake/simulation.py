@@ -24,7 +24,12 @@ from atlas_drake.diagrams.atlas_station import StationConfig
 from atlas_drake.diagrams.control_mode_switch import make_control_mode_switch
 from atlas_drake.diagrams.station_reset import reset_station
 from atlas_drake.drake_log import only_news
-from atlas_drake.errors import AtlasError, InvalidMessageError, ScenarioError
+from atlas_drake.errors import (
+    AtlasError,
+    InvalidMessageError,
+    ScenarioError,
+    did_you_mean,
+)
 from atlas_drake.frozen import replace
 from atlas_drake.messages import (
     AtlasCommand,
@@ -60,6 +65,14 @@ CLEARANCE = 0.10
 
 class AtlasSimulation:
     """A simulated Atlas with joint controllers and behaviours.
+
+    Attributes:
+        scenario: What is simulated.
+        robot: Its description: joint names, limits, masses.
+        diagram: The ``control_mode_switch``, with all systems.
+        station: The ``AtlasStation`` in it.
+        plant: The ``MultibodyPlant`` in that.
+        simulator: Drake's, which advances the diagram.
 
     Example:
         >>> sim = AtlasSimulation()
@@ -193,6 +206,9 @@ class AtlasSimulation:
         The message is copied: the caller may go on changing and sending it. Messages
         of one instant are taken in the order in which they are sent.
 
+        Args:
+            message: What is commanded.
+
         Raises:
             InvalidMessageError: If the message cannot be applied. The robot then
                 reports the error's code, and what was in force stays in force.
@@ -209,11 +225,11 @@ class AtlasSimulation:
             )
         # It must not take the place of what the programme has just sent.
         self._take_in(self._interface)
-        refused = self._output("commands").refused
+        refused = self.output("commands").refused
         self.diagram.GetInputPort(port).FixValue(self.context, message.snapshot())
         self._take_in(self._scheduler)
         self._take_in(self._interface)
-        refusals = self._output("commands").refusals_since(refused)
+        refusals = self.output("commands").refusals_since(refused)
         if refusals:
             # A new one: what is raised collects a traceback.
             raise InvalidMessageError(*refusals[-1].error.args)
@@ -243,11 +259,22 @@ class AtlasSimulation:
     # ---- time ----------------------------------------------------------------
 
     def advance(self, seconds: float) -> None:
-        """Simulates for ``seconds``."""
+        """Simulates for a while.
+
+        Args:
+            seconds: How long [s].
+
+        Raises:
+            ValueError: If it is negative or no number.
+            SimulationError: As ``advance_to`` does.
+        """
         self.advance_to(self.time + seconds)
 
     def advance_to(self, t: float) -> None:
-        """Simulates until time ``t`` [s].
+        """Simulates until a time.
+
+        Args:
+            t: Simulated time [s].
 
         Raises:
             ValueError: If ``t`` is in the past.
@@ -283,7 +310,11 @@ class AtlasSimulation:
         self._look()
 
     def set_realtime_rate(self, rate: float) -> None:
-        """Keeps simulated time at ``rate`` times real time; 0 is as fast as can be."""
+        """Keeps simulated time at a multiple of real time.
+
+        Args:
+            rate: The multiple; 0 is as fast as can be.
+        """
         self.simulator.set_target_realtime_rate(rate)
 
     def close_video(self) -> int:
@@ -392,22 +423,22 @@ class AtlasSimulation:
     @property
     def atlas_state(self) -> AtlasState:
         """The latest joint and sensor state."""
-        return self._output("atlas_state")
+        return self.output("atlas_state")
 
     @property
     def atlas_sim_interface_state(self) -> AtlasSimInterfaceState:
         """The latest state of the behaviours."""
-        return self._output("atlas_sim_interface_state")
+        return self.output("atlas_sim_interface_state")
 
     @property
     def imu(self) -> Imu:
         """The latest IMU measurement."""
-        return self._output("imu")
+        return self.output("imu")
 
     @property
     def current_behavior(self) -> Behavior:
         """The active behaviour."""
-        return self._output("controller_state").supervisor.current
+        return self.output("controller_state").supervisor.current
 
     @property
     def has_fallen(self) -> bool:
@@ -435,14 +466,38 @@ class AtlasSimulation:
         """Wall-clock times of the controller's ticks [s]."""
         return self._controller.tick_seconds
 
+    def output(self, name: str) -> Any:
+        """What an output port of the station says now.
+
+        Args:
+            name: Of the port, such as ``effort``: those of
+                ``atlas_drake.diagrams.atlas_station.make_atlas_station``, and ``sent``.
+
+        Returns:
+            A message or another frozen value, or an array, as the port has it.
+
+        Raises:
+            ValueError: If there is no such port.
+        """
+        known = [
+            self.diagram.get_output_port(i).get_name()
+            for i in range(self.diagram.num_output_ports())
+        ]
+        if name not in known:
+            raise ValueError(
+                f"there is no output port {name!r}.{did_you_mean(str(name), known)} "
+                f"Known are {', '.join(known)}"
+            )
+        return self.diagram.GetOutputPort(name).Eval(self.context)
+
     def summary(self) -> dict[str, Any]:
         """What happened so far, as plain numbers and text ready for JSON."""
-        extremes = self._output("extremes")
+        extremes = self.output("extremes")
         summary = make_summary(self, self._wall_time, extremes)
         if self.scenario.state == "estimated":
             summary["estimator_drift"] = estimator_drift(
-                self._output("estimation_error"),
-                self._output("largest_estimation_error"),
+                self.output("estimation_error"),
+                self.output("largest_estimation_error"),
             )
         return summary
 
@@ -450,9 +505,6 @@ class AtlasSimulation:
 
     def _plant_context(self) -> Context:
         return self.plant.GetMyMutableContextFromRoot(self.context)
-
-    def _output(self, name: str) -> Any:
-        return self.diagram.GetOutputPort(name).Eval(self.context)
 
     def _exert_pushes(self) -> None:
         alive = [push for push in self._pushes if push.end > self.time + 1e-9]
@@ -472,9 +524,9 @@ class AtlasSimulation:
         """Takes in what happened since the last look."""
         self._log.collect(
             self._scheduler.programme,
-            self._output("sent"),
-            self._output("commands"),
-            self._output("controller_state").supervisor,
+            self.output("sent"),
+            self.output("commands"),
+            self.output("controller_state").supervisor,
         )
 
 

@@ -71,6 +71,10 @@ def make_atlas_station(
 ) -> Diagram:
     """Builds the station.
 
+    Args:
+        robot: Whose; None is ``atlas``.
+        config: Periods, sensors, ground; None has the defaults.
+
     Input ports:
         atlas_command: Snapshot of an ``AtlasCommand``; optional.
         atlas_sim_interface_command: Likewise; optional.
@@ -217,7 +221,13 @@ def _add_world(
 def add_scenery(
     plant: MultibodyPlant, terrain: Iterable[Block], ground_friction: float
 ) -> None:
-    """Adds the level ground and the terrain's boxes to a plant (before Finalize)."""
+    """Adds the level ground and the terrain's boxes to a plant (before Finalize).
+
+    Args:
+        plant: Where to.
+        terrain: The boxes.
+        ground_friction: Coefficient of friction of ground and boxes.
+    """
     friction = CoulombFriction(ground_friction, ground_friction)
     plant.RegisterCollisionGeometry(
         plant.world_body(), RigidTransform(), HalfSpace(), "ground", friction

@@ -164,7 +164,7 @@ def robot_in(behavior):
 
 
 def state_of(sim):
-    return sim._output("state")
+    return sim.output("state")
 
 
 @pytest.mark.slow
@@ -183,11 +183,11 @@ def state_of(sim):
 def test_hostile_messages_are_refused_and_change_nothing(behavior, letters):
     sim = robot_in(behavior)
     for message, wait in letters:
-        force, number = sim._output("commands"), len(sim.events)
+        force, number = sim.output("commands"), len(sim.events)
         with pytest.raises(InvalidMessageError) as caught:
             sim.publish(message)
         sim.advance(0.004 + wait)
-        after = sim._output("commands")
+        after = sim.output("commands")
         assert after.joints is force.joints
         assert after.request is force.request
         assert after.error_code is caught.value.error_code
@@ -196,7 +196,7 @@ def test_hostile_messages_are_refused_and_change_nothing(behavior, letters):
         fresh = [e for e in sim.events[number:] if e.kind == "refusal"]
         assert [caught.value.field in event.text for event in fresh] == [True]
         assert np.isfinite(state_of(sim)).all()
-        assert np.isfinite(sim._output("effort")).all()
+        assert np.isfinite(sim.output("effort")).all()
     report = sim.atlas_sim_interface_state
     if behavior not in (Behavior.NONE, Behavior.USER):
         assert report.current_behavior in (behavior, Behavior.STAND)
@@ -243,7 +243,7 @@ def test_violent_messages_throw_the_robot_down_and_nothing_else(seed, decades):
         sim.publish(violent(random, decades))
         sim.advance(float(random.uniform(0.0, 0.04)))
         assert np.isfinite(state_of(sim)).all()
-        assert (np.abs(sim._output("effort")) <= limit + 1e-9).all()
+        assert (np.abs(sim.output("effort")) <= limit + 1e-9).all()
         if number % 50 == 49:
             sim.reset()
     sim.advance(1.0)
