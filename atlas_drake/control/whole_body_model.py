@@ -109,7 +109,9 @@ class WholeBodyModel:
         self._soles = [plant.GetFrameByName(f.sole_frame) for f in robot.file.feet]
         generalized = self._indices.generalized
         joints = [plant.GetJointByName(name) for name in robot.joint_names]
-        self._damping = np.array([joint.default_damping_vector()[0] for joint in joints])
+        self._damping = np.array(
+            [joint.default_damping_vector()[0] for joint in joints]
+        )
         self._square = generalized[:, None] * plant.num_velocities() + generalized
 
     @property

@@ -1,6 +1,7 @@
 """WALK on the simulated robot: substates, steps added, cut short, out of reach."""
 
 import itertools
+import math
 
 import numpy as np
 import pytest
@@ -136,14 +137,20 @@ def test_running_out_of_steps_is_a_warning_while_catching(two_steps):
     assert warned == [False, True]
 
 
-def test_the_rest_of_a_step_counts_down(two_steps):
-    remaining = [
-        look.report.walk_feedback.t_step_rem
+def test_the_rest_of_a_step_counts_down_to_its_touchdown(two_steps):
+    landings = [e.time for e in two_steps.sim.events if e.kind == "footstep"]
+    looks = [
+        (look.time, look.report.walk_feedback.t_step_rem)
         for look in two_steps.looks
-        if stepping(1)(look.report)
+        if look.report.current_behavior is Behavior.WALK
     ]
-    assert all(0.0 <= rest <= 0.63 for rest in remaining)
-    assert (np.diff(remaining) < 0.0).all()
+    # Through the first weight shift, too, and whichever phase the step is in.
+    for begin, end in ((-math.inf, landings[0]), tuple(landings)):
+        during = [(t, rest) for t, rest in looks if begin < t < end - 0.02]
+        assert len(during) > 5
+        left = [end - t for t, _ in during]
+        np.testing.assert_allclose([rest for _, rest in during], left, atol=0.02)
+    assert all(rest == 0.0 for t, rest in looks if t > landings[1] + 0.01)
 
 
 def test_without_steps_the_robot_sways_and_returns_to_stand(record, walk_message):
