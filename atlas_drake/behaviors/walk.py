@@ -82,6 +82,7 @@ class Walk:
         self._timing = timing or GaitTiming()
         self._limits = limits or StepLimits()
         self._slack = slack or StepSlack()
+        self._loose_limits = self._slack.loosen(self._limits)
         self._adjustment = adjustment or StepAdjustmentLimits()
         self._profile = profile or SwingProfile()
         self._rules = rules or WalkRules()
@@ -420,7 +421,7 @@ class Walk:
         moved = saturate(
             replace(step, p_WF=step.p_WF + np.append(shift, 0.0)),
             stance,
-            self._limits,
+            self._loose_limits,
         )
         memory = replace(memory, current=moved)
         plan_time = memory.plan_time

@@ -180,7 +180,8 @@ def _sole_on_ground(
     along = start_normal + s * difference
     length = math.sqrt(along @ along)
     normal = along / length
-    tilting = (difference - normal * (normal @ difference)) / length
+    # The normal's rate, but for a part along itself that drops out further down.
+    tilting = difference / length
     R = rotation_with_normal(yaw, normal)
     # The turn about the normal follows from x staying above the heading: x goes along
     # u = [cos, sin, slope], and only the part of u's rate along y turns it.

@@ -172,14 +172,31 @@ def test_without_steps_the_robot_sways_and_returns_to_stand(record, walk_message
         )
 
 
-def test_the_same_foot_twice_is_an_error_and_ends_in_stand(record, walk_message):
+@pytest.mark.parametrize(
+    ("second", "height", "why"),
+    [
+        ((2, 0, 0.4, 0.14), 0.0, "two steps in a row are for the same foot"),
+        ((2, 1, 0.4, -0.14), 0.15, "step 2 leads 0.15 m up, which is too much"),
+    ],
+    ids=["same foot", "too high"],
+)
+def test_a_step_that_cannot_follow_is_an_error_and_ends_in_stand(
+    record, walk_message, second, height, why
+):
     recording = record()
-    recording.sim.publish(walk_message((1, 0, 0.2, 0.14), (2, 0, 0.4, 0.14)))
+    command = walk_message((1, 0, 0.2, 0.14), second)
+    command.walk_params.step_queue[1].pose.position.z = height
+    recording.sim.publish(command)
+    recording.advance(0.1)
+    # Told of as soon as it is known, and at the end.
+    (warning,) = [e.text for e in recording.sim.events if e.kind == "warning"]
+    assert why in warning
     recording.advance(LONGEST, in_stand)
     assert_returned_by_itself(recording)
     assert_upright(recording)
     left = [e.text for e in recording.sim.events if e.kind == "steps left"]
-    assert "two steps in a row are for the same foot" in left[0]
+    assert left == [f"WALK ends without the steps 2: {why}"]
+    assert not recording.sim.summary()["success"]
     # The first of the two was a step like any other.
     assert [step["index"] for step in recording.sim.footsteps] == [1]
     last = changes(recording, flags)[-1]
