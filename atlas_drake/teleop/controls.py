@@ -12,9 +12,10 @@ from enum import Enum
 from typing import NamedTuple
 
 from atlas_drake.control.footstep import StepLimits
+from atlas_drake.footholds import Gait
 from atlas_drake.messages import K_EFFORT_MAX, AtlasBehaviorPelvisServoParams
 from atlas_drake.teleop.limbs import GROUPS
-from atlas_drake.teleop.walking import Direction, Gait
+from atlas_drake.teleop.walking import Direction
 
 PUSH_BODIES = ("pelvis", "utorso", "head", "l_hand", "r_hand")
 """What can be pushed, in the order of the slider."""
