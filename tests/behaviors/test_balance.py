@@ -1,0 +1,29 @@
+"""References become commands: where the CoP may lie."""
+
+import numpy as np
+import pytest
+
+from atlas_drake.behaviors.balance import Balance
+from atlas_drake.control.footstep import FootPose
+from atlas_drake.control.gains import ControlGains
+
+FOOT = FootPose(np.array([1.0, 0.5, 0.0]), np.eye(3))
+
+
+@pytest.fixture(scope="module")
+def balance(robot):
+    return Balance(robot, ControlGains())
+
+
+@pytest.mark.parametrize("side", [0, 1])
+def test_the_cop_stays_inside_the_sole_by_a_margin(balance, side):
+    sole, contact = balance.robot.file.sole, balance.gains.contact
+    margin = (contact.length_margin, contact.width_margin)[side]
+    edge = 0.5 * (sole.length, sole.width)[side] - margin
+    for sign in (-1.0, 1.0):
+        far = FOOT.p_WF[:2].copy()
+        far[side] += sign * 10.0
+        expected = FOOT.p_WF[:2].copy()
+        expected[side] += sign * edge
+        clamped = balance.support(FOOT).clamp(far)
+        np.testing.assert_allclose(clamped[side], expected[side], atol=1e-12)
