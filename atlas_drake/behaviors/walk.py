@@ -352,7 +352,8 @@ class Walk:
             return self._settle(memory, cop), (event,)
         # The next touchdown is due a step's duration after this one was.
         transfer = self._timing.transfer(coming[0])
-        transfer = max(transfer + early, self._rules.shortest_transfer * transfer)
+        change = self._rules.transfer_change * transfer
+        transfer += min(max(early, -change), change)
         memory = replace(memory, duration=transfer)
         return self._replan(memory, cop, memory.duration), (event,)
 
