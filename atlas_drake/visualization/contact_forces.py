@@ -48,9 +48,8 @@ def contact_forces_of(results: Any) -> list[ContactForce]:
         contact = results.point_pair_contact_info(index)
         # Drake's is the force on body B, which may be the robot or the ground.
         force = np.array(contact.contact_force())
-        if int(contact.bodyB_index()) == world:
-            force = -force
-        elif int(contact.bodyA_index()) != world and force[2] < 0.0:
+        ground = int(contact.bodyA_index()) == world
+        if int(contact.bodyB_index()) == world or (not ground and force[2] < 0.0):
             force = -force
         if np.linalg.norm(force) > LEAST_FORCE:
             forces.append(ContactForce(np.array(contact.contact_point()), force))
