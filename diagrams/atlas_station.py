@@ -57,7 +57,7 @@ class StationConfig:
     control_period: float = 0.002
     ground_friction: float = 0.9
     terrain: tuple[Block, ...] = ()
-    contact_approximation: str = "lagged"
+    contact_approximation: str = "similar"
     noise: NoiseModel = field(default_factory=NoiseModel)
     seed: int = 0
     initial_behavior: Behavior = Behavior.STAND
