@@ -175,6 +175,8 @@ def make_atlas_station(
     if config.harnessed:
         harness = builder.AddNamedSystem("harness", Harness(robot, plant))
         builder.Connect(plant.get_state_output_port(), harness.GetInputPort("state"))
+        connect(selector, "actuation", harness)
+        connect(sensors, "foot_wrenches", harness)
         builder.Connect(harness.GetOutputPort("applied_spatial_force"), pushes)
         pushes = harness.GetInputPort("other_spatial_force")
     builder.ExportInput(pushes, "applied_spatial_force")
