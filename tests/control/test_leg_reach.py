@@ -5,8 +5,10 @@ import pytest
 
 from atlas_drake.control.footstep import FootPose
 from atlas_drake.control.leg_reach import (
+    FOLDED_FLEXION,
     SHORTEST_FLEXION,
     highest_com,
+    highest_sole,
     hips_from_com,
     knee_for_length,
     leg_length,
@@ -71,3 +73,15 @@ def test_the_lowest_body_is_where_the_knee_reaches_its_lever(model, standing):
     # With the weight farther ahead the same knee may bend more.
     ahead = lowest_com(legs, hips, com + np.array([0.04, 0.0]), 0, pose, 0.10)
     assert ahead < heights[0]
+
+
+def test_a_leg_lifts_its_sole_as_far_as_it_folds(model, standing):
+    legs = model.robot.legs
+    hips = hips_from_com(standing, legs)
+    height = float(standing.com[2])
+    top = highest_sole(legs, hips, height, 0)
+    # From hip to ankle, with the sole level and straight below the hip.
+    left = height + hips[0, 2] - (top + legs.p_FA[0, 2])
+    assert left == pytest.approx(leg_length(legs, legs.straight + FOLDED_FLEXION))
+    assert 0.2 < top < 0.4
+    assert highest_sole(legs, hips, height - 0.1, 0) == pytest.approx(top - 0.1)
