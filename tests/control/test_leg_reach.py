@@ -5,9 +5,11 @@ import pytest
 
 from atlas_drake.control.footstep import FootPose
 from atlas_drake.control.leg_reach import (
+    FOLDED_FLEXION,
     SHORTEST_FLEXION,
     _knee_ahead,
     highest_com,
+    highest_sole,
     hips_from_com,
     knee_for_length,
     leg_length,
@@ -91,3 +93,15 @@ def test_a_bent_knee_is_as_far_ahead_as_the_robots(model, lean):
     found = _knee_ahead(legs, hips, terms.com, 0, feet(terms)[0])
     # But for the hip pitch joint's own small swing about the roll joint.
     assert found == pytest.approx(knee[0] - terms.com[0], abs=0.01)
+
+
+def test_a_leg_lifts_its_sole_as_far_as_it_folds(model, standing):
+    legs = model.robot.legs
+    hips = hips_from_com(standing, legs)
+    height = float(standing.com[2])
+    top = highest_sole(legs, hips, height, 0)
+    # From hip to ankle, with the sole level and straight below the hip.
+    left = height + hips[0, 2] - (top + legs.p_FA[0, 2])
+    assert left == pytest.approx(leg_length(legs, legs.straight + FOLDED_FLEXION))
+    assert 0.2 < top < 0.4
+    assert highest_sole(legs, hips, height - 0.1, 0) == pytest.approx(top - 0.1)
