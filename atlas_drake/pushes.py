@@ -12,7 +12,7 @@ import numpy as np
 from pydrake.multibody.math import SpatialForce
 from pydrake.multibody.plant import ExternallyAppliedSpatialForce, MultibodyPlant
 
-from atlas_drake.errors import InvalidMessageError, did_you_mean
+from atlas_drake.errors import InvalidMessageError, did_you_mean, shown
 from atlas_drake.messages.checks import check_number
 
 
@@ -63,11 +63,11 @@ def make_push(
         force = np.empty(0)
     if force.shape != (3,) or not np.isfinite(force).all():
         raise InvalidMessageError(
-            "force_W", force_W, f"must be three finite numbers, is {force_W!r}"
+            "force_W", force_W, f"must be three finite numbers, is {shown(force_W)}"
         )
     check_number(duration, "duration", 0.0, strictly=True)
     if body not in bodies:
         hint = did_you_mean(str(body), bodies) or f" It has {', '.join(bodies)}."
-        problem = f"the robot has no body {body!r}.{hint}"
+        problem = f"the robot has no body {shown(body)}.{hint}"
         raise InvalidMessageError("body", body, problem)
     return Push(body, force, time + duration)

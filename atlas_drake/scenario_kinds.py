@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from atlas_drake.errors import ScenarioError, did_you_mean
+from atlas_drake.errors import ScenarioError, did_you_mean, shown
 
 _NAMES = {
     float: "a number",
@@ -98,4 +98,6 @@ def _reads_as_number(text: str) -> bool:
 
 
 def _wrong(path: str, value: object, wanted: str) -> ScenarioError:
-    return ScenarioError(path or "scenario", value, f"is {value!r}; must be {wanted}")
+    return ScenarioError(
+        path or "scenario", value, f"is {shown(value)}; must be {wanted}"
+    )

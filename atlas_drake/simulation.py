@@ -24,7 +24,7 @@ from atlas_drake.diagrams.atlas_station import StationConfig
 from atlas_drake.diagrams.control_mode_switch import make_control_mode_switch
 from atlas_drake.diagrams.station_reset import reset_station
 from atlas_drake.drake_log import only_news
-from atlas_drake.errors import AtlasError, InvalidMessageError, ScenarioError
+from atlas_drake.errors import AtlasError, InvalidMessageError, ScenarioError, shown
 from atlas_drake.frozen import replace
 from atlas_drake.messages import (
     AtlasCommand,
@@ -103,8 +103,8 @@ class AtlasSimulation:
         """
         if not isinstance(scenario, Scenario | None):
             raise TypeError(
-                f"scenario must be a Scenario, is {scenario!r}; load_scenario reads "
-                "one from a file"
+                f"scenario must be a Scenario, is {shown(scenario)}; load_scenario "
+                "reads one from a file"
             )
         self.scenario = (scenario or Scenario()).validate()
         self.robot = load_robot(self.scenario.model)
@@ -209,11 +209,13 @@ class AtlasSimulation:
             )
         # It must not take the place of what the programme has just sent.
         self._take_in(self._interface)
-        refused = self._output("commands").refused
-        self.diagram.GetInputPort(port).FixValue(self.context, message.snapshot())
+        commands = self._output("commands")
+        # Numbered, so that a repeated message counts again.
+        numbered = message.numbered(commands.received + 1)
+        self.diagram.GetInputPort(port).FixValue(self.context, numbered)
         self._take_in(self._scheduler)
         self._take_in(self._interface)
-        refusals = self._output("commands").refusals_since(refused)
+        refusals = self._output("commands").refusals_since(commands.refused)
         if refusals:
             # A new one: what is raised collects a traceback.
             raise InvalidMessageError(*refusals[-1].error.args)
@@ -256,7 +258,7 @@ class AtlasSimulation:
         """
         if not np.isfinite(t) or t < self.time - 1e-9:
             raise ValueError(
-                f"cannot advance to {t!r} s: it must be a time not before now, "
+                f"cannot advance to {shown(t)} s: it must be a time not before now, "
                 f"{self.time:.3f} s"
             )
         begin = time.perf_counter()

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from atlas_drake.errors import ErrorCode, InvalidMessageError
+from atlas_drake.errors import ErrorCode, InvalidMessageError, shown
 from atlas_drake.messages.atlas_command import AtlasCommand
 from atlas_drake.messages.atlas_sim_interface_command import AtlasSimInterfaceCommand
 from atlas_drake.messages.behavior import behavior_from
@@ -68,7 +68,7 @@ def validate_atlas_command(
             "desired_controller_period_ms",
             message.desired_controller_period_ms,
             f"must be a whole number of milliseconds, 0 to {CONTROLLER_PERIOD_MAX_MS}, "
-            f"is {message.desired_controller_period_ms!r}",
+            f"is {shown(message.desired_controller_period_ms)}",
         )
 
 
