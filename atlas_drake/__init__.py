@@ -10,6 +10,7 @@ from atlas_drake.errors import (
     ErrorCode,
     InvalidMessageError,
     ScenarioError,
+    WaitTimeoutError,
 )
 from atlas_drake.messages import *  # noqa: F403
 from atlas_drake.messages import __all__ as _messages
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from atlas_drake.logs import Log, LogError, read_log
     from atlas_drake.scenario import Jitter, Scenario, Start, load_scenario
     from atlas_drake.simulation import AtlasSimulation, SimulationError
+    from atlas_drake.standing import place_robot
     from atlas_drake.terrain import Block
 
 _LAZY = {
@@ -30,6 +32,7 @@ _LAZY = {
     "SimulationError": "atlas_drake.simulation",
     "Start": "atlas_drake.scenario",
     "load_scenario": "atlas_drake.scenario",
+    "place_robot": "atlas_drake.standing",
     "read_log": "atlas_drake.logs",
 }
 
@@ -46,7 +49,9 @@ __all__ = [  # noqa: PLE0604
     "ScenarioError",
     "SimulationError",
     "Start",
+    "WaitTimeoutError",
     "load_scenario",
+    "place_robot",
     "read_log",
     *_messages,
 ]

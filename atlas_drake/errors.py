@@ -89,7 +89,11 @@ class ScenarioError(AtlasError, ValueError):
         return f"{self.field}: {self.problem}"
 
 
-SHOWN = 200
+class WaitTimeoutError(AtlasError, TimeoutError):
+    """What was waited for did not come about within the simulated time allowed."""
+
+
+SHOWN = 500
 """Longest text for a value in an error message [characters]."""
 
 

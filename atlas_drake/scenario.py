@@ -15,11 +15,13 @@ from atlas_drake.errors import InvalidMessageError, ScenarioError, shown
 from atlas_drake.messages import Behavior, behavior_from
 from atlas_drake.noise import NOISE_MODELS
 from atlas_drake.robot import DEFAULT_ROBOT, available_robots
-from atlas_drake.scenario_kinds import check_kinds
+from atlas_drake.scenario_kinds import check_kinds, make_plain
 from atlas_drake.terrain import Block
 
 PHYSICS_STEPS = (0.0005, 0.001, 0.002)
 """Physics steps on offer [s]."""
+LARGEST_SEED = 2**64 - 1
+"""What the generator of the sensors' noise takes."""
 LONGEST_PERIOD = 0.02
 """Longest control period on offer [s]."""
 CONTACT_APPROXIMATIONS = ("lagged", "similar", "sap", "tamsi")
@@ -138,7 +140,7 @@ class Scenario:
     def validate(self) -> "Scenario":
         """Checks every field.
 
-        A truth value for ``state`` becomes the word.
+        A truth value for ``state`` becomes the word, and numbers become Python's own.
 
         Returns:
             The scenario itself.
@@ -147,6 +149,7 @@ class Scenario:
             ScenarioError: Naming the first field that cannot be used.
         """
         check_kinds(self, Scenario)
+        make_plain(self)
         _one_of("model", self.model, available_robots())
         _one_of("programme", self.programme, PROGRAMMES)
         _one_of("noise", self.noise, tuple(NOISE_MODELS))
@@ -178,9 +181,11 @@ class Scenario:
                 f"is {shown(self.control_period)}; must be at most {LONGEST_PERIOD}: "
                 "the robot cannot balance with longer ones",
             )
-        if self.seed < 0:
+        if not 0 <= self.seed <= LARGEST_SEED:
             raise ScenarioError(
-                "seed", self.seed, f"is {shown(self.seed)}; must not be negative"
+                "seed",
+                self.seed,
+                f"is {shown(self.seed)}; must be from 0 to {LARGEST_SEED}",
             )
         for name, value in vars(self.jitter).items():
             most = 1.0 if name == "mass" else np.inf

@@ -71,6 +71,31 @@ MAX_INDEX = 2**31 - 1
 """Largest number of a step: the original counts steps in 32 bits."""
 
 
+def check_vector(
+    values: object, field: str, size: int, largest: float = LARGEST
+) -> NDArray[np.float64]:
+    """Check that a value has ``size`` finite numbers, none larger than ``largest``.
+
+    Returns:
+        The numbers; shape (size,).
+
+    Raises:
+        InvalidMessageError: If it is no list, tuple or array of such numbers.
+    """
+    is_list = isinstance(values, (list, tuple)) or (
+        isinstance(values, np.ndarray) and not isinstance(values, np.ma.MaskedArray)
+    )
+    numbers = [as_float(element) for element in values] if is_list else []  # type: ignore[attr-defined]
+    vector = np.array([math.nan if number is None else number for number in numbers])
+    if vector.shape != (size,) or not np.isfinite(vector).all():
+        problem = f"must be {size} finite numbers, is {shown(values)}"
+        raise InvalidMessageError(field, values, problem)
+    if np.abs(vector).max() > largest:
+        problem = f"must be within ±{largest:g}, is {shown(values)}"
+        raise InvalidMessageError(field, values, problem)
+    return vector
+
+
 def check_flag(value: object, field: str) -> None:
     """Raise InvalidMessageError unless the value says yes or no."""
     yes_or_no = isinstance(value, (bool, np.bool_)) or is_whole(value)

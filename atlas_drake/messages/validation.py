@@ -33,6 +33,20 @@ _GAINS = ("kp_position", "ki_position", "kd_position", "kp_velocity")
 _SERVO_GAINS = ("kp_position", "ki_position", "kp_velocity")
 
 
+def check_command(
+    message: AtlasCommand | AtlasSimInterfaceCommand, joint_names: Sequence[str]
+) -> None:
+    """Check a command of either kind by itself, whatever was sent before.
+
+    Raises:
+        InvalidMessageError: If anything in it cannot be applied; it names the field.
+    """
+    if isinstance(message, AtlasCommand):
+        validate_atlas_command(message, joint_names)
+    else:
+        validate_sim_interface_command(message, joint_names)
+
+
 def validate_atlas_command(
     message: AtlasCommand,
     joint_names: Sequence[str],
