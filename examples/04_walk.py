@@ -52,22 +52,31 @@ def plan() -> list[AtlasBehaviorStepData]:
     return steps
 
 
-steps = plan()
-while steps or sim.current_behavior is Behavior.WALK:
+def wants_steps(sim: AtlasSimulation) -> bool:
+    """Whether fewer than two steps are known that have not begun."""
     walk = sim.atlas_sim_interface_state.walk_feedback
     ahead = walk.next_step_index_needed - walk.current_step_index - 1
-    if steps and ahead < 2:
-        command = AtlasSimInterfaceCommand()
-        command.behavior = command.WALK
-        for place, step in enumerate(steps[:4]):  # the queue holds four
-            command.walk_params.step_queue[place] = step
-        sim.publish(command)
-        indices = [step.step_index for step in steps[:4]]
-        print(f"{sim.time:5.2f} s  sent steps {indices}")
-        del steps[:4]
-    sim.advance(0.1)
-    if sim.has_fallen:
-        break
+    return ahead < 2 or sim.has_fallen
+
+
+def has_ended(sim: AtlasSimulation) -> bool:
+    """Whether the walk is over, for good or ill."""
+    return sim.current_behavior is not Behavior.WALK or sim.has_fallen
+
+
+steps = plan()
+while steps and not sim.has_fallen:
+    command = AtlasSimInterfaceCommand()
+    command.behavior = command.WALK
+    for place, step in enumerate(steps[:4]):  # the queue holds four
+        command.walk_params.step_queue[place] = step
+    sim.publish(command)
+    indices = [step.step_index for step in steps[:4]]
+    print(f"{sim.time:5.2f} s  sent steps {indices}")
+    del steps[:4]
+    sim.advance(0.1)  # it has heard of them then
+    sim.wait_until(wants_steps, what="the last steps but two")
+sim.wait_until(has_ended, timeout=20.0, what="the end of the walk")
 
 for step in sim.footsteps:
     print(f"step {step['index']:2} landed {1e3 * step['error_m']:3.0f} mm off")

@@ -51,25 +51,32 @@ def step_on_circle(index: int) -> AtlasBehaviorStepData:
     return step
 
 
-needed, sent = 1, 0
-while sent < NUM_STEPS or sim.current_behavior is Behavior.WALK:
+def wants_steps(sim: AtlasSimulation) -> bool:
+    """Whether few of the steps are left that Atlas knows and has not begun."""
     walk = sim.atlas_sim_interface_state.walk_feedback
-    if sent:  # before, nobody walks and asks for steps
-        needed = walk.next_step_index_needed
-    known = needed - walk.current_step_index - 1
-    if sent < needed <= NUM_STEPS and known <= AHEAD:
-        command = AtlasSimInterfaceCommand()
-        command.behavior = command.WALK
-        command.walk_params.use_relative_step_height = True
-        indices = range(needed, min(needed + 4, NUM_STEPS + 1))
-        for place, index in enumerate(indices):
-            command.walk_params.step_queue[place] = step_on_circle(index)
-        sim.publish(command)
-        print(f"{sim.time:5.2f} s  sent steps {needed} to {indices[-1]}")
-        sent = indices[-1]
-    sim.advance(0.1)
-    if sim.has_fallen:
-        break
+    known = walk.next_step_index_needed - walk.current_step_index - 1
+    return known <= AHEAD or sim.has_fallen
+
+
+def has_ended(sim: AtlasSimulation) -> bool:
+    """Whether the walk is over, for good or ill."""
+    return sim.current_behavior is not Behavior.WALK or sim.has_fallen
+
+
+needed = 1
+while needed <= NUM_STEPS and not sim.has_fallen:
+    command = AtlasSimInterfaceCommand()
+    command.behavior = command.WALK
+    command.walk_params.use_relative_step_height = True
+    indices = range(needed, min(needed + 4, NUM_STEPS + 1))
+    for place, index in enumerate(indices):
+        command.walk_params.step_queue[place] = step_on_circle(index)
+    sim.publish(command)
+    print(f"{sim.time:5.2f} s  sent steps {needed} to {indices[-1]}")
+    sim.advance(0.1)  # it has heard of them then
+    sim.wait_until(wants_steps, what="the wish for further steps")
+    needed = sim.atlas_sim_interface_state.walk_feedback.next_step_index_needed
+sim.wait_until(has_ended, timeout=20.0, what="the end of the walk")
 
 for step in sim.footsteps:
     print(f"step {step['index']:2} landed {1e3 * step['error_m']:3.0f} mm off")
