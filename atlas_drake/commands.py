@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from atlas_drake.errors import ErrorCode, InvalidMessageError
-from atlas_drake.frozen import Frozen, replace
+from atlas_drake.frozen import NOTHING, Frozen, replace
 from atlas_drake.joint_command import JOINT_FIELDS, JointCommand
 from atlas_drake.messages import (
     K_EFFORT_MAX,
@@ -98,7 +98,7 @@ class CommandsInForce(Frozen):
         refused: How many there were in all.
         messages: The latest messages, refused ones too, oldest first.
         received: How many there were in all.
-        atlas_command: What ``is_new`` has seen of joint commands; None for nothing.
+        atlas_command: What ``is_new`` has seen of joint commands; NOTHING at first.
         sim_command: Likewise of behaviour commands.
         atlas_stamp: Time stamp of the last accepted joint command [s].
         sim_stamp: Time stamp of the last accepted behaviour command [s].
@@ -111,8 +111,8 @@ class CommandsInForce(Frozen):
     refused: int = 0
     messages: tuple[Received, ...] = ()
     received: int = 0
-    atlas_command: Any = None
-    sim_command: Any = None
+    atlas_command: Any = NOTHING
+    sim_command: Any = NOTHING
     atlas_stamp: float | None = None
     sim_stamp: float | None = None
 
@@ -190,7 +190,7 @@ def latch(
 
     Args:
         force: In force so far.
-        atlas_command: A message, a snapshot or not; None for nothing yet.
+        atlas_command: A message, a snapshot or not; NOTHING where there is none.
         sim_command: Likewise.
         robot: Whose joints the messages are about.
         time: Now [s].

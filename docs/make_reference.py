@@ -14,6 +14,7 @@ import dataclasses
 import enum
 import inspect
 import sys
+import types
 from pathlib import Path
 from typing import Any
 
@@ -240,7 +241,9 @@ def _numbers(cls: type) -> str:
 
 def _kind(annotation: Any) -> str:
     """A field's type in words that fit into a table."""
-    text = str(getattr(annotation, "__name__", annotation))
+    # From Python 3.14 on unions have a name too, and it says nothing.
+    named = not isinstance(annotation, types.UnionType)
+    text = str(getattr(annotation, "__name__", annotation) if named else annotation)
     for numbers in ("float", "int"):
         if text.startswith(f"list[{numbers}] |"):
             return f"list or array of {numbers}"

@@ -17,6 +17,7 @@ from atlas_drake.commands import (
     log_refusals,
 )
 from atlas_drake.errors import ErrorCode
+from atlas_drake.frozen import NOTHING
 from atlas_drake.messages import (
     AtlasCommand,
     AtlasSimInterfaceCommand,
@@ -93,7 +94,7 @@ def test_at_start_joints_are_the_users_only_without_behavior(robot, behavior):
 
 
 def test_without_messages_nothing_changes(robot, start):
-    assert latch(start, None, None, robot, 1.0) is start
+    assert latch(start, NOTHING, NOTHING, robot, 1.0) is start
 
 
 # Joint commands.
@@ -330,7 +331,7 @@ def test_an_equal_message_is_new_only_with_another_number_or_stamp(robot, start)
         (walk(stamp=1.5), 4),
         (walk(stamp=1.5), 4),
     ):
-        force = latch(force, None, message, robot, 1.0)
+        force = latch(force, NOTHING, message, robot, 1.0)
         assert force.request.number == number
         assert force.received == number
 
@@ -338,10 +339,10 @@ def test_an_equal_message_is_new_only_with_another_number_or_stamp(robot, start)
 def test_requests_are_objects_of_their_own(robot, start):
     """By which behaviours notice that one was sent again."""
     message = AtlasSimInterfaceCommand(behavior=Behavior.WALK).snapshot()
-    force = latch(start, None, message, robot, 1.0)
+    force = latch(start, NOTHING, message, robot, 1.0)
     other = AtlasSimInterfaceCommand(behavior=Behavior.STAND).snapshot()
-    force = latch(force, None, other, robot, 1.0)
-    force = latch(force, None, message, robot, 1.0)
+    force = latch(force, NOTHING, other, robot, 1.0)
+    force = latch(force, NOTHING, message, robot, 1.0)
     _, first, _, again = (request.command for request in force.requests)
     assert first == again
     assert first.walk_params is not again.walk_params
@@ -349,9 +350,9 @@ def test_requests_are_objects_of_their_own(robot, start):
 
 def test_a_message_that_changes_on_its_port_is_new(robot, start):
     command = AtlasCommand(position=[0.0] * 28)
-    force = latch(start, command, None, robot, 1.0)
+    force = latch(start, command, NOTHING, robot, 1.0)
     command.position[3] = 0.5
-    force = latch(force, command, None, robot, 2.0)
+    force = latch(force, command, NOTHING, robot, 2.0)
     assert force.received == 2
     assert force.joints.position[3] == 0.5
     assert force.messages[0].message.position[3] == 0.0
@@ -359,7 +360,7 @@ def test_a_message_that_changes_on_its_port_is_new(robot, start):
 
 def test_a_message_that_leaves_its_port_is_not_forgotten(robot, start, everything):
     after = sent(start, robot, everything)
-    assert latch(after, None, None, robot, 2.0) is after
+    assert latch(after, NOTHING, NOTHING, robot, 2.0) is after
 
 
 def test_time_must_not_run_backward_for_either_kind(robot, start):
@@ -443,7 +444,7 @@ def test_a_streamed_fault_is_logged_once(robot, start, caplog):
 
 @pytest.mark.parametrize("thing", ["stand", 4, [1, 2]])
 def test_what_is_no_message_is_refused(robot, start, thing):
-    for arguments in ((thing, None), (None, thing)):
+    for arguments in ((thing, NOTHING), (NOTHING, thing)):
         after = latch(start, *arguments, robot, 1.0)
         assert_only_the_error_is_new(after, start)
         assert after.refused == 1
@@ -465,7 +466,7 @@ def test_arrays_in_force_are_not_the_senders(robot, start):
     positions = np.full(28, 0.25)
     shares = np.full(28, 17)
     after = latch(
-        start, AtlasCommand(position=positions, k_effort=shares), None, robot, 1.0
+        start, AtlasCommand(position=positions, k_effort=shares), NOTHING, robot, 1.0
     )
     positions[:] = 9.0
     shares[:] = 0

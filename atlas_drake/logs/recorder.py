@@ -22,6 +22,7 @@ from pydrake.systems.framework import (
 )
 
 from atlas_drake.behaviors.base import Event
+from atlas_drake.frozen import NOTHING
 from atlas_drake.logs.notes import COMMANDS, LogWriter, Note, note_from_event, to_plain
 from atlas_drake.logs.samples import RowSampler
 
@@ -74,7 +75,7 @@ class LogRecorder(LeafSystem):
         for name, size in sampler.port_sizes.items():
             self._ports[name] = self.DeclareVectorInputPort(name, size)
         for name in _VALUES:
-            blank = ContactResults() if name == "contact_results" else None
+            blank = ContactResults() if name == "contact_results" else NOTHING
             self._ports[name] = self.DeclareAbstractInputPort(
                 name, AbstractValue.Make(blank)
             )

@@ -16,10 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from atlas_drake.errors import did_you_mean
+from atlas_drake.frozen import NOTHING
 from atlas_drake.messages.numeric import plain_number
 
 if TYPE_CHECKING:
-    from typing_extensions import Self
+    from typing import Self
 
 FloatArray = list[float] | NDArray[Any]
 """One number for each joint in message order, or nothing: "leave what is in force"."""
@@ -280,10 +281,10 @@ def is_new(value: Any, seen: Any) -> bool:
     message and send it again.
 
     Args:
-        value: What the port holds; None for nothing, which is not new.
-        seen: What ``frozen`` made of what it held before; None for nothing yet.
+        value: What the port holds; NOTHING is not new.
+        seen: What ``frozen`` made of what it held before; NOTHING at first.
     """
-    if value is None or value is seen:
+    if value is NOTHING or value is seen:
         return False
     number = value._number if isinstance(value, Message) else UNNUMBERED
     if number != UNNUMBERED and number != getattr(seen, "_number", UNNUMBERED):

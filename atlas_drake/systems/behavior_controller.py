@@ -33,7 +33,7 @@ from atlas_drake.control.whole_body_model import (
 )
 from atlas_drake.control.whole_body_qp import WholeBodyQp, WholeBodySolution
 from atlas_drake.errors import ErrorCode
-from atlas_drake.frozen import Frozen
+from atlas_drake.frozen import NOTHING, Frozen
 from atlas_drake.messages import (
     K_EFFORT_MAX,
     AtlasSimInterfaceState,
@@ -106,10 +106,10 @@ class BehaviorController(LeafSystem):
         self._state_input = self.DeclareVectorInputPort("state", self._model.num_states)
         self._load_input = self.DeclareVectorInputPort("foot_loads", 2)
         self._user_input = self.DeclareAbstractInputPort(
-            "user_forecast", AbstractValue.Make(None)
+            "user_forecast", AbstractValue.Make(NOTHING)
         )
         self._command_input = self.DeclareAbstractInputPort(
-            "commands", AbstractValue.Make(None)
+            "commands", AbstractValue.Make(NOTHING)
         )
         self._scratch = declare_scratch_context(self, self._model.create_context)
         self._memory = self.DeclareAbstractState(AbstractValue.Make(start))

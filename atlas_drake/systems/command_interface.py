@@ -14,7 +14,7 @@ from atlas_drake.commands import (
     latch,
     log_refusals,
 )
-from atlas_drake.frozen import replace
+from atlas_drake.frozen import NOTHING, replace
 from atlas_drake.messages import Behavior
 from atlas_drake.messages.base import frozen
 from atlas_drake.robot import Robot
@@ -23,8 +23,8 @@ from atlas_drake.robot import Robot
 class CommandInterface(LeafSystem):
     """Command ports in, what is in force out.
 
-    Input ports (both optional; they hold the sender's latest message, and None while
-    there is none):
+    Input ports (both optional; they hold the sender's latest message, and NOTHING
+    while there is none):
         atlas_command: ``AtlasCommand``
         atlas_sim_interface_command: ``AtlasSimInterfaceCommand``
 
@@ -46,7 +46,7 @@ class CommandInterface(LeafSystem):
         self._robot = robot
         start = commands_at_start(robot, initial_behavior)
         self._inputs = [
-            self.DeclareAbstractInputPort(name, AbstractValue.Make(None))
+            self.DeclareAbstractInputPort(name, AbstractValue.Make(NOTHING))
             for name in ("atlas_command", "atlas_sim_interface_command")
         ]
         self._state = self.DeclareAbstractState(AbstractValue.Make(start))
@@ -113,9 +113,9 @@ class CommandInterface(LeafSystem):
         return after
 
     def _messages(self, context: Context) -> list[Any]:
-        """What the two ports hold; None where nobody sent anything."""
+        """What the two ports hold; NOTHING where nobody sent anything."""
         return [
-            port.Eval(context) if port.HasValue(context) else None
+            port.Eval(context) if port.HasValue(context) else NOTHING
             for port in self._inputs
         ]
 

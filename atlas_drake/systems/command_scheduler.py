@@ -14,7 +14,7 @@ from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context, LeafSystem, State, ValueProducer
 
 from atlas_drake.commands import Command
-from atlas_drake.frozen import Frozen, replace
+from atlas_drake.frozen import NOTHING, Frozen, replace
 from atlas_drake.messages import (
     AtlasCommand,
     AtlasSimInterfaceState,
@@ -56,17 +56,17 @@ class SchedulerState(Frozen):
 
     Attributes:
         sent: Entries of the programme sent so far.
-        atlas_command: On the output port; None for nothing yet.
+        atlas_command: On the output port; NOTHING at first.
         sim_command: Likewise.
         seen_atlas: What ``is_new`` has seen of other commanders' joint commands.
         seen_sim: Likewise of behaviour commands.
     """
 
     sent: int = 0
-    atlas_command: Any = None
-    sim_command: Any = None
-    seen_atlas: Any = None
-    seen_sim: Any = None
+    atlas_command: Any = NOTHING
+    sim_command: Any = NOTHING
+    seen_atlas: Any = NOTHING
+    seen_sim: Any = NOTHING
 
 
 class CommandScheduler(LeafSystem):
@@ -79,8 +79,8 @@ class CommandScheduler(LeafSystem):
             once; the later message wins.
 
     Output ports:
-        atlas_command: ``AtlasCommand`` or None.
-        atlas_sim_interface_command: ``AtlasSimInterfaceCommand`` or None.
+        atlas_command: ``AtlasCommand`` or NOTHING.
+        atlas_sim_interface_command: ``AtlasSimInterfaceCommand`` or NOTHING.
         sent: How many entries of the programme have been sent.
     """
 
@@ -89,11 +89,11 @@ class CommandScheduler(LeafSystem):
         super().__init__()
         self.programme = tuple(sorted(programme, key=lambda entry: entry.time))
         self._feedback = [
-            self.DeclareAbstractInputPort(name, AbstractValue.Make(None))
+            self.DeclareAbstractInputPort(name, AbstractValue.Make(NOTHING))
             for name in ("atlas_state", "atlas_sim_interface_state", "imu")
         ]
         self._others = [
-            self.DeclareAbstractInputPort(name, AbstractValue.Make(None))
+            self.DeclareAbstractInputPort(name, AbstractValue.Make(NOTHING))
             for name in ("other_atlas_command", "other_atlas_sim_interface_command")
         ]
         self._state = self.DeclareAbstractState(AbstractValue.Make(SchedulerState()))
@@ -111,13 +111,13 @@ class CommandScheduler(LeafSystem):
         now = {self._now.ticket()}
         self.DeclareAbstractOutputPort(
             "atlas_command",
-            lambda: AbstractValue.Make(None),
+            lambda: AbstractValue.Make(NOTHING),
             lambda context, out: out.set_value(self._now.Eval(context).atlas_command),
             prerequisites_of_calc=now,
         )
         self.DeclareAbstractOutputPort(
             "atlas_sim_interface_command",
-            lambda: AbstractValue.Make(None),
+            lambda: AbstractValue.Make(NOTHING),
             lambda context, out: out.set_value(self._now.Eval(context).sim_command),
             prerequisites_of_calc=now,
         )
@@ -137,7 +137,7 @@ class CommandScheduler(LeafSystem):
     def _calc_now(self, context: Context, result: AbstractValue) -> None:
         state: SchedulerState = context.get_abstract_state(self._state).get_value()
         atlas, sim = (
-            port.Eval(context) if port.HasValue(context) else None
+            port.Eval(context) if port.HasValue(context) else NOTHING
             for port in self._others
         )
         if is_new(atlas, state.seen_atlas):

@@ -29,7 +29,7 @@ from atlas_drake.control.joint_pid import (
 )
 from atlas_drake.control.user_share import UserForecast, forecast_user_effort
 from atlas_drake.control.whole_body_model import GRAVITY
-from atlas_drake.frozen import Frozen, replace
+from atlas_drake.frozen import NOTHING, Frozen, replace
 from atlas_drake.joint_command import JointCommand
 from atlas_drake.messages import K_EFFORT_MAX
 from atlas_drake.robot import PlantIndices, Robot
@@ -130,7 +130,7 @@ class JointPidBank(LeafSystem):
         num_states = num_positions + len(indices.generalized)
         self._state_input = self.DeclareVectorInputPort("state", num_states)
         self._command_input = self.DeclareAbstractInputPort(
-            "joint_command", AbstractValue.Make(None)
+            "joint_command", AbstractValue.Make(NOTHING)
         )
         self._behavior_input = self.DeclareVectorInputPort("behavior_effort", n)
         self._wrench_input = self.DeclareVectorInputPort("foot_wrenches", 12)
@@ -140,7 +140,7 @@ class JointPidBank(LeafSystem):
         self._step = self.DeclareCacheEntry(
             "one step of the law",
             ValueProducer(
-                allocate=lambda: AbstractValue.Make(None),
+                allocate=lambda: AbstractValue.Make(NOTHING),
                 calc=self._calc_step,
             ),
             {self.all_input_ports_ticket(), self.xd_ticket(), self.xa_ticket()},
@@ -157,7 +157,7 @@ class JointPidBank(LeafSystem):
             prerequisites_of_calc={self._step.ticket()},
         )
         self._scratch = declare_scratch_context(self, self._mobility.create_context)
-        self._prepared = self.DeclareAbstractState(AbstractValue.Make(None))
+        self._prepared = self.DeclareAbstractState(AbstractValue.Make(NOTHING))
         self.DeclarePeriodicDiscreteUpdateEvent(physics_step, 0.0, self._update)
         self.DeclarePeriodicUnrestrictedUpdateEvent(
             PREPARATION_TICKS * control_period, 0.0, self._update_law
@@ -166,7 +166,7 @@ class JointPidBank(LeafSystem):
     def reset(self, context: Context) -> None:
         """Forgets integrals and everything else that the law remembers."""
         context.SetDiscreteState(self._memory, np.zeros(4 * len(self._nothing)))
-        context.get_mutable_abstract_state(self._prepared).set_value(None)
+        context.get_mutable_abstract_state(self._prepared).set_value(NOTHING)
 
     def _calc_step(self, context: Context, result: AbstractValue) -> None:
         source: JointCommand = self._command_input.Eval(context)
@@ -233,7 +233,7 @@ class JointPidBank(LeafSystem):
     def _law(self, context: Context, source: JointCommand) -> PreparedLaw:
         """The law in the state if it serves, else one prepared afresh."""
         known = context.get_abstract_state(self._prepared).get_value()
-        if known is not None and known.source is source:
+        if known is not NOTHING and known.source is source:
             return known
         return self._prepare(context, source)
 
@@ -285,7 +285,7 @@ class JointPidBank(LeafSystem):
         if not source.k_effort.any():
             return
         known = context.get_abstract_state(self._prepared).get_value()
-        if known is not None and known.source is source:
+        if known is not NOTHING and known.source is source:
             q = self._state_input.Eval(context)[self._q]
             moved = np.abs(q - known.q).max() > MOVED
             if not moved and self._planted(context) == known.planted:

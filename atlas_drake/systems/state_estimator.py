@@ -25,7 +25,7 @@ from atlas_drake.control.leg_odometry import (
 )
 from atlas_drake.control.rotations import cross
 from atlas_drake.control.whole_body_model import GRAVITY, WholeBodyModel
-from atlas_drake.frozen import Frozen
+from atlas_drake.frozen import NOTHING, Frozen
 from atlas_drake.robot import Robot
 from atlas_drake.systems.scratch import declare_scratch_context
 
@@ -84,7 +84,8 @@ class StateEstimator(LeafSystem):
         self._odometry = self.DeclareCacheEntry(
             "odometry",
             ValueProducer(
-                allocate=lambda: AbstractValue.Make(None), calc=self._calc_odometry
+                allocate=lambda: AbstractValue.Make(NOTHING),
+                calc=self._calc_odometry,
             ),
         )
         self.DeclareVectorOutputPort("estimated_state", size, self._calc_state)

@@ -8,6 +8,7 @@ from pydrake.systems.framework import DiagramBuilder, LeafSystem
 
 from atlas_drake.commands import JOINT_FIELDS
 from atlas_drake.errors import ErrorCode
+from atlas_drake.frozen import NOTHING
 from atlas_drake.messages import (
     AtlasBehaviorStepData,
     AtlasCommand,
@@ -76,8 +77,8 @@ def test_nobody_need_be_connected(sender, robot):
 
 def test_a_port_without_message_is_no_message(sender):
     before = sender.out()
-    sender.put(ATLAS, None)
-    sender.put(SIM, None)
+    sender.put(ATLAS, NOTHING)
+    sender.put(SIM, NOTHING)
     sender.tick(2)
     assert sender.out() is before
 
@@ -95,7 +96,7 @@ def test_a_message_is_in_force_at_the_instant_at_which_it_is_sent(sender):
 def test_a_message_stays_in_force_when_it_leaves_the_port(sender):
     sender.put(ATLAS, joint_command(position=0.3, k_effort=100).snapshot())
     sender.tick()
-    sender.put(ATLAS, None)
+    sender.put(ATLAS, NOTHING)
     sender.tick()
     np.testing.assert_array_equal(
         sender.out("joint_command").position, np.full(28, 0.3)
