@@ -6,6 +6,7 @@ and reads messages out. It holds no control law.
 
 from __future__ import annotations
 
+import functools
 import itertools
 import math
 import time
@@ -123,7 +124,7 @@ class AtlasSimulation:
         self.scenario = (scenario or Scenario()).validate()
         self.robot = load_robot(self.scenario.model)
         self._tick_seconds = array("d")
-        self._turns = Turns(self._deliver)
+        self._turns = Turns()
         self._numbers = itertools.count(1)
         self._recorder = None if log is None else self._start_log(Path(log))
         self._log = RunLog(_listener(on_event, self._recorder))
@@ -227,7 +228,7 @@ class AtlasSimulation:
                 f"{type(message).__name__}"
             )
         numbered = message.numbered(next(self._numbers))
-        if self._turns.leave(numbered):
+        if self._turns.leave(functools.partial(self._deliver, numbered)):
             check_command(numbered, self.robot.joint_names)
             return
         with self._turns:

@@ -8,30 +8,26 @@ from __future__ import annotations
 import threading
 from collections import deque
 from collections.abc import Callable
-from typing import Generic, TypeVar
-
-_T = TypeVar("_T")
 
 
-class Turns(Generic[_T]):
-    """A lock that a thread may take again, and a box for what cannot wait for it.
+class Turns:
+    """A lock that a thread may take again, and a list of tasks that cannot wait for it.
 
-    Whoever waits is next when the lock is let go, so that a thread that takes it again
-    and again keeps nobody out. What others left in the box is delivered, in order, by
-    the thread that has the lock, before it lets go.
+    Threads that wait come next when the lock is let go, so that a thread that takes it
+    again and again keeps nobody out. The thread that has the lock does the tasks which
+    others left, in their order, before it lets go.
     """
 
-    def __init__(self, deliver: Callable[[_T], None]):
-        """Calls ``deliver``, which must not raise, with each thing left in the box."""
-        self._deliver = deliver
+    def __init__(self) -> None:
+        """Nobody has the lock, and nothing is left to do."""
         self._guard = threading.Lock()
         self._owner: int | None = None
         self._depth = 0
         self._waiting: deque[tuple[int, threading.Lock]] = deque()
-        self._left: deque[_T] = deque()
+        self._left: deque[Callable[[], None]] = deque()
 
-    def leave(self, thing: _T) -> bool:
-        """Leaves a thing to the thread that has the lock.
+    def leave(self, task: Callable[[], None]) -> bool:
+        """Leaves a task, which must not raise, to the thread that has the lock.
 
         Returns:
             False, with nothing left, if no other thread has it.
@@ -39,7 +35,7 @@ class Turns(Generic[_T]):
         with self._guard:
             if self._owner in (None, threading.get_ident()):
                 return False
-            self._left.append(thing)
+            self._left.append(task)
             return True
 
     def __enter__(self) -> None:
@@ -66,15 +62,15 @@ class Turns(Generic[_T]):
             raise
 
     def __exit__(self, *_error: object) -> None:
-        """Delivers what was left, and lets the next thread in."""
+        """Does what was left to do, and lets the next thread in."""
         while True:
             with self._guard:
                 if self._depth > 1 or not self._left:
                     self._let_go()
                     return
                 left, self._left = self._left, deque()
-            for thing in left:
-                self._deliver(thing)
+            for task in left:
+                task()
 
     def _let_go(self) -> None:
         self._depth -= 1
