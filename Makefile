@@ -10,7 +10,7 @@ BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test fast check format bench constraints clean
+.PHONY: help setup demo test fast check format docs bench constraints clean
 
 help: ## Show this list.
 	@echo "Usage: make <target>"
@@ -36,6 +36,9 @@ check: $(STAMP) ## Check style, formatting and types.
 format: $(STAMP) ## Format the code and fix what can be fixed.
 	@$(BIN)/ruff check --fix .
 	@$(BIN)/ruff format .
+
+docs: $(STAMP) ## Write a page for every public function and class (build/docs).
+	@$(BIN)/python docs/make_api.py $(ARGS)
 
 # Each goes on whether or not the one before it met its goals.
 bench: $(STAMP) ## Measure speed and reliability (about half an hour).

@@ -66,6 +66,9 @@ class Start:
     def validate(self, behavior: Behavior) -> None:
         """Checks every field against each other and the behaviour to begin with.
 
+        Args:
+            behavior: The one to begin with.
+
         Raises:
             ScenarioError: Naming the first field that cannot be used.
         """
@@ -242,6 +245,9 @@ def starting_behavior(value: object, name: str) -> Behavior:
 
 def load_scenario(path: str | Path) -> Scenario:
     """Reads and validates one YAML file; fields left out have their defaults.
+
+    Args:
+        path: Of the file.
 
     Raises:
         ScenarioError: If the file cannot be read, has unknown keys or bad values.

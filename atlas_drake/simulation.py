@@ -33,6 +33,7 @@ from atlas_drake.errors import (
     InvalidMessageError,
     ScenarioError,
     WaitTimeoutError,
+    did_you_mean,
     shown,
 )
 from atlas_drake.frozen import replace
@@ -75,6 +76,14 @@ CLEARANCE = 0.10
 
 class AtlasSimulation:
     """A simulated Atlas with joint controllers and behaviours.
+
+    Attributes:
+        scenario: What is simulated.
+        robot: Its description: joint names, limits, masses.
+        diagram: The ``control_mode_switch``, with all systems.
+        station: The ``AtlasStation`` in it.
+        plant: The ``MultibodyPlant`` in that.
+        simulator: Drake's, which advances the diagram.
 
     Example:
         >>> sim = AtlasSimulation()
@@ -217,6 +226,9 @@ class AtlasSimulation:
         only what is in force then, such as a stamp before the last one, is not raised
         but reported: by ``error_code``, and as an event.
 
+        Args:
+            message: What is commanded.
+
         Raises:
             InvalidMessageError: If the message cannot be applied. The robot then
                 reports the error's code, and what was in force stays in force.
@@ -232,9 +244,9 @@ class AtlasSimulation:
             check_command(numbered, self.robot.joint_names)
             return
         with self._turns:
-            refused = self._output("commands").refused
+            refused = self.output("commands").refused
             self._deliver(numbered)
-            refusals = self._output("commands").refusals_since(refused)
+            refusals = self.output("commands").refusals_since(refused)
         if refusals:
             # A new one: what is raised collects a traceback.
             raise InvalidMessageError(*refusals[-1].error.args)
@@ -275,16 +287,22 @@ class AtlasSimulation:
     # ---- time ----------------------------------------------------------------
 
     def advance(self, seconds: float) -> None:
-        """Simulates for ``seconds``.
+        """Simulates for a while.
+
+        Args:
+            seconds: How long [s].
 
         Raises:
             InvalidMessageError: If ``seconds`` is no number, or negative.
-            SimulationError: If the physics could not be solved.
+            SimulationError: As ``advance_to`` does.
         """
         self.advance_to(self.time + check_number(seconds, "seconds", 0.0))
 
     def advance_to(self, t: float) -> None:
-        """Simulates until time ``t`` [s].
+        """Simulates until a time.
+
+        Args:
+            t: Simulated time [s].
 
         Raises:
             InvalidMessageError: If ``t`` is in the past, or no time.
@@ -363,7 +381,10 @@ class AtlasSimulation:
         return self.time - begin
 
     def set_realtime_rate(self, rate: float) -> None:
-        """Keeps simulated time at ``rate`` times real time; 0 is as fast as can be.
+        """Keeps simulated time at a multiple of real time.
+
+        Args:
+            rate: The multiple; 0 is as fast as can be.
 
         Raises:
             InvalidMessageError: If ``rate`` is no number, or negative.
@@ -490,22 +511,22 @@ class AtlasSimulation:
     @property
     def atlas_state(self) -> AtlasState:
         """The latest joint and sensor state."""
-        return self._output("atlas_state")
+        return self.output("atlas_state")
 
     @property
     def atlas_sim_interface_state(self) -> AtlasSimInterfaceState:
         """The latest state of the behaviours."""
-        return self._output("atlas_sim_interface_state")
+        return self.output("atlas_sim_interface_state")
 
     @property
     def imu(self) -> Imu:
         """The latest IMU measurement."""
-        return self._output("imu")
+        return self.output("imu")
 
     @property
     def current_behavior(self) -> Behavior:
         """The active behaviour."""
-        return self._output("controller_state").supervisor.current
+        return self.output("controller_state").supervisor.current
 
     @property
     def has_fallen(self) -> bool:
@@ -534,14 +555,39 @@ class AtlasSimulation:
         """Wall-clock times of the controller's ticks [s]."""
         return self._controller.tick_seconds
 
+    def output(self, name: str) -> Any:
+        """What an output port of the station says now.
+
+        Args:
+            name: Of the port, such as ``effort``: those of
+                ``atlas_drake.diagrams.atlas_station.make_atlas_station``, and ``sent``.
+
+        Returns:
+            A message or another frozen value, or an array, as the port has it.
+
+        Raises:
+            ValueError: If there is no such port.
+        """
+        known = [
+            self.diagram.get_output_port(i).get_name()
+            for i in range(self.diagram.num_output_ports())
+        ]
+        if name not in known:
+            raise ValueError(
+                f"there is no output port {name!r}.{did_you_mean(str(name), known)} "
+                f"Known are {', '.join(known)}"
+            )
+        with self._turns:
+            return self.diagram.GetOutputPort(name).Eval(self.context)
+
     def summary(self) -> dict[str, Any]:
         """What happened so far, as plain numbers and text ready for JSON."""
-        extremes = self._output("extremes")
+        extremes = self.output("extremes")
         summary = make_summary(self, self._wall_time, extremes)
         if self.scenario.state == "estimated":
             summary["estimator_drift"] = estimator_drift(
-                self._output("estimation_error"),
-                self._output("largest_estimation_error"),
+                self.output("estimation_error"),
+                self.output("largest_estimation_error"),
             )
         return summary
 
@@ -549,10 +595,6 @@ class AtlasSimulation:
 
     def _plant_context(self) -> Context:
         return self.plant.GetMyMutableContextFromRoot(self.context)
-
-    def _output(self, name: str) -> Any:
-        with self._turns:
-            return self.diagram.GetOutputPort(name).Eval(self.context)
 
     def _exert_pushes(self) -> None:
         alive = [push for push in self._pushes if push.end > self.time + 1e-9]
@@ -572,9 +614,9 @@ class AtlasSimulation:
         """Takes in what happened since the last look."""
         self._log.collect(
             self._scheduler.programme,
-            self._output("sent"),
-            self._output("commands"),
-            self._output("controller_state").supervisor,
+            self.output("sent"),
+            self.output("commands"),
+            self.output("controller_state").supervisor,
         )
 
 

@@ -75,6 +75,10 @@ def make_atlas_station(
     In its default context the robot stands in the stand-prep pose over the origin of W,
     ready to simulate; ``place_robot`` puts it elsewhere.
 
+    Args:
+        robot: Whose; None is ``atlas``.
+        config: Periods, sensors, ground; None has the defaults.
+
     Input ports:
         atlas_command: ``AtlasCommand``; optional. See ``CommandInterface`` for when a
             message counts as a new one.
@@ -223,7 +227,13 @@ def _add_world(
 def add_scenery(
     plant: MultibodyPlant, terrain: Iterable[Block], ground_friction: float
 ) -> None:
-    """Adds the level ground and the terrain's boxes to a plant (before Finalize)."""
+    """Adds the level ground and the terrain's boxes to a plant (before Finalize).
+
+    Args:
+        plant: Where to.
+        terrain: The boxes.
+        ground_friction: Coefficient of friction of ground and boxes.
+    """
     friction = CoulombFriction(ground_friction, ground_friction)
     plant.RegisterCollisionGeometry(
         plant.world_body(), RigidTransform(), HalfSpace(), "ground", friction

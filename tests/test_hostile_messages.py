@@ -169,7 +169,7 @@ def robot_in(behavior):
 
 
 def state_of(sim):
-    return sim._output("state")
+    return sim.output("state")
 
 
 @pytest.mark.slow
@@ -188,11 +188,11 @@ def state_of(sim):
 def test_hostile_messages_are_refused_and_change_nothing(behavior, letters):
     sim = robot_in(behavior)
     for message, wait in letters:
-        force, number = sim._output("commands"), len(sim.events)
+        force, number = sim.output("commands"), len(sim.events)
         with pytest.raises(InvalidMessageError) as caught:
             sim.publish(message)
         sim.advance(0.004 + wait)
-        after = sim._output("commands")
+        after = sim.output("commands")
         assert after.joints is force.joints
         assert after.request is force.request
         assert after.error_code is caught.value.error_code
@@ -201,7 +201,7 @@ def test_hostile_messages_are_refused_and_change_nothing(behavior, letters):
         fresh = [e for e in sim.events[number:] if e.kind == "refusal"]
         assert [caught.value.field in event.text for event in fresh] == [True]
         assert np.isfinite(state_of(sim)).all()
-        assert np.isfinite(sim._output("effort")).all()
+        assert np.isfinite(sim.output("effort")).all()
     report = sim.atlas_sim_interface_state
     if behavior not in (Behavior.NONE, Behavior.USER):
         assert report.current_behavior in (behavior, Behavior.STAND)
@@ -240,12 +240,12 @@ def test_poison_is_refused_by_name_and_the_run_goes_on(logged, poison, path):
     command = AtlasSimInterfaceCommand(behavior="WALK")
     command.walk_params.step_queue[0] = step
     put(command, path, poison())
-    force = sim._output("commands")
+    force = sim.output("commands")
     with pytest.raises(InvalidMessageError) as caught:
         sim.publish(command)
     assert caught.value.field.startswith(path)
     assert len(str(caught.value)) < 1000
-    after = sim._output("commands")
+    after = sim.output("commands")
     assert after.request is force.request
     assert after.joints is force.joints
     assert after.refused == force.refused + 1
@@ -258,7 +258,7 @@ def logged(tmp_path_factory):
     file = tmp_path_factory.mktemp("hostile") / "run.npz"
     with AtlasSimulation(Scenario(physics_step=0.002), log=file) as sim:
         yield sim, file
-        received = sim._output("commands").received
+        received = sim.output("commands").received
     assert len(read_log(file).commands) == received
 
 
@@ -292,7 +292,7 @@ def test_what_is_no_command_on_a_port_is_refused_once_and_the_log_goes_on(
         port = sim.diagram.GetInputPort("other_atlas_sim_interface_command")
         port.FixValue(sim.context, thing)
         sim.advance(0.02)
-        assert sim._output("commands").refused == 1
+        assert sim.output("commands").refused == 1
         sim.publish(AtlasSimInterfaceCommand(behavior="FREEZE"))
         sim.advance(0.01)
         assert sim.current_behavior is Behavior.FREEZE
@@ -315,10 +315,10 @@ def test_numbers_of_every_kind_are_numbers(logged):
     sim.publish(command)
     sim.advance(0.01)
     assert sim.current_behavior is Behavior.MANIPULATE
-    heard = sim._output("commands").request.command
+    heard = sim.output("commands").request.command
     assert type(heard.manipulate_params.desired.pelvis_height) is float
     assert heard.manipulate_params.desired.pelvis_pitch == 0.125
-    assert sim._output("commands").joints.position[1] == pytest.approx(1 / 3)
+    assert sim.output("commands").joints.position[1] == pytest.approx(1 / 3)
 
 
 def test_none_of_many_messages_of_one_instant_is_lost(tmp_path):
@@ -347,9 +347,9 @@ def test_the_same_message_published_again_counts_again(logged):
         AtlasSimInterfaceCommand(behavior="STAND").snapshot(),
     ):
         for _ in range(3):
-            number = sim._output("commands").request.number
+            number = sim.output("commands").request.number
             sim.publish(message)
-            assert sim._output("commands").request.number == number + 1
+            assert sim.output("commands").request.number == number + 1
 
 
 @pytest.mark.parametrize("thing", [None, 5, "STAND", Header(), object()])
@@ -388,7 +388,7 @@ def test_violent_messages_throw_the_robot_down_and_nothing_else(seed, decades):
         sim.publish(violent(random, decades))
         sim.advance(float(random.uniform(0.0, 0.04)))
         assert np.isfinite(state_of(sim)).all()
-        assert (np.abs(sim._output("effort")) <= limit + 1e-9).all()
+        assert (np.abs(sim.output("effort")) <= limit + 1e-9).all()
         if number % 50 == 49:
             sim.reset()
     sim.advance(1.0)

@@ -269,6 +269,27 @@ def test_time_does_not_go_back_nor_on_for_ever(sim, t):
 # ---- sensors -------------------------------------------------------------------
 
 
+def test_every_output_port_can_be_read_by_its_name(sim):
+    ports = range(sim.diagram.num_output_ports())
+    names = [sim.diagram.get_output_port(i).get_name() for i in ports]
+    assert {"effort", "state", "atlas_state", "sent"} <= set(names)
+    for name in names:
+        assert sim.output(name) is not None
+    sim.advance(TICK)
+    assert sim.output("atlas_state").header.stamp == sim.atlas_state.header.stamp > 0.0
+    assert sim.output("effort").shape == (sim.robot.num_joints,)
+
+
+@pytest.mark.parametrize("name", ["efort", "", None])
+def test_an_output_port_that_does_not_exist_is_named(sim, name):
+    with pytest.raises(ValueError, match="no output port") as caught:
+        sim.output(name)
+    assert repr(name) in str(caught.value)
+    assert "atlas_state, " in str(caught.value)
+    if name == "efort":
+        assert "Did you mean 'effort'?" in str(caught.value)
+
+
 def test_the_gyroscopes_noise_is_in_its_own_axes():
     scenario = Scenario(noise="rough", seed=3, start=Start(yaw=1.2))
     sim = AtlasSimulation(scenario)
@@ -345,7 +366,7 @@ def test_nothing_is_lost_that_another_thread_publishes(tmp_path):
         finally:
             done.set()
             thread.join()
-        assert sim._output("commands").received == len(sent)
+        assert sim.output("commands").received == len(sent)
         sim.advance(0.01)
     log = read_log(tmp_path / "run.npz")
     assert [command.message.effort[0] for command in log.commands] == sent
@@ -378,7 +399,7 @@ def test_another_thread_is_told_what_is_wrong_with_its_message():
     sim.apply_push("utorso", [1.0, 0.0, 0.0], 0.01)
     thread.join()
     assert caught == ["position"]
-    commands = sim._output("commands")
+    commands = sim.output("commands")
     assert (commands.received, commands.refused) == (2, 1)
     sim.advance(0.01)
     assert [event.kind for event in sim.events] == ["push", "refusal"]

@@ -131,7 +131,7 @@ class Balance:
         """A foot in the air that follows ``reference``."""
         gains, terms = self.gains, seen.terms.feet[foot]
         acceleration = np.empty(6)
-        acceleration[:3] = tasks.orientation_acceleration(
+        acceleration[:3] = reference.alpha_WF + tasks.orientation_acceleration(
             reference.R_WF,
             reference.w_WF,
             terms.R_WF,

@@ -38,7 +38,7 @@ def alone(robot):
     estimator = StateEstimator(robot, TICK)
     context = estimator.CreateDefaultContext()
     sim = AtlasSimulation()
-    state = sim._output("state")
+    state = sim.output("state")
     weight = robot.mass * 9.81
     feed = {
         "measured_state": state,
@@ -134,7 +134,7 @@ def test_at_one_instant_there_is_one_estimate(running):
 
 
 def test_the_reported_positions_are_the_estimate(running):
-    estimate = running._output("estimated_state")
+    estimate = running.output("estimated_state")
     report = running.atlas_sim_interface_state
     position = report.pos_est.position.to_array()
     np.testing.assert_array_equal(position, estimate[4:7])
@@ -150,8 +150,8 @@ def test_the_reported_positions_are_the_estimate(running):
 
 
 def test_the_error_is_that_between_estimate_and_truth(running):
-    true, estimate = running._output("state"), running._output("estimated_state")
-    error = running._output("estimation_error")
+    true, estimate = running.output("state"), running.output("estimated_state")
+    error = running.output("estimation_error")
     np.testing.assert_allclose(error[:3], (estimate - true)[4:7], atol=1e-15)
     velocities = running.plant.num_positions() + np.arange(3, 6)
     np.testing.assert_allclose(error[3:6], (estimate - true)[velocities], atol=1e-15)
@@ -188,9 +188,9 @@ def test_a_reset_of_the_simulation_puts_the_estimate_where_the_robot_is():
     sim = AtlasSimulation(ESTIMATED)
     sim.advance(0.05)
     sim.reset(pose=Start(position=[2.0, -1.0], yaw=0.5))
-    assert error_sizes(sim._output("estimation_error")).max() < 1e-4
+    assert error_sizes(sim.output("estimation_error")).max() < 1e-4
     sim.advance(0.3)
-    assert error_sizes(sim._output("estimation_error")).max() < 0.02
+    assert error_sizes(sim.output("estimation_error")).max() < 0.02
     position = sim.atlas_sim_interface_state.pos_est.position
     assert [position.x, position.y] == pytest.approx([2.0, -1.0], abs=0.05)
     # Nothing that was felt on the way counts as an error.
