@@ -10,6 +10,7 @@ from atlas_drake.errors import (
     ErrorCode,
     InvalidMessageError,
     ScenarioError,
+    WaitTimeoutError,
 )
 from atlas_drake.messages import *  # noqa: F403
 from atlas_drake.messages import __all__ as _messages
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from atlas_drake.logs import Log, LogError, read_log
     from atlas_drake.scenario import Jitter, Scenario, Start, load_scenario
     from atlas_drake.simulation import AtlasSimulation, SimulationError
+    from atlas_drake.standing import place_robot
     from atlas_drake.step_stream import StepStream
     from atlas_drake.terrain import Block
 
@@ -40,6 +42,7 @@ _LAZY = {
     "Start": "atlas_drake.scenario",
     "StepStream": "atlas_drake.step_stream",
     "load_scenario": "atlas_drake.scenario",
+    "place_robot": "atlas_drake.standing",
     "read_log": "atlas_drake.logs",
     "steps_ahead": "atlas_drake.footstep_planner",
     "steps_along_arc": "atlas_drake.footstep_planner",
@@ -62,7 +65,9 @@ __all__ = [  # noqa: PLE0604
     "SimulationError",
     "Start",
     "StepStream",
+    "WaitTimeoutError",
     "load_scenario",
+    "place_robot",
     "read_log",
     "steps_ahead",
     "steps_along_arc",

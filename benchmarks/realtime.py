@@ -27,7 +27,8 @@ from report import command_line, write_figures
 
 from atlas_drake import AtlasSimulation, Scenario
 from atlas_drake.robot import Robot, load_robot
-from atlas_drake.start import draw_variation, place_robot, scale_masses
+from atlas_drake.standing import place_robot
+from atlas_drake.start import draw_variation, scale_masses
 from atlas_drake.tutorial import DURATION
 
 PIECE = 0.5
@@ -73,7 +74,14 @@ class BarePlant:
         plant_context = plant.GetMyMutableContextFromRoot(context)
         variation = draw_variation(scenario, robot)
         scale_masses(plant, plant_context, variation)
-        place_robot(plant, plant_context, robot, variation)
+        place_robot(
+            plant,
+            plant_context,
+            robot,
+            position=variation.position,
+            rpy=variation.rpy,
+            joints=variation.joints,
+        )
         wanted = np.zeros(robot.num_joints)
         for entry in robot.file.joints:
             start = self._actuator(plant, entry.name).input_start()

@@ -22,6 +22,7 @@ from atlas_drake.control.gains import ControlGains
 from atlas_drake.messages import Behavior
 from atlas_drake.noise import NoiseModel
 from atlas_drake.robot import Robot, load_robot
+from atlas_drake.standing import stand_by_default
 from atlas_drake.systems.behavior_controller import BehaviorController
 from atlas_drake.systems.command_interface import CommandInterface
 from atlas_drake.systems.effort_selector import EffortSelector
@@ -71,13 +72,17 @@ def make_atlas_station(
 ) -> Diagram:
     """Builds the station.
 
+    In its default context the robot stands in the stand-prep pose over the origin of W,
+    ready to simulate; ``place_robot`` puts it elsewhere.
+
     Args:
         robot: Whose; None is ``atlas``.
         config: Periods, sensors, ground; None has the defaults.
 
     Input ports:
-        atlas_command: Snapshot of an ``AtlasCommand``; optional.
-        atlas_sim_interface_command: Likewise; optional.
+        atlas_command: ``AtlasCommand``; optional. See ``CommandInterface`` for when a
+            message counts as a new one.
+        atlas_sim_interface_command: ``AtlasSimInterfaceCommand``; optional.
         applied_spatial_force: Pushes, as Drake's plant takes them; optional.
 
     Output ports:
@@ -217,6 +222,7 @@ def _add_world(
     robot.add_to(plant)
     add_scenery(plant, config.terrain, config.ground_friction)
     plant.Finalize()
+    stand_by_default(plant, robot, config.terrain)
     return plant, scene_graph
 
 

@@ -24,24 +24,34 @@ if meshcat is not None:
     sim.set_realtime_rate(1.0)
     input("Open the address above in a browser, then press Enter to start.")
 
+
+def wants_steps(sim: AtlasSimulation) -> bool:
+    """Whether fewer than two steps are known that have not begun."""
+    walk = sim.atlas_sim_interface_state.walk_feedback
+    ahead = walk.next_step_index_needed - walk.current_step_index - 1
+    return ahead < 2 or sim.has_fallen
+
+
+def has_ended(sim: AtlasSimulation) -> bool:
+    """Whether the walk is over, for good or ill."""
+    return sim.current_behavior is not Behavior.WALK or sim.has_fallen
+
+
 # Poses are those of the soles in the world; the last step puts them side by side.
 steps = steps_along_arc(sim.atlas_sim_interface_state, LENGTH, ANGLE)
 to_send = list(steps)
-while to_send or sim.current_behavior is Behavior.WALK:
-    walk = sim.atlas_sim_interface_state.walk_feedback
-    ahead = walk.next_step_index_needed - walk.current_step_index - 1
-    if to_send and ahead < 2:
-        command = AtlasSimInterfaceCommand()
-        command.behavior = command.WALK
-        for place, step in enumerate(to_send[:4]):  # the queue holds four
-            command.walk_params.step_queue[place] = step
-        sim.publish(command)
-        indices = [step.step_index for step in to_send[:4]]
-        print(f"{sim.time:5.2f} s  sent steps {indices}")
-        del to_send[:4]
-    sim.advance(0.1)
-    if sim.has_fallen:
-        break
+while to_send and not sim.has_fallen:
+    command = AtlasSimInterfaceCommand()
+    command.behavior = command.WALK
+    for place, step in enumerate(to_send[:4]):  # the queue holds four
+        command.walk_params.step_queue[place] = step
+    sim.publish(command)
+    indices = [step.step_index for step in to_send[:4]]
+    print(f"{sim.time:5.2f} s  sent steps {indices}")
+    del to_send[:4]
+    sim.advance(0.1)  # it has heard of them then
+    sim.wait_until(wants_steps, what="the last steps but two")
+sim.wait_until(has_ended, timeout=20.0, what="the end of the walk")
 
 for step in sim.footsteps:
     print(f"step {step['index']:2} landed {1e3 * step['error_m']:3.0f} mm off")

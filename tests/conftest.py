@@ -8,6 +8,8 @@ from pydrake.common.value import AbstractValue, Value
 
 from atlas_drake import AtlasCommand
 
+from .poison import POISON
+
 SHORT = "duration: 0.1\n"
 
 
@@ -57,6 +59,12 @@ def take():
         sim.publish(command)
 
     return take
+
+
+@pytest.fixture(params=POISON.values(), ids=POISON)
+def poison(request):
+    """Makes what no field of a message can hold."""
+    return request.param
 
 
 @pytest.fixture

@@ -115,9 +115,12 @@ class LogRecorder(LeafSystem):
             return
         self._written_time = time
         commands: Any = self._ports["commands"].Eval(context)
-        for message in commands.messages_since(self._received):
-            kind = next(k for k, cls in COMMANDS.items() if isinstance(message, cls))
-            self._writer.note(Note(time, kind, to_plain(message)))
+        for received in commands.messages_since(self._received):
+            for kind, cls in COMMANDS.items():
+                # What is no command is in the event that tells of its refusal.
+                if isinstance(received.message, cls):
+                    plain = to_plain(received.message)
+                    self._writer.note(Note(received.time, kind, plain))
         self._received = commands.received
         self._writer.row(row)
 

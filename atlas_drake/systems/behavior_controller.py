@@ -212,7 +212,7 @@ class BehaviorController(LeafSystem):
         message = AtlasSimInterfaceState()
         message.header.stamp = context.get_time()
         self._supervisor.report(memory.supervisor, message)
-        last = commands.messages[-1] if commands.messages else None
+        last = commands.messages[-1].message if commands.messages else None
         if last is not commands.request.command:
             # Another message than the one that the behaviours heard.
             message.error_code = commands.error_code

@@ -8,19 +8,20 @@ order, one in each tick, so that none takes another's place on its port.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context, LeafSystem, State, ValueProducer
 
 from atlas_drake.commands import Command
-from atlas_drake.frozen import NOTHING, Frozen, Nothing, replace
+from atlas_drake.frozen import NOTHING, Frozen, replace
 from atlas_drake.messages import (
     AtlasCommand,
-    AtlasSimInterfaceCommand,
     AtlasSimInterfaceState,
     AtlasState,
     Imu,
 )
+from atlas_drake.messages.base import frozen, is_new
 
 
 @dataclass(frozen=True)
@@ -55,17 +56,17 @@ class SchedulerState(Frozen):
 
     Attributes:
         sent: Entries of the programme sent so far.
-        atlas_command: On the output port, a snapshot or NOTHING.
+        atlas_command: On the output port; NOTHING at first.
         sim_command: Likewise.
-        seen_atlas: The latest message of another commander, to notice the next one.
-        seen_sim: Likewise.
+        seen_atlas: What ``is_new`` has seen of other commanders' joint commands.
+        seen_sim: Likewise of behaviour commands.
     """
 
     sent: int = 0
-    atlas_command: AtlasCommand | Nothing = NOTHING
-    sim_command: AtlasSimInterfaceCommand | Nothing = NOTHING
-    seen_atlas: AtlasCommand | Nothing = NOTHING
-    seen_sim: AtlasSimInterfaceCommand | Nothing = NOTHING
+    atlas_command: Any = NOTHING
+    sim_command: Any = NOTHING
+    seen_atlas: Any = NOTHING
+    seen_sim: Any = NOTHING
 
 
 class CommandScheduler(LeafSystem):
@@ -74,7 +75,8 @@ class CommandScheduler(LeafSystem):
     Input ports:
         atlas_state, atlas_sim_interface_state, imu: The latest feedback.
         other_atlas_command, other_atlas_sim_interface_command: Messages of a script or
-            a panel, as snapshots; optional. Passed on at once; the later message wins.
+            a panel; optional, and like those of a ``CommandInterface``. Passed on at
+            once; the later message wins.
 
     Output ports:
         atlas_command: ``AtlasCommand`` or NOTHING.
@@ -138,10 +140,12 @@ class CommandScheduler(LeafSystem):
             port.Eval(context) if port.HasValue(context) else NOTHING
             for port in self._others
         )
-        if atlas is not NOTHING and atlas is not state.seen_atlas:
-            state = replace(state, atlas_command=atlas, seen_atlas=atlas)
-        if sim is not NOTHING and sim is not state.seen_sim:
-            state = replace(state, sim_command=sim, seen_sim=sim)
+        if is_new(atlas, state.seen_atlas):
+            message = frozen(atlas)
+            state = replace(state, atlas_command=message, seen_atlas=message)
+        if is_new(sim, state.seen_sim):
+            message = frozen(sim)
+            state = replace(state, sim_command=message, seen_sim=message)
         result.set_value(state)
 
     def _update(self, context: Context, state: State) -> None:
@@ -166,7 +170,8 @@ class CommandScheduler(LeafSystem):
             )
         if command is None:
             return state
-        message = command.snapshot()
+        # A programme counts down, and so uses no number of another commander's.
+        message = command.numbered(-state.sent)
         if isinstance(message, AtlasCommand):
             return replace(state, atlas_command=message)
         return replace(state, sim_command=message)

@@ -10,7 +10,6 @@ from atlas_drake.diagrams.atlas_station import StationConfig, make_atlas_station
 from atlas_drake.diagrams.control_mode_switch import make_control_mode_switch
 from atlas_drake.noise import NOISE_MODELS
 from atlas_drake.scenario import Start
-from atlas_drake.start import draw_variation, place_robot
 from atlas_drake.systems.command_scheduler import ScheduledCommand
 from atlas_drake.systems.estimation_error import error_sizes
 from atlas_drake.systems.state_estimator import StateEstimator
@@ -207,11 +206,7 @@ def test_a_clone_in_mid_run_goes_on_as_the_original_does(robot):
     config = StationConfig(noise=NOISE_MODELS["rough"], seed=3, estimated=True)
     programme = [ScheduledCommand(0.05, walk_command)]
     diagram = make_control_mode_switch(robot, programme, config)
-    context = diagram.CreateDefaultContext()
-    plant = diagram.GetSubsystemByName("station").GetSubsystemByName("plant")
-    variation = draw_variation(Scenario(), robot)
-    place_robot(plant, plant.GetMyMutableContextFromRoot(context), robot, variation)
-    original = Simulator(diagram, context)
+    original = Simulator(diagram)
     original.AdvanceTo(1.1005)
     clone = Simulator(diagram, original.get_context().Clone())
     clone.AdvanceTo(1.4005)
