@@ -42,6 +42,9 @@ from atlas_drake.visualization.overlays import Overlays
 
 PICTURES = (".png", ".html")
 """What ``plot`` writes: a picture, and an interactive page."""
+FIGURES = ".figures"
+"""Comes before these endings where nobody names the file: ``run.html`` may be the
+recording of the run that ``run.mcap`` logs."""
 
 
 def plot_log(options: argparse.Namespace) -> int:
@@ -57,7 +60,9 @@ def plot_log(options: argparse.Namespace) -> int:
         LogError: If the log cannot be read or a file cannot be made.
         ScenarioError: If a file cannot be written, before anything is.
     """
-    files = options.output or [options.log.with_suffix(end) for end in PICTURES]
+    files = options.output or [
+        options.log.with_suffix(FIGURES + ending) for ending in PICTURES
+    ]
     for file in files:
         check_writable("--output", file)
     drawings, left_out = {}, ""

@@ -76,7 +76,8 @@ def main() -> None:
     parser.add_argument("--browser", default="chromium", help="default: %(default)s")
     options = parser.parse_args()
     IMAGES.mkdir(exist_ok=True)
-    print(f"Wrote {write_diagram_picture(IMAGES / 'diagram.svg')[0]}.")
+    write_diagram_picture(IMAGES / "diagram.svg")
+    print(f"Wrote {IMAGES / 'diagram.svg'}.")
     film = ["--headless", "--video", str(IMAGES / FILM), "--video-size", FILM_SIZE]
     subprocess.run([sys.executable, "-m", "atlas_drake", "demo", *film], check=True)
     meshcat = Meshcat()

@@ -72,7 +72,9 @@ def test_arguments_that_cannot_be_used_exit_with_2(arguments, complaint, capsys)
     with pytest.raises(SystemExit) as stop:
         main(arguments)
     assert stop.value.code == 2
-    assert complaint in capsys.readouterr().err
+    error = capsys.readouterr().err
+    assert complaint in error
+    assert "--show: --show" not in error
 
 
 def test_python_m_is_the_same_command():
@@ -105,6 +107,19 @@ def test_a_bad_scenario_is_named_by_field(text, field, scenario, capsys):
 def test_a_missing_scenario_is_bad_input(tmp_path, capsys):
     assert main(["run", str(tmp_path / "none.yaml"), "--headless"]) == 2
     assert "none.yaml" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("verb", ["run", "teleop", "plot", "replay"])
+def test_a_missing_file_is_missed_before_drake_is_loaded(verb):
+    code = (
+        "import sys; from atlas_drake.cli import main; "
+        f"status = main([{verb!r}, 'none.npz']); "
+        "sys.exit(99 if 'pydrake' in sys.modules else status)"
+    )
+    command = [sys.executable, "-c", code]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert "none.npz: there is no such file" in done.stderr
 
 
 def test_an_unknown_model_is_answered_with_the_known_ones(capsys):
@@ -451,11 +466,13 @@ def test_the_picture_opens_where_there_is_a_desktop(tmp_path, monkeypatch):
     assert opened == [file.as_uri()]
 
 
-def test_without_graphviz_there_is_its_source_and_a_hint(tmp_path, capsys, monkeypatch):
+def test_a_picture_without_graphviz_is_refused(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(shutil, "which", lambda _name: None)
-    assert main(["diagram", str(tmp_path / "diagram.png")]) == 0
-    assert (tmp_path / "diagram.dot").is_file()
-    assert "install Graphviz" in capsys.readouterr().out
+    assert main(["diagram", str(tmp_path / "diagram.png")]) == 2
+    assert [*tmp_path.iterdir()] == []
+    error = capsys.readouterr().err
+    assert "install graphviz" in error
+    assert f"ask for {tmp_path / 'diagram.dot'}" in error
 
 
 def test_a_picture_of_unknown_kind_is_bad_input(tmp_path, capsys):

@@ -91,7 +91,9 @@ def test_both_figures_are_drawn_beside_the_log(log_file, capsys, monkeypatch):
     pytest.importorskip("plotly")
     monkeypatch.setattr(png_page, "DPI", 40)
     assert main(["plot", str(log_file)]) == 0
-    png, html = log_file.with_suffix(".png"), log_file.with_suffix(".html")
+    png, html = (
+        log_file.with_suffix(".figures" + end) for end in (".png", ".html")
+    )
     assert png.read_bytes().startswith(b"\x89PNG")
     assert html.read_text().rstrip().endswith("</html>")
     out = capsys.readouterr().out
@@ -162,8 +164,8 @@ def test_without_plotly_one_is_told_what_to_install(
     log.write_bytes(log_file.read_bytes())
     assert main(["plot", str(log)]) == 0
     assert "Left out" in capsys.readouterr().out
-    assert (tmp_path / "run.png").exists()
-    assert not (tmp_path / "run.html").exists()
+    assert (tmp_path / "run.figures.png").exists()
+    assert not (tmp_path / "run.figures.html").exists()
 
 
 # ---- replay ------------------------------------------------------------------
