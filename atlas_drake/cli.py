@@ -17,14 +17,18 @@ from pathlib import Path
 from atlas_drake.errors import AtlasError, ScenarioError
 from atlas_drake.visualization.overlays import LOGGED, OVERLAYS, overlays_from
 
-EXIT_OK, EXIT_FAILED, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 0, 1, 2, 130
-"""Did what was asked; fell or failed; input that cannot be used; stopped by Ctrl-C."""
+EXIT_OK, EXIT_FAILED, EXIT_BAD_INPUT, EXIT_OUTPUT_LOST = 0, 1, 2, 3
+"""Did what was asked; fell or failed; input that cannot be used; an output file that
+could not be written, however Atlas ended."""
+EXIT_INTERRUPTED = 130
+"""Stopped by Ctrl-C, whatever was written."""
 
+_LOST = "3 an output file could not be written (every other one is kept)"
 _EXIT_STATUS = (
     "exit status: 0 Atlas ended upright and did what was asked, 1 it did not, "
-    "2 bad input, 130 stopped by Ctrl-C"
+    f"2 bad input, {_LOST}, 130 stopped by Ctrl-C"
 )
-_LOG_EXIT_STATUS = "exit status: 0 done, 2 bad input, 130 stopped by Ctrl-C"
+_LOG_EXIT_STATUS = f"exit status: 0 done, 2 bad input, {_LOST}, 130 stopped by Ctrl-C"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -50,7 +50,7 @@ from atlas_drake.visualization.overlays import Overlays
 
 if TYPE_CHECKING:
     from atlas_drake.logs.recorder import LogRecorder
-    from atlas_drake.visualization.video_display import Video
+    from atlas_drake.visualization.video_display import Video, VideoDisplay
 
 CHUNK = 0.02
 """Simulated time between looks at events, pushes and Ctrl-C [s]."""
@@ -143,6 +143,10 @@ class AtlasSimulation:
             self._recorder,
             video,
         )
+        self._film: VideoDisplay | None = None
+        if self.diagram.HasSubsystemNamed("video"):
+            self._film = self.diagram.GetSubsystemByName("video")
+        self._faults: list[AtlasError] = []
         self.station = self.diagram.GetSubsystemByName("station")
         self.plant = self.station.GetSubsystemByName("plant")
         self._scheduler = self.diagram.GetSubsystemByName("scheduler")
@@ -171,7 +175,8 @@ class AtlasSimulation:
         """Completes the log, if there is one; the run may go on without it.
 
         Raises:
-            LogError: If the log cannot be written.
+            LogError: If the log cannot be written, now or earlier in the run, which
+                went on and has a warning among its ``events``.
         """
         if self._recorder is not None:
             self._recorder.flush(
@@ -293,12 +298,11 @@ class AtlasSimulation:
 
         Returns:
             How many pictures it has; 0 if nothing was filmed.
+
+        Raises:
+            VideoError: If the video cannot be written, now or earlier in the run.
         """
-        if not self.diagram.HasSubsystemNamed("video"):
-            return 0
-        display = self.diagram.GetSubsystemByName("video")
-        display.close()
-        return display.num_frames
+        return 0 if self._film is None else self._film.close()
 
     # ---- start ---------------------------------------------------------------
 
@@ -476,6 +480,12 @@ class AtlasSimulation:
             self._output("commands"),
             self._output("controller_state").supervisor,
         )
+        for system in (self._recorder, self._film):
+            fault: AtlasError | None = None if system is None else system.fault
+            if fault is not None and fault not in self._faults:
+                self._faults.append(fault)
+                text = f"{fault}; the run goes on without it"
+                self._log.note(Event(self.time, "warning", text))
 
 
 def _listener(

@@ -10,12 +10,14 @@ import socket
 import subprocess
 import sys
 import webbrowser
+from functools import partialmethod
 from pathlib import Path
 
 import pytest
 
 from atlas_drake import run_command
 from atlas_drake.cli import main
+from atlas_drake.logs import mcap_file
 from atlas_drake.progress import Progress
 from atlas_drake.run_command import AFTER_FALL, verdict
 from atlas_drake.tutorial import DURATION
@@ -335,15 +337,65 @@ def test_no_file_takes_the_place_of_another(
     assert Path("scenario.yaml").read_text() == text
 
 
+def write_until_full(writer, write, row):
+    if row[0] > 0.05:
+        raise OSError(28, "No space left on device")
+    write(writer, row)
+
+
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no full disk here")
-def test_a_full_disk_takes_nothing_else_with_it(scenario, tmp_path, capsys):
-    page, log = tmp_path / "run.html", tmp_path / "run.npz"
-    keep = ["--json", "/dev/full", "--record", str(page), "--log", str(log)]
-    assert main(["run", scenario(), "--headless", *keep]) == 1
+@pytest.mark.parametrize("full", ["--json", "--video", "--log"])
+def test_a_full_disk_takes_nothing_else_with_it(
+    full, scenario, tmp_path, capsys, monkeypatch
+):
+    pytest.importorskip("av", reason='needs pip install "atlas-drake[video]"')
+    names = {"--json": "a.json", "--record": "a.html", "--video": "a.gif"}
+    files = {option: tmp_path / name for option, name in names.items()}
+    files["--log"] = tmp_path / "a.mcap"
+    options = ["--headless", "--physics-step", "0.002", "--video-size", "64x64"]
+    for option, file in files.items():
+        options += [option, str(file)]
+    lost = files.pop(full)
+    if full == "--log":  # It is open from the start, and finds no room later.
+        write = partialmethod(write_until_full, mcap_file.McapWriter.row)
+        monkeypatch.setattr(mcap_file.McapWriter, "row", write)
+    else:
+        lost.symlink_to("/dev/full")
+    assert main(["run", scenario(), *options]) == 3
     out = capsys.readouterr().out
-    assert "/dev/full is lost: No space left on device" in out
-    assert page.stat().st_size > 1e5
-    assert log.is_file()
+    assert f"{lost} is lost: No space left on device" in out
+    assert "Success: Atlas is upright after 0.1 s" in out
+    assert all(file.stat().st_size > 1000 for file in files.values())
+    if full == "--log":  # Which is noticed, and told, while the run goes on.
+        told = f"{lost}: cannot be written: No space left on device; the run"
+        events = json.loads(files["--json"].read_text())["events"]
+        assert [told in e["text"] for e in events if e["kind"] == "warning"] == [True]
+
+
+@pytest.mark.parametrize("name", ["a.gif", "a.mp4"])
+def test_a_video_that_cannot_be_finished_is_deleted(name, tmp_path):
+    code = """
+import resource, sys
+import numpy as np
+from pathlib import Path
+from atlas_drake.visualization.video_file import VideoError, VideoFile
+resource.setrlimit(resource.RLIMIT_FSIZE, (3000, 3000))
+file = VideoFile(Path(sys.argv[1]), 25, 64, 48)
+noise = np.random.default_rng(1)
+try:
+    for _ in range(100):
+        file.add(noise.integers(0, 255, (48, 64, 3), dtype=np.uint8))
+    file.close()
+except VideoError as error:
+    assert not file.is_open
+    file.close()
+    sys.exit(str(error))
+"""
+    pytest.importorskip("av", reason='needs pip install "atlas-drake[video]"')
+    command = [sys.executable, "-c", code, str(tmp_path / name)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.stderr.endswith(f"{name}: cannot be written: File too large\n")
+    assert [*tmp_path.iterdir()] == []
 
 
 def test_a_second_ctrl_c_cuts_off_nothing_that_is_written(

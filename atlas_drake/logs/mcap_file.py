@@ -6,12 +6,16 @@ even if the run ends abruptly.
 
 from __future__ import annotations
 
+import fcntl
 import json
 import math
+import os
 import struct
+from collections import deque
 from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 from mcap.exceptions import McapError
@@ -46,6 +50,10 @@ class McapWriter:
     def __init__(self, path: Path, header: Header):
         """Opens the file and describes all topics."""
         self._layout = header.layout
+        self._path = path
+        # Not emptied before it is known to be this run's alone.
+        self._lock = path.open("ab")
+        _lock(self._lock)
         self._file = path.open("wb")
         self._writer = Writer(
             self._file, chunk_size=CHUNK, compression=CompressionType.ZSTD
@@ -64,6 +72,8 @@ class McapWriter:
             self._register(kind, f"atlas_drake.{message.__name__}", to_plain(message()))
         for name, (schema, sample) in VIEWER_SCHEMAS.items():
             self._register(name, schema, sample)
+        # Lengths of the file with all chunks but one, and with all of them.
+        self._lengths = deque([self._file.tell()], maxlen=2)
 
     def row(self, row: np.ndarray) -> None:
         """Writes one tick."""
@@ -84,6 +94,8 @@ class McapWriter:
             self._viewer_time = time
             for name, message in viewer_messages(self._layout, values):
                 self._add(time, name, message)
+        if (length := self._file.tell()) != self._lengths[-1]:
+            self._lengths.append(length)
 
     def note(self, note: Note) -> None:
         """Writes a note."""
@@ -96,6 +108,19 @@ class McapWriter:
         """Completes the file with its index."""
         self._writer.finish()
         self._file.close()
+        self._lock.close()
+
+    def abandon(self) -> None:
+        """Cuts the file back to what is whole.
+
+        On a full disk the last whole chunk goes as well, which leaves room for the
+        files that are still to be written.
+        """
+        for file in (self._file, self._lock):
+            with suppress(OSError):
+                file.close()
+        with suppress(OSError):
+            os.truncate(self._path, self._lengths[0])
 
     def _register(self, topic: str, name: str, sample: Any) -> None:
         schema = self._writer.register_schema(
@@ -114,6 +139,21 @@ class McapWriter:
             publish_time=stamp,
             sequence=self._rows,
         )
+
+
+def _lock(file: IO[bytes]) -> None:
+    """Claims a file for as long as it is open.
+
+    Raises:
+        OSError: If another run has it.
+    """
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError as error:
+        file.close()
+        raise OSError("another run is writing it") from error
+    except OSError:
+        pass  # Some network drives know no locks.
 
 
 def read_mcap(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]:

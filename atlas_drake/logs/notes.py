@@ -113,6 +113,9 @@ class LogWriter(Protocol):
     def close(self) -> None:
         """Completes the file; nothing is kept after that."""
 
+    def abandon(self) -> None:
+        """Ends the file after an error; raises none. What can be read of it stays."""
+
 
 def note_from_event(event: Event) -> Note:
     """An event as a note."""

@@ -18,7 +18,7 @@ from atlas_drake.logs.notes import (
     notes_from_json,
     notes_to_json,
 )
-from atlas_drake.logs.whole_file import WholeFile
+from atlas_drake.whole_file import WholeFile
 
 BLOCK = 1024
 """Rows that are kept together in memory."""
@@ -71,6 +71,10 @@ class NpzWriter:
         arrays["notes"] = np.array(notes_to_json(self._notes))
         with self._file as file:
             np.savez_compressed(file, allow_pickle=False, **arrays)
+
+    def abandon(self) -> None:
+        """Leaves no file: it is written whole or not at all."""
+        self._file.abandon()
 
 
 def read_npz(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]:

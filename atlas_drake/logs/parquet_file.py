@@ -22,7 +22,7 @@ from atlas_drake.logs.notes import (
     notes_to_json,
 )
 from atlas_drake.logs.npz_file import BLOCK
-from atlas_drake.logs.whole_file import WholeFile
+from atlas_drake.whole_file import WholeFile
 
 HEADER, NOTES = "atlas_drake.header", "atlas_drake.notes"
 """Keys of the file's metadata."""
@@ -61,6 +61,12 @@ class ParquetWriter:
                 self._writer.add_key_value_metadata({NOTES: notes})
             finally:
                 self._writer.close()
+
+    def abandon(self) -> None:
+        """Leaves no file: without its end it cannot be read."""
+        # Or the library would try once more, and complain.
+        self._writer.is_open = False
+        self._file.abandon()
 
     def _flush(self) -> None:
         if not self._rows:

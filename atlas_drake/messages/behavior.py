@@ -8,7 +8,6 @@ from enum import IntEnum
 from atlas_drake.errors import ErrorCode, InvalidMessageError, did_you_mean
 from atlas_drake.messages.checks import is_whole
 
-
 _WHOLE = tuple("bcdnoxX")
 """Types of format specifications that are for whole numbers."""
 

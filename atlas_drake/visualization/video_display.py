@@ -23,7 +23,7 @@ from atlas_drake.terrain import Block
 from atlas_drake.visualization.caption import caption_of
 from atlas_drake.visualization.footsteps import footstep_marks
 from atlas_drake.visualization.video_camera import camera_pose, follow
-from atlas_drake.visualization.video_file import VideoFile
+from atlas_drake.visualization.video_file import VideoError, VideoFile
 from atlas_drake.visualization.video_stage import VideoStage
 
 VIDEO_RATE = 25
@@ -56,6 +56,9 @@ class VideoDisplay(LeafSystem):
         commands: ``CommandsInForce``
         controller_state: ``ControllerState``
         atlas_sim_interface_state: ``AtlasSimInterfaceState``
+
+    Attributes:
+        fault: Why nothing is filmed any more; None while all is well.
     """
 
     def __init__(
@@ -73,6 +76,7 @@ class VideoDisplay(LeafSystem):
             VideoError: If the video cannot be made.
         """
         super().__init__()
+        self.fault: VideoError | None = None
         self._file = VideoFile(
             video.path, VIDEO_RATE, video.width, video.height, ACCENTS
         )
@@ -91,11 +95,23 @@ class VideoDisplay(LeafSystem):
         """How many pictures the video has."""
         return self._file.num_frames
 
-    def close(self) -> None:
-        """Finishes the file; what is simulated later is not filmed."""
+    def close(self) -> int:
+        """Finishes the file; what is simulated later is not filmed.
+
+        Returns:
+            How many pictures the video has.
+
+        Raises:
+            VideoError: If the file cannot be written, now or at an earlier picture.
+        """
+        if self.fault is not None:
+            raise self.fault
         self._file.close()
+        return self.num_frames
 
     def _publish(self, context: Context) -> None:
+        if not self._file.is_open:
+            return
         q = self._state.Eval(context)[: self._stage.num_positions]
         commands: Any = self._commands.Eval(context)
         report: Any = self._report.Eval(context)
@@ -108,7 +124,12 @@ class VideoDisplay(LeafSystem):
         marks = footstep_marks(commands.request, report, controller.supervisor.events)
         pose = camera_pose(self._target, self._yaw)
         picture = self._stage.picture(q, marks, pose)
-        self._file.add(with_caption(picture, *caption_of(report), context.get_time()))
+        captioned = with_caption(picture, *caption_of(report), context.get_time())
+        try:
+            self._file.add(captioned)
+        except VideoError as error:
+            # The simulation goes on.
+            self.fault = error
 
 
 def with_caption(

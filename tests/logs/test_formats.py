@@ -1,6 +1,8 @@
 """Every format gives back what was written; what is no log is said to be none."""
 
 import json
+import resource
+import secrets
 import shutil
 import sys
 
@@ -234,6 +236,72 @@ def test_a_full_disk_is_named(log, suffix, tmp_path, monkeypatch):
     with pytest.raises(LogError, match=f"run{suffix}: cannot be written: No space"):
         file.row(table_of(log)[0])
     file.close()
+
+
+def write_rows(file, rows):
+    for row in rows:
+        file.row(row)
+
+
+def test_a_log_that_finds_no_room_ends_what_can_be_read(log, tmp_path, monkeypatch):
+    """An .mcap is cut back; it leaves room for what is written after it."""
+    pytest.importorskip("mcap")
+    from atlas_drake.logs import mcap_file
+
+    monkeypatch.setattr(mcap_file, "CHUNK", 50_000)
+    file = LogFile(tmp_path / "run.mcap", log.header)
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (60_000, before[1]))
+    try:
+        with pytest.raises(LogError, match="cannot be written: File too large"):
+            write_rows(file, table_of(log))
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    size = file.path.stat().st_size
+    assert size < 60_000
+    again = read_log(file.path)
+    assert 0 < len(again) < len(log)
+    assert_same_arrays(
+        again.arrays, {name: a[: len(again)] for name, a in log.arrays.items()}
+    )
+
+
+def test_two_runs_that_write_one_file_do_not_meet(log, suffix, tmp_path):
+    path = tmp_path / f"run{suffix}"
+    first = LogFile(path, log.header)
+    if suffix == ".mcap":
+        with pytest.raises(LogError, match="another run is writing it"):
+            LogFile(path, log.header)
+    else:
+        second = LogFile(path, log.header)
+        second.row(table_of(log)[0])
+        second.close()
+        assert len(read_log(path)) == 1
+    for row in table_of(log):
+        first.row(row)
+    first.close()
+    assert len(read_log(path)) == len(log)
+    assert [*tmp_path.iterdir()] == [path]
+
+
+def test_a_folder_is_no_log(log, suffix, tmp_path):
+    path = tmp_path / f"run{suffix}"
+    path.mkdir()
+    with pytest.raises(LogError, match=f"run{suffix}: cannot be written: Is a dir"):
+        LogFile(path, log.header)
+
+
+@pytest.mark.parametrize("suffix", [".npz", ".parquet"])
+def test_an_unfinished_file_is_nobody_elses(log, suffix, tmp_path, monkeypatch):
+    """A link where the unfinished file would be leads nowhere."""
+    pytest.importorskip(PACKAGES[suffix])
+    precious = tmp_path / "precious"
+    precious.write_text("precious")
+    monkeypatch.setattr(secrets, "token_hex", lambda _length: "0")
+    (tmp_path / f".run.0.unfinished{suffix}").symlink_to(precious)
+    with pytest.raises(LogError, match="File exists"):
+        LogFile(tmp_path / f"run{suffix}", log.header)
+    assert precious.read_text() == "precious"
 
 
 @pytest.mark.parametrize("suffix", [".npz", ".parquet"])
