@@ -79,7 +79,10 @@ def plot_log(options: argparse.Namespace) -> int:
             if options.output:
                 raise
             left_out = f"Left out: {error}"
-    page = make_page(_read(options.log))
+    try:
+        page = make_page(_read(options.log))
+    except KeyError as error:
+        raise LogError(f"{options.log}: {error.args[0]}") from error
     progress = Progress(sys.stdout, math.inf)
     kept = True
     for file, draw in drawings.items():

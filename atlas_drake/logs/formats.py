@@ -123,6 +123,11 @@ def read_file(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]:
         raise LogError(f"{path}: cannot be read: {error.strerror or error}") from error
     except LogError as error:
         raise LogError(f"{path}: {error}") from error
+    except Exception as error:
+        # A damaged file makes the libraries that read it raise anything.
+        raise LogError(
+            f"{path}: it is no {path.suffix} file of a log, or a damaged one"
+        ) from error
 
 
 class MissingPackageError(LogError):

@@ -10,7 +10,6 @@ import fcntl
 import json
 import math
 import os
-import struct
 from collections import deque
 from collections.abc import Iterable
 from contextlib import suppress
@@ -18,12 +17,10 @@ from pathlib import Path
 from typing import IO, Any
 
 import numpy as np
-from mcap.exceptions import McapError
 from mcap.records import Channel as McapChannel
 from mcap.records import Message, Metadata
 from mcap.stream_reader import StreamReader
 from mcap.writer import CompressionType, Writer
-from zstandard import ZstdError
 
 from atlas_drake.logs.layout import Channel, Layout
 from atlas_drake.logs.notes import COMMANDS, EVENT, Header, LogError, Note, to_plain
@@ -160,7 +157,8 @@ def read_mcap(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]:
     """Header, channels and notes of a file, of an incomplete one as far as it goes.
 
     Raises:
-        LogError: If it is no log.
+        LogError: If it is no log of this program.
+        Exception: Anything else if it is damaged.
     """
     topics: dict[int, str] = {}
     messages: dict[str, list[Message]] = {}
@@ -168,7 +166,7 @@ def read_mcap(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]:
     header = None
     with path.open("rb") as file:
         try:
-            for record in StreamReader(file).records:
+            for record in StreamReader(file, validate_crcs=True).records:
                 if isinstance(record, Metadata) and record.name == METADATA:
                     header = Header.from_json(record.metadata[HEADER])
                 elif isinstance(record, McapChannel):
@@ -179,10 +177,10 @@ def read_mcap(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]:
                         notes.append(_note(topic, record))
                     elif topic not in VIEWER_SCHEMAS:
                         messages.setdefault(topic, []).append(record)
-        except (McapError, ValueError, struct.error, ZstdError) as error:
+        except Exception:
             # The end of a file that nobody completed looks like damage.
             if header is None:
-                raise LogError("it is no MCAP file of a log") from error
+                raise
     if header is None:
         raise LogError("it is an MCAP file, but not of this program")
     return header, _arrays(header.layout, messages), notes

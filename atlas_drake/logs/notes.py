@@ -92,9 +92,9 @@ class Header:
                     f"its version is {plain['version']}, newer than this program"
                 )
             return cls(
-                plain["model"],
-                plain["control_period"],
-                plain["scenario"],
+                str(plain["model"]),
+                float(plain["control_period"]),
+                str(plain["scenario"]),
                 Layout.from_plain(plain["channels"]),
             )
         except (KeyError, TypeError, ValueError) as error:

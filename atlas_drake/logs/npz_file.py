@@ -7,13 +7,11 @@ from __future__ import annotations
 
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
 
 import numpy as np
 
 from atlas_drake.logs.notes import (
     Header,
-    LogError,
     Note,
     notes_from_json,
     notes_to_json,
@@ -81,12 +79,10 @@ def read_npz(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]:
     """Header, channels and notes of a file.
 
     Raises:
-        LogError: If it is no log.
+        LogError: If it is no log of this program.
+        Exception: Anything else if it is damaged.
     """
-    try:
-        with np.load(path, allow_pickle=False) as file:
-            header = Header.from_json(str(file["header"]))
-            arrays = {c.name: file[c.name] for c in header.layout.channels}
-            return header, arrays, notes_from_json(str(file["notes"]))
-    except (BadZipFile, EOFError, KeyError, TypeError, ValueError) as error:
-        raise LogError("it is no .npz file of a log, or a damaged one") from error
+    with np.load(path, allow_pickle=False) as file:
+        header = Header.from_json(str(file["header"]))
+        arrays = {c.name: file[c.name] for c in header.layout.channels}
+        return header, arrays, notes_from_json(str(file["notes"]))

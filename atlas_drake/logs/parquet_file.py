@@ -16,7 +16,6 @@ import pyarrow.parquet as pq
 from atlas_drake.logs.layout import Layout
 from atlas_drake.logs.notes import (
     Header,
-    LogError,
     Note,
     notes_from_json,
     notes_to_json,
@@ -84,19 +83,17 @@ def read_parquet(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]
     """Header, channels and notes of a file.
 
     Raises:
-        LogError: If it is no log.
+        LogError: If it is no log of this program.
+        Exception: Anything else if it is damaged.
     """
-    try:
-        file = pq.ParquetFile(path)
-        metadata = file.metadata.metadata or {}
-        header = Header.from_json(metadata[HEADER.encode()].decode())
-        notes = notes_from_json(metadata[NOTES.encode()].decode())
-        table = file.read()
-        columns = [table.column(name).to_numpy() for name in header.layout.columns()]
-        rows = np.array(columns, dtype=float).T.reshape(-1, header.layout.width)
-        return header, header.layout.split(rows), notes
-    except (pa.ArrowException, KeyError, ValueError) as error:
-        raise LogError("it is no Parquet file of a log, or a damaged one") from error
+    file = pq.ParquetFile(path)
+    metadata = file.metadata.metadata or {}
+    header = Header.from_json(metadata[HEADER.encode()].decode())
+    notes = notes_from_json(metadata[NOTES.encode()].decode())
+    table = file.read()
+    columns = [table.column(name).to_numpy() for name in header.layout.columns()]
+    rows = np.array(columns, dtype=float).T.reshape(-1, header.layout.width)
+    return header, header.layout.split(rows), notes
 
 
 def _schema(layout: Layout) -> Any:

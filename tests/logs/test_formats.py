@@ -1,5 +1,6 @@
 """Every format gives back what was written; what is no log is said to be none."""
 
+import contextlib
 import json
 import resource
 import secrets
@@ -209,6 +210,49 @@ def test_files_of_others_are_refused(tmp_path):
     np.savez(path, header=header)
     with pytest.raises(LogError, match="newer"):
         read_log(path)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_damaged_log_is_refused_or_read_as_far_as_it_goes(
+    seed, log, suffix, tmp_path
+):
+    draw = np.random.default_rng(seed)
+    path = write(log, tmp_path / f"run{suffix}", rows=20)
+    data = bytearray(path.read_bytes())
+    begin = int(draw.integers(len(data)))
+    length = int(draw.integers(1, 100))
+    data[begin : begin + length] = draw.bytes(length)
+    path.write_bytes(data)
+    with contextlib.suppress(LogError):
+        assert 0 < len(read_log(path)) <= 20
+
+
+@pytest.mark.parametrize(
+    ("change", "complaint"),
+    [
+        ({"time": np.linspace(1.0, 0.0, 50)}, "time does not go on"),
+        ({"time": np.zeros((50, 2))}, "time is float64 of shape"),
+        ({"joints.effort": np.zeros((50, 3))}, r"joints\.effort"),
+        ({"behavior.current": np.full(50, 99)}, "99"),
+        ({"notes": '[[0.0, "event", {}]]'}, "damaged"),
+        ({"notes": "[[0.0]]"}, "damaged"),
+        ({"header": "model ../../../tmp/spot"}, "there is no robot"),
+        ({"header": "model /tmp/spot"}, "there is no robot"),
+        ({"header": "control_period nan"}, "control_period is nan"),
+    ],
+)
+def test_a_log_that_contradicts_itself_is_refused(change, complaint, log, tmp_path):
+    path = write(log, tmp_path / "run.npz", rows=50)
+    with np.load(path) as file:
+        arrays = dict(file)
+    if "header" in change:
+        name, value = change["header"].split()
+        header = json.loads(str(arrays["header"]))
+        header[name] = value
+        change = {"header": json.dumps(header)}
+    np.savez(path, **(arrays | change))
+    with pytest.raises(LogError, match=complaint):
+        _ = read_log(path).robot
 
 
 def test_a_missing_file_is_said_to_be_missing(suffix, tmp_path):
