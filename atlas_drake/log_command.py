@@ -39,6 +39,7 @@ from atlas_drake.outputs import (
     realtime_rate,
     video_asked_for,
 )
+from atlas_drake.pace import Pace
 from atlas_drake.progress import Progress
 from atlas_drake.run_command import PIECE, quiet_logs
 from atlas_drake.viewer import interactive, keep_serving
@@ -153,10 +154,11 @@ def replay_log(options: argparse.Namespace) -> int:
     simulator.get_mutable_context().SetTime(begin)
     simulator.Initialize()
     invite_viewer(meshcat, options, progress)
-    simulator.set_target_realtime_rate(realtime_rate(options))
+    pace = Pace(simulator)
+    pace.set_rate(realtime_rate(options))
     with nothing_cut_off():
         try:
-            interrupted = _play(log, simulator, end, progress)
+            interrupted = _play(log, simulator, pace, end, progress)
         finally:
             # Also after a second Ctrl-C: a video that is not finished cannot be played.
             kept = filmed is None or keep_video(options.video, filmed.close, progress)
@@ -172,7 +174,9 @@ def replay_log(options: argparse.Namespace) -> int:
     return EXIT_OK
 
 
-def _play(log: Log, simulator: Simulator, end: float, progress: Progress) -> bool:
+def _play(
+    log: Log, simulator: Simulator, pace: Pace, end: float, progress: Progress
+) -> bool:
     """Plays to the end; says whether Ctrl-C came first."""
     events = iter(log.events)
     event = next(events, None)
@@ -181,6 +185,7 @@ def _play(log: Log, simulator: Simulator, end: float, progress: Progress) -> boo
             if asked_to_stop.is_set():
                 return True
             now = min(now + PIECE, end)
+            pace.forget_lost_time()
             simulator.AdvanceTo(now)
             while event is not None and event.time <= now:
                 progress.event(event)

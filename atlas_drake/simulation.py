@@ -35,6 +35,7 @@ from atlas_drake.messages import (
     Imu,
 )
 from atlas_drake.noise import NOISE_MODELS
+from atlas_drake.pace import Pace
 from atlas_drake.pushes import Push, make_push
 from atlas_drake.robot import load_robot
 from atlas_drake.run_log import RunLog
@@ -159,6 +160,7 @@ class AtlasSimulation:
         self._release_time: float | None = None
         self._place(variation, self.scenario.start)
         self.simulator.Initialize()
+        self._pace = Pace(self.simulator)
 
     # ---- log -----------------------------------------------------------------
 
@@ -278,6 +280,7 @@ class AtlasSimulation:
 
     def _advance_chunk(self, t: float) -> None:
         """Simulates until the next look at the events, at most until ``t``."""
+        self._pace.forget_lost_time()
         self._exert_pushes()
         if self._release_time is not None and self._release_time <= self.time + 1e-9:
             self.release()
@@ -288,8 +291,12 @@ class AtlasSimulation:
         self._look()
 
     def set_realtime_rate(self, rate: float) -> None:
-        """Keeps simulated time at ``rate`` times real time; 0 is as fast as can be."""
-        self.simulator.set_target_realtime_rate(rate)
+        """Keeps simulated time at ``rate`` times real time; 0 is as fast as can be.
+
+        Only time during advances counts: after a pause between two of them, and where
+        the computer was too slow, the simulation does not hurry to catch up.
+        """
+        self._pace.set_rate(rate)
 
     def close_video(self) -> int:
         """Finishes the video, of which nothing can be seen before.
