@@ -320,8 +320,8 @@ def _add_address_options(view: argparse._ArgumentGroup) -> None:
         "--host",
         default="localhost",
         metavar="H",
-        help="address that the 3D view listens on; * lets other computers watch "
-        "(default: %(default)s)",
+        help="address that the 3D view listens on; with * or 0.0.0.0 whoever reaches "
+        "its port sees the robot, and with teleop steers it (default: %(default)s)",
     )
 
 

@@ -15,7 +15,7 @@ from pydrake.geometry import Meshcat
 
 from atlas_drake.errors import AtlasError, ScenarioError
 from atlas_drake.progress import Progress
-from atlas_drake.viewer import await_viewer, interactive, start_meshcat
+from atlas_drake.viewer import await_viewer, start_meshcat
 from atlas_drake.visualization import FRAME_RATE
 from atlas_drake.whole_file import whole_file
 
@@ -154,7 +154,7 @@ def open_view(options: argparse.Namespace, progress: Progress) -> Meshcat | None
     """
     if options.headless and options.record is None:
         return None
-    meshcat = start_meshcat(options.host, options.port, progress)
+    meshcat = start_meshcat(options.host, options.port, progress.say)
     if options.record is not None:
         meshcat.StartRecording(
             frames_per_second=FRAME_RATE,
@@ -168,9 +168,7 @@ def invite_viewer(
 ) -> None:
     """Says where to watch, and gives a browser the time to open."""
     if meshcat is not None and not options.headless:
-        progress.say(f"Watch at {meshcat.web_url()}")
-        if interactive():
-            await_viewer(meshcat, progress)
+        await_viewer(meshcat, progress.say)
 
 
 def realtime_rate(options: argparse.Namespace) -> float:

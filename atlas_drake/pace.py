@@ -32,7 +32,7 @@ class Pace:
         self._begin()
 
     def forget_lost_time(self) -> None:
-        """Begins anew if time was lost; to be called before each piece of an advance."""
+        """Begins anew if time was lost; called before each piece of an advance."""
         rate = self._simulator.get_target_realtime_rate()
         if rate <= 0.0:
             return

@@ -2,9 +2,8 @@
 
 import argparse
 import math
+import signal
 import sys
-
-from pydrake.geometry import Meshcat
 
 from atlas_drake import (
     AtlasBehaviorStepData,
@@ -12,6 +11,7 @@ from atlas_drake import (
     AtlasSimulation,
     Behavior,
 )
+from atlas_drake.viewer import await_viewer, start_meshcat
 
 NUM_STEPS = 10
 LENGTH, TURN = 0.2, 0.1  # of each step [m], [rad]
@@ -20,12 +20,13 @@ HALF_WIDTH = 0.12  # of each foot from the middle [m]
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("--headless", action="store_true", help="no 3D view")
 options = parser.parse_args()
+signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl-C ends it, without ado
 
-meshcat = None if options.headless else Meshcat()
+meshcat = None if options.headless else start_meshcat()
 sim = AtlasSimulation(meshcat=meshcat)
 if meshcat is not None:
     sim.set_realtime_rate(1.0)
-    input("Open the address above in a browser, then press Enter to start.")
+    await_viewer(meshcat)
 
 
 def plan() -> list[AtlasBehaviorStepData]:

@@ -1,7 +1,6 @@
 """The command line: what it prints, writes and returns."""
 
 import base64
-import io
 import json
 import re
 import shutil
@@ -18,7 +17,6 @@ import pytest
 from atlas_drake import run_command
 from atlas_drake.cli import main
 from atlas_drake.logs import mcap_file
-from atlas_drake.progress import Progress
 from atlas_drake.run_command import AFTER_FALL, verdict
 from atlas_drake.tutorial import DURATION
 from atlas_drake.viewer import start_meshcat
@@ -239,12 +237,12 @@ def test_instead_of_a_port_in_use_the_next_free_one_is_taken(scenario, capsys):
 
 
 def test_several_views_side_by_side_have_ports_of_their_own():
-    first = start_meshcat("localhost", None, Progress(io.StringIO(), 1.0))
-    said = io.StringIO()
-    second = start_meshcat("localhost", first.port(), Progress(said, 1.0))
-    third = start_meshcat("localhost", None, Progress(io.StringIO(), 1.0))
+    first = start_meshcat()
+    said = []
+    second = start_meshcat("localhost", first.port(), said.append)
+    third = start_meshcat()
     assert len({first.port(), second.port(), third.port()}) == 3
-    assert f"Port {first.port()} is in use" in said.getvalue()
+    assert [f"Port {first.port()} is in use" in line for line in said] == [True]
 
 
 def test_the_view_is_for_this_computer_only_unless_told_otherwise(scenario, capsys):
@@ -260,12 +258,16 @@ def test_the_view_is_for_this_computer_only_unless_told_otherwise(scenario, caps
 
     if not Path("/proc/net/tcp").is_file():
         pytest.skip("only Linux lists its sockets in /proc")
-    said = Progress(io.StringIO(), 1.0)
-    local = start_meshcat("localhost", None, said)
+    said = []
+    local = start_meshcat(say=said.append)
     assert listening(local.port()) <= {"0100007F", "0" * 24 + "01000000"}
     assert listening(local.port())
-    everywhere = start_meshcat("*", None, said)
-    assert listening(everywhere.port()) & {"0" * 8, "0" * 32}
+    assert start_meshcat("127.0.0.1", say=said.append)
+    assert said == []
+    for host in ("*", "0.0.0.0"):
+        everywhere = start_meshcat(host, say=said.append)
+        assert listening(everywhere.port()) & {"0" * 8, "0" * 32}
+        assert f"whoever reaches port {everywhere.port()}" in said.pop()
 
 
 def test_a_host_that_is_not_this_computer_is_bad_input(scenario, capsys):

@@ -37,15 +37,6 @@ def test_what_is_waited_for_is_followed_by_no_rush(paced):
         assert seconds(lambda: paced(0.3)) > 0.3 - 0.5 * SLACK
 
 
-def test_a_short_delay_is_made_up_for(paced):
-    def advance():
-        paced(0.1)
-        time.sleep(0.5 * SLACK)
-        paced(0.2)
-
-    assert seconds(advance) == pytest.approx(0.3, abs=0.04)
-
-
 def test_a_simulation_waits_at_its_start_and_between_advances():
     sim = AtlasSimulation(Scenario(physics_step=0.002, control_period=0.004))
     sim.set_realtime_rate(0.1)
