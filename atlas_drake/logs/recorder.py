@@ -17,7 +17,6 @@ from pydrake.systems.framework import (
     DiagramBuilder,
     DiscreteValues,
     InputPort,
-    LeafSystem,
     System,
     ValueProducer,
 )
@@ -32,6 +31,7 @@ from atlas_drake.logs.notes import (
     to_plain,
 )
 from atlas_drake.logs.samples import RowSampler
+from atlas_drake.systems.collectable_system import CollectableSystem
 
 _VALUES = (
     "commands",
@@ -43,7 +43,7 @@ _VALUES = (
 """Ports whose values are no vectors."""
 
 
-class LogRecorder(LeafSystem):
+class LogRecorder(CollectableSystem):
     """Ports of a station in, a log out.
 
     A row is sampled by a discrete update, which sees what the controller decided at
@@ -61,6 +61,8 @@ class LogRecorder(LeafSystem):
     Attributes:
         fault: Why nothing is written any more; None while all is well.
     """
+
+    __slots__ = ()
 
     def __init__(
         self,
@@ -93,7 +95,9 @@ class LogRecorder(LeafSystem):
         self._scratch = self.DeclareCacheEntry(
             "scratch context of the plant",
             ValueProducer(
-                allocate=lambda: AbstractValue.Make(sampler.create_context()),
+                allocate=self.callback(
+                    lambda: AbstractValue.Make(sampler.create_context())
+                ),
                 calc=ValueProducer.NoopCalc,
             ),
             {self.nothing_ticket()},

@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from pydrake.common.value import AbstractValue
-from pydrake.systems.framework import Context, LeafSystem, State, ValueProducer
+from pydrake.systems.framework import Context, State, ValueProducer
 
 from atlas_drake.commands import Command
 from atlas_drake.frozen import Frozen, replace
@@ -21,6 +21,7 @@ from atlas_drake.messages import (
     AtlasState,
     Imu,
 )
+from atlas_drake.systems.collectable_system import CollectableSystem
 
 
 @dataclass(frozen=True)
@@ -68,7 +69,7 @@ class SchedulerState(Frozen):
     seen_sim: AtlasSimInterfaceCommand | None = None
 
 
-class CommandScheduler(LeafSystem):
+class CommandScheduler(CollectableSystem):
     """A programme and other commanders' messages in, the two command ports out.
 
     Input ports:
@@ -81,6 +82,8 @@ class CommandScheduler(LeafSystem):
         atlas_sim_interface_command: ``AtlasSimInterfaceCommand`` or None.
         sent: How many entries of the programme have been sent.
     """
+
+    __slots__ = ()
 
     def __init__(self, programme: Sequence[ScheduledCommand], period: float):
         """Looks at the clock every ``period`` [s]."""
@@ -102,7 +105,7 @@ class CommandScheduler(LeafSystem):
             "messages on the output ports",
             ValueProducer(
                 allocate=lambda: AbstractValue.Make(SchedulerState()),
-                calc=self._calc_now,
+                calc=self.callback(self._calc_now),
             ),
             others,
         )

@@ -10,12 +10,13 @@ import numpy as np
 from pydrake.common.value import AbstractValue
 from pydrake.multibody.math import SpatialForce
 from pydrake.multibody.plant import ExternallyAppliedSpatialForce, MultibodyPlant
-from pydrake.systems.framework import Context, LeafSystem
+from pydrake.systems.framework import Context
 
 from atlas_drake.control.rotations import rotation_error
 from atlas_drake.control.whole_body_model import GRAVITY
 from atlas_drake.frozen import Frozen, replace
 from atlas_drake.robot import Robot
+from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.systems.scratch import declare_scratch_context
 
 
@@ -54,7 +55,7 @@ class HarnessState(Frozen):
     released: float | None = None
 
 
-class Harness(LeafSystem):
+class Harness(CollectableSystem):
     """State and the forces of others in, these and the harness' own out.
 
     Input ports:
@@ -65,6 +66,8 @@ class Harness(LeafSystem):
         applied_spatial_force: The same and that on the pelvis.
     """
 
+    __slots__ = ()
+
     def __init__(
         self, robot: Robot, plant: MultibodyPlant, gains: HarnessGains | None = None
     ):
@@ -73,7 +76,8 @@ class Harness(LeafSystem):
         self._gains = gains or HarnessGains()
         self._mass = robot.mass
         self._plant = plant
-        self._pelvis = plant.GetBodyByName(robot.file.pelvis)
+        # A number, as a body keeps its plant where nobody can see it.
+        self._pelvis = plant.GetBodyByName(robot.file.pelvis).index()
         self._state_input = self.DeclareVectorInputPort(
             "state", plant.num_multibody_states()
         )
@@ -135,8 +139,9 @@ class Harness(LeafSystem):
                 return None
         scratch = self._scratch.Eval(context)
         self._plant.SetPositionsAndVelocities(scratch, self._state_input.Eval(context))
-        X_WP = self._plant.EvalBodyPoseInWorld(scratch, self._pelvis)
-        V_WP = self._plant.EvalBodySpatialVelocityInWorld(scratch, self._pelvis)
+        pelvis = self._plant.get_body(self._pelvis)
+        X_WP = self._plant.EvalBodyPoseInWorld(scratch, pelvis)
+        V_WP = self._plant.EvalBodySpatialVelocityInWorld(scratch, pelvis)
         w = gains.natural_frequency
         away = state.p_WH - np.array([0.0, 0.0, lowered]) - X_WP.translation()
         pull = self._mass * (
@@ -149,6 +154,6 @@ class Harness(LeafSystem):
             - gains.rotational_damping * V_WP.rotational()
         )
         force = ExternallyAppliedSpatialForce()
-        force.body_index = self._pelvis.index()
+        force.body_index = self._pelvis
         force.F_Bq_W = SpatialForce(strength * turn, strength * pull)
         return force

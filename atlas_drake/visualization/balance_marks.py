@@ -13,13 +13,14 @@ import numpy as np
 from pydrake.common.value import AbstractValue
 from pydrake.geometry import Cylinder, Meshcat, Rgba, Sphere
 from pydrake.math import RigidTransform
-from pydrake.systems.framework import Context, LeafSystem
+from pydrake.systems.framework import Context
 
 from atlas_drake.control.centre_of_pressure import centre_of_pressure
 from atlas_drake.control.support_polygon import SupportPolygon
 from atlas_drake.control.tasks import dcm, pendulum_frequency
 from atlas_drake.control.whole_body_model import WholeBodyModel, WholeBodyTerms
 from atlas_drake.robot import Robot
+from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.visualization.marks import Marks
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.palette import COM, COP, DCM, SUPPORT, SWING
@@ -56,7 +57,7 @@ _NAMES = ("com", "dcm", "cop", "support", "plan", "swing")
 Point = tuple[float, float, float]
 
 
-class BalanceMarks(LeafSystem):
+class BalanceMarks(CollectableSystem):
     """Draws what balance is about.
 
     Input ports:
@@ -64,6 +65,8 @@ class BalanceMarks(LeafSystem):
         controller_state: ``ControllerState``
         foot_wrenches: Of contact on both soles, see ``RobotSensors``.
     """
+
+    __slots__ = ()
 
     def __init__(
         self,

@@ -14,7 +14,7 @@ import numpy as np
 from pydrake.common.value import AbstractValue
 from pydrake.geometry import Meshcat, Rgba
 from pydrake.math import RigidTransform
-from pydrake.systems.framework import Context, LeafSystem
+from pydrake.systems.framework import Context
 
 from atlas_drake.messages import (
     K_EFFORT_MAX,
@@ -24,6 +24,7 @@ from atlas_drake.messages import (
     StepStatus,
     WalkStatus,
 )
+from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.visualization.feedback_words import feedback_words
 from atlas_drake.visualization.marks import Marks
 from atlas_drake.visualization.overlays import Overlays
@@ -78,12 +79,14 @@ class _Line:
     y: float
 
 
-class CaptionDisplay(LeafSystem):
+class CaptionDisplay(CollectableSystem):
     """Keeps the caption up to date.
 
     Input ports:
         atlas_sim_interface_state: ``AtlasSimInterfaceState``
     """
+
+    __slots__ = ()
 
     def __init__(
         self, meshcat: Meshcat, overlays: Overlays, period: float, recorded: bool

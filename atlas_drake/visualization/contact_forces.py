@@ -12,8 +12,9 @@ from pydrake.common.value import AbstractValue
 from pydrake.geometry import Meshcat
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.plant import ContactResults
-from pydrake.systems.framework import Context, LeafSystem
+from pydrake.systems.framework import Context
 
+from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.palette import FORCE
 from atlas_drake.visualization.ribbons import draw_flat
@@ -63,12 +64,14 @@ def arrow_length(force: ContactForce) -> float:
     return SCALE * float(np.linalg.norm(force.force_W))
 
 
-class ContactForces(LeafSystem):
+class ContactForces(CollectableSystem):
     """Draws an arrow per point of contact while it is switched on.
 
     Input ports:
         contact_results: Of the plant.
     """
+
+    __slots__ = ()
 
     def __init__(self, meshcat: Meshcat, overlays: Overlays, period: float) -> None:
         """Looks every ``period`` [s]."""

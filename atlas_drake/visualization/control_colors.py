@@ -20,10 +20,11 @@ from pydrake.geometry import (
     Role,
     SceneGraphInspector,
 )
-from pydrake.systems.framework import Context, LeafSystem
+from pydrake.systems.framework import Context
 
 from atlas_drake.messages import K_EFFORT_MAX
 from atlas_drake.robot import Robot
+from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.visualization.gltf_triangles import gltf_triangles
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.palette import (
@@ -74,7 +75,7 @@ def _between(colors: Sequence[Color], share: float) -> Color:
     return r, g, b
 
 
-class ControlColors(LeafSystem):
+class ControlColors(CollectableSystem):
     """Colours the links while one of the two colourings is switched on.
 
     A link that is coloured is hidden behind a copy of one material. Browsers load the
@@ -86,6 +87,8 @@ class ControlColors(LeafSystem):
         commands: ``CommandsInForce``
         effort: Of the motors [N·m], shape (n,).
     """
+
+    __slots__ = ()
 
     def __init__(
         self,

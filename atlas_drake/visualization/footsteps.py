@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from pydrake.common.value import AbstractValue
 from pydrake.geometry import Meshcat, Rgba
 from pydrake.math import RigidTransform, RotationMatrix
-from pydrake.systems.framework import Context, LeafSystem
+from pydrake.systems.framework import Context
 
 from atlas_drake.behaviors.base import Event
 from atlas_drake.behaviors.step_queue import footstep_from
@@ -27,6 +27,7 @@ from atlas_drake.messages import (
     Behavior,
 )
 from atlas_drake.robot import SoleSize
+from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.visualization.marks import Marks
 from atlas_drake.visualization.ribbons import draw_flat, ribbons
 
@@ -199,7 +200,7 @@ def mark_triangles(
     return ribbons(starts, ends, LINE_WIDTH)
 
 
-class FootstepDisplay(LeafSystem):
+class FootstepDisplay(CollectableSystem):
     """Draws footsteps: outlines where commanded, filled where landed.
 
     A dashed outline shows where a step goes that is not taken as commanded.
@@ -209,6 +210,8 @@ class FootstepDisplay(LeafSystem):
         controller_state: ``ControllerState``
         atlas_sim_interface_state: ``AtlasSimInterfaceState``
     """
+
+    __slots__ = ()
 
     def __init__(
         self, meshcat: Meshcat, sole: SoleSize, period: float, recorded: bool

@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 from pydrake.common.eigen_geometry import Quaternion
 from pydrake.common.value import AbstractValue
 from pydrake.math import RollPitchYaw
-from pydrake.systems.framework import Context, DiagramBuilder, LeafSystem, System
+from pydrake.systems.framework import Context, DiagramBuilder, System
 
 from atlas_drake.robot import Robot
+from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.terrain import Block
 from atlas_drake.visualization.caption import caption_of
 from atlas_drake.visualization.footsteps import footstep_marks
@@ -45,7 +46,7 @@ class Video:
     height: int = 540
 
 
-class VideoDisplay(LeafSystem):
+class VideoDisplay(CollectableSystem):
     """Takes a picture every 1 / VIDEO_RATE seconds.
 
     What it has seen and where its camera looks is, as with Drake's own writers of
@@ -60,6 +61,8 @@ class VideoDisplay(LeafSystem):
     Attributes:
         fault: Why nothing is filmed any more; None while all is well.
     """
+
+    __slots__ = ()
 
     def __init__(
         self, video: Video, robot: Robot, terrain: Sequence[Block], num_states: int
