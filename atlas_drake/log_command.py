@@ -44,6 +44,7 @@ from atlas_drake.progress import Progress
 from atlas_drake.run_command import PIECE, quiet_logs
 from atlas_drake.viewer import interactive, keep_serving
 from atlas_drake.visualization.overlays import Overlays
+from atlas_drake.visualization.viewer_gate import show_latest
 from atlas_drake.whole_file import whole_file
 
 PICTURES = (".png", ".html")
@@ -170,6 +171,7 @@ def replay_log(options: argparse.Namespace) -> int:
     if not kept:
         return EXIT_OUTPUT_LOST
     if not options.headless and interactive():
+        show_latest(diagram, simulator.get_context())
         keep_serving(progress)
     return EXIT_OK
 

@@ -38,6 +38,7 @@ from atlas_drake.scenario import Scenario
 from atlas_drake.simulation import AtlasSimulation, SimulationError
 from atlas_drake.viewer import interactive, keep_serving
 from atlas_drake.visualization.overlays import Overlays
+from atlas_drake.visualization.viewer_gate import show_latest
 
 PIECE = 0.1
 """Simulated time between updates of the progress line [s]."""
@@ -99,6 +100,7 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
     if not kept:
         return EXIT_OUTPUT_LOST
     if not options.headless and interactive():
+        show_latest(sim.diagram, sim.context)
         keep_serving(progress)
     return EXIT_OK if summary["success"] else EXIT_FAILED
 

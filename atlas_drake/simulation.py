@@ -48,6 +48,7 @@ from atlas_drake.systems.command_interface import CommandInterface
 from atlas_drake.systems.command_scheduler import CommandScheduler
 from atlas_drake.tutorial import control_mode_switch_programme
 from atlas_drake.visualization.overlays import Overlays
+from atlas_drake.visualization.viewer_gate import show_latest
 
 if TYPE_CHECKING:
     from atlas_drake.logs.recorder import LogRecorder
@@ -55,6 +56,8 @@ if TYPE_CHECKING:
 
 CHUNK = 0.02
 """Simulated time between looks at events, pushes and Ctrl-C [s]."""
+SHOWN_EVERY = 0.5
+"""At most this often a slow viewer is shown where an advance ended [s of wall time]."""
 CLEARANCE = 0.10
 """How far above the ground the feet of a harnessed robot hang [m]."""
 
@@ -90,7 +93,8 @@ class AtlasSimulation:
             meshcat: Where to show it; None shows nothing.
             overlays: What of the controller's thoughts is shown there.
             recorded: Whether Meshcat records, from before this on: all that is shown
-                is then kept for the recording.
+                is then kept for the recording. Otherwise pictures are left out, also
+                of a recording, while a viewer is too slow for them.
             video: What to film it into, until ``close_video``; None films nothing.
             on_event: Called with each event as it is noticed.
             log: File that records the run, see ``atlas_drake.logs``: .mcap, .npz or
@@ -115,6 +119,7 @@ class AtlasSimulation:
         self._meshcat = meshcat
         self._pushes: list[Push] = []
         self._wall_time = 0.0
+        self._shown = 0.0
 
         self._variation = variation = draw_variation(self.scenario, self.robot)
         config = StationConfig(
@@ -277,6 +282,14 @@ class AtlasSimulation:
             ) from error
         finally:
             self._wall_time += time.perf_counter() - begin
+        if self._meshcat is not None:
+            self._show_end(time.perf_counter())
+
+    def _show_end(self, now: float) -> None:
+        """Shows a viewer that is too slow for all pictures where an advance ended."""
+        if now - self._shown > SHOWN_EVERY:
+            self._shown = now
+            show_latest(self.diagram, self.context)
 
     def _advance_chunk(self, t: float) -> None:
         """Simulates until the next look at the events, at most until ``t``."""

@@ -20,7 +20,7 @@ from atlas_drake.control.support_polygon import SupportPolygon
 from atlas_drake.control.tasks import dcm, pendulum_frequency
 from atlas_drake.control.whole_body_model import WholeBodyModel, WholeBodyTerms
 from atlas_drake.robot import Robot
-from atlas_drake.systems.collectable_system import CollectableSystem
+from atlas_drake.visualization.display import Display
 from atlas_drake.visualization.marks import Marks
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.palette import COM, COP, DCM, SUPPORT, SWING
@@ -57,7 +57,7 @@ _NAMES = ("com", "dcm", "cop", "support", "plan", "swing")
 Point = tuple[float, float, float]
 
 
-class BalanceMarks(CollectableSystem):
+class BalanceMarks(Display):
     """Draws what balance is about.
 
     Input ports:
@@ -85,7 +85,7 @@ class BalanceMarks(CollectableSystem):
             period: Between looks [s].
             recorded: See ``Marks``.
         """
-        super().__init__()
+        super().__init__(period)
         self._meshcat = meshcat
         self._overlays = overlays
         self._model = WholeBodyModel(robot)
@@ -106,7 +106,6 @@ class BalanceMarks(CollectableSystem):
             )
             for name, color in _CURVES.items()
         }
-        self.DeclarePeriodicPublishEvent(period, 0.0, self._publish)
 
     def _publish(self, context: Context) -> None:
         on = {name for name in _NAMES if self._overlays.is_on(name)}

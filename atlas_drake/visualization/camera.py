@@ -14,7 +14,7 @@ from pydrake.geometry import Meshcat
 from pydrake.systems.framework import Context
 
 from atlas_drake.messages import AtlasSimInterfaceState
-from atlas_drake.systems.collectable_system import CollectableSystem
+from atlas_drake.visualization.display import Display
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.scene import CAMERA_POSITION, CAMERA_TARGET
 
@@ -22,7 +22,7 @@ LAG = 0.7
 """Time constant with which it follows, so that it does not sway with the steps [s]."""
 
 
-class FollowingCamera(CollectableSystem):
+class FollowingCamera(Display):
     """Moves the camera with the pelvis over the ground while it is switched on.
 
     Input ports:
@@ -33,7 +33,7 @@ class FollowingCamera(CollectableSystem):
 
     def __init__(self, meshcat: Meshcat, overlays: Overlays, period: float) -> None:
         """Looks every ``period`` [s]."""
-        super().__init__()
+        super().__init__(period)
         self._meshcat = meshcat
         self._overlays = overlays
         self._report = self.DeclareAbstractInputPort(
@@ -41,7 +41,6 @@ class FollowingCamera(CollectableSystem):
         )
         self._share = 1.0 - math.exp(-period / LAG)
         self._place = np.zeros(3)
-        self.DeclarePeriodicPublishEvent(period, 0.0, self._publish)
 
     def _publish(self, context: Context) -> None:
         if not self._overlays.is_on("follow"):

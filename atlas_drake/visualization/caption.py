@@ -24,7 +24,7 @@ from atlas_drake.messages import (
     StepStatus,
     WalkStatus,
 )
-from atlas_drake.systems.collectable_system import CollectableSystem
+from atlas_drake.visualization.display import Display
 from atlas_drake.visualization.feedback_words import feedback_words
 from atlas_drake.visualization.marks import Marks
 from atlas_drake.visualization.overlays import Overlays
@@ -79,7 +79,7 @@ class _Line:
     y: float
 
 
-class CaptionDisplay(CollectableSystem):
+class CaptionDisplay(Display):
     """Keeps the caption up to date.
 
     Input ports:
@@ -99,14 +99,13 @@ class CaptionDisplay(CollectableSystem):
             period: Between looks [s].
             recorded: See ``Marks``.
         """
-        super().__init__()
+        super().__init__(period)
         self._overlays = overlays
         self._meshcat = meshcat
         self._report = self.DeclareAbstractInputPort(
             "atlas_sim_interface_state", AbstractValue.Make(AtlasSimInterfaceState())
         )
         self._marks = Marks(meshcat, f"{CAMERA}/caption", self._draw, recorded)
-        self.DeclarePeriodicPublishEvent(period, 0.0, self._publish)
 
     def _publish(self, context: Context) -> None:
         report: Any = self._report.Eval(context)

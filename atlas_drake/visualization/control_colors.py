@@ -24,7 +24,7 @@ from pydrake.systems.framework import Context
 
 from atlas_drake.messages import K_EFFORT_MAX
 from atlas_drake.robot import Robot
-from atlas_drake.systems.collectable_system import CollectableSystem
+from atlas_drake.visualization.display import Display
 from atlas_drake.visualization.gltf_triangles import gltf_triangles
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.palette import (
@@ -75,7 +75,7 @@ def _between(colors: Sequence[Color], share: float) -> Color:
     return r, g, b
 
 
-class ControlColors(CollectableSystem):
+class ControlColors(Display):
     """Colours the links while one of the two colourings is switched on.
 
     A link that is coloured is hidden behind a copy of one material. Browsers load the
@@ -107,7 +107,7 @@ class ControlColors(CollectableSystem):
             overlays: What is switched on.
             period: Between looks [s].
         """
-        super().__init__()
+        super().__init__(period)
         self._meshcat = meshcat
         self._prefix = prefix
         self._limit = robot.effort_limit
@@ -121,7 +121,6 @@ class ControlColors(CollectableSystem):
         self._begin()
         # Drake's visualiser then draws all anew, and what it deletes is gone here too.
         self.DeclareInitializationPublishEvent(lambda _context: self._begin())
-        self.DeclarePeriodicPublishEvent(period, 0.0, self._publish)
 
     def _begin(self) -> None:
         self._timeline = Timeline(self._meshcat)

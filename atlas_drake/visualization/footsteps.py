@@ -27,7 +27,7 @@ from atlas_drake.messages import (
     Behavior,
 )
 from atlas_drake.robot import SoleSize
-from atlas_drake.systems.collectable_system import CollectableSystem
+from atlas_drake.visualization.display import Display
 from atlas_drake.visualization.marks import Marks
 from atlas_drake.visualization.ribbons import draw_flat, ribbons
 
@@ -200,7 +200,7 @@ def mark_triangles(
     return ribbons(starts, ends, LINE_WIDTH)
 
 
-class FootstepDisplay(CollectableSystem):
+class FootstepDisplay(Display):
     """Draws footsteps: outlines where commanded, filled where landed.
 
     A dashed outline shows where a step goes that is not taken as commanded.
@@ -217,7 +217,7 @@ class FootstepDisplay(CollectableSystem):
         self, meshcat: Meshcat, sole: SoleSize, period: float, recorded: bool
     ) -> None:
         """Looks every ``period`` [s]; ``recorded`` as in ``Marks``."""
-        super().__init__()
+        super().__init__(period)
         self._meshcat = meshcat
         self._outline = sole_outline(sole)
         self._commands, self._controller, self._report = (
@@ -225,7 +225,6 @@ class FootstepDisplay(CollectableSystem):
             for name in ("commands", "controller_state", "atlas_sim_interface_state")
         )
         self._marks = Marks(meshcat, "/atlas_drake/footsteps", self._draw, recorded)
-        self.DeclarePeriodicPublishEvent(period, 0.0, self._publish)
 
     def _publish(self, context: Context) -> None:
         commands: Any = self._commands.Eval(context)
