@@ -14,12 +14,13 @@ from pydrake.common.value import AbstractValue
 from pydrake.multibody.math import SpatialForce
 from pydrake.multibody.plant import ExternallyAppliedSpatialForce, MultibodyPlant
 from pydrake.multibody.tree import Frame, JacobianWrtVariable, MultibodyForces
-from pydrake.systems.framework import Context, LeafSystem
+from pydrake.systems.framework import Context
 
 from atlas_drake.control.rotations import rotation_error
 from atlas_drake.control.whole_body_model import GRAVITY
 from atlas_drake.frozen import Frozen, replace
 from atlas_drake.robot import Robot
+from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.systems.scratch import declare_scratch_context
 
 
@@ -58,7 +59,7 @@ class HarnessState(Frozen):
     released: float | None = None
 
 
-class Harness(LeafSystem):
+class Harness(CollectableSystem):
     """State and the forces of others in, these and the harness' own out.
 
     Input ports:
@@ -70,6 +71,8 @@ class Harness(LeafSystem):
     Output ports:
         applied_spatial_force: The same and that on the pelvis.
     """
+
+    __slots__ = ()
 
     def __init__(
         self, robot: Robot, plant: MultibodyPlant, gains: HarnessGains | None = None
@@ -84,8 +87,11 @@ class Harness(LeafSystem):
         # The pelvis is the free body: its spatial velocity is among the plant's.
         self._base = robot.indices(plant).generalized[:6]
         self._actuation_matrix = np.asarray(plant.MakeActuationMatrix())
-        self._soles = [plant.GetFrameByName(f.sole_frame) for f in robot.file.feet]
-        self._pelvis = plant.GetBodyByName(robot.file.pelvis)
+        # Numbers, as frames and bodies keep their plant where nobody can see it.
+        self._soles = [
+            plant.GetFrameByName(f.sole_frame).index() for f in robot.file.feet
+        ]
+        self._pelvis = plant.GetBodyByName(robot.file.pelvis).index()
         self._state_input = self.DeclareVectorInputPort(
             "state", plant.num_multibody_states()
         )
@@ -153,8 +159,9 @@ class Harness(LeafSystem):
                 return None
         scratch = self._scratch.Eval(context)
         self._plant.SetPositionsAndVelocities(scratch, self._state_input.Eval(context))
-        X_WP = self._plant.EvalBodyPoseInWorld(scratch, self._pelvis)
-        V_WP = self._plant.EvalBodySpatialVelocityInWorld(scratch, self._pelvis)
+        pelvis = self._plant.get_body(self._pelvis)
+        X_WP = self._plant.EvalBodyPoseInWorld(scratch, pelvis)
+        V_WP = self._plant.EvalBodySpatialVelocityInWorld(scratch, pelvis)
         w = gains.natural_frequency
         away = state.p_WH - np.array([0.0, 0.0, lowered]) - X_WP.translation()
         error = rotation_error(state.R_WH, X_WP.rotation().matrix())
@@ -173,7 +180,7 @@ class Harness(LeafSystem):
             self._dt * mobility,
         )
         force = ExternallyAppliedSpatialForce()
-        force.body_index = self._pelvis.index()
+        force.body_index = self._pelvis
         force.F_Bq_W = SpatialForce(pull[:3], pull[3:])
         return force
 
@@ -205,7 +212,8 @@ class Harness(LeafSystem):
         wrenches = self._wrench_input.Eval(context)
         for sole, wrench in zip(self._soles, wrenches.reshape(2, 6), strict=True):
             if wrench.any():
-                force += self._jacobian(scratch, sole, np.zeros(3)).T @ wrench
+                J = self._jacobian(scratch, plant.get_frame(sole), np.zeros(3))
+                force += J.T @ wrench
         for other in others:
             frame = plant.get_body(other.body_index).body_frame()
             J = self._jacobian(scratch, frame, other.p_BoBq_B)

@@ -11,7 +11,6 @@ from pydrake.systems.framework import (
     BasicVector,
     Context,
     DiscreteValues,
-    LeafSystem,
     State,
     ValueProducer,
 )
@@ -32,6 +31,7 @@ from atlas_drake.frozen import NOTHING, Frozen, replace
 from atlas_drake.joint_command import JointCommand
 from atlas_drake.messages import K_EFFORT_MAX
 from atlas_drake.robot import PlantIndices, Robot
+from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.systems.scratch import declare_scratch_context
 
 MOVED = 0.1
@@ -83,7 +83,7 @@ class PidStep:
     effort: np.ndarray
 
 
-class JointPidBank(LeafSystem):
+class JointPidBank(CollectableSystem):
     """Set-points, gains and measured joints in, the user's efforts out.
 
     Input ports:
@@ -100,6 +100,8 @@ class JointPidBank(LeafSystem):
     State: what ``PidState`` holds, updated at every physics step; the prepared law,
     updated every few control ticks when pose, contact or commands have changed.
     """
+
+    __slots__ = ()
 
     def __init__(
         self,
@@ -137,7 +139,7 @@ class JointPidBank(LeafSystem):
             "one step of the law",
             ValueProducer(
                 allocate=lambda: AbstractValue.Make(NOTHING),
-                calc=self._calc_step,
+                calc=self.callback(self._calc_step),
             ),
             {self.all_input_ports_ticket(), self.xd_ticket(), self.xa_ticket()},
         )

@@ -13,8 +13,9 @@ from pydrake.geometry import Meshcat
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.plant import ContactResults
 from pydrake.multibody.tree import world_index
-from pydrake.systems.framework import Context, LeafSystem
+from pydrake.systems.framework import Context
 
+from atlas_drake.visualization.display import Display
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.palette import FORCE
 from atlas_drake.visualization.ribbons import draw_flat
@@ -70,16 +71,18 @@ def arrow_length(force: ContactForce) -> float:
     return SCALE * float(np.linalg.norm(force.force_W))
 
 
-class ContactForces(LeafSystem):
+class ContactForces(Display):
     """Draws an arrow per point of contact while it is switched on.
 
     Input ports:
         contact_results: Of the plant.
     """
 
+    __slots__ = ()
+
     def __init__(self, meshcat: Meshcat, overlays: Overlays, period: float) -> None:
         """Looks every ``period`` [s]."""
-        super().__init__()
+        super().__init__(period)
         self._meshcat = meshcat
         self._overlays = overlays
         self._results = self.DeclareAbstractInputPort(
@@ -88,7 +91,6 @@ class ContactForces(LeafSystem):
         self._timeline = Timeline(meshcat)
         self._made = 0
         meshcat.Delete(PATH)
-        self.DeclarePeriodicPublishEvent(period, 0.0, self._publish)
 
     def _publish(self, context: Context) -> None:
         forces = []
