@@ -113,18 +113,21 @@ class Message:
         Args:
             number: Any but 0 and that of the message which the sender sent before.
         """
-        source = self.mutable_copy() if self._frozen else self
-        twin = source.snapshot()
+        twin = self._fixed((id(self),), anew=True)
         object.__setattr__(twin, "_number", number)
         return twin
 
-    def _fixed(self, path: "_Path") -> "Self":
-        """Return a snapshot; ``path`` ends with this message itself."""
-        if self._frozen:
+    def _fixed(self, path: "_Path", *, anew: bool = False) -> "Self":
+        """Return a snapshot; ``path`` ends with this message itself.
+
+        With ``anew`` it shares no message with this one, which may be a snapshot.
+        """
+        if self._frozen and not anew:
             return self
         twin = type(self).__new__(type(self))
         for name in self.__dataclass_fields__:  # type: ignore[attr-defined]
-            object.__setattr__(twin, name, frozen(getattr(self, name), path))
+            value = frozen(getattr(self, name), path, anew=anew)
+            object.__setattr__(twin, name, value)
         object.__setattr__(twin, "_frozen", True)
         return twin
 
@@ -176,7 +179,7 @@ def _enters(value: object, path: _Path) -> bool:
     return len(path) < DEEPEST and id(value) not in path
 
 
-def frozen(value: Any, path: _Path = ()) -> Any:
+def frozen(value: Any, path: _Path = (), *, anew: bool = False) -> Any:
     """Return a copy of a value, of whatever kind, that nobody can change.
 
     Numbers become Python's own. What cannot stand in any valid message, such as a
@@ -194,8 +197,8 @@ def frozen(value: Any, path: _Path = ()) -> Any:
     if isinstance(value, (Message, list, tuple)) and _enters(value, path):
         within = (*path, id(value))
         if isinstance(value, Message):
-            return value._fixed(within)
-        return tuple(frozen(element, within) for element in value)
+            return value._fixed(within, anew=anew)
+        return tuple(frozen(element, within, anew=anew) for element in value)
     return plain_number(value)
 
 
