@@ -10,7 +10,7 @@ BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo test fast check format bench constraints clean
+.PHONY: help setup demo test fast check format docs bench constraints clean
 
 help: ## Show this list.
 	@echo "Usage: make <target>"
@@ -37,6 +37,9 @@ format: $(STAMP) ## Format the code and fix what can be fixed.
 	@$(BIN)/ruff check --fix .
 	@$(BIN)/ruff format .
 
+docs: $(STAMP) ## Write a page for every public function and class (build/docs).
+	@$(BIN)/python docs/make_api.py $(ARGS)
+
 # Each goes on whether or not the one before it met its goals.
 bench: $(STAMP) ## Measure speed and reliability (about half an hour).
 	@failed=0; for name in startup realtime hand_over qp_solvers walking tutorial_campaign; do \
@@ -50,9 +53,9 @@ clean: ## Delete the environment, caches and builds.
 
 # The check for ensurepip comes first because its lack leaves a half-made folder.
 $(BIN)/python:
-	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10))' || { \
-	  echo "Python 3.10 or newer is needed; $(PYTHON) is" \
-	    "$$($(PYTHON) --version 2>&1). Choose one: make PYTHON=python3.12"; \
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { \
+	  echo "Python 3.11 or newer is needed; $(PYTHON) is" \
+	    "$$($(PYTHON) --version 2>&1). Choose one: make PYTHON=python3.13"; \
 	  exit 1; }
 	@$(PYTHON) -c 'import ensurepip, venv' 2>/dev/null || { \
 	  echo "$(PYTHON) cannot create environments: the venv or ensurepip module is" \
@@ -68,20 +71,23 @@ $(STAMP): pyproject.toml constraints.txt | $(BIN)/python
 	  -c constraints.txt -e ".[dev,log,plot]"
 	@touch $@
 
-# A fresh environment, so that nothing left over from an earlier one is pinned. Python
-# 3.10 stays unpinned: numpy and others no longer release for it, so that one set of
-# versions for all is impossible.
-constraints: ## Pin the newest versions of all dependencies in constraints.txt.
-	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { \
-	  echo "Pin with Python 3.11 or newer: make constraints PYTHON=python3.11"; \
-	  exit 1; }
+# Each Python has the newest Drake that supports it: 3.11 the last one made for it, later
+# ones today's. A fresh environment, so that nothing left over from an earlier one is
+# pinned; the pins of the other Pythons stay as they are.
+PINNED_FOR = $(shell $(PYTHON) -c 'import sys; print("<" if sys.version_info < (3, 12) else ">=")')
+
+constraints: ## Pin the newest versions of all dependencies, for PYTHON's version.
 	@echo "Resolving the newest versions in $(VENV)-fresh (one to three minutes) ..."
 	@rm -rf $(VENV)-fresh
 	@$(PYTHON) -m venv $(VENV)-fresh
 	@$(VENV)-fresh/bin/python -m pip install --quiet --disable-pip-version-check \
 	  -e ".[dev,log,plot]"
-	@{ echo "# Versions that are known to work together. Written by" \
-	     "\`make constraints\`; do not edit."; \
-	   $(VENV)-fresh/bin/python -m pip freeze --exclude-editable --quiet \
-	     | sed 's/$$/ ; python_version >= "3.11"/'; } > constraints.txt
+	@{ echo "# Versions that are known to work together. Written by \`make constraints\`" \
+	     "with Python 3.11"; \
+	   echo "# and with a later one; do not edit."; \
+	   { grep 'python_version' constraints.txt | grep -vF 'python_version $(PINNED_FOR) '; \
+	     $(VENV)-fresh/bin/python -m pip freeze --exclude-editable --quiet \
+	       | sed 's/$$/ ; python_version $(PINNED_FOR) "3.12"/'; } | LC_ALL=C sort -f; \
+	 } > constraints.tmp
+	@mv constraints.tmp constraints.txt
 	@rm -rf $(VENV)-fresh

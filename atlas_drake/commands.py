@@ -7,13 +7,12 @@ is applied; a refused message leaves everything as it was but for the error code
 import logging
 from collections.abc import Callable
 from dataclasses import dataclass
-from numbers import Real
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
 from atlas_drake.errors import ErrorCode, InvalidMessageError
-from atlas_drake.frozen import Frozen, replace
+from atlas_drake.frozen import NOTHING, Frozen, replace
 from atlas_drake.joint_command import JOINT_FIELDS, JointCommand
 from atlas_drake.messages import (
     K_EFFORT_MAX,
@@ -24,12 +23,27 @@ from atlas_drake.messages import (
     validate_atlas_command,
     validate_sim_interface_command,
 )
+from atlas_drake.messages.base import frozen, is_new
+from atlas_drake.messages.numeric import as_float
+from atlas_drake.recent import append_recent, items_since
 from atlas_drake.robot import Robot
 
 _log = logging.getLogger(__name__)
 
 Command = AtlasCommand | AtlasSimInterfaceCommand
-_T = TypeVar("_T")
+
+
+@dataclass(frozen=True)
+class Received(Frozen):
+    """A message as it came, accepted or refused.
+
+    Attributes:
+        time: When [s].
+        message: A snapshot.
+    """
+
+    time: float
+    message: Any
 
 
 @dataclass(frozen=True)
@@ -40,11 +54,13 @@ class BehaviorRequest(Frozen):
         behavior: Asked for.
         command: The message, a snapshot.
         number: Counts accepted messages, so that a repeated request is noticed.
+        time: When it was accepted [s].
     """
 
     behavior: Behavior
     command: AtlasSimInterfaceCommand
     number: int
+    time: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -82,8 +98,8 @@ class CommandsInForce(Frozen):
         refused: How many there were in all.
         messages: The latest messages, refused ones too, oldest first.
         received: How many there were in all.
-        atlas_command: The last joint command looked at, to notice the next one.
-        sim_command: The last behaviour command looked at.
+        atlas_command: What ``is_new`` has seen of joint commands; NOTHING at first.
+        sim_command: Likewise of behaviour commands.
         atlas_stamp: Time stamp of the last accepted joint command [s].
         sim_stamp: Time stamp of the last accepted behaviour command [s].
     """
@@ -93,10 +109,10 @@ class CommandsInForce(Frozen):
     error_code: ErrorCode = ErrorCode.NO_ERRORS
     refusals: tuple[Refusal, ...] = ()
     refused: int = 0
-    messages: tuple[Command, ...] = ()
+    messages: tuple[Received, ...] = ()
     received: int = 0
-    atlas_command: AtlasCommand | None = None
-    sim_command: AtlasSimInterfaceCommand | None = None
+    atlas_command: Any = NOTHING
+    sim_command: Any = NOTHING
     atlas_stamp: float | None = None
     sim_stamp: float | None = None
 
@@ -105,22 +121,18 @@ class CommandsInForce(Frozen):
         """The latest request."""
         return self.requests[-1]
 
-    def messages_since(self, received: int) -> tuple[Command, ...]:
-        """Those that came after the first ``received``, as far as they are kept."""
-        return _last(self.messages, self.received - received)
+    def messages_since(self, received: int) -> tuple[Received, ...]:
+        """Those that came after the first ``received``."""
+        return items_since(self.messages, self.received, received)
 
     def refusals_since(self, refused: int) -> tuple[Refusal, ...]:
-        """Those that came after the first ``refused``, as far as they are kept."""
-        return _last(self.refusals, self.refused - refused)
+        """Those that came after the first ``refused``."""
+        return items_since(self.refusals, self.refused, refused)
 
     @property
     def k_effort(self) -> np.ndarray:
         """User's share per joint, 0 to 255, shape (n,)."""
         return self.joints.k_effort
-
-
-def _last(items: tuple[_T, ...], count: int) -> tuple[_T, ...]:
-    return items[-count:] if count else ()
 
 
 SERVO_FIELDS = (
@@ -135,7 +147,7 @@ SERVO_FIELDS = (
 """Joint arrays that a behaviour command has too; the later message counts."""
 
 KEPT = 50
-"""How many messages, requests and refusals are kept for whoever looks late."""
+"""How many messages, requests and refusals are kept; all of the last moments are."""
 
 
 def commands_at_start(robot: Robot, behavior: Behavior) -> CommandsInForce:
@@ -167,73 +179,95 @@ def commands_at_start(robot: Robot, behavior: Behavior) -> CommandsInForce:
 
 def latch(
     force: CommandsInForce,
-    atlas_command: AtlasCommand | None,
-    sim_command: AtlasSimInterfaceCommand | None,
+    atlas_command: Any,
+    sim_command: Any,
     robot: Robot,
     time: float,
 ) -> CommandsInForce:
-    """Takes in what the two command ports hold.
+    """Takes in what the two command ports hold, where ``is_new`` says so.
 
-    A message counts as new when it is another object than the one seen before. When
-    both are new the joint command is applied first, unless its stamp is later.
+    When both are new the joint command is applied first, unless its stamp is later.
 
     Args:
         force: In force so far.
-        atlas_command: A snapshot, or None when there is none yet.
+        atlas_command: A message, a snapshot or not; NOTHING where there is none.
         sim_command: Likewise.
         robot: Whose joints the messages are about.
         time: Now [s].
     """
-    new_atlas = atlas_command is not None and atlas_command is not force.atlas_command
-    new_sim = sim_command is not None and sim_command is not force.sim_command
-    if not (new_atlas or new_sim):
-        return force
-    if new_atlas and new_sim and _stamp(atlas_command) > _stamp(sim_command):
-        force = _take(force, "sim_command", sim_command, robot, time)
-        return _take(force, "atlas_command", atlas_command, robot, time)
-    if new_atlas:
-        force = _take(force, "atlas_command", atlas_command, robot, time)
-    if new_sim:
-        force = _take(force, "sim_command", sim_command, robot, time)
+    new = [
+        (port, frozen(value))
+        for port, value, seen in (
+            ("atlas_command", atlas_command, force.atlas_command),
+            ("sim_command", sim_command, force.sim_command),
+        )
+        if is_new(value, seen)
+    ]
+    if len(new) == 2 and _stamp(new[0][1]) > _stamp(new[1][1]):
+        new.reverse()
+    for port, value in new:
+        force = _take(force, port, value, robot, time)
     return force
 
 
 def _stamp(message: object) -> float:
     """When a message that is yet to be checked was sent [s]; 0 where it is silent."""
     stamp = getattr(getattr(message, "header", None), "stamp", None)
-    return float(stamp) if isinstance(stamp, Real) else 0.0
+    return as_float(stamp) or 0.0
 
 
 def _take(
     force: CommandsInForce, port: str, message: Any, robot: Robot, time: float
 ) -> CommandsInForce:
     """Applies the message of one port, whatever it is, or notes why not."""
-    seen = replace(
+    seen = message
+    if any(message is request.command for request in force.requests):
+        # Behaviours tell requests apart by their objects.
+        message = message.mutable_copy().snapshot()
+    noted = replace(
         force,
-        messages=(*force.messages, message)[-KEPT:],
+        messages=append_recent(force.messages, Received(time, message), KEPT),
         received=force.received + 1,
-        **{port: message},
+        **{port: seen},
     )
     try:
         return replace(
-            _APPLY[port](seen, message, robot, time), error_code=ErrorCode.NO_ERRORS
+            _APPLY[port](noted, message, robot, time), error_code=ErrorCode.NO_ERRORS
         )
     except InvalidMessageError as error:
         refusal = Refusal(time, error.with_traceback(None))
-        _log.warning("t = %.3f s: %s", time, refusal.text)
         return replace(
-            seen,
+            noted,
             error_code=error.error_code,
-            refusals=(*seen.refusals, refusal)[-KEPT:],
-            refused=seen.refused + 1,
+            refusals=append_recent(noted.refusals, refusal, KEPT),
+            refused=noted.refused + 1,
         )
+
+
+def log_refusals(before: CommandsInForce, after: CommandsInForce) -> None:
+    """Warns of what was refused since ``before``, of a streamed fault once."""
+    refusals = after.refusals_since(before.refused)
+    last = before.refusals[-1] if before.refusals else None
+    for refusal in refusals:
+        goes_on = (
+            last is not None
+            and last.text == refusal.text
+            and refusal.time - last.time < SAME_FAULT
+        )
+        if not goes_on:
+            _log.warning("t = %.3f s: %s", refusal.time, refusal.text)
+        last = refusal
+
+
+SAME_FAULT = 1.0
+"""Time after which a refusal for the same reason as the last one is news [s]."""
 
 
 def _apply_atlas_command(
     force: CommandsInForce, message: AtlasCommand, robot: Robot, time: float
 ) -> CommandsInForce:
     validate_atlas_command(message, robot.joint_names, force.atlas_stamp)
-    given = _given(message, JOINT_FIELDS)
+    given = _given(message, JOINT_FIELDS, robot)
     joints = replace(force.joints, **given)
     crossed = np.flatnonzero(joints.i_effort_min > joints.i_effort_max)
     if crossed.size:
@@ -258,8 +292,8 @@ def _apply_sim_command(
 ) -> CommandsInForce:
     validate_sim_interface_command(message, robot.joint_names, force.sim_stamp)
     behavior = behavior_from(message.behavior)
-    request = BehaviorRequest(behavior, message, force.request.number + 1)
-    given = _given(message, SERVO_FIELDS)
+    request = BehaviorRequest(behavior, message, force.request.number + 1, time)
+    given = _given(message, SERVO_FIELDS, robot)
     if behavior is Behavior.USER:
         # USER returns every joint to the user at once, whatever the message says.
         given["k_effort"] = np.full(robot.num_joints, float(K_EFFORT_MAX))
@@ -267,7 +301,7 @@ def _apply_sim_command(
         force,
         # The same object when nothing changes, so that nothing is prepared anew.
         joints=replace(force.joints, **given) if given else force.joints,
-        requests=(*force.requests, request)[-KEPT:],
+        requests=append_recent(force.requests, request, KEPT),
         sim_stamp=message.header.stamp or time,
     )
 
@@ -279,10 +313,15 @@ _APPLY: dict[str, Callable[[CommandsInForce, Any, Robot, float], CommandsInForce
 """By the field that remembers the message."""
 
 
-def _given(message: object, names: tuple[str, ...]) -> dict[str, np.ndarray]:
-    """Copies of a message's joint arrays that are not empty."""
-    return {
+def _given(
+    message: object, names: tuple[str, ...], robot: Robot
+) -> dict[str, np.ndarray]:
+    """Copies of a message's joint arrays that are not empty, as far as they count."""
+    given = {
         name: np.array(getattr(message, name), dtype=float)
         for name in names
         if len(getattr(message, name))
     }
+    if "kp_velocity" in given:
+        given["kp_velocity"] = np.minimum(given["kp_velocity"], robot.kp_velocity_limit)
+    return given

@@ -89,6 +89,27 @@ class ScenarioError(AtlasError, ValueError):
         return f"{self.field}: {self.problem}"
 
 
+class WaitTimeoutError(AtlasError, TimeoutError):
+    """What was waited for did not come about within the simulated time allowed."""
+
+
+SHOWN = 500
+"""Longest text for a value in an error message [characters]."""
+
+
+def shown(value: object) -> str:
+    """Return ``repr(value)`` for an error message: short, whatever the value is.
+
+    A value whose ``repr`` fails, as that of an integer of thousands of digits does, is
+    described by its type.
+    """
+    try:
+        text = repr(value)
+    except Exception:  # An object of the user's may raise anything.
+        return f"<{type(value).__name__} that cannot be shown>"
+    return text if len(text) <= SHOWN else f"{text[: SHOWN - 3]}..."
+
+
 def did_you_mean(word: str, known: Iterable[str]) -> str:
     """Name the known word nearest to a mistyped one.
 

@@ -18,6 +18,20 @@ class Frozen:
         return self
 
 
+class Nothing(Frozen):
+    """Type of ``NOTHING``."""
+
+    def __repr__(self) -> str:
+        return "NOTHING"
+
+
+NOTHING = Nothing()
+"""The one value of a port, state or cache entry that has none yet.
+
+An abstract value cannot hold None: Drake's bindings made with nanobind refuse it.
+"""
+
+
 def replace(value: _T, **changes: Any) -> _T:
     """The same value with some fields changed.
 

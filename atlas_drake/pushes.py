@@ -12,8 +12,12 @@ import numpy as np
 from pydrake.multibody.math import SpatialForce
 from pydrake.multibody.plant import ExternallyAppliedSpatialForce, MultibodyPlant
 
-from atlas_drake.errors import InvalidMessageError, did_you_mean
-from atlas_drake.messages.checks import check_number
+from atlas_drake.errors import InvalidMessageError, did_you_mean, shown
+from atlas_drake.messages.checks import check_number, check_vector
+
+LARGEST_PUSH = 1e5
+"""Largest force along an axis [N]: a hundred times a robot's weight, above which the
+physics cannot be solved."""
 
 
 @dataclass(frozen=True)
@@ -57,17 +61,10 @@ def make_push(
     Raises:
         InvalidMessageError: If there is no such body or a value is no number.
     """
-    try:
-        force = np.asarray(force_W, dtype=float)
-    except (TypeError, ValueError):
-        force = np.empty(0)
-    if force.shape != (3,) or not np.isfinite(force).all():
-        raise InvalidMessageError(
-            "force_W", force_W, f"must be three finite numbers, is {force_W!r}"
-        )
+    force = check_vector(force_W, "force_W", 3, LARGEST_PUSH)
     check_number(duration, "duration", 0.0, strictly=True)
     if body not in bodies:
         hint = did_you_mean(str(body), bodies) or f" It has {', '.join(bodies)}."
-        problem = f"the robot has no body {body!r}.{hint}"
+        problem = f"the robot has no body {shown(body)}.{hint}"
         raise InvalidMessageError("body", body, problem)
     return Push(body, force, time + duration)

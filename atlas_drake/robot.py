@@ -184,6 +184,11 @@ class Robot:
         """Default derivative gains [N·m·s/rad], shape (n,)."""
         return np.array([joint.kd for joint in self.file.joints])
 
+    @cached_property
+    def kp_velocity_limit(self) -> np.ndarray:
+        """Largest velocity gain that counts, as in the original [N·m·s/rad]."""
+        return 50.0 * self.effort_limit / self.velocity_limit
+
     def limb(self, *names: str) -> np.ndarray:
         """Which joints belong to any of the limbs named, bool, shape (n,)."""
         return np.array([joint.limb in names for joint in self.file.joints])

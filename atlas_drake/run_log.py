@@ -12,6 +12,7 @@ from atlas_drake.behaviors.base import Event
 from atlas_drake.behaviors.supervisor import SupervisorState
 from atlas_drake.commands import CommandsInForce
 from atlas_drake.frozen import replace
+from atlas_drake.recent import items_since
 from atlas_drake.systems.command_scheduler import ScheduledCommand
 
 
@@ -50,9 +51,9 @@ class RunLog:
             for refusal in commands.refusals_since(self._seen_refusals)
         )
         self._seen_refusals = commands.refused
-        count = supervisor.event_count - self._seen_events
-        if count:
-            fresh.extend(supervisor.events[-count:])
+        fresh.extend(
+            items_since(supervisor.events, supervisor.event_count, self._seen_events)
+        )
         self._seen_events = supervisor.event_count
         for event in sorted(fresh, key=lambda event: event.time):
             self.note(event)

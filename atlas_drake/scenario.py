@@ -11,15 +11,17 @@ from pathlib import Path
 import numpy as np
 from pydrake.common.yaml import yaml_load, yaml_load_typed
 
-from atlas_drake.errors import InvalidMessageError, ScenarioError
+from atlas_drake.errors import InvalidMessageError, ScenarioError, shown
 from atlas_drake.messages import Behavior, behavior_from
 from atlas_drake.noise import NOISE_MODELS
 from atlas_drake.robot import DEFAULT_ROBOT, available_robots
-from atlas_drake.scenario_kinds import check_kinds
+from atlas_drake.scenario_kinds import check_kinds, make_plain
 from atlas_drake.terrain import Block
 
 PHYSICS_STEPS = (0.0005, 0.001, 0.002)
 """Physics steps on offer [s]."""
+LARGEST_SEED = 2**64 - 1
+"""What the generator of the sensors' noise takes."""
 LONGEST_PERIOD = 0.02
 """Longest control period on offer [s]."""
 CONTACT_APPROXIMATIONS = ("lagged", "similar", "sap", "tamsi")
@@ -64,17 +66,20 @@ class Start:
     def validate(self, behavior: Behavior) -> None:
         """Checks every field against each other and the behaviour to begin with.
 
+        Args:
+            behavior: The one to begin with.
+
         Raises:
             ScenarioError: Naming the first field that cannot be used.
         """
         position = self.position
         if len(position) != 2 or not np.isfinite(position).all():
             raise ScenarioError(
-                "start.position", position, f"is {position!r}; must be two numbers"
+                "start.position", position, f"is {shown(position)}; must be two numbers"
             )
         if not np.isfinite(self.yaw):
             raise ScenarioError(
-                "start.yaw", self.yaw, f"is {self.yaw!r}; must be a number"
+                "start.yaw", self.yaw, f"is {shown(self.yaw)}; must be a number"
             )
         release = self.release_time
         if release is not None:
@@ -82,7 +87,7 @@ class Start:
                 raise ScenarioError(
                     "start.release_time",
                     release,
-                    f"is {release!r}; must be a number not below 0",
+                    f"is {shown(release)}; must be a number not below 0",
                 )
             if not self.harnessed:
                 raise ScenarioError(
@@ -114,7 +119,7 @@ class Scenario:
     """Step of plant and joint controllers [s], one of PHYSICS_STEPS."""
     control_period: float = 0.002
     """Step of the behaviours [s], a multiple of physics_step."""
-    contact_approximation: str = "lagged"
+    contact_approximation: str = "similar"
     """How Drake solves contact, one of CONTACT_APPROXIMATIONS."""
     ground_friction: float = 0.9
     """Coefficient of the ground."""
@@ -138,7 +143,7 @@ class Scenario:
     def validate(self) -> "Scenario":
         """Checks every field.
 
-        A truth value for ``state`` becomes the word.
+        A truth value for ``state`` becomes the word, and numbers become Python's own.
 
         Returns:
             The scenario itself.
@@ -147,6 +152,7 @@ class Scenario:
             ScenarioError: Naming the first field that cannot be used.
         """
         check_kinds(self, Scenario)
+        make_plain(self)
         _one_of("model", self.model, available_robots())
         _one_of("programme", self.programme, PROGRAMMES)
         _one_of("noise", self.noise, tuple(NOISE_MODELS))
@@ -168,32 +174,34 @@ class Scenario:
             raise ScenarioError(
                 "control_period",
                 self.control_period,
-                f"is {self.control_period!r}; must be a whole multiple of physics_step "
-                f"({self.physics_step} s)",
+                f"is {shown(self.control_period)}; must be a whole multiple of "
+                f"physics_step ({self.physics_step} s)",
             )
         if self.control_period > LONGEST_PERIOD:
             raise ScenarioError(
                 "control_period",
                 self.control_period,
-                f"is {self.control_period!r}; must be at most {LONGEST_PERIOD}: the "
-                "robot cannot balance with longer ones",
+                f"is {shown(self.control_period)}; must be at most {LONGEST_PERIOD}: "
+                "the robot cannot balance with longer ones",
             )
-        if self.seed < 0:
+        if not 0 <= self.seed <= LARGEST_SEED:
             raise ScenarioError(
-                "seed", self.seed, f"is {self.seed!r}; must not be negative"
+                "seed",
+                self.seed,
+                f"is {shown(self.seed)}; must be from 0 to {LARGEST_SEED}",
             )
         for name, value in vars(self.jitter).items():
             most = 1.0 if name == "mass" else np.inf
             if not 0.0 <= value < most:
                 wanted = "0 or more, and below 1" if name == "mass" else "0 or more"
                 raise ScenarioError(
-                    f"jitter.{name}", value, f"is {value!r}; must be {wanted}"
+                    f"jitter.{name}", value, f"is {shown(value)}; must be {wanted}"
                 )
         if not 0.0 <= self.friction_jitter < self.ground_friction:
             raise ScenarioError(
                 "friction_jitter",
                 self.friction_jitter,
-                f"is {self.friction_jitter!r}; must be 0 or more, and below the "
+                f"is {shown(self.friction_jitter)}; must be 0 or more, and below the "
                 f"ground's friction ({self.ground_friction})",
             )
         for index, block in enumerate(self.terrain):
@@ -229,12 +237,17 @@ def starting_behavior(value: object, name: str) -> Behavior:
     allowed = (Behavior.STAND, Behavior.STAND_PREP, Behavior.USER, Behavior.FREEZE)
     if behavior not in allowed:
         names = ", ".join(b.name for b in allowed)
-        raise InvalidMessageError(name, value, f"is {value!r}; must be one of {names}")
+        raise InvalidMessageError(
+            name, value, f"is {shown(value)}; must be one of {names}"
+        )
     return behavior
 
 
 def load_scenario(path: str | Path) -> Scenario:
     """Reads and validates one YAML file; fields left out have their defaults.
+
+    Args:
+        path: Of the file.
 
     Raises:
         ScenarioError: If the file cannot be read, has unknown keys or bad values.
@@ -265,10 +278,14 @@ def load_scenario(path: str | Path) -> Scenario:
 def _one_of(name: str, value: object, allowed: Collection[object]) -> None:
     if value not in allowed:
         raise ScenarioError(
-            name, value, f"is {value!r}; must be one of {', '.join(map(str, allowed))}"
+            name,
+            value,
+            f"is {shown(value)}; must be one of {', '.join(map(str, allowed))}",
         )
 
 
 def _positive(name: str, value: float) -> None:
     if not (np.isfinite(value) and value > 0.0):
-        raise ScenarioError(name, value, f"is {value!r}; must be a positive number")
+        raise ScenarioError(
+            name, value, f"is {shown(value)}; must be a positive number"
+        )

@@ -7,15 +7,16 @@ which go together, is for the dataclasses to check themselves.
 from __future__ import annotations
 
 import dataclasses
+import math
 import types
 import typing
 from collections.abc import Mapping, Sequence
-from numbers import Integral, Real
 from typing import Any
 
 import numpy as np
 
-from atlas_drake.errors import ScenarioError, did_you_mean
+from atlas_drake.errors import ScenarioError, did_you_mean, shown
+from atlas_drake.messages.numeric import is_number, is_whole, plain_number
 
 _NAMES = {
     float: "a number",
@@ -54,6 +55,34 @@ def check_kinds(
     kinds = arguments if origin in (types.UnionType, typing.Union) else (kind,)
     if not any(_is(value, one, from_text) for one in kinds):
         raise _wrong(path, value, " or ".join(_NAMES[one] for one in kinds))
+    if float in kinds and value is not None:
+        number: Any = float(value) if isinstance(value, str) else plain_number(value)
+        # Infinity and NaN are for each field to refuse in its own words.
+        if number not in (math.inf, -math.inf) and abs(number) > LARGEST:
+            raise _wrong(path, value, f"within ±{LARGEST:g}")
+
+
+LARGEST = 1e6
+"""Largest size of a number in a scenario, whatever its unit: a thousand kilometres from
+the origin positions are still exact to a nanometre."""
+
+
+def make_plain(value: Any) -> Any:
+    """Returns a value of the right kind with numbers and lists as Python's own.
+
+    Fractions, numpy's numbers and arrays mean the same, but cannot be written to a file
+    or given to Drake. Dataclasses and lists are changed in place.
+    """
+    if dataclasses.is_dataclass(value):
+        for name, item in vars(value).items():
+            setattr(value, name, make_plain(item))
+        return value
+    if isinstance(value, list):
+        value[:] = [make_plain(element) for element in value]
+        return value
+    if isinstance(value, (tuple, np.ndarray)):
+        return [make_plain(element) for element in value]
+    return plain_number(value)
 
 
 def _check_fields(value: object, kind: Any, path: str, from_text: bool) -> None:
@@ -64,6 +93,10 @@ def _check_fields(value: object, kind: Any, path: str, from_text: bool) -> None:
     else:
         wanted = f"fields of a {kind.__name__}, such as {_example(kind)}"
         raise _wrong(path, value, wanted)
+    if isinstance(value, Mapping) and not isinstance(value, kind) and not from_text:
+        names = [field.name for field in dataclasses.fields(kind)]
+        if set(given) <= set(names):
+            raise _wrong(path, value, f"a {kind.__name__}({', '.join(names)})")
     kinds = typing.get_type_hints(kind)
     for name, item in given.items():
         where = f"{path}.{name}" if path else str(name)
@@ -83,9 +116,9 @@ def _is(value: object, kind: type, from_text: bool) -> bool:
     if kind is float:
         if from_text and isinstance(value, str):
             return _reads_as_number(value)
-        return isinstance(value, Real) and not isinstance(value, (bool, np.bool_))
+        return is_number(value)
     if kind is int:
-        return isinstance(value, Integral) and not isinstance(value, (bool, np.bool_))
+        return is_whole(value)
     return isinstance(value, kind)
 
 
@@ -98,4 +131,6 @@ def _reads_as_number(text: str) -> bool:
 
 
 def _wrong(path: str, value: object, wanted: str) -> ScenarioError:
-    return ScenarioError(path or "scenario", value, f"is {value!r}; must be {wanted}")
+    return ScenarioError(
+        path or "scenario", value, f"is {shown(value)}; must be {wanted}"
+    )

@@ -6,6 +6,9 @@ and reads messages out. It holds no control law.
 
 from __future__ import annotations
 
+import functools
+import itertools
+import math
 import time
 import weakref
 from array import array
@@ -20,11 +23,19 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Context
 
 from atlas_drake.behaviors.base import Event
+from atlas_drake.commands import Command
 from atlas_drake.diagrams.atlas_station import StationConfig
 from atlas_drake.diagrams.control_mode_switch import make_control_mode_switch
 from atlas_drake.diagrams.station_reset import reset_station
 from atlas_drake.drake_log import only_news
-from atlas_drake.errors import AtlasError, InvalidMessageError, ScenarioError
+from atlas_drake.errors import (
+    AtlasError,
+    InvalidMessageError,
+    ScenarioError,
+    WaitTimeoutError,
+    did_you_mean,
+    shown,
+)
 from atlas_drake.frozen import replace
 from atlas_drake.messages import (
     AtlasCommand,
@@ -33,19 +44,24 @@ from atlas_drake.messages import (
     AtlasState,
     Behavior,
     Imu,
+    check_command,
 )
+from atlas_drake.messages.checks import check_number
+from atlas_drake.messages.numeric import as_float
 from atlas_drake.noise import NOISE_MODELS
 from atlas_drake.pace import Pace
 from atlas_drake.pushes import Push, make_push
 from atlas_drake.robot import load_robot
 from atlas_drake.run_log import RunLog
 from atlas_drake.scenario import Scenario, Start, starting_behavior
-from atlas_drake.scenario_kinds import check_kinds
-from atlas_drake.start import Variation, draw_variation, place_robot, scale_masses
+from atlas_drake.scenario_kinds import check_kinds, make_plain
+from atlas_drake.standing import place_robot
+from atlas_drake.start import Variation, draw_variation, scale_masses
 from atlas_drake.steady import steady_ticks
 from atlas_drake.summary import estimator_drift, make_summary
 from atlas_drake.systems.command_interface import CommandInterface
 from atlas_drake.systems.command_scheduler import CommandScheduler
+from atlas_drake.turns import Turns
 from atlas_drake.tutorial import control_mode_switch_programme
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.viewer_gate import show_latest
@@ -64,6 +80,14 @@ CLEARANCE = 0.10
 
 class AtlasSimulation:
     """A simulated Atlas with joint controllers and behaviours.
+
+    Attributes:
+        scenario: What is simulated.
+        robot: Its description: joint names, limits, masses.
+        diagram: The ``control_mode_switch``, with all systems.
+        station: The ``AtlasStation`` in it.
+        plant: The ``MultibodyPlant`` in that.
+        simulator: Drake's, which advances the diagram.
 
     Example:
         >>> sim = AtlasSimulation()
@@ -108,12 +132,14 @@ class AtlasSimulation:
         """
         if not isinstance(scenario, Scenario | None):
             raise TypeError(
-                f"scenario must be a Scenario, is {scenario!r}; load_scenario reads "
-                "one from a file"
+                f"scenario must be a Scenario, is {shown(scenario)}; load_scenario "
+                "reads one from a file"
             )
         self.scenario = (scenario or Scenario()).validate()
         self.robot = load_robot(self.scenario.model)
         self._tick_seconds = array("d")
+        self._turns = Turns()
+        self._numbers = itertools.count(1)
         self._recorder = None if log is None else self._start_log(Path(log))
         self._log = RunLog(_listener(on_event, self._recorder))
         self._meshcat = meshcat
@@ -186,10 +212,11 @@ class AtlasSimulation:
                 went on and has a warning among its ``events``.
         """
         if self._recorder is not None:
-            self._recorder.flush(
-                self._recorder.GetMyContextFromRoot(self.simulator.get_context())
-            )
-            self._finalizer()
+            with self._turns:
+                self._recorder.flush(
+                    self._recorder.GetMyContextFromRoot(self.simulator.get_context())
+                )
+                self._finalizer()
 
     def __enter__(self) -> AtlasSimulation:
         return self
@@ -203,32 +230,48 @@ class AtlasSimulation:
         """Sends a command; it takes effect at the next control update.
 
         The message is copied: the caller may go on changing and sending it. Messages
-        of one instant are taken in the order in which they are sent.
+        of one instant are taken in the order in which they are sent, and a message
+        that is sent again counts again.
+
+        Any thread may call this. While another thread simulates, the message is checked
+        here, and taken in before that thread simulates another 20 ms. What contradicts
+        only what is in force then, such as a stamp before the last one, is not raised
+        but reported: by ``error_code``, and as an event.
+
+        Args:
+            message: What is commanded.
 
         Raises:
             InvalidMessageError: If the message cannot be applied. The robot then
                 reports the error's code, and what was in force stays in force.
             TypeError: If it is no command.
         """
-        if isinstance(message, AtlasCommand):
-            port = "other_atlas_command"
-        elif isinstance(message, AtlasSimInterfaceCommand):
-            port = "other_atlas_sim_interface_command"
-        else:
+        if not isinstance(message, (AtlasCommand, AtlasSimInterfaceCommand)):
             raise TypeError(
                 "publish takes an AtlasCommand or an AtlasSimInterfaceCommand, not "
                 f"{type(message).__name__}"
             )
-        # It must not take the place of what the programme has just sent.
-        self._take_in(self._interface)
-        refused = self._output("commands").refused
-        self.diagram.GetInputPort(port).FixValue(self.context, message.snapshot())
-        self._take_in(self._scheduler)
-        self._take_in(self._interface)
-        refusals = self._output("commands").refusals_since(refused)
+        numbered = message.numbered(next(self._numbers))
+        if self._turns.leave(functools.partial(self._deliver, numbered)):
+            check_command(numbered, self.robot.joint_names)
+            return
+        with self._turns:
+            refused = self.output("commands").refused
+            self._deliver(numbered)
+            refusals = self.output("commands").refusals_since(refused)
         if refusals:
             # A new one: what is raised collects a traceback.
             raise InvalidMessageError(*refusals[-1].error.args)
+
+    def _deliver(self, message: Command) -> None:
+        """Puts a numbered message on its port, and takes it in."""
+        is_joint_command = isinstance(message, AtlasCommand)
+        name = "atlas_command" if is_joint_command else "atlas_sim_interface_command"
+        # It must not take the place of what the programme has just sent.
+        self._take_in(self._interface)
+        self.diagram.GetInputPort(f"other_{name}").FixValue(self.context, message)
+        self._take_in(self._scheduler)
+        self._take_in(self._interface)
 
     def _take_in(self, system: CommandScheduler | CommandInterface) -> None:
         system.take_in(system.GetMyMutableContextFromRoot(self.context))
@@ -246,36 +289,52 @@ class AtlasSimulation:
         Raises:
             InvalidMessageError: If there is no such body or a value is no number.
         """
-        push = make_push(self.robot.body_names, body, force_W, duration, self.time)
-        self._pushes.append(push)
-        force = np.round(push.force_W, 1).tolist()
-        text = f"push of {force} N on {body} for {duration:g} s"
-        self._log.note(Event(self.time, "push", text))
+        with self._turns:
+            push = make_push(self.robot.body_names, body, force_W, duration, self.time)
+            self._pushes.append(push)
+            force = np.round(push.force_W, 1).tolist()
+            text = f"push of {force} N on {body} for {float(duration):g} s"
+            self._log.note(Event(self.time, "push", text))
 
     # ---- time ----------------------------------------------------------------
 
     def advance(self, seconds: float) -> None:
-        """Simulates for ``seconds``."""
-        self.advance_to(self.time + seconds)
+        """Simulates for a while.
 
-    def advance_to(self, t: float) -> None:
-        """Simulates until time ``t`` [s].
+        Args:
+            seconds: How long [s].
 
         Raises:
-            ValueError: If ``t`` is in the past.
+            InvalidMessageError: If ``seconds`` is no number, or negative.
+            SimulationError: As ``advance_to`` does.
+        """
+        self.advance_to(self.time + check_number(seconds, "seconds", 0.0))
+
+    def advance_to(self, t: float) -> None:
+        """Simulates until a time.
+
+        Args:
+            t: Simulated time [s].
+
+        Raises:
+            InvalidMessageError: If ``t`` is in the past, or no time.
             SimulationError: If the physics could not be solved; what was recorded
                 until then is kept.
         """
-        if not np.isfinite(t) or t < self.time - 1e-9:
-            raise ValueError(
-                f"cannot advance to {t!r} s: it must be a time not before now, "
-                f"{self.time:.3f} s"
+        end = as_float(t)
+        if end is None or not math.isfinite(end) or end < self.time - 1e-9:
+            raise InvalidMessageError(
+                "t",
+                t,
+                f"cannot advance to {shown(t)} s: it must be a time not before now, "
+                f"{self.time:.3f} s",
             )
         begin = time.perf_counter()
         try:
             with steady_ticks():
-                while self.time < t - 1e-9:
-                    self._advance_chunk(t)
+                while self.time < end - 1e-9:
+                    with self._turns:
+                        self._advance_chunk(end)
         except RuntimeError as error:
             raise SimulationError(
                 f"the simulation stopped at {self.time:.3f} s: {error}"
@@ -289,7 +348,8 @@ class AtlasSimulation:
         """Shows a viewer that is too slow for all pictures where an advance ended."""
         if now - self._shown > SHOWN_EVERY:
             self._shown = now
-            show_latest(self.diagram, self.context)
+            with self._turns:
+                show_latest(self.diagram, self.context)
 
     def _advance_chunk(self, t: float) -> None:
         """Simulates until the next look at the events, at most until ``t``."""
@@ -303,13 +363,58 @@ class AtlasSimulation:
         self.simulator.AdvanceTo(min(stop for stop in stops if stop > self.time + 1e-9))
         self._look()
 
+    def wait_until(
+        self,
+        condition: Callable[[AtlasSimulation], bool],
+        timeout: float = 10.0,
+        *,
+        what: str = "the condition",
+        period: float = CHUNK,
+    ) -> float:
+        """Simulates until a condition holds.
+
+        Example:
+            >>> sim.wait_until(lambda sim: sim.current_behavior is Behavior.STAND)
+
+        Args:
+            condition: Called with the simulation, now and after every ``period``.
+            timeout: How long to wait for it at most [s], in simulated time.
+            what: The condition in words, for the error.
+            period: Simulated time between two looks [s].
+
+        Returns:
+            How long it took [s], in simulated time.
+
+        Raises:
+            WaitTimeoutError: If the condition did not hold in that time.
+            InvalidMessageError: If ``timeout`` or ``period`` cannot be used.
+            SimulationError: If the physics could not be solved.
+        """
+        begin = self.time
+        end = begin + check_number(timeout, "timeout", 0.0)
+        check_number(period, "period", 0.0, strictly=True)
+        while not condition(self):
+            if self.time >= end - 1e-9:
+                raise WaitTimeoutError(
+                    f"{what} did not hold within {timeout:g} s of simulated time, from "
+                    f"{begin:.3f} s to {self.time:.3f} s"
+                )
+            self.advance_to(min(self.time + period, end))
+        return self.time - begin
+
     def set_realtime_rate(self, rate: float) -> None:
-        """Keeps simulated time at ``rate`` times real time; 0 is as fast as can be.
+        """Keeps simulated time at a multiple of real time.
 
         Only time during advances counts: after a pause between two of them, and where
         the computer was too slow, the simulation does not hurry to catch up.
+
+        Args:
+            rate: The multiple; 0 is as fast as can be.
+
+        Raises:
+            InvalidMessageError: If ``rate`` is no number, or negative.
         """
-        self._pace.set_rate(rate)
+        self._pace.set_rate(check_number(rate, "rate", 0.0))
 
     def close_video(self) -> int:
         """Finishes the video, of which nothing can be seen before.
@@ -347,14 +452,11 @@ class AtlasSimulation:
         start = self.scenario.start if pose is None else pose
         begin = starting_behavior(asked, "behavior")
         check_kinds(start, Start, "pose")
-        start.validate(begin)
+        make_plain(start).validate(begin)
         if start.harnessed and not self.scenario.start.harnessed:
             raise ScenarioError(
                 "start.harnessed", True, "needs a scenario that began in a harness"
             )
-        self._pushes = []
-        self._exert(())
-        reset_station(self.station, self.context, begin)
         moved = self._variation
         if pose is not None:
             moved = replace(
@@ -362,9 +464,13 @@ class AtlasSimulation:
                 position=np.array(pose.position, dtype=float),
                 rpy=np.array([0.0, 0.0, pose.yaw]),
             )
-        self._place(moved, start)
-        self.simulator.Initialize()
-        self._look()
+        with self._turns:
+            self._pushes = []
+            self._exert(())
+            reset_station(self.station, self.context, begin)
+            self._place(moved, start)
+            self.simulator.Initialize()
+            self._look()
 
     def release(self) -> None:
         """Lets a harnessed robot down to the ground, and then go.
@@ -377,17 +483,26 @@ class AtlasSimulation:
                 "start.harnessed", False, "there is no harness to release"
             )
         harness = self.station.GetSubsystemByName("harness")
-        harness.release(harness.GetMyMutableContextFromRoot(self.context))
-        self._release_time = None
-        self._log.note(Event(self.time, "harness", "harness lets the robot down"))
+        with self._turns:
+            harness.release(harness.GetMyMutableContextFromRoot(self.context))
+            self._release_time = None
+            self._log.note(Event(self.time, "harness", "harness lets the robot down"))
 
     def _place(self, variation: Variation, start: Start) -> None:
         """Puts the robot where it begins, and into the harness if there is one."""
         clearance = CLEARANCE if start.harnessed else 0.0
         self._release_time = None
         plant, context = self.plant, self._plant_context()
-        terrain = self.scenario.terrain
-        place_robot(plant, context, self.robot, variation, terrain, clearance)
+        place_robot(
+            plant,
+            context,
+            self.robot,
+            position=variation.position,
+            rpy=variation.rpy,
+            joints=variation.joints,
+            terrain=self.scenario.terrain,
+            clearance=clearance,
+        )
         if not self.scenario.start.harnessed:
             return
         harness = self.station.GetSubsystemByName("harness")
@@ -405,7 +520,11 @@ class AtlasSimulation:
 
     @property
     def context(self) -> Context:
-        """The root context of the diagram."""
+        """The root context of the diagram; not for use while another thread simulates.
+
+        Everything else here may be called by any thread: it waits until the one that
+        simulates pauses, as it does every 20 ms of simulated time.
+        """
         return self.simulator.get_mutable_context()
 
     @property
@@ -416,22 +535,22 @@ class AtlasSimulation:
     @property
     def atlas_state(self) -> AtlasState:
         """The latest joint and sensor state."""
-        return self._output("atlas_state")
+        return self.output("atlas_state")
 
     @property
     def atlas_sim_interface_state(self) -> AtlasSimInterfaceState:
         """The latest state of the behaviours."""
-        return self._output("atlas_sim_interface_state")
+        return self.output("atlas_sim_interface_state")
 
     @property
     def imu(self) -> Imu:
         """The latest IMU measurement."""
-        return self._output("imu")
+        return self.output("imu")
 
     @property
     def current_behavior(self) -> Behavior:
         """The active behaviour."""
-        return self._output("controller_state").supervisor.current
+        return self.output("controller_state").supervisor.current
 
     @property
     def has_fallen(self) -> bool:
@@ -452,21 +571,47 @@ class AtlasSimulation:
     def pelvis_pose(self) -> RigidTransform:
         """Pose of the pelvis in the world."""
         pelvis = self.plant.GetBodyByName(self.robot.file.pelvis)
-        return self.plant.EvalBodyPoseInWorld(self._plant_context(), pelvis)
+        with self._turns:
+            return self.plant.EvalBodyPoseInWorld(self._plant_context(), pelvis)
 
     @property
     def tick_seconds(self) -> MutableSequence[float]:
         """Wall-clock times of the controller's ticks [s]."""
         return self._controller.tick_seconds
 
+    def output(self, name: str) -> Any:
+        """What an output port of the station says now.
+
+        Args:
+            name: Of the port, such as ``effort``: those of
+                ``atlas_drake.diagrams.atlas_station.make_atlas_station``, and ``sent``.
+
+        Returns:
+            A message or another frozen value, or an array, as the port has it.
+
+        Raises:
+            ValueError: If there is no such port.
+        """
+        known = [
+            self.diagram.get_output_port(i).get_name()
+            for i in range(self.diagram.num_output_ports())
+        ]
+        if name not in known:
+            raise ValueError(
+                f"there is no output port {name!r}.{did_you_mean(str(name), known)} "
+                f"Known are {', '.join(known)}"
+            )
+        with self._turns:
+            return self.diagram.GetOutputPort(name).Eval(self.context)
+
     def summary(self) -> dict[str, Any]:
         """What happened so far, as plain numbers and text ready for JSON."""
-        extremes = self._output("extremes")
+        extremes = self.output("extremes")
         summary = make_summary(self, self._wall_time, extremes)
         if self.scenario.state == "estimated":
             summary["estimator_drift"] = estimator_drift(
-                self._output("estimation_error"),
-                self._output("largest_estimation_error"),
+                self.output("estimation_error"),
+                self.output("largest_estimation_error"),
             )
         return summary
 
@@ -474,9 +619,6 @@ class AtlasSimulation:
 
     def _plant_context(self) -> Context:
         return self.plant.GetMyMutableContextFromRoot(self.context)
-
-    def _output(self, name: str) -> Any:
-        return self.diagram.GetOutputPort(name).Eval(self.context)
 
     def _exert_pushes(self) -> None:
         alive = [push for push in self._pushes if push.end > self.time + 1e-9]
@@ -496,9 +638,9 @@ class AtlasSimulation:
         """Takes in what happened since the last look."""
         self._log.collect(
             self._scheduler.programme,
-            self._output("sent"),
-            self._output("commands"),
-            self._output("controller_state").supervisor,
+            self.output("sent"),
+            self.output("commands"),
+            self.output("controller_state").supervisor,
         )
         for system in (self._recorder, self._film):
             fault: AtlasError | None = None if system is None else system.fault

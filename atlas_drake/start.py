@@ -1,23 +1,19 @@
-"""How a run begins: the robot on its feet, with the scenario's random changes.
+"""The scenario's random changes of a run: where the robot begins, and its masses.
 
-Used before time starts, and when the user asks for a reset; nothing here moves a robot
-that is at work.
+Where its soles meet the ground is in ``standing``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from pydrake.math import RigidTransform, RollPitchYaw
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import SpatialInertia
 from pydrake.systems.framework import Context
 
 from atlas_drake.robot import Robot
 from atlas_drake.scenario import Scenario
-from atlas_drake.terrain import Block, surface_height
 
 
 @dataclass(frozen=True)
@@ -79,55 +75,3 @@ def scale_masses(plant: MultibodyPlant, context: Context, variation: Variation) 
                 inertia.get_unit_inertia(),
             ),
         )
-
-
-def place_robot(
-    plant: MultibodyPlant,
-    context: Context,
-    robot: Robot,
-    variation: Variation,
-    terrain: Sequence[Block] = (),
-    clearance: float = 0.0,
-) -> None:
-    """Puts the robot into its starting pose, let down until a sole meets the ground.
-
-    Where boxes of the ``terrain`` lie above each other the highest surface counts.
-
-    Args:
-        plant: With the robot.
-        context: Of the plant; positions and velocities are overwritten.
-        robot: In the plant.
-        variation: Says where and in which pose.
-        terrain: Beside the level ground.
-        clearance: How far above that its lowest sole shall hang [m].
-    """
-    plant.SetVelocities(context, np.zeros(plant.num_velocities()))
-    q = plant.GetPositions(context)
-    q[robot.indices(plant).q] = variation.joints
-    plant.SetPositions(context, q)
-    pelvis = plant.GetBodyByName(robot.file.pelvis)
-    R_WP = RollPitchYaw(variation.rpy).ToRotationMatrix()
-    plant.SetFloatingBaseBodyPoseInWorldFrame(
-        context, pelvis, RigidTransform(R_WP, np.append(variation.position, 0.0))
-    )
-    lowest = min(
-        z - surface_height(terrain, x, y) for x, y, z in _corners(plant, context, robot)
-    )
-    plant.SetFloatingBaseBodyPoseInWorldFrame(
-        context,
-        pelvis,
-        RigidTransform(R_WP, np.append(variation.position, clearance - lowest)),
-    )
-
-
-def _corners(
-    plant: MultibodyPlant, context: Context, robot: Robot
-) -> Iterator[tuple[float, float, float]]:
-    """Where the corners of both soles are in W [m]."""
-    half_length, half_width = robot.file.sole.length / 2, robot.file.sole.width / 2
-    for foot in robot.file.feet:
-        X_WF = plant.GetFrameByName(foot.sole_frame).CalcPoseInWorld(context)
-        for x in (-half_length, half_length):
-            for y in (-half_width, half_width):
-                corner = X_WF @ np.array([x, y, 0.0])
-                yield float(corner[0]), float(corner[1]), float(corner[2])

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from pydrake.math import RigidTransform, RollPitchYaw
 
-from atlas_drake.errors import ScenarioError
+from atlas_drake.errors import ScenarioError, shown
 
 BLOCK_COLOR = np.array([0.80, 0.70, 0.56, 1.0])
 """Red, green, blue, alpha of the boxes: light wood on the pale ground."""
@@ -44,16 +44,16 @@ class Block:
             value = getattr(self, name)
             if len(value) != 3 or not all(map(math.isfinite, value)):
                 raise ScenarioError(
-                    f"{path}.{name}", value, f"is {value!r}; must be three numbers"
+                    f"{path}.{name}", value, f"is {shown(value)}; must be three numbers"
                 )
         if min(self.size) <= 0.0:
             raise ScenarioError(
-                f"{path}.size", self.size, f"is {self.size!r}; must be positive"
+                f"{path}.size", self.size, f"is {shown(self.size)}; must be positive"
             )
         friction = self.friction
         if friction is not None and not (math.isfinite(friction) and friction > 0.0):
             raise ScenarioError(
-                f"{path}.friction", friction, f"is {friction!r}; must be positive"
+                f"{path}.friction", friction, f"is {shown(friction)}; must be positive"
             )
 
     @property

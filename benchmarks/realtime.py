@@ -7,12 +7,10 @@ judged. What the robot does is not looked at, but that it stays up.
 from __future__ import annotations
 
 import argparse
-import json
 import logging
 import statistics
 import sys
 import time
-from pathlib import Path
 
 import numpy as np
 from pydrake.geometry import HalfSpace
@@ -25,10 +23,12 @@ from pydrake.multibody.plant import (
 from pydrake.multibody.tree import PdControllerGains
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
+from report import command_line, write_figures
 
 from atlas_drake import AtlasSimulation, Scenario
 from atlas_drake.robot import Robot, load_robot
-from atlas_drake.start import draw_variation, place_robot, scale_masses
+from atlas_drake.standing import place_robot
+from atlas_drake.start import draw_variation, scale_masses
 from atlas_drake.tutorial import DURATION
 
 PIECE = 0.5
@@ -74,7 +74,14 @@ class BarePlant:
         plant_context = plant.GetMyMutableContextFromRoot(context)
         variation = draw_variation(scenario, robot)
         scale_masses(plant, plant_context, variation)
-        place_robot(plant, plant_context, robot, variation)
+        place_robot(
+            plant,
+            plant_context,
+            robot,
+            position=variation.position,
+            rpy=variation.rpy,
+            joints=variation.joints,
+        )
         wanted = np.zeros(robot.num_joints)
         for entry in robot.file.joints:
             start = self._actuator(plant, entry.name).input_start()
@@ -187,13 +194,11 @@ def main() -> int:
     """The command line; status 1 when a goal is missed."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--model", default="atlas", help="robot (default: atlas)")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write figures here")
-    options = parser.parse_args()
+    options = command_line(parser)
     logging.getLogger("drake").setLevel(logging.ERROR)
     result = measure(options.model)
     met = print_table(result)
-    if options.json is not None:
-        options.json.write_text(json.dumps(result, indent=2) + "\n")
+    write_figures(options.json, result)
     return 0 if met else 1
 
 

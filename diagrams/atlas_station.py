@@ -22,6 +22,7 @@ from atlas_drake.control.gains import ControlGains
 from atlas_drake.messages import Behavior
 from atlas_drake.noise import NoiseModel
 from atlas_drake.robot import Robot, load_robot
+from atlas_drake.standing import stand_by_default
 from atlas_drake.systems.behavior_controller import BehaviorController
 from atlas_drake.systems.command_interface import CommandInterface
 from atlas_drake.systems.effort_selector import EffortSelector
@@ -57,7 +58,7 @@ class StationConfig:
     control_period: float = 0.002
     ground_friction: float = 0.9
     terrain: tuple[Block, ...] = ()
-    contact_approximation: str = "lagged"
+    contact_approximation: str = "similar"
     noise: NoiseModel = field(default_factory=NoiseModel)
     seed: int = 0
     initial_behavior: Behavior = Behavior.STAND
@@ -71,9 +72,17 @@ def make_atlas_station(
 ) -> Diagram:
     """Builds the station.
 
+    In its default context the robot stands in the stand-prep pose over the origin of W,
+    ready to simulate; ``place_robot`` puts it elsewhere.
+
+    Args:
+        robot: Whose; None is ``atlas``.
+        config: Periods, sensors, ground; None has the defaults.
+
     Input ports:
-        atlas_command: Snapshot of an ``AtlasCommand``; optional.
-        atlas_sim_interface_command: Likewise; optional.
+        atlas_command: ``AtlasCommand``; optional. See ``CommandInterface`` for when a
+            message counts as a new one.
+        atlas_sim_interface_command: ``AtlasSimInterfaceCommand``; optional.
         applied_spatial_force: Pushes, as Drake's plant takes them; optional.
 
     Output ports:
@@ -171,6 +180,8 @@ def make_atlas_station(
     if config.harnessed:
         harness = builder.AddNamedSystem("harness", Harness(robot, plant))
         builder.Connect(plant.get_state_output_port(), harness.GetInputPort("state"))
+        connect(selector, "actuation", harness)
+        connect(sensors, "foot_wrenches", harness)
         builder.Connect(harness.GetOutputPort("applied_spatial_force"), pushes)
         pushes = harness.GetInputPort("other_spatial_force")
     builder.ExportInput(pushes, "applied_spatial_force")
@@ -211,13 +222,20 @@ def _add_world(
     robot.add_to(plant)
     add_scenery(plant, config.terrain, config.ground_friction)
     plant.Finalize()
+    stand_by_default(plant, robot, config.terrain)
     return plant, scene_graph
 
 
 def add_scenery(
     plant: MultibodyPlant, terrain: Iterable[Block], ground_friction: float
 ) -> None:
-    """Adds the level ground and the terrain's boxes to a plant (before Finalize)."""
+    """Adds the level ground and the terrain's boxes to a plant (before Finalize).
+
+    Args:
+        plant: Where to.
+        terrain: The boxes.
+        ground_friction: Coefficient of friction of ground and boxes.
+    """
     friction = CoulombFriction(ground_friction, ground_friction)
     plant.RegisterCollisionGeometry(
         plant.world_body(), RigidTransform(), HalfSpace(), "ground", friction

@@ -33,7 +33,15 @@ def make_control_mode_switch(
 ) -> Diagram:
     """Builds scheduler and station; 3D view, recorder and video if they are given.
 
-    ``recorded`` says whether Meshcat records; ``recorder`` writes a log.
+    Args:
+        robot: Whose; None is ``atlas``.
+        programme: What the scheduler sends, and when.
+        config: Of the station; None has the defaults.
+        meshcat: Where to show it; None shows nothing.
+        overlays: What of the controller's thoughts is shown there.
+        recorded: Whether Meshcat records.
+        recorder: Writes a log; None writes nothing.
+        video: What to film it into; None films nothing.
 
     Input ports, all optional:
         other_atlas_command, other_atlas_sim_interface_command: Messages of a script or

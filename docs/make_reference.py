@@ -2,7 +2,9 @@
 
     python docs/make_reference.py [--output FOLDER]
 
-One page per message and per behaviour, the transition table, flags and error codes.
+One page per message and per behaviour, the transition table, flags and error codes, and
+an index of what else is public: Markdown, which GitHub shows as it is. The pages of all
+functions are pdoc's, see ``make_api.py``.
 """
 
 # ruff: noqa: T201
@@ -14,11 +16,13 @@ import dataclasses
 import enum
 import inspect
 import sys
+import types
 from pathlib import Path
 from typing import Any
 
 import source_docs
 
+import atlas_drake
 from atlas_drake import errors, messages
 from atlas_drake.behaviors import base, needs_a_leg, supervisor, transitions
 from atlas_drake.control.gains import ControlGains
@@ -194,12 +198,38 @@ def index_page(pages: list[str]) -> str:
         ),
         "## Messages",
         "\n".join(
-            f"- [{Path(p).stem}]({p}): "
-            + source_docs.head(told[Path(p).stem].__doc__).split("\n")[0]
-            for p in own
+            f"- [{Path(p).stem}]({p}): {_first_line(told[Path(p).stem])}" for p in own
         ),
+        "## Python",
+        "What else can be imported from `atlas_drake`, with the file that explains it. "
+        "`make docs` writes a page for every public function and class, with its "
+        "arguments, units and errors; open `build/docs/index.html`.",
+        "\n".join(python_lines()),
     ]
     return "\n\n".join([*lines, NOTE]) + "\n"
+
+
+def python_lines() -> list[str]:
+    """What is importable beside the messages, and what a simulation offers."""
+    root = Path(atlas_drake.__file__).parents[1]
+    lines = []
+    for name in atlas_drake.__all__:
+        if name in messages.__all__:
+            continue
+        value = getattr(atlas_drake, name)
+        source = Path(inspect.getsourcefile(value)).relative_to(root)
+        lines.append(f"- [{name}](../../{source}): {_first_line(value)}")
+        if value is atlas_drake.AtlasSimulation:
+            lines += [
+                f"  - `{member}`: {_first_line(what)}"
+                for member, what in vars(value).items()
+                if not member.startswith("_") and what.__doc__
+            ]
+    return lines
+
+
+def _first_line(value: Any) -> str:
+    return source_docs.head(value.__doc__).split("\n")[0]
 
 
 def all_pages() -> dict[str, str]:
@@ -240,7 +270,9 @@ def _numbers(cls: type) -> str:
 
 def _kind(annotation: Any) -> str:
     """A field's type in words that fit into a table."""
-    text = str(getattr(annotation, "__name__", annotation))
+    # From Python 3.14 on unions have a name too, and it says nothing.
+    named = not isinstance(annotation, types.UnionType)
+    text = str(getattr(annotation, "__name__", annotation) if named else annotation)
     for numbers in ("float", "int"):
         if text.startswith(f"list[{numbers}] |"):
             return f"list or array of {numbers}"

@@ -33,13 +33,18 @@ def report(what: str) -> None:
     print(f"{sim.time:5.2f} s  {name:6} pelvis at x {at.x:+.3f} y {at.y:+.3f}  {what}")
 
 
+def is_still(sim: AtlasSimulation) -> bool:
+    """Whether no joint moves any more."""
+    return max(abs(v) for v in sim.atlas_state.velocity) < 0.05  # [rad/s]
+
+
 report("at rest")
 for force, where in (([150.0, 0.0, 0.0], "forward"), ([0.0, 100.0, 0.0], "left")):
     sim.apply_push("utorso", force, 0.1)  # [N] for 0.1 s
     sim.advance(0.3)
     report(f"pushed {where}")
-    sim.advance(2.0)
-    report("recovered")
+    took = sim.wait_until(is_still, timeout=5.0, what="rest after the push")
+    report(f"recovered, {took:.1f} s later")
 
 print("Atlas fell." if sim.has_fallen else "Atlas still stands.")
 sys.exit(sim.has_fallen)

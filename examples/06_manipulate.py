@@ -67,7 +67,9 @@ for what, pose in POSES:
 stand = AtlasSimInterfaceCommand()
 stand.behavior = stand.STAND
 sim.publish(stand)
-sim.advance(4.0)  # it comes back up first
+sim.wait_until(  # it comes back up first
+    lambda sim: sim.current_behavior is Behavior.STAND or sim.has_fallen
+)
 done = sim.current_behavior is Behavior.STAND and not sim.has_fallen
 print("Atlas stands again." if done else "Atlas did not make it.")
 sys.exit(not done)

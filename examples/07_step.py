@@ -34,6 +34,12 @@ FOOTHOLDS = [
 ]
 
 
+def is_done(sim: AtlasSimulation) -> bool:
+    """Whether nothing remains of the step, for good or ill."""
+    feedback = sim.atlas_sim_interface_state.step_feedback
+    return feedback.t_step_rem <= 0.0 or sim.has_fallen
+
+
 def take_step(index: int, foot: int, x: float, y: float, z: float) -> None:
     """Asks for one step and waits until the robot needs the next one."""
     command = AtlasSimInterfaceCommand()
@@ -45,11 +51,8 @@ def take_step(index: int, foot: int, x: float, y: float, z: float) -> None:
     spec.foot.position.z = z
     spec.action.lift_height = 0.1  # straight up, before it moves ahead
     sim.publish(command)
-    sim.advance(0.1)
-    while sim.atlas_sim_interface_state.step_feedback.t_step_rem > 0.0:
-        sim.advance(0.1)
-        if sim.has_fallen:
-            return
+    sim.advance(0.1)  # it has begun then
+    sim.wait_until(is_done, what=f"the end of step {index}")
 
 
 for number, foothold in enumerate(FOOTHOLDS, start=1):

@@ -4,10 +4,32 @@ import logging
 
 import numpy as np
 import pytest
+from pydrake.common.value import AbstractValue, Value
 
 from atlas_drake import AtlasCommand
 
+from .poison import POISON
+
 SHORT = "duration: 0.1\n"
+
+
+@pytest.fixture(autouse=True, scope="session")
+def _no_none_in_abstract_values():
+    """Refuses None as Drake's nanobind bindings do, also where Drake has pybind11's."""
+
+    def refused(call):
+        def checked(*arguments):
+            if arguments[-1] is None:
+                raise TypeError("an abstract value cannot hold None; see NOTHING")
+            return call(*arguments)
+
+        return checked
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(AbstractValue, "Make", staticmethod(refused(AbstractValue.Make)))
+        of_python = Value[object]
+        patch.setattr(of_python, "set_value", refused(of_python.set_value))
+        yield
 
 
 @pytest.fixture
@@ -37,6 +59,12 @@ def take():
         sim.publish(command)
 
     return take
+
+
+@pytest.fixture(params=POISON.values(), ids=POISON)
+def poison(request):
+    """Makes what no field of a message can hold."""
+    return request.param
 
 
 @pytest.fixture

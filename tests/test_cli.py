@@ -5,7 +5,6 @@ import json
 import re
 import shutil
 import signal
-import socket
 import subprocess
 import sys
 import webbrowser
@@ -13,6 +12,7 @@ from functools import partialmethod
 from pathlib import Path
 
 import pytest
+from pydrake.geometry import Meshcat, MeshcatParams
 
 from atlas_drake import run_command
 from atlas_drake.cli import main
@@ -224,12 +224,11 @@ def test_a_recording_has_the_motion_and_the_caption(
 
 
 def test_instead_of_a_port_in_use_the_next_free_one_is_taken(scenario, capsys):
-    with socket.socket() as taken:
-        taken.bind(("localhost", 0))
-        taken.listen()
-        port = taken.getsockname()[1]
-        options = ["--port", str(port), "--realtime-rate", "0"]
-        assert main(["run", scenario(), *options]) == 0
+    # Meshcat itself, as only it knows which of localhost's addresses it listens on.
+    taken = Meshcat(MeshcatParams(host="localhost"))
+    port = taken.port()
+    options = ["--port", str(port), "--realtime-rate", "0"]
+    assert main(["run", scenario(), *options]) == 0
     out = capsys.readouterr().out
     found = re.search(rf"Port {port} is in use; the 3D view is on (\d+)\.", out)
     assert int(found[1]) > port

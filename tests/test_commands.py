@@ -14,8 +14,10 @@ from atlas_drake.commands import (
     CommandsInForce,
     commands_at_start,
     latch,
+    log_refusals,
 )
 from atlas_drake.errors import ErrorCode
+from atlas_drake.frozen import NOTHING
 from atlas_drake.messages import (
     AtlasCommand,
     AtlasSimInterfaceCommand,
@@ -37,10 +39,10 @@ def start(robot):
 
 @pytest.fixture
 def everything(robot):
-    """A joint command with all arrays, each with numbers of its own."""
+    """A joint command with all arrays, each with numbers of its own, within bounds."""
     command = AtlasCommand()
     for number, name in enumerate(JOINT_FIELDS):
-        setattr(command, name, [10.0 * number + 0.1 * j for j in range(28)])
+        setattr(command, name, [number + 0.01 * j for j in range(28)])
     command.k_effort = list(range(28))
     assert robot.num_joints == 28
     return command.snapshot()
@@ -48,10 +50,11 @@ def everything(robot):
 
 def sent(force, robot, atlas=None, sim=None, time=1.0):
     """What is in force after the messages given; the others stay on their ports."""
+    number = force.received + 1
     return latch(
         force,
-        force.atlas_command if atlas is None else atlas.snapshot(),
-        force.sim_command if sim is None else sim.snapshot(),
+        force.atlas_command if atlas is None else atlas.numbered(number),
+        force.sim_command if sim is None else sim.numbered(number),
         robot,
         time,
     )
@@ -91,7 +94,7 @@ def test_at_start_joints_are_the_users_only_without_behavior(robot, behavior):
 
 
 def test_without_messages_nothing_changes(robot, start):
-    assert latch(start, None, None, robot, 1.0) is start
+    assert latch(start, NOTHING, NOTHING, robot, 1.0) is start
 
 
 # Joint commands.
@@ -112,7 +115,7 @@ def test_all_arrays_of_a_command_come_into_force(robot, start, everything):
 def test_one_array_leaves_the_others_in_force(robot, start, everything, field):
     before = sent(start, robot, everything)
     # Between the integral bounds in force, so that it may be either of them.
-    values = np.full(28, 75.5) if field.startswith("i_effort") else np.full(28, 7.0)
+    values = np.full(28, 7.5) if field.startswith("i_effort") else np.full(28, 7.0)
     command = AtlasCommand()
     setattr(command, field, values)
     after = sent(before, robot, command)
@@ -120,6 +123,17 @@ def test_one_array_leaves_the_others_in_force(robot, start, everything, field):
     for name in JOINT_FIELDS:
         expected = values if name == field else getattr(before.joints, name)
         np.testing.assert_array_equal(getattr(after.joints, name), expected)
+
+
+@pytest.mark.parametrize("kind", [AtlasCommand, AtlasSimInterfaceCommand])
+def test_velocity_gains_come_into_force_within_their_bound(robot, start, kind):
+    bound = 50.0 * robot.effort_limit / robot.velocity_limit
+    command = kind()
+    command.kp_velocity = np.where(np.arange(28) % 2, 1e6, 0.9 * bound)
+    port = "sim" if kind is AtlasSimInterfaceCommand else "atlas"
+    after = sent(start, robot, **{port: command})
+    expected = np.where(np.arange(28) % 2, bound, 0.9 * bound)
+    np.testing.assert_allclose(after.joints.kp_velocity, expected)
 
 
 @pytest.mark.parametrize("field", SERVO_FIELDS)
@@ -313,17 +327,51 @@ def test_a_message_seen_before_is_not_new(robot, start):
     assert once.request.number == 1
 
 
-def test_an_equal_message_that_was_sent_again_is_new(robot, start):
-    first = AtlasSimInterfaceCommand(behavior=Behavior.WALK).snapshot()
-    second = AtlasSimInterfaceCommand(behavior=Behavior.WALK).snapshot()
-    assert first == second
-    after = latch(latch(start, None, first, robot, 1.0), None, second, robot, 2.0)
-    assert after.request.number == 2
+def test_an_equal_message_is_new_only_with_another_number_or_stamp(robot, start):
+    def walk(stamp=0.0):
+        return AtlasSimInterfaceCommand(Header(stamp), behavior=Behavior.WALK)
+
+    force = start
+    for message, number in (
+        (walk(), 1),
+        (walk(), 1),
+        (walk().snapshot(), 1),
+        (walk().numbered(1), 2),
+        (walk().numbered(1), 2),
+        (walk().numbered(2), 3),
+        (walk(stamp=1.5), 4),
+        (walk(stamp=1.5), 4),
+    ):
+        force = latch(force, NOTHING, message, robot, 1.0)
+        assert force.request.number == number
+        assert force.received == number
+
+
+def test_requests_are_objects_of_their_own(robot, start):
+    """By which behaviours notice that one was sent again."""
+    message = AtlasSimInterfaceCommand(behavior=Behavior.WALK).snapshot()
+    force = latch(start, NOTHING, message, robot, 1.0)
+    other = AtlasSimInterfaceCommand(behavior=Behavior.STAND).snapshot()
+    force = latch(force, NOTHING, other, robot, 1.0)
+    force = latch(force, NOTHING, message, robot, 1.0)
+    _, first, _, again = (request.command for request in force.requests)
+    assert first == again
+    assert first.walk_params is not again.walk_params
+
+
+def test_a_message_that_changes_on_its_port_is_new(robot, start):
+    command = AtlasCommand(position=[0.0] * 28)
+    force = latch(start, command, NOTHING, robot, 1.0)
+    command.position[3] = 0.5
+    force = latch(force, command, NOTHING, robot, 2.0)
+    assert force.received == 2
+    assert force.joints.position[3] == 0.5
+    assert force.messages[0].message.position[3] == 0.0
 
 
 def test_a_message_that_leaves_its_port_is_not_forgotten(robot, start, everything):
     after = sent(start, robot, everything)
-    assert latch(after, None, None, robot, 2.0) is after
+    assert latch(after, NOTHING, NOTHING, robot, 2.0) is after
 
 
 def test_time_must_not_run_backward_for_either_kind(robot, start):
@@ -356,8 +404,7 @@ def test_an_accepted_message_clears_the_error_but_not_the_log(robot, start):
     assert after.refusals == refused.refusals
 
 
-def test_refusals_are_counted_but_only_the_latest_kept(robot, start, caplog):
-    caplog.set_level(logging.CRITICAL)
+def test_refusals_are_counted_but_only_the_latest_kept(robot, start):
     force = start
     for number in range(KEPT + 7):
         force = sent(force, robot, AtlasCommand(position=[0.0]), time=float(number))
@@ -365,17 +412,50 @@ def test_refusals_are_counted_but_only_the_latest_kept(robot, start, caplog):
     assert [r.time for r in force.refusals] == list(range(7, KEPT + 7))
 
 
+@pytest.mark.parametrize("kind", ["messages", "refusals", "requests"])
+def test_nothing_of_the_last_moments_is_dropped(robot, start, kind):
+    force = start
+    bad = kind == "refusals"
+    for _ in range(3 * KEPT):
+        command = AtlasSimInterfaceCommand(behavior="WALLK" if bad else "STAND")
+        force = sent(force, robot, sim=command, time=1.0)
+    assert len(getattr(force, kind)) >= 3 * KEPT
+    later = sent(force, robot, sim=command, time=2.0)
+    assert len(getattr(later, kind)) == KEPT
+
+
+def test_a_reader_who_has_seen_more_than_there_was_gets_nothing(robot, start):
+    """As after a step back in time, to an older Context."""
+    force = sent(start, robot, AtlasCommand(position=[0.0]))
+    assert force.messages_since(7) == ()
+    assert force.refusals_since(7) == ()
+    assert len(force.messages_since(0)) == 1
+
+
 def test_refusals_are_logged(robot, start, caplog):
-    sent(start, robot, AtlasCommand(velocity=[0.0]), time=1.25)
+    log_refusals(start, sent(start, robot, AtlasCommand(velocity=[0.0]), time=1.25))
     (record,) = caplog.records
     assert record.levelno == logging.WARNING
     assert "velocity" in record.getMessage()
     assert "1.25" in record.getMessage()
 
 
+def test_a_streamed_fault_is_logged_once(robot, start, caplog):
+    force = start
+    for tick in range(600):
+        bad = AtlasCommand(Header(1.0 + tick), velocity=[0.0])
+        before, force = force, sent(force, robot, bad, time=0.002 * tick)
+        log_refusals(before, force)
+    assert force.refused == 600
+    assert len(caplog.records) == 1
+    late = sent(force, robot, AtlasCommand(velocity=[0.0]), time=4.0)
+    log_refusals(force, late)
+    assert len(caplog.records) == 2
+
+
 @pytest.mark.parametrize("thing", ["stand", 4, [1, 2]])
 def test_what_is_no_message_is_refused(robot, start, thing):
-    for arguments in ((thing, None), (None, thing)):
+    for arguments in ((thing, NOTHING), (NOTHING, thing)):
         after = latch(start, *arguments, robot, 1.0)
         assert_only_the_error_is_new(after, start)
         assert after.refused == 1
@@ -397,7 +477,7 @@ def test_arrays_in_force_are_not_the_senders(robot, start):
     positions = np.full(28, 0.25)
     shares = np.full(28, 17)
     after = latch(
-        start, AtlasCommand(position=positions, k_effort=shares), None, robot, 1.0
+        start, AtlasCommand(position=positions, k_effort=shares), NOTHING, robot, 1.0
     )
     positions[:] = 9.0
     shares[:] = 0

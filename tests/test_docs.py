@@ -25,6 +25,33 @@ def pages():
     return module.all_pages()
 
 
+def run_snippets(page):
+    """Runs a page's Python from top to bottom; returns what it has defined."""
+    text = (DOCS / page).read_text("utf-8")
+    names = {"__name__": page}
+    for snippet in re.finditer(
+        r"^```python\n(.*?)^```", text, re.DOTALL | re.MULTILINE
+    ):
+        # Empty lines before it, so that an error names the page's own line.
+        above = "\n" * text[: snippet.start(1)].count("\n")
+        exec(compile(above + snippet[1], page, "exec"), names)
+    return names
+
+
+def test_a_diagram_of_your_own_does_what_its_page_says(capsys):
+    names = run_snippets("in_your_diagram.md")
+    first, second, third = capsys.readouterr().out.splitlines()
+    height, elbow = map(float, re.findall(r"-?\d+\.\d+", first))
+    assert height == pytest.approx(0.89, abs=0.02)
+    assert elbow == pytest.approx(names["sine"].rest, abs=0.05)
+    place = list(map(float, re.findall(r"-?\d+\.\d+", second)))
+    assert place == pytest.approx([2.0, -1.0, 0.9], abs=0.03)
+    assert float(re.search(r"\d\.\d+", third)[0]) < 0.02
+    assert names["report"].pos_est.position.z > 0.85
+    report = names["station"].GetOutputPort("atlas_sim_interface_state")
+    assert report.Eval(names["context"]).pos_est.position.z > 0.85
+
+
 def test_the_reference_pages_are_of_today(pages):
     folder = DOCS / "reference"
     found = {

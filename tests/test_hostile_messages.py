@@ -2,6 +2,7 @@
 
 import copy
 import functools
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -21,8 +22,11 @@ from atlas_drake import (
     Quaternion,
     Scenario,
     Vector3,
+    read_log,
 )
 from atlas_drake.messages.checks import LARGEST
+
+from .poison import POISON
 
 ARRAYS = (
     "position",
@@ -44,6 +48,7 @@ nonsense = st.one_of(
     st.builds(Vector3),
     st.builds(object),
     st.builds(dict),
+    st.sampled_from(list(POISON.values())).map(lambda make: make()),
 )
 """What no field of a command can hold."""
 
@@ -164,7 +169,7 @@ def robot_in(behavior):
 
 
 def state_of(sim):
-    return sim._output("state")
+    return sim.output("state")
 
 
 @pytest.mark.slow
@@ -183,11 +188,11 @@ def state_of(sim):
 def test_hostile_messages_are_refused_and_change_nothing(behavior, letters):
     sim = robot_in(behavior)
     for message, wait in letters:
-        force, number = sim._output("commands"), len(sim.events)
+        force, number = sim.output("commands"), len(sim.events)
         with pytest.raises(InvalidMessageError) as caught:
             sim.publish(message)
         sim.advance(0.004 + wait)
-        after = sim._output("commands")
+        after = sim.output("commands")
         assert after.joints is force.joints
         assert after.request is force.request
         assert after.error_code is caught.value.error_code
@@ -196,7 +201,7 @@ def test_hostile_messages_are_refused_and_change_nothing(behavior, letters):
         fresh = [e for e in sim.events[number:] if e.kind == "refusal"]
         assert [caught.value.field in event.text for event in fresh] == [True]
         assert np.isfinite(state_of(sim)).all()
-        assert np.isfinite(sim._output("effort")).all()
+        assert np.isfinite(sim.output("effort")).all()
     report = sim.atlas_sim_interface_state
     if behavior not in (Behavior.NONE, Behavior.USER):
         assert report.current_behavior in (behavior, Behavior.STAND)
@@ -205,6 +210,146 @@ def test_hostile_messages_are_refused_and_change_nothing(behavior, letters):
         assert sim.pelvis_pose.translation()[2] > 0.8
         assert np.abs(sim.atlas_state.velocity).max() < 0.1
         assert not report.behavior_feedback.status_flags & BehaviorStatus.ERROR_FALLING
+
+
+STEP = "walk_params.step_queue[0]"
+
+
+def put(message, path, value):
+    """Sets a field, given by its path from the message."""
+    *way, name = path.replace("[0]", ".0").split(".")
+    for part in way:
+        message = message[int(part)] if part.isdigit() else getattr(message, part)
+    setattr(message, name, value)
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        "position",
+        "header.stamp",
+        "behavior",
+        "walk_params.step_queue",
+        f"{STEP}.foot_index",
+        f"{STEP}.duration",
+    ],
+)
+def test_poison_is_refused_by_name_and_the_run_goes_on(logged, poison, path):
+    sim, _ = logged
+    step = AtlasBehaviorStepData(step_index=1, foot_index=0, duration=0.63)
+    command = AtlasSimInterfaceCommand(behavior="WALK")
+    command.walk_params.step_queue[0] = step
+    put(command, path, poison())
+    force = sim.output("commands")
+    with pytest.raises(InvalidMessageError) as caught:
+        sim.publish(command)
+    assert caught.value.field.startswith(path)
+    assert len(str(caught.value)) < 1000
+    after = sim.output("commands")
+    assert after.request is force.request
+    assert after.joints is force.joints
+    assert after.refused == force.refused + 1
+    sim.advance(0.002)
+
+
+@pytest.fixture(scope="module")
+def logged(tmp_path_factory):
+    """A robot whose log gets all that is refused."""
+    file = tmp_path_factory.mktemp("hostile") / "run.npz"
+    with AtlasSimulation(Scenario(physics_step=0.002), log=file) as sim:
+        yield sim, file
+        received = sim.output("commands").received
+    assert len(read_log(file).commands) == received
+
+
+@pytest.mark.parametrize(
+    "stamp",
+    [10**400, np.timedelta64(1, "s"), 10**5000],
+    ids=["400 digits", "duration", "5000 digits"],
+)
+@pytest.mark.parametrize("kind", [AtlasCommand, AtlasSimInterfaceCommand])
+def test_a_stamp_that_is_no_time_is_refused_beside_another_message(stamp, kind):
+    sim = robot_in(Behavior.STAND)
+    other = {AtlasCommand, AtlasSimInterfaceCommand} - {kind}
+    sim.publish(
+        other.pop()(behavior="STAND") if kind is AtlasCommand else AtlasCommand()
+    )
+    with pytest.raises(InvalidMessageError, match=r"header\.stamp"):
+        sim.publish(kind(header=Header(stamp=stamp)))
+    sim.advance(0.004)
+
+
+@pytest.mark.parametrize(
+    "thing",
+    ["STAND", [1.0], {"behavior": 3}, 10**5000],
+    ids=["name", "list", "mapping", "number"],
+)
+def test_what_is_no_command_on_a_port_is_refused_once_and_the_log_goes_on(
+    tmp_path, caplog, thing
+):
+    scenario = Scenario(physics_step=0.002)
+    with AtlasSimulation(scenario, log=tmp_path / "run.npz") as sim:
+        port = sim.diagram.GetInputPort("other_atlas_sim_interface_command")
+        port.FixValue(sim.context, thing)
+        sim.advance(0.02)
+        assert sim.output("commands").refused == 1
+        sim.publish(AtlasSimInterfaceCommand(behavior="FREEZE"))
+        sim.advance(0.01)
+        assert sim.current_behavior is Behavior.FREEZE
+    log = read_log(tmp_path / "run.npz")
+    assert [entry.message.behavior for entry in log.commands] == ["FREEZE"]
+    assert [e.kind for e in log.events] == ["refusal", "behavior"]
+    assert sum("must be" in record.getMessage() for record in caplog.records) == 1
+
+
+def test_numbers_of_every_kind_are_numbers(logged):
+    """Python's own from then on, so that behaviours can calculate with them."""
+    sim, _ = logged
+    command = AtlasSimInterfaceCommand(behavior=np.int64(Behavior.MANIPULATE))
+    command.manipulate_params.use_desired = np.True_
+    desired = command.manipulate_params.desired
+    desired.pelvis_height = Fraction(17, 20)
+    desired.pelvis_pitch = np.float32(0.125)
+    desired.com_v0 = np.int16(0)
+    command.position = [np.float16(0.5), *[Fraction(1, 3)] * 27]
+    sim.publish(command)
+    sim.advance(0.01)
+    assert sim.current_behavior is Behavior.MANIPULATE
+    heard = sim.output("commands").request.command
+    assert type(heard.manipulate_params.desired.pelvis_height) is float
+    assert heard.manipulate_params.desired.pelvis_pitch == 0.125
+    assert sim.output("commands").joints.position[1] == pytest.approx(1 / 3)
+
+
+def test_none_of_many_messages_of_one_instant_is_lost(tmp_path):
+    scenario = Scenario(physics_step=0.002)
+    with AtlasSimulation(scenario, log=tmp_path / "run.npz") as sim:
+        sim.advance(0.01)
+        for number in range(150):
+            behavior = ("FREEZE", "STAND")[number % 2]
+            sim.publish(AtlasSimInterfaceCommand(behavior=behavior))
+            with pytest.raises(InvalidMessageError):
+                sim.publish(AtlasCommand(position=[float(number)]))
+        sim.advance(0.01)
+    events = [event.kind for event in sim.events]
+    assert events.count("refusal") == 150
+    assert events.count("behavior") == 150
+    log = read_log(tmp_path / "run.npz")
+    assert len(log.commands) == 300
+    assert all(command.time == pytest.approx(0.01) for command in log.commands)
+    assert len(log.events) == len(sim.events)
+
+
+def test_the_same_message_published_again_counts_again(logged):
+    sim, _ = logged
+    for message in (
+        AtlasSimInterfaceCommand(behavior="STAND"),
+        AtlasSimInterfaceCommand(behavior="STAND").snapshot(),
+    ):
+        for _ in range(3):
+            number = sim.output("commands").request.number
+            sim.publish(message)
+            assert sim.output("commands").request.number == number + 1
 
 
 @pytest.mark.parametrize("thing", [None, 5, "STAND", Header(), object()])
@@ -243,7 +388,7 @@ def test_violent_messages_throw_the_robot_down_and_nothing_else(seed, decades):
         sim.publish(violent(random, decades))
         sim.advance(float(random.uniform(0.0, 0.04)))
         assert np.isfinite(state_of(sim)).all()
-        assert (np.abs(sim._output("effort")) <= limit + 1e-9).all()
+        assert (np.abs(sim.output("effort")) <= limit + 1e-9).all()
         if number % 50 == 49:
             sim.reset()
     sim.advance(1.0)

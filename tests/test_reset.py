@@ -40,7 +40,7 @@ def flags(sim):
 
 def touching(sim, but):
     """Bodies that touch the world, but for those given."""
-    results = sim._output("contact_results")
+    results = sim.output("contact_results")
     world = sim.plant.world_body().name()
     names = set()
     for k in range(results.num_point_pair_contacts()):
@@ -135,7 +135,7 @@ def test_a_reset_is_as_good_as_a_new_start():
     for sim in (fresh, again):
         sim.advance(0.5)
     np.testing.assert_allclose(
-        again._output("state"), fresh._output("state"), rtol=0.0, atol=1e-9
+        again.output("state"), fresh.output("state"), rtol=0.0, atol=1e-9
     )
 
 
@@ -159,7 +159,7 @@ def test_a_reset_puts_the_robot_where_it_is_asked_to(behavior):
 def test_a_reset_that_cannot_be_done_changes_nothing():
     sim = AtlasSimulation()
     sim.advance(0.02)
-    before = sim._output("state")
+    before = sim.output("state")
     with pytest.raises(InvalidMessageError, match="behavior: is 'WALK'; must be"):
         sim.reset("WALK")
     with pytest.raises(ScenarioError, match=r"start.position: is \[1.0\]"):
@@ -168,7 +168,7 @@ def test_a_reset_that_cannot_be_done_changes_nothing():
         sim.reset("USER", Start(harnessed=True))
     with pytest.raises(ScenarioError, match="there is no harness to release"):
         sim.release()
-    np.testing.assert_array_equal(sim._output("state"), before)
+    np.testing.assert_array_equal(sim.output("state"), before)
 
 
 @pytest.mark.slow

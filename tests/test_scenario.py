@@ -1,11 +1,15 @@
 """Scenarios: every field checked, every fault named."""
 
+import json
 import math
+from fractions import Fraction
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from atlas_drake import Scenario, ScenarioError, load_scenario
+from atlas_drake import Block, Scenario, ScenarioError, Start, load_scenario
+from atlas_drake.errors import shown
 from atlas_drake.messages import Behavior
 from atlas_drake.scenario import PHYSICS_STEPS, Jitter
 
@@ -88,7 +92,19 @@ def test_behaviors_are_named_in_any_case(name):
         ("name", 3),
         ("start", {"yaw": 1.0, "tilt": 0.0}),
         ("terrain", "flat"),
+        ("seed", 2**64),
+        ("seed", 10**400),
+        ("seed", 10**5000),
+        ("duration", 10**400),
+        ("duration", 1e308),
+        ("duration", np.timedelta64(1, "s")),
+        ("ground_friction", 1e308),
+        ("ground_friction", Fraction(10**400, 3)),
+        ("friction_jitter", 10**400),
+        ("physics_step", 10**400),
+        ("control_period", 1e308),
     ],
+    ids=lambda value: shown(value)[:20],
 )
 def test_a_value_that_cannot_be_used_is_named(field, value):
     scenario = Scenario(**{field: value})
@@ -99,6 +115,53 @@ def test_a_value_that_cannot_be_used_is_named(field, value):
     assert error.value.field == field
     assert error.value.value is value
     assert str(error.value).startswith(f"{field}: ")
+
+
+@pytest.mark.parametrize(
+    ("scenario", "field"),
+    [
+        (Scenario(start={"yaw": 1.0}), "start"),
+        (Scenario(jitter={}), "jitter"),
+        (Scenario(terrain=[{"size": [1.0, 1.0, 0.1]}]), "terrain[0]"),
+        (Scenario(terrain=[Block(size=[1.0, 1e308, 0.1])]), "terrain[0].size[1]"),
+        (Scenario(terrain=[Block(position=[0, 0, 10**400])]), "terrain[0].position[2]"),
+        (Scenario(terrain=[Block(rpy=[0, 0, 1e308])]), "terrain[0].rpy[2]"),
+        (Scenario(terrain=[Block(friction=1e308)]), "terrain[0].friction"),
+        (Scenario(start=Start(position=[1e308, 0.0])), "start.position[0]"),
+        (Scenario(start=Start(yaw=10**400)), "start.yaw"),
+        (Scenario(start=Start(release_time=1e308)), "start.release_time"),
+        (Scenario(jitter=Jitter(position=1e308)), "jitter.position"),
+    ],
+)
+def test_what_lies_deeper_is_named_by_its_path(scenario, field):
+    with pytest.raises(ScenarioError) as error:
+        scenario.validate()
+    assert error.value.field == field
+
+
+def test_numbers_of_every_kind_mean_the_same():
+    odd = Scenario(
+        duration=Fraction(1, 2),
+        seed=np.int64(3),
+        ground_friction=np.float32(0.5),
+        start=Start(position=np.array([1.0, 2.0]), yaw=np.float32(0.25)),
+        terrain=(Block(size=(1, 1, Fraction(1, 10)), friction=np.float16(0.5)),),
+    )
+    plain = Scenario(
+        duration=0.5,
+        seed=3,
+        ground_friction=0.5,
+        start=Start(position=[1.0, 2.0], yaw=0.25),
+        terrain=[Block(size=[1, 1, 0.1], friction=0.5)],
+    )
+    assert odd.validate() == plain
+    assert type(odd.start.yaw) is type(odd.ground_friction) is float
+    assert json.loads(json.dumps(vars(odd.start))) == vars(plain.start)
+
+
+def test_a_number_of_less_precision_is_not_the_same():
+    with pytest.raises(ScenarioError, match=r"physics_step: is 0\.001000000047"):
+        Scenario(physics_step=np.float32(0.001)).validate()
 
 
 def test_a_field_that_does_not_exist_is_noticed_in_python_too():
@@ -137,6 +200,9 @@ def test_no_link_can_lose_all_its_mass():
         ("terrain: [{sizes: [1, 1, 1]}]\n", r"terrain\[0\]\.sizes: .*'size'"),
         ("terrain: [{size: [1, 1, high]}]\n", r"terrain\[0\]\.size\[2\]: is 'high'"),
         ("", "file: must have fields of a scenario"),
+        ("duration: 1e308\n", "duration: is '1e308'; must be within"),
+        (f"ground_friction: 1{'0' * 400}\n", "ground_friction: .*within"),
+        (f"seed: 1{'0' * 5000}\n", "file"),
         ("duration: [\n", "file"),
         ("- duration\n", "file"),
     ],

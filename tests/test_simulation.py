@@ -1,6 +1,8 @@
 """The facade: what it takes, what it refuses, and what it tells."""
 
 import json
+import threading
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -9,6 +11,7 @@ from pydrake.math import RotationMatrix
 
 from atlas_drake import (
     AtlasCommand,
+    AtlasError,
     AtlasSimInterfaceCommand,
     AtlasSimulation,
     AtlasState,
@@ -18,6 +21,8 @@ from atlas_drake import (
     Scenario,
     ScenarioError,
     Start,
+    WaitTimeoutError,
+    read_log,
 )
 from atlas_drake.errors import ErrorCode
 from atlas_drake.tutorial import FIRST_COMMAND
@@ -253,7 +258,7 @@ def test_time_is_the_sum_of_what_was_advanced(sim):
         assert message.header.stamp == sim.time
 
 
-@pytest.mark.parametrize("t", [0.01, -1.0, np.nan, np.inf])
+@pytest.mark.parametrize("t", [0.01, -1.0, np.nan, np.inf, 10**400, "soon", None])
 def test_time_does_not_go_back_nor_on_for_ever(sim, t):
     sim.advance(0.02)
     with pytest.raises(ValueError, match="cannot advance"):
@@ -262,6 +267,27 @@ def test_time_does_not_go_back_nor_on_for_ever(sim, t):
 
 
 # ---- sensors -------------------------------------------------------------------
+
+
+def test_every_output_port_can_be_read_by_its_name(sim):
+    ports = range(sim.diagram.num_output_ports())
+    names = [sim.diagram.get_output_port(i).get_name() for i in ports]
+    assert {"effort", "state", "atlas_state", "sent"} <= set(names)
+    for name in names:
+        assert sim.output(name) is not None
+    sim.advance(TICK)
+    assert sim.output("atlas_state").header.stamp == sim.atlas_state.header.stamp > 0.0
+    assert sim.output("effort").shape == (sim.robot.num_joints,)
+
+
+@pytest.mark.parametrize("name", ["efort", "", None])
+def test_an_output_port_that_does_not_exist_is_named(sim, name):
+    with pytest.raises(ValueError, match="no output port") as caught:
+        sim.output(name)
+    assert repr(name) in str(caught.value)
+    assert "atlas_state, " in str(caught.value)
+    if name == "efort":
+        assert "Did you mean 'effort'?" in str(caught.value)
 
 
 def test_the_gyroscopes_noise_is_in_its_own_axes():
@@ -277,6 +303,108 @@ def test_the_gyroscopes_noise_is_in_its_own_axes():
     np.testing.assert_allclose(R_WI.T @ w_WP, in_imu, atol=1e-9)
 
 
+@pytest.mark.parametrize("value", [-1, np.nan, np.inf, 10**400, "fast", None])
+def test_arguments_that_make_no_sense_are_named(sim, value):
+    with pytest.raises(InvalidMessageError, match="rate"):
+        sim.set_realtime_rate(value)
+    with pytest.raises(InvalidMessageError, match="seconds"):
+        sim.advance(value)
+    with pytest.raises(InvalidMessageError, match="timeout"):
+        sim.wait_until(lambda _: True, value)
+    with pytest.raises(InvalidMessageError, match="period"):
+        sim.wait_until(lambda _: False, 1.0, period=value)
+
+
+def test_time_may_be_a_number_of_any_kind(sim):
+    sim.advance(np.float32(0.0))
+    sim.advance(Fraction(1, 250))
+    assert sim.time == pytest.approx(0.004)
+    assert type(sim.time) is float
+
+
+# ---- waiting -------------------------------------------------------------------
+
+
+def test_waiting_ends_when_the_condition_holds(sim):
+    assert sim.wait_until(lambda sim: True, 0.0) == 0.0
+    waited = sim.wait_until(lambda sim: sim.time > 0.03, period=0.01)
+    assert waited == sim.time == pytest.approx(0.04)
+
+
+def test_waiting_in_vain_ends_with_an_error_that_says_when(sim):
+    sim.advance(0.01)
+    with pytest.raises(
+        WaitTimeoutError,
+        match=r"the walk did not hold within 0.03 s.* 0.010 s to 0.040",
+    ) as caught:
+        sim.wait_until(lambda sim: False, 0.03, what="the walk")
+    assert sim.time == pytest.approx(0.04)
+    assert isinstance(caught.value, TimeoutError)
+    assert isinstance(caught.value, AtlasError)
+
+
+# ---- threads -------------------------------------------------------------------
+
+
+def test_nothing_is_lost_that_another_thread_publishes(tmp_path):
+    scenario = Scenario(physics_step=0.002, control_period=0.004)
+    done, sent = threading.Event(), []
+
+    def send():
+        while not done.is_set():
+            sent.append(len(sent))
+            sim.publish(AtlasCommand(effort=[sent[-1]] * 28))
+            if len(sent) % 10 == 0:
+                stamp = sim.atlas_state.header.stamp  # Reading waits for a pause.
+                assert 0.0 <= stamp <= sim.time
+
+    with AtlasSimulation(scenario, log=tmp_path / "run.npz") as sim:
+        thread = threading.Thread(target=send)
+        thread.start()
+        try:
+            sim.advance(0.3)
+        finally:
+            done.set()
+            thread.join()
+        assert sim.output("commands").received == len(sent)
+        sim.advance(0.01)
+    log = read_log(tmp_path / "run.npz")
+    assert [command.message.effort[0] for command in log.commands] == sent
+    assert len(sent) > 100
+
+
+def test_another_thread_is_told_what_is_wrong_with_its_message():
+    sim = AtlasSimulation(Scenario(physics_step=0.002))
+    caught = []
+
+    def send():
+        inside.wait()
+        for message in (AtlasCommand(position=[0.0]), AtlasCommand()):
+            try:
+                sim.publish(message)
+            except InvalidMessageError as error:
+                caught.append(error.field)
+        sent.set()
+
+    def on_event(event):
+        if event.kind == "push":
+            inside.set()
+            assert sent.wait(10.0)
+
+    # While this thread is in the midst of something, which it finishes first.
+    inside, sent = threading.Event(), threading.Event()
+    sim = AtlasSimulation(Scenario(physics_step=0.002), on_event=on_event)
+    thread = threading.Thread(target=send)
+    thread.start()
+    sim.apply_push("utorso", [1.0, 0.0, 0.0], 0.01)
+    thread.join()
+    assert caught == ["position"]
+    commands = sim.output("commands")
+    assert (commands.received, commands.refused) == (2, 1)
+    sim.advance(0.01)
+    assert [event.kind for event in sim.events] == ["push", "refusal"]
+
+
 # ---- pushes --------------------------------------------------------------------
 
 
@@ -287,6 +415,10 @@ def test_the_gyroscopes_noise_is_in_its_own_axes():
         (("utorso", [1.0, 0.0], 0.1), "force_W"),
         (("utorso", "abc", 0.1), "force_W"),
         (("utorso", [1.0, 0.0, np.inf], 0.1), "force_W"),
+        (("utorso", [1.0, 0.0, 1e308], 0.1), "force_W"),
+        (("utorso", [1.0, 0.0, 10**400], 0.1), "force_W"),
+        (("utorso", [[1.0], 0.0, 0.0], 0.1), "force_W"),
+        (("utorso", {"x": 1.0}, 0.1), "force_W"),
         (("utorso", [1.0, 0.0, 0.0], 0.0), "duration"),
         (("utorso", [1.0, 0.0, 0.0], -1.0), "duration"),
         (("utorso", [1.0, 0.0, 0.0], np.nan), "duration"),

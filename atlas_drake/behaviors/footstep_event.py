@@ -2,8 +2,17 @@
 
 from __future__ import annotations
 
+import math
+
+import numpy as np
+
 from atlas_drake.behaviors.base import Event
-from atlas_drake.control.footstep import FootPose, Footstep, landing_error
+from atlas_drake.control.footstep import (
+    FootPose,
+    Footstep,
+    heading_error,
+    landing_error,
+)
 
 
 def footstep_event(
@@ -29,24 +38,74 @@ def footstep_event(
             "landed": [*map(float, landed.p_WF[:2]), float(landed.yaw)],
             "landed_height": float(landed.p_WF[2]),
             "error_m": landing_error(sent, landed),
+            "error_rad": heading_error(sent, landed),
         },
     )
 
 
-NOTABLE = 0.05
-"""A step taken this far from where it was sent is told of before it lands [m]."""
+NOTABLE = 0.001
+"""A step that is moved by this much is told of before it lands [m]."""
+NOTABLE_ANGLE = 0.01
+"""Likewise one that is turned or tilted by this much [rad]."""
+ELSEWHERE = 0.05
+"""A step that ends this far from where it was sent is not the one asked for [m]."""
+ELSEWHERE_ANGLE = 0.2
+"""Likewise one that ends turned by this much [rad]."""
 
 
 def out_of_reach(time: float, sent: Footstep, taken: Footstep) -> tuple[Event, ...]:
-    """A warning if a step begins that goes somewhere else than it was sent.
+    """A warning if a step goes somewhere else than it was sent.
 
     Args:
         time: [s]
         sent: The step as commanded.
         taken: The step as it is aimed for.
     """
-    away = landing_error(sent, taken.pose)
-    if away < NOTABLE:
+    away, turned = landing_error(sent, taken.pose), heading_error(sent, taken.pose)
+    off = []
+    if away >= NOTABLE:
+        off.append(f"{_in_words(away)} m from its place")
+    if turned >= NOTABLE_ANGLE:
+        off.append(f"{turned:.2f} rad from its heading")
+    if not off:
         return ()
-    text = f"step {taken.index} is out of reach and ends {away:.2f} m from its place"
-    return (Event(time, "warning", text),)
+    text = f"step {taken.index} is out of reach and ends " + " and ".join(off)
+    data = {"index": taken.index, "error_m": away, "error_rad": turned}
+    return (Event(time, "warning", text, data),)
+
+
+def pace_changed(time: float, sent: Footstep, taken: Footstep) -> tuple[Event, ...]:
+    """A warning if a step takes another time, height or slope than it was sent with.
+
+    Args:
+        time: [s]
+        sent: The step as commanded, its height in W.
+        taken: The step as it is taken.
+    """
+    changes = []
+    if not math.isclose(sent.duration, taken.duration, abs_tol=1e-3):
+        changes.append(f"takes {taken.duration:.2f} s instead of {sent.duration:.2f} s")
+    if not math.isclose(sent.swing_height, taken.swing_height, abs_tol=1e-3):
+        changes.append(
+            f"swings {_in_words(taken.swing_height)} m high"
+            f" instead of {_in_words(sent.swing_height)} m"
+        )
+    tilt = math.acos(min(float(np.dot(sent.normal, taken.normal)), 1.0))
+    if tilt >= NOTABLE_ANGLE:
+        changes.append(f"is tilted {tilt:.2f} rad less than its normal")
+    if not changes:
+        return ()
+    text = f"step {taken.index} " + " and ".join(changes)
+    return (Event(time, "warning", text, {"index": taken.index}),)
+
+
+def ends_elsewhere(event: Event) -> bool:
+    """Whether an event tells of a step that is not the one asked for."""
+    return event.kind == "warning" and (
+        event.data.get("error_m", 0.0) >= ELSEWHERE
+        or event.data.get("error_rad", 0.0) >= ELSEWHERE_ANGLE
+    )
+
+
+def _in_words(metres: float) -> str:
+    return f"{metres:.2f}" if metres >= 0.1 else f"{metres:.3f}"

@@ -46,9 +46,10 @@ from atlas_drake.messages import (
     Behavior,
     BehaviorStatus,
 )
+from atlas_drake.recent import append_recent
 
 KEPT_EVENTS = 200
-"""How many events the state keeps; whoever wants all of them reads in time."""
+"""How many events the state keeps; all of the last moments are kept."""
 
 
 @dataclass(frozen=True)
@@ -363,6 +364,6 @@ def _latch(before: int, now: int) -> int:
 def _log(state: SupervisorState, event: Event) -> SupervisorState:
     return replace(
         state,
-        events=(*state.events, event)[-KEPT_EVENTS:],
+        events=append_recent(state.events, event, KEPT_EVENTS),
         event_count=state.event_count + 1,
     )

@@ -18,18 +18,26 @@ from atlas_drake.behaviors.body_reference import (
     BodyTarget,
     advance_body,
 )
-from atlas_drake.behaviors.footstep_event import footstep_event, out_of_reach
+from atlas_drake.behaviors.footstep_event import footstep_event
 from atlas_drake.behaviors.gait import GaitTiming, begun_at, plan_walk, stance_cop
 from atlas_drake.behaviors.step_queue import step_data_from
 from atlas_drake.behaviors.walk_memory import Phase, WalkMemory, WalkRules
-from atlas_drake.behaviors.walk_steps import (
+from atlas_drake.behaviors.walk_outlook import (
     LOOK_AHEAD,
-    coming_steps,
-    feet_to_come,
-    steps_asked_for,
+    Outlook,
+    look_ahead,
+    time_to_touchdown,
+    warnings_about,
 )
+from atlas_drake.behaviors.walk_steps import feet_to_come, steps_asked_for
 from atlas_drake.control import tasks
-from atlas_drake.control.footstep import LEFT, Footstep, StepLimits, saturate
+from atlas_drake.control.footstep import (
+    LEFT,
+    Footstep,
+    StepLimits,
+    StepSlack,
+    saturate,
+)
 from atlas_drake.control.rotations import mean_yaw
 from atlas_drake.control.step_adjustment import StepAdjustmentLimits, step_shift
 from atlas_drake.control.swing_foot import (
@@ -62,6 +70,7 @@ class Walk:
         *,
         timing: GaitTiming | None = None,
         limits: StepLimits | None = None,
+        slack: StepSlack | None = None,
         adjustment: StepAdjustmentLimits | None = None,
         profile: SwingProfile | None = None,
         rules: WalkRules | None = None,
@@ -72,6 +81,8 @@ class Walk:
         self._rates = rates
         self._timing = timing or GaitTiming()
         self._limits = limits or StepLimits()
+        self._slack = slack or StepSlack()
+        self._loose_limits = self._slack.loosen(self._limits)
         self._adjustment = adjustment or StepAdjustmentLimits()
         self._profile = profile or SwingProfile()
         self._rules = rules or WalkRules()
@@ -97,6 +108,7 @@ class Walk:
             elapsed=0.0,
             duration=self._timing.first_shift,
             feet=feet,
+            aimed=feet,
             pending=pending,
             current=None,
             commanded=None,
@@ -123,6 +135,7 @@ class Walk:
         leaving: bool,
     ) -> Outcome:
         """One tick of walking; ``leaving`` drops the steps that have not begun."""
+        before = memory
         if leaving:
             memory = self._leave(memory)
         else:
@@ -133,6 +146,9 @@ class Walk:
             plan_time=memory.plan_time + seen.dt,
         )
         memory, events = self._change_phase(memory, seen)
+        if before.elapsed == 0.0 or memory.pending is not before.pending:
+            memory, news = self._tell(memory, seen.time)
+            events = (*events, *news)
         swing_reference = None
         if memory.swinging:
             memory = self._adjust_step(memory, seen)
@@ -160,8 +176,8 @@ class Walk:
         if finished and memory.pending:
             left = ", ".join(str(step.index) for step in memory.pending)
             text = f"WALK ends without the steps {left}"
-            if memory.inconsistent:
-                text += ": two steps in a row are for the same foot"
+            if memory.obstacle:
+                text += f": {memory.obstacle}"
             events = (*events, Event(seen.time, STEPS_LEFT, text))
         elif finished and memory.current is None and not leaving:
             text = "WALK ends without a step: walk_params.step_queue has none"
@@ -178,11 +194,12 @@ class Walk:
     def report(self, memory: WalkMemory, state: AtlasSimInterfaceState) -> None:
         """Steps and timing; the steps as they will really be taken."""
         feedback = state.walk_feedback
-        feedback.t_step_rem = max(memory.duration - memory.elapsed, 0.0)
+        coming = self._coming(memory)
+        feedback.t_step_rem = time_to_touchdown(memory, coming, self._timing)
         feedback.current_step_index = memory.current.index if memory.current else 0
         known = memory.known
         feedback.next_step_index_needed = memory.next_index + len(known)
-        for place, step in enumerate(self._coming(memory)[:LOOK_AHEAD]):
+        for place, step in enumerate(coming[:LOOK_AHEAD]):
             feedback.step_queue_saturated[place] = step_data_from(step)
 
     # ---- steps ---------------------------------------------------------------
@@ -205,8 +222,19 @@ class Walk:
         )
         return replace(memory, pending=pending)
 
+    def _look_ahead(self, memory: WalkMemory) -> Outlook:
+        return look_ahead(memory, self._limits, self._slack)
+
     def _coming(self, memory: WalkMemory) -> tuple[Footstep, ...]:
-        return coming_steps(memory, self._limits)
+        return self._look_ahead(memory).steps
+
+    def _tell(
+        self, memory: WalkMemory, time: float
+    ) -> tuple[WalkMemory, tuple[Event, ...]]:
+        """Warns once of each step that is not taken as sent, when that is known."""
+        news = warnings_about(self._look_ahead(memory), memory.told, time)
+        told = memory.told.union(event.data["index"] for event in news)
+        return replace(memory, told=told), news
 
     def _leave(self, memory: WalkMemory) -> WalkMemory:
         """Drops what has not begun: a foot in the air lands, then both catch."""
@@ -244,7 +272,7 @@ class Walk:
             )
             return self._touch_down(memory, seen) if touched else (memory, ())
         if memory.phase is Phase.SETTLE:
-            more = not memory.inconsistent and self._coming(memory)
+            more = not memory.obstacle and self._coming(memory)
             return (self._shift(memory) if more else memory), ()
         if memory.elapsed < memory.duration:
             return memory, ()
@@ -255,8 +283,10 @@ class Walk:
         if patient and not self._ready(memory, seen):
             # Hold the plan at the moment of lift-off until the DCM is there.
             return replace(memory, plan_time=memory.plan_time - seen.dt), ()
-        memory = self._lift_off(memory, seen)
-        return memory, out_of_reach(seen.time, memory.sent, memory.step)
+        # Since touchdown the soles have come to lie flat under their load.
+        memory = replace(memory, feet=(seen.foot_pose(0), seen.foot_pose(1)))
+        memory, news = self._tell(memory, seen.time)
+        return self._lift_off(memory, seen), news
 
     def _ready(self, memory: WalkMemory, seen: Observation) -> bool:
         """Whether the DCM is near enough to its plan for single support."""
@@ -276,12 +306,12 @@ class Walk:
         )
 
     def _lift_off(self, memory: WalkMemory, seen: Observation) -> WalkMemory:
-        # Since touchdown the soles have come to lie flat under their load.
-        memory = replace(memory, feet=(seen.foot_pose(0), seen.foot_pose(1)))
         step = self._coming(memory)[0]
         stance = 1 - step.foot
         sent = next(s for s in memory.pending if s.index == step.index)
-        duration = self._timing.swing(step)
+        # A tick that the transfer was too long is taken off the swing.
+        late = min(max(memory.elapsed - memory.duration, 0.0), seen.dt)
+        duration = self._timing.swing(step) - late
         memory = replace(
             memory,
             phase=Phase.SWING,
@@ -302,15 +332,17 @@ class Walk:
         self, memory: WalkMemory, seen: Observation
     ) -> tuple[WalkMemory, tuple[Event, ...]]:
         step, sent = memory.step, memory.sent
+        early = memory.duration - memory.elapsed
         landed = seen.foot_pose(step.foot)
-        feet = list(memory.feet)
-        feet[step.foot] = landed
+        feet, aimed = list(memory.feet), list(memory.aimed)
+        feet[step.foot], aimed[step.foot] = landed, step.pose
         cop = memory.plan.evaluate(memory.plan_time).cop
         memory = replace(
             memory,
             phase=Phase.TRANSFER,
             elapsed=0.0,
             feet=(feet[0], feet[1]),
+            aimed=(aimed[0], aimed[1]),
             swing=None,
             support=self._balance.support(*feet),
         )
@@ -318,7 +350,11 @@ class Walk:
         event = footstep_event(seen.time, sent, step, landed)
         if not coming:
             return self._settle(memory, cop), (event,)
-        memory = replace(memory, duration=self._timing.transfer(coming[0]))
+        # The next touchdown is due a step's duration after this one was.
+        transfer = self._timing.transfer(coming[0])
+        change = self._rules.transfer_change * transfer
+        transfer += min(max(early, -change), change)
+        memory = replace(memory, duration=transfer)
         return self._replan(memory, cop, memory.duration), (event,)
 
     def _shift(self, memory: WalkMemory) -> WalkMemory:
@@ -339,7 +375,7 @@ class Walk:
             elapsed=0.0,
             duration=self._timing.settle,
             support=self._balance.support(*memory.feet),
-            inconsistent=any(s.foot == memory.last_foot for s in memory.known[:1]),
+            obstacle=self._look_ahead(memory).obstacle,
         )
         return self._replan(memory, cop, memory.duration)
 
@@ -387,7 +423,7 @@ class Walk:
         moved = saturate(
             replace(step, p_WF=step.p_WF + np.append(shift, 0.0)),
             stance,
-            self._limits,
+            self._loose_limits,
         )
         memory = replace(memory, current=moved)
         plan_time = memory.plan_time
@@ -432,7 +468,7 @@ class Walk:
         if memory.phase is Phase.SHIFT:
             return flags.WALK_SUBSTATE_SWAYING
         if memory.phase is Phase.SETTLE:
-            if memory.inconsistent:
+            if memory.obstacle:
                 why = flags.WALK_ERROR_INCONSISTENT_STEPS
             elif leaving:
                 why = flags.WALK_OKAY

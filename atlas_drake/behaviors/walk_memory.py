@@ -48,6 +48,10 @@ class WalkRules:
     """Speed of the centre of mass below which the walk is over [m/s]."""
     replan_shift: float = 0.002
     """Change of the landing place that is worth a new plan [m]."""
+    transfer_change: float = 0.15
+    """Share by which a transfer is longer or shorter, at most, to make up for a
+    touchdown before or after its time. A foot that is farther off was disturbed, and
+    the next step shall not wait for the clock [-]."""
 
 
 @dataclass(frozen=True)
@@ -59,6 +63,7 @@ class WalkMemory:
         elapsed: Time in this phase [s].
         duration: Planned duration of this phase [s].
         feet: Where the soles are or last were on the ground.
+        aimed: Where each of them was to land; at first, where it was.
         pending: Steps not begun, by index.
         current: Step being taken (SWING) or taken last (TRANSFER, SETTLE).
         commanded: ``current`` as it was sent.
@@ -71,13 +76,15 @@ class WalkMemory:
         omega: Natural frequency used in the plan [1/s].
         next_index: Index of the next step to begin.
         seen_params: What was last read of the messages, to notice a new one.
-        inconsistent: The walk ends because one foot was to step twice.
+        obstacle: Why the walk ends before a step that was sent; empty if it does not.
+        told: Indices of steps that a warning was given for.
     """
 
     phase: Phase
     elapsed: float
     duration: float
     feet: tuple[FootPose, FootPose]
+    aimed: tuple[FootPose, FootPose]
     pending: tuple[Footstep, ...]
     current: Footstep | None
     commanded: Footstep | None
@@ -90,7 +97,8 @@ class WalkMemory:
     omega: float
     next_index: int
     seen_params: AtlasBehaviorWalkParams
-    inconsistent: bool = False
+    obstacle: str = ""
+    told: frozenset[int] = frozenset()
 
     @property
     def swinging(self) -> bool:

@@ -16,18 +16,10 @@ from atlas_drake.control.footstep import (
     LEFT,
     FootPose,
     Footstep,
-    StepLimits,
-    cleared,
-    kept_brisk,
-    laid_out,
     outward,
-    saturate,
 )
 from atlas_drake.control.rotations import mean_yaw
-from atlas_drake.messages import NUM_REQUIRED_WALK_STEPS, AtlasBehaviorWalkParams
-
-LOOK_AHEAD = NUM_REQUIRED_WALK_STEPS
-"""Steps that enter the plan."""
+from atlas_drake.messages import AtlasBehaviorWalkParams
 
 DEMO_STEPS = 25
 """Index of the demonstration's last step."""
@@ -105,23 +97,3 @@ def feet_to_come(memory: WalkMemory) -> list[FootPose]:
     if memory.swinging:
         feet[memory.step.foot] = memory.step.pose
     return feet
-
-
-def coming_steps(memory: WalkMemory, limits: StepLimits) -> tuple[Footstep, ...]:
-    """Steps that the plan looks at, saturated one from the other.
-
-    The one in the air comes first and is taken as it is.
-    """
-    steps = [memory.step] if memory.swinging else []
-    poses = feet_to_come(memory)
-    last_foot = memory.last_foot
-    for step in memory.known:
-        if step.foot == last_foot or len(steps) >= LOOK_AHEAD:
-            break
-        start, stance = poses[step.foot], poses[1 - step.foot]
-        taken = saturate(laid_out(step, stance, limits), stance, limits)
-        taken = kept_brisk(cleared(taken, start, limits), start, stance, limits)
-        steps.append(taken)
-        poses[taken.foot] = taken.pose
-        last_foot = taken.foot
-    return tuple(steps)

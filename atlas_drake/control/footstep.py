@@ -116,6 +116,35 @@ class StepLimits:
     """[m]"""
 
 
+@dataclass(frozen=True)
+class StepSlack:
+    """How far beyond its limits a step may go to make up for where the feet landed.
+
+    Limits count from where the stance foot was sent. A foot that landed a little
+    short of that would else shorten the next step too, and the next.
+    """
+
+    distance: float = 0.02
+    """[m]"""
+    turn: float = 0.05
+    """[rad]"""
+    rise: float = 0.01
+    """Of ground that is not quite where the step says [m]."""
+
+    def loosen(self, limits: StepLimits) -> StepLimits:
+        """What a step can be from where the stance foot really is."""
+        return replace(
+            limits,
+            forward=limits.forward + self.distance,
+            backward=limits.backward + self.distance,
+            min_width=limits.min_width - self.distance,
+            max_width=limits.max_width + self.distance,
+            rise=limits.rise + self.rise,
+            toe_out=limits.toe_out + self.turn,
+            toe_in=limits.toe_in + self.turn,
+        )
+
+
 def outward(foot: int) -> float:
     """Sign of y that leads away from the other foot."""
     return 1.0 if foot == LEFT else -1.0
@@ -227,3 +256,8 @@ def landing_error(step: Footstep, landed: FootPose) -> float:
         landed.p_WF[0] - step.p_WF[0],
         landed.p_WF[1] - step.p_WF[1],
     )
+
+
+def heading_error(step: Footstep, landed: FootPose) -> float:
+    """Angle between the heading a step was sent with and the one it has [rad]."""
+    return abs(wrap_angle(landed.yaw - step.yaw))

@@ -8,12 +8,13 @@ jump. Knows nothing of balance or of why the target moved.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from atlas_drake.control.footstep import FootPose, Footstep
 from atlas_drake.control.rotations import (
+    cross,
     rotation_with_normal,
     rotation_y,
     wrap_angle,
@@ -25,10 +26,11 @@ from atlas_drake.frozen import replace
 class SwingProfile:
     """How a swing looks, whatever the step."""
 
-    press_depth: float = 0.005
-    """Landing is aimed this far below the ground, so that it is not missed [m]."""
-    late_descent: float = 0.15
-    """Speed at which a foot that found no ground goes on down [m/s]."""
+    landing_speed: float = 0.15
+    """Speed at which the sole meets the ground, and at which a foot that found none
+    goes on down [m/s]: the faster, the less an error of height matters in time."""
+    landing_time: float = 0.5
+    """Last part of a swing that leads up to that speed, at most [s]."""
     toe_down: float = 1.6
     """Pitch of the toes at the apex per metre of swing height [rad/m]; climbing does
     without it, lest the toes catch the edge."""
@@ -73,13 +75,19 @@ class Swing:
 
 @dataclass(frozen=True)
 class SwingReference:
-    """Where the sole shall be now: position, velocity, acceleration in W."""
+    """Where the sole shall be now: position, velocity, acceleration in W.
+
+    Attributes:
+        p_WF, v_WF, a_WF: Of the sole's centre, shape (3,).
+        R_WF, w_WF, alpha_WF: Orientation, angular velocity, angular acceleration.
+    """
 
     p_WF: np.ndarray
     v_WF: np.ndarray
     a_WF: np.ndarray
     R_WF: np.ndarray
     w_WF: np.ndarray
+    alpha_WF: np.ndarray = field(default_factory=lambda: np.zeros(3))
 
 
 def begin_swing(start: FootPose, duration: float) -> Swing:
@@ -135,27 +143,35 @@ def _horizontal_window(
 
 def _reference(swing: Swing, target: Footstep, profile: SwingProfile) -> SwingReference:
     z, vz, az = _height(swing, target, profile)
-    s, ds, _ = quintic_progress(swing.progress)
-    rate = ds / swing.duration if swing.elapsed < swing.duration else 0.0
-    tipped, tip_rate, _ = bump(swing.progress)
+    T = swing.duration
+    s, ds, dds = quintic_progress(swing.progress)
+    tipped, tip_rate, tip_push = bump(swing.progress)
     toes = _toe_pitch(swing, target, profile)
-    R, w = _sole_on_ground(swing.start, target, s, rate)
+    R, turn = _sole_on_ground(swing.start, target, s)
+    w, tip = turn * (ds / T), toes * tip_rate / T
+    pitch_axis = R[:, 1]
     return SwingReference(
         p_WF=np.array([swing.xy[0], swing.xy[1], z]),
         v_WF=np.array([swing.xy_velocity[0], swing.xy_velocity[1], vz]),
         a_WF=np.array([swing.xy_acceleration[0], swing.xy_acceleration[1], az]),
         R_WF=R @ rotation_y(toes * tipped),
-        w_WF=w + R[:, 1] * (toes * tip_rate / swing.duration),
+        w_WF=w + tip * pitch_axis,
+        # The turn's own axis hardly moves, which is left out.
+        alpha_WF=(
+            turn * (dds / T**2)
+            + (toes * tip_push / T**2) * pitch_axis
+            + tip * cross(w, pitch_axis)
+        ),
     )
 
 
 def _sole_on_ground(
-    start: FootPose, target: Footstep, s: float, rate: float
+    start: FootPose, target: Footstep, s: float
 ) -> tuple[np.ndarray, np.ndarray]:
     """Orientation between start and target, were the foot not lifted, and its rate.
 
-    Heading and normal go from one to the other with the progress ``s``, 0 to 1, which
-    grows at ``rate`` [1/s].
+    Heading and normal go from one to the other with the progress ``s``, 0 to 1; the
+    rate is the angular velocity per unit of it, shape (3,).
     """
     start_yaw, start_normal = start.yaw, start.R_WF[:, 2]
     turn = wrap_angle(target.yaw - start_yaw)
@@ -164,18 +180,19 @@ def _sole_on_ground(
     along = start_normal + s * difference
     length = math.sqrt(along @ along)
     normal = along / length
-    tilting = rate / length * (difference - normal * (normal @ difference))
+    # The normal's rate, but for a part along itself that drops out further down.
+    tilting = difference / length
     R = rotation_with_normal(yaw, normal)
     # The turn about the normal follows from x staying above the heading: x goes along
     # u = [cos, sin, slope], and only the part of u's rate along y turns it.
-    c, si, yaw_rate = math.cos(yaw), math.sin(yaw), turn * rate
+    c, si = math.cos(yaw), math.sin(yaw)
     n, t = normal.tolist(), tilting.tolist()
     slope = -(c * n[0] + si * n[1]) / n[2]
     slope_rate = (
-        yaw_rate * (si * n[0] - c * n[1]) - (c * t[0] + si * t[1]) - slope * t[2]
+        turn * (si * n[0] - c * n[1]) - (c * t[0] + si * t[1]) - slope * t[2]
     ) / n[2]
     y = R[:, 1].tolist()
-    along_y = yaw_rate * (c * y[1] - si * y[0]) + slope_rate * y[2]
+    along_y = turn * (c * y[1] - si * y[0]) + slope_rate * y[2]
     spin = along_y / math.sqrt(1.0 + slope * slope)
     w = np.array(
         [
@@ -196,30 +213,46 @@ def _toe_pitch(swing: Swing, target: Footstep, profile: SwingProfile) -> float:
 def _height(
     swing: Swing, target: Footstep, profile: SwingProfile
 ) -> tuple[float, float, float]:
-    """Height of the sole, its rate and acceleration: a bump on smooth ramps.
+    """Height of the sole, its rate and acceleration: a bump, a ramp and a landing.
 
-    One ramp is the climb from the ground here to the ground there, the other one
-    presses the foot into that ground.
+    The ramp is the climb from the ground here to the ground there. Bump and ramp end
+    at rest; the landing makes the sole meet the ground at speed, and so on time.
     """
     T = swing.duration
     z0 = float(swing.start.p_WF[2])
-    climb, press = float(target.p_WF[2]) - z0, -profile.press_depth
+    climb = float(target.p_WF[2]) - z0
     if swing.elapsed >= T:
-        late = swing.elapsed - T
-        z1 = z0 + climb + press
-        return z1 - profile.late_descent * late, -profile.late_descent, 0.0
+        late, speed = swing.elapsed - T, profile.landing_speed
+        return z0 + climb - speed * late, -speed, 0.0
     share = profile.climb_share
     begin = 0.0 if climb > 0.0 else 1.0 - share
     r, dr, ddr = quintic_progress(min(max((swing.progress - begin) / share, 0.0), 1.0))
-    s, ds, dds = quintic_progress(swing.progress)
     b, db, ddb = bump(swing.progress)
-    # Midway, where the bump is highest, the foot has climbed to the higher end and is
-    # pressed down by half the depth.
-    height = target.swing_height - 0.5 * abs(climb) - 0.5 * press
+    above, rate, push = _landing(swing.elapsed, T, profile)
+    # Midway, where the bump is highest, the foot has climbed to the higher end.
+    midway, _, _ = _landing(0.5 * T, T, profile)
+    height = target.swing_height - 0.5 * abs(climb) - midway
     return (
-        z0 + climb * r + press * s + height * b,
-        (climb * dr / share + press * ds + height * db) / T,
-        (climb * ddr / share**2 + press * dds + height * ddb) / (T * T),
+        z0 + climb * r + height * b + above,
+        (climb * dr / share + height * db) / T + rate,
+        (climb * ddr / share**2 + height * ddb) / (T * T) + push,
+    )
+
+
+def _landing(
+    elapsed: float, T: float, profile: SwingProfile
+) -> tuple[float, float, float]:
+    """v·τ·u³(1-u) with its first and second derivative in time.
+
+    It ends at 0 with the landing speed downwards; u goes from 0 to 1 in the last τ of
+    the swing's T [s].
+    """
+    tau, speed = min(T, profile.landing_time), profile.landing_speed
+    u = max((elapsed - T) / tau + 1.0, 0.0)
+    return (
+        speed * tau * u**3 * (1.0 - u),
+        speed * u * u * (3.0 - 4.0 * u),
+        speed / tau * u * (6.0 - 12.0 * u),
     )
 
 

@@ -53,7 +53,8 @@ class WholeBodyTerms:
         q: Joint positions [rad], shape (n,).
         v: Joint velocities [rad/s], shape (n,).
         stack: Rows of ``M``, then those of ``J``, shape (6 + n + 15, 6 + n).
-        h: Coriolis, centrifugal and gravity forces [N·m; N], shape (6 + n,).
+        h: Coriolis, centrifugal and gravity forces and the damping of the joints
+            [N·m; N], shape (6 + n,).
         R_WP: Orientation of the pelvis.
         p_WP: Position of the pelvis [m].
         V_WP: Spatial velocity of the pelvis [rad/s; m/s] in W.
@@ -107,6 +108,10 @@ class WholeBodyModel:
         self._chest = plant.GetFrameByName(robot.file.chest)
         self._soles = [plant.GetFrameByName(f.sole_frame) for f in robot.file.feet]
         generalized = self._indices.generalized
+        joints = [plant.GetJointByName(name) for name in robot.joint_names]
+        self._damping = np.array(
+            [joint.default_damping_vector()[0] for joint in joints]
+        )
         self._square = generalized[:, None] * plant.num_velocities() + generalized
 
     @property
@@ -155,6 +160,8 @@ class WholeBodyModel:
         # Gravity is a uniform acceleration, so its generalized force is the column
         # sum that the mass matrix already holds for the pelvis' vertical motion.
         h += GRAVITY * M[:, 5]
+        # A swinging foot is so light about the ankle that the joint's damping counts.
+        h[6:] += self._damping * v[6:]
 
         bias = np.empty(15)
         for foot, sole in enumerate(self._soles):

@@ -137,6 +137,9 @@ def read_log(path: str | Path) -> Log:
 
     An .mcap file that was never completed is read as far as it goes.
 
+    Args:
+        path: Of the file: .mcap, .npz or .parquet.
+
     Raises:
         LogError: If the file cannot be read, is no log or a damaged one, or has no
             rows.

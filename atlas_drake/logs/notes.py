@@ -14,9 +14,10 @@ from typing import Any, Protocol
 import numpy as np
 
 from atlas_drake.behaviors.base import Event
-from atlas_drake.errors import AtlasError
+from atlas_drake.errors import AtlasError, shown
 from atlas_drake.logs.layout import Layout
 from atlas_drake.messages import AtlasCommand, AtlasSimInterfaceCommand, Message
+from atlas_drake.messages.numeric import is_whole
 
 FORMAT, VERSION = "atlas_drake log", 1
 COMMANDS: dict[str, type[Message]] = {
@@ -138,26 +139,46 @@ def notes_from_json(text: str) -> list[Note]:
     return [Note(*entry) for entry in json.loads(text)]
 
 
-def to_plain(value: Any) -> Any:
-    """Messages, arrays and numbers as what JSON knows; NaN and infinities as None."""
+DEEPEST = 16
+"""Nesting down to which values are kept; what is deeper, no valid message has."""
+
+
+def to_plain(value: Any, path: tuple[int, ...] = ()) -> Any:
+    """Messages, arrays and numbers as what JSON knows; NaN and infinities as None.
+
+    Takes whatever a refused message holds: what JSON does not know becomes text.
+
+    Args:
+        value: To be kept.
+        path: Identities of what ``value`` is within, to notice one within itself.
+    """
+    if value is None or isinstance(value, str):
+        return value
+    if isinstance(value, (bool, np.bool_)):
+        return bool(value)
+    if is_whole(value):
+        return int(value) if abs(value) <= LARGEST_INTEGER else shown(value)
+    if isinstance(value, (float, np.floating)):
+        return float(value) if math.isfinite(value) else None
+    if id(value) in path or len(path) == DEEPEST:
+        return "..."
+    within = (*path, id(value))
     if isinstance(value, Message):
         return {
-            field.name: to_plain(getattr(value, field.name))
+            field.name: to_plain(getattr(value, field.name), within)
             for field in fields(value)  # type: ignore[arg-type]
         }
     if isinstance(value, Mapping):
-        return {str(key): to_plain(item) for key, item in value.items()}
+        return {str(key): to_plain(item, within) for key, item in value.items()}
     if isinstance(value, np.ndarray):
-        return to_plain(value.tolist())
+        return to_plain(value.tolist(), within)
     if isinstance(value, (list, tuple)):
-        return [to_plain(item) for item in value]
-    if isinstance(value, (bool, np.bool_)):
-        return bool(value)
-    if isinstance(value, (int, np.integer)):
-        return int(value)
-    if isinstance(value, (float, np.floating)):
-        return float(value) if math.isfinite(value) else None
-    return value if value is None else str(value)
+        return [to_plain(item, within) for item in value]
+    return shown(value)
+
+
+LARGEST_INTEGER = 2**63 - 1
+"""Largest integer that every reader of a log knows."""
 
 
 def message_from(kind: type[Message], plain: Mapping[str, Any]) -> Message:

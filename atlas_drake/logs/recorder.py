@@ -22,6 +22,7 @@ from pydrake.systems.framework import (
 )
 
 from atlas_drake.behaviors.base import Event
+from atlas_drake.frozen import NOTHING
 from atlas_drake.logs.formats import LogFile
 from atlas_drake.logs.notes import (
     COMMANDS,
@@ -88,7 +89,7 @@ class LogRecorder(CollectableSystem):
         for name, size in sampler.port_sizes.items():
             self._ports[name] = self.DeclareVectorInputPort(name, size)
         for name in _VALUES:
-            blank = ContactResults() if name == "contact_results" else None
+            blank = ContactResults() if name == "contact_results" else NOTHING
             self._ports[name] = self.DeclareAbstractInputPort(
                 name, AbstractValue.Make(blank)
             )
@@ -148,11 +149,12 @@ class LogRecorder(CollectableSystem):
         fresh = commands.messages_since(self._received)
         self._received = commands.received
         with self._latched_fault():
-            for message in fresh:
-                kind = next(
-                    k for k, cls in COMMANDS.items() if isinstance(message, cls)
-                )
-                self._writer.note(Note(time, kind, to_plain(message)))
+            for received in fresh:
+                for kind, cls in COMMANDS.items():
+                    # What is no command is in the event that tells of its refusal.
+                    if isinstance(received.message, cls):
+                        plain = to_plain(received.message)
+                        self._writer.note(Note(received.time, kind, plain))
             self._writer.row(row)
 
     # ---- sampling ------------------------------------------------------------

@@ -6,7 +6,7 @@ All other channels are in ``channels``.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from functools import cached_property
 from operator import attrgetter
@@ -73,7 +73,7 @@ class ReportChannel:
             setattr(message, name, kind(number))
 
     @cached_property
-    def _get(self) -> attrgetter[Any]:
+    def _get(self) -> Callable[[object], Any]:
         return attrgetter(*self.leaves)
 
     def _owner(self, report: AtlasSimInterfaceState) -> Any:

@@ -47,6 +47,7 @@ from atlas_drake.messages.geometry import (
 from atlas_drake.messages.imu import Imu
 from atlas_drake.messages.validation import (
     K_EFFORT_MAX,
+    check_command,
     validate_atlas_command,
     validate_sim_interface_command,
 )
@@ -88,6 +89,7 @@ __all__ = [
     "WalkStatus",
     "Wrench",
     "behavior_from",
+    "check_command",
     "validate_atlas_command",
     "validate_sim_interface_command",
 ]

@@ -1,9 +1,14 @@
 """What all messages share: misspelt fields caught, comparison, snapshots.
 
-The messages themselves are in their own files; what is valid is in ``validation``.
+A snapshot is what is sent and kept. ``frozen`` and ``same_content`` take whatever a
+sender may put into a message, or in its place, and never raise. The messages
+themselves are in their own files; what is valid is in ``validation``.
 """
 
 import copy
+import functools
+import operator
+from collections.abc import Callable
 from dataclasses import fields
 from typing import TYPE_CHECKING, Any
 
@@ -11,15 +16,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from atlas_drake.errors import did_you_mean
+from atlas_drake.frozen import NOTHING
+from atlas_drake.messages.numeric import plain_number
 
 if TYPE_CHECKING:
-    from typing_extensions import Self
+    from typing import Self
 
 FloatArray = list[float] | NDArray[Any]
 """One number for each joint in message order, or nothing: "leave what is in force"."""
 
 IntArray = list[int] | NDArray[Any]
 """One whole number for each joint in message order, or nothing, likewise."""
+
+
+UNNUMBERED = 0
+"""Number of a message whose sender does not number messages."""
 
 
 class Message:
@@ -29,8 +40,9 @@ class Message:
     ``snapshot``, so that the sender may go on using and changing its own message.
     """
 
-    __slots__ = ("_frozen",)
+    __slots__ = ("_frozen", "_number")
     _frozen: bool
+    _number: int
 
     # Type checkers would take these definitions to allow any arguments and any
     # attribute, and report fewer mistakes for it.
@@ -40,6 +52,7 @@ class Message:
             """Make a message that may be changed."""
             message = object.__new__(cls)
             object.__setattr__(message, "_frozen", False)
+            object.__setattr__(message, "_number", UNNUMBERED)
             return message
 
         def __setattr__(self, name, value):
@@ -88,24 +101,38 @@ class Message:
     def snapshot(self) -> "Self":
         """Return a copy that nobody can change.
 
-        Lists become tuples and arrays read-only, at every depth. A snapshot of a
-        snapshot is itself, and so is its deep copy, which makes passing it through a
-        diagram cheap.
+        Lists become tuples and arrays read-only, at every depth, and numbers Python's
+        own. A snapshot of a snapshot is itself, and so is its deep copy, which makes
+        passing it through a diagram cheap.
         """
+        return self._fixed((id(self),))
+
+    def numbered(self, number: int) -> "Self":
+        """Return a snapshot that is new beside another one with the same content.
+
+        Args:
+            number: Any but 0 and that of the message which the sender sent before.
+        """
+        source = self.mutable_copy() if self._frozen else self
+        twin = source.snapshot()
+        object.__setattr__(twin, "_number", number)
+        return twin
+
+    def _fixed(self, path: "_Path") -> "Self":
+        """Return a snapshot; ``path`` ends with this message itself."""
         if self._frozen:
             return self
-        twin = self._rebuilt(_fixed)
+        twin = type(self).__new__(type(self))
+        for name in self.__dataclass_fields__:  # type: ignore[attr-defined]
+            object.__setattr__(twin, name, frozen(getattr(self, name), path))
         object.__setattr__(twin, "_frozen", True)
         return twin
 
     def mutable_copy(self) -> "Self":
         """Return a deep copy that may be changed, also of a snapshot."""
-        return self._rebuilt(_editable)
-
-    def _rebuilt(self, convert: Any) -> "Self":
         twin = type(self).__new__(type(self))
-        for field in fields(self):  # type: ignore[arg-type]
-            object.__setattr__(twin, field.name, convert(getattr(self, field.name)))
+        for name in self.__dataclass_fields__:  # type: ignore[attr-defined]
+            object.__setattr__(twin, name, _editable(getattr(self, name)))
         return twin
 
     def __deepcopy__(self, memo: dict[int, Any]) -> "Self":
@@ -129,31 +156,146 @@ class Message:
 
     def __setstate__(self, state: tuple[bool, dict[str, Any]]) -> None:
         """Restore what pickling kept; arrays come out of it writable."""
-        frozen, values = state
+        is_frozen, values = state
         for name, value in values.items():
-            object.__setattr__(self, name, _fixed(value) if frozen else value)
-        object.__setattr__(self, "_frozen", frozen)
+            object.__setattr__(self, name, frozen(value) if is_frozen else value)
+        object.__setattr__(self, "_frozen", is_frozen)
 
 
 _IMMUTABLE = (float, int, str, type(None))
 
+DEEPEST = 8
+"""More than the depth to which messages and lists are nested in any message."""
 
-def _fixed(value: Any) -> Any:
-    """Return a copy of a field's value that nobody can change."""
+_Path = tuple[int, ...]
+"""Identities of the containers around a value, to notice one that contains itself."""
+
+
+def _enters(value: object, path: _Path) -> bool:
+    """Tell whether a container may be entered: it is neither too deep nor a loop."""
+    return len(path) < DEEPEST and id(value) not in path
+
+
+def frozen(value: Any, path: _Path = ()) -> Any:
+    """Return a copy of a value, of whatever kind, that nobody can change.
+
+    Numbers become Python's own. What cannot stand in any valid message, such as a
+    generator or a list that contains itself, stays what it is: its place is in the
+    error that refuses it.
+    """
     if isinstance(value, _IMMUTABLE):
         return value
-    if isinstance(value, Message):
-        return value.snapshot()
-    if isinstance(value, (list, tuple)):
-        return tuple(_fixed(element) for element in value)
-    twin = copy.deepcopy(value)
-    if isinstance(twin, np.ndarray):
+    if isinstance(value, np.ndarray):
+        twin = value.copy()
         twin.setflags(write=False)
-    return twin
+        return twin
+    if isinstance(value, (list, tuple)) and set(map(type, value)) <= _NUMBERS:
+        return tuple(value)
+    if isinstance(value, (Message, list, tuple)) and _enters(value, path):
+        within = (*path, id(value))
+        if isinstance(value, Message):
+            return value._fixed(within)
+        return tuple(frozen(element, within) for element in value)
+    return plain_number(value)
+
+
+_NUMBERS = {float, int}
+"""Types of the elements of nearly every list."""
+
+
+def same_content(value: Any, seen: Any, path: _Path = ()) -> bool:
+    """Tell whether a value says what a frozen one, seen earlier, said.
+
+    Never raises. NaN says the same as NaN, and what cannot stand in any valid message
+    the same as another thing of its type. Fast where nothing changed.
+
+    Args:
+        value: A message, or whatever stands in its place; it may have changed since.
+        seen: What ``frozen`` made of one.
+        path: Identities of the containers around ``value``.
+    """
+    # Fields that did not change are the same immutable objects.
+    if value is seen:
+        return True
+    if isinstance(value, Message) and _enters(value, path):
+        if type(value) is not type(seen):
+            return False
+        within = (*path, id(value))
+        get = _fields_getter(type(value))  # type: ignore[arg-type]
+        return all(
+            now is before or same_content(now, before, within)
+            for now, before in zip(get(value), get(seen), strict=True)
+        )
+    if isinstance(value, (list, tuple)) and _enters(value, path):
+        return _same_elements(value, seen, (*path, id(value)))
+    if isinstance(value, _IMMUTABLE):
+        return isinstance(seen, _IMMUTABLE) and (
+            bool(value == seen) or (value != value and seen != seen)
+        )
+    if isinstance(value, np.ndarray):
+        return _same_array(value, seen, path)
+    number = plain_number(value)
+    if number is not value:
+        return same_content(number, seen)
+    return type(value) is type(seen)
+
+
+@functools.cache
+def _fields_getter(kind: type[Message]) -> Callable[[Any], tuple[Any, ...]]:
+    """Return a function that gives all fields of a message of that kind at once."""
+    names = list(kind.__dataclass_fields__)  # type: ignore[attr-defined]
+    if len(names) > 1:
+        return operator.attrgetter(*names)
+    return lambda message: tuple(getattr(message, name) for name in names)
+
+
+def _same_elements(value: Any, seen: Any, path: _Path) -> bool:
+    """Compare a sequence; ``path`` ends with it."""
+    if not isinstance(seen, (list, tuple)) or len(value) != len(seen):
+        return False
+    if set(map(type, value)) <= _NUMBERS and tuple(value) == tuple(seen):
+        return True
+    return all(
+        now is before or same_content(now, before, path)
+        for now, before in zip(value, seen, strict=True)
+    )
+
+
+def _same_array(value: np.ndarray, seen: Any, path: _Path) -> bool:
+    if (
+        type(value) is not type(seen)
+        or value.dtype != seen.dtype
+        or value.shape != seen.shape
+    ):
+        return False
+    if value.dtype.hasobject:
+        return same_content(value.tolist(), seen.tolist(), path)
+    return value.tobytes() == seen.tobytes()
+
+
+def is_new(value: Any, seen: Any) -> bool:
+    """Tell whether a port holds another message than it did.
+
+    It does when the content differs, stamp included, or the number of a message that
+    has one. Whether it is the same object does not matter: a sender may change a
+    message and send it again.
+
+    Args:
+        value: What the port holds; NOTHING is not new.
+        seen: What ``frozen`` made of what it held before; NOTHING at first.
+    """
+    if value is NOTHING or value is seen:
+        return False
+    number = value._number if isinstance(value, Message) else UNNUMBERED
+    if number != UNNUMBERED and number != getattr(seen, "_number", UNNUMBERED):
+        return True
+    return not same_content(value, seen)
 
 
 def _editable(value: Any) -> Any:
     """Return a copy of a field's value that may be changed."""
+    if isinstance(value, _IMMUTABLE):
+        return value
     if isinstance(value, Message):
         return value.mutable_copy()
     if isinstance(value, (list, tuple)):

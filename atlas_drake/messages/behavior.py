@@ -5,8 +5,8 @@ What a behavior does, and from which other it may follow, is not decided here.
 
 from enum import IntEnum
 
-from atlas_drake.errors import ErrorCode, InvalidMessageError, did_you_mean
-from atlas_drake.messages.checks import is_whole
+from atlas_drake.errors import ErrorCode, InvalidMessageError, did_you_mean, shown
+from atlas_drake.messages.numeric import is_whole
 
 _WHOLE = tuple("bcdnoxX")
 """Types of format specifications that are for whole numbers."""
@@ -67,6 +67,6 @@ def behavior_from(value: object, field: str = "behavior") -> Behavior:
     raise InvalidMessageError(
         field,
         value,
-        f"there is no behavior {value!r}.{hint} Known are {known}.",
+        f"there is no behavior {shown(value)}.{hint} Known are {known}.",
         ErrorCode.NO_SUCH_BEHAVIOR,
     )

@@ -55,7 +55,8 @@ class WalkStatus(IntFlag):
     WARNING_INSUFFICIENT_STEP_DATA = 8
     """There was no next step in time: the walk ends."""
     ERROR_INCONSISTENT_STEPS = 16
-    """The next step was for the same foot again: the walk ends."""
+    """The next step cannot follow: it is for the same foot again, leads too far up or
+    down, or to another level out of reach. The walk ends."""
 
 
 class StepStatus(IntFlag):
@@ -111,7 +112,8 @@ class AtlasBehaviorWalkFeedback(Message):
     """How WALK goes.
 
     Attributes:
-        t_step_rem: Time until the foot in the air touches down [s].
+        t_step_rem: Time until the foot in the air touches down, or else the next one
+            [s]; 0 when none is to come.
         current_step_index: Number of the step being taken; 0 before the first.
         next_step_index_needed: First index that the next step queue should hold.
         status_flags: ``WALK_...`` bits; exactly one substate while WALK is active.

@@ -5,7 +5,7 @@ The rest of a command is checked in ``validation``.
 
 import math
 
-from atlas_drake.errors import ErrorCode, InvalidMessageError
+from atlas_drake.errors import ErrorCode, InvalidMessageError, shown
 from atlas_drake.messages.behavior_params import (
     NO_STEP,
     NUM_REQUIRED_WALK_STEPS,
@@ -24,9 +24,9 @@ from atlas_drake.messages.checks import (
     check_flag,
     check_kind,
     check_number,
-    is_whole,
 )
 from atlas_drake.messages.geometry import Pose, Quaternion, Vector3
+from atlas_drake.messages.numeric import is_whole
 
 FEET = {0: "left", 1: "right"}
 """Foot indices."""
@@ -154,7 +154,7 @@ def _check_indices(
             f"{field}.step_index",
             step.step_index,
             f"must be a whole number from 1 on, or {NO_STEP} for no step, is "
-            f"{step.step_index!r}",
+            f"{shown(step.step_index)}",
             ErrorCode.INVALID_INDEX,
         )
     if step.step_index == NO_STEP:
@@ -164,7 +164,7 @@ def _check_indices(
         raise InvalidMessageError(
             f"{field}.foot_index",
             step.foot_index,
-            f"must be {choice}, is {step.foot_index!r}",
+            f"must be {choice}, is {shown(step.foot_index)}",
             ErrorCode.INVALID_INDEX,
         )
     return int(step.step_index)
@@ -200,7 +200,7 @@ def _check_action(action: AtlasBehaviorStepAction, field: str) -> None:
         raise InvalidMessageError(
             f"{field}.toe_off",
             action.toe_off,
-            f"must be one of {choice}, is {action.toe_off!r}",
+            f"must be one of {choice}, is {shown(action.toe_off)}",
         )
 
 

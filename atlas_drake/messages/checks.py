@@ -5,14 +5,14 @@ Which field must pass which check is in ``validation``.
 
 import math
 from collections.abc import Sequence
-from numbers import Integral, Real
-from typing import Any, TypeGuard
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from atlas_drake.errors import InvalidMessageError
+from atlas_drake.errors import InvalidMessageError, shown
 from atlas_drake.messages.base import Message
+from atlas_drake.messages.numeric import as_float, is_whole
 
 
 def check_kind(value: object, kind: type[Message], field: str) -> None:
@@ -50,19 +50,19 @@ def check_number(
         InvalidMessageError: If it is none, not finite, beyond ``LARGEST`` or too
             small.
     """
-    number = _float(value)
+    number = as_float(value)
     if number is None:
-        raise InvalidMessageError(field, value, f"must be a number, is {value!r}")
+        raise InvalidMessageError(field, value, f"must be a number, is {shown(value)}")
     if not math.isfinite(number):
-        raise InvalidMessageError(field, value, f"must be finite, is {value!r}")
+        raise InvalidMessageError(field, value, f"must be finite, is {shown(value)}")
     if abs(number) > LARGEST:
         raise InvalidMessageError(
-            field, value, f"must be within ±{LARGEST:g}, is {value!r}"
+            field, value, f"must be within ±{LARGEST:g}, is {shown(value)}"
         )
     if number < lower or (strictly and number == lower):
         bound = "greater than" if strictly else "at least"
         raise InvalidMessageError(
-            field, value, f"must be {bound} {lower:g}, is {value!r}"
+            field, value, f"must be {bound} {lower:g}, is {shown(value)}"
         )
     return number
 
@@ -71,15 +71,38 @@ MAX_INDEX = 2**31 - 1
 """Largest number of a step: the original counts steps in 32 bits."""
 
 
-def is_whole(value: object) -> TypeGuard[int]:
-    """Tell whether a value is a whole number by its type; truth values are not."""
-    return not isinstance(value, bool) and isinstance(value, Integral)
+def check_vector(
+    values: object, field: str, size: int, largest: float = LARGEST
+) -> NDArray[np.float64]:
+    """Check that a value has ``size`` finite numbers, none larger than ``largest``.
+
+    Returns:
+        The numbers; shape (size,).
+
+    Raises:
+        InvalidMessageError: If it is no list, tuple or array of such numbers.
+    """
+    is_list = isinstance(values, (list, tuple)) or (
+        isinstance(values, np.ndarray) and not isinstance(values, np.ma.MaskedArray)
+    )
+    numbers = [as_float(element) for element in values] if is_list else []  # type: ignore[attr-defined]
+    vector = np.array([math.nan if number is None else number for number in numbers])
+    if vector.shape != (size,) or not np.isfinite(vector).all():
+        problem = f"must be {size} finite numbers, is {shown(values)}"
+        raise InvalidMessageError(field, values, problem)
+    if np.abs(vector).max() > largest:
+        problem = f"must be within ±{largest:g}, is {shown(values)}"
+        raise InvalidMessageError(field, values, problem)
+    return vector
 
 
 def check_flag(value: object, field: str) -> None:
     """Raise InvalidMessageError unless the value says yes or no."""
-    if not (isinstance(value, (bool, np.bool_, Integral)) and value in (0, 1)):
-        raise InvalidMessageError(field, value, f"must be True or False, is {value!r}")
+    yes_or_no = isinstance(value, (bool, np.bool_)) or is_whole(value)
+    if not (yes_or_no and value in (0, 1)):
+        raise InvalidMessageError(
+            field, value, f"must be True or False, is {shown(value)}"
+        )
 
 
 def check_joint_array(
@@ -129,7 +152,7 @@ def check_joint_array(
         raise InvalidMessageError(
             f"{field}[{index}]",
             value,
-            f"{requirement}, is {value!r} (joint {joint_names[index]})",
+            f"{requirement}, is {shown(value)} (joint {joint_names[index]})",
         )
     return numbers
 
@@ -137,6 +160,13 @@ def check_joint_array(
 def _joint_numbers(
     values: object, field: str, joint_names: Sequence[str]
 ) -> NDArray[np.float64]:
+    if isinstance(values, np.ma.MaskedArray):
+        raise InvalidMessageError(
+            field,
+            values,
+            "must be a list of numbers or a plain array, is a masked array: what shall "
+            "count instead of its masked elements? (its filled() says)",
+        )
     is_array = isinstance(values, np.ndarray)
     if not (isinstance(values, (list, tuple)) or is_array):
         raise InvalidMessageError(
@@ -160,27 +190,16 @@ def _joint_numbers(
             f"{len(elements)}",
         )
     if is_array and elements.dtype.kind in "iuf":
-        return np.asarray(elements, dtype=float)
+        with np.errstate(over="ignore"):  # Too large is infinite, and refused as such.
+            return np.asarray(elements, dtype=float)
     numbers = np.empty(len(elements))
     for index, element in enumerate(elements):
-        number = _float(element)
+        number = as_float(element)
         if number is None:
             raise InvalidMessageError(
                 f"{field}[{index}]",
                 element,
-                f"must be a number, is {element!r} (joint {joint_names[index]})",
+                f"must be a number, is {shown(element)} (joint {joint_names[index]})",
             )
         numbers[index] = number
     return numbers
-
-
-def _float(value: object) -> float | None:
-    """Convert a number to float, anything else to None."""
-    if type(value) is float:
-        return value
-    if isinstance(value, (bool, np.bool_)) or not isinstance(value, Real):
-        return None
-    try:
-        return float(value)
-    except OverflowError:
-        return math.inf if value > 0 else -math.inf  # type: ignore[operator]

@@ -34,7 +34,11 @@ class Vector3(Message):
 
     @classmethod
     def from_array(cls, xyz: ArrayLike) -> "Vector3":
-        """Make one from x, y, z; shape (3,)."""
+        """Make one from numbers.
+
+        Args:
+            xyz: x, y, z; shape (3,).
+        """
         x, y, z = np.asarray(xyz, dtype=float).tolist()
         return cls(x, y, z)
 
@@ -58,7 +62,11 @@ class Quaternion(Message):
 
     @classmethod
     def from_wxyz(cls, wxyz: ArrayLike) -> "Quaternion":
-        """Make one from w, x, y, z, the order of Drake and Eigen; shape (4,)."""
+        """Make one from numbers in the order of Drake and Eigen.
+
+        Args:
+            wxyz: w, x, y, z; shape (4,).
+        """
         w, x, y, z = np.asarray(wxyz, dtype=float).tolist()
         return cls(x, y, z, w)
 

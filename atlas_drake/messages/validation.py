@@ -9,7 +9,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from atlas_drake.errors import ErrorCode, InvalidMessageError
+from atlas_drake.errors import ErrorCode, InvalidMessageError, shown
 from atlas_drake.messages.atlas_command import AtlasCommand
 from atlas_drake.messages.atlas_sim_interface_command import AtlasSimInterfaceCommand
 from atlas_drake.messages.behavior import behavior_from
@@ -31,6 +31,20 @@ CONTROLLER_PERIOD_MAX_MS = 255
 _SETPOINTS = ("position", "velocity", "effort")
 _GAINS = ("kp_position", "ki_position", "kd_position", "kp_velocity")
 _SERVO_GAINS = ("kp_position", "ki_position", "kp_velocity")
+
+
+def check_command(
+    message: AtlasCommand | AtlasSimInterfaceCommand, joint_names: Sequence[str]
+) -> None:
+    """Check a command of either kind by itself, whatever was sent before.
+
+    Raises:
+        InvalidMessageError: If anything in it cannot be applied; it names the field.
+    """
+    if isinstance(message, AtlasCommand):
+        validate_atlas_command(message, joint_names)
+    else:
+        validate_sim_interface_command(message, joint_names)
 
 
 def validate_atlas_command(
@@ -68,7 +82,7 @@ def validate_atlas_command(
             "desired_controller_period_ms",
             message.desired_controller_period_ms,
             f"must be a whole number of milliseconds, 0 to {CONTROLLER_PERIOD_MAX_MS}, "
-            f"is {message.desired_controller_period_ms!r}",
+            f"is {shown(message.desired_controller_period_ms)}",
         )
 
 

@@ -32,7 +32,7 @@ from atlas_drake.control.whole_body_model import (
 )
 from atlas_drake.control.whole_body_qp import WholeBodyQp, WholeBodySolution
 from atlas_drake.errors import ErrorCode
-from atlas_drake.frozen import Frozen
+from atlas_drake.frozen import NOTHING, Frozen
 from atlas_drake.messages import (
     K_EFFORT_MAX,
     AtlasSimInterfaceState,
@@ -108,10 +108,10 @@ class BehaviorController(CollectableSystem):
         self._state_input = self.DeclareVectorInputPort("state", self._model.num_states)
         self._load_input = self.DeclareVectorInputPort("foot_loads", 2)
         self._user_input = self.DeclareAbstractInputPort(
-            "user_forecast", AbstractValue.Make(None)
+            "user_forecast", AbstractValue.Make(NOTHING)
         )
         self._command_input = self.DeclareAbstractInputPort(
-            "commands", AbstractValue.Make(None)
+            "commands", AbstractValue.Make(NOTHING)
         )
         self._scratch = declare_scratch_context(self, self._model.create_context)
         self._memory = self.DeclareAbstractState(AbstractValue.Make(start))
@@ -214,7 +214,7 @@ class BehaviorController(CollectableSystem):
         message = AtlasSimInterfaceState()
         message.header.stamp = context.get_time()
         self._supervisor.report(memory.supervisor, message)
-        last = commands.messages[-1] if commands.messages else None
+        last = commands.messages[-1].message if commands.messages else None
         if last is not commands.request.command:
             # Another message than the one that the behaviours heard.
             message.error_code = commands.error_code

@@ -8,9 +8,15 @@ from typing import Any
 from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context, State, ValueProducer
 
-from atlas_drake.commands import commands_at_start, latch
-from atlas_drake.frozen import replace
+from atlas_drake.commands import (
+    CommandsInForce,
+    commands_at_start,
+    latch,
+    log_refusals,
+)
+from atlas_drake.frozen import NOTHING, replace
 from atlas_drake.messages import Behavior
+from atlas_drake.messages.base import frozen
 from atlas_drake.robot import Robot
 from atlas_drake.systems.collectable_system import CollectableSystem
 
@@ -18,10 +24,15 @@ from atlas_drake.systems.collectable_system import CollectableSystem
 class CommandInterface(CollectableSystem):
     """Command ports in, what is in force out.
 
-    Input ports (both optional; they hold the sender's latest message as a snapshot,
-    and None while there is none):
+    Input ports (both optional; they hold the sender's latest message, and NOTHING
+    while there is none):
         atlas_command: ``AtlasCommand``
         atlas_sim_interface_command: ``AtlasSimInterfaceCommand``
+
+    A message counts once, for as long as its content stays the same; a sender that
+    wants to repeat itself changes the header's stamp, or sends ``message.numbered``.
+    Messages may be snapshots or not: a sender may change its message and send it again.
+    A snapshot that stays on the port costs least, as nobody need look at its fields.
 
     Output ports:
         commands: ``CommandsInForce``; a new message is in force at the instant at
@@ -38,7 +49,7 @@ class CommandInterface(CollectableSystem):
         self._robot = robot
         start = commands_at_start(robot, initial_behavior)
         self._inputs = [
-            self.DeclareAbstractInputPort(name, AbstractValue.Make(None))
+            self.DeclareAbstractInputPort(name, AbstractValue.Make(NOTHING))
             for name in ("atlas_command", "atlas_sim_interface_command")
         ]
         self._state = self.DeclareAbstractState(AbstractValue.Make(start))
@@ -79,7 +90,7 @@ class CommandInterface(CollectableSystem):
         What lies on the ports counts as seen; the log of messages is kept.
         """
         before = context.get_abstract_state(self._state).get_value()
-        atlas_command, sim_command = self._messages(context)
+        atlas_command, sim_command = map(frozen, self._messages(context))
         after = replace(
             commands_at_start(self._robot, behavior),
             refusals=before.refusals,
@@ -96,13 +107,19 @@ class CommandInterface(CollectableSystem):
 
         For senders outside the diagram, who are faster than its clock.
         """
-        after = self._commands.Eval(context)
+        after = self._latched(context)
         context.get_mutable_abstract_state(self._state).set_value(after)
 
+    def _latched(self, context: Context) -> CommandsInForce:
+        """What is in force from now on; tells of what was refused."""
+        after: CommandsInForce = self._commands.Eval(context)
+        log_refusals(context.get_abstract_state(self._state).get_value(), after)
+        return after
+
     def _messages(self, context: Context) -> list[Any]:
-        """What the two ports hold; None where nobody sent anything."""
+        """What the two ports hold; NOTHING where nobody sent anything."""
         return [
-            port.Eval(context) if port.HasValue(context) else None
+            port.Eval(context) if port.HasValue(context) else NOTHING
             for port in self._inputs
         ]
 
@@ -114,6 +131,5 @@ class CommandInterface(CollectableSystem):
         )
 
     def _update(self, context: Context, state: State) -> None:
-        state.get_mutable_abstract_state(self._state).set_value(
-            self._commands.Eval(context)
-        )
+        after = self._latched(context)
+        state.get_mutable_abstract_state(self._state).set_value(after)

@@ -8,19 +8,20 @@ order, one in each tick, so that none takes another's place on its port.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context, State, ValueProducer
 
 from atlas_drake.commands import Command
-from atlas_drake.frozen import Frozen, replace
+from atlas_drake.frozen import NOTHING, Frozen, replace
 from atlas_drake.messages import (
     AtlasCommand,
-    AtlasSimInterfaceCommand,
     AtlasSimInterfaceState,
     AtlasState,
     Imu,
 )
+from atlas_drake.messages.base import frozen, is_new
 from atlas_drake.systems.collectable_system import CollectableSystem
 
 
@@ -56,17 +57,17 @@ class SchedulerState(Frozen):
 
     Attributes:
         sent: Entries of the programme sent so far.
-        atlas_command: On the output port, a snapshot or None.
+        atlas_command: On the output port; NOTHING at first.
         sim_command: Likewise.
-        seen_atlas: The latest message of another commander, to notice the next one.
-        seen_sim: Likewise.
+        seen_atlas: What ``is_new`` has seen of other commanders' joint commands.
+        seen_sim: Likewise of behaviour commands.
     """
 
     sent: int = 0
-    atlas_command: AtlasCommand | None = None
-    sim_command: AtlasSimInterfaceCommand | None = None
-    seen_atlas: AtlasCommand | None = None
-    seen_sim: AtlasSimInterfaceCommand | None = None
+    atlas_command: Any = NOTHING
+    sim_command: Any = NOTHING
+    seen_atlas: Any = NOTHING
+    seen_sim: Any = NOTHING
 
 
 class CommandScheduler(CollectableSystem):
@@ -75,11 +76,12 @@ class CommandScheduler(CollectableSystem):
     Input ports:
         atlas_state, atlas_sim_interface_state, imu: The latest feedback.
         other_atlas_command, other_atlas_sim_interface_command: Messages of a script or
-            a panel, as snapshots; optional. Passed on at once; the later message wins.
+            a panel; optional, and like those of a ``CommandInterface``. Passed on at
+            once; the later message wins.
 
     Output ports:
-        atlas_command: ``AtlasCommand`` or None.
-        atlas_sim_interface_command: ``AtlasSimInterfaceCommand`` or None.
+        atlas_command: ``AtlasCommand`` or NOTHING.
+        atlas_sim_interface_command: ``AtlasSimInterfaceCommand`` or NOTHING.
         sent: How many entries of the programme have been sent.
     """
 
@@ -90,11 +92,11 @@ class CommandScheduler(CollectableSystem):
         super().__init__()
         self.programme = tuple(sorted(programme, key=lambda entry: entry.time))
         self._feedback = [
-            self.DeclareAbstractInputPort(name, AbstractValue.Make(None))
+            self.DeclareAbstractInputPort(name, AbstractValue.Make(NOTHING))
             for name in ("atlas_state", "atlas_sim_interface_state", "imu")
         ]
         self._others = [
-            self.DeclareAbstractInputPort(name, AbstractValue.Make(None))
+            self.DeclareAbstractInputPort(name, AbstractValue.Make(NOTHING))
             for name in ("other_atlas_command", "other_atlas_sim_interface_command")
         ]
         self._state = self.DeclareAbstractState(AbstractValue.Make(SchedulerState()))
@@ -112,13 +114,13 @@ class CommandScheduler(CollectableSystem):
         now = {self._now.ticket()}
         self.DeclareAbstractOutputPort(
             "atlas_command",
-            lambda: AbstractValue.Make(None),
+            lambda: AbstractValue.Make(NOTHING),
             lambda context, out: out.set_value(self._now.Eval(context).atlas_command),
             prerequisites_of_calc=now,
         )
         self.DeclareAbstractOutputPort(
             "atlas_sim_interface_command",
-            lambda: AbstractValue.Make(None),
+            lambda: AbstractValue.Make(NOTHING),
             lambda context, out: out.set_value(self._now.Eval(context).sim_command),
             prerequisites_of_calc=now,
         )
@@ -138,13 +140,15 @@ class CommandScheduler(CollectableSystem):
     def _calc_now(self, context: Context, result: AbstractValue) -> None:
         state: SchedulerState = context.get_abstract_state(self._state).get_value()
         atlas, sim = (
-            port.Eval(context) if port.HasValue(context) else None
+            port.Eval(context) if port.HasValue(context) else NOTHING
             for port in self._others
         )
-        if atlas is not None and atlas is not state.seen_atlas:
-            state = replace(state, atlas_command=atlas, seen_atlas=atlas)
-        if sim is not None and sim is not state.seen_sim:
-            state = replace(state, sim_command=sim, seen_sim=sim)
+        if is_new(atlas, state.seen_atlas):
+            message = frozen(atlas)
+            state = replace(state, atlas_command=message, seen_atlas=message)
+        if is_new(sim, state.seen_sim):
+            message = frozen(sim)
+            state = replace(state, sim_command=message, seen_sim=message)
         result.set_value(state)
 
     def _update(self, context: Context, state: State) -> None:
@@ -169,7 +173,8 @@ class CommandScheduler(CollectableSystem):
             )
         if command is None:
             return state
-        message = command.snapshot()
+        # A programme counts down, and so uses no number of another commander's.
+        message = command.numbered(-state.sent)
         if isinstance(message, AtlasCommand):
             return replace(state, atlas_command=message)
         return replace(state, sim_command=message)

@@ -71,8 +71,9 @@ class EstimationError(CollectableSystem):
         )
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
-        largest = discrete.get_mutable_value(self._largest)
-        np.maximum(largest, error_sizes(self._error.Eval(context)), out=largest)
+        largest = context.get_discrete_state(self._largest).value()
+        now = error_sizes(self._error.Eval(context))
+        discrete.set_value(self._largest, np.maximum(largest, now))
 
 
 def error_sizes(error: np.ndarray) -> np.ndarray:

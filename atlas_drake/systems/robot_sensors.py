@@ -15,6 +15,7 @@ from pydrake.systems.framework import (
 from atlas_drake.control.attitude import rotation_matrix
 from atlas_drake.control.rotations import cross
 from atlas_drake.control.whole_body_model import GRAVITY
+from atlas_drake.frozen import NOTHING
 from atlas_drake.messages import (
     AtlasState,
     Imu,
@@ -88,7 +89,7 @@ class RobotSensors(CollectableSystem):
         )
         self._effort = self.DeclareVectorInputPort("effort", n)
         self._commands = self.DeclareAbstractInputPort(
-            "commands", AbstractValue.Make(None)
+            "commands", AbstractValue.Make(NOTHING)
         )
         self._scratch = declare_scratch_context(self, plant.CreateDefaultContext)
         state_ticket = self.input_port_ticket(self._state.get_index())

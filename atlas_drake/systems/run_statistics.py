@@ -61,8 +61,9 @@ class RunStatistics(CollectableSystem):
         _, qx, qy, _ = state[self._pelvis.orientation].tolist()
         height = float(state[self._pelvis.position.stop - 1])
         tilt = math.acos(min(max(1.0 - 2.0 * (qx * qx + qy * qy), -1.0), 1.0))
-        after = discrete.get_mutable_value(self._extremes)
+        after = context.get_discrete_state(self._extremes).value().copy()
         peaks = after[:-2]
         np.maximum(peaks, np.abs(self._actuation.Eval(context)), out=peaks)
         after[-2] = min(after[-2], height)
         after[-1] = max(after[-1], tilt)
+        discrete.set_value(self._extremes, after)

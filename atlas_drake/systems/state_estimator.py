@@ -24,7 +24,7 @@ from atlas_drake.control.leg_odometry import (
 )
 from atlas_drake.control.rotations import cross
 from atlas_drake.control.whole_body_model import GRAVITY, WholeBodyModel
-from atlas_drake.frozen import Frozen
+from atlas_drake.frozen import NOTHING, Frozen
 from atlas_drake.robot import Robot
 from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.systems.scratch import declare_scratch_context
@@ -86,7 +86,7 @@ class StateEstimator(CollectableSystem):
         self._odometry = self.DeclareCacheEntry(
             "odometry",
             ValueProducer(
-                allocate=lambda: AbstractValue.Make(None),
+                allocate=lambda: AbstractValue.Make(NOTHING),
                 calc=self.callback(self._calc_odometry),
             ),
         )

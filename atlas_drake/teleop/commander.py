@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from atlas_drake.control.footstep import LEFT
+from atlas_drake.footholds import Gait, foothold, step_data, step_from
 from atlas_drake.messages import (
     AtlasCommand,
     AtlasSimInterfaceCommand,
@@ -45,7 +46,6 @@ from atlas_drake.teleop.limbs import (
     move_joints,
     users_joints,
 )
-from atlas_drake.teleop.walking import Gait, foothold, step_data, step_from
 
 PUSH_DURATION = 0.1
 """Over which a push's impulse is spread [s]."""

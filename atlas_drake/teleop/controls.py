@@ -1,6 +1,7 @@
 """What there is on the control panel: buttons with their keys, sliders, a legend.
 
-Data only; how it gets into the browser is in ``panel``, what it does in ``commander``.
+Data only; what shares a page is in ``pages``, how it gets into the browser in
+``panel``, what it does in ``commander``.
 """
 
 from __future__ import annotations
@@ -11,9 +12,10 @@ from enum import Enum
 from typing import NamedTuple
 
 from atlas_drake.control.footstep import StepLimits
+from atlas_drake.footholds import Gait
 from atlas_drake.messages import K_EFFORT_MAX, AtlasBehaviorPelvisServoParams
 from atlas_drake.teleop.limbs import GROUPS
-from atlas_drake.teleop.walking import Direction, Gait
+from atlas_drake.teleop.walking import Direction
 
 PUSH_BODIES = ("pelvis", "utorso", "head", "l_hand", "r_hand")
 """What can be pushed, in the order of the slider."""
@@ -37,6 +39,8 @@ def _digit(cap: str) -> Key:
 class Action(Enum):
     """A button: its label and its key."""
 
+    PREVIOUS_PAGE = ("previous page", Key("PageUp", "PgUp"))
+    NEXT_PAGE = ("next page", Key("PageDown", "PgDn"))
     STAND = ("STAND", _digit("1"))
     WALK = ("WALK on the spot", _digit("2"))
     STEP = ("STEP", _digit("3"))
@@ -83,6 +87,10 @@ DIRECTIONS = {
 """Where the keys lead to."""
 
 
+PAGE_TURNS = {Action.PREVIOUS_PAGE: -1, Action.NEXT_PAGE: 1}
+"""By how many pages these buttons turn the panel; they command nothing."""
+
+
 class Slider(NamedTuple):
     """A slider: its label, range and smallest change, and where it is at first."""
 
@@ -101,9 +109,9 @@ SWING_HEIGHT = Slider("swing height [m]", 0.05, 0.25, 0.01, _GAIT.swing_height)
 _POSE = AtlasBehaviorPelvisServoParams()
 PELVIS_HEIGHT = Slider("pelvis height [m]", 0.60, 0.95, 0.005, _POSE.pelvis_height)
 PELVIS_YAW = Slider("pelvis yaw [rad]", -0.6, 0.6, 0.01, _POSE.pelvis_yaw)
-PUSH_BODY = Slider("push: body (1-5)", 1, len(PUSH_BODIES), 1, 2)
-PUSH_DIRECTION = Slider("push: to [deg]", -180, 180, 5, 0)
-PUSH_IMPULSE = Slider("push: impulse [N.s]", 1, 60, 1, 15)
+PUSH_BODY = Slider(f"body (1-{len(PUSH_BODIES)})", 1, len(PUSH_BODIES), 1, 2)
+PUSH_DIRECTION = Slider("direction [deg]", -180, 180, 5, 0)
+PUSH_IMPULSE = Slider("impulse [N.s]", 1, 60, 1, 15)
 SHARES = {group: Slider(f"k_effort {group}", 0, K_EFFORT_MAX, 1, 0) for group in GROUPS}
 """By group of limbs."""
 
@@ -168,15 +176,23 @@ Keys work where the 3D view has the focus; every key is a button there too.
                                                    4  MANIPULATE: pelvis sliders
    space  pause or go on    p  push                5  FREEZE
    n      single time step  r  reset               6  USER
-                                                   7  STAND_PREP
+   PgUp  PgDn  turn the panel's pages              7  STAND_PREP
+
+"Open Controls" unfolds the panel, page by page: modes, walking, pelvis, push, limbs,
+overlays, scene. Every key works on every page, and while the panel is folded.
 
 Atlas goes on as told until another key; a gamepad's sticks steer it as long as they
 are held. Sliders set the stride and, per limb, k_effort: 0 is the behaviour, 255 you.
-A limb that is yours gets a slider for each joint. A push goes ahead at 0 deg and to
-the robot's left at 90 deg; bodies are {bodies}."""
+A limb that is yours gets a page with a slider for each joint. A push goes ahead at
+0 deg and to the robot's left at 90 deg; bodies are
+{bodies}."""
 
 
 def legend() -> str:
     """What the terminal says about the keys."""
-    bodies = ", ".join(f"{i} {name}" for i, name in enumerate(PUSH_BODIES, 1))
-    return LEGEND.format(bodies=bodies)
+    return LEGEND.format(bodies=push_bodies())
+
+
+def push_bodies() -> str:
+    """The bodies by their number on the slider."""
+    return ", ".join(f"{i} {name}" for i, name in enumerate(PUSH_BODIES, 1))

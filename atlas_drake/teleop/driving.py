@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from atlas_drake.footholds import Gait
 from atlas_drake.frozen import replace
 from atlas_drake.messages import (
     AtlasBehaviorStepData,
@@ -17,7 +18,6 @@ from atlas_drake.messages import (
 )
 from atlas_drake.teleop.walking import (
     Direction,
-    Gait,
     Walker,
     begin_walk,
     close_feet,

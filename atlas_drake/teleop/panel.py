@@ -1,4 +1,4 @@
-"""The control panel in the browser: buttons and sliders of Meshcat.
+"""The control panel in the browser: what its controls mean.
 
 It says what was pressed and where the sliders are; it decides nothing and waits for
 nobody.
@@ -12,8 +12,9 @@ from typing import Protocol
 from pydrake.geometry import Meshcat
 
 from atlas_drake.robot import Robot
-from atlas_drake.teleop.controls import SLIDERS, Action, Controls, Slider
-from atlas_drake.teleop.limbs import SLIDER_STEP
+from atlas_drake.teleop.controls import SLIDERS, Controls, Slider
+from atlas_drake.teleop.paged_controls import PagedControls
+from atlas_drake.teleop.pages import SWITCHES, joint_slider, pages_with
 from atlas_drake.teleop.walking import Direction
 from atlas_drake.visualization.overlays import Overlays
 
@@ -40,7 +41,7 @@ class Panel:
     """The panel in Meshcat."""
 
     def __init__(self, meshcat: Meshcat, robot: Robot, overlays: Overlays) -> None:
-        """Adds all widgets.
+        """Adds the first page.
 
         Args:
             meshcat: Where to.
@@ -50,65 +51,52 @@ class Panel:
         self._meshcat = meshcat
         self._robot = robot
         self._overlays = overlays
-        self._clicks = dict.fromkeys(Action, 0)
-        self._joints: dict[int, str] = {}
-        for action in Action:
-            meshcat.AddButton(action.label, action.key.code)
-        for slider in SLIDERS:
-            meshcat.AddSlider(*slider)
-        self._shown = {name: f"show {name}" for name in overlays.names}
-        for name, label in self._shown.items():
-            meshcat.AddSlider(label, 0, 1, 1, int(overlays.is_on(name)))
+        self._joints: dict[int, Slider] = {}
+        self._controls = PagedControls(meshcat, pages_with(robot, ()))
+        self._show_overlays()
 
     def read(self) -> Controls:
         """What was pressed since the last call, and where the sliders are."""
-        meshcat = self._meshcat
-        pressed = []
-        for action, before in self._clicks.items():
-            clicks = meshcat.GetButtonClicks(action.label)
-            if clicks != before:
-                self._clicks[action] = clicks
-                pressed.append(action)
+        controls = self._controls
+        pressed = controls.read()
         self._switch_overlays()
         return Controls(
-            clicks=tuple(pressed),
-            sliders={s.label: meshcat.GetSliderValue(s.label) for s in SLIDERS},
-            joints={
-                index: meshcat.GetSliderValue(label)
-                for index, label in self._joints.items()
-            },
+            clicks=pressed,
+            sliders={slider.label: controls.value(slider) for slider in SLIDERS},
+            joints={i: controls.value(slider) for i, slider in self._joints.items()},
             stick=self._stick(),
         )
 
     def set(self, slider: Slider, value: float) -> None:
         """Moves a slider."""
-        self._meshcat.SetSliderValue(slider.label, value)
+        self._controls.set(slider, value)
 
     def show_joints(self, positions: Mapping[int, float]) -> None:
         """Offers sliders for these joints and no others, new ones at a position."""
         robot = self._robot
-        for index in [i for i in self._joints if i not in positions]:
-            self._meshcat.DeleteSlider(self._joints.pop(index))
-        for index, position in positions.items():
-            if index not in self._joints:
-                label = f"{robot.joint_names[index]} [rad]"
-                low, high = robot.position_lower[index], robot.position_upper[index]
-                self._meshcat.AddSlider(label, low, high, SLIDER_STEP, position)
-                self._joints[index] = label
+        new = [index for index in positions if index not in self._joints]
+        self._joints = {index: joint_slider(robot, index) for index in positions}
+        for index in new:
+            self._controls.set(self._joints[index], positions[index])
+        self._controls.set_pages(pages_with(robot, positions))
 
     def _switch_overlays(self) -> None:
         """Takes over the switches, and shows where one turned another off."""
-        meshcat, overlays = self._meshcat, self._overlays
+        overlays = self._overlays
         wanted = {
-            name: meshcat.GetSliderValue(label) > 0.5
-            for name, label in self._shown.items()
+            name: self._controls.value(switch) > 0.5
+            for name, switch in SWITCHES.items()
         }
         changed = [name for name, on in wanted.items() if on != overlays.is_on(name)]
         for name in changed:
             overlays.switch(name, wanted[name])
         if changed:
-            for name, label in self._shown.items():
-                meshcat.SetSliderValue(label, int(overlays.is_on(name)))
+            self._show_overlays()
+
+    def _show_overlays(self) -> None:
+        """Sets the switches to what is shown."""
+        for name, switch in SWITCHES.items():
+            self._controls.set(switch, float(self._overlays.is_on(name)))
 
     def _stick(self) -> Direction | None:
         pad = self._meshcat.GetGamepad()

@@ -6,29 +6,27 @@ and with which keys, is decided in ``commander``.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-import numpy as np
-
-from atlas_drake.control.footstep import LEFT, RIGHT, outward
-from atlas_drake.control.rotations import wrap_angle, yaw_of
+from atlas_drake.control.footstep import LEFT, RIGHT
+from atlas_drake.footholds import (
+    BACKWARD_SHARE,
+    SIDEWAYS_SHARE,
+    Foothold,
+    Gait,
+    foothold,
+    step_data,
+    step_from,
+)
 from atlas_drake.frozen import replace
 from atlas_drake.messages import (
     NUM_REQUIRED_WALK_STEPS,
     AtlasBehaviorStepData,
     AtlasSimInterfaceState,
     Behavior,
-    Pose,
 )
 
-HALF_WIDTH = 0.12
-"""Of each foot from the middle [m]."""
-BACKWARD_SHARE = 0.6
-"""Of the stride, when walking backward: the knees bend the other way."""
-SIDEWAYS_SHARE = 0.5
-"""Of the stride, for each pair of steps to the side."""
 STRIDE_CHANGE = 0.15
 """Largest change of the stride from one step to the next [m]."""
 
@@ -45,31 +43,6 @@ class Direction(NamedTuple):
     forward: float = 0.0
     left: float = 0.0
     turn: float = 0.0
-
-
-@dataclass(frozen=True)
-class Gait:
-    """How to walk.
-
-    Attributes:
-        stride: From one footprint to the next [m].
-        turn: Of each step when turning [rad].
-        duration: Of each step [s].
-        swing_height: [m]
-    """
-
-    stride: float = 0.2
-    turn: float = 0.15
-    duration: float = 0.63
-    swing_height: float = 0.1
-
-
-class Foothold(NamedTuple):
-    """A sole on the ground in W [m], [rad]."""
-
-    x: float
-    y: float
-    yaw: float
 
 
 @dataclass(frozen=True)
@@ -169,46 +142,6 @@ def is_closing(walker: Walker, report: AtlasSimInterfaceState) -> bool:
     return walker.closing is not None and index >= walker.closing
 
 
-def step_from(
-    stance: Foothold, foot: int, stride: float, shift: float, turn: float
-) -> Foothold:
-    """Where a foot goes beside the one that stays.
-
-    Args:
-        stance: The foot that stays.
-        foot: The one that steps.
-        stride: Ahead of the other one [m].
-        shift: To the left [m]; only the foot on that side takes it, the other one
-            then closes up.
-        turn: To the left [rad].
-    """
-    side = outward(foot)
-    aside = HALF_WIDTH * side
-    if shift * side > 0.0:
-        aside += shift
-    yaw = stance.yaw + turn
-    # Half the way round the old heading, half round the new one, so that the middle
-    # between the feet turns on the spot.
-    old, new = _left(stance.yaw), _left(yaw)
-    ahead = _ahead(stance.yaw + 0.5 * turn)
-    p = np.array([stance.x, stance.y]) + HALF_WIDTH * side * old
-    p = p + stride * ahead + aside * new
-    return Foothold(float(p[0]), float(p[1]), yaw)
-
-
-def step_data(
-    index: int, foot: int, place: Foothold, gait: Gait
-) -> AtlasBehaviorStepData:
-    """A step for a message; its height counts from the foot that stays."""
-    step = AtlasBehaviorStepData()
-    step.step_index, step.foot_index = index, foot
-    step.duration, step.swing_height = gait.duration, gait.swing_height
-    step.pose.position.x, step.pose.position.y = place.x, place.y
-    step.pose.orientation.z = math.sin(0.5 * place.yaw)
-    step.pose.orientation.w = math.cos(0.5 * place.yaw)
-    return step
-
-
 def feet_before(
     walker: Walker, index: int, report: AtlasSimInterfaceState
 ) -> list[Foothold]:
@@ -225,15 +158,6 @@ def feet_before(
     return feet
 
 
-def foothold(pose: Pose) -> Foothold:
-    """Place and heading of a sole."""
-    q = pose.orientation
-    x_axis = np.array(
-        [[1.0 - 2.0 * (q.y * q.y + q.z * q.z)], [2.0 * (q.x * q.y + q.w * q.z)]]
-    )
-    return Foothold(pose.position.x, pose.position.y, wrap_angle(yaw_of(x_axis)))
-
-
 def _in_air(report: AtlasSimInterfaceState) -> AtlasBehaviorStepData | None:
     """The step whose foot is in the air."""
     walk = report.walk_feedback
@@ -245,11 +169,3 @@ def _in_air(report: AtlasSimInterfaceState) -> AtlasBehaviorStepData | None:
 
 def _clip(value: float, size: float) -> float:
     return min(max(value, -size), size)
-
-
-def _ahead(yaw: float) -> np.ndarray:
-    return np.array([math.cos(yaw), math.sin(yaw)])
-
-
-def _left(yaw: float) -> np.ndarray:
-    return np.array([-math.sin(yaw), math.cos(yaw)])

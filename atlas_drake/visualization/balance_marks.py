@@ -19,6 +19,7 @@ from atlas_drake.control.centre_of_pressure import centre_of_pressure
 from atlas_drake.control.support_polygon import SupportPolygon
 from atlas_drake.control.tasks import dcm, pendulum_frequency
 from atlas_drake.control.whole_body_model import WholeBodyModel, WholeBodyTerms
+from atlas_drake.frozen import NOTHING
 from atlas_drake.robot import Robot
 from atlas_drake.visualization.display import Display
 from atlas_drake.visualization.marks import Marks
@@ -93,7 +94,7 @@ class BalanceMarks(Display):
         self._state = self.DeclareVectorInputPort("state", self._model.num_states)
         self._wrenches = self.DeclareVectorInputPort("foot_wrenches", 12)
         self._controller = self.DeclareAbstractInputPort(
-            "controller_state", AbstractValue.Make(None)
+            "controller_state", AbstractValue.Make(NOTHING)
         )
         self._pictures = -1
         self._timeline = Timeline(meshcat)

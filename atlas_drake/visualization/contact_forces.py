@@ -12,6 +12,7 @@ from pydrake.common.value import AbstractValue
 from pydrake.geometry import Meshcat
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.plant import ContactResults
+from pydrake.multibody.tree import world_index
 from pydrake.systems.framework import Context
 
 from atlas_drake.visualization.display import Display
@@ -38,13 +39,19 @@ class ContactForce(NamedTuple):
 
 
 def contact_forces_of(results: Any) -> list[ContactForce]:
-    """The forces that push the robot upwards, as the ground's do."""
+    """Returns the forces on the robot.
+
+    Two links that touch push each other: their force is the one that points up.
+    """
+    world = int(world_index())
     forces = []
     for index in range(results.num_point_pair_contacts()):
         contact = results.point_pair_contact_info(index)
+        # Drake's is the force on body B, which may be the robot or the ground.
         force = np.array(contact.contact_force())
-        # The force is that on the second body, which may be the robot or the ground.
-        force *= 1.0 if force[2] > 0.0 else -1.0
+        ground = int(contact.bodyA_index()) == world
+        if int(contact.bodyB_index()) == world or (not ground and force[2] < 0.0):
+            force = -force
         if np.linalg.norm(force) > LEAST_FORCE:
             forces.append(ContactForce(np.array(contact.contact_point()), force))
     return forces

@@ -22,6 +22,7 @@ from pydrake.geometry import (
 )
 from pydrake.systems.framework import Context
 
+from atlas_drake.frozen import NOTHING
 from atlas_drake.messages import K_EFFORT_MAX
 from atlas_drake.robot import Robot
 from atlas_drake.visualization.display import Display
@@ -115,7 +116,7 @@ class ControlColors(Display):
         self._overlays = overlays
         self._query, self._commands = (
             self.DeclareAbstractInputPort(name, AbstractValue.Make(value))
-            for name, value in (("query_object", QueryObject()), ("commands", None))
+            for name, value in (("query_object", QueryObject()), ("commands", NOTHING))
         )
         self._effort = self.DeclareVectorInputPort("effort", robot.num_joints)
         self._begin()

@@ -20,6 +20,7 @@ from pydrake.systems.framework import Context
 from atlas_drake.behaviors.base import Event
 from atlas_drake.behaviors.step_queue import footstep_from
 from atlas_drake.commands import BehaviorRequest
+from atlas_drake.frozen import NOTHING
 from atlas_drake.messages import (
     NO_STEP,
     AtlasBehaviorStepData,
@@ -221,7 +222,7 @@ class FootstepDisplay(Display):
         self._meshcat = meshcat
         self._outline = sole_outline(sole)
         self._commands, self._controller, self._report = (
-            self.DeclareAbstractInputPort(name, AbstractValue.Make(None))
+            self.DeclareAbstractInputPort(name, AbstractValue.Make(NOTHING))
             for name in ("commands", "controller_state", "atlas_sim_interface_state")
         )
         self._marks = Marks(meshcat, "/atlas_drake/footsteps", self._draw, recorded)

@@ -54,11 +54,19 @@ class Overlays:
         return tuple(OVERLAYS)
 
     def is_on(self, name: str) -> bool:
-        """Whether one is shown."""
+        """Whether one is shown.
+
+        Args:
+            name: A key of ``OVERLAYS``.
+        """
         return name in self._on
 
     def switch(self, name: str, on: bool) -> None:
         """Shows one or hides it; of the two colourings the later one counts.
+
+        Args:
+            name: A key of ``OVERLAYS``.
+            on: Whether to show it.
 
         Raises:
             ScenarioError: If there is no such overlay.

@@ -18,6 +18,7 @@ from pydrake.common.value import AbstractValue
 from pydrake.math import RollPitchYaw
 from pydrake.systems.framework import Context, DiagramBuilder, System
 
+from atlas_drake.frozen import NOTHING
 from atlas_drake.robot import Robot
 from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.terrain import Block
@@ -86,7 +87,7 @@ class VideoDisplay(CollectableSystem):
         self._stage = VideoStage(robot, terrain, video.width, video.height)
         self._state = self.DeclareVectorInputPort("state", num_states)
         self._commands, self._controller, self._report = (
-            self.DeclareAbstractInputPort(name, AbstractValue.Make(None))
+            self.DeclareAbstractInputPort(name, AbstractValue.Make(NOTHING))
             for name in ("commands", "controller_state", "atlas_sim_interface_state")
         )
         self._target: NDArray[np.float64] | None = None

@@ -1,6 +1,7 @@
 """WALK on the simulated robot: substates, steps added, cut short, out of reach."""
 
 import itertools
+import math
 
 import numpy as np
 import pytest
@@ -136,14 +137,20 @@ def test_running_out_of_steps_is_a_warning_while_catching(two_steps):
     assert warned == [False, True]
 
 
-def test_the_rest_of_a_step_counts_down(two_steps):
-    remaining = [
-        look.report.walk_feedback.t_step_rem
+def test_the_rest_of_a_step_counts_down_to_its_touchdown(two_steps):
+    landings = [e.time for e in two_steps.sim.events if e.kind == "footstep"]
+    looks = [
+        (look.time, look.report.walk_feedback.t_step_rem)
         for look in two_steps.looks
-        if stepping(1)(look.report)
+        if look.report.current_behavior is Behavior.WALK
     ]
-    assert all(0.0 <= rest <= 0.63 for rest in remaining)
-    assert (np.diff(remaining) < 0.0).all()
+    # Through the first weight shift, too, and whichever phase the step is in.
+    for begin, end in ((-math.inf, landings[0]), tuple(landings)):
+        during = [(t, rest) for t, rest in looks if begin < t < end - 0.02]
+        assert len(during) > 5
+        left = [end - t for t, _ in during]
+        np.testing.assert_allclose([rest for _, rest in during], left, atol=0.02)
+    assert all(rest == 0.0 for t, rest in looks if t > landings[1] + 0.01)
 
 
 def test_without_steps_the_robot_sways_and_returns_to_stand(record, walk_message):
@@ -165,14 +172,31 @@ def test_without_steps_the_robot_sways_and_returns_to_stand(record, walk_message
         )
 
 
-def test_the_same_foot_twice_is_an_error_and_ends_in_stand(record, walk_message):
+@pytest.mark.parametrize(
+    ("second", "height", "why"),
+    [
+        ((2, 0, 0.4, 0.14), 0.0, "two steps in a row are for the same foot"),
+        ((2, 1, 0.4, -0.14), 0.15, "step 2 leads 0.15 m up, which is too much"),
+    ],
+    ids=["same foot", "too high"],
+)
+def test_a_step_that_cannot_follow_is_an_error_and_ends_in_stand(
+    record, walk_message, second, height, why
+):
     recording = record()
-    recording.sim.publish(walk_message((1, 0, 0.2, 0.14), (2, 0, 0.4, 0.14)))
+    command = walk_message((1, 0, 0.2, 0.14), second)
+    command.walk_params.step_queue[1].pose.position.z = height
+    recording.sim.publish(command)
+    recording.advance(0.1)
+    # Told of as soon as it is known, and at the end.
+    (warning,) = [e.text for e in recording.sim.events if e.kind == "warning"]
+    assert why in warning
     recording.advance(LONGEST, in_stand)
     assert_returned_by_itself(recording)
     assert_upright(recording)
     left = [e.text for e in recording.sim.events if e.kind == "steps left"]
-    assert "two steps in a row are for the same foot" in left[0]
+    assert left == [f"WALK ends without the steps 2: {why}"]
+    assert not recording.sim.summary()["success"]
     # The first of the two was a step like any other.
     assert [step["index"] for step in recording.sim.footsteps] == [1]
     last = changes(recording, flags)[-1]

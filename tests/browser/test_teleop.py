@@ -8,6 +8,7 @@ from pydrake.geometry import Meshcat, MeshcatParams
 
 from atlas_drake import AtlasSimulation, Behavior
 from atlas_drake.teleop.controls import PELVIS_HEIGHT, SHARES, Action
+from atlas_drake.teleop.pages import MAX_ROWS, SWITCHES, pages_with
 from atlas_drake.teleop.panel import Panel
 from atlas_drake.teleop.session import Session
 from atlas_drake.visualization.overlays import Overlays
@@ -21,17 +22,27 @@ BEYOND = 5
 """How far beyond a slider's end the mouse is moved to reach that end [pixel]."""
 
 
+LOOK = 0.04
+"""Simulated time in which the session looks at the panel once [s]."""
+SMALL_WINDOW = (1280, 657)
+"""A browser's on a small laptop [pixel]."""
+PANEL_SHARE = 0.25
+"""Of the window's width that the panel may cover, so that the robot stays in sight."""
+PAGE_TURNS = 20
+"""More than there are pages."""
+
+
 class Hand:
     """Somebody at the panel of a simulated robot."""
 
     def __init__(self, open_page):
         self.meshcat = Meshcat(MeshcatParams(host="localhost"))
         self.sim = AtlasSimulation()
-        panel = Panel(self.meshcat, self.sim.robot, Overlays())
-        self._session = Session(self.sim, panel, real_time=False)
+        self._panel = Panel(self.meshcat, self.sim.robot, Overlays())
+        self._session = Session(self.sim, self._panel, real_time=False)
         self.page = open_page(self.meshcat.web_url())
-        # The page is ready once it knows the last slider.
-        self.page.wait_until(f"{row('show follow')} !== undefined")
+        # The page is ready once it knows the style, which comes after the buttons.
+        self.page.wait_until("document.querySelector('.dg li style') !== null")
 
     def open_panel(self):
         """Unfolds it, as it is folded in a small window."""
@@ -44,6 +55,40 @@ class Hand:
         self.page.drag(middle(self.page, row(action.label)))
         self.page.wait_for(
             lambda: self.meshcat.GetButtonClicks(action.label) > before, "the click"
+        )
+
+    def turn_to(self, slider):
+        """Turns pages until a slider shows."""
+        for _ in range(PAGE_TURNS):
+            if self.page.evaluate(f"{row(slider.label)} !== undefined"):
+                return
+            self.turn_page()
+        pytest.fail(f"no page has {slider.label}")
+
+    def turn_page(self):
+        """Clicks for the next page, and waits until it is there."""
+        before = self.title()
+        self.click(Action.NEXT_PAGE)
+        self.go(LOOK)
+        self.page.wait_for(lambda: self.title() != before, "the next page")
+        # The old page's sliders go and the new one's come one after the other.
+        names = set(self.meshcat.GetSliderNames())
+        self.page.wait_for(lambda: self.sliders() == names, "the sliders")
+
+    def title(self):
+        """What the open page says at its top."""
+        return self.page.evaluate(
+            "getComputedStyle(document.querySelector('.dg.main > ul'), '::before')"
+            ".content"
+        ).strip('"')
+
+    def sliders(self):
+        """Labels of the sliders in the panel."""
+        return set(
+            self.page.evaluate(
+                "[...document.querySelectorAll('.dg.main > ul > .has-slider "
+                ".property-name')].map(e => e.textContent)"
+            )
         )
 
     def slide(self, slider, value):
@@ -73,6 +118,10 @@ class Hand:
         return float(
             self.page.evaluate(f"{row(slider.label)}.querySelector('input').value")
         )
+
+    def forget_clicks(self):
+        """Has nobody hear what was pressed since the last look."""
+        self._panel.read()
 
     def go(self, seconds):
         """Lets the session look and simulate."""
@@ -118,9 +167,72 @@ def test_a_key_makes_the_robot_walk(hand):
     assert hand.sim.current_behavior is Behavior.WALK
 
 
+def test_every_page_fits_and_hears_every_key(hand):
+    width, height = SMALL_WINDOW
+    hand.page.call(
+        "Emulation.setDeviceMetricsOverride",
+        width=width,
+        height=height,
+        deviceScaleFactor=1,
+        mobile=False,
+    )
+    hand.open_panel()
+    pages = pages_with(hand.sim.robot, ())
+    for page in pages:
+        assert hand.title().startswith(f"{page.title}: page ")
+        rows = hand.page.evaluate(
+            "[...document.querySelectorAll('.dg.main > ul > li')]"
+            ".filter(e => e.getClientRects().length)"
+            ".map(e => e.matches('.folder') ? 'folder' :"
+            " e.querySelector('.property-name').textContent)"
+        )
+        actions = [Action.PREVIOUS_PAGE, Action.NEXT_PAGE]
+        actions += [action for action in Action if action in page.actions]
+        labels = [c.label for c in (*actions, *page.sliders)]
+        assert [row for row in rows if row != "folder"] == labels
+        assert ("folder" in rows) == page.scene
+        assert len(rows) < MAX_ROWS
+        box = "document.querySelector('.dg.main').getBoundingClientRect()"
+        assert hand.page.evaluate(f"{box}.bottom") <= height
+        assert hand.page.evaluate(f"{box}.width") <= PANEL_SHARE * width
+        # There is nothing to scroll: the wheel leaves the robot where it is.
+        extent = "document.documentElement.scrollHeight"
+        assert hand.page.evaluate(extent) == height
+        if not page.scene:
+            tall = "(e => e.scrollHeight - e.clientHeight)"
+            panel = "document.querySelector('.dg.main > ul')"
+            assert hand.page.evaluate(f"{tall}({panel})") <= 0
+        for action in Action:
+            before = hand.meshcat.GetButtonClicks(action.label)
+            if action not in (Action.PREVIOUS_PAGE, Action.NEXT_PAGE):
+                hand.page.press(action.key.code, action.key.cap)
+                hand.page.wait_for(
+                    lambda a=action, b=before: (
+                        hand.meshcat.GetButtonClicks(a.label) == b + 1
+                    ),
+                    f"the key {action.key.cap}",
+                )
+        hand.forget_clicks()
+        hand.turn_page()
+    assert hand.title().startswith(pages[0].title)
+
+
+def test_colours_exclude_each_other(hand):
+    hand.open_panel()
+    owner, effort = SWITCHES["owner"], SWITCHES["effort"]
+    hand.turn_to(owner)
+    for switch, other in ((owner, effort), (effort, owner), (owner, effort)):
+        hand.slide(switch, 1)
+        hand.go(LOOK)
+        hand.page.wait_for(lambda o=other: hand.shown(o) == 0, "the other to go off")
+        hand.go(LOOK)
+        assert hand.shown(switch) == 1
+
+
 def test_a_button_and_a_slider_move_the_pelvis(hand):
     sim = hand.sim
     hand.open_panel()
+    hand.turn_to(PELVIS_HEIGHT)
     hand.click(Action.MANIPULATE)
     hand.go(0.2)
     assert sim.current_behavior is Behavior.MANIPULATE
@@ -142,7 +254,7 @@ def test_a_slider_takes_an_arm_and_gives_it_back(hand):
     sim, slider = hand.sim, SHARES["left arm"]
     left_arm = sim.robot.limb("l_arm")
     hand.open_panel()
-    hand.go(0.08)
+    hand.turn_to(slider)
     for share in (slider.high, slider.low):
         hand.slide(slider, share)
         hand.go(0.12)

@@ -122,17 +122,26 @@ def test_mass_matrix_gives_the_kinetic_energy(model, state, terms, generalized):
     assert np.linalg.eigvalsh(terms.M)[0] > 0.0
 
 
-def test_h_is_coriolis_less_gravity_force(model, state, terms):
+def damping_of(model):
+    joints = [model.plant.GetJointByName(name) for name in model.robot.joint_names]
+    return np.array([joint.default_damping_vector()[0] for joint in joints])
+
+
+def test_h_is_coriolis_less_gravity_force_and_damping(model, state, terms):
     plant = model.plant
     context = model.create_context()
     plant.SetPositionsAndVelocities(context, state)
     order = model.robot.indices(plant).generalized
     expected = plant.CalcBiasTerm(context) - plant.CalcGravityGeneralizedForces(context)
-    np.testing.assert_allclose(terms.h, expected[order], atol=1e-8)
+    expected = expected[order]
+    expected[6:] += damping_of(model) * terms.v
+    np.testing.assert_allclose(terms.h, expected, atol=1e-8)
 
 
-def test_equations_of_motion_are_drakes_but_for_joint_damping(model, state, terms):
+def test_equations_of_motion_are_drakes(model, state, terms):
     plant = model.plant
+    # Without damping the feet land on their heels: it would be a fault to lose it.
+    assert (damping_of(model) > 0.0).all()
     context = model.create_context()
     plant.SetPositionsAndVelocities(context, state)
     order = model.robot.indices(plant).generalized
@@ -142,9 +151,6 @@ def test_equations_of_motion_are_drakes_but_for_joint_damping(model, state, term
     forces = MultibodyForces(plant)
     plant.CalcForceElementsContribution(context, forces)
     expected = plant.CalcInverseDynamics(context, in_plant_order, forces)[order]
-    names = model.robot.joint_names
-    damping = [plant.GetJointByName(name).default_damping_vector()[0] for name in names]
-    expected[6:] -= damping * terms.v
     np.testing.assert_allclose(terms.M @ acceleration + terms.h, expected, atol=1e-8)
 
 

@@ -45,11 +45,11 @@ def test_a_row_has_what_the_ports_said(tmp_path, scenario):
     ports = ("state", "behavior_state", "foot_wrenches", "imu")
     for tick in range(12):
         sim.advance_to(PERIOD * tick)
-        before = {name: np.array(sim._output(name)) for name in ports[:3]}
+        before = {name: np.array(sim.output(name)) for name in ports[:3]}
         before["imu"], before["report"] = sim.imu, sim.atlas_sim_interface_state
         # The control tick, after which the physics is a step further.
         sim.simulator.AdvancePendingEvents()
-        after = sim._output("controller_state"), sim._output("commands")
+        after = sim.output("controller_state"), sim.output("commands")
         seen.append((before, *after))
     sim.advance_to(PERIOD * 12)
     sim.close()

@@ -99,7 +99,7 @@ def test_the_row_is_the_latest_one(log):
 def test_footsteps_and_caption_are_those_of_the_run(tmp_path, scenario):
     sim = AtlasSimulation(scenario, log=tmp_path / "run.npz")
     drive(sim)
-    live = [sim._output(name) for name in NAMES]
+    live = [sim.output(name) for name in NAMES]
     sim.close()
     log = read_log(tmp_path / "run.npz")
     player = LogPlayer(log)
@@ -200,7 +200,7 @@ def test_other_behaviours_look_as_in_the_run(behavior, tmp_path):
     sim = AtlasSimulation(Scenario(state="estimated"), log=tmp_path / "run.npz")
     sim.publish(command)
     sim.advance_to(0.1)
-    live = [sim._output(name) for name in NAMES]
+    live = [sim.output(name) for name in NAMES]
     sim.close()
     log = read_log(tmp_path / "run.npz")
     assert np.isfinite(log["balance.dcm_reference"]).all()

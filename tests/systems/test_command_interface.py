@@ -2,10 +2,13 @@
 
 import numpy as np
 import pytest
+from pydrake.common.value import AbstractValue
 from pydrake.systems.analysis import Simulator
+from pydrake.systems.framework import DiagramBuilder, LeafSystem
 
 from atlas_drake.commands import JOINT_FIELDS
 from atlas_drake.errors import ErrorCode
+from atlas_drake.frozen import NOTHING
 from atlas_drake.messages import (
     AtlasBehaviorStepData,
     AtlasCommand,
@@ -74,8 +77,8 @@ def test_nobody_need_be_connected(sender, robot):
 
 def test_a_port_without_message_is_no_message(sender):
     before = sender.out()
-    sender.put(ATLAS, None)
-    sender.put(SIM, None)
+    sender.put(ATLAS, NOTHING)
+    sender.put(SIM, NOTHING)
     sender.tick(2)
     assert sender.out() is before
 
@@ -93,7 +96,7 @@ def test_a_message_is_in_force_at_the_instant_at_which_it_is_sent(sender):
 def test_a_message_stays_in_force_when_it_leaves_the_port(sender):
     sender.put(ATLAS, joint_command(position=0.3, k_effort=100).snapshot())
     sender.tick()
-    sender.put(ATLAS, None)
+    sender.put(ATLAS, NOTHING)
     sender.tick()
     np.testing.assert_array_equal(
         sender.out("joint_command").position, np.full(28, 0.3)
@@ -118,11 +121,74 @@ def test_a_message_that_stays_on_the_port_is_taken_once(sender):
     assert sender.out().request.command is message
 
 
-def test_an_equal_message_that_is_another_object_is_taken_again(sender):
+def test_an_equal_message_is_taken_again_if_it_is_numbered(sender):
     for number in (1, 2, 3):
-        sender.put(SIM, behavior_command("STAND").snapshot())
-        sender.tick(2)
-        assert sender.out().request.number == number
+        for _ in range(2):
+            sender.put(SIM, behavior_command("STAND").numbered(number))
+            sender.tick(2)
+            assert sender.out().request.number == number
+
+
+class Stream(LeafSystem):
+    """A commander who fills in the same message again and again."""
+
+    def __init__(self, port, change):
+        super().__init__()
+        self.message = AtlasCommand() if port == ATLAS else behavior_command("STAND")
+        self.change = change
+        self.DeclareAbstractOutputPort(
+            port, lambda: AbstractValue.Make(AtlasCommand()), self.calc
+        )
+
+    def calc(self, context, output):
+        self.change(self.message, context.get_time())
+        output.set_value(self.message)
+
+
+def streamed(robot, port, change, seconds=0.02):
+    """What is in force after a stream of messages, read 1000 times a second."""
+    builder = DiagramBuilder()
+    system = builder.AddSystem(CommandInterface(robot, PERIOD, Behavior.STAND))
+    stream = builder.AddSystem(Stream(port, change))
+    builder.Connect(stream.GetOutputPort(port), system.GetInputPort(port))
+    simulator = Simulator(builder.Build())
+    output = system.GetOutputPort("commands")
+    for step in range(round(seconds / 0.001) + 1):
+        simulator.AdvanceTo(0.001 * step)
+        force = output.Eval(system.GetMyContextFromRoot(simulator.get_context()))
+    return force
+
+
+def test_one_message_that_is_filled_in_again_is_heard_each_time(robot):
+    def change(message, time):
+        message.position = [0.1 * time] * 28
+
+    force = streamed(robot, ATLAS, change)
+    np.testing.assert_allclose(force.joints.position, 0.1 * 0.02)
+    # Each tick from 0 s to 0.018 s, and the one now.
+    assert force.received == 11
+
+
+@pytest.mark.parametrize("port", [ATLAS, SIM])
+@pytest.mark.parametrize("fresh", [False, True])
+def test_a_stream_of_the_same_is_one_message(robot, port, fresh):
+    def change(message, time):
+        message.position = [0.5] * 28 if fresh else message.position
+
+    force = streamed(robot, port, change)
+    assert force.received == 1
+    assert force.request.number == (port == SIM)
+
+
+def test_a_stream_of_what_cannot_be_used_is_refused_and_logged_once(
+    robot, caplog, poison
+):
+    def change(message, time):
+        message.position = poison()
+
+    force = streamed(robot, ATLAS, change)
+    assert force.refused == force.received == 1
+    assert len(caplog.records) == 1
 
 
 def test_the_later_message_sets_the_shares(sender):
@@ -223,7 +289,7 @@ def test_time_that_runs_backward_is_refused(sender):
 
 def test_the_next_good_message_clears_the_error_but_not_the_count(sender):
     for number in (1, 2):
-        sender.put(SIM, behavior_command("DANCE").snapshot())
+        sender.put(SIM, behavior_command("DANCE").numbered(number))
         sender.tick()
         assert sender.out().refused == number
     sender.put(SIM, behavior_command("STAND").snapshot())

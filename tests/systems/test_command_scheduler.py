@@ -3,6 +3,7 @@
 import pytest
 from pydrake.systems.analysis import Simulator
 
+from atlas_drake.frozen import NOTHING
 from atlas_drake.messages import (
     AtlasCommand,
     AtlasSimInterfaceCommand,
@@ -64,10 +65,10 @@ def test_entries_are_sent_on_time_and_in_the_order_of_their_times():
         (0.2, behavior_command(Behavior.STAND)),
     )
     run.to(0.095)
-    assert (run.out("sent"), run.out(ATLAS), run.out(SIM)) == (0, None, None)
+    assert (run.out("sent"), run.out(ATLAS), run.out(SIM)) == (0, NOTHING, NOTHING)
     run.to(0.105)
     assert (run.out("sent"), run.out(ATLAS)) == (1, joint_command(1.0))
-    assert run.out(SIM) is None
+    assert run.out(SIM) is NOTHING
     run.to(0.205)
     assert run.out("sent") == 2
     # What was sent stays on its port.
@@ -101,8 +102,8 @@ def test_several_entries_at_one_time_are_all_sent_one_in_each_tick():
         ports.append((run.out("sent"), run.out(ATLAS), run.out(SIM)))
     freeze = behavior_command(Behavior.FREEZE)
     assert ports == [
-        (1, joint_command(1.0), None),
-        (2, joint_command(2.0), None),
+        (1, joint_command(1.0), NOTHING),
+        (2, joint_command(2.0), NOTHING),
         (3, joint_command(2.0), freeze),
     ]
 
@@ -128,7 +129,7 @@ def test_a_function_sees_the_feedback_of_the_moment_of_sending():
 def test_a_text_without_command_is_counted_and_sends_nothing():
     run = Run((0.1, None, "Look!"))
     run.to(0.2)
-    assert (run.out("sent"), run.out(ATLAS), run.out(SIM)) == (1, None, None)
+    assert (run.out("sent"), run.out(ATLAS), run.out(SIM)) == (1, NOTHING, NOTHING)
 
 
 def test_what_was_sent_does_not_change_with_the_programmers_message():
@@ -151,21 +152,31 @@ def test_others_pass_through_at_once_and_stay(port, other):
     assert run.out(port) is message
     run.to(0.5)
     assert run.out(port) is message
-    assert run.out({ATLAS: SIM, SIM: ATLAS}[port]) is None
+    assert run.out({ATLAS: SIM, SIM: ATLAS}[port]) is NOTHING
     assert run.out("sent") == 0
 
 
-def test_of_programme_and_others_the_later_message_counts():
-    run = Run((0.1, joint_command(1.0)), (0.3, joint_command(3.0)))
-    run.put("other_atlas_command", joint_command(-1.0).snapshot())
+def turned_pelvis(number):
+    """A behaviour command that differs from others by a number."""
+    command = behavior_command(Behavior.MANIPULATE)
+    command.manipulate_params.desired.pelvis_yaw = number
+    return command
+
+
+@pytest.mark.parametrize(
+    ("port", "make"), [(ATLAS, joint_command), (SIM, turned_pelvis)], ids=[ATLAS, SIM]
+)
+def test_of_programme_and_others_the_later_message_counts(port, make):
+    run = Run((0.1, make(1.0)), (0.3, make(3.0)))
+    run.put(f"other_{port}", make(-1.0).snapshot())
     run.to(0.05)
-    assert run.out(ATLAS) == joint_command(-1.0)
+    assert run.out(port) == make(-1.0)
     run.to(0.15)
-    assert run.out(ATLAS) == joint_command(1.0)
-    run.put("other_atlas_command", joint_command(-2.0).snapshot())
-    assert run.out(ATLAS) == joint_command(-2.0)
+    assert run.out(port) == make(1.0)
+    run.put(f"other_{port}", make(-2.0).snapshot())
+    assert run.out(port) == make(-2.0)
     run.to(0.25)
-    assert run.out(ATLAS) == joint_command(-2.0)
+    assert run.out(port) == make(-2.0)
     run.to(0.35)
-    assert run.out(ATLAS) == joint_command(3.0)
+    assert run.out(port) == make(3.0)
     assert run.out("sent") == 2

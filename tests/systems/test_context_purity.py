@@ -8,8 +8,6 @@ from atlas_drake.diagrams.atlas_station import StationConfig
 from atlas_drake.diagrams.control_mode_switch import make_control_mode_switch
 from atlas_drake.messages import AtlasCommand, Behavior
 from atlas_drake.noise import NOISE_MODELS
-from atlas_drake.scenario import Scenario
-from atlas_drake.start import draw_variation, place_robot
 from atlas_drake.systems.command_scheduler import ScheduledCommand
 from atlas_drake.tutorial import walk_command
 
@@ -38,17 +36,9 @@ def diagram(robot):
 
 
 @pytest.fixture
-def start(diagram, robot):
+def start(diagram):
     """Makes a context with the robot on its feet."""
-
-    def make():
-        context = diagram.CreateDefaultContext()
-        plant = diagram.GetSubsystemByName("station").GetSubsystemByName("plant")
-        variation = draw_variation(Scenario(), robot)
-        place_robot(plant, plant.GetMyMutableContextFromRoot(context), robot, variation)
-        return context
-
-    return make
+    return diagram.CreateDefaultContext
 
 
 def remembered(diagram, context):

@@ -10,7 +10,6 @@ from atlas_drake.diagrams.atlas_station import StationConfig, make_atlas_station
 from atlas_drake.diagrams.control_mode_switch import make_control_mode_switch
 from atlas_drake.noise import NOISE_MODELS
 from atlas_drake.scenario import Start
-from atlas_drake.start import draw_variation, place_robot
 from atlas_drake.systems.command_scheduler import ScheduledCommand
 from atlas_drake.systems.estimation_error import error_sizes
 from atlas_drake.systems.state_estimator import StateEstimator
@@ -39,7 +38,7 @@ def alone(robot):
     estimator = StateEstimator(robot, TICK)
     context = estimator.CreateDefaultContext()
     sim = AtlasSimulation()
-    state = sim._output("state")
+    state = sim.output("state")
     weight = robot.mass * 9.81
     feed = {
         "measured_state": state,
@@ -135,7 +134,7 @@ def test_at_one_instant_there_is_one_estimate(running):
 
 
 def test_the_reported_positions_are_the_estimate(running):
-    estimate = running._output("estimated_state")
+    estimate = running.output("estimated_state")
     report = running.atlas_sim_interface_state
     position = report.pos_est.position.to_array()
     np.testing.assert_array_equal(position, estimate[4:7])
@@ -151,8 +150,8 @@ def test_the_reported_positions_are_the_estimate(running):
 
 
 def test_the_error_is_that_between_estimate_and_truth(running):
-    true, estimate = running._output("state"), running._output("estimated_state")
-    error = running._output("estimation_error")
+    true, estimate = running.output("state"), running.output("estimated_state")
+    error = running.output("estimation_error")
     np.testing.assert_allclose(error[:3], (estimate - true)[4:7], atol=1e-15)
     velocities = running.plant.num_positions() + np.arange(3, 6)
     np.testing.assert_allclose(error[3:6], (estimate - true)[velocities], atol=1e-15)
@@ -189,9 +188,9 @@ def test_a_reset_of_the_simulation_puts_the_estimate_where_the_robot_is():
     sim = AtlasSimulation(ESTIMATED)
     sim.advance(0.05)
     sim.reset(pose=Start(position=[2.0, -1.0], yaw=0.5))
-    assert error_sizes(sim._output("estimation_error")).max() < 1e-4
+    assert error_sizes(sim.output("estimation_error")).max() < 1e-4
     sim.advance(0.3)
-    assert error_sizes(sim._output("estimation_error")).max() < 0.02
+    assert error_sizes(sim.output("estimation_error")).max() < 0.02
     position = sim.atlas_sim_interface_state.pos_est.position
     assert [position.x, position.y] == pytest.approx([2.0, -1.0], abs=0.05)
     # Nothing that was felt on the way counts as an error.
@@ -207,11 +206,7 @@ def test_a_clone_in_mid_run_goes_on_as_the_original_does(robot):
     config = StationConfig(noise=NOISE_MODELS["rough"], seed=3, estimated=True)
     programme = [ScheduledCommand(0.05, walk_command)]
     diagram = make_control_mode_switch(robot, programme, config)
-    context = diagram.CreateDefaultContext()
-    plant = diagram.GetSubsystemByName("station").GetSubsystemByName("plant")
-    variation = draw_variation(Scenario(), robot)
-    place_robot(plant, plant.GetMyMutableContextFromRoot(context), robot, variation)
-    original = Simulator(diagram, context)
+    original = Simulator(diagram)
     original.AdvanceTo(1.1005)
     clone = Simulator(diagram, original.get_context().Clone())
     clone.AdvanceTo(1.4005)

@@ -3,7 +3,16 @@
 import pytest
 from pydrake.geometry import Meshcat
 
-from atlas_drake.teleop.controls import SHARES, SLIDERS, Action, legend
+from atlas_drake.teleop.controls import (
+    PAGE_TURNS,
+    PUSH_IMPULSE,
+    SHARES,
+    SLIDERS,
+    STRIDE,
+    Action,
+    legend,
+)
+from atlas_drake.teleop.pages import MAX_ROWS, SWITCHES, pages_with
 from atlas_drake.teleop.panel import Panel, stick_direction
 from atlas_drake.visualization.overlays import Overlays
 
@@ -24,12 +33,99 @@ def panel(meshcat, robot, overlays):
     return Panel(meshcat, robot, overlays)
 
 
-def test_every_button_has_its_key(panel, meshcat):
-    for action in Action:
-        assert meshcat.GetButtonClicks(action.label) == 0
-        # A button of this name with another key would be refused.
-        with pytest.raises(RuntimeError, match="keycode"):
-            meshcat.AddButton(action.label, "KeyZ")
+def click(meshcat, action, times=1):
+    """What a browser sends, in MessagePack."""
+
+    def text(word):
+        return bytes([0xD9, len(word)]) + word.encode()
+
+    fields = ("type", "button", "name", action.label)
+    for _ in range(times):
+        meshcat._InjectWebsocketMessage(b"\x82" + b"".join(map(text, fields)))
+
+
+def open_page(panel, meshcat, slider):
+    """Turns pages until a slider shows."""
+    for _ in range(20):
+        if slider.label in meshcat.GetSliderNames():
+            return
+        click(meshcat, Action.NEXT_PAGE)
+        panel.read()
+    pytest.fail(f"no page has {slider.label}")
+
+
+def test_every_button_has_its_key_on_every_page(panel, meshcat, robot):
+    for _ in pages_with(robot, ()):
+        for action in Action:
+            meshcat.GetButtonClicks(action.label)
+            # A button of this name with another key would be refused.
+            with pytest.raises(RuntimeError, match="keycode"):
+                meshcat.AddButton(action.label, "KeyZ")
+        click(meshcat, Action.NEXT_PAGE)
+        panel.read()
+
+
+def test_a_button_is_heard_once_whatever_page_is_open(panel, meshcat):
+    click(meshcat, Action.NEXT_PAGE)
+    assert panel.read().clicks == ()
+    click(meshcat, Action.RESET)
+    assert panel.read().clicks == (Action.RESET,)
+    assert panel.read().clicks == ()
+
+
+def test_pages_are_short_and_together_have_everything(robot):
+    pages = pages_with(robot, range(robot.num_joints))
+    for page in pages:
+        rows = 1 + len(PAGE_TURNS) + len(page.actions) + len(page.sliders)
+        assert rows <= MAX_ROWS
+        # They become JavaScript and CSS strings.
+        assert not set("'\"\\") & set(page.title + page.note)
+    assert {a for page in pages for a in page.actions} == set(Action) - set(PAGE_TURNS)
+    labels = {slider.label for page in pages for slider in page.sliders}
+    assert {slider.label for slider in (*SLIDERS, *SWITCHES.values())} < labels
+    assert {f"{name} [rad]" for name in robot.joint_names} < labels
+    assert len({page.title for page in pages}) == len(pages)
+
+
+def test_pages_turn_both_ways_and_in_a_circle(panel, meshcat):
+    at_first = meshcat.GetSliderNames()
+    click(meshcat, Action.NEXT_PAGE)
+    panel.read()
+    walking = meshcat.GetSliderNames()
+    assert STRIDE.label in walking
+    click(meshcat, Action.PREVIOUS_PAGE)
+    panel.read()
+    assert meshcat.GetSliderNames() == at_first
+    click(meshcat, Action.PREVIOUS_PAGE)
+    click(meshcat, Action.NEXT_PAGE, times=2)
+    panel.read()
+    assert meshcat.GetSliderNames() == walking
+
+
+def test_what_was_set_stays_in_force_when_the_page_turns(panel, meshcat):
+    open_page(panel, meshcat, STRIDE)
+    meshcat.SetSliderValue(STRIDE.label, 0.27)
+    assert panel.read().value(STRIDE) == pytest.approx(0.27)
+    # Moved just before the page turns, so that no look has seen it yet.
+    meshcat.SetSliderValue(STRIDE.label, 0.11)
+    open_page(panel, meshcat, PUSH_IMPULSE)
+    assert STRIDE.label not in meshcat.GetSliderNames()
+    assert panel.read().value(STRIDE) == pytest.approx(0.11)
+    panel.set(STRIDE, 0.22)
+    assert panel.read().value(STRIDE) == pytest.approx(0.22)
+    open_page(panel, meshcat, STRIDE)
+    assert meshcat.GetSliderValue(STRIDE.label) == pytest.approx(0.22)
+
+
+def test_a_slider_that_cannot_say_a_value_does_not_change_it(panel, meshcat):
+    open_page(panel, meshcat, STRIDE)
+    panel.set(STRIDE, 0.2234)
+    assert meshcat.GetSliderValue(STRIDE.label) == pytest.approx(0.22)
+    open_page(panel, meshcat, PUSH_IMPULSE)
+    open_page(panel, meshcat, STRIDE)
+    assert panel.read().value(STRIDE) == 0.2234
+    panel.set(STRIDE, 9.0)
+    assert panel.read().value(STRIDE) == STRIDE.high
 
 
 def test_no_key_does_two_things():
@@ -57,18 +153,28 @@ def test_sliders_move(panel):
     assert panel.read().shares["legs"] == 200
 
 
-def test_the_users_joints_get_sliders(panel, meshcat, robot):
-    elbow = robot.joint_index("l_arm_ely")
-    panel.show_joints({elbow: 1.0, 3: 0.0})
-    assert panel.read().joints == pytest.approx({elbow: 1.0, 3: 0.0})
-    panel.show_joints({3: 0.5})
-    assert panel.read().joints == pytest.approx({3: 0.0})
-    assert "l_arm_ely [rad]" not in meshcat.GetSliderNames()
+def test_the_users_joints_get_a_page(panel, meshcat, robot):
+    elbow, arm = robot.joint_index("l_arm_ely"), SHARES["left arm"]
+    at_once = {elbow: 1.004, 3: 0.0}
+    panel.show_joints(at_once)
+    assert panel.read().joints == at_once
+    open_page(panel, meshcat, arm)
+    click(meshcat, Action.NEXT_PAGE)
+    panel.read()
+    assert set(meshcat.GetSliderNames()) == {arm.label, "l_arm_ely [rad]"}
+    meshcat.SetSliderValue("l_arm_ely [rad]", 0.7)
+    panel.show_joints({elbow: 0.0})
+    assert panel.read().joints == pytest.approx({elbow: 0.7})
+    # Given back: its page goes, and the one before it opens.
     panel.show_joints({})
     assert panel.read().joints == {}
+    assert set(meshcat.GetSliderNames()) == {s.label for s in SHARES.values()}
+    panel.show_joints({elbow: 0.2})
+    assert panel.read().joints == {elbow: 0.2}
 
 
 def test_overlays_are_switched(panel, meshcat, overlays):
+    open_page(panel, meshcat, SWITCHES["com"])
     assert meshcat.GetSliderValue("show com") == 1
     meshcat.SetSliderValue("show com", 0)
     meshcat.SetSliderValue("show owner", 1)
@@ -76,10 +182,12 @@ def test_overlays_are_switched(panel, meshcat, overlays):
     assert not overlays.is_on("com")
     assert overlays.is_on("owner")
     # A link has one colour: switching one colouring on ends the other.
-    meshcat.SetSliderValue("show effort", 1)
-    panel.read()
-    assert overlays.is_on("effort")
-    assert meshcat.GetSliderValue("show owner") == 0
+    for other, switch in (("owner", "effort"), ("effort", "owner")):
+        meshcat.SetSliderValue(f"show {switch}", 1)
+        panel.read()
+        assert overlays.is_on(switch)
+        assert not overlays.is_on(other)
+        assert meshcat.GetSliderValue(f"show {other}") == 0
 
 
 def test_sticks_point_somewhere():

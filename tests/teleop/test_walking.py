@@ -8,16 +8,14 @@ import pytest
 from atlas_drake.behaviors.step_queue import footstep_from
 from atlas_drake.control.footstep import LEFT, RIGHT, FootPose, StepLimits, saturate
 from atlas_drake.control.rotations import rotation_z
+from atlas_drake.footholds import HALF_WIDTH, Gait, foothold
 from atlas_drake.messages import Behavior
 from atlas_drake.teleop.walking import (
-    HALF_WIDTH,
     STRIDE_CHANGE,
     Direction,
-    Gait,
     begin_walk,
     close_feet,
     first_open_step,
-    foothold,
     is_closing,
     next_steps,
     walk_on,

@@ -135,7 +135,7 @@ def test_an_arrow_is_as_long_as_its_force_is_strong():
 def test_the_ground_carries_a_standing_robot():
     sim = AtlasSimulation()
     sim.advance_to(0.5)
-    forces = contact_forces_of(sim._output("contact_results"))
+    forces = contact_forces_of(sim.output("contact_results"))
     weight = sum(force.force_W[2] for force in forces)
     assert len(forces) == 8
     assert weight == pytest.approx(sim.robot.mass * 9.81, rel=0.05)
@@ -229,7 +229,7 @@ def test_the_font_has_every_letter_of_every_word():
 def test_a_walk_has_a_plan_and_a_swing():
     sim = walking()
     sim.advance_to(SWINGING)
-    memory = sim._output("controller_state").supervisor.memory
+    memory = sim.output("controller_state").supervisor.memory
     assert memory.swinging
     com = np.array(sim.pelvis_pose.translation()[:2])
     paths = planned_paths(memory, com, memory.omega)
@@ -247,7 +247,7 @@ def test_a_walk_has_a_plan_and_a_swing():
 def test_standing_has_a_support_and_no_plan():
     sim = AtlasSimulation()
     sim.advance_to(0.1)
-    memory = sim._output("controller_state").supervisor.memory
+    memory = sim.output("controller_state").supervisor.memory
     assert support_of(memory).vertices.shape[1] == 2
     assert planned_paths(memory, np.zeros(2), 3.3) is None
     assert swing_path(memory) is None

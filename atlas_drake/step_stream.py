@@ -1,0 +1,86 @@
+"""Sends footsteps to WALK as it asks for them: any number, four at a time.
+
+Makes commands out of steps and reports; plans nothing and sends nothing itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from atlas_drake.messages import (
+    NUM_REQUIRED_WALK_STEPS,
+    AtlasBehaviorStepData,
+    AtlasSimInterfaceCommand,
+    AtlasSimInterfaceState,
+    Behavior,
+)
+
+AHEAD = 2
+"""With so many steps known and not begun the next ones are sent."""
+
+ANSWER = 0.02
+"""Time after which a report knows of a command [s]."""
+
+
+class StepStream:
+    """One walk over given steps.
+
+    Ask ``next_command`` about ten times a second, publish what it returns, and go on
+    until the walk ``is_over``.
+    """
+
+    def __init__(self, steps: Sequence[AtlasBehaviorStepData]):
+        """Takes the steps of a whole walk.
+
+        Args:
+            steps: In order, counted from 1.
+
+        Raises:
+            ValueError: If a step's index is not its place in the order.
+        """
+        for index, step in enumerate(steps, 1):
+            if step.step_index != index:
+                text = f"steps[{index - 1}].step_index is {step.step_index}"
+                raise ValueError(f"{text}, and not {index}")
+        self._steps = tuple(steps)
+        self._sent = 0
+        self._sent_at = 0.0
+
+    def next_command(
+        self, report: AtlasSimInterfaceState
+    ) -> AtlasSimInterfaceCommand | None:
+        """The command to publish now, if any.
+
+        Args:
+            report: The latest one.
+        """
+        if self._sent == len(self._steps) or self.is_over(report):
+            return None
+        if self._sent and not self._wants_more(report):
+            return None
+        first = self._sent
+        queue = self._steps[first : first + NUM_REQUIRED_WALK_STEPS]
+        command = AtlasSimInterfaceCommand()
+        command.behavior = command.WALK
+        for place, step in enumerate(queue):
+            command.walk_params.step_queue[place] = step
+        self._sent = first + len(queue)
+        self._sent_at = report.header.stamp or 0.0
+        return command
+
+    def is_over(self, report: AtlasSimInterfaceState) -> bool:
+        """Whether the walk has ended, done or not; the report's events say which.
+
+        Args:
+            report: The latest one.
+        """
+        if not self._steps:
+            return True
+        passed = (report.header.stamp or 0.0) - self._sent_at
+        answered = self._sent > 0 and passed > ANSWER
+        return answered and report.current_behavior != Behavior.WALK
+
+    def _wants_more(self, report: AtlasSimInterfaceState) -> bool:
+        walk = report.walk_feedback
+        known = walk.next_step_index_needed - walk.current_step_index - 1
+        return walk.next_step_index_needed > self._sent and known <= AHEAD

@@ -1,0 +1,113 @@
+"""Buttons and sliders of Meshcat, one page of them at a time.
+
+What was set stays in force while its slider is on another page. What the controls mean
+is in ``panel``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from pydrake.geometry import Meshcat
+
+from atlas_drake.teleop.controls import PAGE_TURNS, Action, Slider
+from atlas_drake.teleop.page_style import page_style
+from atlas_drake.teleop.pages import Page
+
+
+class PagedControls:
+    """Pages in Meshcat's panel, of which one is open."""
+
+    def __init__(self, meshcat: Meshcat, pages: Sequence[Page]) -> None:
+        """Adds the buttons, and opens the first page."""
+        self._meshcat = meshcat
+        self._clicks = dict.fromkeys(Action, 0)
+        self._values: dict[Slider, float] = {}
+        self._in_view: dict[Slider, float] = {}  # As Meshcat had them when last seen.
+        self._style: str | None = None
+        # Once and for all: a key works only as long as its button exists.
+        for action in Action:
+            meshcat.AddButton(action.label, action.key.code)
+        self._pages = tuple(pages)
+        self._open(0)
+
+    @property
+    def page(self) -> Page:
+        """The one that is open."""
+        return self._pages[self._number]
+
+    def read(self) -> tuple[Action, ...]:
+        """Takes over what was moved and turns pages; what else was pressed since."""
+        for slider, before in self._in_view.items():
+            value = self._meshcat.GetSliderValue(slider.label)
+            if value != before:
+                self._values[slider] = self._in_view[slider] = value
+        pressed, turns = [], 0
+        for action, before in self._clicks.items():
+            clicks = self._meshcat.GetButtonClicks(action.label)
+            if clicks == before:
+                continue
+            self._clicks[action] = clicks
+            if action in PAGE_TURNS:
+                turns += PAGE_TURNS[action] * (clicks - before)
+            else:
+                pressed.append(action)
+        if turns % len(self._pages):
+            self._open((self._number + turns) % len(self._pages))
+        return tuple(pressed)
+
+    def value(self, slider: Slider) -> float:
+        """What is in force, whatever page is open."""
+        return self._values.get(slider, slider.value)
+
+    def set(self, slider: Slider, value: float) -> None:
+        """Moves a slider, on whatever page it is."""
+        self._values[slider] = min(max(value, slider.low), slider.high)
+        if slider in self._in_view:
+            self._in_view[slider] = self._meshcat.SetSliderValue(slider.label, value)
+
+    def set_pages(self, pages: Sequence[Page]) -> None:
+        """Replaces the pages; the open one stays open, or the one before it opens.
+
+        What only vanished sliders were set to is forgotten.
+        """
+        pages = tuple(pages)
+        if pages == self._pages:
+            return
+        kept = {page.title: number for number, page in enumerate(pages)}
+        before = [page.title for page in self._pages[: self._number + 1]]
+        number = next(kept[title] for title in reversed(before) if title in kept)
+        self._pages = pages
+        sliders = {slider for page in pages for slider in page.sliders}
+        self._values = {s: v for s, v in self._values.items() if s in sliders}
+        self._open(number)
+
+    def _open(self, number: int) -> None:
+        """Shows a page of those that there are."""
+        self._number = number
+        page, meshcat = self.page, self._meshcat
+        self._show_buttons()
+        if tuple(self._in_view) == page.sliders:
+            return
+        for slider in self._in_view:
+            meshcat.DeleteSlider(slider.label)
+        self._in_view = {
+            slider: meshcat.AddSlider(*slider[:4], self.value(slider))
+            for slider in page.sliders
+        }
+
+    def _show_buttons(self) -> None:
+        """Hides the buttons of other pages, and says which page it is."""
+        page, before = self.page, self._style
+        self._style = page_style(
+            f"{page.title}: page {self._number + 1} of {len(self._pages)}",
+            page.note,
+            [action in page.actions or action in PAGE_TURNS for action in Action],
+            show_folders=page.scene,
+        )
+        if self._style == before:
+            return
+        # The new one first, so that no moment shows all buttons.
+        self._meshcat.AddButton(self._style)
+        if before is not None:
+            self._meshcat.DeleteButton(before)

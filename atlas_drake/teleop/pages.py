@@ -1,0 +1,113 @@
+"""What shares a page of the control panel.
+
+Data only; ``paged_controls`` turns the pages.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+
+from atlas_drake.robot import Robot
+from atlas_drake.teleop.controls import (
+    DIRECTIONS,
+    DURATION,
+    PELVIS_HEIGHT,
+    PELVIS_YAW,
+    PUSH_BODY,
+    PUSH_DIRECTION,
+    PUSH_IMPULSE,
+    SHARES,
+    STRIDE,
+    SWING_HEIGHT,
+    TURN,
+    Action,
+    Slider,
+    push_bodies,
+)
+from atlas_drake.teleop.limbs import SLIDER_STEP, group_of
+from atlas_drake.visualization.overlays import OVERLAYS
+
+MAX_ROWS = 16
+"""Of a page with its title and the two buttons that turn it: 16 rows of 28 pixels
+leave room in a small window (657 pixels of height)."""
+
+
+@dataclass(frozen=True)
+class Page:
+    """One page of the panel.
+
+    Attributes:
+        title: Shown at the top.
+        actions: Buttons beside those that turn the page.
+        sliders: Below the buttons.
+        note: A line of explanation below the sliders.
+        scene: Whether Meshcat's own folders (Scene, Save, Animations) show as well.
+    """
+
+    title: str
+    actions: tuple[Action, ...] = ()
+    sliders: tuple[Slider, ...] = ()
+    note: str = ""
+    scene: bool = False
+
+
+MODES = Page(
+    "modes",
+    (
+        Action.STAND,
+        Action.WALK,
+        Action.STEP,
+        Action.MANIPULATE,
+        Action.FREEZE,
+        Action.USER,
+        Action.STAND_PREP,
+        Action.PAUSE,
+        Action.SINGLE_STEP,
+        Action.RESET,
+    ),
+)
+WALKING = Page(
+    "walking",
+    (*(action for action in DIRECTIONS if action is not Action.WALK), Action.STOP),
+    (STRIDE, TURN, DURATION, SWING_HEIGHT),
+)
+PELVIS = Page("pelvis", (Action.STAND, Action.MANIPULATE), (PELVIS_HEIGHT, PELVIS_YAW))
+PUSH = Page(
+    "push",
+    (Action.PUSH,),
+    (PUSH_BODY, PUSH_DIRECTION, PUSH_IMPULSE),
+    f"0 deg is ahead, 90 to the left; bodies: {push_bodies()}",
+)
+LIMBS = Page(
+    "limbs",
+    (),
+    tuple(SHARES.values()),
+    "0 is the behavior, 255 you; your limbs get pages with their joints",
+)
+SWITCHES = {name: Slider(f"show {name}", 0, 1, 1, 0) for name in OVERLAYS}
+"""By overlay: off and on."""
+VIEW = Page("overlays", (), tuple(SWITCHES.values()))
+SCENE = Page("scene", scene=True)
+
+
+def joint_slider(robot: Robot, index: int) -> Slider:
+    """The slider of a joint's set-point [rad]."""
+    low, high = robot.position_lower[index], robot.position_upper[index]
+    label = f"{robot.joint_names[index]} [rad]"
+    return Slider(label, float(low), float(high), SLIDER_STEP, 0.0)
+
+
+def pages_with(robot: Robot, joints: Collection[int]) -> tuple[Page, ...]:
+    """All pages while the user has these joints: a page more per limb of theirs."""
+    groups = group_of(robot)
+    by_group = {
+        group: [joint_slider(robot, i) for i in sorted(joints) if groups[i] == group]
+        for group in SHARES
+    }
+    limbs = [
+        Page(group, sliders=(SHARES[group], *sliders))
+        for group, sliders in by_group.items()
+        if sliders
+    ]
+    return (MODES, WALKING, PELVIS, PUSH, LIMBS, *limbs, VIEW, SCENE)

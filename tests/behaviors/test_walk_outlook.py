@@ -1,0 +1,255 @@
+"""What a walk makes of steps to come: saturation, obstacles, warnings, timing."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from atlas_drake.behaviors.footstep_event import ends_elsewhere, footstep_event
+from atlas_drake.behaviors.gait import GaitTiming
+from atlas_drake.behaviors.walk_memory import Phase, WalkMemory
+from atlas_drake.behaviors.walk_outlook import (
+    LOOK_AHEAD,
+    look_ahead,
+    time_to_touchdown,
+    warnings_about,
+)
+from atlas_drake.control.footstep import (
+    LEFT,
+    RIGHT,
+    FootPose,
+    Footstep,
+    StepLimits,
+    StepSlack,
+    outward,
+)
+from atlas_drake.control.rotations import rotation_z
+
+LIMITS, SLACK, TIMING = StepLimits(), StepSlack(), GaitTiming()
+HALF_WIDTH = 0.12
+GROUND = 0.3
+"""Height of both soles [m]."""
+
+
+def foot_at(foot, x=0.0, yaw=0.0, z=GROUND, y=None):
+    y = outward(foot) * HALF_WIDTH if y is None else y
+    return FootPose(np.array([x, y, z]), rotation_z(yaw))
+
+
+def step(index, x=0.0, *, yaw=0.0, z=GROUND, foot=None, y=None, **changes):
+    foot = (index - 1) % 2 if foot is None else foot
+    y = outward(foot) * HALF_WIDTH if y is None else y
+    taken = Footstep(index, foot, np.array([x, y, z]), yaw, 0.63, 0.1)
+    return dataclasses.replace(taken, **changes)
+
+
+def memory_of(steps, feet=None, aimed=None, **changes):
+    feet = feet or (foot_at(LEFT), foot_at(RIGHT))
+    memory = WalkMemory(
+        phase=Phase.SHIFT,
+        elapsed=0.0,
+        duration=0.8,
+        feet=feet,
+        aimed=aimed or feet,
+        pending=tuple(steps),
+        current=None,
+        commanded=None,
+        swing=None,
+        plan=None,
+        plan_time=0.0,
+        unloading=None,
+        sensitivity=1.0,
+        support=None,
+        omega=3.0,
+        next_index=1,
+        seen_params=None,
+    )
+    return dataclasses.replace(memory, **changes)
+
+
+def outlook_of(steps, *args, **kwargs):
+    return look_ahead(memory_of(steps, *args, **kwargs), LIMITS, SLACK)
+
+
+def texts(outlook, told=frozenset()):
+    return [event.text for event in warnings_about(outlook, told, 1.0)]
+
+
+@pytest.mark.parametrize("short", [0.0, 0.005, 0.015])
+@pytest.mark.parametrize("ahead", [1, -1])
+def test_where_a_foot_landed_does_not_eat_the_limits(short, ahead):
+    length = LIMITS.forward if ahead > 0 else -LIMITS.backward
+    feet = (foot_at(LEFT), foot_at(RIGHT, -ahead * short))
+    aimed = (foot_at(LEFT), foot_at(RIGHT))
+    outlook = outlook_of([step(1, length), step(2, 2 * length)], feet, aimed)
+    places = [taken.p_WF[0] for taken in outlook.steps]
+    np.testing.assert_allclose(places, [length, 2 * length])
+    assert texts(outlook) == []
+
+
+def test_a_foot_far_from_its_place_does_shorten_the_next_step():
+    # A leg is only so long, wherever its step was planned from.
+    feet = (foot_at(LEFT), foot_at(RIGHT, -0.1))
+    aimed = (foot_at(LEFT), foot_at(RIGHT))
+    (taken,) = outlook_of([step(1, LIMITS.forward)], feet, aimed).steps
+    assert taken.p_WF[0] == pytest.approx(-0.1 + LIMITS.forward + SLACK.distance)
+
+
+def test_turns_count_from_the_heading_that_was_planned_too():
+    feet = (foot_at(LEFT), foot_at(RIGHT, yaw=-0.03))
+    aimed = (foot_at(LEFT), foot_at(RIGHT))
+    (taken,) = outlook_of([step(1, yaw=LIMITS.toe_out)], feet, aimed).steps
+    assert taken.yaw == pytest.approx(LIMITS.toe_out)
+
+
+def test_limits_also_count_from_where_the_foot_is():
+    # As for those who plan from where the feet are reported to be.
+    feet = (foot_at(LEFT), foot_at(RIGHT, 0.015, yaw=0.03))
+    aimed = (foot_at(LEFT), foot_at(RIGHT))
+    x, y = 0.015, -HALF_WIDTH
+    x += LIMITS.forward * math.cos(0.03) - 0.2 * math.sin(0.03)
+    y += LIMITS.forward * math.sin(0.03) + 0.2 * math.cos(0.03)
+    wish = step(1, x - 1e-9, y=y, yaw=0.03 + LIMITS.toe_out - 1e-9)
+    assert texts(outlook_of([wish], feet, aimed)) == []
+
+
+def test_steps_are_saturated_one_from_the_other():
+    outlook = outlook_of([step(i + 1, 1.0 * (i + 1)) for i in range(6)])
+    assert [taken.index for taken in outlook.steps] == list(range(1, LOOK_AHEAD + 1))
+    places = [taken.p_WF[0] for taken in outlook.steps]
+    np.testing.assert_allclose(np.diff([0.0, *places]), LIMITS.forward)
+
+
+def test_the_step_in_the_air_is_where_the_next_one_begins():
+    feet = (foot_at(LEFT), foot_at(RIGHT))
+    in_air = step(1, 0.3)
+    outlook = outlook_of(
+        [step(2, 5.0)],
+        feet,
+        phase=Phase.SWING,
+        current=in_air,
+        commanded=step(1, 0.35),
+        next_index=2,
+    )
+    assert outlook.steps[0] is in_air
+    # Balance may have moved it: that is no saturation.
+    assert texts(outlook, frozenset([2])) == []
+    assert outlook.steps[1].p_WF[0] == pytest.approx(0.3 + LIMITS.forward)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("relative", [True, False])
+def test_a_step_too_high_is_an_obstacle(sign, relative):
+    rise = sign * 0.15
+    steps = [
+        step(1, 0.2, z=0.0 if relative else GROUND, relative=relative),
+        step(2, 0.4, z=rise if relative else GROUND + rise, relative=relative),
+        step(3, 0.4, z=0.0, relative=True),
+    ]
+    outlook = outlook_of(steps)
+    assert [taken.index for taken in outlook.steps] == [1]
+    assert outlook.blocked is steps[1]
+    (text,) = texts(outlook)
+    way = "up" if sign > 0 else "down"
+    expected = f"before step 2: step 2 leads 0.15 m {way}, which is too much"
+    assert text.endswith(expected)
+    assert texts(outlook, frozenset([2])) == []
+
+
+@pytest.mark.parametrize("error", [-0.005, 0.005])
+def test_the_highest_step_may_be_a_little_higher_than_told(error):
+    wish = step(1, 0.2, z=GROUND + LIMITS.rise)
+    feet = (foot_at(LEFT), foot_at(RIGHT, z=GROUND - error))
+    (taken,) = outlook_of([wish], feet).steps
+    # It ends where it was sent: there the ground is.
+    assert taken.p_WF[2] == pytest.approx(GROUND + LIMITS.rise)
+
+
+def test_a_step_up_that_is_out_of_reach_is_an_obstacle():
+    outlook = outlook_of([step(1, 0.6, z=GROUND + 0.08)])
+    assert outlook.steps == ()
+    assert "another level and is out of reach" in outlook.obstacle
+
+
+def test_a_height_that_is_not_meant_is_none():
+    outlook = outlook_of([step(1, 0.6, z=GROUND + 0.9)])
+    assert outlook.obstacle == ""
+    assert outlook.steps[0].p_WF[2] == pytest.approx(GROUND)
+
+
+def test_the_same_foot_again_is_an_obstacle():
+    outlook = outlook_of([step(1, 0.2), step(2, 0.4, foot=LEFT), step(3, 0.4)])
+    assert len(outlook.steps) == 1
+    assert outlook.obstacle == "two steps in a row are for the same foot"
+
+
+@pytest.mark.parametrize(
+    ("wish", "text"),
+    [
+        (step(1, 1.0), "ends 0.58 m from its place"),
+        (step(1, 0.43), "ends 0.010 m from its place"),
+        (step(1, yaw=0.78), "ends 0.28 rad from its heading"),
+        (step(1, y=0.9, yaw=-0.4), "from its place and 0.15 rad from its heading"),
+        (step(1, duration=0.4), "takes 0.60 s instead of 0.40 s"),
+        (step(1, swing_height=0.6), "swings 0.30 m high instead of 0.60 m"),
+        (
+            step(1, normal=np.array([math.sin(0.5), 0.0, math.cos(0.5)])),
+            "tilted 0.20 rad less than its normal",
+        ),
+    ],
+    ids=["far", "little", "turned", "both", "fast", "high", "steep"],
+)
+def test_every_saturation_is_told_of_once(wish, text):
+    outlook = outlook_of([wish])
+    (event,) = warnings_about(outlook, frozenset(), 2.5)
+    assert event.kind == "warning"
+    assert event.time == 2.5
+    assert event.data["index"] == 1
+    assert event.text.startswith("step 1 ")
+    assert text in event.text
+    assert texts(outlook, frozenset([1])) == []
+
+
+def test_a_step_within_reach_is_not_worth_a_word():
+    assert texts(outlook_of([step(1, 0.42), step(2, 0.42, yaw=-0.2)])) == []
+
+
+def test_a_plan_out_of_reach_is_not_what_was_asked_for():
+    (near,) = warnings_about(outlook_of([step(1, 0.43)]), frozenset(), 0.0)
+    (far,) = warnings_about(outlook_of([step(1, 1.0)]), frozenset(), 0.0)
+    (turned,) = warnings_about(outlook_of([step(1, yaw=0.785)]), frozenset(), 0.0)
+    assert [ends_elsewhere(event) for event in (near, far, turned)] == [0, 1, 1]
+    assert far.data["error_m"] == pytest.approx(0.58)
+    assert turned.data["error_rad"] == pytest.approx(0.285)
+    landed = footstep_event(0.0, step(1), step(1), foot_at(LEFT, 0.3, yaw=0.3))
+    assert not ends_elsewhere(landed)
+
+
+def test_a_landing_tells_how_far_it_is_off_in_place_and_heading():
+    event = footstep_event(
+        1.0, step(1, 1.0, yaw=3.1), step(1, 0.4), foot_at(LEFT, 0.41, yaw=-3.1)
+    )
+    assert event.data["error_m"] == pytest.approx(0.59)
+    assert event.data["error_rad"] == pytest.approx(2 * math.pi - 6.2)
+
+
+def test_the_time_to_touchdown_counts_through_the_phases_of_a_step():
+    steps = [step(1, duration=0.8), step(2, duration=1.0)]
+    swing = TIMING.swing(steps[0])
+    shift = memory_of(steps, elapsed=0.3)
+    assert time_to_touchdown(shift, steps, TIMING) == pytest.approx(0.5 + swing)
+    # At the end of a transfer as at the beginning of the swing.
+    transfer = dataclasses.replace(shift, phase=Phase.TRANSFER, elapsed=0.8)
+    assert time_to_touchdown(transfer, steps, TIMING) == pytest.approx(swing)
+    waiting = dataclasses.replace(transfer, elapsed=0.9)
+    assert time_to_touchdown(waiting, steps, TIMING) == pytest.approx(swing)
+    lifted = dataclasses.replace(
+        shift, phase=Phase.SWING, elapsed=0.0, duration=swing, current=steps[0]
+    )
+    assert time_to_touchdown(lifted, steps, TIMING) == pytest.approx(swing)
+    late = dataclasses.replace(lifted, elapsed=swing + 0.1)
+    assert time_to_touchdown(late, steps, TIMING) == 0.0
+    settling = dataclasses.replace(shift, phase=Phase.SETTLE)
+    assert time_to_touchdown(settling, steps, TIMING) == 0.0
+    assert time_to_touchdown(shift, (), TIMING) == 0.0
