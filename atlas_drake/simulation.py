@@ -348,7 +348,8 @@ class AtlasSimulation:
         """Shows a viewer that is too slow for all pictures where an advance ended."""
         if now - self._shown > SHOWN_EVERY:
             self._shown = now
-            show_latest(self.diagram, self.context)
+            with self._turns:
+                show_latest(self.diagram, self.context)
 
     def _advance_chunk(self, t: float) -> None:
         """Simulates until the next look at the events, at most until ``t``."""

@@ -6,14 +6,14 @@ It lies in the system's own Context, so that every Context calculates in its own
 from collections.abc import Callable
 
 from pydrake.common.value import AbstractValue
-from pydrake.systems.framework import Context, ValueProducer
+from pydrake.systems.framework import CacheEntry, Context, LeafSystem, ValueProducer
 
 from atlas_drake.systems.collectable_system import CachedValue, CollectableSystem
 
 
 def declare_scratch_context(
-    system: CollectableSystem, create: Callable[[], Context]
-) -> CachedValue:
+    system: LeafSystem, create: Callable[[], Context]
+) -> CachedValue | CacheEntry:
     """Declares it as a cache entry that is allocated and never calculated.
 
     Args:
@@ -24,10 +24,16 @@ def declare_scratch_context(
         The entry, whose ``Eval`` gives the plant's context. Whoever uses it sets the
         plant's state first.
     """
+
+    def allocate() -> AbstractValue:
+        return AbstractValue.Make(create())
+
+    # A user's own system may be Drake's plain one, which keeps what it calls for ever.
+    kept = isinstance(system, CollectableSystem)
     return system.DeclareCacheEntry(
         "scratch context",
         ValueProducer(
-            allocate=system.callback(lambda: AbstractValue.Make(create())),
+            allocate=system.callback(allocate) if kept else allocate,
             calc=ValueProducer.NoopCalc,
         ),
         {system.nothing_ticket()},
