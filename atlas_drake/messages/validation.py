@@ -38,6 +38,10 @@ def check_command(
 ) -> None:
     """Check a command of either kind by itself, whatever was sent before.
 
+    Args:
+        message: The command.
+        joint_names: The robot's joints in message order.
+
     Raises:
         InvalidMessageError: If anything in it cannot be applied; it names the field.
     """
