@@ -14,17 +14,21 @@ from collections.abc import Collection, Sequence
 from functools import partial
 from pathlib import Path
 
-from atlas_drake.errors import AtlasError
+from atlas_drake.errors import AtlasError, ScenarioError
 from atlas_drake.visualization.overlays import LOGGED, OVERLAYS, overlays_from
 
-EXIT_OK, EXIT_FAILED, EXIT_BAD_INPUT, EXIT_INTERRUPTED = 0, 1, 2, 130
-"""Did what was asked; fell or failed; input that cannot be used; stopped by Ctrl-C."""
+EXIT_OK, EXIT_FAILED, EXIT_BAD_INPUT, EXIT_OUTPUT_LOST = 0, 1, 2, 3
+"""Did what was asked; fell or failed; input that cannot be used; an output file that
+could not be written, however Atlas ended."""
+EXIT_INTERRUPTED = 130
+"""Stopped by Ctrl-C, whatever was written."""
 
+_LOST = "3 an output file could not be written (every other one is kept)"
 _EXIT_STATUS = (
     "exit status: 0 Atlas ended upright and did what was asked, 1 it did not, "
-    "2 bad input, 130 stopped by Ctrl-C"
+    f"2 bad input, {_LOST}, 130 stopped by Ctrl-C"
 )
-_LOG_EXIT_STATUS = "exit status: 0 done, 2 bad input, 130 stopped by Ctrl-C"
+_LOG_EXIT_STATUS = f"exit status: 0 done, 2 bad input, {_LOST}, 130 stopped by Ctrl-C"
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -38,6 +42,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     options = _parser().parse_args(arguments)
     try:
+        _check_files_read(options)
         return options.run(options)
     except AtlasError as error:
         print(f"atlas-drake: error: {error}", file=sys.stderr)
@@ -49,6 +54,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if isinstance(error.__cause__ or error.__context__, KeyboardInterrupt):
             return EXIT_INTERRUPTED
         raise
+
+
+def _check_files_read(options: argparse.Namespace) -> None:
+    """Misses a file at once, before Drake and all that takes seconds to load.
+
+    Raises:
+        AtlasError: If a file that is to be read is not there.
+    """
+    for path in [getattr(options, name, None) for name in options.reads]:
+        if path is not None and not path.exists():
+            raise AtlasError(f"{path}: there is no such file")
 
 
 def _demo(options: argparse.Namespace) -> int:
@@ -96,12 +112,12 @@ def _teleop(options: argparse.Namespace) -> int:
 def _diagram(options: argparse.Namespace) -> int:
     from atlas_drake.diagram_picture import write_diagram_picture
 
-    written, hint = write_diagram_picture(options.file)
-    print(f"Wrote {written}.{hint}")
-    if not options.no_open and written.suffix != ".dot":
+    write_diagram_picture(options.file)
+    print(f"Wrote {options.file}.")
+    if not options.no_open and options.file.suffix != ".dot":
         from atlas_drake.viewer import open_on_desktop
 
-        open_on_desktop(written.resolve().as_uri())
+        open_on_desktop(options.file.resolve().as_uri())
     return EXIT_OK
 
 
@@ -134,7 +150,7 @@ def _parser() -> argparse.ArgumentParser:
         "damping that its own comment means",
     )
     _add_run_options(demo)
-    demo.set_defaults(run=_demo)
+    demo.set_defaults(run=_demo, reads=())
 
     run = commands.add_parser(
         "run",
@@ -145,7 +161,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     run.add_argument("scenario", metavar="SCENARIO.yaml", type=Path)
     _add_run_options(run)
-    run.set_defaults(run=_run)
+    run.set_defaults(run=_run, reads=("scenario",))
 
     plot = commands.add_parser(
         "plot",
@@ -163,9 +179,10 @@ def _parser() -> argparse.ArgumentParser:
         type=Path,
         metavar="FILE",
         help="a .png picture or an interactive .html page that works offline; may be "
-        "given more than once (default: both, beside the log)",
+        "given more than once (default: both, beside the log: run.figures.png and "
+        "run.figures.html for run.mcap)",
     )
-    plot.set_defaults(run=_plot)
+    plot.set_defaults(run=_plot, reads=("log",))
 
     replay = commands.add_parser(
         "replay",
@@ -182,7 +199,7 @@ def _parser() -> argparse.ArgumentParser:
     _add_address_options(view)
     _add_show_option(view, "none", LOGGED)
     _add_record_option(replay.add_argument_group("what you keep"))
-    replay.set_defaults(run=_replay)
+    replay.set_defaults(run=_replay, reads=("log",))
 
     teleop = commands.add_parser(
         "teleop",
@@ -211,7 +228,7 @@ def _parser() -> argparse.ArgumentParser:
     view = teleop.add_argument_group("how you watch it")
     _add_address_options(view)
     _add_show_option(view, "com,dcm,cop,support,swing,flags,follow")
-    teleop.set_defaults(run=_teleop)
+    teleop.set_defaults(run=_teleop, reads=("scenario",))
 
     diagram = commands.add_parser(
         "diagram",
@@ -232,7 +249,7 @@ def _parser() -> argparse.ArgumentParser:
         action="store_true",
         help="do not open the picture where there is a desktop",
     )
-    diagram.set_defaults(run=_diagram)
+    diagram.set_defaults(run=_diagram, reads=())
     return parser
 
 
@@ -303,8 +320,8 @@ def _add_address_options(view: argparse._ArgumentGroup) -> None:
         "--host",
         default="localhost",
         metavar="H",
-        help="address that the 3D view listens on; * lets other computers watch "
-        "(default: %(default)s)",
+        help="address that the 3D view listens on; with * or 0.0.0.0 whoever reaches "
+        "its port sees the robot, and with teleop steers it (default: %(default)s)",
     )
 
 
@@ -352,8 +369,9 @@ def _add_show_option(
 def _overlays(text: str, offered: Collection[str]) -> list[str]:
     try:
         return overlays_from(text, offered)
-    except AtlasError as error:
-        raise argparse.ArgumentTypeError(str(error)) from error
+    except ScenarioError as error:
+        # argparse names the option itself.
+        raise argparse.ArgumentTypeError(error.problem) from error
 
 
 def _rate(text: str) -> float:

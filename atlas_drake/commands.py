@@ -267,7 +267,7 @@ def _apply_atlas_command(
     force: CommandsInForce, message: AtlasCommand, robot: Robot, time: float
 ) -> CommandsInForce:
     validate_atlas_command(message, robot.joint_names, force.atlas_stamp)
-    given = _given(message, JOINT_FIELDS)
+    given = _given(message, JOINT_FIELDS, robot)
     joints = replace(force.joints, **given)
     crossed = np.flatnonzero(joints.i_effort_min > joints.i_effort_max)
     if crossed.size:
@@ -293,7 +293,7 @@ def _apply_sim_command(
     validate_sim_interface_command(message, robot.joint_names, force.sim_stamp)
     behavior = behavior_from(message.behavior)
     request = BehaviorRequest(behavior, message, force.request.number + 1, time)
-    given = _given(message, SERVO_FIELDS)
+    given = _given(message, SERVO_FIELDS, robot)
     if behavior is Behavior.USER:
         # USER returns every joint to the user at once, whatever the message says.
         given["k_effort"] = np.full(robot.num_joints, float(K_EFFORT_MAX))
@@ -313,10 +313,15 @@ _APPLY: dict[str, Callable[[CommandsInForce, Any, Robot, float], CommandsInForce
 """By the field that remembers the message."""
 
 
-def _given(message: object, names: tuple[str, ...]) -> dict[str, np.ndarray]:
-    """Copies of a message's joint arrays that are not empty."""
-    return {
+def _given(
+    message: object, names: tuple[str, ...], robot: Robot
+) -> dict[str, np.ndarray]:
+    """Copies of a message's joint arrays that are not empty, as far as they count."""
+    given = {
         name: np.array(getattr(message, name), dtype=float)
         for name in names
         if len(getattr(message, name))
     }
+    if "kp_velocity" in given:
+        given["kp_velocity"] = np.minimum(given["kp_velocity"], robot.kp_velocity_limit)
+    return given

@@ -35,29 +35,28 @@ class PictureError(AtlasError):
     """The picture cannot be drawn or written."""
 
 
-def write_diagram_picture(path: Path) -> tuple[Path, str]:
+def write_diagram_picture(path: Path) -> None:
     """Draws the whole simulation.
 
     Args:
         path: Where to; the ending is one of FORMATS and decides the format.
 
-    Returns:
-        The file written, which is Graphviz's source where Graphviz is missing, and
-        what to do about that.
-
     Raises:
-        PictureError: If the format is unknown or the file cannot be written.
+        PictureError: If the format is unknown, Graphviz is missing or the file cannot
+            be written.
     """
     from atlas_drake.diagrams.control_mode_switch import make_control_mode_switch
 
     if path.suffix not in FORMATS:
         raise PictureError(f"{path}: must end in one of {', '.join(FORMATS)}")
-    source = graphviz_source(make_control_mode_switch())
     dot = shutil.which("dot")
-    hint = ""
     if path.suffix != ".dot" and dot is None:
-        path = path.with_suffix(".dot")
-        hint = " For a picture install Graphviz, or paste it into a Graphviz viewer."
+        raise PictureError(
+            f"{path}: drawing it needs Graphviz, which is not installed: "
+            "apt install graphviz, brew install graphviz or https://graphviz.org; or "
+            f"ask for {path.with_suffix('.dot')}, which any Graphviz viewer draws"
+        )
+    source = graphviz_source(make_control_mode_switch())
     try:
         if path.suffix == ".dot":
             path.write_text(source)
@@ -70,7 +69,6 @@ def write_diagram_picture(path: Path) -> tuple[Path, str]:
         raise PictureError(f"{path}: cannot be written: {error.strerror}") from error
     except subprocess.CalledProcessError as error:
         raise PictureError(f"{path}: {error.stderr.strip()}") from error
-    return path, hint
 
 
 def graphviz_source(diagram: Diagram) -> str:

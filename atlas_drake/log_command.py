@@ -6,14 +6,16 @@ What is drawn and replayed is in ``logs``; options are parsed in ``cli``.
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from pydrake.systems.analysis import Simulator
 
-from atlas_drake.cli import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK
+from atlas_drake.cli import EXIT_INTERRUPTED, EXIT_OK, EXIT_OUTPUT_LOST
 from atlas_drake.errors import did_you_mean
 from atlas_drake.interrupts import ctrl_c, nothing_cut_off
 from atlas_drake.logs import Log, LogError, read_log
@@ -23,25 +25,33 @@ from atlas_drake.logs.formats import (
     MissingPackageError,
     missing_package,
 )
+from atlas_drake.logs.panels import Page
 from atlas_drake.logs.replay import make_replay
-from atlas_drake.logs.whole_file import whole_file
 from atlas_drake.messages import Behavior
 from atlas_drake.outputs import (
     check_outputs,
     check_writable,
     invite_viewer,
+    keep,
     keep_recording,
+    keep_video,
     open_view,
     realtime_rate,
     video_asked_for,
 )
+from atlas_drake.pace import Pace
 from atlas_drake.progress import Progress
 from atlas_drake.run_command import PIECE, quiet_logs
 from atlas_drake.viewer import interactive, keep_serving
 from atlas_drake.visualization.overlays import Overlays
+from atlas_drake.visualization.viewer_gate import show_latest
+from atlas_drake.whole_file import whole_file
 
 PICTURES = (".png", ".html")
 """What ``plot`` writes: a picture, and an interactive page."""
+FIGURES = ".figures"
+"""Comes before these endings where nobody names the file: ``run.html`` may be the
+recording of the run that ``run.mcap`` logs."""
 
 
 def plot_log(options: argparse.Namespace) -> int:
@@ -57,7 +67,9 @@ def plot_log(options: argparse.Namespace) -> int:
         LogError: If the log cannot be read or a file cannot be made.
         ScenarioError: If a file cannot be written, before anything is.
     """
-    files = options.output or [options.log.with_suffix(end) for end in PICTURES]
+    files = options.output or [
+        options.log.with_suffix(FIGURES + ending) for ending in PICTURES
+    ]
     for file in files:
         check_writable("--output", file)
     drawings, left_out = {}, ""
@@ -68,20 +80,27 @@ def plot_log(options: argparse.Namespace) -> int:
             # Who asks for nothing in particular gets what there is.
             if options.output:
                 raise
-            left_out = f" Left out: {error}"
-    page = make_page(_read(options.log))
-    for file, write in drawings.items():
-        _say(f"Drawing {file} ...")
-        try:
-            with whole_file(file) as unfinished:
-                write(page, unfinished)
-        except OSError as error:
-            raise LogError(f"{file}: cannot be written: {error.strerror}") from error
-    _say(f"Wrote {' and '.join(map(str, drawings))}.{left_out}")
-    return EXIT_OK
+            left_out = f"Left out: {error}"
+    try:
+        page = make_page(_read(options.log))
+    except KeyError as error:
+        raise LogError(f"{options.log}: {error.args[0]}") from error
+    progress = Progress(sys.stdout, math.inf)
+    kept = True
+    for file, draw in drawings.items():
+        progress.say(f"Drawing {file} ...")
+        kept = keep(file, partial(_draw, draw, page, file), progress) and kept
+    if left_out:
+        progress.say(left_out)
+    return EXIT_OK if kept else EXIT_OUTPUT_LOST
 
 
-def _drawing(file: Path) -> Callable[[Any, Path], None]:
+def _draw(draw: Callable[[Page, Path], None], page: Page, file: Path) -> None:
+    with whole_file(file) as unfinished:
+        draw(page, unfinished)
+
+
+def _drawing(file: Path) -> Callable[[Page, Path], None]:
     """What draws a file of that kind."""
     try:
         if file.suffix == ".png":
@@ -136,28 +155,30 @@ def replay_log(options: argparse.Namespace) -> int:
     simulator.get_mutable_context().SetTime(begin)
     simulator.Initialize()
     invite_viewer(meshcat, options, progress)
-    simulator.set_target_realtime_rate(realtime_rate(options))
+    pace = Pace(simulator)
+    pace.set_rate(realtime_rate(options))
     with nothing_cut_off():
         try:
-            interrupted = _play(log, simulator, end, progress)
+            interrupted = _play(log, simulator, pace, end, progress)
         finally:
             # Also after a second Ctrl-C: a video that is not finished cannot be played.
-            if filmed is not None:
-                filmed.close()
-                progress.say(f"Wrote {options.video}, {filmed.num_frames} pictures.")
+            kept = filmed is None or keep_video(options.video, filmed.close, progress)
         now = simulator.get_context().get_time()
         progress.say(f"{'Stopped' if interrupted else 'Replayed'} at {now:.1f} s.")
-        kept = keep_recording(meshcat, options, progress)
+        kept = keep_recording(meshcat, options, progress) and kept
     if interrupted:
         return EXIT_INTERRUPTED
     if not kept:
-        return EXIT_FAILED
+        return EXIT_OUTPUT_LOST
     if not options.headless and interactive():
+        show_latest(diagram, simulator.get_context())
         keep_serving(progress)
     return EXIT_OK
 
 
-def _play(log: Log, simulator: Simulator, end: float, progress: Progress) -> bool:
+def _play(
+    log: Log, simulator: Simulator, pace: Pace, end: float, progress: Progress
+) -> bool:
     """Plays to the end; says whether Ctrl-C came first."""
     events = iter(log.events)
     event = next(events, None)
@@ -166,6 +187,7 @@ def _play(log: Log, simulator: Simulator, end: float, progress: Progress) -> boo
             if asked_to_stop.is_set():
                 return True
             now = min(now + PIECE, end)
+            pace.forget_lost_time()
             simulator.AdvanceTo(now)
             while event is not None and event.time <= now:
                 progress.event(event)

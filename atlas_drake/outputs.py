@@ -8,20 +8,22 @@ from __future__ import annotations
 import argparse
 import os
 from collections.abc import Callable, Collection
-from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from pydrake.geometry import Meshcat
 
 from atlas_drake.errors import AtlasError, ScenarioError
 from atlas_drake.progress import Progress
-from atlas_drake.viewer import await_viewer, interactive, start_meshcat
+from atlas_drake.viewer import await_viewer, start_meshcat
 from atlas_drake.visualization import FRAME_RATE
+from atlas_drake.whole_file import whole_file
 
 if TYPE_CHECKING:
     from atlas_drake.visualization.video_display import Video
 
+
+T = TypeVar("T")
 
 WEB_PAGES = (".html", ".htm")
 """How the name of a recording may end."""
@@ -58,7 +60,10 @@ def check_outputs(options: argparse.Namespace, names: Collection[str]) -> None:
 
 
 def keep(
-    path: Path, write: Callable[[], object], progress: Progress, use: str = "."
+    path: Path,
+    write: Callable[[], T],
+    progress: Progress,
+    use: Callable[[T], str] = lambda _written: ".",
 ) -> bool:
     """Writes a file at the end of a run; says whether that went well.
 
@@ -68,16 +73,40 @@ def keep(
         path: Of the file.
         write: Writes it.
         progress: Tells the user.
-        use: What to do with the file, the end of the sentence that names it.
+        use: From what ``write`` returns, what there is to say of the file: the end of
+            the sentence that names it.
     """
     try:
-        write()
+        written = write()
     except (OSError, AtlasError) as error:
-        problem = getattr(error, "strerror", None) or error
+        problem = getattr(error, "strerror", None) or str(error)
+        for known in (f"{path}: ", "cannot be written: "):
+            problem = problem.removeprefix(known)
         progress.say(f"! {path} is lost: {problem}")
         return False
-    progress.say(f"Wrote {path}{use}")
+    progress.say(f"Wrote {path}{use(written)}")
     return True
+
+
+def keep_text(path: Path, text: str, progress: Progress, use: str = ".") -> bool:
+    """Writes a text file at the end of a run, as ``keep`` does, whole or not at all."""
+
+    def write() -> None:
+        with whole_file(path) as unfinished:
+            unfinished.write_text(text, encoding="utf-8")
+
+    return keep(path, write, progress, lambda _written: use)
+
+
+def keep_video(path: Path, finish: Callable[[], int], progress: Progress) -> bool:
+    """Completes a video, as ``keep`` does.
+
+    Args:
+        path: Of the video.
+        finish: Completes it and returns how many pictures it has.
+        progress: Tells the user.
+    """
+    return keep(path, finish, progress, lambda pictures: f", {pictures} pictures.")
 
 
 def check_writable(option: str, path: Path) -> None:
@@ -91,7 +120,11 @@ def check_writable(option: str, path: Path) -> None:
         raise ScenarioError(option, str(path), f"{path} is a folder")
     if not folder.is_dir():
         raise ScenarioError(option, str(path), f"there is no folder {folder}")
-    if not os.access(path if path.exists() else folder, os.W_OK):
+    # A file is replaced by a new one when that is whole; a device is written to.
+    ends = [path] if path.exists() else []
+    if not ends or path.is_file():
+        ends.append(path.resolve().parent)
+    if not all(os.access(end, os.W_OK) for end in ends):
         raise ScenarioError(option, str(path), f"{path} cannot be written")
 
 
@@ -121,7 +154,7 @@ def open_view(options: argparse.Namespace, progress: Progress) -> Meshcat | None
     """
     if options.headless and options.record is None:
         return None
-    meshcat = start_meshcat(options.host, options.port, progress)
+    meshcat = start_meshcat(options.host, options.port, progress.say)
     if options.record is not None:
         meshcat.StartRecording(
             frames_per_second=FRAME_RATE,
@@ -135,9 +168,7 @@ def invite_viewer(
 ) -> None:
     """Says where to watch, and gives a browser the time to open."""
     if meshcat is not None and not options.headless:
-        progress.say(f"Watch at {meshcat.web_url()}")
-        if interactive():
-            await_viewer(meshcat, progress)
+        await_viewer(meshcat, progress.say)
 
 
 def realtime_rate(options: argparse.Namespace) -> float:
@@ -155,5 +186,5 @@ def keep_recording(
         return True
     meshcat.StopRecording()
     meshcat.PublishRecording()
-    write = partial(options.record.write_text, meshcat.StaticHtml())
-    return keep(options.record, write, progress, "; open it in a browser.")
+    use = "; open it in a browser."
+    return keep_text(options.record, meshcat.StaticHtml(), progress, use)

@@ -184,6 +184,11 @@ class Robot:
         """Default derivative gains [N·m·s/rad], shape (n,)."""
         return np.array([joint.kd for joint in self.file.joints])
 
+    @cached_property
+    def kp_velocity_limit(self) -> np.ndarray:
+        """Largest velocity gain that counts, as in the original [N·m·s/rad]."""
+        return 50.0 * self.effort_limit / self.velocity_limit
+
     def limb(self, *names: str) -> np.ndarray:
         """Which joints belong to any of the limbs named, bool, shape (n,)."""
         return np.array([joint.limb in names for joint in self.file.joints])
@@ -256,11 +261,12 @@ def load_robot(name: str = DEFAULT_ROBOT) -> Robot:
         RobotDescriptionError: If there is no such robot, or its description and
             its URDF do not belong together.
     """
-    path = MODELS_FOLDER / f"{name}.yaml"
-    if not path.is_file():
+    # A name, and no path: it may come from a file of somebody else's.
+    if name not in available_robots():
         raise RobotDescriptionError(
             f"there is no robot '{name}'; available: {', '.join(available_robots())}"
         )
+    path = MODELS_FOLDER / f"{name}.yaml"
     file = yaml_load_typed(schema=RobotFile, filename=str(path))
     plant = MultibodyPlant(time_step=0.0)
     Parser(plant).AddModels(MODELS_FOLDER / file.urdf)

@@ -10,11 +10,15 @@ import json
 import logging
 import math
 import sys
-from functools import partial
 from typing import Any
 
 from atlas_drake.behaviors.base import STEPS_LEFT
-from atlas_drake.cli import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_OK
+from atlas_drake.cli import (
+    EXIT_FAILED,
+    EXIT_INTERRUPTED,
+    EXIT_OK,
+    EXIT_OUTPUT_LOST,
+)
 from atlas_drake.drake_log import is_news
 from atlas_drake.interrupts import ctrl_c, nothing_cut_off
 from atlas_drake.logs.formats import check_format
@@ -23,6 +27,8 @@ from atlas_drake.outputs import (
     invite_viewer,
     keep,
     keep_recording,
+    keep_text,
+    keep_video,
     open_view,
     realtime_rate,
     video_asked_for,
@@ -32,6 +38,7 @@ from atlas_drake.scenario import Scenario
 from atlas_drake.simulation import AtlasSimulation, SimulationError
 from atlas_drake.viewer import interactive, keep_serving
 from atlas_drake.visualization.overlays import Overlays
+from atlas_drake.visualization.viewer_gate import show_latest
 
 PIECE = 0.1
 """Simulated time between updates of the progress line [s]."""
@@ -86,14 +93,14 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
         progress.say(verdict(summary))
         if options.json is not None:
             text = json.dumps(_plain(summary), indent=2) + "\n"
-            write = partial(options.json.write_text, text)
-            kept = keep(options.json, write, progress) and kept
+            kept = keep_text(options.json, text, progress) and kept
         kept = keep_recording(meshcat, options, progress) and kept
     if stopped == INTERRUPTED:
         return EXIT_INTERRUPTED
     if not kept:
-        return EXIT_FAILED
+        return EXIT_OUTPUT_LOST
     if not options.headless and interactive():
+        show_latest(sim.diagram, sim.context)
         keep_serving(progress)
     return EXIT_OK if summary["success"] else EXIT_FAILED
 
@@ -102,14 +109,14 @@ def _keep_what_grew(
     sim: AtlasSimulation, options: argparse.Namespace, progress: Progress
 ) -> bool:
     """Completes video and log, written all along; says whether that went well."""
+    kept = True
     if options.video is not None:
-        pictures = sim.close_video()
-        progress.say(f"Wrote {options.video}, {pictures} pictures.")
-    if options.log is None:
-        return True
-    progress.say(f"Completing {options.log} ...")
-    draw = f"; draw it: atlas-drake plot {options.log}"
-    return keep(options.log, sim.close, progress, draw)
+        kept = keep_video(options.video, sim.close_video, progress)
+    if options.log is not None:
+        progress.say(f"Completing {options.log} ...")
+        draw = f"; draw it: atlas-drake plot {options.log}"
+        kept = keep(options.log, sim.close, progress, lambda _closed: draw) and kept
+    return kept
 
 
 def apply_options(scenario: Scenario, options: argparse.Namespace) -> None:

@@ -119,7 +119,7 @@ class Scenario:
     """Step of plant and joint controllers [s], one of PHYSICS_STEPS."""
     control_period: float = 0.002
     """Step of the behaviours [s], a multiple of physics_step."""
-    contact_approximation: str = "lagged"
+    contact_approximation: str = "similar"
     """How Drake solves contact, one of CONTACT_APPROXIMATIONS."""
     ground_friction: float = 0.9
     """Coefficient of the ground."""

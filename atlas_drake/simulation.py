@@ -49,6 +49,7 @@ from atlas_drake.messages import (
 from atlas_drake.messages.checks import check_number
 from atlas_drake.messages.numeric import as_float
 from atlas_drake.noise import NOISE_MODELS
+from atlas_drake.pace import Pace
 from atlas_drake.pushes import Push, make_push
 from atlas_drake.robot import load_robot
 from atlas_drake.run_log import RunLog
@@ -63,13 +64,16 @@ from atlas_drake.systems.command_scheduler import CommandScheduler
 from atlas_drake.turns import Turns
 from atlas_drake.tutorial import control_mode_switch_programme
 from atlas_drake.visualization.overlays import Overlays
+from atlas_drake.visualization.viewer_gate import show_latest
 
 if TYPE_CHECKING:
     from atlas_drake.logs.recorder import LogRecorder
-    from atlas_drake.visualization.video_display import Video
+    from atlas_drake.visualization.video_display import Video, VideoDisplay
 
 CHUNK = 0.02
 """Simulated time between looks at events, pushes and Ctrl-C [s]."""
+SHOWN_EVERY = 0.5
+"""At most this often a slow viewer is shown where an advance ended [s of wall time]."""
 CLEARANCE = 0.10
 """How far above the ground the feet of a harnessed robot hang [m]."""
 
@@ -113,7 +117,8 @@ class AtlasSimulation:
             meshcat: Where to show it; None shows nothing.
             overlays: What of the controller's thoughts is shown there.
             recorded: Whether Meshcat records, from before this on: all that is shown
-                is then kept for the recording.
+                is then kept for the recording. Otherwise pictures are left out, also
+                of a recording, while a viewer is too slow for them.
             video: What to film it into, until ``close_video``; None films nothing.
             on_event: Called with each event as it is noticed.
             log: File that records the run, see ``atlas_drake.logs``: .mcap, .npz or
@@ -140,6 +145,7 @@ class AtlasSimulation:
         self._meshcat = meshcat
         self._pushes: list[Push] = []
         self._wall_time = 0.0
+        self._shown = 0.0
 
         self._variation = variation = draw_variation(self.scenario, self.robot)
         config = StationConfig(
@@ -169,6 +175,10 @@ class AtlasSimulation:
             self._recorder,
             video,
         )
+        self._film: VideoDisplay | None = None
+        if self.diagram.HasSubsystemNamed("video"):
+            self._film = self.diagram.GetSubsystemByName("video")
+        self._faults: list[AtlasError] = []
         self.station = self.diagram.GetSubsystemByName("station")
         self.plant = self.station.GetSubsystemByName("plant")
         self._scheduler = self.diagram.GetSubsystemByName("scheduler")
@@ -181,6 +191,7 @@ class AtlasSimulation:
         self._release_time: float | None = None
         self._place(variation, self.scenario.start)
         self.simulator.Initialize()
+        self._pace = Pace(self.simulator)
 
     # ---- log -----------------------------------------------------------------
 
@@ -197,7 +208,8 @@ class AtlasSimulation:
         """Completes the log, if there is one; the run may go on without it.
 
         Raises:
-            LogError: If the log cannot be written.
+            LogError: If the log cannot be written, now or earlier in the run, which
+                went on and has a warning among its ``events``.
         """
         if self._recorder is not None:
             with self._turns:
@@ -329,9 +341,18 @@ class AtlasSimulation:
             ) from error
         finally:
             self._wall_time += time.perf_counter() - begin
+        if self._meshcat is not None:
+            self._show_end(time.perf_counter())
+
+    def _show_end(self, now: float) -> None:
+        """Shows a viewer that is too slow for all pictures where an advance ended."""
+        if now - self._shown > SHOWN_EVERY:
+            self._shown = now
+            show_latest(self.diagram, self.context)
 
     def _advance_chunk(self, t: float) -> None:
         """Simulates until the next look at the events, at most until ``t``."""
+        self._pace.forget_lost_time()
         self._exert_pushes()
         if self._release_time is not None and self._release_time <= self.time + 1e-9:
             self.release()
@@ -383,13 +404,16 @@ class AtlasSimulation:
     def set_realtime_rate(self, rate: float) -> None:
         """Keeps simulated time at a multiple of real time.
 
+        Only time during advances counts: after a pause between two of them, and where
+        the computer was too slow, the simulation does not hurry to catch up.
+
         Args:
             rate: The multiple; 0 is as fast as can be.
 
         Raises:
             InvalidMessageError: If ``rate`` is no number, or negative.
         """
-        self.simulator.set_target_realtime_rate(check_number(rate, "rate", 0.0))
+        self._pace.set_rate(check_number(rate, "rate", 0.0))
 
     def close_video(self) -> int:
         """Finishes the video, of which nothing can be seen before.
@@ -398,12 +422,11 @@ class AtlasSimulation:
 
         Returns:
             How many pictures it has; 0 if nothing was filmed.
+
+        Raises:
+            VideoError: If the video cannot be written, now or earlier in the run.
         """
-        if not self.diagram.HasSubsystemNamed("video"):
-            return 0
-        display = self.diagram.GetSubsystemByName("video")
-        display.close()
-        return display.num_frames
+        return 0 if self._film is None else self._film.close()
 
     # ---- start ---------------------------------------------------------------
 
@@ -618,6 +641,12 @@ class AtlasSimulation:
             self.output("commands"),
             self.output("controller_state").supervisor,
         )
+        for system in (self._recorder, self._film):
+            fault: AtlasError | None = None if system is None else system.fault
+            if fault is not None and fault not in self._faults:
+                self._faults.append(fault)
+                text = f"{fault}; the run goes on without it"
+                self._log.note(Event(self.time, "warning", text))
 
 
 def _listener(

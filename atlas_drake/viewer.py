@@ -5,11 +5,13 @@ What it shows is in ``visualization``.
 
 from __future__ import annotations
 
+import ipaddress
 import os
 import socket
 import sys
 import time
 import webbrowser
+from collections.abc import Callable
 
 from pydrake.geometry import Meshcat, MeshcatParams
 
@@ -19,28 +21,31 @@ from atlas_drake.progress import Progress
 VIEWER_PATIENCE = 15.0
 """How long the start waits for a browser [s]."""
 
-
-ANYWHERE = "*"
-"""The host that stands for all addresses of this computer."""
+LOCALHOST, ANYWHERE = "localhost", "*"
+"""Hosts that stand for this computer alone, and for all its addresses."""
 PORTS_TRIED = 100
 """How many ports from the one asked for on may be in use."""
 LAST_PORT = 65535
 
 
-def start_meshcat(host: str, port: int | None, progress: Progress) -> Meshcat:
-    """Starts to serve an empty 3D view.
+def start_meshcat(
+    host: str = LOCALHOST,
+    port: int | None = None,
+    say: Callable[[str], object] = print,
+) -> Meshcat:
+    """Starts to serve an empty 3D view, for this computer alone unless told otherwise.
 
     Args:
         host: Address to listen on; ``*`` stands for all.
         port: Port to listen on; if it is in use the next free one is taken. None
             takes the first free one from 7000.
-        progress: Is told when it is another port than the one asked for.
+        say: Is told when it is another port than the one asked for, and when other
+            computers can reach it.
 
     Raises:
         ScenarioError: If that address cannot be had.
     """
-    if host != ANYWHERE:
-        _check_host(host)
+    local = host != ANYWHERE and _is_loopback(_address_of(host))
     if port is None:
         candidates: list[int | None] = [None]
     else:
@@ -52,7 +57,13 @@ def start_meshcat(host: str, port: int | None, progress: Progress) -> Meshcat:
             problem = error
             continue
         if candidate != port:
-            progress.say(f"Port {port} is in use; the 3D view is on {candidate}.")
+            say(f"Port {port} is in use; the 3D view is on {candidate}.")
+        if not local:
+            say(
+                f"! The 3D view listens on {host} and asks for no password: whoever "
+                f"reaches port {meshcat.port()} sees the robot, and with teleop steers "
+                "it."
+            )
         return meshcat
     raise ScenarioError(
         "--port", port, f"no 3D view on {host}:{port or '7000...'}: {problem}"
@@ -64,7 +75,7 @@ def interactive() -> bool:
     return sys.stdin.isatty() and sys.stdout.isatty()
 
 
-def _check_host(host: str) -> None:
+def _address_of(host: str) -> str:
     """Refuses an address that is not this computer's; Meshcat does not say why."""
     try:
         family, kind, _, _, address = socket.getaddrinfo(
@@ -72,10 +83,16 @@ def _check_host(host: str) -> None:
         )[0]
         with socket.socket(family, kind) as probe:
             probe.bind(address)
+            return str(address[0])
     except OSError as error:
         raise ScenarioError(
             "--host", host, f"cannot listen on {host}: {error.strerror}"
         ) from error
+
+
+def _is_loopback(address: str) -> bool:
+    # What follows a % is the interface of an IPv6 address.
+    return ipaddress.ip_address(address.partition("%")[0]).is_loopback
 
 
 def open_on_desktop(address: str) -> bool:
@@ -91,12 +108,16 @@ def open_on_desktop(address: str) -> bool:
     return graphical and webbrowser.open(address)
 
 
-def await_viewer(meshcat: Meshcat, progress: Progress) -> None:
-    """Opens the browser, and gives it the time to show the start."""
+def await_viewer(meshcat: Meshcat, say: Callable[[str], object] = print) -> None:
+    """Says where to watch, and gives a browser the time to open and show the start.
+
+    Where nobody sits at the terminal there is nobody to wait for.
+    """
+    say(f"Watch at {meshcat.web_url()}")
+    if not interactive():
+        return
     if not open_on_desktop(meshcat.web_url()):
-        progress.say(
-            f"Open that address; the run begins then, or in {VIEWER_PATIENCE:g} s."
-        )
+        say(f"Open that address; the run begins then, or in {VIEWER_PATIENCE:g} s.")
     give_up = time.monotonic() + VIEWER_PATIENCE
     while meshcat.GetNumActiveConnections() == 0 and time.monotonic() < give_up:
         time.sleep(0.1)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import logging
 import math
 import random
+from dataclasses import dataclass
 
 from atlas_drake import AtlasSimulation, Scenario
 from atlas_drake.scenario import Jitter
@@ -27,20 +28,44 @@ NOISE = "reference"
 """Name of the sensors' noise model."""
 
 
+@dataclass(frozen=True)
+class Physics:
+    """How the physics is solved; the defaults are those of a scenario.
+
+    Attributes:
+        contact: Drake's name of how contact is solved.
+        step: Of plant and joint controllers [s].
+        period: Of the behaviours [s].
+    """
+
+    contact: str = Scenario.contact_approximation
+    step: float = Scenario.physics_step
+    period: float = Scenario.control_period
+
+
 def disturbed_simulation(
-    seed: int, *, model: str = "atlas", programme: str = "none", duration: float = 10.0
+    seed: int,
+    *,
+    model: str = "atlas",
+    programme: str = "none",
+    duration: float = 10.0,
+    physics: Physics | None = None,
 ) -> AtlasSimulation:
     """The robot in STAND with everything drawn from ``seed``."""
     # Runs report for themselves.
     logging.getLogger("atlas_drake").propagate = False
     logging.getLogger("drake").setLevel(logging.ERROR)
     lowest, highest = FRICTION
+    physics = physics or Physics()
     return AtlasSimulation(
         Scenario(
             name="disturbed",
             model=model,
             programme=programme,
             duration=duration,
+            physics_step=physics.step,
+            control_period=physics.period,
+            contact_approximation=physics.contact,
             seed=seed,
             noise=NOISE,
             ground_friction=0.5 * (lowest + highest),

@@ -7,14 +7,13 @@ is left to itself. What it survives is more than what the conditions let in.
 from __future__ import annotations
 
 import argparse
-import json
 import logging
 import sys
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from parallel import run_in_processes
+from report import command_line, write_figures
 
 from atlas_drake import (
     AtlasSimInterfaceCommand,
@@ -153,8 +152,7 @@ def main() -> int:
     parser.add_argument("--model", default="atlas")
     parser.add_argument("--seed", type=int, default=1, help="of the first start")
     parser.add_argument("--jobs", type=int, default=2, help="processes (default: 2)")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write figures here")
-    options = parser.parse_args()
+    options = command_line(parser)
     found: dict[str, dict[str, float]] = {}
     met = True
     for kind, (what, _, most, unit) in KINDS.items():
@@ -172,8 +170,7 @@ def main() -> int:
             print(f"{what}{where}: {amount:.2f} {unit}{more}", flush=True)
     print(f"Conditions: {EntryLimits()}")
     print(f"goal: let in nothing that was not survived, {'NOT ' * (not met)}met")
-    if options.json is not None:
-        options.json.write_text(json.dumps(found, indent=2) + "\n")
+    write_figures(options.json, {"largest_survived": found})
     return 0 if met else 1
 
 

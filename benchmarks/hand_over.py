@@ -7,13 +7,12 @@ compared with those of the control tick before.
 from __future__ import annotations
 
 import argparse
-import json
 import logging
 import sys
-from pathlib import Path
 from typing import Any
 
 import numpy as np
+from report import command_line, write_figures
 
 from atlas_drake import AtlasSimulation, Scenario
 from atlas_drake.tutorial import DURATION
@@ -75,8 +74,7 @@ def main() -> int:
     """The command line; status 1 when the goal is missed."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--model", default="atlas")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write figures here")
-    options = parser.parse_args()
+    options = command_line(parser)
     logging.getLogger("drake").setLevel(logging.ERROR)
     found = hand_overs(options.model)
     worst = 0.0
@@ -93,8 +91,7 @@ def main() -> int:
         f"largest jump of a behaviour's joint: {100 * worst:.1f} % of its limit, goal "
         f"<= {100 * GOAL:.0f} %: {'met' if met else 'NOT MET'}"
     )
-    if options.json is not None:
-        options.json.write_text(json.dumps(found, indent=2) + "\n")
+    write_figures(options.json, {"hand_overs": found})
     return 0 if met else 1
 
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import argparse
 import gc
-import json
 import resource
 import sys
 import time
@@ -19,6 +18,7 @@ from pathlib import Path
 
 import numpy as np
 from disturbed import disturbed_simulation, falls, fresh_seed
+from report import command_line, write_figures
 
 from atlas_drake import (
     K_EFFORT_MAX,
@@ -292,8 +292,7 @@ def main() -> int:
     parser.add_argument("--model", default="atlas")
     parser.add_argument("--minutes", type=float, default=MINUTES)
     parser.add_argument("--seed", type=int, help="default: fresh")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write figures here")
-    options = parser.parse_args()
+    options = command_line(parser)
     seed = fresh_seed() if options.seed is None else options.seed
     print(f"Again with --seed {seed}.", flush=True)
     result = measure(options.model, seed, options.minutes)
@@ -306,8 +305,7 @@ def main() -> int:
     if grown is not None:
         print(f"memory after the first minute: {grown:+.1f} MB")
     print("goal met" if met else "goal NOT MET")
-    if options.json is not None:
-        options.json.write_text(json.dumps(result, indent=2) + "\n")
+    write_figures(options.json, result)
     return 0 if met else 1
 
 

@@ -7,12 +7,11 @@ moments of the step, and only counts with all smaller ones.
 from __future__ import annotations
 
 import argparse
-import json
 import sys
-from pathlib import Path
 
 from disturbed import fresh_seed
 from parallel import run_in_processes
+from report import command_line, write_figures
 from walking import DIRECTIONS, Job, Push, as_record, walk_once
 
 from atlas_drake.robot import available_robots
@@ -57,8 +56,7 @@ def main() -> int:
     parser.add_argument(
         "--direction", choices=DIRECTIONS, help="one direction (default: all)"
     )
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write figures here")
-    options = parser.parse_args()
+    options = command_line(parser)
     models = [options.model] if options.model else available_robots()
     directions = [options.direction] if options.direction else list(DIRECTIONS)
     first = fresh_seed() if options.seed is None else options.seed
@@ -76,9 +74,7 @@ def main() -> int:
     for model, impulses in borne.items():
         text = ", ".join(f"{name} {value:.0f}" for name, value in impulses.items())
         print(f"{model}: {text or 'nothing done'} [N·s]")
-    if options.json is not None:
-        result = {"first_seed": first, "largest_impulse_ns": borne}
-        options.json.write_text(json.dumps(result, indent=2) + "\n")
+    write_figures(options.json, {"first_seed": first, "largest_impulse_ns": borne})
     return 0
 
 

@@ -8,15 +8,14 @@ state hidden from the Context.
 from __future__ import annotations
 
 import argparse
-import json
 import logging
 import statistics
 import sys
 import time
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
+from report import command_line, write_figures
 from walking import STANDING, plan
 
 from atlas_drake import AtlasSimInterfaceCommand, AtlasSimulation
@@ -203,8 +202,7 @@ def compare(programs: list[QuadraticProgram], num_joints: int) -> dict[str, dict
 def main() -> int:
     """The command line."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write figures here")
-    options = parser.parse_args()
+    options = command_line(parser)
     logging.getLogger("drake").setLevel(logging.ERROR)
     programs = record_programs()
     if not programs:
@@ -215,9 +213,7 @@ def main() -> int:
     print(f"{len(programs)} programs of a walk: {shapes}")
     num_joints = load_robot().num_joints
     results = compare(programs, num_joints)
-    if options.json is not None:
-        figures = {"programs": len(programs), "solvers": results}
-        options.json.write_text(json.dumps(figures, indent=2) + "\n")
+    write_figures(options.json, {"programs": len(programs), "solvers": results})
     return 0
 
 

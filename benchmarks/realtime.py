@@ -7,12 +7,10 @@ judged. What the robot does is not looked at, but that it stays up.
 from __future__ import annotations
 
 import argparse
-import json
 import logging
 import statistics
 import sys
 import time
-from pathlib import Path
 
 import numpy as np
 from pydrake.geometry import HalfSpace
@@ -25,6 +23,7 @@ from pydrake.multibody.plant import (
 from pydrake.multibody.tree import PdControllerGains
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
+from report import command_line, write_figures
 
 from atlas_drake import AtlasSimulation, Scenario
 from atlas_drake.robot import Robot, load_robot
@@ -195,13 +194,11 @@ def main() -> int:
     """The command line; status 1 when a goal is missed."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--model", default="atlas", help="robot (default: atlas)")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write figures here")
-    options = parser.parse_args()
+    options = command_line(parser)
     logging.getLogger("drake").setLevel(logging.ERROR)
     result = measure(options.model)
     met = print_table(result)
-    if options.json is not None:
-        options.json.write_text(json.dumps(result, indent=2) + "\n")
+    write_figures(options.json, result)
     return 0 if met else 1
 
 

@@ -6,12 +6,12 @@ Counts the interpreter's own start, the import and the building of the diagram.
 from __future__ import annotations
 
 import argparse
-import json
 import statistics
 import subprocess
 import sys
 import time
-from pathlib import Path
+
+from report import command_line, write_figures
 
 RUNS = 5
 GOAL = 3.0
@@ -42,17 +42,14 @@ def main() -> int:
     """The command line; status 1 when the goal is missed."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--runs", type=int, default=RUNS)
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write figures here")
-    options = parser.parse_args()
+    options = command_line(parser)
     runs = [measure_once() for _ in range(options.runs)]
     median = {part: statistics.median(run[part] for run in runs) for part in PARTS}
     met = median["total"] <= GOAL
     for part in PARTS:
         print(f"{part.replace('_', ' '):12} {median[part]:5.2f} s")
     print(f"goal <= {GOAL:g} s: {'met' if met else 'NOT MET'}")
-    if options.json is not None:
-        result = {"median_s": median, "runs_s": runs}
-        options.json.write_text(json.dumps(result, indent=2) + "\n")
+    write_figures(options.json, {"median_s": median, "runs_s": runs})
     return 0 if met else 1
 
 

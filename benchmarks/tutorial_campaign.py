@@ -8,15 +8,14 @@ let them.
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 import time
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 from disturbed import disturbed_simulation, falls, fresh_seed
 from parallel import Outcome, run_in_processes
+from report import command_line, write_figures
 
 from atlas_drake import AtlasSimulation
 from atlas_drake.tutorial import DURATION, USER_TARGETS
@@ -63,6 +62,11 @@ def run_once(job: tuple[int, str]) -> dict:
     sim = disturbed_simulation(
         seed, model=model, programme="tutorial", duration=DURATION
     )
+    return follow(sim, seed)
+
+
+def follow(sim: AtlasSimulation, seed: int) -> dict:
+    """The tutorial of a robot that was drawn from ``seed``; its record."""
     programme = sim.diagram.GetSubsystemByName("scheduler").programme
     settling = {}
     for look, word in LOOKS.items():
@@ -142,8 +146,7 @@ def main() -> int:
     )
     parser.add_argument("--jobs", type=int, default=2, help="processes (default: 2)")
     parser.add_argument("--model", default="atlas", help="robot (default: atlas)")
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write figures here")
-    options = parser.parse_args()
+    options = command_line(parser)
     first = fresh_seed() if options.seed is None else options.seed
     seeds = range(first, first + options.runs)
     print(f"Seeds {seeds[0]} to {seeds[-1]}; again with --seed {first}.", flush=True)
@@ -173,18 +176,17 @@ def main() -> int:
         f" {worst['settling_error_after_rad']:.3f} rad after the walk,"
         f" pelvis tilt {worst['max_pelvis_tilt_rad']:.2f} rad."
     )
-    if options.json is not None:
-        result = {
-            "model": options.model,
-            "first_seed": first,
-            "runs_wanted": options.runs,
-            "runs": len(records),
-            "successes": len(records) - len(failed),
-            "failing_seeds": failed,
-            "worst": worst,
-            "records": sorted(records, key=lambda record: record["seed"]),
-        }
-        options.json.write_text(json.dumps(result, indent=2) + "\n")
+    result = {
+        "model": options.model,
+        "first_seed": first,
+        "runs_wanted": options.runs,
+        "runs": len(records),
+        "successes": len(records) - len(failed),
+        "failing_seeds": failed,
+        "worst": worst,
+        "records": sorted(records, key=lambda record: record["seed"]),
+    }
+    write_figures(options.json, result)
     return 0 if len(records) == options.runs and not failed else 1
 
 

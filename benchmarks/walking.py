@@ -7,16 +7,15 @@ A walk may be given a push; how hard a one it bears is asked in ``pushes``.
 from __future__ import annotations
 
 import argparse
-import json
 import math
 import random
 import sys
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from disturbed import disturbed_simulation, falls, fresh_seed
 from parallel import Outcome, run_in_processes
+from report import command_line, write_figures
 
 from atlas_drake import (
     AtlasBehaviorStepData,
@@ -46,8 +45,8 @@ LANDING_GOAL = 0.02
 
 PUSH_DURATION = 0.1
 """[s]"""
-PUSH_WINDOW = (6.0, 6.0 + 2.0 * STEP_DURATION)
-"""A push begins somewhere within these two steps [s]."""
+PUSH_EARLIEST = 6.0
+"""A push begins somewhere within two steps from then on [s]."""
 DIRECTIONS = {
     "forward": (1.0, 0.0),
     "backward": (-1.0, 0.0),
@@ -59,10 +58,14 @@ DIRECTIONS = {
 
 @dataclass(frozen=True)
 class Push:
-    """A blow on the chest: its impulse [N·s] and its direction, one of DIRECTIONS."""
+    """A blow on the chest: its impulse [N·s] and its direction, one of DIRECTIONS.
+
+    It comes within two steps after ``earliest`` [s].
+    """
 
     impulse: float
     direction: str
+    earliest: float = PUSH_EARLIEST
 
 
 @dataclass(frozen=True)
@@ -72,9 +75,12 @@ class Job:
     model: str
     seed: int
     push: Push | None = None
+    num_steps: int = NUM_STEPS
 
 
-def plan(sim: AtlasSimulation) -> tuple[list[AtlasBehaviorStepData], float]:
+def plan(
+    sim: AtlasSimulation, num_steps: int = NUM_STEPS
+) -> tuple[list[AtlasBehaviorStepData], float]:
     """Steps straight ahead of the feet, and the heading [rad]."""
     left, right = (
         pose.position.to_array()[:2]
@@ -85,8 +91,8 @@ def plan(sim: AtlasSimulation) -> tuple[list[AtlasBehaviorStepData], float]:
     ahead = np.array([across[1], -across[0]])
     heading = math.atan2(ahead[1], ahead[0])
     steps = []
-    for i in range(NUM_STEPS):
-        distance = STEP_LENGTH * min(i + 1, NUM_STEPS - 1)
+    for i in range(num_steps):
+        distance = STEP_LENGTH * min(i + 1, num_steps - 1)
         place = (left, right)[i % 2] + distance * ahead
         step = AtlasBehaviorStepData()
         step.step_index = i + 1
@@ -102,18 +108,23 @@ def plan(sim: AtlasSimulation) -> tuple[list[AtlasBehaviorStepData], float]:
 
 def walk_once(job: Job) -> dict:
     """One walk from STAND to STAND."""
-    sim = disturbed_simulation(job.seed, model=job.model)
+    return walk(disturbed_simulation(job.seed, model=job.model), job)
+
+
+def walk(sim: AtlasSimulation, job: Job) -> dict:
+    """The walk of a robot that stands; its record."""
     sim.advance(STANDING)
-    steps, heading = plan(sim)
+    steps, heading = plan(sim, job.num_steps)
     push_time = math.inf
     if job.push is not None:
-        push_time = random.Random(job.seed).uniform(*PUSH_WINDOW)
+        latest = job.push.earliest + 2.0 * STEP_DURATION
+        push_time = random.Random(job.seed).uniform(job.push.earliest, latest)
     sent = 0
     while not sim.has_fallen and sim.time < LONGEST:
-        walk = sim.atlas_sim_interface_state.walk_feedback
-        needed = walk.next_step_index_needed if sent else 1
+        feedback = sim.atlas_sim_interface_state.walk_feedback
+        needed = feedback.next_step_index_needed if sent else 1
         # Hold steps back as long as the robot knows of enough of them.
-        if sent < NUM_STEPS and needed - walk.current_step_index <= QUEUE:
+        if sent < job.num_steps and needed - feedback.current_step_index <= QUEUE:
             queue = steps[needed - 1 : needed - 1 + QUEUE]
             command = AtlasSimInterfaceCommand()
             command.behavior = command.WALK
@@ -124,10 +135,10 @@ def walk_once(job: Job) -> dict:
         target = sim.time + POLL
         if sim.time < push_time <= target:
             sim.advance_to(push_time)
-            _push(sim, job.push, heading)
+            strike(sim, job.push, heading)
             push_time = math.inf
         sim.advance_to(target)
-        if sent == NUM_STEPS and sim.current_behavior is Behavior.STAND:
+        if sent == job.num_steps and sim.current_behavior is Behavior.STAND:
             break
     if not sim.has_fallen:
         sim.advance(STANDING)
@@ -135,7 +146,7 @@ def walk_once(job: Job) -> dict:
     problems = falls(sim)
     if not problems and sim.current_behavior is not Behavior.STAND:
         problems.append(f"ended in {sim.current_behavior.name}")
-    if len(landed) != NUM_STEPS:
+    if len(landed) != job.num_steps:
         problems.append(f"{len(landed)} steps taken")
     # After a push the robot is free to save itself by another landing place.
     if job.push is None and max(landed, default=0.0) > LANDING_GOAL:
@@ -151,7 +162,8 @@ def walk_once(job: Job) -> dict:
     }
 
 
-def _push(sim: AtlasSimulation, push: Push, heading: float) -> None:
+def strike(sim: AtlasSimulation, push: Push, heading: float) -> None:
+    """Gives the push now to a robot with that heading [rad]."""
     x, y = DIRECTIONS[push.direction]
     force = push.impulse / PUSH_DURATION
     c, s = math.cos(heading), math.sin(heading)
@@ -207,8 +219,7 @@ def main() -> int:
     parser.add_argument(
         "--model", choices=available_robots(), help="one robot (default: all)"
     )
-    parser.add_argument("--json", type=Path, metavar="FILE", help="write figures here")
-    options = parser.parse_args()
+    options = command_line(parser)
     models = [options.model] if options.model else available_robots()
     first = fresh_seed() if options.seed is None else options.seed
     print(f"Seeds from {first}; again with --seed {first}.", flush=True)
@@ -229,8 +240,7 @@ def main() -> int:
     complete = len(records) == len(models) * options.runs and all(
         record["ok"] for record in records
     )
-    if options.json is not None:
-        options.json.write_text(json.dumps(result, indent=2) + "\n")
+    write_figures(options.json, result)
     return 0 if complete else 1
 
 

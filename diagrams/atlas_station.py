@@ -58,7 +58,7 @@ class StationConfig:
     control_period: float = 0.002
     ground_friction: float = 0.9
     terrain: tuple[Block, ...] = ()
-    contact_approximation: str = "lagged"
+    contact_approximation: str = "similar"
     noise: NoiseModel = field(default_factory=NoiseModel)
     seed: int = 0
     initial_behavior: Behavior = Behavior.STAND
@@ -180,6 +180,8 @@ def make_atlas_station(
     if config.harnessed:
         harness = builder.AddNamedSystem("harness", Harness(robot, plant))
         builder.Connect(plant.get_state_output_port(), harness.GetInputPort("state"))
+        connect(selector, "actuation", harness)
+        connect(sensors, "foot_wrenches", harness)
         builder.Connect(harness.GetOutputPort("applied_spatial_force"), pushes)
         pushes = harness.GetInputPort("other_spatial_force")
     builder.ExportInput(pushes, "applied_spatial_force")

@@ -13,8 +13,6 @@ import sys
 import tempfile
 from pathlib import Path
 
-from pydrake.geometry import Meshcat
-
 from atlas_drake import (
     AtlasSimInterfaceCommand,
     AtlasSimulation,
@@ -23,6 +21,7 @@ from atlas_drake import (
 )
 from atlas_drake.cli import main as atlas_drake
 from atlas_drake.diagram_picture import write_diagram_picture
+from atlas_drake.viewer import start_meshcat
 from atlas_drake.visualization.overlays import Overlays
 
 IMAGES = Path(__file__).parent / "images"
@@ -76,10 +75,11 @@ def main() -> None:
     parser.add_argument("--browser", default="chromium", help="default: %(default)s")
     options = parser.parse_args()
     IMAGES.mkdir(exist_ok=True)
-    print(f"Wrote {write_diagram_picture(IMAGES / 'diagram.svg')[0]}.")
+    write_diagram_picture(IMAGES / "diagram.svg")
+    print(f"Wrote {IMAGES / 'diagram.svg'}.")
     film = ["--headless", "--video", str(IMAGES / FILM), "--video-size", FILM_SIZE]
     subprocess.run([sys.executable, "-m", "atlas_drake", "demo", *film], check=True)
-    meshcat = Meshcat()
+    meshcat = start_meshcat()
     sim = AtlasSimulation(Scenario(programme="tutorial"), meshcat=meshcat)
     for name, time in sorted(MOMENTS.items(), key=lambda item: item[1]):
         sim.advance_to(time)

@@ -5,21 +5,22 @@ Atlas stands in its stand-prep pose on stiff joints alone, and nods and waves.
 
 import argparse
 import math
+import signal
 import sys
 
-from pydrake.geometry import Meshcat
-
 from atlas_drake import AtlasCommand, AtlasSimulation, AtlasState, Scenario
+from atlas_drake.viewer import await_viewer, start_meshcat
 
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("--headless", action="store_true", help="no 3D view")
 options = parser.parse_args()
+signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl-C ends it, without ado
 
-meshcat = None if options.headless else Meshcat()
+meshcat = None if options.headless else start_meshcat()
 sim = AtlasSimulation(Scenario(initial_behavior="USER"), meshcat=meshcat)
 if meshcat is not None:
     sim.set_realtime_rate(1.0)
-    input("Open the address above in a browser, then press Enter to start.")
+    await_viewer(meshcat)
 
 # All joints hold their pose with the robot's default gains; an array that is left
 # empty leaves what is in force, so later commands may name positions only.

@@ -1,21 +1,22 @@
 """Behaviour mode: STAND balances, also when Atlas is pushed."""
 
 import argparse
+import signal
 import sys
 
-from pydrake.geometry import Meshcat
-
 from atlas_drake import AtlasSimInterfaceCommand, AtlasSimulation, Behavior
+from atlas_drake.viewer import await_viewer, start_meshcat
 
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("--headless", action="store_true", help="no 3D view")
 options = parser.parse_args()
+signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl-C ends it, without ado
 
-meshcat = None if options.headless else Meshcat()
+meshcat = None if options.headless else start_meshcat()
 sim = AtlasSimulation(meshcat=meshcat)
 if meshcat is not None:
     sim.set_realtime_rate(1.0)
-    input("Open the address above in a browser, then press Enter to start.")
+    await_viewer(meshcat)
 
 command = AtlasSimInterfaceCommand()
 command.behavior = command.STAND

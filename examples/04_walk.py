@@ -1,9 +1,8 @@
 """WALK: steps ahead, and more steps added while walking, in a curve to the left."""
 
 import argparse
+import signal
 import sys
-
-from pydrake.geometry import Meshcat
 
 from atlas_drake import (
     AtlasSimInterfaceCommand,
@@ -11,18 +10,20 @@ from atlas_drake import (
     Behavior,
     steps_along_arc,
 )
+from atlas_drake.viewer import await_viewer, start_meshcat
 
 LENGTH, ANGLE = 1.8, 0.9  # of the curve [m], [rad]
 
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("--headless", action="store_true", help="no 3D view")
 options = parser.parse_args()
+signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl-C ends it, without ado
 
-meshcat = None if options.headless else Meshcat()
+meshcat = None if options.headless else start_meshcat()
 sim = AtlasSimulation(meshcat=meshcat)
 if meshcat is not None:
     sim.set_realtime_rate(1.0)
-    input("Open the address above in a browser, then press Enter to start.")
+    await_viewer(meshcat)
 
 
 def wants_steps(sim: AtlasSimulation) -> bool:

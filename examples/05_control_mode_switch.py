@@ -1,10 +1,10 @@
 """The tutorial: from user control to behaviours, both at once, and back again."""
 
 import argparse
+import signal
 import sys
 
 from pydrake.common.eigen_geometry import Quaternion
-from pydrake.geometry import Meshcat
 from pydrake.math import RigidTransform
 
 from atlas_drake import (
@@ -14,6 +14,7 @@ from atlas_drake import (
     AtlasSimulation,
     AtlasState,
 )
+from atlas_drake.viewer import await_viewer, start_meshcat
 
 GAINS = [20.0, 4000.0, 2000.0, 20.0]  # back, neck
 GAINS += 2 * [5.0, 100.0, 2000.0, 1000.0, 900.0, 300.0]  # legs
@@ -22,12 +23,13 @@ GAINS += 2 * [2000.0, 1000.0, 200.0, 200.0, 50.0, 100.0]  # arms [N·m/rad]
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("--headless", action="store_true", help="no 3D view")
 options = parser.parse_args()
+signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl-C ends it, without ado
 
-meshcat = None if options.headless else Meshcat()
+meshcat = None if options.headless else start_meshcat()
 sim = AtlasSimulation(meshcat=meshcat)
 if meshcat is not None:
     sim.set_realtime_rate(1.0)
-    input("Open the address above in a browser, then press Enter to start.")
+    await_viewer(meshcat)
 n = sim.robot.num_joints
 
 

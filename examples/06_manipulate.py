@@ -5,9 +5,8 @@ reported.
 """
 
 import argparse
+import signal
 import sys
-
-from pydrake.geometry import Meshcat
 
 from atlas_drake import (
     AtlasBehaviorPelvisServoParams,
@@ -17,6 +16,7 @@ from atlas_drake import (
     AtlasState,
     Behavior,
 )
+from atlas_drake.viewer import await_viewer, start_meshcat
 
 POSES = [  # what, and how [m], [rad]
     ("lean forward", {"pelvis_height": 0.85, "pelvis_pitch": 0.35}),
@@ -28,12 +28,13 @@ POSES = [  # what, and how [m], [rad]
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("--headless", action="store_true", help="no 3D view")
 options = parser.parse_args()
+signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl-C ends it, without ado
 
-meshcat = None if options.headless else Meshcat()
+meshcat = None if options.headless else start_meshcat()
 sim = AtlasSimulation(meshcat=meshcat)
 if meshcat is not None:
     sim.set_realtime_rate(1.0)
-    input("Open the address above in a browser, then press Enter to start.")
+    await_viewer(meshcat)
 sim.advance(0.5)
 
 arms = AtlasCommand()  # both arms are yours: elbows out, well damped

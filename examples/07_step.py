@@ -1,9 +1,8 @@
 """STEP: one quasi-static step at a time, here up a block of 12 cm."""
 
 import argparse
+import signal
 import sys
-
-from pydrake.geometry import Meshcat
 
 from atlas_drake import (
     AtlasSimInterfaceCommand,
@@ -12,19 +11,21 @@ from atlas_drake import (
     Block,
     Scenario,
 )
+from atlas_drake.viewer import await_viewer, start_meshcat
 
 RISE = 0.12  # [m]
 
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("--headless", action="store_true", help="no 3D view")
 options = parser.parse_args()
+signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl-C ends it, without ado
 
-meshcat = None if options.headless else Meshcat()
+meshcat = None if options.headless else start_meshcat()
 block = Block(size=[0.8, 1.2, RISE], position=[0.6, 0.0, RISE])
 sim = AtlasSimulation(Scenario(terrain=[block]), meshcat=meshcat)
 if meshcat is not None:
     sim.set_realtime_rate(1.0)
-    input("Open the address above in a browser, then press Enter to start.")
+    await_viewer(meshcat)
 
 # Foot (0 left, 1 right), then x, y, z of the sole in the world [m].
 FOOTHOLDS = [

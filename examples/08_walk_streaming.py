@@ -2,23 +2,24 @@
 
 import argparse
 import math
+import signal
 import sys
 
-from pydrake.geometry import Meshcat
-
 from atlas_drake import AtlasSimulation, StepStream, steps_along_arc
+from atlas_drake.viewer import await_viewer, start_meshcat
 
 RADIUS = 0.85  # of the circle [m]
 
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("--headless", action="store_true", help="no 3D view")
 options = parser.parse_args()
+signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl-C ends it, without ado
 
-meshcat = None if options.headless else Meshcat()
+meshcat = None if options.headless else start_meshcat()
 sim = AtlasSimulation(meshcat=meshcat)
 if meshcat is not None:
     sim.set_realtime_rate(1.0)
-    input("Open the address above in a browser, then press Enter to start.")
+    await_viewer(meshcat)
 
 steps = steps_along_arc(
     sim.atlas_sim_interface_state, 2.0 * math.pi * RADIUS, 2.0 * math.pi

@@ -5,14 +5,15 @@ nobody steers, and a script presses the keys instead.
 """
 
 import argparse
+import signal
 import sys
 
-from pydrake.geometry import Meshcat
-
 from atlas_drake import AtlasSimulation, Behavior
+from atlas_drake.interrupts import ctrl_c
 from atlas_drake.teleop.controls import Action, Controls, legend
 from atlas_drake.teleop.panel import Panel
 from atlas_drake.teleop.session import Session
+from atlas_drake.viewer import start_meshcat
 from atlas_drake.visualization.overlays import Overlays
 
 KEYS = {0.5: Action.FORWARD, 3.5: Action.ARC_LEFT, 6.0: Action.STOP}  # when [s]
@@ -21,6 +22,7 @@ END = 9.0  # of the script [s]
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("--headless", action="store_true", help="no 3D view, a script")
 options = parser.parse_args()
+signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl-C ends it, without ado
 
 
 class Script:
@@ -51,13 +53,12 @@ if options.headless:
     print(f"Atlas stands after {steps} steps." if done else "Atlas did not make it.")
     sys.exit(not done)
 
-meshcat = Meshcat()
+meshcat = start_meshcat()
 overlays = Overlays(["com", "dcm", "cop", "support", "swing", "follow"])
 sim = AtlasSimulation(meshcat=meshcat, overlays=overlays)
 session = Session(sim, Panel(meshcat, sim.robot, overlays))
-print(f"Open the address above in a browser. Ctrl-C here ends it.\n\n{legend()}")
-try:
-    while True:
+with ctrl_c() as asked_to_stop:
+    print(f"Steer at {meshcat.web_url()}; Ctrl-C here ends it.\n\n{legend()}")
+    while not asked_to_stop.is_set():
         session.advance()
-except KeyboardInterrupt:
-    print(f"Stopped after {sim.time:.1f} s and {len(sim.footsteps)} steps.")
+print(f"Stopped after {sim.time:.1f} s and {len(sim.footsteps)} steps.")

@@ -3,10 +3,15 @@
 What they measure is judged where they are run, not here.
 """
 
+import argparse
 import importlib
+import json
+import platform
 import sys
+from importlib.metadata import version
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 FOLDER = Path(__file__).parents[1] / "benchmarks"
@@ -30,6 +35,31 @@ def test_a_benchmark_explains_itself(load, name, monkeypatch, capsys):
     assert "--json" in capsys.readouterr().out
 
 
+@pytest.mark.parametrize("name", SCRIPTS)
+def test_a_benchmark_names_its_versions(load, name):
+    script, report = load(name), load("report")
+    assert script.command_line is report.command_line
+    assert script.write_figures is report.write_figures
+
+
+def test_versions_come_first_and_go_with_the_figures(
+    load, monkeypatch, capsys, tmp_path
+):
+    report = load("report")
+    path = tmp_path / "figures.json"
+    monkeypatch.setattr(sys, "argv", ["any", "--json", str(path)])
+    options = report.command_line(argparse.ArgumentParser())
+    python = platform.python_version()
+    said = f"Drake {version('drake')}, Python {python}\n"
+    assert capsys.readouterr().out == said
+    report.write_figures(options.json, {"speed": 1.0})
+    assert json.loads(path.read_text()) == {
+        "versions": {"drake": version("drake"), "python": python},
+        "speed": 1.0,
+    }
+    report.write_figures(None, {"speed": 1.0})
+
+
 def test_speed_has_the_figures_promised(load, monkeypatch, capsys):
     realtime = load("realtime")
     monkeypatch.setattr(realtime, "DURATION", realtime.PIECE)
@@ -43,3 +73,65 @@ def test_speed_has_the_figures_promised(load, monkeypatch, capsys):
     assert set(result["tick_ms"]) == {"median", "p99", "max"}
     realtime.print_table(result)
     assert "closed loop / bare plant" in capsys.readouterr().out
+
+
+def test_contact_models_take_turns_in_speed(load, monkeypatch):
+    models, disturbed = load("contact_models"), load("disturbed")
+    monkeypatch.setattr(models, "PIECE", 0.1)
+    physics = [disturbed.Physics(name, 0.002, 0.004) for name in ("lagged", "sap")]
+    speeds = models.measure_speed("atlas", physics, seed=1, duration=0.2)
+    assert set(speeds) == {"lagged", "sap"}
+    lagged, sap = speeds["lagged"], speeds["sap"]
+    assert lagged["speed closed quotient"] == lagged["speed bare quotient"] == 1.0
+    for speed in (lagged, sap):
+        assert 0.0 < speed["speed bare"] < speed["speed closed"]
+        assert speed["speed factor"] == pytest.approx(0.002 / speed["speed closed"])
+
+
+def test_contact_models_make_a_table(load):
+    models = load("contact_models")
+    figures = {
+        "lagged": {"walk slip": [0.0012, 0.0034], "walk ok": [1.0, 0.0]},
+        "sap": {"walk ok": [1.0, 1.0]},
+    }
+    assert models.table(figures) == [
+        "| | lagged | sap |",
+        "| --- | --- | --- |",
+        "| sole's slip in single support, max [mm] | 3.40 | – |",
+        "| walks that succeed [%] | 50 | 100 |",
+    ]
+    # Whatever a trial finds has a row.
+    keys = {key for key, *_ in models.ROWS}
+    trials = load("contact_trials")
+    pushes = {f"push {p} {d}" for p in trials.INCREMENT for d in trials.DIRECTIONS}
+    assert pushes <= keys
+
+
+@pytest.mark.parametrize("borne_up_to", [0.0, 15.0, 25.0, 40.0])
+def test_the_largest_push_is_found_from_either_side(load, monkeypatch, borne_up_to):
+    trials, disturbed = load("contact_trials"), load("disturbed")
+    monkeypatch.setattr(
+        trials, "walk", lambda sim, job: {"ok": job.push.impulse <= borne_up_to}
+    )
+    monkeypatch.setattr(trials, "_simulation", lambda trial: None)
+    monkeypatch.setitem(trials.FIRST_IMPULSE, "walking", 25.0)
+    monkeypatch.setitem(trials.INCREMENT, "walking", 5.0)
+    trial = trials.Trial("push", disturbed.Physics(), "atlas", 1)
+    assert trials._largest_push(trial, "walking", "left") == borne_up_to
+
+
+def test_a_probe_reads_every_step_of_the_physics(load):
+    trials, disturbed = load("contact_trials"), load("disturbed")
+    physics = disturbed.Physics("sap", 0.002, 0.004)
+    sim = trials._simulation(trials.Trial("stand", physics, "atlas", 1))
+    sim.advance(0.3)
+    probe = load("contact_probe").ContactProbe(sim)
+    before = probe.sole_places()
+    sim.advance(0.1)
+    # Eight corners, however the advance is cut into pieces.
+    assert len(probe.normal) == 8 * 50
+    weight = sum(probe.normal) / 50
+    assert weight == pytest.approx(sim.robot.mass * 9.81, rel=0.1)
+    assert 0.0 < probe.ratios().max() <= 1.0 + 1e-6
+    assert not probe.slips
+    assert np.abs(probe.sole_places() - before).max() < 0.002

@@ -1,7 +1,6 @@
 """The command line: what it prints, writes and returns."""
 
 import base64
-import io
 import json
 import re
 import shutil
@@ -9,6 +8,7 @@ import signal
 import subprocess
 import sys
 import webbrowser
+from functools import partialmethod
 from pathlib import Path
 
 import pytest
@@ -16,7 +16,7 @@ from pydrake.geometry import Meshcat, MeshcatParams
 
 from atlas_drake import run_command
 from atlas_drake.cli import main
-from atlas_drake.progress import Progress
+from atlas_drake.logs import mcap_file
 from atlas_drake.run_command import AFTER_FALL, verdict
 from atlas_drake.tutorial import DURATION
 from atlas_drake.viewer import start_meshcat
@@ -72,7 +72,9 @@ def test_arguments_that_cannot_be_used_exit_with_2(arguments, complaint, capsys)
     with pytest.raises(SystemExit) as stop:
         main(arguments)
     assert stop.value.code == 2
-    assert complaint in capsys.readouterr().err
+    error = capsys.readouterr().err
+    assert complaint in error
+    assert "--show: --show" not in error
 
 
 def test_python_m_is_the_same_command():
@@ -105,6 +107,19 @@ def test_a_bad_scenario_is_named_by_field(text, field, scenario, capsys):
 def test_a_missing_scenario_is_bad_input(tmp_path, capsys):
     assert main(["run", str(tmp_path / "none.yaml"), "--headless"]) == 2
     assert "none.yaml" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("verb", ["run", "teleop", "plot", "replay"])
+def test_a_missing_file_is_missed_before_drake_is_loaded(verb):
+    code = (
+        "import sys; from atlas_drake.cli import main; "
+        f"status = main([{verb!r}, 'none.npz']); "
+        "sys.exit(99 if 'pydrake' in sys.modules else status)"
+    )
+    command = [sys.executable, "-c", code]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert "none.npz: there is no such file" in done.stderr
 
 
 def test_an_unknown_model_is_answered_with_the_known_ones(capsys):
@@ -221,12 +236,12 @@ def test_instead_of_a_port_in_use_the_next_free_one_is_taken(scenario, capsys):
 
 
 def test_several_views_side_by_side_have_ports_of_their_own():
-    first = start_meshcat("localhost", None, Progress(io.StringIO(), 1.0))
-    said = io.StringIO()
-    second = start_meshcat("localhost", first.port(), Progress(said, 1.0))
-    third = start_meshcat("localhost", None, Progress(io.StringIO(), 1.0))
+    first = start_meshcat()
+    said = []
+    second = start_meshcat("localhost", first.port(), said.append)
+    third = start_meshcat()
     assert len({first.port(), second.port(), third.port()}) == 3
-    assert f"Port {first.port()} is in use" in said.getvalue()
+    assert [f"Port {first.port()} is in use" in line for line in said] == [True]
 
 
 def test_the_view_is_for_this_computer_only_unless_told_otherwise(scenario, capsys):
@@ -242,12 +257,16 @@ def test_the_view_is_for_this_computer_only_unless_told_otherwise(scenario, caps
 
     if not Path("/proc/net/tcp").is_file():
         pytest.skip("only Linux lists its sockets in /proc")
-    said = Progress(io.StringIO(), 1.0)
-    local = start_meshcat("localhost", None, said)
+    said = []
+    local = start_meshcat(say=said.append)
     assert listening(local.port()) <= {"0100007F", "0" * 24 + "01000000"}
     assert listening(local.port())
-    everywhere = start_meshcat("*", None, said)
-    assert listening(everywhere.port()) & {"0" * 8, "0" * 32}
+    assert start_meshcat("127.0.0.1", say=said.append)
+    assert said == []
+    for host in ("*", "0.0.0.0"):
+        everywhere = start_meshcat(host, say=said.append)
+        assert listening(everywhere.port()) & {"0" * 8, "0" * 32}
+        assert f"whoever reaches port {everywhere.port()}" in said.pop()
 
 
 def test_a_host_that_is_not_this_computer_is_bad_input(scenario, capsys):
@@ -319,15 +338,65 @@ def test_no_file_takes_the_place_of_another(
     assert Path("scenario.yaml").read_text() == text
 
 
+def write_until_full(writer, write, row):
+    if row[0] > 0.05:
+        raise OSError(28, "No space left on device")
+    write(writer, row)
+
+
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no full disk here")
-def test_a_full_disk_takes_nothing_else_with_it(scenario, tmp_path, capsys):
-    page, log = tmp_path / "run.html", tmp_path / "run.npz"
-    keep = ["--json", "/dev/full", "--record", str(page), "--log", str(log)]
-    assert main(["run", scenario(), "--headless", *keep]) == 1
+@pytest.mark.parametrize("full", ["--json", "--video", "--log"])
+def test_a_full_disk_takes_nothing_else_with_it(
+    full, scenario, tmp_path, capsys, monkeypatch
+):
+    pytest.importorskip("av", reason='needs pip install "atlas-drake[video]"')
+    names = {"--json": "a.json", "--record": "a.html", "--video": "a.gif"}
+    files = {option: tmp_path / name for option, name in names.items()}
+    files["--log"] = tmp_path / "a.mcap"
+    options = ["--headless", "--physics-step", "0.002", "--video-size", "64x64"]
+    for option, file in files.items():
+        options += [option, str(file)]
+    lost = files.pop(full)
+    if full == "--log":  # It is open from the start, and finds no room later.
+        write = partialmethod(write_until_full, mcap_file.McapWriter.row)
+        monkeypatch.setattr(mcap_file.McapWriter, "row", write)
+    else:
+        lost.symlink_to("/dev/full")
+    assert main(["run", scenario(), *options]) == 3
     out = capsys.readouterr().out
-    assert "/dev/full is lost: No space left on device" in out
-    assert page.stat().st_size > 1e5
-    assert log.is_file()
+    assert f"{lost} is lost: No space left on device" in out
+    assert "Success: Atlas is upright after 0.1 s" in out
+    assert all(file.stat().st_size > 1000 for file in files.values())
+    if full == "--log":  # Which is noticed, and told, while the run goes on.
+        told = f"{lost}: cannot be written: No space left on device; the run"
+        events = json.loads(files["--json"].read_text())["events"]
+        assert [told in e["text"] for e in events if e["kind"] == "warning"] == [True]
+
+
+@pytest.mark.parametrize("name", ["a.gif", "a.mp4"])
+def test_a_video_that_cannot_be_finished_is_deleted(name, tmp_path):
+    code = """
+import resource, sys
+import numpy as np
+from pathlib import Path
+from atlas_drake.visualization.video_file import VideoError, VideoFile
+resource.setrlimit(resource.RLIMIT_FSIZE, (3000, 3000))
+file = VideoFile(Path(sys.argv[1]), 25, 64, 48)
+noise = np.random.default_rng(1)
+try:
+    for _ in range(100):
+        file.add(noise.integers(0, 255, (48, 64, 3), dtype=np.uint8))
+    file.close()
+except VideoError as error:
+    assert not file.is_open
+    file.close()
+    sys.exit(str(error))
+"""
+    pytest.importorskip("av", reason='needs pip install "atlas-drake[video]"')
+    command = [sys.executable, "-c", code, str(tmp_path / name)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.stderr.endswith(f"{name}: cannot be written: File too large\n")
+    assert [*tmp_path.iterdir()] == []
 
 
 def test_a_second_ctrl_c_cuts_off_nothing_that_is_written(
@@ -450,11 +519,13 @@ def test_the_picture_opens_where_there_is_a_desktop(tmp_path, monkeypatch):
     assert opened == [file.as_uri()]
 
 
-def test_without_graphviz_there_is_its_source_and_a_hint(tmp_path, capsys, monkeypatch):
+def test_a_picture_without_graphviz_is_refused(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(shutil, "which", lambda _name: None)
-    assert main(["diagram", str(tmp_path / "diagram.png")]) == 0
-    assert (tmp_path / "diagram.dot").is_file()
-    assert "install Graphviz" in capsys.readouterr().out
+    assert main(["diagram", str(tmp_path / "diagram.png")]) == 2
+    assert [*tmp_path.iterdir()] == []
+    error = capsys.readouterr().err
+    assert "install graphviz" in error
+    assert f"ask for {tmp_path / 'diagram.dot'}" in error
 
 
 def test_a_picture_of_unknown_kind_is_bad_input(tmp_path, capsys):

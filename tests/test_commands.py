@@ -39,10 +39,10 @@ def start(robot):
 
 @pytest.fixture
 def everything(robot):
-    """A joint command with all arrays, each with numbers of its own."""
+    """A joint command with all arrays, each with numbers of its own, within bounds."""
     command = AtlasCommand()
     for number, name in enumerate(JOINT_FIELDS):
-        setattr(command, name, [10.0 * number + 0.1 * j for j in range(28)])
+        setattr(command, name, [number + 0.01 * j for j in range(28)])
     command.k_effort = list(range(28))
     assert robot.num_joints == 28
     return command.snapshot()
@@ -115,7 +115,7 @@ def test_all_arrays_of_a_command_come_into_force(robot, start, everything):
 def test_one_array_leaves_the_others_in_force(robot, start, everything, field):
     before = sent(start, robot, everything)
     # Between the integral bounds in force, so that it may be either of them.
-    values = np.full(28, 75.5) if field.startswith("i_effort") else np.full(28, 7.0)
+    values = np.full(28, 7.5) if field.startswith("i_effort") else np.full(28, 7.0)
     command = AtlasCommand()
     setattr(command, field, values)
     after = sent(before, robot, command)
@@ -123,6 +123,17 @@ def test_one_array_leaves_the_others_in_force(robot, start, everything, field):
     for name in JOINT_FIELDS:
         expected = values if name == field else getattr(before.joints, name)
         np.testing.assert_array_equal(getattr(after.joints, name), expected)
+
+
+@pytest.mark.parametrize("kind", [AtlasCommand, AtlasSimInterfaceCommand])
+def test_velocity_gains_come_into_force_within_their_bound(robot, start, kind):
+    bound = 50.0 * robot.effort_limit / robot.velocity_limit
+    command = kind()
+    command.kp_velocity = np.where(np.arange(28) % 2, 1e6, 0.9 * bound)
+    port = "sim" if kind is AtlasSimInterfaceCommand else "atlas"
+    after = sent(start, robot, **{port: command})
+    expected = np.where(np.arange(28) % 2, bound, 0.9 * bound)
+    np.testing.assert_allclose(after.joints.kp_velocity, expected)
 
 
 @pytest.mark.parametrize("field", SERVO_FIELDS)

@@ -1,5 +1,6 @@
 """The examples: every one explains itself, runs without a view and ends well."""
 
+import signal
 import subprocess
 import sys
 from pathlib import Path
@@ -41,6 +42,31 @@ def test_examples_explain_themselves(name):
     done = run(name, "--help")
     assert done.returncode == 0, done.stderr
     assert "--headless" in done.stdout
+
+
+@pytest.mark.parametrize("name", EXPECTED)
+def test_examples_are_watched_from_this_computer_alone(name):
+    text = (FOLDER / f"{name}.py").read_text()
+    assert "start_meshcat()" in text
+    assert "Meshcat()" not in text
+    assert "input(" not in text  # It fails where there is nobody to press Enter.
+
+
+@pytest.mark.parametrize(("name", "status"), [("02_stand", -2), ("09_teleop", 0)])
+def test_ctrl_c_ends_an_example_without_a_traceback(name, status):
+    """Also with the view, and where there is no standard input."""
+    process = subprocess.Popen(
+        [sys.executable, "-u", str(FOLDER / f"{name}.py")],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert " at http://localhost:" in process.stdout.readline()
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=60)
+    assert process.returncode == status, errors
+    assert "Traceback" not in errors
 
 
 @pytest.mark.slow

@@ -91,7 +91,7 @@ def test_both_figures_are_drawn_beside_the_log(log_file, capsys, monkeypatch):
     pytest.importorskip("plotly")
     monkeypatch.setattr(png_page, "DPI", 40)
     assert main(["plot", str(log_file)]) == 0
-    png, html = log_file.with_suffix(".png"), log_file.with_suffix(".html")
+    png, html = (log_file.with_suffix(".figures" + end) for end in (".png", ".html"))
     assert png.read_bytes().startswith(b"\x89PNG")
     assert html.read_text().rstrip().endswith("</html>")
     out = capsys.readouterr().out
@@ -134,6 +134,22 @@ def test_what_cannot_be_done_exits_with_2(
     assert complaint in capsys.readouterr().err
 
 
+def test_a_page_that_finds_no_room_takes_no_other_with_it(
+    log_file, tmp_path, capsys, monkeypatch
+):
+    def draw(_page, path):
+        if "full" in path.name:
+            raise OSError(28, "No space left on device")
+        path.write_text("whole")
+
+    monkeypatch.setattr(log_command, "_drawing", lambda _file: draw)
+    full, page = tmp_path / "full.png", tmp_path / "a.html"
+    options = ["--output", str(full), "--output", str(page)]
+    assert main(["plot", str(log_file), *options]) == 3
+    assert f"{full} is lost: No space left on device" in capsys.readouterr().out
+    assert [*tmp_path.iterdir()] == [page]
+
+
 def test_a_page_that_cannot_be_drawn_leaves_nothing(log_file, tmp_path, monkeypatch):
     def fail(_page, path):
         path.write_text("half")
@@ -162,8 +178,8 @@ def test_without_plotly_one_is_told_what_to_install(
     log.write_bytes(log_file.read_bytes())
     assert main(["plot", str(log)]) == 0
     assert "Left out" in capsys.readouterr().out
-    assert (tmp_path / "run.png").exists()
-    assert not (tmp_path / "run.html").exists()
+    assert (tmp_path / "run.figures.png").exists()
+    assert not (tmp_path / "run.figures.html").exists()
 
 
 # ---- replay ------------------------------------------------------------------

@@ -240,6 +240,12 @@ def test_an_unknown_robot_is_an_error_that_lists_the_known():
     assert isinstance(e.value, AtlasError)
 
 
+@pytest.mark.parametrize("name", ["../models/atlas", str(MODELS_FOLDER / "atlas")])
+def test_a_path_is_no_name_of_a_robot(name):
+    with pytest.raises(RobotDescriptionError, match="there is no robot"):
+        load_robot(name)
+
+
 @pytest.fixture
 def other_models(tmp_path, monkeypatch):
     """A copy of the default robot's files that a test may spoil."""

@@ -56,8 +56,7 @@ class Balance:
     ) -> WholeBodyCommand:
         """The QP's command that tracks ``reference`` within ``support``."""
         terms, gains = seen.terms, self.gains
-        error = tasks.dcm(terms, omega) - reference.dcm
-        cop = support.clamp(tasks.feedback_cop(error, reference.cop, gains.dcm_gain))
+        cop = self.wanted_cop(seen, reference, omega, support)
         base = np.array([*cop, terms.com[2] - GRAVITY / (omega * omega)])
         com_acceleration = np.empty(3)
         com_acceleration[:2] = tasks.com_acceleration_for_cop(terms.com, cop, omega)
@@ -88,6 +87,18 @@ class Balance:
             joint_acceleration=self.posture(seen, body),
             joint_weight=self._joint_weight,
         )
+
+    def wanted_cop(
+        self,
+        seen: Observation,
+        reference: DcmReference,
+        omega: float,
+        support: SupportPolygon,
+    ) -> np.ndarray:
+        """Computes the CoP within ``support`` that tracks ``reference`` [m], (2,)."""
+        error = tasks.dcm(seen.terms, omega) - reference.dcm
+        cop = tasks.feedback_cop(error, reference.cop, self.gains.dcm_gain)
+        return support.clamp(cop)
 
     def posture(self, seen: Observation, body: BodyReference) -> np.ndarray:
         """Joint accelerations towards the posture [rad/s²], shape (n,)."""
@@ -156,6 +167,16 @@ class Balance:
             pressure=Pressure.TOES,
         )
 
+    def toes(self, toeing: FootPose) -> SupportPolygon:
+        """Where the CoP of a foot on its toes can lie.
+
+        Args:
+            toeing: The foot as it lay before its heel rose.
+        """
+        contact, sole = self.gains.contact, self.robot.file.sole
+        half_width = sole.width / 2 - contact.width_margin
+        return SupportPolygon(toe_corners(toeing, sole.length / 2, half_width))
+
     def support_on_toes(self, flat: FootPose, toeing: FootPose) -> SupportPolygon:
         """Where the CoP can lie with one foot flat and the other on its toes.
 
@@ -163,10 +184,8 @@ class Balance:
             flat: The foot that stays.
             toeing: The other one, as it lay before its heel rose.
         """
-        contact, sole = self.gains.contact, self.robot.file.sole
-        half_width = sole.width / 2 - contact.width_margin
-        toes = toe_corners(toeing, sole.length / 2, half_width)
-        return SupportPolygon(np.concatenate([self._corners(flat), toes]))
+        toes = self.toes(toeing).vertices
+        return SupportPolygon(np.concatenate([self._corners(flat)[:, :2], toes]))
 
     def support(self, *feet: FootPose) -> SupportPolygon:
         """Where the CoP can lie with these feet on the ground."""

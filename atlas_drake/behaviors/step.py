@@ -30,10 +30,11 @@ from atlas_drake.behaviors.step_memory import StepMemory, StepPhase, StepRules
 from atlas_drake.behaviors.step_plan import StepPlanner
 from atlas_drake.behaviors.step_queue import step_data_from
 from atlas_drake.control import tasks
-from atlas_drake.control.com_sway import ComSway, sway_duration, sway_from_rest
+from atlas_drake.control.com_sway import ComSway, plan_sway, sway_duration
 from atlas_drake.control.footstep import FootPose, StepLimits
 from atlas_drake.control.leg_reach import hips_from_com
 from atlas_drake.control.step_swing import StepSwingProfile, plan_step_swing
+from atlas_drake.control.support_polygon import SupportPolygon
 from atlas_drake.control.toe_off import on_toes
 from atlas_drake.frozen import replace
 from atlas_drake.messages import (
@@ -56,6 +57,8 @@ STEP_LIMITS = StepLimits(
     max_swing_height=0.60,
 )
 """Wider than a walk's: there is time."""
+LEAST_CLEARANCE = 0.04
+"""A foot is lifted this high above its footholds even by a leg short of room [m]."""
 STEP_RATES = BodyRates(yaw=0.5)
 
 
@@ -92,7 +95,6 @@ class Step:
         """Rests on both feet; the first step begins at the first tick."""
         feet = (seen.foot_pose(0), seen.foot_pose(1))
         support = self._balance.support(*feet)
-        start = support.clamp(tasks.dcm(seen.terms, self._stance.omega(seen, feet)))
         middle = 0.5 * (feet[0].p_WF + feet[1].p_WF)[:2]
         return StepMemory(
             phase=StepPhase.REST,
@@ -100,7 +102,7 @@ class Step:
             feet=feet,
             support=support,
             hips=hips_from_com(seen.terms, self._legs),
-            sway=sway_from_rest(start, middle, self._sway_time(start, middle)),
+            sway=self._sway_to(seen, middle, self._default, feet, support),
             sway_time=0.0,
         )
 
@@ -131,15 +133,17 @@ class Step:
             seen.terms.q,
             seen.user_held,
         )
+        finished = leaving and self._may_stand(memory, seen)
+        left = self._left_by_standing(memory, seen, request) if finished else ()
         return Outcome(
             memory=memory,
             body=body,
             command=self._stance.command(memory, seen, body),
-            finished=leaving and self._may_stand(memory, seen),
+            finished=finished,
             status_flags=StepStatus.SUBSTATE_STEPPING
             if memory.in_air
             else StepStatus.SUBSTATE_SWAYING,
-            events=(*events, *landing),
+            events=(*events, *landing, *left),
         )
 
     def report(self, memory: StepMemory, state: AtlasSimInterfaceState) -> None:
@@ -212,14 +216,17 @@ class Step:
         """Plans the whole step and begins to sway over the foot that stays."""
         if wanted is None:
             return memory, ()
+        if self._dcm_outside(memory, seen) > -self._rules.begin_inside:
+            return memory, ()
         feet = (seen.foot_pose(0), seen.foot_pose(1))
-        foot, action = wanted.step.foot, wanted.action
+        foot = wanted.step.foot
         plan = self._planner.plan(seen.terms, feet, wanted)
         if plan is None:
             text = f"step {wanted.step.index} is not taken: it is out of reach"
             memory = replace(memory, refused=memory.looked_at)
             return memory, (Event(seen.time, STEPS_LEFT, text),)
         taken = plan.taken
+        action = _below(plan.ceiling, wanted.action, feet[foot], taken.pose)
         swing = plan_step_swing(
             on_toes(feet[foot], plan.heel, self._planner.half_length),
             feet[foot],
@@ -230,9 +237,8 @@ class Step:
             action.max_foot_vel,
             self._profile,
         )
-        sway = self._sway_to(
-            memory, plan.com, action.sway_duration, action.max_body_accel
-        )
+        support = self._balance.support(*feet)
+        sway = self._sway_to(seen, plan.com, action, feet, support)
         middle_z = 0.5 * (feet[foot].p_WF[2] + taken.p_WF[2])
         memory = replace(
             memory,
@@ -240,12 +246,13 @@ class Step:
             phase=StepPhase.SWAY,
             elapsed=0.0,
             feet=feet,
-            support=self._balance.support(*feet),
+            support=support,
             hips=plan.hips,
             sway=sway,
             sway_time=0.0,
             index=taken.index,
             went_back=False,
+            gave_up=False,
             sent=wanted,
             taken=replace(
                 taken,
@@ -270,11 +277,14 @@ class Step:
         self, memory: StepMemory, seen: Observation, wanted: DesiredStep | None
     ) -> tuple[StepMemory, tuple[Event, ...]]:
         if memory.phase is StepPhase.REST:
+            if memory.gave_up and memory.elapsed < memory.sway.duration:
+                return memory, ()
             return self._begin(memory, seen, wanted)
         if memory.phase is StepPhase.SWAY:
             if self._ready(memory, seen):
                 return self._lift_off(memory, seen), ()
-            if memory.elapsed > memory.sway.duration + self._rules.longest_wait:
+            late = memory.elapsed > memory.sway.duration + self._rules.longest_wait
+            if late or self._dcm_outside(memory, seen) > -self._rules.dcm_lost:
                 return self._stay(memory, seen)
             return memory, ()
         if memory.phase is StepPhase.SETTLE:
@@ -286,7 +296,7 @@ class Step:
         swing = memory.flight
         if memory.phase is StepPhase.SWING:
             lowering = swing.is_lowering(memory.elapsed)
-            return self._begin_to_lower(memory) if lowering else memory, ()
+            return self._begin_to_lower(memory, seen) if lowering else memory, ()
         load = seen.foot_force[memory.step.foot]
         if load > self._rules.touchdown_force * self._balance.weight:
             return self._touch_down(memory, seen), ()
@@ -305,6 +315,11 @@ class Step:
         error = tasks.dcm(seen.terms, omega) - memory.sway.end
         return float(np.hypot(*error)) < self._rules.dcm_ready
 
+    def _dcm_outside(self, memory: StepMemory, seen: Observation) -> float:
+        """How far the DCM is outside of what the feet can hold [m]; < 0 inside."""
+        dcm = tasks.dcm(seen.terms, self._stance.omega(seen, memory.feet))
+        return self._stance.support(memory).distance_outside(dcm)
+
     def _lift_off(self, memory: StepMemory, seen: Observation) -> StepMemory:
         return replace(
             memory,
@@ -314,7 +329,7 @@ class Step:
             hips=hips_from_com(seen.terms, self._legs),
         )
 
-    def _begin_to_lower(self, memory: StepMemory) -> StepMemory:
+    def _begin_to_lower(self, memory: StepMemory, seen: Observation) -> StepMemory:
         """Leans into the step while the foot comes down, as far as it was asked.
 
         But only as far as the standing foot can undo it: there may be no ground.
@@ -326,12 +341,15 @@ class Step:
         over = memory.sway.end
         way = memory.step.p_WF[:2] - memory.feet[memory.stance].p_WF[:2]
         lean = distance * way / np.hypot(*way)
-        inside = self._rules.lean_inside
-        ends = (over + share * lean for share in np.linspace(1.0, 0.0, 11))
-        end = next(
-            (p for p in ends if memory.support.distance_outside(p) <= -inside), over
-        )
-        sway = sway_from_rest(over, end, memory.flight.lower)
+        omega = self._stance.omega(seen, (memory.feet[memory.stance],))
+        support, rules = memory.support, self._rules
+        for share in np.linspace(1.0, 0.0, 11):
+            sway = ComSway(over, over + share * lean, memory.flight.lower)
+            inside = -support.distance_outside(sway.end)
+            # And the foot can push the body there in that time.
+            pushed = -sway.cop_outside(support, omega)
+            if inside >= rules.lean_inside and pushed >= rules.cop_inside:
+                break
         return replace(memory, sway=sway, sway_time=0.0)
 
     def _touch_down(self, memory: StepMemory, seen: Observation) -> StepMemory:
@@ -362,7 +380,7 @@ class Step:
     ) -> tuple[StepMemory, tuple[Event, ...]]:
         """Gives up a step whose foot cannot be spared: something pushes the robot."""
         text = f"step {memory.index} is not taken: its foot cannot be spared"
-        memory = self._rest(memory, seen, memory.feet)
+        memory = replace(self._rest(memory, seen, memory.feet), gave_up=True)
         return memory, (Event(seen.time, STEPS_LEFT, text),)
 
     def _rest(
@@ -371,16 +389,14 @@ class Step:
         """The weight goes between the feet, the one of this step pressed flat."""
         middle = 0.5 * (feet[0].p_WF + feet[1].p_WF)[:2]
         uneven = abs(float(feet[0].p_WF[2] - feet[1].p_WF[2]))
-        action = self._default
-        sway = self._sway_to(
-            memory, middle, action.sway_duration, action.max_body_accel
-        )
+        support = self._balance.support(*feet)
+        sway = self._sway_to(seen, middle, self._default, feet, support)
         return replace(
             memory,
             phase=StepPhase.REST,
             elapsed=0.0,
             feet=feet,
-            support=self._balance.support(*feet),
+            support=support,
             hips=hips_from_com(seen.terms, self._legs),
             sway=sway,
             sway_time=0.0,
@@ -419,8 +435,9 @@ class Step:
         )
         if action.step_end_dist != 0.0:
             # Over the standing foot again, from which it leant into the step.
-            over = memory.sway.start
-            sway = self._sway_to(memory, over, swing.lower, action.max_body_accel)
+            over, stance = memory.sway.start, (memory.feet[memory.stance],)
+            quick = replace(action, sway_duration=swing.lower)
+            sway = self._sway_to(seen, over, quick, stance, memory.support)
             action = replace(action, step_end_dist=0.0)
             memory = replace(memory, sway=sway, sway_time=0.0, action=action)
         return memory, (Event(seen.time, STEPS_LEFT, text),)
@@ -434,20 +451,52 @@ class Step:
         slow = float(np.abs(seen.terms.com_velocity).max()) < self._rules.rest_speed
         return memory.elapsed >= memory.sway.duration and slow
 
+    def _left_by_standing(
+        self, memory: StepMemory, seen: Observation, request: AtlasSimInterfaceCommand
+    ) -> tuple[Event, ...]:
+        """Names the steps that STAND leaves: one that has begun, one still to come."""
+        left = [memory.index] if memory.phase is StepPhase.SWAY else []
+        wanted = self._next(memory, request)
+        if wanted is not None and not request.step_params.use_demo_walk:
+            left.append(wanted.step.index)
+        if not left:
+            return ()
+        steps = "step" if len(left) == 1 else "steps"
+        text = f"STEP ends without the {steps} {', '.join(map(str, left))}"
+        return (Event(seen.time, STEPS_LEFT, text),)
+
     # ---- sway ----------------------------------------------------------------
 
-    def _sway_time(self, start: np.ndarray, end: np.ndarray) -> float:
-        action = self._default
-        least = sway_duration(float(np.hypot(*(end - start))), action.max_body_accel)
-        return max(action.sway_duration, least)
-
     def _sway_to(
-        self, memory: StepMemory, end: np.ndarray, duration: float, acceleration: float
+        self,
+        seen: Observation,
+        end: np.ndarray,
+        action: StepAction,
+        feet: tuple[FootPose, ...],
+        support: SupportPolygon,
     ) -> ComSway:
-        """A sway that goes on from what the present one is doing."""
-        p, v, a = memory.sway.motion(memory.sway_time)
-        least = sway_duration(float(np.hypot(*(end - p))), acceleration)
-        return ComSway(p, v, a, end, max(duration, least))
+        """Plans a weight shift to ``end`` from where the robot is and how it moves."""
+        omega = self._stance.omega(seen, feet)
+        distance = float(np.hypot(*(end - seen.terms.com[:2])))
+        least = sway_duration(distance, action.max_body_accel)
+        return plan_sway(
+            tasks.dcm(seen.terms, omega),
+            end,
+            max(action.sway_duration, least),
+            support,
+            self._rules.cop_inside,
+            omega,
+        )
+
+
+def _below(
+    ceiling: float, action: StepAction, start: FootPose, goal: FootPose
+) -> StepAction:
+    """The action with a foot that is lifted no higher than ``ceiling`` in W [m]."""
+    room = max(ceiling - float(max(start.p_WF[2], goal.p_WF[2])), LEAST_CLEARANCE)
+    lift = min(action.lift_height, room)
+    arc = min(action.swing_height, room - lift)
+    return replace(action, lift_height=lift, swing_height=arc)
 
 
 def _with(

@@ -15,6 +15,7 @@ from atlas_drake.behaviors.step_plan import StepPlanner
 from atlas_drake.control import tasks
 from atlas_drake.control.footstep import FootPose
 from atlas_drake.control.leg_reach import highest_com
+from atlas_drake.control.load_share import load_share_range
 from atlas_drake.control.rotations import mean_yaw
 from atlas_drake.control.support_polygon import SupportPolygon
 from atlas_drake.control.swing_foot import quintic_progress
@@ -43,13 +44,15 @@ class StepBalance:
     ) -> WholeBodyCommand:
         """The QP's command of one tick."""
         omega = self.omega(seen, self._carrying(memory))
+        reference, support = memory.dcm_reference(omega), self.support(memory)
+        cop = self._balance.wanted_cop(seen, reference, omega, support)
         return self._balance.command(
             seen,
             body,
-            memory.dcm_reference(omega),
+            reference,
             omega,
-            self._support(memory),
-            self._foot_commands(memory, seen),
+            support,
+            self._foot_commands(memory, seen, cop),
         )
 
     def _carrying(self, memory: StepMemory) -> tuple[FootPose, ...]:
@@ -93,7 +96,7 @@ class StepBalance:
             pelvis_tilt=np.array([0.0, memory.lean]),
         )
 
-    def _support(self, memory: StepMemory) -> SupportPolygon:
+    def support(self, memory: StepMemory) -> SupportPolygon:
         """Where the CoP may lie now."""
         if self.heel(memory)[0] == 0.0:
             return memory.support
@@ -125,16 +128,35 @@ class StepBalance:
             return goal
         return FootPose(np.array([goal.p_WF[0], goal.p_WF[1], z]), goal.R_WF)
 
+    def _load_range(
+        self, memory: StepMemory, foot: int, cop: np.ndarray
+    ) -> tuple[float, float]:
+        """What ``foot`` can carry with the CoP where balance wants it, in weights."""
+        balance, other = self._balance, memory.feet[foot]
+        on_toes = self.heel(memory)[0] > 0.0
+        return load_share_range(
+            cop,
+            balance.support(memory.feet[1 - foot]),
+            balance.toes(other) if on_toes else balance.support(other),
+        )
+
     def _foot_commands(
-        self, memory: StepMemory, seen: Observation
+        self, memory: StepMemory, seen: Observation, cop: np.ndarray
     ) -> tuple[FootCommand, FootCommand]:
+        """Commands both feet; balance goes before the load that a phase asks for.
+
+        A foot that has to carry too much or too little would keep the CoP away from
+        where balance wants it.
+        """
         balance = self._balance
         feet = [balance.planted(seen, 0), balance.planted(seen, 1)]
         pressed = memory.fresh if self.is_fresh(memory) else None
         if memory.phase is StepPhase.SETTLE:
             pressed = memory.step.foot
         if pressed is not None:
-            feet[pressed] = balance.pressed(seen, pressed, self._rules.settling_load)
+            most = self._load_range(memory, pressed, cop)[1]
+            load = min(self._rules.settling_load, most)
+            feet[pressed] = balance.pressed(seen, pressed, load)
         elif memory.in_air:
             reference = memory.flight.evaluate(memory.elapsed)
             foot = memory.step.foot
@@ -143,6 +165,7 @@ class StepBalance:
             foot = memory.step.foot
             rest = 1.0 - memory.elapsed / memory.sway.duration
             load = min(max(rest / self._rules.unload_share, 0.01), FULL_LOAD)
+            load = max(load, self._load_range(memory, foot, cop)[0])
             angle, rate, acceleration = self.heel(memory)
             if angle > 0.0:
                 reference = toe_off_reference(

@@ -46,6 +46,12 @@ class StepRules:
     """A foot that carries more than this does not lift off, in weights [-]."""
     dcm_ready: float = 0.02
     """DCM error with which a foot may lift off [m]."""
+    dcm_lost: float = 0.01
+    """How far inside the support the DCM keeps, or a weight shift is given up [m]."""
+    cop_inside: float = 0.01
+    """How far inside the support a weight shift plans the CoP [m]."""
+    begin_inside: float = 0.015
+    """How far inside the support the DCM is when a weight shift may begin [m]."""
     longest_wait: float = 0.3
     """Time after the sway for which a foot waits to leave; then it stays [s]."""
     lean_inside: float = 0.025
@@ -80,6 +86,7 @@ class StepMemory:
         lean: Pitch of the trunk in this phase [rad].
         fresh: The foot that landed just now, if any.
         went_back: Whether the foot found no ground and goes to where it came from.
+        gave_up: Whether the last weight shift was given up.
         leaving: Whether STAND was asked for with a foot in the air.
         refused: Parameters whose step cannot be taken.
         looked_at: The parameters that were last read, to notice new ones.
@@ -101,6 +108,7 @@ class StepMemory:
     lean: float = 0.0
     fresh: int | None = None
     went_back: bool = False
+    gave_up: bool = False
     leaving: bool = False
     refused: object = None
     looked_at: object = None

@@ -22,6 +22,7 @@ from atlas_drake.control.footstep import (
 )
 from atlas_drake.control.leg_reach import (
     highest_com,
+    highest_sole,
     hips_from_com,
     knee_for_length,
     leg_length,
@@ -73,6 +74,8 @@ class StepPlan:
         hips: As seen from it, in W [m], shape (2, 3).
         lean: Pitch of the trunk [rad].
         heel: Angle by which the leaving heel has risen at lift-off [rad].
+        height: Of the centre of mass in W, as the legs reach [m].
+        ceiling: Height in W to which the leaving leg can lift its sole [m].
     """
 
     taken: Footstep
@@ -80,6 +83,8 @@ class StepPlan:
     hips: np.ndarray
     lean: float
     heel: float
+    height: float
+    ceiling: float
 
 
 class StepPlanner:
@@ -123,7 +128,7 @@ class StepPlanner:
         """The least posture that a step can be taken with, if need be a shorter step.
 
         A step to another height is not shortened, because the ground nearer by need
-        not be at that height.
+        not be at that height; nor is its height, because there is no ground between.
 
         Args:
             terms: At the present state.
@@ -136,7 +141,10 @@ class StepPlanner:
         foot, rules = wanted.step.foot, self._rules
         stance = feet[1 - foot]
         limits = self._limits
-        step = saturate(laid_out(wanted.step, stance, limits), stance, limits)
+        meant = laid_out(wanted.step, stance, limits)
+        step = saturate(meant, stance, limits)
+        if abs(float(meant.p_WF[2] - stance.p_WF[2])) > limits.rise:
+            return None
         level = abs(float(step.p_WF[2] - stance.p_WF[2])) < rules.level
         shares = np.linspace(1.0, rules.smallest_share, 15) if level else (1.0,)
         for knee_effort in rules.knee_efforts:
@@ -145,7 +153,7 @@ class StepPlanner:
                 for effort in (0.0, 0.25, 0.5, 0.75, 1.0):
                     plan = self._posture(terms, feet, wanted, nearer, effort)
                     lever = knee_effort * self._lever
-                    if self._affordable(plan, feet, wanted.action, lever):
+                    if self._affordable(plan, feet, lever):
                         return plan
         return None
 
@@ -173,7 +181,10 @@ class StepPlanner:
             highest_com(self.legs, hips, com, [(foot, step.pose)]),
         )
         heel = self._heel(hips, com, foot, other, needed, wanted.action.toe_off)
-        return StepPlan(step, com, hips, lean, heel)
+        leaving = on_toes(other, heel, self.half_length)
+        height = min(needed, highest_com(self.legs, hips, com, [(foot, leaving)]))
+        ceiling = highest_sole(self.legs, hips, height, foot)
+        return StepPlan(step, com, hips, lean, heel, height, ceiling)
 
     def _heel(
         self,
@@ -199,25 +210,15 @@ class StepPlanner:
         self,
         plan: StepPlan,
         feet: tuple[FootPose, FootPose],
-        action: StepAction,
         lever: float,
     ) -> bool:
         """Whether the standing knee can carry the height that the legs' reach leaves.
 
         Both legs count: the one that leaves, and the same when it lands.
         """
-        foot = plan.taken.foot
-        stance = feet[1 - foot]
-        leaving = on_toes(feet[foot], plan.heel, self.half_length)
-        height = min(
-            float(stance.p_WF[2]) + self.height(action),
-            *(
-                highest_com(self.legs, plan.hips, plan.com, [(foot, pose)])
-                for pose in (leaving, plan.taken.pose)
-            ),
-        )
-        return height >= lowest_com(
-            self.legs, plan.hips, plan.com, 1 - foot, stance, lever
+        stance = 1 - plan.taken.foot
+        return plan.height >= lowest_com(
+            self.legs, plan.hips, plan.com, stance, feet[stance], lever
         )
 
     def _shortened(self, step: Footstep, stance: FootPose, share: float) -> Footstep:

@@ -283,7 +283,10 @@ class Walk:
         if patient and not self._ready(memory, seen):
             # Hold the plan at the moment of lift-off until the DCM is there.
             return replace(memory, plan_time=memory.plan_time - seen.dt), ()
-        return self._lift_off(memory, seen), ()
+        # Since touchdown the soles have come to lie flat under their load.
+        memory = replace(memory, feet=(seen.foot_pose(0), seen.foot_pose(1)))
+        memory, news = self._tell(memory, seen.time)
+        return self._lift_off(memory, seen), news
 
     def _ready(self, memory: WalkMemory, seen: Observation) -> bool:
         """Whether the DCM is near enough to its plan for single support."""
@@ -303,8 +306,6 @@ class Walk:
         )
 
     def _lift_off(self, memory: WalkMemory, seen: Observation) -> WalkMemory:
-        # Since touchdown the soles have come to lie flat under their load.
-        memory = replace(memory, feet=(seen.foot_pose(0), seen.foot_pose(1)))
         step = self._coming(memory)[0]
         stance = 1 - step.foot
         sent = next(s for s in memory.pending if s.index == step.index)
@@ -351,7 +352,8 @@ class Walk:
             return self._settle(memory, cop), (event,)
         # The next touchdown is due a step's duration after this one was.
         transfer = self._timing.transfer(coming[0])
-        transfer = max(transfer + early, self._rules.shortest_transfer * transfer)
+        change = self._rules.transfer_change * transfer
+        transfer += min(max(early, -change), change)
         memory = replace(memory, duration=transfer)
         return self._replan(memory, cop, memory.duration), (event,)
 

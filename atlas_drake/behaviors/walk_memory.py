@@ -48,8 +48,10 @@ class WalkRules:
     """Speed of the centre of mass below which the walk is over [m/s]."""
     replan_shift: float = 0.002
     """Change of the landing place that is worth a new plan [m]."""
-    shortest_transfer: float = 0.9
-    """Share of a transfer that remains when a late touchdown is made up for [-]."""
+    transfer_change: float = 0.15
+    """Share by which a transfer is longer or shorter, at most, to make up for a
+    touchdown before or after its time. A foot that is farther off was disturbed, and
+    the next step shall not wait for the clock [-]."""
 
 
 @dataclass(frozen=True)

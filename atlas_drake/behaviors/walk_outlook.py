@@ -22,6 +22,7 @@ from atlas_drake.control.footstep import (
     StepLimits,
     StepSlack,
     cleared,
+    heading_error,
     kept_brisk,
     laid_out,
     landing_error,
@@ -33,6 +34,8 @@ from atlas_drake.messages import NUM_REQUIRED_WALK_STEPS
 LOOK_AHEAD = NUM_REQUIRED_WALK_STEPS
 """Steps that enter the plan."""
 
+ROUNDING = 1e-9
+"""A step moved by no more is taken as it was sent [m], [rad]."""
 LEVEL = 0.02
 """A step up or down by more leads to another level [m]."""
 EDGE = 0.02
@@ -44,7 +47,8 @@ class Outlook:
     """What the walk makes of the steps it knows.
 
     Attributes:
-        wishes: The steps that the plan looks at as they were sent, heights in W.
+        wishes: The steps that the plan looks at as they were sent, heights in W; the
+            one in the air as it is taken, for balance may have moved it.
         steps: The same as they will be taken; the one in the air comes first.
         blocked: The step behind them, if it cannot be taken.
         obstacle: Why it cannot.
@@ -59,15 +63,13 @@ class Outlook:
 def look_ahead(memory: WalkMemory, limits: StepLimits, slack: StepSlack) -> Outlook:
     """The steps to come, saturated one from the other.
 
-    Limits count from where the stance foot was aimed, and with some slack from where
-    it is. The step in the air is taken as it is.
+    The step in the air is taken as it is.
     """
     steps, wishes = [], []
     poses, aims = feet_to_come(memory), list(memory.aimed)
     if memory.swinging:
         steps.append(memory.step)
-        # Its slope was looked at before it began, when its height was made out.
-        wishes.append(replace(memory.sent, normal=memory.step.normal))
+        wishes.append(memory.step)
         aims[memory.step.foot] = memory.step.pose
     loose = slack.loosen(limits)
     firm = replace(limits, rise=loose.rise)
@@ -77,8 +79,13 @@ def look_ahead(memory: WalkMemory, limits: StepLimits, slack: StepSlack) -> Outl
             break
         start, stance = poses[step.foot], poses[1 - step.foot]
         wish = laid_out(step, stance, limits)
-        taken = saturate(wish, at_height(aims[1 - step.foot], stance), firm)
-        taken = saturate(taken, stance, loose)
+        taken = saturate(wish, stance, firm)
+        pose = taken.pose
+        if max(landing_error(wish, pose), heading_error(wish, pose)) > ROUNDING:
+            # Where the stance foot landed shall not eat the limits: they may as well
+            # count from where it was aimed, and with some slack from where it is.
+            aim = at_height(aims[1 - step.foot], stance)
+            taken = saturate(saturate(wish, aim, firm), stance, loose)
         obstacle = obstacle_to(wish, taken, stance, last_foot, loose)
         if obstacle:
             return Outlook(tuple(wishes), tuple(steps), step, obstacle)

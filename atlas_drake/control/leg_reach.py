@@ -17,6 +17,9 @@ from atlas_drake.robot import LegLengths
 SHORTEST_FLEXION = 0.30
 """Knees stay bent by this much, counted from the straight leg [rad]: near it they
 lose their grip on the height."""
+FOLDED_FLEXION = 1.9
+"""Flexion of the knee, counted from the straight leg, to which a leg folds with its
+sole level [rad]: beyond, the ankle comes to its stop and the leg lifts the body."""
 DEEPEST_SQUAT = 0.40
 """Range below the highest position in which the lowest is looked for [m]."""
 HALVINGS = 9
@@ -63,6 +66,20 @@ def highest_com(
         rise = math.sqrt(max(longest * longest - float(aside @ aside), 0.0))
         heights.append(float(ankle[2]) + rise - float(hips[foot, 2]))
     return min(heights)
+
+
+def highest_sole(legs: LegLengths, hips: np.ndarray, height: float, foot: int) -> float:
+    """Height in W [m] to which a leg that folds can lift its sole, kept level.
+
+    Args:
+        legs: Their lengths.
+        hips: The hips as seen from the centre of mass, in W [m], shape (2, 3).
+        height: Of the centre of mass in W [m].
+        foot: The one that is lifted.
+    """
+    folded = leg_length(legs, legs.straight + FOLDED_FLEXION)
+    ankle = float(height + hips[foot, 2]) - folded
+    return ankle - float(legs.p_FA[foot, 2])
 
 
 def lowest_com(

@@ -23,10 +23,13 @@ class UserForecast:
         effort: For a joint that does not accelerate [N·m], shape (n,).
         inertia: How much less per acceleration of the joint, because the user's
             damping and stiffness resist within the tick [kg·m²], shape (n,).
+        excess: By how much the user's effort is beyond the motor's limit, with its
+            sign; 0 within [N·m], shape (n,).
     """
 
     effort: np.ndarray
     inertia: np.ndarray
+    excess: np.ndarray
 
 
 def forecast_user_effort(
@@ -34,7 +37,7 @@ def forecast_user_effort(
     stiffness: np.ndarray,
     damping: np.ndarray,
     v: np.ndarray,
-    effort_limit: np.ndarray,
+    excess: np.ndarray,
     dt: float,
     step: float,
 ) -> UserForecast:
@@ -55,9 +58,9 @@ def forecast_user_effort(
     stiff joint of little damping, such as a back under the default gains, until the
     robot falls.
 
-    Where stiffness and feed-forward alone exceed the motor, the effort is its limit.
-    A damper that would exceed it for an instant is not cut off: with v̇ it brings the
-    joint to rest within the tick, by an effort far smaller than d·v.
+    Whether the motor's limit cuts is not to be seen from this: a damper with d·v beyond
+    the limit may bring the joint to rest within the tick, by an effort far smaller. It
+    is for the law itself to say, with damping at the velocity that its step ends with.
 
     Args:
         static_effort: kp·e, integral and all that does not depend on the joint's
@@ -65,15 +68,15 @@ def forecast_user_effort(
         stiffness: kp [N·m/rad], shape (n,).
         damping: All gains on velocity together d [N·m·s/rad], shape (n,).
         v: Joint velocities [rad/s], shape (n,).
-        effort_limit: [N·m], shape (n,).
+        excess: By how much the law's effort is beyond the limit now [N·m], shape (n,).
         dt: Length of the tick [s].
         step: Of the user's law h [s].
     """
-    limited = np.minimum(np.maximum(static_effort, -effort_limit), effort_limit)
-    yields = limited == static_effort
-    law = static_effort - (0.5 * (dt - step) * stiffness + damping) * v
-    inertia = dt * damping + ((dt * dt - step * step) / 6.0) * stiffness
-    return UserForecast(np.where(yields, law, limited), np.where(yields, inertia, 0.0))
+    return UserForecast(
+        effort=static_effort - (0.5 * (dt - step) * stiffness + damping) * v,
+        inertia=dt * damping + ((dt * dt - step * step) / 6.0) * stiffness,
+        excess=excess,
+    )
 
 
 def effort_bounds(
@@ -81,20 +84,28 @@ def effort_bounds(
 ) -> EffortBounds:
     """Range of each joint's total effort k·user + (1 - k)·behaviour.
 
+    Its limit cuts the total, not the user's part: what the user has in excess narrows
+    the range from one side, until there is nothing left that the behaviour could do
+    about the joint.
+
     Args:
         share: The user's share k, 0 to 1, shape (n,).
         user: What the user will do.
         effort_limit: [N·m], shape (n,).
     """
     middle = share * user.effort
-    authority = 1.0 - share
-    reach = authority * effort_limit
+    reach = (1.0 - share) * effort_limit
+    excess = share * user.excess
+    held = _at_the_limit(share, user, effort_limit)
+    limit = np.sign(user.excess) * effort_limit
+    lower = middle - reach - np.minimum(excess, 0.0)
+    upper = middle + reach - np.maximum(excess, 0.0)
     return EffortBounds(
-        lower=middle - reach,
-        upper=middle + reach,
-        user_held=share >= 1.0,
-        added_inertia=share * user.inertia,
-        authority=authority,
+        lower=np.where(held, limit, lower),
+        upper=np.where(held, limit, upper),
+        user_held=held | (share >= 1.0),
+        added_inertia=np.where(held, 0.0, share * user.inertia),
+        authority=np.where(held, 0.0, 1.0 - share),
     )
 
 
@@ -108,10 +119,18 @@ def behavior_share(
     """The behaviour's own effort that makes up ``total`` [N·m], shape (n,).
 
     For a joint that the user has alone it is the total itself: what the behaviour
-    would go on with if it were given the joint now.
+    would go on with if it were given the joint now. Likewise for one that the user
+    keeps at its limit whatever the behaviour does.
     """
     rest = 1.0 - share
-    shared = rest > 0.0
+    shared = (rest > 0.0) & ~_at_the_limit(share, user, effort_limit)
     users = share * (user.effort - user.inertia * joint_acceleration)
     own = np.where(shared, (total - users) / np.where(shared, rest, 1.0), total)
     return np.minimum(np.maximum(own, -effort_limit), effort_limit)
+
+
+def _at_the_limit(
+    share: np.ndarray, user: UserForecast, effort_limit: np.ndarray
+) -> np.ndarray:
+    """Which joints the user keeps at their limit, whatever the behaviour does, (n,)."""
+    return share * np.abs(user.excess) > 2.0 * (1.0 - share) * effort_limit

@@ -56,7 +56,7 @@ def _joints(names: tuple[str, ...]) -> Iterable[Channel]:
         ("position", "rad", "measured"),
         ("velocity", "rad/s", "measured"),
         ("effort", "N·m", "applied by the motors"),
-        ("user_effort", "N·m", "of the joint controllers"),
+        ("user_effort", "N·m", "of the joint controllers, before the limit"),
         ("behavior_effort", "N·m", "of the behaviour"),
         ("position_setpoint", "rad", "in force for the user's share"),
         ("velocity_setpoint", "rad/s", "in force for the user's share"),

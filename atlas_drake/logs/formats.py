@@ -51,33 +51,49 @@ class LogFile:
         """
         self.path = path
         writer = _member(path, "writer")
+        self._writer: LogWriter | None = None
         with self._named_faults():
-            self._writer: LogWriter | None = writer(path, header)
+            self._writer = writer(path, header)
 
     def row(self, row: np.ndarray) -> None:
-        """Keeps one tick, unless the file is closed."""
+        """Keeps one tick, unless the file is closed.
+
+        Raises:
+            LogError: If it cannot be written. The file is then closed.
+        """
         if self._writer is not None:
             with self._named_faults():
                 self._writer.row(row)
 
     def note(self, note: Note) -> None:
-        """Keeps a note, unless the file is closed."""
+        """Keeps a note, unless the file is closed.
+
+        Raises:
+            LogError: If it cannot be written. The file is then closed.
+        """
         if self._writer is not None:
             with self._named_faults():
                 self._writer.note(note)
 
     def close(self) -> None:
-        """Completes the file; does nothing when it is closed."""
-        writer, self._writer = self._writer, None
-        if writer is not None:
+        """Completes the file; does nothing when it is closed.
+
+        Raises:
+            LogError: If it cannot be written.
+        """
+        if self._writer is not None:
             with self._named_faults():
-                writer.close()
+                self._writer.close()
+            self._writer = None
 
     @contextmanager
     def _named_faults(self) -> Iterator[None]:
         try:
             yield
         except OSError as error:
+            if self._writer is not None:
+                self._writer.abandon()
+                self._writer = None
             raise LogError(
                 f"{self.path}: cannot be written: {error.strerror or error}"
             ) from error
@@ -107,6 +123,11 @@ def read_file(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]:
         raise LogError(f"{path}: cannot be read: {error.strerror or error}") from error
     except LogError as error:
         raise LogError(f"{path}: {error}") from error
+    except Exception as error:
+        # A damaged file makes the libraries that read it raise anything.
+        raise LogError(
+            f"{path}: it is no {path.suffix} file of a log, or a damaged one"
+        ) from error
 
 
 class MissingPackageError(LogError):

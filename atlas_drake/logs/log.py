@@ -13,7 +13,7 @@ import numpy as np
 from pydrake.common.yaml import yaml_load_typed
 
 from atlas_drake.behaviors.base import Event
-from atlas_drake.errors import did_you_mean
+from atlas_drake.errors import RobotDescriptionError, did_you_mean
 from atlas_drake.logs.formats import read_file
 from atlas_drake.logs.notes import (
     COMMANDS,
@@ -24,9 +24,12 @@ from atlas_drake.logs.notes import (
     event_from_note,
     message_from,
 )
-from atlas_drake.messages import Message
+from atlas_drake.messages import Behavior, Message
 from atlas_drake.robot import Robot, load_robot
 from atlas_drake.scenario import Scenario
+
+NUMBERS = "biuf"
+"""Numpy's kinds of what a channel can hold."""
 
 
 @dataclass(frozen=True)
@@ -103,8 +106,15 @@ class Log:
 
     @cached_property
     def robot(self) -> Robot:
-        """The robot that was simulated."""
-        return load_robot(self.header.model)
+        """The robot that was simulated.
+
+        Raises:
+            LogError: If this program does not know it.
+        """
+        try:
+            return load_robot(self.header.model)
+        except RobotDescriptionError as error:
+            raise LogError(f"{self.path}: {error}") from error
 
     @cached_property
     def scenario(self) -> Scenario:
@@ -131,10 +141,37 @@ def read_log(path: str | Path) -> Log:
         path: Of the file: .mcap, .npz or .parquet.
 
     Raises:
-        LogError: If the file cannot be read, is no log, or has no rows.
+        LogError: If the file cannot be read, is no log or a damaged one, or has no
+            rows.
     """
     path = Path(path)
     log = Log(path, *read_file(path))
+    try:
+        _check_sound(log)
+    except (AttributeError, KeyError, TypeError, ValueError) as error:
+        raise LogError(f"{path}: it is damaged: {error}") from error
     if not len(log):
         raise LogError(f"{path}: it has no rows; the run ended before its first tick")
     return log
+
+
+def _check_sound(log: Log) -> None:
+    """Refuses what the writer of a log cannot have written.
+
+    Raises:
+        ValueError: Or another error of values, if something is wrong.
+    """
+    rows = len(log)
+    for channel in log.header.layout.channels:
+        array = log[channel.name]
+        shape = (rows, channel.size) if channel.labels else (rows,)
+        if array.shape != shape or array.dtype.kind not in NUMBERS:
+            raise ValueError(f"{channel.name} is {array.dtype} of shape {array.shape}")
+    if not (np.isfinite(log.time).all() and (np.diff(log.time) >= 0.0).all()):
+        raise ValueError("time does not go on")
+    if not 0.0 < log.header.control_period < np.inf:
+        raise ValueError(f"control_period is {log.header.control_period}")
+    for behavior in np.unique(log.arrays.get("behavior.current", [])):
+        Behavior(behavior)
+    # Both are made of the notes when they are asked for.
+    _ = log.events, log.commands

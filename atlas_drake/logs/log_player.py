@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 from pydrake.common.value import AbstractValue
-from pydrake.systems.framework import Context, LeafSystem
+from pydrake.systems.framework import Context
 
 from atlas_drake.behaviors.base import Event
 from atlas_drake.behaviors.supervisor import KEPT_EVENTS, SupervisorState
@@ -24,6 +24,7 @@ from atlas_drake.messages import (
     behavior_from,
 )
 from atlas_drake.systems.behavior_controller import ControllerState
+from atlas_drake.systems.collectable_system import CollectableSystem
 
 VECTORS = {
     "state": ("state.q", "state.v"),
@@ -35,7 +36,7 @@ VECTORS = {
 """Channels of which the ports that carry plain vectors are made."""
 
 
-class LogPlayer(LeafSystem):
+class LogPlayer(CollectableSystem):
     """The log's row at the Context's time, as the ports that displays read.
 
     Output ports:
@@ -47,6 +48,8 @@ class LogPlayer(LeafSystem):
         controller_state: ``ControllerState``, likewise: the events so far.
         atlas_sim_interface_state: ``AtlasSimInterfaceState``, all of it.
     """
+
+    __slots__ = ()
 
     def __init__(self, log: Log):
         """Plays ``log``; beyond its ends the first or the last row stands.

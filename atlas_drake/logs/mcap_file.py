@@ -6,20 +6,21 @@ even if the run ends abruptly.
 
 from __future__ import annotations
 
+import fcntl
 import json
 import math
-import struct
+import os
+from collections import deque
 from collections.abc import Iterable
+from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
-from mcap.exceptions import McapError
 from mcap.records import Channel as McapChannel
 from mcap.records import Message, Metadata
 from mcap.stream_reader import StreamReader
 from mcap.writer import CompressionType, Writer
-from zstandard import ZstdError
 
 from atlas_drake.logs.layout import Channel, Layout
 from atlas_drake.logs.notes import COMMANDS, EVENT, Header, LogError, Note, to_plain
@@ -46,6 +47,10 @@ class McapWriter:
     def __init__(self, path: Path, header: Header):
         """Opens the file and describes all topics."""
         self._layout = header.layout
+        self._path = path
+        # Not emptied before it is known to be this run's alone.
+        self._lock = path.open("ab")
+        _lock(self._lock)
         self._file = path.open("wb")
         self._writer = Writer(
             self._file, chunk_size=CHUNK, compression=CompressionType.ZSTD
@@ -64,6 +69,8 @@ class McapWriter:
             self._register(kind, f"atlas_drake.{message.__name__}", to_plain(message()))
         for name, (schema, sample) in VIEWER_SCHEMAS.items():
             self._register(name, schema, sample)
+        # Lengths of the file with all chunks but one, and with all of them.
+        self._lengths = deque([self._file.tell()], maxlen=2)
 
     def row(self, row: np.ndarray) -> None:
         """Writes one tick."""
@@ -84,6 +91,8 @@ class McapWriter:
             self._viewer_time = time
             for name, message in viewer_messages(self._layout, values):
                 self._add(time, name, message)
+        if (length := self._file.tell()) != self._lengths[-1]:
+            self._lengths.append(length)
 
     def note(self, note: Note) -> None:
         """Writes a note."""
@@ -96,6 +105,19 @@ class McapWriter:
         """Completes the file with its index."""
         self._writer.finish()
         self._file.close()
+        self._lock.close()
+
+    def abandon(self) -> None:
+        """Cuts the file back to what is whole.
+
+        On a full disk the last whole chunk goes as well, which leaves room for the
+        files that are still to be written.
+        """
+        for file in (self._file, self._lock):
+            with suppress(OSError):
+                file.close()
+        with suppress(OSError):
+            os.truncate(self._path, self._lengths[0])
 
     def _register(self, topic: str, name: str, sample: Any) -> None:
         schema = self._writer.register_schema(
@@ -116,11 +138,27 @@ class McapWriter:
         )
 
 
+def _lock(file: IO[bytes]) -> None:
+    """Claims a file for as long as it is open.
+
+    Raises:
+        OSError: If another run has it.
+    """
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError as error:
+        file.close()
+        raise OSError("another run is writing it") from error
+    except OSError:
+        pass  # Some network drives know no locks.
+
+
 def read_mcap(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]:
     """Header, channels and notes of a file, of an incomplete one as far as it goes.
 
     Raises:
-        LogError: If it is no log.
+        LogError: If it is no log of this program.
+        Exception: Anything else if it is damaged.
     """
     topics: dict[int, str] = {}
     messages: dict[str, list[Message]] = {}
@@ -128,7 +166,7 @@ def read_mcap(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]:
     header = None
     with path.open("rb") as file:
         try:
-            for record in StreamReader(file).records:
+            for record in StreamReader(file, validate_crcs=True).records:
                 if isinstance(record, Metadata) and record.name == METADATA:
                     header = Header.from_json(record.metadata[HEADER])
                 elif isinstance(record, McapChannel):
@@ -139,10 +177,10 @@ def read_mcap(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]:
                         notes.append(_note(topic, record))
                     elif topic not in VIEWER_SCHEMAS:
                         messages.setdefault(topic, []).append(record)
-        except (McapError, ValueError, struct.error, ZstdError) as error:
+        except Exception:
             # The end of a file that nobody completed looks like damage.
             if header is None:
-                raise LogError("it is no MCAP file of a log") from error
+                raise
     if header is None:
         raise LogError("it is an MCAP file, but not of this program")
     return header, _arrays(header.layout, messages), notes

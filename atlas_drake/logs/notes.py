@@ -93,9 +93,9 @@ class Header:
                     f"its version is {plain['version']}, newer than this program"
                 )
             return cls(
-                plain["model"],
-                plain["control_period"],
-                plain["scenario"],
+                str(plain["model"]),
+                float(plain["control_period"]),
+                str(plain["scenario"]),
                 Layout.from_plain(plain["channels"]),
             )
         except (KeyError, TypeError, ValueError) as error:
@@ -113,6 +113,9 @@ class LogWriter(Protocol):
 
     def close(self) -> None:
         """Completes the file; nothing is kept after that."""
+
+    def abandon(self) -> None:
+        """Ends the file after an error; raises none. What can be read of it stays."""
 
 
 def note_from_event(event: Event) -> Note:

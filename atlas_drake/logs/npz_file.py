@@ -7,18 +7,16 @@ from __future__ import annotations
 
 from pathlib import Path
 from typing import Any
-from zipfile import BadZipFile
 
 import numpy as np
 
 from atlas_drake.logs.notes import (
     Header,
-    LogError,
     Note,
     notes_from_json,
     notes_to_json,
 )
-from atlas_drake.logs.whole_file import WholeFile
+from atlas_drake.whole_file import WholeFile
 
 BLOCK = 1024
 """Rows that are kept together in memory."""
@@ -72,17 +70,19 @@ class NpzWriter:
         with self._file as file:
             np.savez_compressed(file, allow_pickle=False, **arrays)
 
+    def abandon(self) -> None:
+        """Leaves no file: it is written whole or not at all."""
+        self._file.abandon()
+
 
 def read_npz(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]:
     """Header, channels and notes of a file.
 
     Raises:
-        LogError: If it is no log.
+        LogError: If it is no log of this program.
+        Exception: Anything else if it is damaged.
     """
-    try:
-        with np.load(path, allow_pickle=False) as file:
-            header = Header.from_json(str(file["header"]))
-            arrays = {c.name: file[c.name] for c in header.layout.channels}
-            return header, arrays, notes_from_json(str(file["notes"]))
-    except (BadZipFile, EOFError, KeyError, TypeError, ValueError) as error:
-        raise LogError("it is no .npz file of a log, or a damaged one") from error
+    with np.load(path, allow_pickle=False) as file:
+        header = Header.from_json(str(file["header"]))
+        arrays = {c.name: file[c.name] for c in header.layout.channels}
+        return header, arrays, notes_from_json(str(file["notes"]))

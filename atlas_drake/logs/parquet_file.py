@@ -16,13 +16,12 @@ import pyarrow.parquet as pq
 from atlas_drake.logs.layout import Layout
 from atlas_drake.logs.notes import (
     Header,
-    LogError,
     Note,
     notes_from_json,
     notes_to_json,
 )
 from atlas_drake.logs.npz_file import BLOCK
-from atlas_drake.logs.whole_file import WholeFile
+from atlas_drake.whole_file import WholeFile
 
 HEADER, NOTES = "atlas_drake.header", "atlas_drake.notes"
 """Keys of the file's metadata."""
@@ -62,6 +61,12 @@ class ParquetWriter:
             finally:
                 self._writer.close()
 
+    def abandon(self) -> None:
+        """Leaves no file: without its end it cannot be read."""
+        # Or the library would try once more, and complain.
+        self._writer.is_open = False
+        self._file.abandon()
+
     def _flush(self) -> None:
         if not self._rows:
             return
@@ -78,19 +83,17 @@ def read_parquet(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]
     """Header, channels and notes of a file.
 
     Raises:
-        LogError: If it is no log.
+        LogError: If it is no log of this program.
+        Exception: Anything else if it is damaged.
     """
-    try:
-        file = pq.ParquetFile(path)
-        metadata = file.metadata.metadata or {}
-        header = Header.from_json(metadata[HEADER.encode()].decode())
-        notes = notes_from_json(metadata[NOTES.encode()].decode())
-        table = file.read()
-        columns = [table.column(name).to_numpy() for name in header.layout.columns()]
-        rows = np.array(columns, dtype=float).T.reshape(-1, header.layout.width)
-        return header, header.layout.split(rows), notes
-    except (pa.ArrowException, KeyError, ValueError) as error:
-        raise LogError("it is no Parquet file of a log, or a damaged one") from error
+    file = pq.ParquetFile(path)
+    metadata = file.metadata.metadata or {}
+    header = Header.from_json(metadata[HEADER.encode()].decode())
+    notes = notes_from_json(metadata[NOTES.encode()].decode())
+    table = file.read()
+    columns = [table.column(name).to_numpy() for name in header.layout.columns()]
+    rows = np.array(columns, dtype=float).T.reshape(-1, header.layout.width)
+    return header, header.layout.split(rows), notes
 
 
 def _schema(layout: Layout) -> Any:

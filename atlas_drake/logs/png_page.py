@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, TypeGuard
 
 import numpy as np
+from matplotlib import rc_context
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
@@ -41,6 +42,7 @@ SMALL, TINY = 8, 6.5
 """Of letters [point]."""
 
 
+@rc_context({"text.parse_math": False})  # A $ in a name is a $, and no formula.
 def draw_figure(page: Page) -> Figure:
     """The page as a figure of matplotlib."""
     gaps = GAP * (len(page.heights) - 1)

@@ -5,7 +5,8 @@ What a row holds is made in ``samples``. Files are the business of its writer.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -16,15 +17,22 @@ from pydrake.systems.framework import (
     DiagramBuilder,
     DiscreteValues,
     InputPort,
-    LeafSystem,
     System,
     ValueProducer,
 )
 
 from atlas_drake.behaviors.base import Event
 from atlas_drake.frozen import NOTHING
-from atlas_drake.logs.notes import COMMANDS, LogWriter, Note, note_from_event, to_plain
+from atlas_drake.logs.formats import LogFile
+from atlas_drake.logs.notes import (
+    COMMANDS,
+    LogError,
+    Note,
+    note_from_event,
+    to_plain,
+)
 from atlas_drake.logs.samples import RowSampler
+from atlas_drake.systems.collectable_system import CollectableSystem
 
 _VALUES = (
     "commands",
@@ -36,7 +44,7 @@ _VALUES = (
 """Ports whose values are no vectors."""
 
 
-class LogRecorder(LeafSystem):
+class LogRecorder(CollectableSystem):
     """Ports of a station in, a log out.
 
     A row is sampled by a discrete update, which sees what the controller decided at
@@ -50,12 +58,17 @@ class LogRecorder(LeafSystem):
 
     State: the row sampled last, shape (layout's width,). What has been written
     already is known here and not in a Context: it is a fact about the file.
+
+    Attributes:
+        fault: Why nothing is written any more; None while all is well.
     """
+
+    __slots__ = ()
 
     def __init__(
         self,
         sampler: RowSampler,
-        writer: LogWriter,
+        writer: LogFile,
         period: float,
         tick_seconds: Sequence[float] = (),
     ):
@@ -70,6 +83,7 @@ class LogRecorder(LeafSystem):
         super().__init__()
         self._sampler = sampler
         self._writer = writer
+        self.fault: LogError | None = None
         self._tick_seconds = tick_seconds
         self._ports: dict[str, InputPort] = {}
         for name, size in sampler.port_sizes.items():
@@ -82,7 +96,9 @@ class LogRecorder(LeafSystem):
         self._scratch = self.DeclareCacheEntry(
             "scratch context of the plant",
             ValueProducer(
-                allocate=lambda: AbstractValue.Make(sampler.create_context()),
+                allocate=self.callback(
+                    lambda: AbstractValue.Make(sampler.create_context())
+                ),
                 calc=ValueProducer.NoopCalc,
             ),
             {self.nothing_ticket()},
@@ -97,32 +113,49 @@ class LogRecorder(LeafSystem):
 
     def event(self, event: Event) -> None:
         """Records an event, which no port says in full."""
-        self._writer.note(note_from_event(event))
+        with self._latched_fault():
+            self._writer.note(note_from_event(event))
 
     def flush(self, context: Context) -> None:
         """Writes the latest row, which waits for the next tick otherwise."""
         self._write(context)
 
     def close(self) -> None:
-        """Completes the log; nothing is recorded any more."""
+        """Completes the log; nothing is recorded any more.
+
+        Raises:
+            LogError: If the log cannot be written, now or at an earlier tick.
+        """
+        if self.fault is not None:
+            raise self.fault
         self._writer.close()
+
+    @contextmanager
+    def _latched_fault(self) -> Iterator[None]:
+        """Lets the simulation go on when the log cannot be written."""
+        try:
+            yield
+        except LogError as error:
+            self.fault = error
 
     def _write(self, context: Context) -> None:
         row = context.get_discrete_state(self._row).value().copy()
         time = row[0]
         # There is none before the first tick; after a reset Drake publishes once more.
-        if not time > self._written_time:
+        if self.fault is not None or not time > self._written_time:
             return
         self._written_time = time
         commands: Any = self._ports["commands"].Eval(context)
-        for received in commands.messages_since(self._received):
-            for kind, cls in COMMANDS.items():
-                # What is no command is in the event that tells of its refusal.
-                if isinstance(received.message, cls):
-                    plain = to_plain(received.message)
-                    self._writer.note(Note(received.time, kind, plain))
+        fresh = commands.messages_since(self._received)
         self._received = commands.received
-        self._writer.row(row)
+        with self._latched_fault():
+            for received in fresh:
+                for kind, cls in COMMANDS.items():
+                    # What is no command is in the event that tells of its refusal.
+                    if isinstance(received.message, cls):
+                        plain = to_plain(received.message)
+                        self._writer.note(Note(received.time, kind, plain))
+            self._writer.row(row)
 
     # ---- sampling ------------------------------------------------------------
 

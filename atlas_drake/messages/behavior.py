@@ -8,6 +8,9 @@ from enum import IntEnum
 from atlas_drake.errors import ErrorCode, InvalidMessageError, did_you_mean, shown
 from atlas_drake.messages.numeric import is_whole
 
+_WHOLE = tuple("bcdnoxX")
+"""Types of format specifications that are for whole numbers."""
+
 
 class Behavior(IntEnum):
     """Values of ``AtlasSimInterfaceCommand.behavior``."""
@@ -28,6 +31,14 @@ class Behavior(IntEnum):
     """Balance with a servoed pelvis."""
     USER = 7
     """All joints return to the user at once."""
+
+    def __str__(self) -> str:
+        """Give the name, which is what a reader wants; ``int`` gives the number."""
+        return self.name
+
+    def __format__(self, spec: str) -> str:
+        """Format the name, unless the specification is for a whole number."""
+        return format(int(self) if spec[-1:] in _WHOLE else self.name, spec)
 
 
 def behavior_from(value: object, field: str = "behavior") -> Behavior:

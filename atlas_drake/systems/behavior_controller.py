@@ -15,7 +15,6 @@ from pydrake.math import RigidTransform
 from pydrake.systems.framework import (
     BasicVector,
     Context,
-    LeafSystem,
     State,
 )
 
@@ -44,6 +43,7 @@ from atlas_drake.messages import (
     Vector3,
 )
 from atlas_drake.robot import Robot
+from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.systems.scratch import declare_scratch_context
 
 
@@ -64,7 +64,7 @@ class ControllerState(Frozen):
     unsolved: int = 0
 
 
-class BehaviorController(LeafSystem):
+class BehaviorController(CollectableSystem):
     """State, user efforts and the behaviour request in, behaviour efforts out.
 
     Input ports:
@@ -78,6 +78,8 @@ class BehaviorController(LeafSystem):
         controller_state: ``ControllerState``, for whoever watches.
         atlas_sim_interface_state: ``AtlasSimInterfaceState``
     """
+
+    __slots__ = ()
 
     def __init__(
         self,

@@ -6,7 +6,7 @@ The rules of merging are in ``commands``; this is only their place in a diagram.
 from typing import Any
 
 from pydrake.common.value import AbstractValue
-from pydrake.systems.framework import Context, LeafSystem, State, ValueProducer
+from pydrake.systems.framework import Context, State, ValueProducer
 
 from atlas_drake.commands import (
     CommandsInForce,
@@ -18,9 +18,10 @@ from atlas_drake.frozen import NOTHING, replace
 from atlas_drake.messages import Behavior
 from atlas_drake.messages.base import frozen
 from atlas_drake.robot import Robot
+from atlas_drake.systems.collectable_system import CollectableSystem
 
 
-class CommandInterface(LeafSystem):
+class CommandInterface(CollectableSystem):
     """Command ports in, what is in force out.
 
     Input ports (both optional; they hold the sender's latest message, and NOTHING
@@ -40,6 +41,8 @@ class CommandInterface(LeafSystem):
         k_effort: The user's share of each joint, 0 to 255, shape (n,).
     """
 
+    __slots__ = ()
+
     def __init__(self, robot: Robot, period: float, initial_behavior: Behavior):
         """Updates every ``period`` [s]."""
         super().__init__()
@@ -53,7 +56,8 @@ class CommandInterface(LeafSystem):
         self._commands = self.DeclareCacheEntry(
             "commands in force",
             ValueProducer(
-                allocate=lambda: AbstractValue.Make(start), calc=self._calc_commands
+                allocate=lambda: AbstractValue.Make(start),
+                calc=self.callback(self._calc_commands),
             ),
             {self.all_input_ports_ticket(), self.xa_ticket()},
         )

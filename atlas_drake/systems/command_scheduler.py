@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from pydrake.common.value import AbstractValue
-from pydrake.systems.framework import Context, LeafSystem, State, ValueProducer
+from pydrake.systems.framework import Context, State, ValueProducer
 
 from atlas_drake.commands import Command
 from atlas_drake.frozen import NOTHING, Frozen, replace
@@ -22,6 +22,7 @@ from atlas_drake.messages import (
     Imu,
 )
 from atlas_drake.messages.base import frozen, is_new
+from atlas_drake.systems.collectable_system import CollectableSystem
 
 
 @dataclass(frozen=True)
@@ -69,7 +70,7 @@ class SchedulerState(Frozen):
     seen_sim: Any = NOTHING
 
 
-class CommandScheduler(LeafSystem):
+class CommandScheduler(CollectableSystem):
     """A programme and other commanders' messages in, the two command ports out.
 
     Input ports:
@@ -83,6 +84,8 @@ class CommandScheduler(LeafSystem):
         atlas_sim_interface_command: ``AtlasSimInterfaceCommand`` or NOTHING.
         sent: How many entries of the programme have been sent.
     """
+
+    __slots__ = ()
 
     def __init__(self, programme: Sequence[ScheduledCommand], period: float):
         """Looks at the clock every ``period`` [s]."""
@@ -104,7 +107,7 @@ class CommandScheduler(LeafSystem):
             "messages on the output ports",
             ValueProducer(
                 allocate=lambda: AbstractValue.Make(SchedulerState()),
-                calc=self._calc_now,
+                calc=self.callback(self._calc_now),
             ),
             others,
         )

@@ -4,13 +4,14 @@ effort = k·user + (1 - k)·behaviour with k = k_effort/255, within the effort l
 """
 
 import numpy as np
-from pydrake.systems.framework import Context, LeafSystem
+from pydrake.systems.framework import Context
 
 from atlas_drake.messages import K_EFFORT_MAX
 from atlas_drake.robot import PlantIndices, Robot
+from atlas_drake.systems.collectable_system import CollectableSystem
 
 
-class EffortSelector(LeafSystem):
+class EffortSelector(CollectableSystem):
     """The k_effort selector. It has no state.
 
     Input ports, shape (n,), message order:
@@ -22,6 +23,8 @@ class EffortSelector(LeafSystem):
         effort: What the motors do [N·m], shape (n,), message order.
         actuation: The same in the order of the plant's actuators.
     """
+
+    __slots__ = ()
 
     def __init__(self, robot: Robot, indices: PlantIndices):
         """Blends for a plant with the given indices."""

@@ -11,14 +11,14 @@ from pydrake.systems.framework import (
     BasicVector,
     Context,
     DiscreteValues,
-    LeafSystem,
 )
 
 from atlas_drake.control.attitude import rotation_matrix, turn_between
 from atlas_drake.robot import Robot
+from atlas_drake.systems.collectable_system import CollectableSystem
 
 
-class EstimationError(LeafSystem):
+class EstimationError(CollectableSystem):
     """True and estimated state in, what lies between them out.
 
     Input ports:
@@ -32,6 +32,8 @@ class EstimationError(LeafSystem):
         largest_estimation_error: Of the run so far: distance [m], speed [m/s], tilt
             [rad] and yaw [rad], shape (4,).
     """
+
+    __slots__ = ()
 
     def __init__(self, robot: Robot, plant: MultibodyPlant, period: float):
         """Looks every ``period`` [s]."""

@@ -1,27 +1,32 @@
 """A harness that carries the pelvis until it is released, as a crane carries a robot.
 
-It pulls as springs and dampers do; nothing is welded and no position is set. Built
-into a station only where the scenario asks for it.
+It pulls as springs and dampers do; nothing is welded and no position is set. Its
+dampers are taken implicitly, see ``implicit_pull``. Built into a station only where the
+scenario asks for it.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from pydrake.common.value import AbstractValue
 from pydrake.multibody.math import SpatialForce
 from pydrake.multibody.plant import ExternallyAppliedSpatialForce, MultibodyPlant
-from pydrake.systems.framework import Context, LeafSystem
+from pydrake.multibody.tree import Frame, JacobianWrtVariable, MultibodyForces
+from pydrake.systems.framework import Context
 
 from atlas_drake.control.rotations import rotation_error
 from atlas_drake.control.whole_body_model import GRAVITY
 from atlas_drake.frozen import Frozen, replace
 from atlas_drake.robot import Robot
+from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.systems.scratch import declare_scratch_context
 
 
 @dataclass(frozen=True)
 class HarnessGains:
-    """Stiff enough to hold the robot, soft enough for every physics step on offer."""
+    """Stiff enough to hold the robot; stable at every physics step on offer."""
 
     natural_frequency: float = 12.0
     """Of the robot's mass on the harness [rad/s]."""
@@ -54,29 +59,46 @@ class HarnessState(Frozen):
     released: float | None = None
 
 
-class Harness(LeafSystem):
+class Harness(CollectableSystem):
     """State and the forces of others in, these and the harness' own out.
 
     Input ports:
         state: Positions and velocities of the plant.
+        actuation: What the motors do, in the order of the plant's actuators [N·m].
+        foot_wrenches: Of the ground on the soles [N·m; N], shape (12,).
         other_spatial_force: List of ``ExternallyAppliedSpatialForce``; optional.
 
     Output ports:
         applied_spatial_force: The same and that on the pelvis.
     """
 
+    __slots__ = ()
+
     def __init__(
         self, robot: Robot, plant: MultibodyPlant, gains: HarnessGains | None = None
     ):
-        """Holds ``robot`` in ``plant``."""
+        """Holds ``robot`` in ``plant``, a discrete one."""
         super().__init__()
         self._gains = gains or HarnessGains()
         self._mass = robot.mass
-        self._plant = plant
-        self._pelvis = plant.GetBodyByName(robot.file.pelvis)
+        # Untyped, because pydrake's stubs misname the type of every array.
+        self._plant: Any = plant
+        self._dt = plant.time_step()
+        # The pelvis is the free body: its spatial velocity is among the plant's.
+        self._base = robot.indices(plant).generalized[:6]
+        self._actuation_matrix = np.asarray(plant.MakeActuationMatrix())
+        # Numbers, as frames and bodies keep their plant where nobody can see it.
+        self._soles = [
+            plant.GetFrameByName(f.sole_frame).index() for f in robot.file.feet
+        ]
+        self._pelvis = plant.GetBodyByName(robot.file.pelvis).index()
         self._state_input = self.DeclareVectorInputPort(
             "state", plant.num_multibody_states()
         )
+        self._actuation_input = self.DeclareVectorInputPort(
+            "actuation", plant.num_actuators()
+        )
+        self._wrench_input = self.DeclareVectorInputPort("foot_wrenches", 12)
         no_forces = AbstractValue.Make([ExternallyAppliedSpatialForce()])
         self._others = self.DeclareAbstractInputPort("other_spatial_force", no_forces)
         self._scratch = declare_scratch_context(self, plant.CreateDefaultContext)
@@ -117,10 +139,12 @@ class Harness(LeafSystem):
 
     def _calc_forces(self, context: Context, output: AbstractValue) -> None:
         forces = self._others.Eval(context) if self._others.HasValue(context) else []
-        own = self._pull(context)
+        own = self._pull(context, forces)
         output.set_value([*forces, own] if own is not None else forces)
 
-    def _pull(self, context: Context) -> ExternallyAppliedSpatialForce | None:
+    def _pull(
+        self, context: Context, others: Sequence[ExternallyAppliedSpatialForce]
+    ) -> ExternallyAppliedSpatialForce | None:
         """What the harness does to the pelvis; None once it is off."""
         state, gains = self.state(context), self._gains
         if state.p_WH is None or state.R_WH is None:
@@ -135,20 +159,97 @@ class Harness(LeafSystem):
                 return None
         scratch = self._scratch.Eval(context)
         self._plant.SetPositionsAndVelocities(scratch, self._state_input.Eval(context))
-        X_WP = self._plant.EvalBodyPoseInWorld(scratch, self._pelvis)
-        V_WP = self._plant.EvalBodySpatialVelocityInWorld(scratch, self._pelvis)
+        pelvis = self._plant.get_body(self._pelvis)
+        X_WP = self._plant.EvalBodyPoseInWorld(scratch, pelvis)
+        V_WP = self._plant.EvalBodySpatialVelocityInWorld(scratch, pelvis)
         w = gains.natural_frequency
         away = state.p_WH - np.array([0.0, 0.0, lowered]) - X_WP.translation()
-        pull = self._mass * (
-            w * w * away - 2.0 * gains.damping_ratio * w * V_WP.translational()
-        )
-        pull[2] += self._mass * GRAVITY
         error = rotation_error(state.R_WH, X_WP.rotation().matrix())
-        turn = (
-            gains.rotational_stiffness * error
-            - gains.rotational_damping * V_WP.rotational()
+        static = np.concatenate(
+            [gains.rotational_stiffness * error, self._mass * w * w * away]
+        )
+        static[5] += self._mass * GRAVITY
+        damping = np.repeat(
+            [gains.rotational_damping, 2.0 * gains.damping_ratio * w * self._mass], 3
+        )
+        acceleration, mobility = self._free_motion(context, scratch, others)
+        pull = implicit_pull(
+            strength * static,
+            strength * damping,
+            V_WP.get_coeffs() + self._dt * acceleration,
+            self._dt * mobility,
         )
         force = ExternallyAppliedSpatialForce()
-        force.body_index = self._pelvis.index()
-        force.F_Bq_W = SpatialForce(strength * turn, strength * pull)
+        force.body_index = self._pelvis
+        force.F_Bq_W = SpatialForce(pull[:3], pull[3:])
         return force
+
+    def _free_motion(
+        self,
+        context: Context,
+        scratch: Context,
+        others: Sequence[ExternallyAppliedSpatialForce],
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """How the pelvis would move without the harness, and how it gives way to it.
+
+        Contact is that of the last control tick; friction in the joints is left out.
+
+        Args:
+            context: Of this system.
+            scratch: Of the plant, at the present state.
+            others: Forces of others.
+
+        Returns:
+            Spatial acceleration in W [rad/s²; m/s²], shape (6,), and accelerations per
+            force Λ [rad/s² per N·m and so on], shape (6, 6).
+        """
+        plant = self._plant
+        inside = MultibodyForces(plant)
+        plant.CalcForceElementsContribution(scratch, inside)
+        rest = np.zeros(plant.num_velocities())
+        force = -plant.CalcInverseDynamics(scratch, rest, inside)
+        force += self._actuation_matrix @ self._actuation_input.Eval(context)
+        wrenches = self._wrench_input.Eval(context)
+        for sole, wrench in zip(self._soles, wrenches.reshape(2, 6), strict=True):
+            if wrench.any():
+                J = self._jacobian(scratch, plant.get_frame(sole), np.zeros(3))
+                force += J.T @ wrench
+        for other in others:
+            frame = plant.get_body(other.body_index).body_frame()
+            J = self._jacobian(scratch, frame, other.p_BoBq_B)
+            force += J.T @ other.F_Bq_W.get_coeffs()
+        given = np.column_stack([force, np.eye(len(force))[:, self._base]])
+        answer = np.linalg.solve(plant.CalcMassMatrix(scratch), given)[self._base]
+        return answer[:, 0], answer[:, 1:]
+
+    def _jacobian(self, scratch: Context, frame: Frame, p: np.ndarray) -> np.ndarray:
+        """Of the spatial velocity in W of a point fixed in ``frame``, shape (6, nv)."""
+        world = self._plant.world_frame()
+        return self._plant.CalcJacobianSpatialVelocity(
+            scratch, JacobianWrtVariable.kV, frame, p, world, world
+        )
+
+
+def implicit_pull(
+    static: np.ndarray, damping: np.ndarray, free: np.ndarray, response: np.ndarray
+) -> np.ndarray:
+    """Springs, and dampers at the velocity that the step ends with [N·m; N], (6,).
+
+    The pelvis alone, its joints free, has 0.2 kg·m²: an explicit damper of
+    300 N·m·s/rad diverges at a step of 2 ms, and at 1 ms as soon as joints are damped
+    too. So with V⁺ = V_free + h·Λ·F,
+
+        F = F_static - D·V⁺   ⇒   F = (1 + D·h·Λ)⁻¹·(F_static - D·V_free)
+
+    V_free has to contain what the motors do in the step: joint damping that is as stiff
+    would not be stable beside a damper that only knows the pelvis' present velocity.
+
+    Args:
+        static: All but the dampers [N·m; N], shape (6,).
+        damping: D [N·m·s/rad; N·s/m], shape (6,).
+        free: V_free, of the step's end without this force [rad/s; m/s], shape (6,).
+        response: h·Λ, change of velocity per force, shape (6, 6).
+    """
+    return np.linalg.solve(
+        np.eye(6) + damping[:, None] * response, static - damping * free
+    )

@@ -10,20 +10,20 @@ from pydrake.systems.framework import (
     BasicVector,
     Context,
     DiscreteValues,
-    LeafSystem,
 )
 
 from atlas_drake.control.attitude import rotation_matrix, turn_between, turned
 from atlas_drake.control.whole_body_model import GRAVITY
 from atlas_drake.noise import NoiseModel, SensorNoise
 from atlas_drake.robot import Robot
+from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.systems.scratch import declare_scratch_context
 
 _UNSET = -1.0
 """Time of the last tick before there was one."""
 
 
-class InertialSensor(LeafSystem):
+class InertialSensor(CollectableSystem):
     """The plant's state in, increments of a strapdown IMU out.
 
     Like the inertial sensors that navigate, it integrates inside at a rate far above
@@ -41,6 +41,8 @@ class InertialSensor(LeafSystem):
             before the first tick.
     """
 
+    __slots__ = ()
+
     def __init__(
         self,
         robot: Robot,
@@ -54,8 +56,10 @@ class InertialSensor(LeafSystem):
         super().__init__()
         self._plant = plant
         self._noise = SensorNoise(noise, seed, robot.num_joints, physics_step)
-        self._imu = plant.GetFrameByName(robot.file.imu_frame)
-        self._R_PI = self._imu.GetFixedPoseInBodyFrame().rotation().matrix()
+        imu = plant.GetFrameByName(robot.file.imu_frame)
+        # A number, as a frame keeps its plant where nobody can see it.
+        self._imu = imu.index()
+        self._R_PI = imu.GetFixedPoseInBodyFrame().rotation().matrix()
         self._orientation = robot.indices(plant).pelvis.orientation
         self._state = self.DeclareVectorInputPort("state", plant.num_multibody_states())
         self._scratch = declare_scratch_context(self, plant.CreateDefaultContext)
@@ -72,7 +76,7 @@ class InertialSensor(LeafSystem):
         """Quaternion of the pelvis, angular velocity and velocity of the IMU in W."""
         state, scratch = self._state.Eval(context), self._scratch.Eval(context)
         self._plant.SetPositionsAndVelocities(scratch, state)
-        V_WI = self._imu.CalcSpatialVelocityInWorld(scratch)
+        V_WI = self._plant.get_frame(self._imu).CalcSpatialVelocityInWorld(scratch)
         return state[self._orientation], V_WI.rotational(), V_WI.translational()
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:

@@ -11,7 +11,6 @@ from pydrake.systems.framework import (
     BasicVector,
     Context,
     DiscreteValues,
-    LeafSystem,
     State,
     ValueProducer,
 )
@@ -21,7 +20,6 @@ from atlas_drake.control.joint_pid import (
     PidState,
     StepModel,
     change_without_user,
-    damping_bound,
     integrate,
     static_effort,
     step_model,
@@ -33,6 +31,7 @@ from atlas_drake.frozen import NOTHING, Frozen, replace
 from atlas_drake.joint_command import JointCommand
 from atlas_drake.messages import K_EFFORT_MAX
 from atlas_drake.robot import PlantIndices, Robot
+from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.systems.scratch import declare_scratch_context
 
 MOVED = 0.1
@@ -53,10 +52,8 @@ class PreparedLaw(Frozen):
         source: The command that it was prepared for.
         q: Joint positions that it was prepared at [rad].
         planted: Which soles the ground held.
-        command: ``source`` with set-points within the joints' limits and damping
-            within what counts.
-        share: The user's share k of each joint, 0 to 1.
-        rest: 1 - k
+        command: ``source`` with set-points within the joints' limits.
+        rest: 1 - k, the behaviour's share of each joint.
         active: Where k > 0.
         offset: The static effort at joint positions zero, without integral [N·m].
         integrates: Whether any joint has an integral term.
@@ -67,7 +64,6 @@ class PreparedLaw(Frozen):
     q: np.ndarray
     planted: tuple[bool, bool]
     command: JointCommand
-    share: np.ndarray
     rest: np.ndarray
     active: np.ndarray
     offset: np.ndarray
@@ -87,7 +83,7 @@ class PidStep:
     effort: np.ndarray
 
 
-class JointPidBank(LeafSystem):
+class JointPidBank(CollectableSystem):
     """Set-points, gains and measured joints in, the user's efforts out.
 
     Input ports:
@@ -97,12 +93,15 @@ class JointPidBank(LeafSystem):
         foot_wrenches: Of the ground on the soles [N·m; N], shape (12,).
 
     Output ports:
-        user_effort: [N·m], shape (n,), message order; 0 for joints with share 0.
+        user_effort: Of the law, not limited: only the blend is [N·m], shape (n,),
+            message order; 0 for joints with share 0.
         user_forecast: ``UserForecast`` for the coming control tick.
 
     State: what ``PidState`` holds, updated at every physics step; the prepared law,
     updated every few control ticks when pose, contact or commands have changed.
     """
+
+    __slots__ = ()
 
     def __init__(
         self,
@@ -126,7 +125,6 @@ class JointPidBank(LeafSystem):
         self._control_period = control_period
         self._mobility = JointMobility(robot)
         self._num_positions = num_positions
-        self._damping_bound = damping_bound(robot.effort_limit, robot.velocity_limit)
         num_states = num_positions + len(indices.generalized)
         self._state_input = self.DeclareVectorInputPort("state", num_states)
         self._command_input = self.DeclareAbstractInputPort(
@@ -141,13 +139,13 @@ class JointPidBank(LeafSystem):
             "one step of the law",
             ValueProducer(
                 allocate=lambda: AbstractValue.Make(NOTHING),
-                calc=self._calc_step,
+                calc=self.callback(self._calc_step),
             ),
             {self.all_input_ports_ticket(), self.xd_ticket(), self.xa_ticket()},
         )
         self.DeclareAbstractOutputPort(
             "user_forecast",
-            lambda: AbstractValue.Make(UserForecast(self._nothing, self._nothing)),
+            lambda: AbstractValue.Make(UserForecast(*[self._nothing] * 3)),
             self._calc_forecast,
         )
         self.DeclareVectorOutputPort(
@@ -186,17 +184,12 @@ class JointPidBank(LeafSystem):
             integral = integrate(last, law.command, q, law.active, self._dt)
         others = law.rest * self._behavior_input.Eval(context)
         idle = change_without_user(last, v, others, law.model)
-        effort = user_effort(
-            law.static_effort(integral, q), v + idle, law.model, self._limit
+        effort, total = user_effort(
+            law.static_effort(integral, q), v + idle, others, law.model, self._limit
         )
-        users = law.share * effort
+        expected = idle + law.model.response @ (total - others)
         result.set_value(
-            PidStep(
-                PidState(
-                    integral, v, others + users, idle + law.model.response @ users
-                ),
-                effort * law.active,
-            )
+            PidStep(PidState(integral, v, total, expected), effort * law.active)
         )
 
     def _calc_effort(self, context: Context, output: BasicVector) -> None:
@@ -213,22 +206,37 @@ class JointPidBank(LeafSystem):
     def _calc_forecast(self, context: Context, output: AbstractValue) -> None:
         source: JointCommand = self._command_input.Eval(context)
         if not source.k_effort.any():
-            output.set_value(UserForecast(self._nothing, self._nothing))
+            output.set_value(UserForecast(*[self._nothing] * 3))
             return
         state = self._state_input.Eval(context)
         law = self._law(context, source)
         integral = context.get_discrete_state(self._memory).value()[: len(law.q)]
+        static, v = (
+            law.static_effort(integral, state.take(self._q)),
+            state.take(self._v),
+        )
         output.set_value(
             forecast_user_effort(
-                law.static_effort(integral, state.take(self._q)),
+                static,
                 law.command.kp_position,
                 law.model.damping,
-                state.take(self._v),
-                self._limit,
+                v,
+                self._beyond_limit(context, static, static - law.model.damping * v),
                 self._control_period,
                 self._dt,
             )
         )
+
+    def _beyond_limit(self, context: Context, *efforts: np.ndarray) -> np.ndarray:
+        """By how much the law goes beyond the motors' limits [N·m], shape (n,).
+
+        Solved only where one of these ``efforts`` does: static and explicit one.
+        """
+        limit = self._limit
+        if all((np.abs(effort) <= limit).all() for effort in efforts):
+            return self._nothing
+        effort = self._step.Eval(context).effort
+        return effort - np.clip(effort, -limit, limit)
 
     def _law(self, context: Context, source: JointCommand) -> PreparedLaw:
         """The law in the state if it serves, else one prepared afresh."""
@@ -249,7 +257,6 @@ class JointPidBank(LeafSystem):
             position=np.clip(
                 source.position, robot.position_lower, robot.position_upper
             ),
-            kp_velocity=np.minimum(source.kp_velocity, self._damping_bound),
         )
         damping = command.kd_position + command.kp_velocity
         share = source.k_effort * (1.0 / K_EFFORT_MAX)
@@ -258,7 +265,6 @@ class JointPidBank(LeafSystem):
             q=state[self._q],
             planted=planted,
             command=command,
-            share=share,
             rest=1.0 - share,
             active=share > 0.0,
             offset=static_effort(command, self._nothing, self._nothing),

@@ -10,7 +10,6 @@ from pydrake.systems.framework import (
     BasicVector,
     Context,
     DiscreteValues,
-    LeafSystem,
 )
 
 from atlas_drake.control.attitude import rotation_matrix
@@ -26,10 +25,11 @@ from atlas_drake.messages import (
 )
 from atlas_drake.noise import NoiseModel, SensorNoise
 from atlas_drake.robot import Robot
+from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.systems.scratch import declare_scratch_context
 
 
-class RobotSensors(LeafSystem):
+class RobotSensors(CollectableSystem):
     """The plant's outputs in, measurements out.
 
     Input ports:
@@ -50,6 +50,8 @@ class RobotSensors(LeafSystem):
         imu: ``Imu``
     """
 
+    __slots__ = ()
+
     def __init__(
         self,
         robot: Robot,
@@ -66,14 +68,17 @@ class RobotSensors(LeafSystem):
         self._plant = plant
         self._indices = robot.indices(plant)
         self._noise = SensorNoise(noise, seed, n, physics_step)
-        self._pelvis = plant.GetBodyByName(robot.file.pelvis)
+        # Numbers, as bodies and frames keep their plant where nobody can see it.
+        self._pelvis = plant.GetBodyByName(robot.file.pelvis).index()
         imu_frame = plant.GetFrameByName(robot.file.imu_frame)
         self._X_PI = imu_frame.GetFixedPoseInBodyFrame()
-        self._soles = [plant.GetFrameByName(f.sole_frame) for f in robot.file.feet]
+        self._soles = [
+            plant.GetFrameByName(foot.sole_frame).index() for foot in robot.file.feet
+        ]
         feet = [plant.GetBodyByName(foot.body) for foot in robot.file.feet]
         self._foot_bodies = {int(body.index()): i for i, body in enumerate(feet)}
-        self._hands = [plant.GetBodyByName(name) for name in robot.file.hands]
-        self._hand_bodies = {int(body.index()): i for i, body in enumerate(self._hands)}
+        self._hands = [plant.GetBodyByName(name).index() for name in robot.file.hands]
+        self._hand_bodies = {int(index): i for i, index in enumerate(self._hands)}
         self._state = self.DeclareVectorInputPort("state", plant.num_multibody_states())
         self._contacts = self.DeclareAbstractInputPort(
             "contact_results", AbstractValue.Make(ContactResults())
@@ -163,15 +168,17 @@ class RobotSensors(LeafSystem):
         wrenches = self._sampled(context).copy()
         scratch = self._at_state(context)
         for foot, sole in enumerate(self._soles):
-            centre = sole.CalcPoseInWorld(scratch).translation()
+            frame = self._plant.get_frame(sole)
+            centre = frame.CalcPoseInWorld(scratch).translation()
             shift_wrench(wrenches[6 * foot : 6 * foot + 6], centre)
         output.SetFromVector(wrenches)
 
     def _calc_imu(self, context: Context, output: AbstractValue) -> None:
         scratch = self._at_state(context)
-        X_WP = self._plant.EvalBodyPoseInWorld(scratch, self._pelvis)
-        V_WP = self._plant.EvalBodySpatialVelocityInWorld(scratch, self._pelvis)
-        A_WP = self._accelerations.Eval(context)[int(self._pelvis.index())]
+        pelvis = self._plant.get_body(self._pelvis)
+        X_WP = self._plant.EvalBodyPoseInWorld(scratch, pelvis)
+        V_WP = self._plant.EvalBodySpatialVelocityInWorld(scratch, pelvis)
+        A_WP = self._accelerations.Eval(context)[int(self._pelvis)]
         p_PI_W = X_WP.rotation() @ self._X_PI.translation()
         A_WI = A_WP.Shift(p_PI_W, V_WP.rotational())
         R_IW = (X_WP.rotation() @ self._X_PI.rotation()).inverse()
@@ -225,7 +232,8 @@ class RobotSensors(LeafSystem):
         wrenches = []
         for hand, total in zip(self._hands, totals, strict=True):
             wrench = np.array(total)
-            X_WH = self._plant.EvalBodyPoseInWorld(scratch, hand)
+            body = self._plant.get_body(hand)
+            X_WH = self._plant.EvalBodyPoseInWorld(scratch, body)
             shift_wrench(wrench, X_WH.translation())
             wrenches.append(_wrench(wrench))
         return wrenches[0], wrenches[1]

@@ -10,13 +10,13 @@ from pydrake.systems.framework import (
     BasicVector,
     Context,
     DiscreteValues,
-    LeafSystem,
 )
 
 from atlas_drake.robot import PlantIndices, Robot
+from atlas_drake.systems.collectable_system import CollectableSystem
 
 
-class RunStatistics(LeafSystem):
+class RunStatistics(CollectableSystem):
     """State and actuation in, their extremes so far out.
 
     Input ports:
@@ -27,6 +27,8 @@ class RunStatistics(LeafSystem):
         extremes: Peak effort of each joint as a share of its limit, then the lowest
             height of the pelvis [m] and its largest tilt [rad], shape (n + 2,).
     """
+
+    __slots__ = ()
 
     def __init__(
         self, robot: Robot, indices: PlantIndices, num_states: int, period: float

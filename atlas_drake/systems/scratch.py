@@ -6,12 +6,14 @@ It lies in the system's own Context, so that every Context calculates in its own
 from collections.abc import Callable
 
 from pydrake.common.value import AbstractValue
-from pydrake.systems.framework import CacheEntry, Context, LeafSystem, ValueProducer
+from pydrake.systems.framework import Context, ValueProducer
+
+from atlas_drake.systems.collectable_system import CachedValue, CollectableSystem
 
 
 def declare_scratch_context(
-    system: LeafSystem, create: Callable[[], Context]
-) -> CacheEntry:
+    system: CollectableSystem, create: Callable[[], Context]
+) -> CachedValue:
     """Declares it as a cache entry that is allocated and never calculated.
 
     Args:
@@ -25,7 +27,7 @@ def declare_scratch_context(
     return system.DeclareCacheEntry(
         "scratch context",
         ValueProducer(
-            allocate=lambda: AbstractValue.Make(create()),
+            allocate=system.callback(lambda: AbstractValue.Make(create())),
             calc=ValueProducer.NoopCalc,
         ),
         {system.nothing_ticket()},

@@ -10,7 +10,6 @@ from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import (
     BasicVector,
     Context,
-    LeafSystem,
     State,
     ValueProducer,
 )
@@ -27,6 +26,7 @@ from atlas_drake.control.rotations import cross
 from atlas_drake.control.whole_body_model import GRAVITY, WholeBodyModel
 from atlas_drake.frozen import NOTHING, Frozen
 from atlas_drake.robot import Robot
+from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.systems.scratch import declare_scratch_context
 
 
@@ -43,7 +43,7 @@ class EstimatorState(Frozen):
     odometry: OdometryState | None = None
 
 
-class StateEstimator(LeafSystem):
+class StateEstimator(CollectableSystem):
     """Measurements in, the state of the whole robot out.
 
     The estimate is a function of what is remembered of the last tick and of what is
@@ -61,6 +61,8 @@ class StateEstimator(LeafSystem):
     Output ports:
         estimated_state: In plant order. The joints are those measured.
     """
+
+    __slots__ = ()
 
     def __init__(
         self, robot: Robot, period: float, tuning: OdometryTuning | None = None
@@ -85,7 +87,7 @@ class StateEstimator(LeafSystem):
             "odometry",
             ValueProducer(
                 allocate=lambda: AbstractValue.Make(NOTHING),
-                calc=self._calc_odometry,
+                calc=self.callback(self._calc_odometry),
             ),
         )
         self.DeclareVectorOutputPort("estimated_state", size, self._calc_state)

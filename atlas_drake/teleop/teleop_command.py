@@ -44,7 +44,7 @@ def run_teleop(scenario: Scenario, options: argparse.Namespace) -> int:
     quiet_logs()
     overlays = Overlays(options.show)
     progress = Progress(sys.stdout, options.duration)
-    meshcat = start_meshcat(options.host, options.port, progress)
+    meshcat = start_meshcat(options.host, options.port, progress.say)
     sim = AtlasSimulation(
         scenario, meshcat=meshcat, on_event=progress.event, overlays=overlays
     )

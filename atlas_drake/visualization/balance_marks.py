@@ -13,7 +13,7 @@ import numpy as np
 from pydrake.common.value import AbstractValue
 from pydrake.geometry import Cylinder, Meshcat, Rgba, Sphere
 from pydrake.math import RigidTransform
-from pydrake.systems.framework import Context, LeafSystem
+from pydrake.systems.framework import Context
 
 from atlas_drake.control.centre_of_pressure import centre_of_pressure
 from atlas_drake.control.support_polygon import SupportPolygon
@@ -21,6 +21,7 @@ from atlas_drake.control.tasks import dcm, pendulum_frequency
 from atlas_drake.control.whole_body_model import WholeBodyModel, WholeBodyTerms
 from atlas_drake.frozen import NOTHING
 from atlas_drake.robot import Robot
+from atlas_drake.visualization.display import Display
 from atlas_drake.visualization.marks import Marks
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.palette import COM, COP, DCM, SUPPORT, SWING
@@ -57,7 +58,7 @@ _NAMES = ("com", "dcm", "cop", "support", "plan", "swing")
 Point = tuple[float, float, float]
 
 
-class BalanceMarks(LeafSystem):
+class BalanceMarks(Display):
     """Draws what balance is about.
 
     Input ports:
@@ -65,6 +66,8 @@ class BalanceMarks(LeafSystem):
         controller_state: ``ControllerState``
         foot_wrenches: Of contact on both soles, see ``RobotSensors``.
     """
+
+    __slots__ = ()
 
     def __init__(
         self,
@@ -83,7 +86,7 @@ class BalanceMarks(LeafSystem):
             period: Between looks [s].
             recorded: See ``Marks``.
         """
-        super().__init__()
+        super().__init__(period)
         self._meshcat = meshcat
         self._overlays = overlays
         self._model = WholeBodyModel(robot)
@@ -104,7 +107,6 @@ class BalanceMarks(LeafSystem):
             )
             for name, color in _CURVES.items()
         }
-        self.DeclarePeriodicPublishEvent(period, 0.0, self._publish)
 
     def _publish(self, context: Context) -> None:
         on = {name for name in _NAMES if self._overlays.is_on(name)}

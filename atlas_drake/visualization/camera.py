@@ -11,9 +11,10 @@ from typing import Any
 import numpy as np
 from pydrake.common.value import AbstractValue
 from pydrake.geometry import Meshcat
-from pydrake.systems.framework import Context, LeafSystem
+from pydrake.systems.framework import Context
 
 from atlas_drake.messages import AtlasSimInterfaceState
+from atlas_drake.visualization.display import Display
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.scene import CAMERA_POSITION, CAMERA_TARGET
 
@@ -21,16 +22,18 @@ LAG = 0.7
 """Time constant with which it follows, so that it does not sway with the steps [s]."""
 
 
-class FollowingCamera(LeafSystem):
+class FollowingCamera(Display):
     """Moves the camera with the pelvis over the ground while it is switched on.
 
     Input ports:
         atlas_sim_interface_state: ``AtlasSimInterfaceState``
     """
 
+    __slots__ = ()
+
     def __init__(self, meshcat: Meshcat, overlays: Overlays, period: float) -> None:
         """Looks every ``period`` [s]."""
-        super().__init__()
+        super().__init__(period)
         self._meshcat = meshcat
         self._overlays = overlays
         self._report = self.DeclareAbstractInputPort(
@@ -38,7 +41,6 @@ class FollowingCamera(LeafSystem):
         )
         self._share = 1.0 - math.exp(-period / LAG)
         self._place = np.zeros(3)
-        self.DeclarePeriodicPublishEvent(period, 0.0, self._publish)
 
     def _publish(self, context: Context) -> None:
         if not self._overlays.is_on("follow"):

@@ -14,7 +14,7 @@ import numpy as np
 from pydrake.common.value import AbstractValue
 from pydrake.geometry import Meshcat, Rgba
 from pydrake.math import RigidTransform
-from pydrake.systems.framework import Context, LeafSystem
+from pydrake.systems.framework import Context
 
 from atlas_drake.messages import (
     K_EFFORT_MAX,
@@ -24,6 +24,7 @@ from atlas_drake.messages import (
     StepStatus,
     WalkStatus,
 )
+from atlas_drake.visualization.display import Display
 from atlas_drake.visualization.feedback_words import feedback_words
 from atlas_drake.visualization.marks import Marks
 from atlas_drake.visualization.overlays import Overlays
@@ -78,12 +79,14 @@ class _Line:
     y: float
 
 
-class CaptionDisplay(LeafSystem):
+class CaptionDisplay(Display):
     """Keeps the caption up to date.
 
     Input ports:
         atlas_sim_interface_state: ``AtlasSimInterfaceState``
     """
+
+    __slots__ = ()
 
     def __init__(
         self, meshcat: Meshcat, overlays: Overlays, period: float, recorded: bool
@@ -96,14 +99,13 @@ class CaptionDisplay(LeafSystem):
             period: Between looks [s].
             recorded: See ``Marks``.
         """
-        super().__init__()
+        super().__init__(period)
         self._overlays = overlays
         self._meshcat = meshcat
         self._report = self.DeclareAbstractInputPort(
             "atlas_sim_interface_state", AbstractValue.Make(AtlasSimInterfaceState())
         )
         self._marks = Marks(meshcat, f"{CAMERA}/caption", self._draw, recorded)
-        self.DeclarePeriodicPublishEvent(period, 0.0, self._publish)
 
     def _publish(self, context: Context) -> None:
         report: Any = self._report.Eval(context)

@@ -12,8 +12,10 @@ from pydrake.common.value import AbstractValue
 from pydrake.geometry import Meshcat
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.plant import ContactResults
-from pydrake.systems.framework import Context, LeafSystem
+from pydrake.multibody.tree import world_index
+from pydrake.systems.framework import Context
 
+from atlas_drake.visualization.display import Display
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.palette import FORCE
 from atlas_drake.visualization.ribbons import draw_flat
@@ -37,13 +39,19 @@ class ContactForce(NamedTuple):
 
 
 def contact_forces_of(results: Any) -> list[ContactForce]:
-    """The forces that push the robot upwards, as the ground's do."""
+    """Returns the forces on the robot.
+
+    Two links that touch push each other: their force is the one that points up.
+    """
+    world = int(world_index())
     forces = []
     for index in range(results.num_point_pair_contacts()):
         contact = results.point_pair_contact_info(index)
+        # Drake's is the force on body B, which may be the robot or the ground.
         force = np.array(contact.contact_force())
-        # The force is that on the second body, which may be the robot or the ground.
-        force *= 1.0 if force[2] > 0.0 else -1.0
+        ground = int(contact.bodyA_index()) == world
+        if int(contact.bodyB_index()) == world or (not ground and force[2] < 0.0):
+            force = -force
         if np.linalg.norm(force) > LEAST_FORCE:
             forces.append(ContactForce(np.array(contact.contact_point()), force))
     return forces
@@ -63,16 +71,18 @@ def arrow_length(force: ContactForce) -> float:
     return SCALE * float(np.linalg.norm(force.force_W))
 
 
-class ContactForces(LeafSystem):
+class ContactForces(Display):
     """Draws an arrow per point of contact while it is switched on.
 
     Input ports:
         contact_results: Of the plant.
     """
 
+    __slots__ = ()
+
     def __init__(self, meshcat: Meshcat, overlays: Overlays, period: float) -> None:
         """Looks every ``period`` [s]."""
-        super().__init__()
+        super().__init__(period)
         self._meshcat = meshcat
         self._overlays = overlays
         self._results = self.DeclareAbstractInputPort(
@@ -81,7 +91,6 @@ class ContactForces(LeafSystem):
         self._timeline = Timeline(meshcat)
         self._made = 0
         meshcat.Delete(PATH)
-        self.DeclarePeriodicPublishEvent(period, 0.0, self._publish)
 
     def _publish(self, context: Context) -> None:
         forces = []

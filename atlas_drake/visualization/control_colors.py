@@ -20,11 +20,12 @@ from pydrake.geometry import (
     Role,
     SceneGraphInspector,
 )
-from pydrake.systems.framework import Context, LeafSystem
+from pydrake.systems.framework import Context
 
 from atlas_drake.frozen import NOTHING
 from atlas_drake.messages import K_EFFORT_MAX
 from atlas_drake.robot import Robot
+from atlas_drake.visualization.display import Display
 from atlas_drake.visualization.gltf_triangles import gltf_triangles
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.palette import (
@@ -75,7 +76,7 @@ def _between(colors: Sequence[Color], share: float) -> Color:
     return r, g, b
 
 
-class ControlColors(LeafSystem):
+class ControlColors(Display):
     """Colours the links while one of the two colourings is switched on.
 
     A link that is coloured is hidden behind a copy of one material. Browsers load the
@@ -87,6 +88,8 @@ class ControlColors(LeafSystem):
         commands: ``CommandsInForce``
         effort: Of the motors [N·m], shape (n,).
     """
+
+    __slots__ = ()
 
     def __init__(
         self,
@@ -105,7 +108,7 @@ class ControlColors(LeafSystem):
             overlays: What is switched on.
             period: Between looks [s].
         """
-        super().__init__()
+        super().__init__(period)
         self._meshcat = meshcat
         self._prefix = prefix
         self._limit = robot.effort_limit
@@ -119,7 +122,6 @@ class ControlColors(LeafSystem):
         self._begin()
         # Drake's visualiser then draws all anew, and what it deletes is gone here too.
         self.DeclareInitializationPublishEvent(lambda _context: self._begin())
-        self.DeclarePeriodicPublishEvent(period, 0.0, self._publish)
 
     def _begin(self) -> None:
         self._timeline = Timeline(self._meshcat)

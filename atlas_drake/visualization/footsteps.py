@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from pydrake.common.value import AbstractValue
 from pydrake.geometry import Meshcat, Rgba
 from pydrake.math import RigidTransform, RotationMatrix
-from pydrake.systems.framework import Context, LeafSystem
+from pydrake.systems.framework import Context
 
 from atlas_drake.behaviors.base import Event
 from atlas_drake.behaviors.step_queue import footstep_from
@@ -28,6 +28,7 @@ from atlas_drake.messages import (
     Behavior,
 )
 from atlas_drake.robot import SoleSize
+from atlas_drake.visualization.display import Display
 from atlas_drake.visualization.marks import Marks
 from atlas_drake.visualization.ribbons import draw_flat, ribbons
 
@@ -200,7 +201,7 @@ def mark_triangles(
     return ribbons(starts, ends, LINE_WIDTH)
 
 
-class FootstepDisplay(LeafSystem):
+class FootstepDisplay(Display):
     """Draws footsteps: outlines where commanded, filled where landed.
 
     A dashed outline shows where a step goes that is not taken as commanded.
@@ -211,11 +212,13 @@ class FootstepDisplay(LeafSystem):
         atlas_sim_interface_state: ``AtlasSimInterfaceState``
     """
 
+    __slots__ = ()
+
     def __init__(
         self, meshcat: Meshcat, sole: SoleSize, period: float, recorded: bool
     ) -> None:
         """Looks every ``period`` [s]; ``recorded`` as in ``Marks``."""
-        super().__init__()
+        super().__init__(period)
         self._meshcat = meshcat
         self._outline = sole_outline(sole)
         self._commands, self._controller, self._report = (
@@ -223,7 +226,6 @@ class FootstepDisplay(LeafSystem):
             for name in ("commands", "controller_state", "atlas_sim_interface_state")
         )
         self._marks = Marks(meshcat, "/atlas_drake/footsteps", self._draw, recorded)
-        self.DeclarePeriodicPublishEvent(period, 0.0, self._publish)
 
     def _publish(self, context: Context) -> None:
         commands: Any = self._commands.Eval(context)

@@ -6,7 +6,7 @@ Wiring only; what is drawn is in the files beside this one.
 from __future__ import annotations
 
 from pydrake.geometry import Meshcat, MeshcatVisualizer, MeshcatVisualizerParams
-from pydrake.systems.framework import DiagramBuilder, LeafSystem, System
+from pydrake.systems.framework import DiagramBuilder, System
 
 from atlas_drake.robot import Robot
 from atlas_drake.visualization import FRAME_RATE
@@ -15,9 +15,11 @@ from atlas_drake.visualization.camera import FollowingCamera
 from atlas_drake.visualization.caption import CaptionDisplay
 from atlas_drake.visualization.contact_forces import ContactForces
 from atlas_drake.visualization.control_colors import ControlColors
+from atlas_drake.visualization.display import Display
 from atlas_drake.visualization.footsteps import FootstepDisplay
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.scene import prepare_scene
+from atlas_drake.visualization.viewer_gate import GATE, ViewerGate
 
 VISUALIZER = "/drake/visualizer"
 """Where Drake's own visualiser draws the links."""
@@ -39,11 +41,15 @@ def add_meshcat_view(
         robot: Its robot.
         meshcat: Where to show it.
         overlays: What of the controller's thoughts is shown; it may change later.
-        recorded: Whether a recording runs, which needs all that was ever shown.
+        recorded: Whether a recording runs, which needs all that was ever shown;
+            otherwise pictures are left out that a slow viewer could not take in time.
     """
     overlays = overlays or Overlays()
     period = 1.0 / FRAME_RATE
     prepare_scene(meshcat)
+    gate = None
+    if not recorded:
+        gate = builder.AddNamedSystem(GATE, ViewerGate(meshcat, period))
     MeshcatVisualizer.AddToBuilder(
         builder,
         station.GetOutputPort("query_object"),
@@ -52,7 +58,7 @@ def add_meshcat_view(
             publish_period=period, enable_alpha_slider=False, prefix=VISUALIZER
         ),
     )
-    displays: list[tuple[str, LeafSystem]] = [
+    displays: list[tuple[str, Display]] = [
         (
             "footstep_display",
             FootstepDisplay(meshcat, robot.file.sole, period, recorded),
@@ -78,6 +84,7 @@ def add_meshcat_view(
         # What replays a log has no single contacts to show.
         if not wanted <= offered:
             continue
+        display.gate = gate
         builder.AddNamedSystem(name, display)
         for index in range(display.num_input_ports()):
             port = display.get_input_port(index)

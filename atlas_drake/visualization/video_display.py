@@ -16,15 +16,16 @@ from numpy.typing import NDArray
 from pydrake.common.eigen_geometry import Quaternion
 from pydrake.common.value import AbstractValue
 from pydrake.math import RollPitchYaw
-from pydrake.systems.framework import Context, DiagramBuilder, LeafSystem, System
+from pydrake.systems.framework import Context, DiagramBuilder, System
 
 from atlas_drake.frozen import NOTHING
 from atlas_drake.robot import Robot
+from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.terrain import Block
 from atlas_drake.visualization.caption import caption_of
 from atlas_drake.visualization.footsteps import footstep_marks
 from atlas_drake.visualization.video_camera import camera_pose, follow
-from atlas_drake.visualization.video_file import VideoFile
+from atlas_drake.visualization.video_file import VideoError, VideoFile
 from atlas_drake.visualization.video_stage import VideoStage
 
 VIDEO_RATE = 25
@@ -46,7 +47,7 @@ class Video:
     height: int = 540
 
 
-class VideoDisplay(LeafSystem):
+class VideoDisplay(CollectableSystem):
     """Takes a picture every 1 / VIDEO_RATE seconds.
 
     What it has seen and where its camera looks is, as with Drake's own writers of
@@ -57,7 +58,12 @@ class VideoDisplay(LeafSystem):
         commands: ``CommandsInForce``
         controller_state: ``ControllerState``
         atlas_sim_interface_state: ``AtlasSimInterfaceState``
+
+    Attributes:
+        fault: Why nothing is filmed any more; None while all is well.
     """
+
+    __slots__ = ()
 
     def __init__(
         self, video: Video, robot: Robot, terrain: Sequence[Block], num_states: int
@@ -74,6 +80,7 @@ class VideoDisplay(LeafSystem):
             VideoError: If the video cannot be made.
         """
         super().__init__()
+        self.fault: VideoError | None = None
         self._file = VideoFile(
             video.path, VIDEO_RATE, video.width, video.height, ACCENTS
         )
@@ -92,11 +99,23 @@ class VideoDisplay(LeafSystem):
         """How many pictures the video has."""
         return self._file.num_frames
 
-    def close(self) -> None:
-        """Finishes the file; what is simulated later is not filmed."""
+    def close(self) -> int:
+        """Finishes the file; what is simulated later is not filmed.
+
+        Returns:
+            How many pictures the video has.
+
+        Raises:
+            VideoError: If the file cannot be written, now or at an earlier picture.
+        """
+        if self.fault is not None:
+            raise self.fault
         self._file.close()
+        return self.num_frames
 
     def _publish(self, context: Context) -> None:
+        if not self._file.is_open:
+            return
         q = self._state.Eval(context)[: self._stage.num_positions]
         commands: Any = self._commands.Eval(context)
         report: Any = self._report.Eval(context)
@@ -109,7 +128,12 @@ class VideoDisplay(LeafSystem):
         marks = footstep_marks(commands.request, report, controller.supervisor.events)
         pose = camera_pose(self._target, self._yaw)
         picture = self._stage.picture(q, marks, pose)
-        self._file.add(with_caption(picture, *caption_of(report), context.get_time()))
+        captioned = with_caption(picture, *caption_of(report), context.get_time())
+        try:
+            self._file.add(captioned)
+        except VideoError as error:
+            # The simulation goes on.
+            self.fault = error
 
 
 def with_caption(

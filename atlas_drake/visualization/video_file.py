@@ -6,7 +6,8 @@ Knows nothing of robots. Its packages are an extra, loaded when needed.
 from __future__ import annotations
 
 import importlib
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
@@ -81,8 +82,11 @@ class VideoFile:
         import av
 
         gif = path.suffix == ".gif"
+        self._path = path
         options = {"movflags": "+faststart"} if not gif else {}
-        self._container: Any = av.open(str(path), "w", options=options)
+        self._container: Any = None
+        with self._named_faults():
+            self._container = av.open(str(path), "w", options=options)
         self._stream = self._container.add_stream("gif" if gif else "libx264", rate)
         self._stream.width, self._stream.height = width, height
         self._stream.pix_fmt = "pal8" if gif else "yuv420p"
@@ -98,22 +102,54 @@ class VideoFile:
 
         Args:
             picture: Red, green and blue, shape (height, width, 3).
+
+        Raises:
+            VideoError: If it cannot be written. The file is then gone.
         """
         if self._container is None:
             return
         frame = self._indexed(picture) if self._gif else self._coloured(picture)
         frame.pts, frame.time_base = self.num_frames, self._time_base
-        self._container.mux(self._stream.encode(frame))
+        with self._named_faults():
+            self._container.mux(self._stream.encode(frame))
         self.num_frames += 1
 
     def close(self) -> None:
-        """Finishes the file; only then it can be played."""
+        """Finishes the file; only then it can be played.
+
+        Raises:
+            VideoError: If it cannot be written. The file is then gone.
+        """
         if self._container is None:
             return
-        if self.num_frames:
-            self._container.mux(self._stream.encode())
-        self._container.close()
+        with self._named_faults():
+            if self.num_frames:
+                self._container.mux(self._stream.encode())
+            self._container.close()
         self._container = None
+
+    @property
+    def is_open(self) -> bool:
+        """Whether pictures can be added."""
+        return self._container is not None
+
+    @contextmanager
+    def _named_faults(self) -> Iterator[None]:
+        """Says which file cannot be written, and deletes what no one could play."""
+        import av
+
+        try:
+            yield
+        except (av.error.FFmpegError, OSError) as error:
+            container, self._container = self._container, None
+            if container is not None:
+                with suppress(av.error.FFmpegError, OSError):
+                    container.close()
+            # A device or a pipe is not ours to delete.
+            if self._path.is_file():
+                self._path.unlink()
+            problem = getattr(error, "strerror", None) or error
+            raise VideoError(f"{self._path}: cannot be written: {problem}") from error
 
     def _coloured(self, picture: NDArray[np.uint8]) -> Any:
         import av

@@ -270,9 +270,46 @@ def test_a_foot_that_finds_no_ground_goes_back(stepping):
 
 
 @pytest.mark.slow
+def test_a_wide_step_that_leans_away_and_a_quick_one_after_it(stepping):
+    # The pressed foot and the weight shift planned from a reference felled it.
+    robot = stepping()
+    robot.send(
+        RIGHT,
+        -0.26,
+        -0.34,
+        yaw=0.23,
+        sway_duration=0.38,
+        lift_height=0.17,
+        toe_off=2,
+        knee_nominal=0.42,
+        max_body_accel=0.15,
+        max_foot_vel=0.42,
+        sway_end_dist=-0.03,
+        step_end_dist=-0.024,
+    )
+    assert robot.recording.advance(LONGEST, in_air)
+    robot.send(
+        LEFT,
+        -0.5,
+        -0.08,
+        yaw=-0.34,
+        step_duration=1.1,
+        sway_duration=0.47,
+        swing_height=0.19,
+        max_body_accel=0.9,
+        max_foot_vel=0.3,
+        sway_end_dist=-0.02,
+        step_end_dist=-0.04,
+    )
+    assert robot.recording.advance(2.0 * LONGEST, waiting(2))
+    assert not robot.sim.has_fallen
+    assert [step["index"] for step in robot.sim.footsteps] == [1, 2]
+
+
+@pytest.mark.slow
 def test_a_foot_that_cannot_be_spared_stays(stepping):
     robot = stepping()
-    robot.sim.apply_push("utorso", [0.0, 36.0, 0.0], 100.0)
+    robot.sim.apply_push("utorso", [0.0, 45.0, 0.0], 100.0)
     robot.send(LEFT, 0.15, 0.12)
     robot.recording.advance(4.0)
     (left,) = [e for e in robot.sim.events if e.kind == STEPS_LEFT]
@@ -331,6 +368,9 @@ def test_asked_to_stand_before_the_foot_lifts_it_stands_at_once(stepping):
     assert flags(robot.report) == StepStatus.SUBSTATE_SWAYING
     robot.stand()
     assert robot.sim.footsteps == []
+    # A step that was asked for and not taken is said so.
+    (left,) = [e for e in robot.sim.events if e.kind == STEPS_LEFT]
+    assert "without the step 1" in left.text
 
 
 @pytest.mark.slow
@@ -382,6 +422,23 @@ def test_a_step_is_reported_as_it_is_taken(stepping):
     assert data.swing_height >= 0.12
     planned = spec.action.sway_duration + spec.action.step_duration + StepRules.settle
     assert feedback.t_step_rem == pytest.approx(planned - 0.12, abs=0.05)
+    # It will land so far from where it was sent.
+    (warning,) = [e for e in robot.sim.events if e.kind == "warning"]
+    p = spec.foot.position
+    away = math.hypot(p.x - 1.0, p.y - 0.9)
+    assert f"step 1 is out of reach and ends {away:.2f} m" in warning.text
+
+
+def test_a_foot_is_lifted_no_higher_than_its_leg_folds(stepping):
+    robot = stepping()
+    robot.send(LEFT, 0.2, 0.2, lift_height=0.2, swing_height=0.2, knee_nominal=0.9)
+    robot.recording.advance(0.02)
+    feedback = robot.report.step_feedback
+    action = feedback.desired_step_spec_saturated.action
+    assert 0.1 < action.lift_height <= 0.2
+    assert action.lift_height + action.swing_height < 0.35
+    apex = feedback.desired_step_saturated.swing_height
+    assert apex == pytest.approx(action.lift_height + action.swing_height, abs=0.01)
 
 
 def test_the_plain_form_of_a_step(stepping):
@@ -404,11 +461,15 @@ def test_the_plain_form_of_a_step(stepping):
 
 def test_a_step_out_of_reach_is_refused_and_the_next_one_taken(stepping):
     robot = stepping(model="atlas_v3")
-    robot.send(LEFT, -0.25, 0.13, -0.15)
-    robot.recording.advance(0.3)
-    (left,) = [e for e in robot.sim.events if e.kind == STEPS_LEFT]
-    assert "out of reach" in left.text
-    assert robot.report.step_feedback.current_step_index == 0
+    # Too far down for its place, and too far up for any leg.
+    for x, z in ((-0.25, -0.15), (0.2, 0.21)):
+        robot.index = 0
+        robot.send(LEFT, x, 0.13, z)
+        robot.recording.advance(0.2)
+        left = [e for e in robot.sim.events if e.kind == STEPS_LEFT]
+        assert "step 1 is not taken: it is out of reach" in left[-1].text
+        assert robot.report.step_feedback.current_step_index == 0
+    assert len(left) == 2
     robot.index = 0
     robot.send(LEFT, 0.1, 0.13)
     robot.recording.advance(0.3)

@@ -7,11 +7,16 @@ import pytest
 
 from atlas_drake.behaviors.step_action import (
     LARGEST_ACTION,
+    SIDE_BY_SIDE,
     StepAction,
+    demo_step,
     desired_step,
     resolve_action,
     step_spec_from,
 )
+from atlas_drake.behaviors.walk_steps import DEMO_STEPS
+from atlas_drake.control.footstep import FootPose
+from atlas_drake.control.rotations import rotation_z
 from atlas_drake.messages import (
     AtlasBehaviorStepAction,
     AtlasBehaviorStepParams,
@@ -144,3 +149,52 @@ def test_the_plain_form_counts_its_apex_from_between_the_footholds():
     step.swing_height = 0.01
     low = desired_step(message, LEVEL, DEFAULT)
     assert low.action.swing_height == DEFAULT.swing_height
+
+
+def stance(ahead, yaw=0.0):
+    """Feet of which the right one is ``ahead`` [m] of the left one."""
+    R_WF = rotation_z(yaw)
+    right = R_WF @ np.array([ahead, -0.25, 0.0])
+    return FootPose(np.zeros(3), R_WF), FootPose(right, R_WF)
+
+
+@pytest.mark.parametrize("yaw", [0.0, 2.0])
+@pytest.mark.parametrize(
+    ("ahead", "foot"),
+    [
+        (-0.2, 1),
+        (-1.05 * SIDE_BY_SIDE, 1),
+        (-0.95 * SIDE_BY_SIDE, 0),
+        (0.0, 0),
+        (1.05 * SIDE_BY_SIDE, 0),
+        (0.2, 0),
+    ],
+)
+def test_a_demonstration_steps_with_the_foot_that_is_behind(ahead, yaw, foot):
+    feet = stance(ahead, yaw)
+    wanted = demo_step(feet, 3, DEFAULT)
+    assert (wanted.step.index, wanted.step.foot) == (3, foot)
+    assert wanted.step.duration == DEFAULT.step_duration
+    apex = DEFAULT.lift_height + DEFAULT.swing_height
+    assert wanted.step.swing_height == pytest.approx(apex)
+    assert wanted.action == DEFAULT
+    forward = rotation_z(yaw)[:, 0]
+    assert forward @ (wanted.step.p_WF - feet[1 - foot].p_WF) > 0.05
+
+
+def test_a_demonstration_comes_to_an_end():
+    assert demo_step(stance(0.0), DEMO_STEPS, DEFAULT) is not None
+    assert demo_step(stance(0.0), DEMO_STEPS + 1, DEFAULT) is None
+
+
+@pytest.mark.parametrize("foot", [0, 1])
+def test_the_plain_form_counts_a_relative_height_from_the_stance_foot(foot):
+    message = params(use_spec=False, use_relative_step_height=True)
+    step = message.desired_step
+    step.foot_index, step.duration, step.swing_height = foot, 1.0, 0.3
+    # The foot comes from 0.2 m, and goes to 0.06 m.
+    feet_z = (0.2, 0.05) if foot == 0 else (0.05, 0.2)
+    step.pose.position.z = 0.01
+    action = desired_step(message, feet_z, DEFAULT).action
+    rise = action.lift_height + action.swing_height
+    assert rise == pytest.approx(0.3 - 0.5 * (0.2 - 0.06))

@@ -1,12 +1,18 @@
 """Every change of behaviour, legal and not, and what is reported of it."""
 
+import dataclasses
 import itertools
 
 import numpy as np
 import pytest
 
+from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.supervisor import Supervisor
-from atlas_drake.behaviors.transitions import LEGAL_TRANSITIONS
+from atlas_drake.behaviors.transitions import (
+    LEGAL_TRANSITIONS,
+    EntryLimits,
+    refusal,
+)
 from atlas_drake.commands import BehaviorRequest
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.errors import ErrorCode
@@ -182,6 +188,25 @@ def test_stand_takes_over_only_a_robot_that_it_can_hold(
     robot.tick(observe())
     assert robot.report.current_behavior is STAND
     assert robot.report.error_code is ErrorCode.NO_ERRORS
+
+
+def test_the_dcm_is_that_of_a_pendulum_between_both_soles(model, observe):
+    seen, balance = observe(speed=0.3), Balance(model.robot, ControlGains())
+    left, right = seen.terms.feet
+    higher = dataclasses.replace(right, p_WF=right.p_WF + np.array([0.0, 0.0, 0.3]))
+    terms = dataclasses.replace(seen.terms, feet=(left, higher))
+    seen = dataclasses.replace(seen, terms=terms)
+    height = terms.com[2] - 0.5 * (left.p_WF[2] + higher.p_WF[2])
+    rest = terms.com[:2] + 0.3 * np.array([1.0, 0.0]) * np.sqrt(height / 9.81)
+    support = balance.support(seen.foot_pose(0), seen.foot_pose(1))
+    inside = -support.distance_outside(rest)
+    assert inside < -support.distance_outside(terms.com[:2])
+    for margin, answer in (
+        (inside - 1e-4, BehaviorStatus.OK),
+        (inside + 1e-4, BehaviorStatus.FAILED_TRANS_COM_VEL),
+    ):
+        limits = EntryLimits(com_inside=inside, dcm_inside=margin, joint_speed=10.0)
+        assert refusal(FREEZE, STAND, seen, balance, limits) == answer
 
 
 def test_joints_that_stay_with_the_user_may_move_as_they_like(make, observe):

@@ -84,6 +84,13 @@ def test_ground_too_steep_is_saturated_to_the_nearest_normal(tilt):
         assert done[0] > 0.0
 
 
+def test_a_normal_straight_down_has_no_side_to_be_near_to():
+    down = np.array([0.0, 0.0, -1.0])
+    np.testing.assert_array_equal(
+        saturate(step(GROUND, normal=down), STANCE, LIMITS).normal, UP
+    )
+
+
 @pytest.mark.parametrize("climb", [-0.1, -0.02, 0.0, 0.02, 0.1])
 def test_a_climb_needs_a_swing_that_clears_it(climb):
     start = FootPose(np.array([0.0, 0.1, GROUND]), np.eye(3))

@@ -1,34 +1,41 @@
-"""The sway of the centre of mass: smooth, bounded, and a pendulum's motion."""
+"""The weight shift of STEP: smooth, bounded, and a pendulum's motion."""
 
 import numpy as np
 import pytest
 
-from atlas_drake.control.com_sway import ComSway, sway_duration, sway_from_rest
+from atlas_drake.control.com_sway import ComSway, plan_sway, sway_duration
+from atlas_drake.control.support_polygon import SupportPolygon, sole_corners
 
 OMEGA = 3.2
 DT = 1e-4
+INSIDE = 0.01
+SOLE = SupportPolygon(sole_corners(np.zeros(3), np.eye(3), 0.1, 0.05))
 
 
 @pytest.fixture
 def sway():
-    return ComSway(
-        np.array([0.1, 0.0]),
-        np.array([0.05, -0.02]),
-        np.array([0.1, 0.2]),
-        np.array([0.15, 0.2]),
-        1.3,
-    )
+    return ComSway(np.array([0.1, 0.0]), np.array([0.15, 0.2]), 1.3)
 
 
-def test_begins_as_told_and_comes_to_rest_at_the_end(sway):
-    p, v, a = sway.motion(0.0)
-    np.testing.assert_allclose(p, sway.start)
-    np.testing.assert_allclose(v, sway.velocity)
-    np.testing.assert_allclose(a, sway.acceleration)
-    for time in (sway.duration, 2.0 * sway.duration):
+def test_goes_from_rest_to_rest(sway):
+    for time, place in (
+        (0.0, sway.start),
+        (-0.1, sway.start),
+        (sway.duration, sway.end),
+        (2.0 * sway.duration, sway.end),
+    ):
         p, v, a = sway.motion(time)
-        np.testing.assert_allclose(p, sway.end, atol=1e-12)
+        np.testing.assert_allclose(p, place, atol=1e-12)
         np.testing.assert_allclose([v, a], 0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize("time", [0.1, 0.6, 1.2])
+def test_velocity_and_acceleration_are_derivatives(sway, time):
+    (before, _, _), (p, v, a), (after, _, _) = map(
+        sway.motion, (time - DT, time, time + DT)
+    )
+    np.testing.assert_allclose(v, (after - before) / (2.0 * DT), atol=1e-6)
+    np.testing.assert_allclose(a, (after - 2.0 * p + before) / DT**2, atol=1e-5)
 
 
 @pytest.mark.parametrize("time", [0.1, 0.6, 1.2])
@@ -43,7 +50,40 @@ def test_dcm_and_cop_are_those_of_one_pendulum(sway, time):
 def test_the_least_duration_reaches_the_acceleration_and_no_more(limit):
     end = np.array([0.12, 0.16])
     duration = sway_duration(0.2, limit)
-    sway = sway_from_rest(np.zeros(2), end, duration)
+    sway = ComSway(np.zeros(2), end, duration)
     times = np.linspace(0.0, duration, 2001)
     largest = max(np.hypot(*sway.motion(time)[2]) for time in times)
     assert largest == pytest.approx(limit, rel=1e-4)
+
+
+def plan(dcm, end, least=0.3):
+    return plan_sway(np.array(dcm), np.array(end), least, SOLE, INSIDE, OMEGA)
+
+
+def test_a_plan_starts_at_the_dcm_and_takes_no_more_time_than_it_needs():
+    sway = plan([0.0, -0.001], [0.0, 0.001])
+    np.testing.assert_allclose(sway.start, [0.0, -0.001])
+    np.testing.assert_allclose(sway.end, [0.0, 0.001])
+    assert sway.duration == 0.3
+
+
+def test_a_plan_takes_the_time_that_keeps_its_cop_inside():
+    dcm, end = [-0.05, -0.02], [0.05, 0.03]
+    too_fast = ComSway(np.array(dcm), np.array(end), 0.3)
+    assert too_fast.cop_outside(SOLE, OMEGA) > 0.0
+    sway = plan(dcm, end)
+    times = np.linspace(0.0, sway.duration, 200)
+    cops = [sway.evaluate(time, OMEGA).cop for time in times]
+    outside = [SOLE.distance_outside(cop) for cop in cops]
+    assert max(outside) < -0.8 * INSIDE
+    assert sway.cop_outside(SOLE, OMEGA) == pytest.approx(max(outside), abs=0.002)
+    # A fifth less would not have done.
+    faster = ComSway(sway.start, sway.end, 0.8 * sway.duration)
+    assert faster.cop_outside(SOLE, OMEGA) > -INSIDE
+
+
+def test_a_dcm_at_the_edge_is_led_inside_at_once():
+    sway = plan([0.0, 0.06], [0.0, -0.02])
+    assert -3.0 * INSIDE < SOLE.distance_outside(sway.start) <= -2.0 * INSIDE
+    assert sway.start[0] == 0.0
+    assert sway.duration < 1.5

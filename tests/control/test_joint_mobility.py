@@ -127,12 +127,12 @@ def step_matrix(kp, kd, assumed, true, dt):
         k_effort=zero,
     )
     law = step_model(kd, np.ones(n), assumed, dt)
-    law = dataclasses.replace(law, damping=kd[:, None])
+    law = dataclasses.replace(law, damping=kd[:, None], share=np.ones((n, 1)))
     last = PidState(zero, last_v, applied, expected)
-    drift = change_without_user(last, v, np.zeros_like(q), law)
-    effort = user_effort(
-        static_effort(command, zero, q), v + drift, law, np.full((n, 1), np.inf)
-    )
+    others = np.zeros_like(q)
+    drift = change_without_user(last, v, others, law)
+    static, unlimited = static_effort(command, zero, q), np.full((n, 1), np.inf)
+    effort, _ = user_effort(static, v + drift, others, law, unlimited)
     next_v = v + dt * true @ effort
     expected = drift + law.response @ effort
     return np.vstack([q + dt * next_v, next_v, v, effort, expected])

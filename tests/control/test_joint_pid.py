@@ -13,7 +13,6 @@ from atlas_drake.control.joint_pid import (
     JointCommand,
     PidState,
     change_without_user,
-    damping_bound,
     integrate,
     static_effort,
     step_model,
@@ -89,13 +88,14 @@ def model_of(command, inertia, dt, share=1.0):
 
 def effort_of(command, integral, q, v, drift, model, others=0.0, limit=UNLIMITED):
     """The law, with one limit for all joints unless ``limit`` is an array."""
-    coasting = v + drift + model.response @ np.broadcast_to(others, q.shape)
+    others = np.broadcast_to(others, q.shape)
     return user_effort(
         static_effort(command, integral, q),
-        coasting,
+        v + drift + model.response @ others,
+        others,
         model,
         np.broadcast_to(limit, q.shape),
-    )
+    )[0]
 
 
 @pytest.fixture
@@ -144,15 +144,77 @@ def test_at_steady_velocity_the_effort_settles_at_the_law(
     np.testing.assert_allclose(effort, written_law(random_command, q, q, v))
 
 
-def test_effort_keeps_its_limit(random_command):
-    limit, nothing = np.linspace(1.0, 10.0, 10), np.zeros(10)
-    model = model_of(random_command, 1.0, 0.001)
-    for sign in (1.0, -1.0):
-        command = dataclasses.replace(random_command, position=np.full(10, sign * 1e6))
-        effort = effort_of(
-            command, nothing, nothing, nothing, nothing, model, limit=limit
+def coupled(random, dt=0.002):
+    """Ten joints that move each other, shares of 0 to 1, and light to heavy damping.
+
+    Returns:
+        Shares, damping and the model.
+    """
+    root = random.normal(size=(10, 10))
+    share = np.array([0.0, 0.0, 0.01, 0.2, 0.7, 1.0, 1.0, 1.0, 1.0, 1.0])
+    damping = np.array([0.0, 9.0, 5.0, 50.0, 500.0, 0.0, 1e-6, 2.0, 50.0, 500.0])
+    mobility = 10.0 * (root @ root.T + np.eye(10))
+    return share, damping, step_model(damping, share, mobility, dt)
+
+
+@pytest.mark.parametrize("scale", [0.01, 3.0, 100.0, 1e6])
+@pytest.mark.parametrize("seed", range(5))
+def test_motors_at_their_limit_leave_the_others_to_their_law(seed, scale):
+    random = np.random.default_rng(seed)
+    share, damping, model = coupled(random)
+    limit = random.uniform(5.0, 50.0, 10)
+    static = scale * limit * random.normal(size=10)
+    others = (1.0 - share) * limit * random.uniform(-1.0, 1.0, 10)
+    idle = random.normal(size=10)
+    effort, total = user_effort(
+        static, idle + model.response @ others, others, model, limit
+    )
+    next_v = idle + model.response @ total
+    law = static - damping * next_v
+    np.testing.assert_allclose(
+        effort[share > 0.0], law[share > 0.0], rtol=1e-7, atol=1e-4
+    )
+    blend = np.clip(share * law + others, -limit, limit)
+    np.testing.assert_allclose(total, blend, rtol=1e-7, atol=1e-4)
+    # And the selector comes to the same.
+    np.testing.assert_allclose(
+        np.clip(share * effort + others, -limit, limit), total, atol=1e-9
+    )
+    assert (np.abs(total) == limit).any() or scale < 1.0
+
+
+def test_the_limit_is_that_of_the_blend():
+    # A share of a large effort counts in full until the sum is at the limit.
+    share, limit = np.array([0.2]), np.array([100.0])
+    model = step_model(np.zeros(1), share, np.eye(1), 0.001)
+    for static, expected in ((-342.0, -43.04), (342.0, 93.76), (1e4, 100.0)):
+        others = 0.8 * np.array([31.7])
+        effort, total = user_effort(
+            np.array([static]), np.zeros(1), others, model, limit
         )
-        np.testing.assert_array_equal(effort, sign * limit)
+        assert effort[0] == pytest.approx(static)
+        assert total[0] == pytest.approx(expected)
+
+
+def test_a_damper_beyond_the_motor_gives_all_of_it():
+    # 50 N·m·s/rad at 10 rad/s on 1 kg·m²: far from rest after the step.
+    model = step_model(np.array([50.0]), np.ones(1), np.eye(1), 0.001)
+    for sign in (1.0, -1.0):
+        effort, total = user_effort(
+            np.zeros(1), np.array([-10.0 * sign]), np.zeros(1), model, np.array([60.0])
+        )
+        assert total[0] == sign * 60.0
+        assert effort[0] == pytest.approx(sign * 50.0 * (10.0 - 0.06))
+
+
+def test_the_behaviors_own_joints_are_not_the_laws_to_limit():
+    model = step_model(np.zeros(2), np.array([0.0, 1.0]), np.eye(2), 0.001)
+    others = np.array([10.0 + 1e-9, 0.0])
+    effort, total = user_effort(
+        np.array([5.0, 3.0]), np.zeros(2), others, model, np.array([10.0, 10.0])
+    )
+    assert total.tolist() == [10.0 + 1e-9, 3.0]
+    assert effort[1] == 3.0
 
 
 def test_the_law_holds_for_the_velocity_at_the_steps_end(random, random_command):
@@ -272,12 +334,6 @@ def test_a_gain_without_clamps_integrates_nothing():
     command = command_of(ki_position=100.0)
     after = integrate(state_of(), command, np.array([3.0]), np.array([True]), 0.001)
     assert after[0] == 0.0
-
-
-def test_damping_bound():
-    np.testing.assert_allclose(
-        damping_bound(np.array([10.0, 220.0]), np.array([2.0, 11.0])), [250.0, 1000.0]
-    )
 
 
 def simulate(command, assumed, true, dt, duration, disturbance=0.0, share=1.0):

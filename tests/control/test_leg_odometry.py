@@ -11,6 +11,7 @@ from atlas_drake.control.leg_odometry import (
     start_odometry,
 )
 from atlas_drake.control.whole_body_model import GRAVITY
+from atlas_drake.frozen import replace
 
 DT = 0.002
 UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
@@ -158,6 +159,26 @@ def test_the_covariance_stays_one():
         state = correct(state, FEET - P_WI, REST, load, DT, TUNING)
         np.testing.assert_array_equal(state.covariance, state.covariance.T)
         assert np.linalg.eigvalsh(state.covariance).min() > -1e-12
+
+
+def test_the_covariance_moves_on_as_the_mean_does():
+    random = np.random.default_rng(2)
+    root = random.normal(size=(5, 5))
+    dt = 0.3  # So long that second-order terms count.
+    felt = np.array([0.0, 0.0, GRAVITY * dt])
+    before = replace(start(), covariance=root @ root.T)
+
+    def moved(row, by):
+        mean = before.mean.copy()
+        mean[row, 0] += by
+        return predict(replace(before, mean=mean), np.zeros(3), felt, dt, TUNING).mean
+
+    # The mean is linear in what was believed: its rate of change is exact.
+    rate = np.column_stack([moved(k, 0.5) - moved(k, -0.5) for k in range(5)])[:, ::3]
+    noise = np.zeros((5, 5))
+    noise[1, 1] = TUNING.acceleration**2 * dt
+    after = predict(before, np.zeros(3), felt, dt, TUNING).covariance
+    np.testing.assert_allclose(after, rate @ before.covariance @ rate.T + noise)
 
 
 def test_what_was_believed_before_is_left_alone():

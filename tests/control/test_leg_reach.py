@@ -5,8 +5,11 @@ import pytest
 
 from atlas_drake.control.footstep import FootPose
 from atlas_drake.control.leg_reach import (
+    FOLDED_FLEXION,
     SHORTEST_FLEXION,
+    _knee_ahead,
     highest_com,
+    highest_sole,
     hips_from_com,
     knee_for_length,
     leg_length,
@@ -71,3 +74,34 @@ def test_the_lowest_body_is_where_the_knee_reaches_its_lever(model, standing):
     # With the weight farther ahead the same knee may bend more.
     ahead = lowest_com(legs, hips, com + np.array([0.04, 0.0]), 0, pose, 0.10)
     assert ahead < heights[0]
+
+
+@pytest.mark.parametrize("lean", [-0.3, 0.0, 0.3])
+def test_a_bent_knee_is_as_far_ahead_as_the_robots(model, lean):
+    robot, plant, legs = model.robot, model.plant, model.robot.legs
+    angles = robot.stand_prep.copy()
+    for name, angle in (("hpy", -0.5 + lean), ("kny", 1.1), ("aky", -0.6 - lean)):
+        angles[robot.joint_index(f"l_leg_{name}")] = angle
+    state = np.zeros(model.num_states)
+    state[0] = 1.0
+    state[robot.indices(plant).q] = angles
+    context = model.create_context()
+    terms = model.evaluate(context, state)
+    body = plant.GetJointByName("l_leg_kny").child_body()
+    knee = plant.EvalBodyPoseInWorld(context, body).translation()
+    hips = hips_from_com(terms, legs)
+    found = _knee_ahead(legs, hips, terms.com, 0, feet(terms)[0])
+    # But for the hip pitch joint's own small swing about the roll joint.
+    assert found == pytest.approx(knee[0] - terms.com[0], abs=0.01)
+
+
+def test_a_leg_lifts_its_sole_as_far_as_it_folds(model, standing):
+    legs = model.robot.legs
+    hips = hips_from_com(standing, legs)
+    height = float(standing.com[2])
+    top = highest_sole(legs, hips, height, 0)
+    # From hip to ankle, with the sole level and straight below the hip.
+    left = height + hips[0, 2] - (top + legs.p_FA[0, 2])
+    assert left == pytest.approx(leg_length(legs, legs.straight + FOLDED_FLEXION))
+    assert 0.2 < top < 0.4
+    assert highest_sole(legs, hips, height - 0.1, 0) == pytest.approx(top - 0.1)

@@ -128,3 +128,28 @@ def test_the_upper_body_leans_with_the_pelvis(model, case, standing):
     upright = case.reach.pelvis_position(HOME, case.stance, case.upper)
     lever = case.upper.p_PU[2] * math.sin(0.4)
     assert -lever < p_WP[0] - upright[0] < -0.3 * lever
+
+
+def test_the_upper_body_is_what_is_left_without_the_legs(model, case, standing):
+    robot, plant, context = model.robot, model.plant, model.create_context()
+    state = np.zeros(model.num_states)
+    state[0] = 1.0
+    state[robot.indices(plant).q] = robot.stand_prep
+    model.evaluate(context, state)
+    legs = robot.limb("l_leg", "r_leg")
+    beyond = {
+        plant.GetJointByName(name).child_body().index()
+        for name, in_a_leg in zip(robot.joint_names, legs, strict=True)
+        if in_a_leg
+    }
+    total, moment = 0.0, np.zeros(3)
+    pelvis = plant.GetBodyByName(robot.file.pelvis)
+    for index in plant.GetBodyIndices(pelvis.model_instance()):
+        body = plant.get_body(index)
+        if index not in beyond:
+            mass = body.get_mass(context)
+            place = plant.EvalBodyPoseInWorld(context, body)
+            total += mass
+            moment += mass * (place @ body.CalcCenterOfMassInBodyFrame(context))
+    # The legs are taken to be straight lines: only along x do bent knees show.
+    np.testing.assert_allclose(case.upper.p_PU[1:], (moment / total)[1:], atol=2e-3)

@@ -13,7 +13,9 @@ from atlas_drake.control.user_share import (
 LIMIT = np.array([10.0, 20.0, 30.0, 40.0])
 SHARE = np.array([0.0, 0.25, 0.8, 1.0])
 FORECAST = UserForecast(
-    effort=np.array([4.0, -8.0, 12.0, -16.0]), inertia=np.array([0.1, 0.2, 0.3, 0.4])
+    effort=np.array([4.0, -8.0, 12.0, -16.0]),
+    inertia=np.array([0.1, 0.2, 0.3, 0.4]),
+    excess=np.zeros(4),
 )
 DT, STEP = 0.006, 0.002
 """Control tick, and step of the user's law [s]."""
@@ -63,7 +65,7 @@ def test_forecast_is_the_mean_of_what_the_law_will_do(acceleration, steps):
     static, stiffness, damping, v = 6.0, 300.0, 20.0, -0.7
     tick = steps * STEP
     forecast = forecast_user_effort(
-        *(np.array([x]) for x in (static, stiffness, damping, v, 1e9)), tick, STEP
+        *(np.array([x]) for x in (static, stiffness, damping, v, 0.0)), tick, STEP
     )
     # The spring as it is sampled while the plant steps on.
     way, velocity, springs = 0.0, v, []
@@ -76,17 +78,53 @@ def test_forecast_is_the_mean_of_what_the_law_will_do(acceleration, steps):
     np.testing.assert_allclose(found, expected)
 
 
-@pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_a_motor_at_its_limit_does_not_yield(sign):
-    forecast = forecast_user_effort(
-        *(np.array([x]) for x in (sign * 15.0, 300.0, 20.0, 2.0, 10.0)), DT, STEP
+def beyond(effort, inertia=0.5):
+    """A forecast of joints that do not move; what is beyond ``LIMIT`` is excess."""
+    effort = np.asarray(effort)
+    return UserForecast(
+        effort, np.full(4, inertia), effort - np.clip(effort, -LIMIT, LIMIT)
     )
-    assert forecast.effort[0] == sign * 10.0
-    assert forecast.inertia[0] == 0.0
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("times", [0.5, 1.2, 4.0, 12.0])
+def test_the_limit_cuts_the_blend(sign, times):
+    user = beyond(sign * times * LIMIT)
+    bounds = effort_bounds(SHARE, user, LIMIT)
+    ends = [
+        np.clip(SHARE * user.effort + (1.0 - SHARE) * own, -LIMIT, LIMIT)
+        for own in (-LIMIT, LIMIT)
+    ]
+    np.testing.assert_allclose(bounds.lower, ends[0])
+    np.testing.assert_allclose(bounds.upper, ends[1])
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_motor_kept_at_its_limit_is_the_users_and_does_not_yield(sign):
+    # By 4 times the limit at a share of 0.8 or 1, not at 0.25.
+    user = beyond(sign * 4.0 * LIMIT)
+    bounds = effort_bounds(SHARE, user, LIMIT)
+    np.testing.assert_array_equal(bounds.user_held, [False, False, True, True])
+    np.testing.assert_allclose(bounds.added_inertia, [0.0, 0.125, 0.0, 0.0])
+    np.testing.assert_allclose(bounds.authority, [1.0, 0.75, 0.0, 0.0])
+    np.testing.assert_allclose(bounds.lower[2:], sign * LIMIT[2:])
+    np.testing.assert_allclose(bounds.upper[2:], sign * LIMIT[2:])
+    # The behaviour would go on with what the motor does.
+    own = behavior_share(sign * LIMIT, np.zeros(4), SHARE, user, LIMIT)
+    np.testing.assert_allclose(own[2:], sign * LIMIT[2:])
+
+
+def test_a_damper_beyond_the_limit_still_yields():
+    # d·v alone is far beyond it, but the law brings the joint to rest in its step.
+    user = UserForecast(np.full(4, -900.0), np.full(4, 2.0), np.zeros(4))
+    bounds = effort_bounds(SHARE, user, LIMIT)
+    assert bounds.lower[3] == bounds.upper[3] == -900.0
+    assert bounds.added_inertia[3] == 2.0
 
 
 def test_without_gains_the_forecast_is_the_feed_forward():
     forecast = forecast_user_effort(
-        *(np.array([x]) for x in (3.0, 0.0, 0.0, 2.0, 10.0)), DT, STEP
+        *(np.array([x]) for x in (3.0, 0.0, 0.0, 2.0, 1.5)), DT, STEP
     )
     assert (forecast.effort[0], forecast.inertia[0]) == (3.0, 0.0)
+    assert forecast.excess[0] == 1.5

@@ -8,6 +8,7 @@ from PIL import Image
 
 from atlas_drake.behaviors.base import Event
 from atlas_drake.control.support_polygon import sole_corners
+from atlas_drake.frozen import replace
 from atlas_drake.logs import png_page
 from atlas_drake.logs.figures import make_page
 from atlas_drake.logs.log import Log
@@ -198,6 +199,8 @@ def test_no_titles_legends_or_figures_overlap(page):
 @pytest.mark.slow
 def test_a_png_is_written(page, tmp_path, monkeypatch):
     monkeypatch.setattr(png_page, "DPI", 40)
+    # What matplotlib would take for a formula, and one that it cannot read.
+    page = replace(page, title=r"run_$\x$.npz: atlas, scenario $^_$")
     png_page.write_png(page, tmp_path / "page.png")
     data = (tmp_path / "page.png").read_bytes()
     assert data.startswith(b"\x89PNG")

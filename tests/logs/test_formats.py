@@ -1,6 +1,9 @@
 """Every format gives back what was written; what is no log is said to be none."""
 
+import contextlib
 import json
+import resource
+import secrets
 import shutil
 import sys
 
@@ -209,6 +212,49 @@ def test_files_of_others_are_refused(tmp_path):
         read_log(path)
 
 
+@pytest.mark.parametrize("seed", range(8))
+def test_a_damaged_log_is_refused_or_read_as_far_as_it_goes(
+    seed, log, suffix, tmp_path
+):
+    draw = np.random.default_rng(seed)
+    path = write(log, tmp_path / f"run{suffix}", rows=20)
+    data = bytearray(path.read_bytes())
+    begin = int(draw.integers(len(data)))
+    length = int(draw.integers(1, 100))
+    data[begin : begin + length] = draw.bytes(length)
+    path.write_bytes(data)
+    with contextlib.suppress(LogError):
+        assert 0 < len(read_log(path)) <= 20
+
+
+@pytest.mark.parametrize(
+    ("change", "complaint"),
+    [
+        ({"time": np.linspace(1.0, 0.0, 50)}, "time does not go on"),
+        ({"time": np.zeros((50, 2))}, "time is float64 of shape"),
+        ({"joints.effort": np.zeros((50, 3))}, r"joints\.effort"),
+        ({"behavior.current": np.full(50, 99)}, "99"),
+        ({"notes": '[[0.0, "event", {}]]'}, "damaged"),
+        ({"notes": "[[0.0]]"}, "damaged"),
+        ({"header": "model ../../../tmp/spot"}, "there is no robot"),
+        ({"header": "model /tmp/spot"}, "there is no robot"),
+        ({"header": "control_period nan"}, "control_period is nan"),
+    ],
+)
+def test_a_log_that_contradicts_itself_is_refused(change, complaint, log, tmp_path):
+    path = write(log, tmp_path / "run.npz", rows=50)
+    with np.load(path) as file:
+        arrays = dict(file)
+    if "header" in change:
+        name, value = change["header"].split()
+        header = json.loads(str(arrays["header"]))
+        header[name] = value
+        change = {"header": json.dumps(header)}
+    np.savez(path, **(arrays | change))
+    with pytest.raises(LogError, match=complaint):
+        _ = read_log(path).robot
+
+
 def test_a_missing_file_is_said_to_be_missing(suffix, tmp_path):
     with pytest.raises(LogError, match="there is no such file"):
         read_log(tmp_path / f"none{suffix}")
@@ -234,6 +280,72 @@ def test_a_full_disk_is_named(log, suffix, tmp_path, monkeypatch):
     with pytest.raises(LogError, match=f"run{suffix}: cannot be written: No space"):
         file.row(table_of(log)[0])
     file.close()
+
+
+def write_rows(file, rows):
+    for row in rows:
+        file.row(row)
+
+
+def test_a_log_that_finds_no_room_ends_what_can_be_read(log, tmp_path, monkeypatch):
+    """An .mcap is cut back; it leaves room for what is written after it."""
+    pytest.importorskip("mcap")
+    from atlas_drake.logs import mcap_file
+
+    monkeypatch.setattr(mcap_file, "CHUNK", 50_000)
+    file = LogFile(tmp_path / "run.mcap", log.header)
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (60_000, before[1]))
+    try:
+        with pytest.raises(LogError, match="cannot be written: File too large"):
+            write_rows(file, table_of(log))
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    size = file.path.stat().st_size
+    assert size < 60_000
+    again = read_log(file.path)
+    assert 0 < len(again) < len(log)
+    assert_same_arrays(
+        again.arrays, {name: a[: len(again)] for name, a in log.arrays.items()}
+    )
+
+
+def test_two_runs_that_write_one_file_do_not_meet(log, suffix, tmp_path):
+    path = tmp_path / f"run{suffix}"
+    first = LogFile(path, log.header)
+    if suffix == ".mcap":
+        with pytest.raises(LogError, match="another run is writing it"):
+            LogFile(path, log.header)
+    else:
+        second = LogFile(path, log.header)
+        second.row(table_of(log)[0])
+        second.close()
+        assert len(read_log(path)) == 1
+    for row in table_of(log):
+        first.row(row)
+    first.close()
+    assert len(read_log(path)) == len(log)
+    assert [*tmp_path.iterdir()] == [path]
+
+
+def test_a_folder_is_no_log(log, suffix, tmp_path):
+    path = tmp_path / f"run{suffix}"
+    path.mkdir()
+    with pytest.raises(LogError, match=f"run{suffix}: cannot be written: Is a dir"):
+        LogFile(path, log.header)
+
+
+@pytest.mark.parametrize("suffix", [".npz", ".parquet"])
+def test_an_unfinished_file_is_nobody_elses(log, suffix, tmp_path, monkeypatch):
+    """A link where the unfinished file would be leads nowhere."""
+    pytest.importorskip(PACKAGES[suffix])
+    precious = tmp_path / "precious"
+    precious.write_text("precious")
+    monkeypatch.setattr(secrets, "token_hex", lambda _length: "0")
+    (tmp_path / f".run.0.unfinished{suffix}").symlink_to(precious)
+    with pytest.raises(LogError, match="File exists"):
+        LogFile(tmp_path / f"run{suffix}", log.header)
+    assert precious.read_text() == "precious"
 
 
 @pytest.mark.parametrize("suffix", [".npz", ".parquet"])

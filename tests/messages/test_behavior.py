@@ -1,9 +1,12 @@
 """Behaviors by number and by name."""
 
+import json
+
 import numpy as np
 import pytest
 
 from atlas_drake.errors import ErrorCode, InvalidMessageError
+from atlas_drake.logs.notes import to_plain
 from atlas_drake.messages import (
     AtlasSimInterfaceCommand,
     AtlasSimInterfaceState,
@@ -25,6 +28,15 @@ NUMBERS = {
 
 def test_numbers_are_those_of_the_interface():
     assert {member.name: member.value for member in Behavior} == NUMBERS
+
+
+def test_a_behavior_is_printed_by_name_and_kept_as_a_number():
+    stand = Behavior.STAND
+    assert (str(stand), f"{stand}", f"{stand:>6}") == ("STAND", "STAND", " STAND")
+    assert (f"{stand:d}", "%d" % stand, int(stand)) == ("3", "3", 3)  # noqa: UP031
+    assert json.dumps([stand]) == "[3]"
+    assert to_plain(stand) == 3
+    assert np.array([stand]).tolist() == [3]
 
 
 @pytest.mark.parametrize("kind", [AtlasSimInterfaceCommand, AtlasSimInterfaceState])

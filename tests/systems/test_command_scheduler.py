@@ -156,17 +156,27 @@ def test_others_pass_through_at_once_and_stay(port, other):
     assert run.out("sent") == 0
 
 
-def test_of_programme_and_others_the_later_message_counts():
-    run = Run((0.1, joint_command(1.0)), (0.3, joint_command(3.0)))
-    run.put("other_atlas_command", joint_command(-1.0).snapshot())
+def turned_pelvis(number):
+    """A behaviour command that differs from others by a number."""
+    command = behavior_command(Behavior.MANIPULATE)
+    command.manipulate_params.desired.pelvis_yaw = number
+    return command
+
+
+@pytest.mark.parametrize(
+    ("port", "make"), [(ATLAS, joint_command), (SIM, turned_pelvis)], ids=[ATLAS, SIM]
+)
+def test_of_programme_and_others_the_later_message_counts(port, make):
+    run = Run((0.1, make(1.0)), (0.3, make(3.0)))
+    run.put(f"other_{port}", make(-1.0).snapshot())
     run.to(0.05)
-    assert run.out(ATLAS) == joint_command(-1.0)
+    assert run.out(port) == make(-1.0)
     run.to(0.15)
-    assert run.out(ATLAS) == joint_command(1.0)
-    run.put("other_atlas_command", joint_command(-2.0).snapshot())
-    assert run.out(ATLAS) == joint_command(-2.0)
+    assert run.out(port) == make(1.0)
+    run.put(f"other_{port}", make(-2.0).snapshot())
+    assert run.out(port) == make(-2.0)
     run.to(0.25)
-    assert run.out(ATLAS) == joint_command(-2.0)
+    assert run.out(port) == make(-2.0)
     run.to(0.35)
-    assert run.out(ATLAS) == joint_command(3.0)
+    assert run.out(port) == make(3.0)
     assert run.out("sent") == 2

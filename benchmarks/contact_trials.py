@@ -1,0 +1,162 @@
+"""What the robots do to compare contact approximations: one run each, its figures.
+
+Walk and tutorial are those of the neighbours; which runs there are, and what is made
+of their figures, is in `contact_models`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from contact_probe import ContactProbe
+from disturbed import Physics, disturbed_simulation
+from tutorial_campaign import follow
+from walking import STANDING, Job, Push, strike, walk
+
+from atlas_drake import K_EFFORT_MAX, AtlasCommand, AtlasSimulation
+from atlas_drake.tutorial import DURATION
+
+BEYOND = 1.001
+"""Friction by Coulomb's bound that counts as beyond it; 1 but for rounding [-]."""
+SWING, SWING_TIME, SWINGS = 0.5, 1.0, 8
+"""Arms of a standing robot jump by SWING [rad] to both sides, every SWING_TIME [s]."""
+ARM_KP, ARM_KP_VELOCITY = 200.0, 20.0
+"""Gains of the user who swings them [N·m/rad], [N·m·s/rad]."""
+
+INCREMENT = {"standing": 5.0, "walking": 10.0}
+"""Between one impulse and the next [N·s]."""
+FIRST_IMPULSE = {"standing": 25.0, "walking": 40.0}
+"""The search for the largest impulse borne begins there [N·s]."""
+PUSHED_STEPS, EARLIEST = 9, 3.0
+"""Length of a walk with a push, and when the push comes at the earliest [s]."""
+RECOVERY = 3.0
+"""A standing robot that has not fallen by then has borne its push [s]."""
+DIRECTIONS = ("forward", "left")
+"""Of the pushes."""
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One thing that one robot does under one approximation."""
+
+    part: str
+    physics: Physics
+    model: str
+    seed: int
+
+
+def walk_trial(trial: Trial) -> dict[str, float]:
+    """Twenty steps: forces and slip of the feet, and where they land."""
+    sim = _simulation(trial)
+    probe = ContactProbe(sim)
+    record = walk(sim, Job(trial.model, trial.seed))
+    ratios = probe.ratios()
+    return {
+        "walk ok": float(record["ok"]),
+        "walk friction max": float(ratios.max()),
+        "walk friction p99.9": float(np.percentile(ratios, 99.9)),
+        "walk beyond": float((ratios > BEYOND).mean()),
+        "walk slip": max(probe.slips, default=0.0),
+        **_landing("walk", record),
+    }
+
+
+def stand_trial(trial: Trial) -> dict[str, float]:
+    """STAND while the user swings the arms: how far the soles creep."""
+    sim = _simulation(trial)
+    sim.advance(STANDING)
+    probe = ContactProbe(sim)
+    places = probe.sole_places()
+    arms = sim.robot.limb("l_arm", "r_arm")
+    for swing in range(SWINGS):
+        command = AtlasCommand()
+        command.position = sim.robot.stand_prep + SWING * arms * (-1) ** swing
+        command.kp_position = [ARM_KP] * sim.robot.num_joints
+        command.kp_velocity = [ARM_KP_VELOCITY] * sim.robot.num_joints
+        command.k_effort = np.where(arms, K_EFFORT_MAX, 0)
+        sim.publish(command)
+        sim.advance(SWING_TIME)
+    ratios = probe.ratios()
+    away = np.linalg.norm((probe.sole_places() - places)[:, :2], axis=1)
+    return {
+        "stand ok": float(not sim.has_fallen),
+        "stand friction max": float(ratios.max()),
+        "stand slip": float(away.max()),
+    }
+
+
+def tutorial_trial(trial: Trial) -> dict[str, float]:
+    """The tutorial as its campaign judges it."""
+    record = follow(
+        _simulation(trial, programme="tutorial", duration=DURATION), trial.seed
+    )
+    return {
+        "tutorial ok": float(record["ok"]),
+        **_landing("tutorial", record),
+    }
+
+
+def push_trial(trial: Trial) -> dict[str, float]:
+    """The largest impulse borne in each direction, standing and walking [N·s]."""
+    return {
+        f"push {posture} {direction}": _largest_push(trial, posture, direction)
+        for posture in INCREMENT
+        for direction in DIRECTIONS
+    }
+
+
+def _largest_push(trial: Trial, posture: str, direction: str) -> float:
+    """Goes up or down from FIRST_IMPULSE until the verdict changes."""
+    increment, impulse = INCREMENT[posture], FIRST_IMPULSE[posture]
+
+    def borne(impulse: float) -> bool:
+        push = Push(impulse, direction, EARLIEST)
+        sim = _simulation(trial)
+        if posture == "walking":
+            job = Job(trial.model, trial.seed, push, PUSHED_STEPS)
+            return bool(walk(sim, job)["ok"])
+        sim.advance(STANDING)
+        strike(sim, push, 0.0)
+        sim.advance(RECOVERY)
+        return not sim.has_fallen
+
+    if borne(impulse):
+        while borne(impulse + increment):
+            impulse += increment
+        return impulse
+    while impulse > increment and not borne(impulse - increment):
+        impulse -= increment
+    return impulse - increment
+
+
+def _landing(part: str, record: dict) -> dict[str, float]:
+    error = record["landing_error_m"]
+    return {} if error is None else {f"{part} landing": error}
+
+
+def _simulation(
+    trial: Trial, programme: str = "none", duration: float = 10.0
+) -> AtlasSimulation:
+    return disturbed_simulation(
+        trial.seed,
+        model=trial.model,
+        programme=programme,
+        duration=duration,
+        physics=trial.physics,
+    )
+
+
+PARTS: dict[str, Callable[[Trial], dict[str, float]]] = {
+    "walk": walk_trial,
+    "stand": stand_trial,
+    "tutorial": tutorial_trial,
+    "push": push_trial,
+}
+"""What a trial can be, by name."""
+
+
+def run_trial(trial: Trial) -> dict[str, float]:
+    """Its figures, by name."""
+    return PARTS[trial.part](trial)

@@ -1,0 +1,48 @@
+"""References become commands: where the CoP may lie."""
+
+import numpy as np
+import pytest
+
+from atlas_drake.behaviors.balance import Balance
+from atlas_drake.control.footstep import FootPose
+from atlas_drake.control.gains import ControlGains
+from atlas_drake.control.swing_foot import SwingReference
+
+FOOT = FootPose(np.array([1.0, 0.5, 0.0]), np.eye(3))
+
+
+@pytest.fixture(scope="module")
+def balance(robot):
+    return Balance(robot, ControlGains())
+
+
+@pytest.mark.parametrize("side", [0, 1])
+def test_the_cop_stays_inside_the_sole_by_a_margin(balance, side):
+    sole, contact = balance.robot.file.sole, balance.gains.contact
+    margin = (contact.length_margin, contact.width_margin)[side]
+    edge = 0.5 * (sole.length, sole.width)[side] - margin
+    for sign in (-1.0, 1.0):
+        far = FOOT.p_WF[:2].copy()
+        far[side] += sign * 10.0
+        expected = FOOT.p_WF[:2].copy()
+        expected[side] += sign * edge
+        clamped = balance.support(FOOT).clamp(far)
+        np.testing.assert_allclose(clamped[side], expected[side], atol=1e-12)
+
+
+def test_a_swinging_foot_is_pulled_to_its_reference(balance, observe):
+    seen, gains = observe(), balance.gains.swing_position
+    foot = seen.terms.feet[1]
+    ahead, faster, sooner = np.array([[0.03, -0.02, 0.01], [0.1, 0.2, -0.3], [1, 2, 3]])
+    reference = SwingReference(
+        p_WF=foot.p_WF + ahead,
+        v_WF=foot.V_WF[3:] + faster,
+        a_WF=sooner,
+        R_WF=foot.R_WF,
+        w_WF=foot.V_WF[:3],
+    )
+    command = balance.swinging(seen, 1, reference)
+    expected = sooner + gains.kp * ahead + gains.kd * faster
+    np.testing.assert_allclose(command.acceleration[3:], expected)
+    np.testing.assert_allclose(command.acceleration[:3], 0.0, atol=1e-9)
+    assert command.max_normal_force == 0.0

@@ -1,0 +1,53 @@
+"""What counts as a fall."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from atlas_drake.behaviors.fall import FallLimits, sign_of_fall
+from atlas_drake.control.whole_body_model import nominal_com_height
+
+LIMITS = FallLimits(tilt=0.8, height=0.6)
+
+
+@pytest.fixture
+def terms(observe):
+    return observe().terms
+
+
+@pytest.fixture
+def nominal(model):
+    return nominal_com_height(model)
+
+
+def tilted(terms, angle):
+    """Turned about the y axis by an angle [rad], the rest as it was."""
+    c, s = np.cos(angle), np.sin(angle)
+    R = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
+    return dataclasses.replace(terms, R_WP=R)
+
+
+def lowered(terms, height):
+    """With the centre of mass at a height above the left sole [m], the lower one."""
+    left, right = terms.feet
+    raised = dataclasses.replace(right, p_WF=left.p_WF + np.array([0.0, -0.2, 0.3]))
+    com = np.array([*terms.com[:2], left.p_WF[2] + height])
+    return dataclasses.replace(terms, com=com, feet=(left, raised))
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.79, -0.79])
+def test_upright_is_no_fall(terms, nominal, angle):
+    assert sign_of_fall(tilted(terms, angle), nominal, LIMITS) == ""
+
+
+@pytest.mark.parametrize("angle", [0.81, -0.81, np.pi])
+def test_a_tilted_pelvis_falls(terms, nominal, angle):
+    text = sign_of_fall(tilted(terms, angle), nominal, LIMITS)
+    assert text == f"pelvis tilted by {abs(angle):.2f} rad"
+
+
+def test_the_height_counts_from_the_lower_sole(terms, nominal):
+    assert sign_of_fall(lowered(terms, 0.61 * nominal), nominal, LIMITS) == ""
+    text = sign_of_fall(lowered(terms, 0.59 * nominal), nominal, LIMITS)
+    assert text.startswith(f"centre of mass only {0.59 * nominal:.2f} m")

@@ -1,0 +1,259 @@
+"""What STEP decides of weight shift and loads, without a simulation."""
+
+import numpy as np
+import pytest
+
+from atlas_drake import AtlasSimInterfaceCommand
+from atlas_drake.behaviors.balance import Balance
+from atlas_drake.behaviors.base import STEPS_LEFT
+from atlas_drake.behaviors.body_reference import capture_body
+from atlas_drake.behaviors.step import Step
+from atlas_drake.behaviors.step_memory import StepPhase, StepRules
+from atlas_drake.control import tasks
+from atlas_drake.control.com_sway import ComSway
+from atlas_drake.control.footstep import FootPose
+from atlas_drake.control.gains import ControlGains
+from atlas_drake.frozen import replace
+from atlas_drake.messages import AtlasSimInterfaceState, StepStatus, Vector3
+
+LEFT, RIGHT = 0, 1
+RULES = StepRules()
+
+
+@pytest.fixture(scope="module")
+def balance(robot):
+    return Balance(robot, ControlGains())
+
+
+@pytest.fixture(scope="module")
+def step(balance, observe):
+    terms = observe().terms
+    height = float(terms.com[2] - terms.feet[LEFT].p_WF[2])
+    return Step(balance, height - balance.gains.com_drop)
+
+
+def request(index=1, foot=LEFT, x=0.15, y=0.14):
+    command = AtlasSimInterfaceCommand(behavior="STEP")
+    command.step_params.use_spec = True
+    command.step_params.use_relative_step_height = True
+    spec = command.step_params.desired_step_spec
+    spec.step_index, spec.foot_index = index, foot
+    spec.foot.position = Vector3(x, y, 0.0)
+    return command
+
+
+def entered(step, seen, command):
+    return step.enter(seen, capture_body(seen.terms), command)
+
+
+def tick(step, memory, seen, command, leaving=False):
+    return step.update(memory, seen, capture_body(seen.terms), command, leaving)
+
+
+def swaying(step, seen, command):
+    outcome = tick(step, entered(step, seen, command), seen, command)
+    assert outcome.memory.phase is StepPhase.SWAY
+    return outcome.memory
+
+
+def dcm(seen, balance):
+    height = float(seen.terms.com[2] - seen.terms.feet[0].p_WF[2])
+    return tasks.dcm(seen.terms, tasks.pendulum_frequency(height))
+
+
+@pytest.mark.parametrize("speed", [0.0, 0.12, -0.12])
+def test_a_weight_shift_starts_where_the_robot_is_and_how_it_moves(
+    step, observe, balance, speed
+):
+    seen, command = observe(speed=speed), request()
+    memory = entered(step, seen, command)
+    np.testing.assert_allclose(memory.sway.start, dcm(seen, balance), atol=0.002)
+    middle = 0.5 * (seen.terms.feet[LEFT].p_WF + seen.terms.feet[RIGHT].p_WF)[:2]
+    np.testing.assert_allclose(memory.sway.end, middle)
+    memory = swaying(step, seen, command)
+    np.testing.assert_allclose(memory.sway.start, dcm(seen, balance), atol=0.002)
+    # Over the right foot, a centimetre short of its middle.
+    right = seen.terms.feet[RIGHT].p_WF
+    np.testing.assert_allclose(
+        memory.sway.end, right[:2] + np.array([0.0, 0.01]), atol=0.001
+    )
+
+
+@pytest.mark.parametrize("speed", [0.45, -0.45])
+def test_no_weight_shift_begins_while_the_robot_is_about_to_tip(step, observe, speed):
+    seen, command = observe(speed=speed), request()
+    outcome = tick(step, entered(step, seen, command), seen, command)
+    assert outcome.memory.phase is StepPhase.REST
+    # The step is not lost: it begins when the robot has come to rest.
+    assert outcome.events == ()
+    later = tick(step, outcome.memory, observe(), command)
+    assert later.memory.phase is StepPhase.SWAY
+    assert later.memory.index == 1
+
+
+@pytest.mark.parametrize("speed", [0.45, -0.45])
+def test_a_weight_shift_is_given_up_when_the_robot_begins_to_tip(step, observe, speed):
+    command = request()
+    memory = swaying(step, observe(), command)
+    steady = tick(step, memory, observe(), command)
+    assert steady.memory.phase is StepPhase.SWAY
+    assert steady.events == ()
+    outcome = tick(step, memory, observe(speed=speed), command)
+    assert outcome.memory.phase is StepPhase.REST
+    (event,) = outcome.events
+    assert event.kind == STEPS_LEFT
+    assert "step 1 is not taken: its foot cannot be spared" in event.text
+    # The next step waits until the weight is back between the feet.
+    second = request(2)
+    waits = tick(step, outcome.memory, observe(), second)
+    assert waits.memory.phase is StepPhase.REST
+    back = replace(outcome.memory, elapsed=outcome.memory.sway.duration)
+    begins = tick(step, back, observe(), second)
+    assert begins.memory.phase is StepPhase.SWAY
+    assert not begins.memory.gave_up
+
+
+def test_a_foot_that_stays_loaded_is_given_up_after_a_while(step, observe):
+    command = request()
+    memory = swaying(step, observe(), command)
+    end = memory.sway.duration + RULES.longest_wait
+    waits = tick(step, replace(memory, elapsed=end - 0.01), observe(), command)
+    assert waits.memory.phase is StepPhase.SWAY
+    gives_up = tick(step, replace(memory, elapsed=end), observe(), command)
+    assert gives_up.memory.phase is StepPhase.REST
+    assert gives_up.events[-1].kind == STEPS_LEFT
+
+
+def standing_still_at(memory, place, **fields):
+    """The memory with a weight shift that is at ``place`` from now on."""
+    sway = ComSway(place, place, 1.0)
+    return replace(memory, sway=sway, sway_time=1.0, **fields)
+
+
+def commanded(step, memory, seen):
+    """Both feet's commands; the reference is held still for the look."""
+    return step._stance.command(memory, seen, capture_body(seen.terms)).feet
+
+
+@pytest.mark.parametrize("pressed", [LEFT, RIGHT])
+def test_a_foot_is_pressed_flat_only_as_far_as_balance_allows(
+    step, observe, balance, pressed
+):
+    seen = observe()
+    memory = swaying(step, seen, request(foot=pressed, y=0.14 - 0.28 * pressed))
+    here = dcm(seen, balance)
+    settling = standing_still_at(memory, here, phase=StepPhase.SETTLE)
+    feet = commanded(step, settling, seen)
+    least = RULES.settling_load * balance.weight
+    assert feet[pressed].min_normal_force == pytest.approx(least)
+    assert feet[1 - pressed].min_normal_force == 0.0
+    # The CoP is wanted at the outer edge of the other foot: no load on this one.
+    away = seen.terms.feet[pressed].p_WF[:2] - here
+    settling = standing_still_at(memory, here + away, phase=StepPhase.SETTLE)
+    feet = commanded(step, settling, seen)
+    assert feet[pressed].min_normal_force == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_foot_that_is_unloaded_is_loaded_again_for_balance(step, observe, balance):
+    seen = observe()
+    memory = swaying(step, seen, request(foot=LEFT))
+    here, left = dcm(seen, balance), seen.terms.feet[LEFT].p_WF[:2]
+    # At the end of the weight shift no load is left on the foot ...
+    done = {"elapsed": memory.sway.duration, "heel": 0.0}
+    right = seen.terms.feet[RIGHT].p_WF[:2]
+    well = standing_still_at(memory, here + 0.5 * (here - right), **done)
+    feet = commanded(step, well, seen)
+    assert feet[LEFT].max_normal_force == pytest.approx(0.01 * balance.weight)
+    # ... unless the CoP has to come back to it.
+    ill = standing_still_at(memory, here + 0.25 * (right - here), **done)
+    feet = commanded(step, ill, seen)
+    low = feet[LEFT].max_normal_force / balance.weight
+    assert 0.4 < low < 0.9
+    assert np.linalg.norm(left - right) > 0.2
+
+
+def time_left(step, memory):
+    state = AtlasSimInterfaceState()
+    step.report(memory, state)
+    return state.step_feedback.t_step_rem
+
+
+def test_the_time_left_counts_to_the_end_of_the_step_in_every_phase(step, observe):
+    memory = swaying(step, observe(), request())
+    sway, swing, settle = memory.sway.duration, memory.swing.duration, RULES.settle
+    for phase, elapsed, left in (
+        (StepPhase.SWAY, 0.0, sway + swing + settle),
+        (StepPhase.SWAY, sway, swing + settle),
+        (StepPhase.SWAY, sway + 0.2, swing + settle),
+        (StepPhase.SWING, 0.0, swing + settle),
+        (StepPhase.LOWER, 0.75 * swing, 0.25 * swing + settle),
+        (StepPhase.LOWER, swing + 0.3, settle),
+        (StepPhase.SETTLE, 0.0, settle),
+        (StepPhase.SETTLE, 0.1, settle - 0.1),
+        (StepPhase.SETTLE, settle + 0.1, 0.0),
+        (StepPhase.REST, 0.1, 0.0),
+    ):
+        now = replace(memory, phase=phase, elapsed=elapsed)
+        assert time_left(step, now) == pytest.approx(left), (phase, elapsed)
+
+
+def test_standing_leaves_no_step_unsaid(step, observe):
+    seen, command = observe(), request()
+    memory = swaying(step, seen, command)
+    outcome = tick(step, memory, seen, command, leaving=True)
+    assert outcome.finished
+    (event,) = outcome.events
+    assert (event.kind, event.text) == (STEPS_LEFT, "STEP ends without the step 1")
+    # And the next one, if it was asked for already.
+    (event,) = tick(step, memory, seen, request(2), leaving=True).events
+    assert event.text == "STEP ends without the steps 1, 2"
+    # After a step that is done there is nothing to say.
+    done = replace(memory, phase=StepPhase.REST)
+    assert tick(step, done, seen, command, leaving=True).events == ()
+
+
+def test_status_says_whether_a_foot_is_in_the_air(step, observe):
+    seen, command = observe(), request()
+    memory = swaying(step, seen, command)
+    for phase, flag in (
+        (StepPhase.SWAY, StepStatus.SUBSTATE_SWAYING),
+        (StepPhase.SWING, StepStatus.SUBSTATE_STEPPING),
+    ):
+        now = replace(memory, phase=phase, elapsed=0.0)
+        assert tick(step, now, seen, command).status_flags == flag
+
+
+def test_the_body_sinks_with_a_foot_that_finds_no_ground(step, observe):
+    memory = swaying(step, observe(), request())
+    goal, swing = memory.step.pose, memory.swing
+    lowering = replace(memory, phase=StepPhase.LOWER, elapsed=0.8 * swing.duration)
+    foothold = step._stance._foothold(lowering)
+    np.testing.assert_array_equal(foothold.p_WF, goal.p_WF)
+    late = replace(lowering, elapsed=swing.duration + 0.3)
+    foothold = step._stance._foothold(late)
+    assert goal.p_WF[2] - foothold.p_WF[2] > 0.02
+    np.testing.assert_array_equal(foothold.p_WF[:2], goal.p_WF[:2])
+
+
+def raised(memory, foot, rise):
+    """The memory with one foot higher up."""
+    feet = list(memory.feet)
+    p_WF = feet[foot].p_WF + np.array([0.0, 0.0, rise])
+    feet[foot] = FootPose(p_WF, feet[foot].R_WF)
+    return replace(memory, feet=tuple(feet))
+
+
+@pytest.mark.parametrize("foot", [LEFT, RIGHT])
+def test_a_relative_height_counts_from_the_foot_that_stays(step, observe, foot):
+    memory = entered(step, observe(), request())
+    memory = raised(memory, 1 - foot, 0.05)
+    wanted = step._next(memory, request(foot=foot))
+    assert wanted.step.p_WF[2] == pytest.approx(memory.feet[1 - foot].p_WF[2])
+
+
+@pytest.mark.parametrize("foot", [LEFT, RIGHT])
+def test_at_rest_the_body_is_half_way_between_the_feet(step, observe, foot):
+    memory = entered(step, observe(), request())
+    level = step._stance.body_target(memory).height
+    up = step._stance.body_target(raised(memory, foot, 0.01)).height
+    assert up == pytest.approx(level + 0.005)
