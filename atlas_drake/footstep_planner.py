@@ -62,9 +62,18 @@ def steps_ahead(
 def steps_turning(
     report: AtlasSimInterfaceState, angle: float, gait: Gait | None = None
 ) -> list[AtlasBehaviorStepData]:
-    """Steps that turn on the spot by ``angle`` [rad], positive to the left.
+    """Steps that turn on the spot.
 
-    Otherwise as ``steps_ahead``.
+    Args:
+        report: The latest one, of a robot that stands.
+        angle: By how much [rad], positive to the left.
+        gait: How to walk.
+
+    Returns:
+        Steps in order, counted from 1; none if there is nothing to do.
+
+    Raises:
+        ValueError: If ``angle`` is not finite, or the feet are not on one level.
     """
     return steps_along_arc(report, 0.0, angle, gait)
 
