@@ -66,7 +66,7 @@ def steps_turning(
 
     Args:
         report: The latest one, of a robot that stands.
-        angle: By which they turn [rad], positive to the left.
+        angle: By how much [rad], positive to the left.
         gait: How to walk.
 
     Returns:

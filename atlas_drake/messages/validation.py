@@ -40,7 +40,7 @@ def check_command(
 
     Args:
         message: The command.
-        joint_names: Of the robot that it is for, in message order.
+        joint_names: The robot's joints in message order.
 
     Raises:
         InvalidMessageError: If anything in it cannot be applied; it names the field.
