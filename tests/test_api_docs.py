@@ -30,7 +30,7 @@ def functions():
         if inspect.isfunction(value):
             yield pytest.param(value, id=name)
         elif inspect.isclass(value) and value.__module__.startswith("atlas_drake"):
-            for member, what in inspect.getmembers(value, inspect.isroutine):
+            for member, what in inspect.getmembers(value, callable):
                 own = getattr(what, "__module__", None) or ""
                 if not member.startswith("_") and own.startswith("atlas_drake"):
                     yield pytest.param(what, id=f"{name}.{member}")

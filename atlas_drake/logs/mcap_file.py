@@ -69,6 +69,7 @@ class McapWriter:
             self._register(kind, f"atlas_drake.{message.__name__}", to_plain(message()))
         for name, (schema, sample) in VIEWER_SCHEMAS.items():
             self._register(name, schema, sample)
+        self._file.flush()
         # Lengths of the file with all chunks but one, and with all of them.
         self._lengths = deque([self._file.tell()], maxlen=2)
 
@@ -92,6 +93,8 @@ class McapWriter:
             for name, message in viewer_messages(self._layout, values):
                 self._add(time, name, message)
         if (length := self._file.tell()) != self._lengths[-1]:
+            # A chunk counts once it is in the file, whatever the size of the buffer.
+            self._file.flush()
             self._lengths.append(length)
 
     def note(self, note: Note) -> None:

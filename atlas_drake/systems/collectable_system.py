@@ -68,8 +68,12 @@ class CollectableSystem(LeafSystem):
 
     def callback(self, function: Callable[..., Any]) -> Callable[..., Any]:
         """What Drake may keep in place of a function that knows this system."""
+        try:
+            reference = weakref.ref(function)
+        except TypeError:
+            # One of C++'s own, such as ``AbstractValue.Clone``: it knows no system.
+            return function
         self.__dict__.setdefault("_callbacks", []).append(function)
-        reference = weakref.ref(function)
 
         def call(*arguments: Any) -> Any:
             known = reference()
