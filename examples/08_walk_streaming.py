@@ -6,7 +6,7 @@ import sys
 
 from pydrake.geometry import Meshcat
 
-from atlas_drake import AtlasSimulation, StepStream, steps_along_arc
+from atlas_drake import AtlasSimulation, Gait, StepStream, steps_along_arc
 
 RADIUS = 0.85  # of the circle [m]
 
@@ -21,7 +21,10 @@ if meshcat is not None:
     input("Open the address above in a browser, then press Enter to start.")
 
 steps = steps_along_arc(
-    sim.atlas_sim_interface_state, 2.0 * math.pi * RADIUS, 2.0 * math.pi
+    sim.atlas_sim_interface_state,
+    length=2.0 * math.pi * RADIUS,
+    angle=2.0 * math.pi,
+    gait=Gait(stride=0.2, turn=0.25),
 )
 stream = StepStream(steps)
 while not stream.is_over(sim.atlas_sim_interface_state) and not sim.has_fallen:
