@@ -8,7 +8,7 @@ from pydrake.geometry import Meshcat
 
 from atlas_drake import AtlasSimulation, Gait, StepStream, steps_along_arc
 
-RADIUS = 0.85  # of the circle [m]
+RADIUS = 0.8  # of the circle [m]
 
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("--headless", action="store_true", help="no 3D view")
