@@ -5,10 +5,10 @@ import math
 import signal
 import sys
 
-from atlas_drake import AtlasSimulation, StepStream, steps_along_arc
+from atlas_drake import AtlasSimulation, Gait, StepStream, steps_along_arc
 from atlas_drake.viewer import await_viewer, start_meshcat
 
-RADIUS = 0.85  # of the circle [m]
+RADIUS = 0.8  # of the circle [m]
 
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("--headless", action="store_true", help="no 3D view")
@@ -22,7 +22,10 @@ if meshcat is not None:
     await_viewer(meshcat)
 
 steps = steps_along_arc(
-    sim.atlas_sim_interface_state, 2.0 * math.pi * RADIUS, 2.0 * math.pi
+    sim.atlas_sim_interface_state,
+    length=2.0 * math.pi * RADIUS,
+    angle=2.0 * math.pi,
+    gait=Gait(stride=0.2, turn=0.25),
 )
 stream = StepStream(steps)
 while not stream.is_over(sim.atlas_sim_interface_state) and not sim.has_fallen:

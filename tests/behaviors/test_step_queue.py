@@ -45,6 +45,9 @@ def test_a_footstep_is_what_the_message_says():
     np.testing.assert_array_equal(footstep.p_WF, [1.5, 0.15, 0.02])
     assert footstep.yaw == pytest.approx(0.7)
     assert (footstep.duration, footstep.swing_height) == (0.63, 0.2)
+    # Heights are in the world unless the message says otherwise.
+    assert not footstep.relative
+    assert not merge((), [data(3)], 1)[0].relative
 
 
 @pytest.mark.parametrize("yaw", [-3.1, -1.0, 0.0, 0.4, 1.5, 2.5, 3.1])

@@ -6,7 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from atlas_drake.behaviors.walk_steps import DEMO_STEPS, demo_steps, steps_asked_for
+from atlas_drake.behaviors.walk_steps import (
+    DEMO_HALF_WIDTH,
+    DEMO_LENGTH,
+    DEMO_STEPS,
+    demo_steps,
+    steps_asked_for,
+)
 from atlas_drake.control.footstep import (
     LEFT,
     RIGHT,
@@ -143,9 +149,10 @@ def test_the_demonstration_walks_straight_ahead_and_ends_side_by_side(yaw):
     ahead = np.array([place[0] for place in places])
     lengths = np.diff(ahead)
     np.testing.assert_allclose(lengths[:-1], ahead[0], atol=1e-9)
+    assert ahead[0] == pytest.approx(DEMO_LENGTH)
     assert lengths[-1] == pytest.approx(0.0)
     sides = [outward(s.foot) * p[1] for s, p in zip(steps, places, strict=True)]
-    np.testing.assert_allclose(sides, sides[0])
+    np.testing.assert_allclose(sides, DEMO_HALF_WIDTH)
     for s in steps:
         assert s.yaw == pytest.approx(yaw)
         # Wherever the ground is.
@@ -159,6 +166,14 @@ def test_a_demonstration_that_takes_over_goes_on_with_the_other_foot():
     assert (steps[0].index, steps[0].foot) == (7, RIGHT)
     assert steps[-1].index == DEMO_STEPS
     assert steps_asked_for((), params, feet(), DEMO_STEPS + 1, LEFT) == ()
+
+
+def test_a_demonstration_looks_where_both_feet_look_in_the_mean():
+    left, right = feet(yaw=0.4)[LEFT], feet(yaw=0.2)[RIGHT]
+    assert demo_steps((left, right), 1, LEFT)[0].yaw == pytest.approx(0.3)
+    params = AtlasBehaviorWalkParams(use_demo_walk=True)
+    (first, *_) = steps_asked_for((), params, feet(), 3, last_foot=RIGHT)
+    assert first.foot == LEFT
 
 
 def test_a_demonstration_ignores_the_queue():
