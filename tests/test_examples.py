@@ -17,7 +17,7 @@ EXPECTED = {
     "06_manipulate": "Atlas stands again.",
     "07_step": "Atlas stands on the block.",
     "08_walk_streaming": "Atlas walked its circle.",
-    "09_teleop": "Atlas stands after 10 steps.",
+    "09_teleop": "Atlas stands after 9 steps.",
 }
 """What each prints last when all is well."""
 
