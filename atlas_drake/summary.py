@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from atlas_drake.behaviors.base import STEPS_LEFT
-from atlas_drake.behaviors.footstep_event import ends_elsewhere
+from atlas_drake.behaviors.footstep_event import landed_elsewhere
 from atlas_drake.systems.estimation_error import error_sizes
 
 if TYPE_CHECKING:
@@ -84,7 +84,7 @@ def estimator_drift(
 def _did_it_all(sim: AtlasSimulation) -> bool:
     """Whether what was asked for was done: no refusal, no step missing or elsewhere."""
     return not any(
-        event.kind in ("refusal", STEPS_LEFT) or ends_elsewhere(event)
+        event.kind in ("refusal", STEPS_LEFT) or landed_elsewhere(event)
         for event in sim.events
     )
 

@@ -1,4 +1,4 @@
-"""What is told of a step, the same by every behaviour that steps."""
+"""Events about a step, the same for every behaviour that steps."""
 
 from __future__ import annotations
 
@@ -44,13 +44,13 @@ def footstep_event(
 
 
 NOTABLE = 0.001
-"""A step that is moved by this much is told of before it lands [m]."""
+"""Warn of a step that is moved by this much, before it lands [m]."""
 NOTABLE_ANGLE = 0.01
-"""Likewise one that is turned or tilted by this much [rad]."""
+"""Warn of a step that is turned or tilted by this much [rad]."""
 ELSEWHERE = 0.05
-"""A step that ends this far from where it was sent is not the one asked for [m]."""
+"""A step that lands this far from where it was sent is not the one asked for [m]."""
 ELSEWHERE_ANGLE = 0.2
-"""Likewise one that ends turned by this much [rad]."""
+"""A step that lands turned by this much is not the one asked for [rad]."""
 
 
 def out_of_reach(time: float, sent: Footstep, taken: Footstep) -> tuple[Event, ...]:
@@ -70,7 +70,12 @@ def out_of_reach(time: float, sent: Footstep, taken: Footstep) -> tuple[Event, .
     if not off:
         return ()
     text = f"step {taken.index} is out of reach and ends " + " and ".join(off)
-    data = {"index": taken.index, "error_m": away, "error_rad": turned}
+    data = {
+        "index": taken.index,
+        "about": "place",
+        "error_m": away,
+        "error_rad": turned,
+    }
     return (Event(time, "warning", text, data),)
 
 
@@ -96,14 +101,17 @@ def pace_changed(time: float, sent: Footstep, taken: Footstep) -> tuple[Event, .
     if not changes:
         return ()
     text = f"step {taken.index} " + " and ".join(changes)
-    return (Event(time, "warning", text, {"index": taken.index}),)
+    data = {"index": taken.index, "about": "pace"}
+    return (Event(time, "warning", text, data),)
 
 
-def ends_elsewhere(event: Event) -> bool:
-    """Whether an event tells of a step that is not the one asked for."""
-    return event.kind == "warning" and (
-        event.data.get("error_m", 0.0) >= ELSEWHERE
-        or event.data.get("error_rad", 0.0) >= ELSEWHERE_ANGLE
+def landed_elsewhere(event: Event) -> bool:
+    """Whether an event tells of a landing that is not the one asked for.
+
+    It may have been out of reach, or balance may have moved it.
+    """
+    return event.kind == "footstep" and (
+        event.data["error_m"] >= ELSEWHERE or event.data["error_rad"] >= ELSEWHERE_ANGLE
     )
 
 

@@ -15,6 +15,7 @@ from atlas_drake.control.dcm_plan import CopSegment, DcmPlan
 from atlas_drake.control.footstep import FootPose, Footstep, outward
 from atlas_drake.control.rotations import rotation_z
 from atlas_drake.control.support_polygon import SupportPolygon
+from atlas_drake.frozen import replace
 
 
 @dataclass(frozen=True)
@@ -89,6 +90,38 @@ def plan_walk(
     duration = timing.settle if steps else first_phase
     segments.append(CopSegment(duration, cop, middle))
     return DcmPlan(segments, omega)
+
+
+def landing_sensitivity(
+    cop: np.ndarray,
+    swing_time: float,
+    feet: tuple[FootPose, FootPose],
+    steps: Sequence[Footstep],
+    timing: GaitTiming,
+    omega: float,
+) -> float:
+    """∂ξ(touchdown)/∂(landing place) of the foot in the air, the same on both axes [-].
+
+    The steps after it stay where they are, so that the plan is linear in its landing
+    place, and any offset does.
+
+    Args:
+        cop: Where the CoP's reference is now [m], shape (2,).
+        swing_time: Time left in the swing [s].
+        feet: Where the soles are on the ground.
+        steps: To come, the one in the air first.
+        timing: Of the phases.
+        omega: Natural frequency of the pendulum [1/s].
+    """
+    first, *rest = steps
+    moved = replace(first, p_WF=first.p_WF + np.array([1.0, 0.0, 0.0]))
+
+    def dcm_at_touchdown(step: Footstep) -> float:
+        coming = (step, *rest)
+        plan = plan_walk(cop, swing_time, feet, coming, True, timing, omega)
+        return float(plan.evaluate(swing_time).dcm[0])
+
+    return dcm_at_touchdown(moved) - dcm_at_touchdown(first)
 
 
 def begun_at(plan: DcmPlan, dcm: np.ndarray, support: SupportPolygon) -> DcmPlan:

@@ -72,6 +72,27 @@ def merge(
     return tuple(steps[index] for index in sorted(steps))
 
 
+def replaced(
+    before: tuple[Footstep, ...], after: tuple[Footstep, ...]
+) -> frozenset[int]:
+    """Indices of the steps in ``after`` that are not as they were in ``before``."""
+    known = {step.index: _content(step) for step in before}
+    return frozenset(s.index for s in after if known.get(s.index) != _content(s))
+
+
+def _content(step: Footstep) -> tuple[float, ...]:
+    """All that a message said of a step, comparable."""
+    return (
+        step.foot,
+        *step.p_WF.tolist(),
+        step.yaw,
+        step.duration,
+        step.swing_height,
+        *step.normal.tolist(),
+        step.relative,
+    )
+
+
 def next_runs(pending: tuple[Footstep, ...], index: int) -> tuple[Footstep, ...]:
     """The steps that follow each other without a gap from ``index`` on."""
     run: list[Footstep] = []

@@ -19,13 +19,20 @@ from atlas_drake.behaviors.body_reference import (
     advance_body,
 )
 from atlas_drake.behaviors.footstep_event import footstep_event
-from atlas_drake.behaviors.gait import GaitTiming, begun_at, plan_walk, stance_cop
-from atlas_drake.behaviors.step_queue import step_data_from
+from atlas_drake.behaviors.gait import (
+    GaitTiming,
+    begun_at,
+    landing_sensitivity,
+    plan_walk,
+    stance_cop,
+)
+from atlas_drake.behaviors.step_queue import replaced, step_data_from
 from atlas_drake.behaviors.walk_memory import Phase, WalkMemory, WalkRules
 from atlas_drake.behaviors.walk_outlook import (
     LOOK_AHEAD,
     Outlook,
     look_ahead,
+    subject,
     time_to_touchdown,
     warnings_about,
 )
@@ -220,7 +227,10 @@ class Walk:
             memory.next_index,
             memory.last_foot,
         )
-        return replace(memory, pending=pending)
+        # A step that was sent anew is another one, which nothing was told of yet.
+        new = replaced(memory.pending, pending)
+        told = frozenset(about for about in memory.told if about[0] not in new)
+        return replace(memory, pending=pending, told=told)
 
     def _look_ahead(self, memory: WalkMemory) -> Outlook:
         return look_ahead(memory, self._limits, self._slack)
@@ -233,7 +243,7 @@ class Walk:
     ) -> tuple[WalkMemory, tuple[Event, ...]]:
         """Warns once of each step that is not taken as sent, when that is known."""
         news = warnings_about(self._look_ahead(memory), memory.told, time)
-        told = memory.told.union(event.data["index"] for event in news)
+        told = memory.told.union(map(subject, news))
         return replace(memory, told=told), news
 
     def _leave(self, memory: WalkMemory) -> WalkMemory:
@@ -326,7 +336,11 @@ class Walk:
         )
         cop = stance_cop(memory.feet[stance], stance)
         memory = self._replan(memory, cop, duration)
-        return replace(memory, sensitivity=self._sensitivity(memory, cop))
+        coming = self._coming(memory)
+        sensitivity = landing_sensitivity(
+            cop, duration, memory.feet, coming, self._timing, memory.omega
+        )
+        return replace(memory, sensitivity=sensitivity)
 
     def _touch_down(
         self, memory: WalkMemory, seen: Observation
@@ -387,18 +401,6 @@ class Walk:
         )
 
     # ---- balance -------------------------------------------------------------
-
-    def _sensitivity(self, memory: WalkMemory, cop: np.ndarray) -> float:
-        """∂ξ(touchdown)/∂(landing place), the same on both axes."""
-        offset = np.array([1.0, 0.0, 0.0])
-        moved = replace(
-            memory, current=replace(memory.step, p_WF=memory.step.p_WF + offset)
-        )
-        there = self._replan(moved, cop, memory.duration).plan
-        return float(
-            there.evaluate(memory.duration).dcm[0]
-            - memory.plan.evaluate(memory.duration).dcm[0]
-        )
 
     def _adjust_step(self, memory: WalkMemory, seen: Observation) -> WalkMemory:
         """Moves the landing place when the ankles cannot hold the DCM."""

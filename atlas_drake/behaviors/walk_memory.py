@@ -77,7 +77,7 @@ class WalkMemory:
         next_index: Index of the next step to begin.
         seen_params: What was last read of the messages, to notice a new one.
         obstacle: Why the walk ends before a step that was sent; empty if it does not.
-        told: Indices of steps that a warning was given for.
+        told: What was warned about: indices of steps, and what of them.
     """
 
     phase: Phase
@@ -98,7 +98,7 @@ class WalkMemory:
     next_index: int
     seen_params: AtlasBehaviorWalkParams
     obstacle: str = ""
-    told: frozenset[int] = frozenset()
+    told: frozenset[tuple[int, str]] = frozenset()
 
     @property
     def swinging(self) -> bool:

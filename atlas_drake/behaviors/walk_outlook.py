@@ -131,24 +131,29 @@ def obstacle_to(
 
 
 def warnings_about(
-    outlook: Outlook, told: frozenset[int], time: float
+    outlook: Outlook, told: frozenset[tuple[int, str]], time: float
 ) -> tuple[Event, ...]:
     """Tells of the steps that are not taken as they were sent, each for once.
 
     Args:
         outlook: What is to come.
-        told: Indices of steps that were warned about before.
+        told: The ``subject`` of each warning given before.
         time: [s]
     """
     events: tuple[Event, ...] = ()
     for wish, step in zip(outlook.wishes, outlook.steps, strict=True):
-        if step.index not in told:
-            events += out_of_reach(time, wish, step) + pace_changed(time, wish, step)
+        events += out_of_reach(time, wish, step) + pace_changed(time, wish, step)
     blocked = outlook.blocked
-    if blocked is not None and blocked.index not in told:
+    if blocked is not None:
         text = f"WALK will end before step {blocked.index}: {outlook.obstacle}"
-        events += (Event(time, "warning", text, {"index": blocked.index}),)
-    return events
+        data = {"index": blocked.index, "about": "obstacle"}
+        events += (Event(time, "warning", text, data),)
+    return tuple(event for event in events if subject(event) not in told)
+
+
+def subject(warning: Event) -> tuple[int, str]:
+    """The step that a warning is about, and what of it: place, pace or obstacle."""
+    return warning.data["index"], warning.data["about"]
 
 
 def time_to_touchdown(

@@ -1,6 +1,7 @@
 """The walk's DCM plan: the CoP over the stance feet, phase by phase, and to rest."""
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from atlas_drake.behaviors.gait import (
     COP_INWARD,
     GaitTiming,
     begun_at,
+    landing_sensitivity,
     plan_walk,
     stance_cop,
 )
@@ -223,3 +225,17 @@ def test_a_plan_can_begin_with_the_dcm_where_it_is():
     bounded = begun_at(plan, cop, small)
     sideways = [bounded.evaluate(0.01 * k).cop[1] for k in range(41)]
     assert max(np.abs(sideways)) <= 0.05 + 1e-12
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+def test_the_sensitivity_is_the_derivative_by_the_landing_place(feet, steps, cop, axis):
+    def dcm(shift):
+        p_WF = steps[0].p_WF.copy()
+        p_WF[axis] += shift
+        coming = (replace(steps[0], p_WF=p_WF), *steps[1:])
+        plan = plan_walk(cop, FIRST, feet, coming, True, TIMING, OMEGA)
+        return plan.evaluate(FIRST).dcm[axis]
+
+    found = landing_sensitivity(cop, FIRST, feet, steps, TIMING, OMEGA)
+    assert found == pytest.approx((dcm(1e-3) - dcm(-1e-3)) / 2e-3, rel=1e-6)
+    assert 0.5 < found < 1.0

@@ -10,6 +10,7 @@ from atlas_drake.behaviors.step_queue import (
     footstep_from,
     merge,
     next_runs,
+    replaced,
     step_data_from,
 )
 from atlas_drake.control.footstep import LEFT, RIGHT, Footstep
@@ -126,3 +127,10 @@ def test_a_tilted_step_goes_to_a_message_and_back():
     again = footstep_from(step_data_from(tilted))
     np.testing.assert_allclose(again.normal, normal, atol=1e-12)
     assert again.yaw == pytest.approx(0.8)
+
+
+def test_a_step_sent_again_is_no_new_one_unless_it_says_something_else():
+    before = merge((), [data(1), data(2)], 1)
+    assert replaced(before, merge(before, [data(1), data(2)], 1)) == set()
+    assert replaced(before, merge(before, [data(2, x=0.1), data(3)], 1)) == {2, 3}
+    assert replaced(before, merge(before, [data(1)], 1, relative=True)) == {1}

@@ -6,12 +6,13 @@ import math
 import numpy as np
 import pytest
 
-from atlas_drake.behaviors.footstep_event import ends_elsewhere, footstep_event
+from atlas_drake.behaviors.footstep_event import footstep_event, landed_elsewhere
 from atlas_drake.behaviors.gait import GaitTiming
 from atlas_drake.behaviors.walk_memory import Phase, WalkMemory
 from atlas_drake.behaviors.walk_outlook import (
     LOOK_AHEAD,
     look_ahead,
+    subject,
     time_to_touchdown,
     warnings_about,
 )
@@ -134,7 +135,7 @@ def test_the_step_in_the_air_is_where_the_next_one_begins():
     )
     assert outlook.steps[0] is in_air
     # Balance may have moved it: that is no saturation.
-    assert texts(outlook, frozenset([2])) == []
+    assert texts(outlook, frozenset([(2, "place")])) == []
     assert outlook.steps[1].p_WF[0] == pytest.approx(0.3 + LIMITS.forward)
 
 
@@ -154,7 +155,7 @@ def test_a_step_too_high_is_an_obstacle(sign, relative):
     way = "up" if sign > 0 else "down"
     expected = f"before step 2: step 2 leads 0.15 m {way}, which is too much"
     assert text.endswith(expected)
-    assert texts(outlook, frozenset([2])) == []
+    assert texts(outlook, frozenset([(2, "obstacle")])) == []
 
 
 @pytest.mark.parametrize("error", [-0.005, 0.005])
@@ -208,22 +209,31 @@ def test_every_saturation_is_told_of_once(wish, text):
     assert event.data["index"] == 1
     assert event.text.startswith("step 1 ")
     assert text in event.text
-    assert texts(outlook, frozenset([1])) == []
+    assert texts(outlook, frozenset([subject(event)])) == []
+
+
+def test_what_was_told_of_a_steps_pace_does_not_hide_that_it_is_out_of_reach():
+    (pace,) = warnings_about(outlook_of([step(1, swing_height=0.0)]), frozenset(), 0.0)
+    far = outlook_of([step(1, 1.0, swing_height=0.0)])
+    (news,) = warnings_about(far, frozenset([subject(pace)]), 0.0)
+    assert news.data["error_m"] == pytest.approx(0.58)
 
 
 def test_a_step_within_reach_is_not_worth_a_word():
     assert texts(outlook_of([step(1, 0.42), step(2, 0.42, yaw=-0.2)])) == []
 
 
-def test_a_plan_out_of_reach_is_not_what_was_asked_for():
-    (near,) = warnings_about(outlook_of([step(1, 0.43)]), frozenset(), 0.0)
+def test_a_landing_elsewhere_is_not_what_was_asked_for():
+    def landing(x=0.0, yaw=0.0):
+        return footstep_event(0.0, step(1), step(1, x), foot_at(LEFT, x, yaw=yaw))
+
+    events = (landing(0.04), landing(0.06), landing(yaw=0.1), landing(yaw=-0.3))
+    assert [landed_elsewhere(event) for event in events] == [0, 1, 0, 1]
+    # A warning is not the last word: a better step may still be sent.
     (far,) = warnings_about(outlook_of([step(1, 1.0)]), frozenset(), 0.0)
+    assert not landed_elsewhere(far)
     (turned,) = warnings_about(outlook_of([step(1, yaw=0.785)]), frozenset(), 0.0)
-    assert [ends_elsewhere(event) for event in (near, far, turned)] == [0, 1, 1]
-    assert far.data["error_m"] == pytest.approx(0.58)
     assert turned.data["error_rad"] == pytest.approx(0.285)
-    landed = footstep_event(0.0, step(1), step(1), foot_at(LEFT, 0.3, yaw=0.3))
-    assert not ends_elsewhere(landed)
 
 
 def test_a_landing_tells_how_far_it_is_off_in_place_and_heading():
