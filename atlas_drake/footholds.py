@@ -17,7 +17,7 @@ from atlas_drake.control.rotations import wrap_angle, yaw_of
 from atlas_drake.messages import AtlasBehaviorStepData, Pose
 
 HALF_WIDTH = 0.12
-"""Of each foot from the middle [m]."""
+"""Distance of each foot from the middle between both [m]."""
 BACKWARD_SHARE = 0.6
 """Of the stride, when walking backward: the knees bend the other way."""
 SIDEWAYS_SHARE = 0.5

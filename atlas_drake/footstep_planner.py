@@ -11,10 +11,11 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from atlas_drake.control.footstep import LEFT, RIGHT, outward
+from atlas_drake.control.footstep import LEFT, RIGHT, StepLimits, outward
 from atlas_drake.control.rotations import mean_yaw, wrap_angle
 from atlas_drake.footholds import (
     BACKWARD_SHARE,
+    HALF_WIDTH,
     SIDEWAYS_SHARE,
     Foothold,
     Gait,
@@ -200,9 +201,29 @@ def _next_middle(stance: Foothold, goal: Foothold, foot: int, gait: Gait) -> Foo
     side = outward(foot)
     turn = _clip(wrap_angle(goal.yaw - stance.yaw), -gait.turn, gait.turn)
     ahead, left = way_to(stance, goal, turn)
-    ahead = _clip(ahead, -BACKWARD_SHARE * gait.stride, gait.stride)
     out = _clip(side * left, -CLOSING, SIDEWAYS_SHARE * gait.stride)
+    farthest = min(gait.stride, _farthest_ahead(out, side * turn))
+    ahead = _clip(ahead, -BACKWARD_SHARE * gait.stride, farthest)
     return moved(stance, ahead, side * out, turn)
+
+
+def _farthest_ahead(out: float, turn: float) -> float:
+    """How far ahead of the stance foot the middle can come within the limits [m].
+
+    Only a foot that turns in comes near a limit: it gets ahead by its turn as well,
+    and nearer to the stance foot with every bit that it goes ahead. No ``Gait`` leads
+    to the other limits.
+
+    Args:
+        out: Way of the middle to the side of the stepping foot [m].
+        turn: Outward [rad], no more inward than ``StepLimits.toe_in``.
+    """
+    limits, width = StepLimits(), HALF_WIDTH + out
+    farthest = (limits.forward + width * math.sin(turn)) / math.cos(0.5 * turn)
+    if turn < -THERE_YAW:
+        room = HALF_WIDTH + width * math.cos(turn) - limits.min_width
+        farthest = min(farthest, room / math.sin(-0.5 * turn))
+    return farthest
 
 
 def _first_foot(here: Foothold, way: Sequence[Foothold]) -> int:

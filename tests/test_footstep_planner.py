@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from atlas_drake import (
@@ -53,6 +53,14 @@ def standing(x=0.0, y=0.0, yaw=0.0, width=2 * HALF_WIDTH, z=0.0):
     c, s = math.cos(yaw), math.sin(yaw)
     soles = [(x - s * w, y + c * w, yaw) for w in (0.5 * width, -0.5 * width)]
     return report_of(*soles, z=z)
+
+
+@st.composite
+def gaits(draw):
+    """Any gait that can be asked for."""
+    stride = draw(st.floats(0.01, 0.35))
+    turn = draw(st.floats(0.01, 0.25))
+    return Gait(stride=stride, turn=turn)
 
 
 @st.composite
@@ -133,6 +141,25 @@ def test_to_a_pose_nearby(report, x, y, turn):
     goal = here[0] + x, here[1] + y, here[2] + turn
     steps = steps_to(report, *goal)
     # None where the feet are side by side in the right place, if not exactly.
+    if steps:
+        assert_ends_at(taken(report, steps), *goal)
+
+
+@settings(deadline=None, max_examples=200)
+@given(
+    report=reports(),
+    gait=st.one_of(st.just(Gait(stride=0.35, turn=0.25)), gaits()),
+    x=st.floats(-0.5, 0.5),
+    y=st.floats(-0.5, 0.5),
+    turn=st.floats(-1.0, 1.0),
+)
+@example(standing(), Gait(stride=0.35, turn=0.25), 0.5, 0.1, 0.6)
+@example(standing(), Gait(stride=0.35, turn=0.25), 0.5, 0.3, -0.6)
+def test_to_a_pose_nearby_in_any_gait(report, gait, x, y, turn):
+    # Ahead, aside and turning at once.
+    here = middle(soles(report))
+    goal = here[0] + x, here[1] + y, here[2] + turn
+    steps = steps_to(report, *goal, gait)
     if steps:
         assert_ends_at(taken(report, steps), *goal)
 
