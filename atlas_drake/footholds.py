@@ -10,14 +10,13 @@ import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
-import numpy as np
-
-from atlas_drake.control.footstep import StepLimits, outward
+from atlas_drake.control.attitude import rotation_matrix
+from atlas_drake.control.footstep import StepLimits, longest_duration, outward
 from atlas_drake.control.rotations import wrap_angle, yaw_of
 from atlas_drake.messages import AtlasBehaviorStepData, Pose
 
 HALF_WIDTH = 0.12
-"""Of each foot from the middle [m]."""
+"""Distance of each foot from the middle between both [m]."""
 BACKWARD_SHARE = 0.6
 """Of the stride, when walking backward: the knees bend the other way."""
 SIDEWAYS_SHARE = 0.5
@@ -33,7 +32,8 @@ class Gait:
     Attributes:
         stride: From one footprint to the next [m], at most 0.35.
         turn: Of each step when turning [rad], at most 0.25.
-        duration: Of each step [s].
+        duration: Of each step [s], at most 3.0; less with a stride that takes the feet
+            far apart, about 1.4 with the longest.
         swing_height: [m]
 
     Raises:
@@ -51,13 +51,28 @@ class Gait:
             # Turning takes the feet apart lengthways as well.
             ("stride", 0.01, limits.forward - 2.0 * HALF_WIDTH * limits.toe_in - 0.01),
             ("turn", 0.01, limits.toe_in),
-            ("duration", limits.min_duration, limits.max_duration),
             ("swing_height", limits.min_swing_height, limits.max_swing_height),
+            ("duration", limits.min_duration, limits.max_duration),
         ):
             value = getattr(self, name)
             if not low - _ROUNDING <= value <= high + _ROUNDING:
                 text = f"gait.{name} is {value!r}, and not between {low} and {high:.2f}"
                 raise ValueError(text)
+        longest = longest_duration(self._farthest_apart, limits)
+        if self.duration > longest + _ROUNDING:
+            text = f"gait.duration is {self.duration!r}, and not at most {longest:.2f}"
+            apart = f"a stride of {self.stride!r} takes feet up to"
+            raise ValueError(f"{text}: {apart} {self._farthest_apart:.2f} m apart")
+
+    @property
+    def _farthest_apart(self) -> float:
+        """Upper bound of the distance between the feet in any step [m].
+
+        That of a full stride that goes to the side and turns in at once.
+        """
+        aside = SIDEWAYS_SHARE * self.stride
+        turned = 2.0 * self.stride * aside * math.sin(0.5 * self.turn)
+        return math.sqrt(self.stride**2 + (2.0 * HALF_WIDTH + aside) ** 2 + turned)
 
 
 class Foothold(NamedTuple):
@@ -70,11 +85,8 @@ class Foothold(NamedTuple):
 
 def foothold(pose: Pose) -> Foothold:
     """Place and heading of a sole."""
-    q = pose.orientation
-    x_axis = np.array(
-        [[1.0 - 2.0 * (q.y * q.y + q.z * q.z)], [2.0 * (q.x * q.y + q.w * q.z)]]
-    )
-    return Foothold(pose.position.x, pose.position.y, wrap_angle(yaw_of(x_axis)))
+    yaw = yaw_of(rotation_matrix(pose.orientation.to_wxyz()))
+    return Foothold(pose.position.x, pose.position.y, wrap_angle(yaw))
 
 
 def middle_beside(sole: Foothold, foot: int) -> Foothold:

@@ -10,11 +10,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import asdict
 
-from atlas_drake.control.footstep import LEFT, RIGHT, outward
+from atlas_drake.control.footstep import (
+    LEFT,
+    RIGHT,
+    StepLimits,
+    clip,
+    longest_duration,
+    outward,
+)
 from atlas_drake.control.rotations import mean_yaw, wrap_angle
+from atlas_drake.errors import shown
 from atlas_drake.footholds import (
     BACKWARD_SHARE,
+    HALF_WIDTH,
     SIDEWAYS_SHARE,
     Foothold,
     Gait,
@@ -32,6 +42,12 @@ FAR = 0.8
 goes as it stands, also backwards and sideways [m]."""
 CLOSING = 0.02
 """A foot comes nearer to the other one than side by side by no more than this [m]."""
+FARTHEST = 1000.0
+"""Longest way of a plan, ahead or along each axis of the world [m]."""
+MOST_TURN = 1000.0
+"""Largest angle that is asked for [rad]."""
+WORLD = 1e6
+"""Feet are no farther than this from the world's origin [m]."""
 UNEVEN = 0.02
 """Feet that differ in height by more do not stand on level ground [m]."""
 THERE, THERE_YAW = 1e-6, 1e-6
@@ -54,8 +70,10 @@ def steps_ahead(
         Steps in order, counted from 1; none if there is nothing to do.
 
     Raises:
-        ValueError: If ``distance`` is not finite, or the feet are not on one level.
+        ValueError: If ``distance`` is beyond FARTHEST or not a number, the report has
+            no place for a foot, or the feet are not on one level.
     """
+    _check_range("distance", distance, FARTHEST)
     return steps_along_arc(report, distance, 0.0, gait)
 
 
@@ -73,7 +91,8 @@ def steps_turning(
         Steps in order, counted from 1; none if there is nothing to do.
 
     Raises:
-        ValueError: If ``angle`` is not finite, or the feet are not on one level.
+        ValueError: If ``angle`` is beyond MOST_TURN or not a number, the report has no
+            place for a foot, or the feet are not on one level.
     """
     return steps_along_arc(report, 0.0, angle, gait)
 
@@ -96,10 +115,13 @@ def steps_along_arc(
         Steps in order, counted from 1; none if there is nothing to do.
 
     Raises:
-        ValueError: If a number is not finite, or the feet are not on one level.
+        ValueError: If ``length`` is beyond FARTHEST, ``angle`` beyond MOST_TURN or
+            either not a number, the report has no place for a foot, or the feet are
+            not on one level.
     """
     gait = gait or Gait()
-    _check_finite(length=length, angle=angle)
+    _check_range("length", length, FARTHEST)
+    _check_range("angle", angle, MOST_TURN)
     return _steps(report, _arc(_middle(report), length, angle, gait), gait)
 
 
@@ -123,11 +145,16 @@ def steps_to(
         Steps in order, counted from 1; none if the robot is there.
 
     Raises:
-        ValueError: If a number is not finite, or the feet are not on one level.
+        ValueError: If ``x`` or ``y`` is farther than FARTHEST from the robot, ``yaw``
+            beyond MOST_TURN or either not a number, the report has no place for a
+            foot, or the feet are not on one level.
     """
     gait = gait or Gait()
-    _check_finite(x=x, y=y, yaw=yaw)
-    here, goal = _middle(report), Foothold(x, y, yaw)
+    here = _middle(report)
+    _check_range("x", x, FARTHEST, here.x)
+    _check_range("y", y, FARTHEST, here.y)
+    _check_range("yaw", yaw, MOST_TURN)
+    goal = Foothold(x, y, yaw)
     dx, dy = x - here.x, y - here.y
     distance = math.hypot(dx, dy)
     if distance <= FAR:
@@ -158,11 +185,8 @@ def _steps(
     report: AtlasSimInterfaceState, way: Sequence[Foothold], gait: Gait
 ) -> list[AtlasBehaviorStepData]:
     """Steps from one place to the next, the last two to the last place."""
-    feet = [foothold(pose) for pose in report.foot_pos_est]
-    heights = [pose.position.z for pose in report.foot_pos_est]
-    if abs(heights[0] - heights[1]) > UNEVEN:
-        text = f"the feet are at {heights[0]:.3f} m and {heights[1]:.3f} m"
-        raise ValueError(f"{text}: footsteps are planned on level ground only")
+    feet, limits = _feet(report), StepLimits()
+    height = 0.5 * sum(pose.position.z for pose in report.foot_pos_est)
     here = _middle(report)
     if all(_is_there(here, place) for place in way) and _side_by_side(feet):
         return []
@@ -173,9 +197,12 @@ def _steps(
     while True:
         stance = middle_beside(feet[1 - foot], 1 - foot)
         middle = _next_middle(stance, remaining[0], foot, gait)
+        apart = math.dist(feet[0][:2], feet[1][:2])
         feet[foot] = sole_beside(middle, foot)
         step = step_data(len(steps) + 1, foot, feet[foot], gait)
-        step.pose.position.z = 0.5 * (heights[0] + heights[1])
+        step.pose.position.z = height
+        # Feet may be farther apart before the first step than the gait takes them.
+        step.duration = min(gait.duration, longest_duration(apart, limits))
         steps.append(step)
         reached = _is_there(middle, remaining[0])
         if len(remaining) > 1:
@@ -198,11 +225,31 @@ def _next_middle(stance: Foothold, goal: Foothold, foot: int, gait: Gait) -> Foo
         gait: How far and how much at once.
     """
     side = outward(foot)
-    turn = _clip(wrap_angle(goal.yaw - stance.yaw), -gait.turn, gait.turn)
+    turn = clip(wrap_angle(goal.yaw - stance.yaw), -gait.turn, gait.turn)
     ahead, left = way_to(stance, goal, turn)
-    ahead = _clip(ahead, -BACKWARD_SHARE * gait.stride, gait.stride)
-    out = _clip(side * left, -CLOSING, SIDEWAYS_SHARE * gait.stride)
+    out = clip(side * left, -CLOSING, SIDEWAYS_SHARE * gait.stride)
+    farthest = min(gait.stride, _farthest_ahead(out, side * turn))
+    ahead = clip(ahead, -BACKWARD_SHARE * gait.stride, farthest)
     return moved(stance, ahead, side * out, turn)
+
+
+def _farthest_ahead(out: float, turn: float) -> float:
+    """How far ahead of the stance foot the middle can come within the limits [m].
+
+    Only a foot that turns in comes near a limit: it gets ahead by its turn as well,
+    and nearer to the stance foot with every bit that it goes ahead. No ``Gait`` leads
+    to the other limits.
+
+    Args:
+        out: Way of the middle to the side of the stepping foot [m].
+        turn: Outward [rad], no more inward than ``StepLimits.toe_in``.
+    """
+    limits, width = StepLimits(), HALF_WIDTH + out
+    farthest = (limits.forward + width * math.sin(turn)) / math.cos(0.5 * turn)
+    if turn < -THERE_YAW:
+        room = HALF_WIDTH + width * math.cos(turn) - limits.min_width
+        farthest = min(farthest, room / math.sin(-0.5 * turn))
+    return farthest
 
 
 def _first_foot(here: Foothold, way: Sequence[Foothold]) -> int:
@@ -216,8 +263,22 @@ def _first_foot(here: Foothold, way: Sequence[Foothold]) -> int:
     return LEFT
 
 
+def _feet(report: AtlasSimInterfaceState) -> list[Foothold]:
+    """Both soles, which stand on one level."""
+    for index, pose in enumerate(report.foot_pos_est):
+        for field in ("position", "orientation"):
+            for name, value in asdict(getattr(pose, field)).items():
+                _check_range(f"foot_pos_est[{index}].{field}.{name}", value, WORLD)
+    feet = [foothold(pose) for pose in report.foot_pos_est]
+    heights = [pose.position.z for pose in report.foot_pos_est]
+    if abs(heights[0] - heights[1]) > UNEVEN:
+        text = f"the feet are at {heights[0]:.3f} m and {heights[1]:.3f} m"
+        raise ValueError(f"{text}: footsteps are planned on level ground only")
+    return feet
+
+
 def _middle(report: AtlasSimInterfaceState) -> Foothold:
-    left, right = (foothold(pose) for pose in report.foot_pos_est)
+    left, right = _feet(report)
     x, y = 0.5 * (left.x + right.x), 0.5 * (left.y + right.y)
     return Foothold(x, y, mean_yaw(left.yaw, right.yaw))
 
@@ -237,16 +298,14 @@ def _is_there(place: Foothold, goal: Foothold) -> bool:
     )
 
 
-def _check_finite(**numbers: float) -> None:
-    for name, number in numbers.items():
-        if not math.isfinite(number):
-            raise ValueError(f"{name} is {number!r}, not a finite number")
+def _check_range(name: str, number: float, size: float, about: float = 0.0) -> None:
+    # Compared, not computed with: a number may be too large for a float.
+    low, high = about - size, about + size
+    if not low <= number <= high:
+        text = f"{name} is {shown(number)}, and not between {low:g} and {high:g}"
+        raise ValueError(text)
 
 
 def _ceil(share: float) -> int:
     """Steps for so many strides, but none for rounding."""
     return math.ceil(share - 1e-9)
-
-
-def _clip(value: float, low: float, high: float) -> float:
-    return min(max(value, low), high)

@@ -23,7 +23,10 @@ ANSWER = 0.02
 
 
 class StepStream:
-    """One walk over given steps.
+    """One walk over given steps, by a robot that is not in WALK yet.
+
+    Steps are counted from 1, as in a walk that begins; a robot in WALK has begun to
+    count already.
 
     Ask ``next_command`` about ten times a second, publish what it returns, and go on
     until the walk ``is_over``.

@@ -95,6 +95,7 @@ ROWS: tuple[tuple[str, str, Callable[[list[float]], float], float, str], ...] = 
     ("stand ok", "stands that succeed [%]", statistics.mean, 1e2, ".0f"),
     ("tutorial ok", "tutorials that succeed [%]", statistics.mean, 1e2, ".0f"),
     ("tutorial landing", "landing error of the tutorial [mm]", max, 1e3, ".1f"),
+    ("push ok", "push searches that end [%]", statistics.mean, 1e2, ".0f"),
     *(
         (
             f"push {posture} {direction}",
@@ -132,11 +133,11 @@ def table(figures: dict[str, dict[str, list[float]]]) -> list[str]:
 
 def compare(
     model: str, physics: list[Physics], parts: list[str], seeds: range, jobs: int
-) -> dict[str, dict[str, list[float]]]:
+) -> tuple[dict[str, dict[str, list[float]]], bool]:
     """All trials of one robot; what was done counts when it is interrupted.
 
     Returns:
-        By approximation and figure, a value per seed.
+        By approximation and figure, a value per seed; and whether all trials were run.
     """
     figures: dict[str, dict[str, list[float]]] = {p.contact: {} for p in physics}
 
@@ -170,7 +171,8 @@ def compare(
                 add(name, values)
     except KeyboardInterrupt:
         print("Interrupted; what was done counts.")
-    return figures
+        return figures, False
+    return figures, True
 
 
 def main() -> int:
@@ -210,9 +212,13 @@ def main() -> int:
     physics = [replace(every, contact=name) for name in APPROXIMATIONS]
     found = {}
     for model in models:
-        found[model] = compare(model, physics, options.parts, seeds, options.jobs)
+        found[model], complete = compare(
+            model, physics, options.parts, seeds, options.jobs
+        )
         print(f"\n{model}, physics step {1e3 * step:g} ms")
         print("\n".join(table(found[model])) + "\n", flush=True)
+        if not complete:
+            break
     write_figures(
         options.json, {"first_seed": first, "physics_step": step, "figures": found}
     )

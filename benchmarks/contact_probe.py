@@ -36,9 +36,6 @@ class ContactProbe:
     Attributes:
         normal, friction: Force per contact of the robot with the world [N].
         bound: Coulomb's bound on that friction, μ times the normal force [N].
-        lagged_bound: μ times the normal force of the step before [N]; NaN where the
-            contact is new.
-        depth: Penetration at the step's beginning [m].
         slips: Farthest way of the standing sole from where it was, by single support
             [m].
     """
@@ -47,8 +44,6 @@ class ContactProbe:
         self.normal: list[float] = []
         self.friction: list[float] = []
         self.bound: list[float] = []
-        self.lagged_bound: list[float] = []
-        self.depth: list[float] = []
         self.slips: list[float] = []
         self._sim = sim
         plant: MultibodyPlant = sim.plant
@@ -58,7 +53,6 @@ class ContactProbe:
         self._weight = sim.robot.mass * GRAVITY
         self._world = int(plant.world_body().index())
         self._coefficients: dict[tuple[int, int], float] = {}
-        self._before: dict[tuple[int, int], float] = {}
         self._support: _Support | None = None
         self._time = -np.inf
         sim.simulator.set_monitor(self._look)
@@ -87,25 +81,20 @@ class ContactProbe:
         self._time = time
         results = self._sim.diagram.GetOutputPort("contact_results").Eval(root)
         loads = [0.0, 0.0]
-        now: dict[tuple[int, int], float] = {}
         for k in range(results.num_point_pair_contacts()):
             info = results.point_pair_contact_info(k)
             bodies = int(info.bodyA_index()), int(info.bodyB_index())
             if self._world not in bodies:
                 continue
-            key, normal = self._read(info, root)
-            now[key] = normal
+            normal = self._read(info, root)
             for foot, body in enumerate(self._feet):
                 if body in bodies:
                     loads[foot] += normal
-        self._before = now
         self._follow(root, loads)
         return EventStatus.DidNothing()
 
-    def _read(
-        self, info: PointPairContactInfo, root: Context
-    ) -> tuple[tuple[int, int], float]:
-        """Notes a contact; returns its pair of shapes and its normal force [N]."""
+    def _read(self, info: PointPairContactInfo, root: Context) -> float:
+        """Notes a contact; returns its normal force [N]."""
         pair = info.point_pair()
         key = pair.id_A.get_value(), pair.id_B.get_value()
         force, axis = np.array(info.contact_force()), np.array(pair.nhat_BA_W)
@@ -126,9 +115,7 @@ class ContactProbe:
         self.normal.append(normal)
         self.friction.append(friction)
         self.bound.append(coefficient * normal)
-        self.lagged_bound.append(coefficient * self._before.get(key, np.nan))
-        self.depth.append(pair.depth)
-        return key, normal
+        return normal
 
     def _follow(self, root: Context, loads: list[float]) -> None:
         """Follows the sole of a foot that carries the robot alone."""

@@ -105,6 +105,37 @@ def test_contact_models_make_a_table(load):
     trials = load("contact_trials")
     pushes = {f"push {p} {d}" for p in trials.INCREMENT for d in trials.DIRECTIONS}
     assert pushes <= keys
+    assert {f"{part} ok" for part in trials.PARTS} <= keys
+
+
+def test_contact_models_count_the_pushes_that_die(load, monkeypatch):
+    models, trials = load("contact_models"), load("contact_trials")
+    physics, Outcome = [load("disturbed").Physics()], load("parallel").Outcome
+    monkeypatch.setattr(trials, "_largest_push", lambda *_: 20.0)
+    found = trials.run_trial(trials.Trial("push", physics[0], "atlas", 1))
+
+    def runs(function, work, jobs):
+        yield Outcome(work[0], found)
+        yield Outcome(work[1], None, "process died (-9)")
+
+    monkeypatch.setattr(models, "run_in_processes", runs)
+    figures, complete = models.compare("atlas", physics, ["push"], range(2), 1)
+    assert complete
+    assert "| push searches that end [%] | 50 |" in models.table(figures)
+
+
+def test_contact_models_that_are_interrupted_take_no_further_robot(
+    load, monkeypatch, capsys
+):
+    models = load("contact_models")
+
+    def runs(function, work, jobs):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(models, "run_in_processes", runs)
+    monkeypatch.setattr(sys, "argv", ["contact_models", "--seed", "1"])
+    assert models.main() == 0
+    assert capsys.readouterr().out.count("Interrupted") == 1
 
 
 @pytest.mark.parametrize("borne_up_to", [0.0, 15.0, 25.0, 40.0])

@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from atlas_drake import (
@@ -36,6 +36,8 @@ from atlas_drake.footholds import HALF_WIDTH
 LIMITS = StepLimits()
 PLACES = st.floats(-4.0, 4.0)
 ANGLES = st.floats(-math.pi, math.pi)
+FASTEST = Gait(stride=0.35, turn=0.25, duration=1.42)
+"""Everything at its limit."""
 
 
 def report_of(left, right, z=0.0):
@@ -53,6 +55,15 @@ def standing(x=0.0, y=0.0, yaw=0.0, width=2 * HALF_WIDTH, z=0.0):
     c, s = math.cos(yaw), math.sin(yaw)
     soles = [(x - s * w, y + c * w, yaw) for w in (0.5 * width, -0.5 * width)]
     return report_of(*soles, z=z)
+
+
+@st.composite
+def gaits(draw):
+    """Any gait that can be asked for."""
+    stride = draw(st.floats(0.01, 0.35))
+    turn = draw(st.floats(0.01, 0.25))
+    duration = draw(st.floats(0.6, 1.42))
+    return Gait(stride=stride, turn=turn, duration=duration)
 
 
 @st.composite
@@ -133,6 +144,27 @@ def test_to_a_pose_nearby(report, x, y, turn):
     goal = here[0] + x, here[1] + y, here[2] + turn
     steps = steps_to(report, *goal)
     # None where the feet are side by side in the right place, if not exactly.
+    if steps:
+        assert_ends_at(taken(report, steps), *goal)
+
+
+@settings(deadline=None, max_examples=200)
+@given(
+    report=reports(),
+    gait=st.one_of(st.just(FASTEST), gaits()),
+    x=st.floats(-0.5, 0.5),
+    y=st.floats(-0.5, 0.5),
+    turn=st.floats(-1.0, 1.0),
+)
+@example(standing(), FASTEST, 0.5, 0.1, 0.6)
+@example(standing(), FASTEST, 0.5, 0.3, -0.6)
+def test_to_a_pose_nearby_in_any_gait(report, gait, x, y, turn):
+    # Ahead, aside and turning at once.
+    here = middle(soles(report))
+    goal = here[0] + x, here[1] + y, here[2] + turn
+    steps = steps_to(report, *goal, gait)
+    # Only the first one begins with feet as far apart as they happen to be.
+    assert {step.duration for step in steps[1:]} <= {gait.duration}
     if steps:
         assert_ends_at(taken(report, steps), *goal)
 
@@ -219,6 +251,21 @@ def test_feet_apart_are_put_side_by_side_even_where_they_are():
     assert_ends_at(taken(report, steps_ahead(report, 0.0)), 0.15, 0.0, 0.0)
 
 
+def test_feet_far_apart_leave_the_first_step_less_time():
+    report = report_of((0.3, 0.25, 0.0), (0.0, -0.25, 0.0))
+    steps = steps_ahead(report, 1.0, Gait(duration=2.5))
+    taken(report, steps)
+    assert steps[0].duration < 2.0
+    assert {step.duration for step in steps[1:]} == {2.5}
+
+
+def test_a_long_stride_leaves_a_step_less_time():
+    assert Gait(duration=3.0).duration == 3.0
+    with pytest.raises(ValueError, match=r"^gait\.duration is 3\.0, and not") as error:
+        Gait(stride=0.35, duration=3.0)
+    assert "at most 1.49: a stride of 0.35 takes feet up to 0.55 m" in str(error.value)
+
+
 def test_steps_are_level_with_the_feet():
     steps = steps_ahead(standing(z=0.35), 0.5)
     assert {step.pose.position.z for step in steps} == {0.35}
@@ -231,7 +278,13 @@ def test_steps_are_level_with_the_feet():
 @pytest.mark.parametrize(
     ("call", "name"),
     [
-        (lambda: steps_ahead(standing(), math.nan), "length"),
+        (lambda: steps_ahead(standing(), math.nan), "distance"),
+        (lambda: steps_ahead(standing(), 1e308), "distance"),
+        (lambda: steps_ahead(standing(), -(10**5000)), "distance"),
+        (lambda: steps_along_arc(standing(), 1001.0, 0.0), "length"),
+        (lambda: steps_turning(standing(), 10**400), "angle"),
+        (lambda: steps_to(standing(), 1e200, 0.0, 0.0), "x"),
+        (lambda: steps_to(standing(), 0.0, 0.0, 1e9), "yaw"),
         (lambda: steps_turning(standing(), math.inf), "angle"),
         (lambda: steps_to(standing(), 1.0, math.nan, 0.0), "y"),
         (lambda: Gait(stride=0.5), "gait.stride"),
@@ -243,6 +296,29 @@ def test_steps_are_level_with_the_feet():
 def test_what_cannot_be_is_an_error_that_names_it(call, name):
     with pytest.raises(ValueError, match=rf"^{name} is "):
         call()
+
+
+@pytest.mark.parametrize(
+    "name", ["position.x", "position.y", "position.z", "orientation.z"]
+)
+@pytest.mark.parametrize("value", [math.nan, math.inf])
+def test_a_report_without_a_place_for_a_foot_is_an_error(name, value):
+    report = standing()
+    field, axis = name.split(".")
+    setattr(getattr(report.foot_pos_est[1], field), axis, value)
+    with pytest.raises(ValueError, match=rf"^foot_pos_est\[1\].{name} is "):
+        steps_ahead(report, 1.0)
+    with pytest.raises(ValueError, match=rf"^foot_pos_est\[1\].{name} is "):
+        steps_to(report, 1.0, 0.0, 0.0)
+
+
+def test_a_walk_goes_far_from_a_place_far_away():
+    assert_ends_at(
+        taken(standing(x=5000.0), steps_ahead(standing(x=5000.0), 30.0)),
+        5030.0,
+        0.0,
+        0.0,
+    )
 
 
 def walking(needed, current, time=1.0, behavior=Behavior.WALK):

@@ -17,7 +17,11 @@ from atlas_drake.behaviors.body_reference import (
     BodyReference,
     advance_body,
 )
-from atlas_drake.behaviors.footstep_event import footstep_event, out_of_reach
+from atlas_drake.behaviors.footstep_event import (
+    footstep_event,
+    out_of_reach,
+    pace_changed,
+)
 from atlas_drake.behaviors.step_action import (
     DesiredStep,
     StepAction,
@@ -31,7 +35,7 @@ from atlas_drake.behaviors.step_plan import StepPlanner
 from atlas_drake.behaviors.step_queue import step_data_from
 from atlas_drake.control import tasks
 from atlas_drake.control.com_sway import ComSway, plan_sway, sway_duration
-from atlas_drake.control.footstep import FootPose, StepLimits
+from atlas_drake.control.footstep import FootPose, StepLimits, laid_out
 from atlas_drake.control.leg_reach import hips_from_com
 from atlas_drake.control.step_swing import StepSwingProfile, plan_step_swing
 from atlas_drake.control.support_polygon import SupportPolygon
@@ -81,6 +85,7 @@ class Step:
         self._rates = rates
         self._profile = profile or StepSwingProfile()
         self._rules = rules or StepRules()
+        self._limits = limits
         self._planner = StepPlanner(balance, nominal_height, limits)
         self._stance = StepBalance(balance, nominal_height, self._planner, self._rules)
         self._legs = self._planner.legs
@@ -269,7 +274,16 @@ class Step:
             heel=plan.heel,
             lean=plan.lean,
         )
-        return memory, out_of_reach(seen.time, wanted.step, taken)
+        # The slope alone: the step spec in the report has duration and swing height.
+        slope = replace(
+            laid_out(wanted.step, feet[1 - foot], self._limits),
+            duration=taken.duration,
+            swing_height=taken.swing_height,
+        )
+        return memory, (
+            *out_of_reach(seen.time, wanted.step, taken),
+            *pace_changed(seen.time, slope, taken),
+        )
 
     # ---- phases --------------------------------------------------------------
 
@@ -408,7 +422,7 @@ class Step:
     def _step_back(
         self, memory: StepMemory, seen: Observation
     ) -> tuple[StepMemory, tuple[Event, ...]]:
-        """Puts the foot down where it came from: there is ground for certain."""
+        """Returns the foot to its lift-off pose, where ground is known."""
         step, action = memory.step, memory.how
         home = memory.feet[step.foot]
         here = seen.foot_pose(step.foot)

@@ -49,7 +49,8 @@ from atlas_drake.messages import (
 from atlas_drake.recent import append_recent
 
 KEPT_EVENTS = 200
-"""How many events the state keeps; all of the last moments are kept."""
+"""Number of events that the state keeps; none younger than ``READ_WITHIN`` is
+dropped."""
 
 
 @dataclass(frozen=True)

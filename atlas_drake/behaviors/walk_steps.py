@@ -19,16 +19,15 @@ from atlas_drake.control.footstep import (
     outward,
 )
 from atlas_drake.control.rotations import mean_yaw
+from atlas_drake.footholds import HALF_WIDTH
 from atlas_drake.messages import AtlasBehaviorWalkParams
 
 DEMO_STEPS = 25
 """Index of the demonstration's last step."""
 DEMO_LENGTH = 0.20
-"""Of each of its steps [m]."""
-DEMO_HALF_WIDTH = 0.12
-"""Of each foot from the middle [m]."""
+"""Length of each step [m]."""
 DEMO_DURATION = 0.63
-"""Of each step [s]."""
+"""Duration of each step [s]."""
 DEMO_SWING_HEIGHT = 0.10
 """[m]"""
 
@@ -75,7 +74,7 @@ def demo_steps(
     for index in range(first_index, DEMO_STEPS + 1):
         if index < DEMO_STEPS:
             middle = middle + DEMO_LENGTH * ahead
-        place = middle + outward(foot) * DEMO_HALF_WIDTH * left
+        place = middle + outward(foot) * HALF_WIDTH * left
         steps.append(
             Footstep(
                 index=index,

@@ -94,7 +94,9 @@ def plan_sway(
 
     The weight shift begins at rest at the DCM of the robot, where the centre of mass
     would come to rest by itself: the reference of the DCM is then continuous, whatever
-    the velocity, and never leads farther outward. A DCM near the edge is led inside.
+    the velocity, and never leads farther outward. Where the DCM is not START_INSIDE
+    times ``inside`` within the support, the weight shift begins nearer to ``end``
+    instead, at the first tenth of the way that is; the reference of the DCM then jumps.
 
     Args:
         dcm: Of the robot, horizontal in W [m], shape (2,).
@@ -105,7 +107,10 @@ def plan_sway(
         omega: Natural frequency of the pendulum [1/s].
 
     Returns:
-        The weight shift; if none of the durations tried will do, the longest of them.
+        The weight shift, in the shortest of the durations tried that keeps its CoP
+        ``inside`` the support. If none does, the longest of them, which is
+        LONGER ** (TRIES - 1) = 8.1 times ``least_duration``, and the CoP does not stay
+        ``inside``; nothing else tells of it.
     """
     start = _pulled_inside(dcm, end, support, START_INSIDE * inside)
     for attempt in range(TRIES):
@@ -118,7 +123,10 @@ def plan_sway(
 def _pulled_inside(
     dcm: np.ndarray, end: np.ndarray, support: SupportPolygon, inside: float
 ) -> np.ndarray:
-    """The point nearest to ``dcm`` on the way to ``end`` that lies so far inside."""
+    """The first tenth of the way from ``dcm`` to ``end`` that lies so far inside.
+
+    ``dcm`` itself if it does; ``end`` if none of them does.
+    """
     for share in CHECKED:
         point = dcm + share * (end - dcm)
         if support.distance_outside(point) <= -inside:

@@ -91,8 +91,8 @@ class StepLimits:
     rise: float = 0.10
     """Largest step up or down [m]."""
     meant_rise: float = 0.40
-    """A height in W farther than this from the stance foot is not meant for a foot:
-    whoever passes the pelvis' height, as on level ground one may, means none [m]."""
+    """Heights farther than this from the stance foot are treated as not given [m]: on
+    level ground a step may have the height of the pelvis."""
     tilt: float = 0.30
     """Steepest ground to step on [rad]."""
     toe_out: float = 0.5
@@ -120,8 +120,8 @@ class StepLimits:
 class StepSlack:
     """How far beyond its limits a step may go to make up for where the feet landed.
 
-    Limits count from where the stance foot was sent. A foot that landed a little
-    short of that would else shorten the next step too, and the next.
+    Limits count from where the stance foot is or was sent. A foot that landed a little
+    short of its place would else shorten the next step too, and the next.
     """
 
     distance: float = 0.02
@@ -178,20 +178,20 @@ def saturate(step: Footstep, stance: FootPose, limits: StepLimits) -> Footstep:
     p_SF = R_WS.T @ (step.p_WF - stance.p_WF)
     reach = np.array(
         [
-            _clip(p_SF[0], -limits.backward, limits.forward),
-            sign * _clip(sign * p_SF[1], limits.min_width, limits.max_width),
-            _clip(p_SF[2], -limits.rise, limits.rise),
+            clip(p_SF[0], -limits.backward, limits.forward),
+            sign * clip(sign * p_SF[1], limits.min_width, limits.max_width),
+            clip(p_SF[2], -limits.rise, limits.rise),
         ]
     )
-    turn = sign * _clip(
+    turn = sign * clip(
         sign * wrap_angle(step.yaw - stance.yaw), -limits.toe_in, limits.toe_out
     )
     return replace(
         step,
         p_WF=stance.p_WF + R_WS @ reach,
         yaw=stance.yaw + turn,
-        duration=_clip(step.duration, limits.min_duration, limits.max_duration),
-        swing_height=_clip(
+        duration=clip(step.duration, limits.min_duration, limits.max_duration),
+        swing_height=clip(
             step.swing_height, limits.min_swing_height, limits.max_swing_height
         ),
         normal=_tilted_at_most(step.normal, limits.tilt),
@@ -214,6 +214,17 @@ def cleared(step: Footstep, start: FootPose, limits: StepLimits) -> Footstep:
     return replace(step, swing_height=lowest)
 
 
+def longest_duration(apart: float, limits: StepLimits) -> float:
+    """Longest time that a step may take [s].
+
+    Args:
+        apart: Largest distance between the feet, before the step or after it [m].
+        limits: How long a step between which distances may take.
+    """
+    share = clip((apart - limits.near) / (limits.far - limits.near), 0.0, 1.0)
+    return limits.max_duration + share * (limits.far_duration - limits.max_duration)
+
+
 def kept_brisk(
     step: Footstep, start: FootPose, stance: FootPose, limits: StepLimits
 ) -> Footstep:
@@ -228,8 +239,7 @@ def kept_brisk(
     apart = max(
         float(np.hypot(*(place - stance.p_WF)[:2])) for place in (start.p_WF, step.p_WF)
     )
-    share = _clip((apart - limits.near) / (limits.far - limits.near), 0.0, 1.0)
-    longest = limits.max_duration + share * (limits.far_duration - limits.max_duration)
+    longest = longest_duration(apart, limits)
     if step.duration <= longest:
         return step
     return replace(step, duration=longest)
@@ -246,7 +256,8 @@ def _tilted_at_most(normal: np.ndarray, tilt: float) -> np.ndarray:
     return np.array([normal[0] * share, normal[1] * share, math.cos(tilt)])
 
 
-def _clip(value: float, low: float, high: float) -> float:
+def clip(value: float, low: float, high: float) -> float:
+    """The number between ``low`` and ``high`` that is nearest to ``value``."""
     return float(min(max(value, low), high))
 
 

@@ -37,7 +37,7 @@ from atlas_drake.systems.scratch import declare_scratch_context
 MOVED = 0.1
 """A joint that moved this far makes the step's model worth computing anew [rad]."""
 PREPARATION_TICKS = 5
-"""Control ticks between looks at whether it is [-]."""
+"""Period of the model refresh [control ticks]."""
 PLANTED_SHARE = 0.1
 """A sole that carries this share of the robot's weight is held by the ground [-]."""
 PLANTED_LEVER = 0.8
@@ -93,8 +93,9 @@ class JointPidBank(CollectableSystem):
         foot_wrenches: Of the ground on the soles [N·m; N], shape (12,).
 
     Output ports:
-        user_effort: Of the law, not limited: only the blend is [N·m], shape (n,),
-            message order; 0 for joints with share 0.
+        user_effort: Efforts of the user's control law [N·m], shape (n,), message
+            order; 0 for joints with share 0. They are not limited: the effort limit
+            applies to their blend with the behaviour's efforts.
         user_forecast: ``UserForecast`` for the coming control tick.
 
     State: what ``PidState`` holds, updated at every physics step; the prepared law,

@@ -1,5 +1,7 @@
 """What STEP decides of weight shift and loads, without a simulation."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -77,6 +79,17 @@ def test_a_weight_shift_starts_where_the_robot_is_and_how_it_moves(
     np.testing.assert_allclose(
         memory.sway.end, right[:2] + np.array([0.0, 0.01]), atol=0.001
     )
+
+
+@pytest.mark.parametrize(("tilt", "less"), [(0.2, None), (0.45, "0.20")])
+def test_a_slope_that_is_too_steep_is_told(step, observe, tilt, less):
+    seen, command = observe(), request()
+    normal = Vector3(math.sin(tilt), 0.0, math.cos(tilt))
+    command.step_params.desired_step_spec.foot.normal = normal
+    outcome = tick(step, entered(step, seen, command), seen, command)
+    assert outcome.memory.phase is StepPhase.SWAY
+    told = [] if less is None else [f"step 1 is tilted {less} rad less than its normal"]
+    assert [event.text for event in outcome.events] == told
 
 
 @pytest.mark.parametrize("speed", [0.45, -0.45])

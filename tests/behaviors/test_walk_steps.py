@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from atlas_drake.behaviors.walk_steps import (
-    DEMO_HALF_WIDTH,
     DEMO_LENGTH,
     DEMO_STEPS,
     demo_steps,
@@ -27,6 +26,7 @@ from atlas_drake.control.footstep import (
     saturate,
 )
 from atlas_drake.control.rotations import rotation_z
+from atlas_drake.footholds import HALF_WIDTH
 from atlas_drake.messages import AtlasBehaviorStepData, AtlasBehaviorWalkParams
 
 LIMITS = StepLimits()
@@ -152,7 +152,7 @@ def test_the_demonstration_walks_straight_ahead_and_ends_side_by_side(yaw):
     assert ahead[0] == pytest.approx(DEMO_LENGTH)
     assert lengths[-1] == pytest.approx(0.0)
     sides = [outward(s.foot) * p[1] for s, p in zip(steps, places, strict=True)]
-    np.testing.assert_allclose(sides, DEMO_HALF_WIDTH)
+    np.testing.assert_allclose(sides, HALF_WIDTH)
     for s in steps:
         assert s.yaw == pytest.approx(yaw)
         # Wherever the ground is.
