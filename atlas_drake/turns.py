@@ -32,7 +32,8 @@ class Turns:
         """Leaves a task, which must not raise, to the thread that has the lock.
 
         Returns:
-            False, with nothing left, if no other thread has it, or it is about to let go.
+            False, with nothing left, if no other thread has it or it is about to let
+            go.
         """
         with self._guard:
             if self._ending or self._owner in (None, threading.get_ident()):

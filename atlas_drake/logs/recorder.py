@@ -117,7 +117,7 @@ class LogRecorder(CollectableSystem):
             self._writer.note(note_from_event(event))
 
     def flush(self, context: Context) -> None:
-        """Writes the latest row, which waits for the next tick otherwise."""
+        """Writes the latest row and commands, which otherwise wait for a tick."""
         self._write(context)
 
     def close(self) -> None:
@@ -139,12 +139,10 @@ class LogRecorder(CollectableSystem):
             self.fault = error
 
     def _write(self, context: Context) -> None:
+        if self.fault is not None:
+            return
         row = context.get_discrete_state(self._row).value().copy()
         time = row[0]
-        # There is none before the first tick; after a reset Drake publishes once more.
-        if self.fault is not None or not time > self._written_time:
-            return
-        self._written_time = time
         commands: Any = self._ports["commands"].Eval(context)
         fresh = commands.messages_since(self._received)
         self._received = commands.received
@@ -155,7 +153,10 @@ class LogRecorder(CollectableSystem):
                     if isinstance(received.message, cls):
                         plain = to_plain(received.message)
                         self._writer.note(Note(received.time, kind, plain))
-            self._writer.row(row)
+            # There is none before the first tick; after a reset Drake publishes again.
+            if time > self._written_time:
+                self._written_time = time
+                self._writer.row(row)
 
     # ---- sampling ------------------------------------------------------------
 
