@@ -127,9 +127,9 @@ def read_file(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]:
         LogError: If the file cannot be read.
     """
     read = _member(path, "reader")
-    if not path.exists():
-        raise LogError(f"{path}: there is no such file")
     try:
+        if not path.exists():
+            raise LogError("there is no such file")
         return read(path)
     except OSError as error:
         raise LogError(f"{path}: cannot be read: {error.strerror or error}") from error

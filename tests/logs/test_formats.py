@@ -233,6 +233,8 @@ def test_a_damaged_log_is_refused_or_read_as_far_as_it_goes(
         ({"time": np.linspace(1.0, 0.0, 50)}, "time does not go on"),
         ({"time": np.zeros((50, 2))}, "time is float64 of shape"),
         ({"joints.effort": np.zeros((50, 3))}, r"joints\.effort"),
+        ({"state.q": np.zeros((50, 35))}, r"state\.q is no pose"),
+        ({"state.q": np.full((50, 35), np.nan)}, r"state\.q is no pose"),
         ({"behavior.current": np.full(50, 99)}, "99"),
         ({"notes": '[[0.0, "event", {}]]'}, "damaged"),
         ({"notes": "[[0.0]]"}, "damaged"),
@@ -373,7 +375,7 @@ def test_an_unfinished_file_is_nobody_elses(log, suffix, tmp_path, monkeypatch):
     precious = tmp_path / "precious"
     precious.write_text("precious")
     monkeypatch.setattr(secrets, "token_hex", lambda _length: "0")
-    (tmp_path / f".run.0.unfinished{suffix}").symlink_to(precious)
+    (tmp_path / f".0.unfinished{suffix}").symlink_to(precious)
     with pytest.raises(LogError, match="File exists"):
         LogFile(tmp_path / f"run{suffix}", log.header)
     assert precious.read_text() == "precious"
