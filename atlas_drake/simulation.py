@@ -6,6 +6,7 @@ and reads messages out. It holds no control law.
 
 from __future__ import annotations
 
+import copy
 import functools
 import itertools
 import math
@@ -112,13 +113,13 @@ class AtlasSimulation:
         """Builds the diagram and puts the robot on its feet.
 
         Args:
-            scenario: What to simulate; None is a robot that stands, commanded by
-                nobody but the caller.
+            scenario: What to simulate, as it is now: it is copied; None is a robot
+                that stands, commanded by nobody but the caller.
             meshcat: Where to show it; None shows nothing.
             overlays: What of the controller's thoughts is shown there.
-            recorded: Whether Meshcat records, from before this on: all that is shown
-                is then kept for the recording. Otherwise pictures are left out, also
-                of a recording, while a viewer is too slow for them.
+            recorded: Whether Meshcat is recording already; then every picture is kept
+                for the recording. Otherwise pictures are left out while a viewer is too
+                slow for them, and a recording that runs then is lost.
             video: What to film it into, until ``close_video``; None films nothing.
             on_event: Called with each event as it is noticed.
             log: File that records the run, see ``atlas_drake.logs``: .mcap, .npz or
@@ -135,7 +136,7 @@ class AtlasSimulation:
                 f"scenario must be a Scenario, is {shown(scenario)}; load_scenario "
                 "reads one from a file"
             )
-        self.scenario = (scenario or Scenario()).validate()
+        self.scenario = copy.deepcopy((scenario or Scenario()).validate())
         self.robot = load_robot(self.scenario.model)
         self._tick_seconds = array("d")
         self._turns = Turns()
@@ -361,7 +362,11 @@ class AtlasSimulation:
             self._show_end(time.perf_counter())
 
     def _show_end(self, now: float) -> None:
-        """Shows a viewer that is too slow for all pictures where an advance ended."""
+        """Shows a viewer that is too slow for all pictures where an advance ended.
+
+        Not more often than it can take: an advance that ends soon after another one
+        may stay unseen until the next picture that comes through.
+        """
         if now - self._shown > SHOWN_EVERY:
             self._shown = now
             with self._turns:

@@ -567,6 +567,15 @@ def test_what_is_sent_last_is_in_events_and_log(tmp_path):
     assert [event.kind for event in log.events] == ["refusal"]
 
 
+def test_a_scenario_that_changes_afterwards_is_not_what_was_simulated():
+    scenario = Scenario(name="first")
+    sim = AtlasSimulation(scenario)
+    scenario.name, scenario.start.position, scenario.programme = "second", [9, 9], "x"
+    sim.reset()
+    assert abs(sim.pelvis_pose.translation()[0]) < 1.0
+    assert sim.summary()["scenario"] == "first"
+
+
 def test_a_scenario_is_checked_before_anything_is_built():
     with pytest.raises(ScenarioError, match="physics_step"):
         AtlasSimulation(Scenario(physics_step=0.01))

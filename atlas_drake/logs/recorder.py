@@ -18,7 +18,6 @@ from pydrake.systems.framework import (
     DiscreteValues,
     InputPort,
     System,
-    ValueProducer,
 )
 
 from atlas_drake.behaviors.base import Event
@@ -33,6 +32,7 @@ from atlas_drake.logs.notes import (
 )
 from atlas_drake.logs.samples import RowSampler
 from atlas_drake.systems.collectable_system import CollectableSystem
+from atlas_drake.systems.scratch import declare_scratch_context
 
 _VALUES = (
     "commands",
@@ -93,16 +93,7 @@ class LogRecorder(CollectableSystem):
             self._ports[name] = self.DeclareAbstractInputPort(
                 name, AbstractValue.Make(blank)
             )
-        self._scratch = self.DeclareCacheEntry(
-            "scratch context of the plant",
-            ValueProducer(
-                allocate=self.callback(
-                    lambda: AbstractValue.Make(sampler.create_context())
-                ),
-                calc=ValueProducer.NoopCalc,
-            ),
-            {self.nothing_ticket()},
-        )
+        self._scratch = declare_scratch_context(self, sampler.create_context)
         self._row = self.DeclareDiscreteState(np.full(sampler.layout.width, np.nan))
         self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._sample)
         self.DeclarePeriodicPublishEvent(period, 0.0, self._write)
