@@ -63,7 +63,11 @@ def _check_files_read(options: argparse.Namespace) -> None:
         AtlasError: If a file that is to be read is not there.
     """
     for path in [getattr(options, name, None) for name in options.reads]:
-        if path is not None and not path.exists():
+        try:
+            missing = path is not None and not path.exists()
+        except OSError as error:  # A name too long, for instance.
+            raise AtlasError(f"{path}: {error.strerror}") from error
+        if missing:
             raise AtlasError(f"{path}: there is no such file")
 
 

@@ -5,7 +5,8 @@ is applied; a refused message leaves everything as it was but for the error code
 """
 
 import logging
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -31,6 +32,8 @@ from atlas_drake.robot import Robot
 _log = logging.getLogger(__name__)
 
 Command = AtlasCommand | AtlasSimInterfaceCommand
+Place = tuple[str, str]
+"""Port and field at fault."""
 
 
 @dataclass(frozen=True)
@@ -70,10 +73,17 @@ class Refusal:
     Attributes:
         time: At which it came [s].
         error: Why.
+        port: The field of ``CommandsInForce`` that remembers the messages of its port.
     """
 
     time: float
     error: InvalidMessageError
+    port: str
+
+    @property
+    def place(self) -> Place:
+        """Port and field at fault."""
+        return self.port, self.error.field
 
     @property
     def error_code(self) -> ErrorCode:
@@ -98,7 +108,8 @@ class CommandsInForce(Frozen):
         refused: How many there were in all.
         messages: The latest messages, refused ones too, oldest first.
         received: How many there were in all.
-        atlas_command: What ``is_new`` has seen of joint commands; NOTHING at first.
+        atlas_command: The joint command last taken from the port, for ``is_new``;
+            NOTHING at first.
         sim_command: Likewise of behaviour commands.
         atlas_stamp: Time stamp of the last accepted joint command [s].
         sim_stamp: Time stamp of the last accepted behaviour command [s].
@@ -235,7 +246,7 @@ def _take(
             _APPLY[port](noted, message, robot, time), error_code=ErrorCode.NO_ERRORS
         )
     except InvalidMessageError as error:
-        refusal = Refusal(time, error.with_traceback(None))
+        refusal = Refusal(time, error.with_traceback(None), port)
         return replace(
             noted,
             error_code=error.error_code,
@@ -244,23 +255,31 @@ def _take(
         )
 
 
+def news_of(refusals: Iterable[Refusal], heard: dict[Place, float]) -> list[Refusal]:
+    """Picks those that do not go on with a fault, as those of a stream do.
+
+    Args:
+        refusals: In their order.
+        heard: When something was last refused for each place [s]; kept up here.
+    """
+    news = []
+    for refusal in refusals:
+        last = heard.get(refusal.place, -math.inf)
+        if not 0.0 <= refusal.time - last < SAME_FAULT:
+            news.append(refusal)
+        heard[refusal.place] = refusal.time
+    return news
+
+
 def log_refusals(before: CommandsInForce, after: CommandsInForce) -> None:
     """Warns of what was refused since ``before``, of a streamed fault once."""
-    refusals = after.refusals_since(before.refused)
-    last = before.refusals[-1] if before.refusals else None
-    for refusal in refusals:
-        goes_on = (
-            last is not None
-            and last.text == refusal.text
-            and refusal.time - last.time < SAME_FAULT
-        )
-        if not goes_on:
-            _log.warning("t = %.3f s: %s", refusal.time, refusal.text)
-        last = refusal
+    heard = {refusal.place: refusal.time for refusal in before.refusals}
+    for refusal in news_of(after.refusals_since(before.refused), heard):
+        _log.warning("t = %.3f s: %s", refusal.time, refusal.text)
 
 
 SAME_FAULT = 1.0
-"""Time after which a refusal for the same reason as the last one is news [s]."""
+"""Time after which another refusal for the same field of a port is news [s]."""
 
 
 def _apply_atlas_command(

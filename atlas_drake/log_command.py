@@ -72,7 +72,7 @@ def plot_log(options: argparse.Namespace) -> int:
     ]
     for file in files:
         check_writable("--output", file)
-    drawings, left_out = {}, ""
+    drawings, missing = {}, []
     for file in files:
         try:
             drawings[file] = _drawing(file)
@@ -80,18 +80,20 @@ def plot_log(options: argparse.Namespace) -> int:
             # Who asks for nothing in particular gets what there is.
             if options.output:
                 raise
-            left_out = f"Left out: {error}"
+            missing.append(error)
+    progress = Progress(sys.stdout, math.inf)
+    for absent in missing:
+        progress.say(f"Left out: {absent}")
+    if not drawings:
+        raise missing[0]
     try:
         page = make_page(_read(options.log))
     except KeyError as error:
         raise LogError(f"{options.log}: {error.args[0]}") from error
-    progress = Progress(sys.stdout, math.inf)
     kept = True
     for file, draw in drawings.items():
         progress.say(f"Drawing {file} ...")
         kept = keep(file, partial(_draw, draw, page, file), progress) and kept
-    if left_out:
-        progress.say(left_out)
     return EXIT_OK if kept else EXIT_OUTPUT_LOST
 
 

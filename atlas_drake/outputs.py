@@ -6,7 +6,6 @@ The same for a run and for the replay of its log. Serving the view is in ``viewe
 from __future__ import annotations
 
 import argparse
-import os
 from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
@@ -17,7 +16,7 @@ from atlas_drake.errors import AtlasError, ScenarioError
 from atlas_drake.progress import Progress
 from atlas_drake.viewer import await_viewer, start_meshcat
 from atlas_drake.visualization import FRAME_RATE
-from atlas_drake.whole_file import whole_file
+from atlas_drake.whole_file import whole_file, why_not_writable
 
 if TYPE_CHECKING:
     from atlas_drake.visualization.video_display import Video
@@ -115,17 +114,9 @@ def check_writable(option: str, path: Path) -> None:
     Raises:
         ScenarioError: If no file can be written there.
     """
-    folder = path.parent
-    if path.is_dir():
-        raise ScenarioError(option, str(path), f"{path} is a folder")
-    if not folder.is_dir():
-        raise ScenarioError(option, str(path), f"there is no folder {folder}")
-    # A file is replaced by a new one when that is whole; a device is written to.
-    ends = [path] if path.exists() else []
-    if not ends or path.is_file():
-        ends.append(path.resolve().parent)
-    if not all(os.access(end, os.W_OK) for end in ends):
-        raise ScenarioError(option, str(path), f"{path} cannot be written")
+    problem = why_not_writable(path)
+    if problem is not None:
+        raise ScenarioError(option, str(path), problem)
 
 
 def video_asked_for(options: argparse.Namespace) -> Video | None:

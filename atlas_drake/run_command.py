@@ -112,7 +112,10 @@ def _keep_what_grew(
     kept = True
     if options.video is not None:
         kept = keep_video(options.video, sim.close_video, progress)
-    if options.log is not None:
+    if options.log is not None and sim.time == 0.0:
+        sim.close()
+        progress.say(f"{options.log} is not written: nothing was simulated.")
+    elif options.log is not None:
         progress.say(f"Completing {options.log} ...")
         draw = f"; draw it: atlas-drake plot {options.log}"
         kept = keep(options.log, sim.close, progress, lambda _closed: draw) and kept

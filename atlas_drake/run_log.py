@@ -10,7 +10,7 @@ from typing import Any
 
 from atlas_drake.behaviors.base import Event
 from atlas_drake.behaviors.supervisor import SupervisorState
-from atlas_drake.commands import CommandsInForce
+from atlas_drake.commands import CommandsInForce, Place, news_of
 from atlas_drake.frozen import replace
 from atlas_drake.recent import items_since
 from atlas_drake.systems.command_scheduler import ScheduledCommand
@@ -24,14 +24,15 @@ class RunLog:
         footsteps: The data of those that are about a landed foot.
     """
 
-    def __init__(self, on_event: Callable[[Event], None] | None = None):
-        """Calls ``on_event`` with each event as it is noticed."""
+    def __init__(self, *listeners: Callable[[Event], None] | None):
+        """Calls the listeners, as far as there are any, with each event."""
         self.events: list[Event] = []
         self.footsteps: list[dict[str, Any]] = []
-        self._on_event = on_event
+        self._listeners = [heard for heard in listeners if heard is not None]
         self._seen_events = 0
         self._seen_sent = 0
         self._seen_refusals = 0
+        self._refused: dict[Place, float] = {}
 
     def collect(
         self,
@@ -40,7 +41,10 @@ class RunLog:
         commands: CommandsInForce,
         supervisor: SupervisorState,
     ) -> None:
-        """Notes what was sent, refused and done since the last look."""
+        """Notes what was sent, refused and done since the last look.
+
+        Of a fault that is streamed only the first refusal is noted.
+        """
         fresh = [
             Event(entry.time, "command", entry.text)
             for entry in programme[self._seen_sent : sent]
@@ -48,23 +52,26 @@ class RunLog:
         self._seen_sent = sent
         fresh.extend(
             Event(refusal.time, "refusal", refusal.text)
-            for refusal in commands.refusals_since(self._seen_refusals)
+            for refusal in news_of(
+                commands.refusals_since(self._seen_refusals), self._refused
+            )
         )
         self._seen_refusals = commands.refused
         fresh.extend(
             items_since(supervisor.events, supervisor.event_count, self._seen_events)
         )
         self._seen_events = supervisor.event_count
-        for event in sorted(fresh, key=lambda event: event.time):
-            self.note(event)
+        self.note(*sorted(fresh, key=lambda event: event.time))
 
-    def note(self, event: Event) -> None:
-        """Adds one event."""
-        self.events.append(replace(event, time=round(event.time, 6)))
-        if event.kind == "footstep":
-            self.footsteps.append(event.data)
-        if self._on_event is not None:
-            self._on_event(event)
+    def note(self, *events: Event) -> None:
+        """Adds events, and then tells the listeners: what one raises loses none."""
+        for event in events:
+            self.events.append(replace(event, time=round(event.time, 6)))
+            if event.kind == "footstep":
+                self.footsteps.append(event.data)
+        for heard in self._listeners:
+            for event in events:
+                heard(event)
 
     def fallen(self) -> bool:
         """Whether the robot fell since it was last reset."""

@@ -6,6 +6,7 @@ and reads messages out. It holds no control law.
 
 from __future__ import annotations
 
+import copy
 import functools
 import itertools
 import math
@@ -112,13 +113,13 @@ class AtlasSimulation:
         """Builds the diagram and puts the robot on its feet.
 
         Args:
-            scenario: What to simulate; None is a robot that stands, commanded by
-                nobody but the caller.
+            scenario: What to simulate, as it is now: it is copied; None is a robot
+                that stands, commanded by nobody but the caller.
             meshcat: Where to show it; None shows nothing.
             overlays: What of the controller's thoughts is shown there.
-            recorded: Whether Meshcat records, from before this on: all that is shown
-                is then kept for the recording. Otherwise pictures are left out, also
-                of a recording, while a viewer is too slow for them.
+            recorded: Whether Meshcat is recording already; then every picture is kept
+                for the recording. Otherwise pictures are left out while a viewer is too
+                slow for them, and a recording that runs then is lost.
             video: What to film it into, until ``close_video``; None films nothing.
             on_event: Called with each event as it is noticed.
             log: File that records the run, see ``atlas_drake.logs``: .mcap, .npz or
@@ -135,18 +136,33 @@ class AtlasSimulation:
                 f"scenario must be a Scenario, is {shown(scenario)}; load_scenario "
                 "reads one from a file"
             )
-        self.scenario = (scenario or Scenario()).validate()
+        self.scenario = copy.deepcopy((scenario or Scenario()).validate())
         self.robot = load_robot(self.scenario.model)
         self._tick_seconds = array("d")
         self._turns = Turns()
         self._numbers = itertools.count(1)
         self._recorder = None if log is None else self._start_log(Path(log))
-        self._log = RunLog(_listener(on_event, self._recorder))
+        log_event = None if self._recorder is None else self._recorder.event
+        self._log = RunLog(log_event, on_event)
         self._meshcat = meshcat
         self._pushes: list[Push] = []
         self._wall_time = 0.0
         self._shown = 0.0
+        try:
+            self._build(meshcat, overlays, recorded, video)
+        except BaseException:
+            if self._recorder is not None:
+                self._finalizer()
+            raise
 
+    def _build(
+        self,
+        meshcat: Meshcat | None,
+        overlays: Overlays | None,
+        recorded: bool,
+        video: Video | None,
+    ) -> None:
+        """Builds the diagram and begins."""
         self._variation = variation = draw_variation(self.scenario, self.robot)
         config = StationConfig(
             physics_step=self.scenario.physics_step,
@@ -213,6 +229,7 @@ class AtlasSimulation:
         """
         if self._recorder is not None:
             with self._turns:
+                self._look()
                 self._recorder.flush(
                     self._recorder.GetMyContextFromRoot(self.simulator.get_context())
                 )
@@ -259,6 +276,8 @@ class AtlasSimulation:
             refused = self.output("commands").refused
             self._deliver(numbered)
             refusals = self.output("commands").refusals_since(refused)
+            if refusals:
+                self._look()
         if refusals:
             # A new one: what is raised collects a traceback.
             raise InvalidMessageError(*refusals[-1].error.args)
@@ -334,18 +353,20 @@ class AtlasSimulation:
             with steady_ticks():
                 while self.time < end - 1e-9:
                     with self._turns:
-                        self._advance_chunk(end)
-        except RuntimeError as error:
-            raise SimulationError(
-                f"the simulation stopped at {self.time:.3f} s: {error}"
-            ) from error
+                        # Another thread may have had a turn meanwhile.
+                        if self.time < end - 1e-9:
+                            self._advance_chunk(end)
         finally:
             self._wall_time += time.perf_counter() - begin
         if self._meshcat is not None:
             self._show_end(time.perf_counter())
 
     def _show_end(self, now: float) -> None:
-        """Shows a viewer that is too slow for all pictures where an advance ended."""
+        """Shows a viewer that is too slow for all pictures where an advance ended.
+
+        Not more often than it can take: an advance that ends soon after another one
+        may stay unseen until the next picture that comes through.
+        """
         if now - self._shown > SHOWN_EVERY:
             self._shown = now
             with self._turns:
@@ -360,7 +381,13 @@ class AtlasSimulation:
         stops = [t, self.time + CHUNK, *(push.end for push in self._pushes)]
         if self._release_time is not None:
             stops.append(self._release_time)
-        self.simulator.AdvanceTo(min(stop for stop in stops if stop > self.time + 1e-9))
+        stop = min(stop for stop in stops if stop > self.time + 1e-9)
+        try:
+            self.simulator.AdvanceTo(stop)
+        except RuntimeError as error:
+            raise SimulationError(
+                f"the simulation stopped at {self.time:.3f} s: {error}"
+            ) from error
         self._look()
 
     def wait_until(
@@ -414,7 +441,9 @@ class AtlasSimulation:
         Raises:
             InvalidMessageError: If ``rate`` is no number, or negative.
         """
-        self._pace.set_rate(check_number(rate, "rate", 0.0))
+        checked = check_number(rate, "rate", 0.0)
+        with self._turns:
+            self._pace.set_rate(checked)
 
     def close_video(self) -> int:
         """Finishes the video, of which nothing can be seen before.
@@ -427,7 +456,8 @@ class AtlasSimulation:
         Raises:
             VideoError: If the video cannot be written, now or earlier in the run.
         """
-        return 0 if self._film is None else self._film.close()
+        with self._turns:
+            return 0 if self._film is None else self._film.close()
 
     # ---- start ---------------------------------------------------------------
 
@@ -522,8 +552,9 @@ class AtlasSimulation:
     def context(self) -> Context:
         """The root context of the diagram; not for use while another thread simulates.
 
-        Everything else here may be called by any thread: it waits until the one that
-        simulates pauses, as it does every 20 ms of simulated time.
+        The rest here may be called by any thread. What reads an output or changes
+        anything waits until the one that simulates pauses, as it does every 20 ms of
+        simulated time; ``time``, ``events`` and the like say what was last noticed.
         """
         return self.simulator.get_mutable_context()
 
@@ -648,21 +679,6 @@ class AtlasSimulation:
                 self._faults.append(fault)
                 text = f"{fault}; the run goes on without it"
                 self._log.note(Event(self.time, "warning", text))
-
-
-def _listener(
-    on_event: Callable[[Event], None] | None, recorder: LogRecorder | None
-) -> Callable[[Event], None] | None:
-    """Who is told of events: the caller, the log, both or nobody."""
-    if recorder is None:
-        return on_event
-
-    def notice(event: Event) -> None:
-        recorder.event(event)
-        if on_event is not None:
-            on_event(event)
-
-    return notice
 
 
 class SimulationError(AtlasError, RuntimeError):

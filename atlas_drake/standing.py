@@ -13,7 +13,7 @@ from pydrake.math import RigidTransform, RollPitchYaw
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context
 
-from atlas_drake.messages.checks import check_vector
+from atlas_drake.messages.checks import check_number, check_vector
 from atlas_drake.robot import Robot
 from atlas_drake.terrain import Block, surface_height
 
@@ -45,13 +45,17 @@ def place_robot(
         clearance: How far above that its lowest sole shall hang [m].
 
     Raises:
-        InvalidMessageError: If ``position`` or ``rpy`` is not made of numbers.
+        InvalidMessageError: If ``position``, ``rpy`` or ``joints`` is not made of as
+            many finite numbers, or ``clearance`` is none; nothing has then changed.
     """
     x, y = check_vector(position, "position", 2)
     roll_pitch_yaw = check_vector(rpy, "rpy", 3)
+    pose = robot.stand_prep if joints is None else joints
+    pose = check_vector(pose, "joints", robot.num_joints)
+    clearance = check_number(clearance, "clearance")
     plant.SetVelocities(context, np.zeros(plant.num_velocities()))
     q = plant.GetPositions(context).copy()
-    q[robot.indices(plant).q] = robot.stand_prep if joints is None else joints
+    q[robot.indices(plant).q] = pose
     plant.SetPositions(context, q)
     pelvis = plant.GetBodyByName(robot.file.pelvis)
     R_WP = RollPitchYaw(roll_pitch_yaw).ToRotationMatrix()

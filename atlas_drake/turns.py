@@ -15,7 +15,8 @@ class Turns:
 
     Threads that wait come next when the lock is let go, so that a thread that takes it
     again and again keeps nobody out. The thread that has the lock does the tasks which
-    others left, in their order, before it lets go.
+    others left, in their order, before it lets go. While it does them nothing more can
+    be left: who leaves task after task must in the end wait like everybody else.
     """
 
     def __init__(self) -> None:
@@ -25,15 +26,17 @@ class Turns:
         self._depth = 0
         self._waiting: deque[tuple[int, threading.Lock]] = deque()
         self._left: deque[Callable[[], None]] = deque()
+        self._ending = False
 
     def leave(self, task: Callable[[], None]) -> bool:
         """Leaves a task, which must not raise, to the thread that has the lock.
 
         Returns:
-            False, with nothing left, if no other thread has it.
+            False, with nothing left, if no other thread has it or it is about to let
+            go.
         """
         with self._guard:
-            if self._owner in (None, threading.get_ident()):
+            if self._ending or self._owner in (None, threading.get_ident()):
                 return False
             self._left.append(task)
             return True
@@ -62,20 +65,29 @@ class Turns:
             raise
 
     def __exit__(self, *_error: object) -> None:
-        """Does what was left to do, and lets the next thread in."""
-        while True:
-            with self._guard:
-                if self._depth > 1 or not self._left:
-                    self._let_go()
-                    return
-                left, self._left = self._left, deque()
-            for task in left:
+        """Does what was left to do, and lets the next thread in.
+
+        What interrupts a task is raised here; the tasks after it stay for the next.
+        """
+        try:
+            while (task := self._next_left()) is not None:
                 task()
+        finally:
+            with self._guard:
+                self._let_go()
+
+    def _next_left(self) -> Callable[[], None] | None:
+        with self._guard:
+            if self._depth > 1:
+                return None
+            self._ending = True
+            return self._left.popleft() if self._left else None
 
     def _let_go(self) -> None:
         self._depth -= 1
         if self._depth:
             return
+        self._ending = False
         self._owner = None
         if self._waiting:
             self._owner, turn = self._waiting.popleft()

@@ -15,7 +15,8 @@ from collections.abc import Callable
 
 from pydrake.geometry import Meshcat, MeshcatParams
 
-from atlas_drake.errors import ScenarioError
+from atlas_drake.errors import ScenarioError, shown
+from atlas_drake.messages.numeric import is_whole
 from atlas_drake.progress import Progress
 
 VIEWER_PATIENCE = 15.0
@@ -45,6 +46,10 @@ def start_meshcat(
     Raises:
         ScenarioError: If that address cannot be had.
     """
+    if port is not None and not (is_whole(port) and 0 <= port <= LAST_PORT):
+        raise ScenarioError(
+            "--port", port, f"must be 0 to {LAST_PORT}, is {shown(port)}"
+        )
     local = host != ANYWHERE and _is_loopback(_address_of(host))
     if port is None:
         candidates: list[int | None] = [None]
@@ -84,9 +89,10 @@ def _address_of(host: str) -> str:
         with socket.socket(family, kind) as probe:
             probe.bind(address)
             return str(address[0])
-    except OSError as error:
+    except (OSError, ValueError) as error:  # No such address, or no name of any host.
+        problem = getattr(error, "strerror", None) or error
         raise ScenarioError(
-            "--host", host, f"cannot listen on {host}: {error.strerror}"
+            "--host", host, f"cannot listen on {host}: {problem}"
         ) from error
 
 

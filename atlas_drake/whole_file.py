@@ -1,4 +1,7 @@
-"""Files that appear under their name when they are whole, or not at all."""
+"""Files that appear under their name when they are whole, or not at all.
+
+And whether one can be written there, asked before there is anything to write.
+"""
 
 from __future__ import annotations
 
@@ -9,6 +12,37 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import IO, Any
+
+
+def why_not_writable(path: Path) -> str | None:
+    """What keeps a file from being written there; None if nothing is known to."""
+    try:
+        folder = path.parent
+        if path.is_dir():
+            return f"{path} is a folder"
+        if not folder.is_dir():
+            return f"there is no folder {folder}"
+        # A file is replaced by a new one when that is whole; a device is written to.
+        ends = [path] if path.exists() else []
+        if not ends or path.is_file():
+            ends.append(_resolved(path).parent)
+    except OSError as error:
+        return f"{path} cannot be written: {error.strerror}"
+    if not all(os.access(end, os.W_OK) for end in ends):
+        return f"{path} cannot be written"
+    return None
+
+
+def _resolved(path: Path) -> Path:
+    """The path without links.
+
+    Raises:
+        OSError: Of links that go in a circle.
+    """
+    try:
+        return path.resolve()
+    except RuntimeError as error:
+        raise OSError(errno.ELOOP, os.strerror(errno.ELOOP), str(path)) from error
 
 
 @contextmanager
@@ -23,14 +57,15 @@ def whole_file(path: Path) -> Iterator[Path]:
         OSError: If no file can be made there.
     """
     # A link stays one, and what it points to is written.
-    path = path.resolve()
+    path = _resolved(path)
     if path.is_dir():
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
     if path.exists() and not path.is_file():
         yield path
         return
     token = secrets.token_hex(4)
-    unfinished = path.with_name(f".{path.stem}.{token}.unfinished{path.suffix}")
+    # Not of its stem as well: names have a greatest length.
+    unfinished = path.with_name(f".{token}.unfinished{path.suffix}")
     # Fails where anything is already, also a link that leads elsewhere.
     os.close(os.open(unfinished, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666))
     try:

@@ -14,12 +14,13 @@ from pathlib import Path
 import pytest
 from pydrake.geometry import Meshcat, MeshcatParams
 
-from atlas_drake import run_command
+from atlas_drake import AtlasSimulation, LogError, ScenarioError, read_log, run_command
 from atlas_drake.cli import main
 from atlas_drake.logs import mcap_file
 from atlas_drake.run_command import AFTER_FALL, verdict
 from atlas_drake.tutorial import DURATION
 from atlas_drake.viewer import start_meshcat
+from atlas_drake.whole_file import whole_file, why_not_writable
 
 pytestmark = pytest.mark.usefixtures("restored_loggers")
 
@@ -267,6 +268,47 @@ def test_the_view_is_for_this_computer_only_unless_told_otherwise(scenario, caps
         everywhere = start_meshcat(host, say=said.append)
         assert listening(everywhere.port()) & {"0" * 8, "0" * 32}
         assert f"whoever reaches port {everywhere.port()}" in said.pop()
+
+
+@pytest.mark.parametrize("port", [70000, -1, "x", 7000.5])
+def test_a_port_that_is_none_is_bad_input(port):
+    with pytest.raises(ScenarioError, match="--port: must be 0 to 65535"):
+        start_meshcat(port=port)
+
+
+@pytest.mark.parametrize("host", ["a" * 70, "a..b"])
+def test_a_host_that_no_computer_can_have_is_bad_input(host):
+    with pytest.raises(ScenarioError, match="--host: cannot listen on"):
+        start_meshcat(host)
+
+
+def test_a_name_that_no_file_can_have_is_bad_input(scenario, tmp_path, capsys):
+    loop = tmp_path / "loop.json"
+    loop.symlink_to(loop)
+    long = str(tmp_path / f"{'a' * 300}.json")
+    for arguments in (
+        ["run", long],
+        ["run", scenario(), "--headless", "--json", long],
+        ["run", scenario(), "--headless", "--json", str(loop)],
+        ["run", scenario(), "--headless", "--log", long.replace("json", "mcap")],
+    ):
+        assert main(arguments) == 2
+        assert "atlas-drake: error: " in capsys.readouterr().err
+    with pytest.raises(LogError, match="File name too long"):
+        read_log(long.replace("json", "npz"))
+    for suffix in (".npz", ".mcap"):
+        link = tmp_path / f"loop{suffix}"
+        link.symlink_to(link)
+        with pytest.raises(LogError, match="symbolic links"):
+            AtlasSimulation(log=link)
+
+
+def test_a_file_may_have_the_longest_name(tmp_path):
+    path = tmp_path / f"{'a' * 250}.json"
+    assert why_not_writable(path) is None
+    with whole_file(path) as unfinished:
+        unfinished.touch()
+    assert [*tmp_path.iterdir()] == [path]
 
 
 def test_a_host_that_is_not_this_computer_is_bad_input(scenario, capsys):

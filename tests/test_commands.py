@@ -7,6 +7,7 @@ import logging
 import numpy as np
 import pytest
 
+from atlas_drake.behaviors.supervisor import SupervisorState
 from atlas_drake.commands import (
     JOINT_FIELDS,
     KEPT,
@@ -25,6 +26,7 @@ from atlas_drake.messages import (
     Header,
 )
 from atlas_drake.robot import load_robot
+from atlas_drake.run_log import RunLog
 
 
 @pytest.fixture(scope="module")
@@ -451,6 +453,21 @@ def test_a_streamed_fault_is_logged_once(robot, start, caplog):
     late = sent(force, robot, AtlasCommand(velocity=[0.0]), time=4.0)
     log_refusals(force, late)
     assert len(caplog.records) == 2
+
+
+def test_two_streamed_faults_that_change_are_noted_once_each(robot, start, caplog):
+    force, log = start, RunLog()
+    for tick in range(500):
+        time = 0.002 * tick
+        bad = AtlasCommand(Header(1.0 + tick), kp_velocity=[-1.0 - tick] * 28)
+        before, force = force, sent(force, robot, bad, time=time)
+        log_refusals(before, force)
+        worse = AtlasCommand(Header(1.0 + tick), velocity=[0.0] * (tick % 20))
+        before, force = force, sent(force, robot, worse, time=time)
+        log_refusals(before, force)
+        log.collect((), 0, force, SupervisorState(Behavior.STAND, Behavior.STAND))
+    assert force.refused > 900
+    assert len(caplog.records) == len(log.events) == 2
 
 
 @pytest.mark.parametrize("thing", ["stand", 4, [1, 2]])

@@ -3,9 +3,11 @@
 import base64
 import re
 import signal
+import sys
 
 import numpy as np
 import pytest
+from pydrake.systems.analysis import Simulator
 
 from atlas_drake import (
     AtlasCommand,
@@ -56,14 +58,14 @@ def test_ctrl_c_keeps_what_was_logged(scenario, tmp_path, monkeypatch, suffix):
 
 @pytest.mark.parametrize("error", [RuntimeError("diverged"), KeyboardInterrupt()])
 def test_a_failure_keeps_what_was_logged(scenario, tmp_path, monkeypatch, error):
-    advance = AtlasSimulation._advance_chunk
+    advance = Simulator.AdvanceTo
 
-    def fail(self, t):
-        if self.time > 0.05:
+    def fail(simulator, t):
+        if simulator.get_context().get_time() > 0.05:
             raise error
-        advance(self, t)
+        return advance(simulator, t)
 
-    monkeypatch.setattr(AtlasSimulation, "_advance_chunk", fail)
+    monkeypatch.setattr(Simulator, "AdvanceTo", fail)
     file = tmp_path / "run.npz"
     status = main(["run", scenario(), "--headless", "--log", str(file)])
     assert status == (1 if isinstance(error, RuntimeError) else 130)
@@ -138,7 +140,7 @@ def test_a_page_that_finds_no_room_takes_no_other_with_it(
     log_file, tmp_path, capsys, monkeypatch
 ):
     def draw(_page, path):
-        if "full" in path.name:
+        if path.suffix == ".png":
             raise OSError(28, "No space left on device")
         path.write_text("whole")
 
@@ -180,6 +182,26 @@ def test_without_plotly_one_is_told_what_to_install(
     assert "Left out" in capsys.readouterr().out
     assert (tmp_path / "run.figures.png").exists()
     assert not (tmp_path / "run.figures.html").exists()
+
+
+def test_where_nothing_can_be_drawn_one_is_told_what_to_install(
+    log_file, tmp_path, capsys, monkeypatch
+):
+    for package in ("matplotlib", "plotly"):
+        for name in list(sys.modules):
+            if name.split(".")[0] == package:
+                monkeypatch.delitem(sys.modules, name)
+        monkeypatch.setitem(sys.modules, package, None)
+    for page in ("png_page", "html_page"):
+        monkeypatch.delitem(sys.modules, f"atlas_drake.logs.{page}", raising=False)
+    before = {*log_file.parent.iterdir()}
+    assert main(["plot", str(log_file)]) == 2
+    out, error = capsys.readouterr()
+    assert out.count("Left out") == 2
+    for package in ("matplotlib", "plotly"):
+        assert f"pip install {package}" in out
+    assert "pip install matplotlib" in error
+    assert {*log_file.parent.iterdir()} == before
 
 
 # ---- replay ------------------------------------------------------------------

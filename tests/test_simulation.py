@@ -405,6 +405,16 @@ def test_another_thread_is_told_what_is_wrong_with_its_message():
     assert [event.kind for event in sim.events] == ["push", "refusal"]
 
 
+def test_threads_that_advance_to_one_time_end_there():
+    sim = AtlasSimulation(Scenario(physics_step=0.002, control_period=0.004))
+    threads = [threading.Thread(target=sim.advance_to, args=(0.05,)) for _ in range(3)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert sim.time == pytest.approx(0.05, abs=1e-9)
+
+
 # ---- pushes --------------------------------------------------------------------
 
 
@@ -517,6 +527,53 @@ def test_events_are_told_as_they_happen_and_in_order():
     np.testing.assert_allclose(times, [0.04, 0.08], atol=2 * TICK)
     changes = [e for e in sim.summary()["events"] if e["kind"] == "behavior"]
     assert [change["text"] for change in changes] == [event.text for event in told]
+
+
+def test_an_error_of_who_listens_is_its_own_and_loses_no_event(tmp_path):
+    error = RuntimeError("of the caller")
+
+    def on_event(event):
+        raise error
+
+    sim = AtlasSimulation(
+        Scenario(physics_step=0.002, control_period=0.004),
+        on_event=on_event,
+        log=tmp_path / "run.npz",
+    )
+    sim.diagram.GetInputPort("other_atlas_command").FixValue(
+        sim.context, AtlasCommand(position=[0.0])
+    )
+    sim.publish(behavior_command(Behavior.WALK))
+    with pytest.raises(RuntimeError) as caught:
+        sim.advance(0.1)
+    assert caught.value is error
+    kinds = [event.kind for event in sim.events]
+    assert {"refusal", "behavior"} <= set(kinds)
+    sim.close()
+    assert [event.kind for event in read_log(tmp_path / "run.npz").events] == kinds
+
+
+def test_what_is_sent_last_is_in_events_and_log(tmp_path):
+    with AtlasSimulation(
+        Scenario(physics_step=0.002, control_period=0.004), log=tmp_path / "run.npz"
+    ) as sim:
+        sim.advance(0.01)
+        sim.publish(AtlasCommand())
+        with pytest.raises(InvalidMessageError):
+            sim.publish(AtlasCommand(position=[0.0]))
+        assert [event.kind for event in sim.events] == ["refusal"]
+    log = read_log(tmp_path / "run.npz")
+    assert [len(command.message.position) for command in log.commands] == [0, 1]
+    assert [event.kind for event in log.events] == ["refusal"]
+
+
+def test_a_scenario_that_changes_afterwards_is_not_what_was_simulated():
+    scenario = Scenario(name="first")
+    sim = AtlasSimulation(scenario)
+    scenario.name, scenario.start.position, scenario.programme = "second", [9, 9], "x"
+    sim.reset()
+    assert abs(sim.pelvis_pose.translation()[0]) < 1.0
+    assert sim.summary()["scenario"] == "first"
 
 
 def test_a_scenario_is_checked_before_anything_is_built():

@@ -72,6 +72,12 @@ def test_the_robot_is_placed_with_one_call():
         ("position", "ab"),
         ("position", (float("nan"), 0.0)),
         ("rpy", (0.0, 0.0, 1e308)),
+        ("rpy", np.array(1.0)),
+        ("joints", [0.0] * 27),
+        ("joints", [float("nan")] * 28),
+        ("joints", "x"),
+        ("clearance", float("nan")),
+        ("clearance", "x"),
     ],
 )
 def test_a_place_that_is_none_is_refused(field, value):

@@ -38,6 +38,8 @@ LOG_EXTRA, PLOT_EXTRA = "log", "plot"
 class LogFile:
     """A log being written, with errors that name the file.
 
+    Without a single row there is no log, and what had its name before stays.
+
     Attributes:
         path: Of the file.
     """
@@ -52,6 +54,8 @@ class LogFile:
         self.path = path
         writer = _member(path, "writer")
         self._writer: LogWriter | None = None
+        self._has_rows = False
+        self._early: list[Note] = []
         with self._named_faults():
             self._writer = writer(path, header)
 
@@ -64,6 +68,9 @@ class LogFile:
         if self._writer is not None:
             with self._named_faults():
                 self._writer.row(row)
+                self._has_rows = True
+                while self._early:
+                    self._writer.note(self._early.pop(0))
 
     def note(self, note: Note) -> None:
         """Keeps a note, unless the file is closed.
@@ -71,7 +78,9 @@ class LogFile:
         Raises:
             LogError: If it cannot be written. The file is then closed.
         """
-        if self._writer is not None:
+        if not self._has_rows:
+            self._early.append(note)
+        elif self._writer is not None:
             with self._named_faults():
                 self._writer.note(note)
 
@@ -83,7 +92,10 @@ class LogFile:
         """
         if self._writer is not None:
             with self._named_faults():
-                self._writer.close()
+                if self._has_rows:
+                    self._writer.close()
+                else:
+                    self._writer.abandon()
             self._writer = None
 
     @contextmanager
@@ -115,9 +127,9 @@ def read_file(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]:
         LogError: If the file cannot be read.
     """
     read = _member(path, "reader")
-    if not path.exists():
-        raise LogError(f"{path}: there is no such file")
     try:
+        if not path.exists():
+            raise LogError("there is no such file")
         return read(path)
     except OSError as error:
         raise LogError(f"{path}: cannot be read: {error.strerror or error}") from error

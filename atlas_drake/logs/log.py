@@ -171,6 +171,10 @@ def _check_sound(log: Log) -> None:
         raise ValueError("time does not go on")
     if not 0.0 < log.header.control_period < np.inf:
         raise ValueError(f"control_period is {log.header.control_period}")
+    q = log.arrays.get("state.q", np.ones((0, 4)))
+    # Its first four are the pelvis' orientation, a quaternion.
+    if not (np.isfinite(q).all() and np.any(q[:, :4], axis=1).all()):
+        raise ValueError("state.q is no pose")
     for behavior in np.unique(log.arrays.get("behavior.current", [])):
         Behavior(behavior)
     # Both are made of the notes when they are asked for.

@@ -45,23 +45,29 @@ class McapWriter:
     """Writes each tick as one message per topic."""
 
     def __init__(self, path: Path, header: Header):
-        """Opens the file and describes all topics."""
+        """Claims the file, which stays as it is until there is a row."""
+        self._header = header
         self._layout = header.layout
         self._path = path
+        self._is_new = not path.exists()
         # Not emptied before it is known to be this run's alone.
         self._lock = path.open("ab")
         _lock(self._lock)
-        self._file = path.open("wb")
-        self._writer = Writer(
-            self._file, chunk_size=CHUNK, compression=CompressionType.ZSTD
-        )
-        self._writer.start(library="atlas_drake")
-        self._writer.add_metadata(METADATA, {HEADER: header.to_json()})
+        self._file: Any = None
         self._channels: dict[str, int] = {}
         self._rows = 0
         self._latest: dict[str, Any] = {}
         self._viewer_time = -np.inf
         self._topics = _topics(self._layout)
+
+    def _begin(self) -> None:
+        """Empties the file and describes all topics."""
+        self._file = self._path.open("wb")
+        self._writer = Writer(
+            self._file, chunk_size=CHUNK, compression=CompressionType.ZSTD
+        )
+        self._writer.start(library="atlas_drake")
+        self._writer.add_metadata(METADATA, {HEADER: self._header.to_json()})
         blank = [0.0] * self._layout.width
         for name, topic in self._topics.items():
             self._register(name, f"atlas_drake.{name}", topic.message(blank))
@@ -75,6 +81,8 @@ class McapWriter:
 
     def row(self, row: np.ndarray) -> None:
         """Writes one tick."""
+        if self._file is None:
+            self._begin()
         values = row.tolist()
         if not np.isfinite(row).all():
             # JSON knows neither NaN nor infinities.
@@ -114,8 +122,13 @@ class McapWriter:
         """Cuts the file back to what is whole.
 
         On a full disk the last whole chunk goes as well, which leaves room for the
-        files that are still to be written.
+        files that are still to be written. Without a row nothing has changed.
         """
+        if self._file is None:
+            if self._is_new:
+                self._path.unlink(missing_ok=True)
+            self._lock.close()
+            return
         for file in (self._file, self._lock):
             with suppress(OSError):
                 file.close()

@@ -103,7 +103,7 @@ class Header:
 
 
 class LogWriter(Protocol):
-    """One format being written."""
+    """One format being written; notes come after the first row."""
 
     def row(self, row: np.ndarray) -> None:
         """Keeps one tick, an array of the layout's width that is not used again."""
@@ -115,7 +115,10 @@ class LogWriter(Protocol):
         """Completes the file; nothing is kept after that."""
 
     def abandon(self) -> None:
-        """Ends the file after an error; raises none. What can be read of it stays."""
+        """Ends the file after an error; raises none. What can be read of it stays.
+
+        Without a row, what had its name before stays.
+        """
 
 
 def note_from_event(event: Event) -> Note:

@@ -18,7 +18,6 @@ from pydrake.systems.framework import (
     DiscreteValues,
     InputPort,
     System,
-    ValueProducer,
 )
 
 from atlas_drake.behaviors.base import Event
@@ -33,6 +32,7 @@ from atlas_drake.logs.notes import (
 )
 from atlas_drake.logs.samples import RowSampler
 from atlas_drake.systems.collectable_system import CollectableSystem
+from atlas_drake.systems.scratch import declare_scratch_context
 
 _VALUES = (
     "commands",
@@ -93,16 +93,7 @@ class LogRecorder(CollectableSystem):
             self._ports[name] = self.DeclareAbstractInputPort(
                 name, AbstractValue.Make(blank)
             )
-        self._scratch = self.DeclareCacheEntry(
-            "scratch context of the plant",
-            ValueProducer(
-                allocate=self.callback(
-                    lambda: AbstractValue.Make(sampler.create_context())
-                ),
-                calc=ValueProducer.NoopCalc,
-            ),
-            {self.nothing_ticket()},
-        )
+        self._scratch = declare_scratch_context(self, sampler.create_context)
         self._row = self.DeclareDiscreteState(np.full(sampler.layout.width, np.nan))
         self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._sample)
         self.DeclarePeriodicPublishEvent(period, 0.0, self._write)
@@ -117,7 +108,7 @@ class LogRecorder(CollectableSystem):
             self._writer.note(note_from_event(event))
 
     def flush(self, context: Context) -> None:
-        """Writes the latest row, which waits for the next tick otherwise."""
+        """Writes the latest row and commands, which otherwise wait for a tick."""
         self._write(context)
 
     def close(self) -> None:
@@ -139,12 +130,10 @@ class LogRecorder(CollectableSystem):
             self.fault = error
 
     def _write(self, context: Context) -> None:
+        if self.fault is not None:
+            return
         row = context.get_discrete_state(self._row).value().copy()
         time = row[0]
-        # There is none before the first tick; after a reset Drake publishes once more.
-        if self.fault is not None or not time > self._written_time:
-            return
-        self._written_time = time
         commands: Any = self._ports["commands"].Eval(context)
         fresh = commands.messages_since(self._received)
         self._received = commands.received
@@ -155,7 +144,10 @@ class LogRecorder(CollectableSystem):
                     if isinstance(received.message, cls):
                         plain = to_plain(received.message)
                         self._writer.note(Note(received.time, kind, plain))
-            self._writer.row(row)
+            # There is none before the first tick; after a reset Drake publishes again.
+            if time > self._written_time:
+                self._written_time = time
+                self._writer.row(row)
 
     # ---- sampling ------------------------------------------------------------
 

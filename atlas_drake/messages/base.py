@@ -111,7 +111,7 @@ class Message:
         """Return a snapshot that is new beside another one with the same content.
 
         Args:
-            number: Any but 0 and that of the message which the sender sent before.
+            number: Not 0, and not the number of the sender's previous message.
         """
         twin = self._fixed((id(self),), anew=True)
         object.__setattr__(twin, "_number", number)
@@ -165,7 +165,7 @@ class Message:
         object.__setattr__(self, "_frozen", is_frozen)
 
 
-_IMMUTABLE = (float, int, str, type(None))
+_IMMUTABLE = (float, int, bool, str, type(None))
 
 DEEPEST = 8
 """More than the depth to which messages and lists are nested in any message."""
@@ -186,7 +186,7 @@ def frozen(value: Any, path: _Path = (), *, anew: bool = False) -> Any:
     generator or a list that contains itself, stays what it is: its place is in the
     error that refuses it.
     """
-    if isinstance(value, _IMMUTABLE):
+    if type(value) in _IMMUTABLE:
         return value
     if isinstance(value, np.ndarray):
         twin = value.copy()
@@ -210,7 +210,8 @@ def same_content(value: Any, seen: Any, path: _Path = ()) -> bool:
     """Tell whether a value says what a frozen one, seen earlier, said.
 
     Never raises. NaN says the same as NaN, and what cannot stand in any valid message
-    the same as another thing of its type. Fast where nothing changed.
+    the same as another thing of its type; True does not say 1, which may be refused
+    where the other is not. Fast where nothing changed.
 
     Args:
         value: A message, or whatever stands in its place; it may have changed since.
@@ -232,8 +233,10 @@ def same_content(value: Any, seen: Any, path: _Path = ()) -> bool:
     if isinstance(value, (list, tuple)) and _enters(value, path):
         return _same_elements(value, seen, (*path, id(value)))
     if isinstance(value, _IMMUTABLE):
-        return isinstance(seen, _IMMUTABLE) and (
-            bool(value == seen) or (value != value and seen != seen)
+        return (
+            isinstance(seen, _IMMUTABLE)
+            and isinstance(value, bool) == isinstance(seen, bool)
+            and (bool(value == seen) or (value != value and seen != seen))
         )
     if isinstance(value, np.ndarray):
         return _same_array(value, seen, path)
@@ -256,7 +259,8 @@ def _same_elements(value: Any, seen: Any, path: _Path) -> bool:
     """Compare a sequence; ``path`` ends with it."""
     if not isinstance(seen, (list, tuple)) or len(value) != len(seen):
         return False
-    if set(map(type, value)) <= _NUMBERS and tuple(value) == tuple(seen):
+    types = {*map(type, value), *map(type, seen)}
+    if types <= _NUMBERS and tuple(value) == tuple(seen):
         return True
     return all(
         now is before or same_content(now, before, path)

@@ -83,7 +83,9 @@ def check_vector(
         InvalidMessageError: If it is no list, tuple or array of such numbers.
     """
     is_list = isinstance(values, (list, tuple)) or (
-        isinstance(values, np.ndarray) and not isinstance(values, np.ma.MaskedArray)
+        isinstance(values, np.ndarray)
+        and values.ndim == 1
+        and not isinstance(values, np.ma.MaskedArray)
     )
     numbers = [as_float(element) for element in values] if is_list else []  # type: ignore[attr-defined]
     vector = np.array([math.nan if number is None else number for number in numbers])

@@ -40,10 +40,14 @@ def as_float(value: object) -> float | None:
 def plain_number(value: object) -> object:
     """Return a number as an ``int`` or ``float``, and everything else as it is.
 
-    Numbers of numpy and fractions become the nearest float, so that no code behind a
-    check meets a type that it cannot calculate with. What is beyond the range of a
-    float stays as it is, for a check to refuse.
+    Truth values of numpy become Python's, and numbers of numpy and fractions the
+    nearest float, so that no code behind a check meets a type that it cannot calculate
+    with. What is beyond the range of a float stays as it is, for a check to refuse.
     """
+    if isinstance(value, np.float64):
+        return float(value)  # A float to Python already, but a type of its own.
+    if isinstance(value, np.bool_):
+        return bool(value)
     if isinstance(value, (float, int)) or not is_number(value):
         return value
     if isinstance(value, Integral):

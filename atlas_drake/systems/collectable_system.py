@@ -41,14 +41,15 @@ class CachedValue:
 class CollectableSystem(LeafSystem):
     """A LeafSystem that is freed, with its diagram, when nobody uses it any more.
 
-    A plain LeafSystem in Python is immortal, for two reasons. Drake keeps the callbacks
-    of output ports and cache entries, which know their system, where Python's garbage
-    collector cannot see them: here Python keeps them, and Drake calls them through weak
-    references. And Python 3.11 counts twice what is in the ``__dict__`` of a subclass
+    A plain LeafSystem in Python is immortal, for three reasons. Drake keeps the
+    callbacks of output ports and cache entries, which know their system, where Python's
+    garbage collector cannot see them: here Python keeps them, and Drake calls them
+    through weak references. A cache entry keeps its system likewise: here a
+    ``CachedValue`` stands for it. And Python 3.11 counts twice what is in the ``__dict__`` of a subclass
     of a binding: every subclass has to say ``__slots__ = ()``, and uses the
     ``__dict__`` of its base.
 
-    docs/memory.md shows both in a few lines.
+    docs/memory.md has them in a table, and a system that shows the first.
     """
 
     if not TYPE_CHECKING:  # mypy does not know of the __dict__ of Drake's classes.

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from atlas_drake.errors import AtlasError
+from atlas_drake.whole_file import why_not_writable
 
 ENDINGS = (".mp4", ".gif")
 INSTALL = 'pip install "atlas-drake[video]"'
@@ -38,13 +39,16 @@ def check_video(path: Path, width: int, height: int) -> None:
         height: Of the pictures [pixel].
 
     Raises:
-        VideoError: If the ending is unknown, a package is missing, or the format
-            cannot have this size.
+        VideoError: If the ending is unknown, a package is missing, the format cannot
+            have this size, or no file can be written there.
     """
     if path.suffix not in ENDINGS:
         raise VideoError(f"--video: {path}: must end in {' or '.join(ENDINGS)}")
     if path.suffix == ".mp4" and (width % 2 or height % 2):
         raise VideoError(f"--video-size: {width}x{height}: an .mp4 needs even numbers")
+    problem = why_not_writable(path)
+    if problem is not None:
+        raise VideoError(f"--video: {problem}")
     for package in PACKAGES:
         try:
             importlib.import_module(package)

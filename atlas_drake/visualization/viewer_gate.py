@@ -30,9 +30,11 @@ class ViewerGate(CollectableSystem):
     """Is closed while a viewer still has too much to take; the slowest one counts.
 
     Drake's visualiser then records, without showing, and the recording is thrown away:
-    that is the one way to keep it from sending. So no gate may be where there is a
-    recording. Our own displays ask ``is_open``. All of them draw what is, not what has
-    changed, so that the first picture through an open gate is the latest.
+    that is the one way to keep it from sending. A diagram whose view is recorded must
+    not have a gate. Meshcat does not say whether a recording runs: one that somebody
+    else began would be thrown away, too. Our own displays ask ``is_open``. All of them
+    draw what is, not what has changed, so that the first picture through an open gate
+    is the latest.
 
     Whether it is open is a fact about the browser, and no part of the Context. It has
     to be added to a diagram before the systems that draw.

@@ -233,6 +233,8 @@ def test_a_damaged_log_is_refused_or_read_as_far_as_it_goes(
         ({"time": np.linspace(1.0, 0.0, 50)}, "time does not go on"),
         ({"time": np.zeros((50, 2))}, "time is float64 of shape"),
         ({"joints.effort": np.zeros((50, 3))}, r"joints\.effort"),
+        ({"state.q": np.zeros((50, 35))}, r"state\.q is no pose"),
+        ({"state.q": np.full((50, 35), np.nan)}, r"state\.q is no pose"),
         ({"behavior.current": np.full(50, 99)}, "99"),
         ({"notes": '[[0.0, "event", {}]]'}, "damaged"),
         ({"notes": "[[0.0]]"}, "damaged"),
@@ -261,8 +263,39 @@ def test_a_missing_file_is_said_to_be_missing(suffix, tmp_path):
 
 
 def test_a_log_without_rows_is_refused(log, suffix, tmp_path):
+    file = LogFile(tmp_path / f"empty{suffix}", log.header)
+    if suffix == ".mcap":  # As torn before its first tick.
+        file._writer._begin()
+    file._writer.close()
     with pytest.raises(LogError, match="no rows"):
-        read_log(write(log, tmp_path / f"empty{suffix}", rows=0))
+        read_log(file.path)
+
+
+def test_a_log_that_gets_no_rows_replaces_none(log, suffix, tmp_path):
+    file = LogFile(write(log, tmp_path / f"run{suffix}"), log.header)
+    file.note(log.notes[0])
+    file.close()
+    assert len(read_log(tmp_path / f"run{suffix}")) == len(log)
+    LogFile(tmp_path / f"new{suffix}", log.header).close()
+    assert [*tmp_path.iterdir()] == [tmp_path / f"run{suffix}"]
+
+
+def test_a_simulation_that_cannot_be_built_leaves_the_log_of_another(
+    log, suffix, tmp_path
+):
+    path = write(log, tmp_path / f"run{suffix}")
+    with pytest.raises(AttributeError):
+        AtlasSimulation(meshcat="localhost", log=path)
+    assert len(read_log(path)) == len(log)
+    assert [*tmp_path.iterdir()] == [path]
+
+
+def test_notes_from_before_the_first_row_are_kept(log, suffix, tmp_path):
+    file = LogFile(tmp_path / f"run{suffix}", log.header)
+    file.note(log.notes[0])
+    file.row(table_of(log)[0])
+    file.close()
+    assert read_log(file.path).notes == log.notes[:1]
 
 
 def test_a_file_that_cannot_be_written_is_named(suffix, tmp_path):
@@ -342,7 +375,7 @@ def test_an_unfinished_file_is_nobody_elses(log, suffix, tmp_path, monkeypatch):
     precious = tmp_path / "precious"
     precious.write_text("precious")
     monkeypatch.setattr(secrets, "token_hex", lambda _length: "0")
-    (tmp_path / f".run.0.unfinished{suffix}").symlink_to(precious)
+    (tmp_path / f".0.unfinished{suffix}").symlink_to(precious)
     with pytest.raises(LogError, match="File exists"):
         LogFile(tmp_path / f"run{suffix}", log.header)
     assert precious.read_text() == "precious"

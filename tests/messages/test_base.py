@@ -19,6 +19,7 @@ from atlas_drake.messages import (
     Pose,
     Vector3,
 )
+from atlas_drake.messages.base import frozen, same_content
 
 KINDS = [
     kind
@@ -129,6 +130,34 @@ def test_snapshot_does_not_change():
     step = AtlasSimInterfaceCommand().snapshot().walk_params.step_queue[1]
     with pytest.raises(AttributeError, match="snapshot"):
         step.pose.position.x = 1.0
+
+
+@pytest.mark.parametrize(
+    ("value", "kind"),
+    [
+        (np.float64(1.0), float),
+        (np.float64(np.inf), float),
+        (np.float32(1.0), float),
+        (np.int64(1), int),
+        (np.bool_(1), bool),
+        (True, bool),
+    ],
+)
+def test_numbers_of_a_snapshot_are_pythons_own(value, kind):
+    assert type(frozen(value)) is kind
+    assert type(frozen([value])[0]) is kind
+    assert same_content(value, frozen(value))
+
+
+@pytest.mark.parametrize("flag", [True, np.True_])
+def test_a_truth_value_is_not_the_content_of_a_number(flag):
+    assert not same_content(flag, 1)
+    assert not same_content(1, frozen(flag))
+    assert not same_content([1.0, 1], frozen([1.0, flag]))
+    assert not same_content([1.0, flag], (1.0, 1))
+    assert not same_content(not flag, frozen(flag))
+    assert not same_content(type(flag)(0), frozen(flag))
+    assert same_content([1.0, 1], (1, 1.0))
 
 
 def test_snapshot_is_free_to_copy():

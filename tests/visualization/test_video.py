@@ -71,6 +71,8 @@ def test_what_cannot_be_made_is_said(tmp_path, monkeypatch):
         check_video(tmp_path / "video.avi", 64, 48)
     with pytest.raises(VideoError, match="even"):
         check_video(tmp_path / "video.mp4", 65, 48)
+    with pytest.raises(VideoError, match="there is no folder"):
+        check_video(tmp_path / "none" / "video.mp4", 64, 48)
     check_video(tmp_path / "video.gif", 65, 47)
 
     def missing(name):
