@@ -158,7 +158,8 @@ SERVO_FIELDS = (
 """Joint arrays that a behaviour command has too; the later message counts."""
 
 KEPT = 50
-"""How many messages, requests and refusals are kept; all of the last moments are."""
+"""How many messages, requests and refusals are kept; none younger than READ_WITHIN is
+dropped."""
 
 
 def commands_at_start(robot: Robot, behavior: Behavior) -> CommandsInForce:
