@@ -229,11 +229,13 @@ class AtlasSimulation:
         """
         if self._recorder is not None:
             with self._turns:
-                self._look()
-                self._recorder.flush(
-                    self._recorder.GetMyContextFromRoot(self.simulator.get_context())
-                )
-                self._finalizer()
+                try:
+                    self._look()
+                finally:  # Who listens may raise anything.
+                    self._recorder.flush(
+                        self._recorder.GetMyContextFromRoot(self.context)
+                    )
+                    self._finalizer()
 
     def __enter__(self) -> AtlasSimulation:
         return self

@@ -26,7 +26,8 @@ LOCALHOST, ANYWHERE = "localhost", "*"
 """Hosts that stand for this computer alone, and for all its addresses."""
 PORTS_TRIED = 100
 """How many ports from the one asked for on may be in use."""
-LAST_PORT = 65535
+FIRST_PORT, LAST_PORT = 1024, 65535
+"""Ports that Meshcat takes, besides 0, which stands for any that is free."""
 
 
 def start_meshcat(
@@ -46,10 +47,11 @@ def start_meshcat(
     Raises:
         ScenarioError: If that address cannot be had.
     """
-    if port is not None and not (is_whole(port) and 0 <= port <= LAST_PORT):
-        raise ScenarioError(
-            "--port", port, f"must be 0 to {LAST_PORT}, is {shown(port)}"
-        )
+    if port is not None and not (
+        is_whole(port) and (port == 0 or FIRST_PORT <= port <= LAST_PORT)
+    ):
+        rule = f"must be {FIRST_PORT} to {LAST_PORT}, is {shown(port)}"
+        raise ScenarioError("--port", port, rule)
     local = host != ANYWHERE and _is_loopback(_address_of(host))
     if port is None:
         candidates: list[int | None] = [None]

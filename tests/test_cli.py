@@ -270,9 +270,9 @@ def test_the_view_is_for_this_computer_only_unless_told_otherwise(scenario, caps
         assert f"whoever reaches port {everywhere.port()}" in said.pop()
 
 
-@pytest.mark.parametrize("port", [70000, -1, "x", 7000.5])
+@pytest.mark.parametrize("port", [70000, -1, 80, "x", 7000.5])
 def test_a_port_that_is_none_is_bad_input(port):
-    with pytest.raises(ScenarioError, match="--port: must be 0 to 65535"):
+    with pytest.raises(ScenarioError, match="--port: must be 1024 to 65535"):
         start_meshcat(port=port)
 
 

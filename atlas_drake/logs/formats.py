@@ -78,9 +78,11 @@ class LogFile:
         Raises:
             LogError: If it cannot be written. The file is then closed.
         """
+        if self._writer is None:
+            return
         if not self._has_rows:
             self._early.append(note)
-        elif self._writer is not None:
+        else:
             with self._named_faults():
                 self._writer.note(note)
 

@@ -28,6 +28,8 @@ from atlas_drake.messages import Behavior, Message
 from atlas_drake.robot import Robot, load_robot
 from atlas_drake.scenario import Scenario
 
+TINY = 1e-6
+"""A quaternion that is no longer than this gives no orientation."""
 NUMBERS = "biuf"
 """Numpy's kinds of what a channel can hold."""
 
@@ -173,7 +175,7 @@ def _check_sound(log: Log) -> None:
         raise ValueError(f"control_period is {log.header.control_period}")
     q = log.arrays.get("state.q", np.ones((0, 4)))
     # Its first four are the pelvis' orientation, a quaternion.
-    if not (np.isfinite(q).all() and np.any(q[:, :4], axis=1).all()):
+    if not (np.isfinite(q).all() and (np.linalg.norm(q[:, :4], axis=1) > TINY).all()):
         raise ValueError("state.q is no pose")
     for behavior in np.unique(log.arrays.get("behavior.current", [])):
         Behavior(behavior)

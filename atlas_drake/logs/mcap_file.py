@@ -54,6 +54,7 @@ class McapWriter:
         self._lock = path.open("ab")
         _lock(self._lock)
         self._file: Any = None
+        self._lengths = deque([0], maxlen=2)
         self._channels: dict[str, int] = {}
         self._rows = 0
         self._latest: dict[str, Any] = {}

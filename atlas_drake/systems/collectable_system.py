@@ -45,9 +45,9 @@ class CollectableSystem(LeafSystem):
     callbacks of output ports and cache entries, which know their system, where Python's
     garbage collector cannot see them: here Python keeps them, and Drake calls them
     through weak references. A cache entry keeps its system likewise: here a
-    ``CachedValue`` stands for it. And Python 3.11 counts twice what is in the ``__dict__`` of a subclass
-    of a binding: every subclass has to say ``__slots__ = ()``, and uses the
-    ``__dict__`` of its base.
+    ``CachedValue`` stands for it. And Python 3.11 counts twice what is in the
+    ``__dict__`` of a subclass of a binding: every subclass has to say
+    ``__slots__ = ()``, and uses the ``__dict__`` of its base.
 
     docs/memory.md has them in a table, and a system that shows the first.
     """

@@ -315,6 +315,18 @@ def test_a_full_disk_is_named(log, suffix, tmp_path, monkeypatch):
     file.close()
 
 
+def test_an_mcap_that_cannot_even_be_begun_is_named(log, tmp_path):
+    pytest.importorskip("mcap")
+    file = LogFile(tmp_path / "run.mcap", log.header)
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (100, before[1]))
+    try:
+        with pytest.raises(LogError, match="cannot be written: File too large"):
+            file.row(table_of(log)[0])
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
 def write_rows(file, rows):
     for row in rows:
         file.row(row)
