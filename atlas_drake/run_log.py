@@ -10,7 +10,7 @@ from typing import Any
 
 from atlas_drake.behaviors.base import Event
 from atlas_drake.behaviors.supervisor import SupervisorState
-from atlas_drake.commands import CommandsInForce, Place, news_of
+from atlas_drake.commands import CommandsInForce
 from atlas_drake.frozen import replace
 from atlas_drake.recent import items_since
 from atlas_drake.systems.command_scheduler import ScheduledCommand
@@ -32,7 +32,6 @@ class RunLog:
         self._seen_events = 0
         self._seen_sent = 0
         self._seen_refusals = 0
-        self._refused: dict[Place, float] = {}
 
     def collect(
         self,
@@ -41,10 +40,7 @@ class RunLog:
         commands: CommandsInForce,
         supervisor: SupervisorState,
     ) -> None:
-        """Notes what was sent, refused and done since the last look.
-
-        Of a fault that is streamed only the first refusal is noted.
-        """
+        """Notes what was sent, refused and done since the last look."""
         fresh = [
             Event(entry.time, "command", entry.text)
             for entry in programme[self._seen_sent : sent]
@@ -52,9 +48,7 @@ class RunLog:
         self._seen_sent = sent
         fresh.extend(
             Event(refusal.time, "refusal", refusal.text)
-            for refusal in news_of(
-                commands.refusals_since(self._seen_refusals), self._refused
-            )
+            for refusal in commands.refusals_since(self._seen_refusals)
         )
         self._seen_refusals = commands.refused
         fresh.extend(

@@ -455,7 +455,7 @@ def test_a_streamed_fault_is_logged_once(robot, start, caplog):
     assert len(caplog.records) == 2
 
 
-def test_two_streamed_faults_that_change_are_noted_once_each(robot, start, caplog):
+def test_two_streamed_faults_that_change_are_logged_once_each(robot, start, caplog):
     force, log = start, RunLog()
     for tick in range(500):
         time = 0.002 * tick
@@ -467,7 +467,8 @@ def test_two_streamed_faults_that_change_are_noted_once_each(robot, start, caplo
         log_refusals(before, force)
         log.collect((), 0, force, SupervisorState(Behavior.STAND, Behavior.STAND))
     assert force.refused > 900
-    assert len(caplog.records) == len(log.events) == 2
+    assert len(caplog.records) == 2
+    assert len(log.events) > 900  # Events are a record, and leave none out.
 
 
 @pytest.mark.parametrize("thing", ["stand", 4, [1, 2]])
