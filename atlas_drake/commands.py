@@ -6,7 +6,7 @@ is applied; a refused message leaves everything as it was but for the error code
 
 import logging
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -32,8 +32,6 @@ from atlas_drake.robot import Robot
 _log = logging.getLogger(__name__)
 
 Command = AtlasCommand | AtlasSimInterfaceCommand
-Place = tuple[str, str]
-"""Port and field at fault."""
 
 
 @dataclass(frozen=True)
@@ -81,7 +79,7 @@ class Refusal:
     port: str
 
     @property
-    def place(self) -> Place:
+    def place(self) -> tuple[str, str]:
         """Port and field at fault."""
         return self.port, self.error.field
 
@@ -256,27 +254,14 @@ def _take(
         )
 
 
-def news_of(refusals: Iterable[Refusal], heard: dict[Place, float]) -> list[Refusal]:
-    """Picks those that do not go on with a fault, as those of a stream do.
-
-    Args:
-        refusals: In their order.
-        heard: When something was last refused for each place [s]; kept up here.
-    """
-    news = []
-    for refusal in refusals:
-        last = heard.get(refusal.place, -math.inf)
-        if not 0.0 <= refusal.time - last < SAME_FAULT:
-            news.append(refusal)
-        heard[refusal.place] = refusal.time
-    return news
-
-
 def log_refusals(before: CommandsInForce, after: CommandsInForce) -> None:
     """Warns of what was refused since ``before``, of a streamed fault once."""
     heard = {refusal.place: refusal.time for refusal in before.refusals}
-    for refusal in news_of(after.refusals_since(before.refused), heard):
-        _log.warning("t = %.3f s: %s", refusal.time, refusal.text)
+    for refusal in after.refusals_since(before.refused):
+        last = heard.get(refusal.place, -math.inf)
+        if not 0.0 <= refusal.time - last < SAME_FAULT:
+            _log.warning("t = %.3f s: %s", refusal.time, refusal.text)
+        heard[refusal.place] = refusal.time
 
 
 SAME_FAULT = 1.0
