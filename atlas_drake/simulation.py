@@ -625,11 +625,9 @@ class AtlasSimulation:
         Raises:
             ValueError: If there is no such port.
         """
-        known = [
-            self.diagram.get_output_port(i).get_name()
-            for i in range(self.diagram.num_output_ports())
-        ]
-        if name not in known:
+        if not (isinstance(name, str) and self.diagram.HasOutputPort(name)):
+            ports = range(self.diagram.num_output_ports())
+            known = [self.diagram.get_output_port(i).get_name() for i in ports]
             raise ValueError(
                 f"there is no output port {name!r}.{did_you_mean(str(name), known)} "
                 f"Known are {', '.join(known)}"
