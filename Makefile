@@ -27,9 +27,10 @@ test: $(STAMP) ## Run all tests.
 fast: $(STAMP) ## Run the tests that take seconds.
 	@$(BIN)/python -m pytest -n $(TEST_JOBS) --dist worksteal -m "not slow" $(ARGS)
 
-check: $(STAMP) ## Check style, formatting and types.
+check: $(STAMP) ## Check style, formatting, imports and types.
 	@$(BIN)/ruff check .
 	@$(BIN)/ruff format --check .
+	@$(BIN)/lint-imports --no-cache --no-logo
 	@echo "Checking types (the first time takes about a minute) ..."
 	@$(BIN)/mypy
 

@@ -16,38 +16,38 @@ from atlas_drake.messages import *  # noqa: F403
 from atlas_drake.messages import __all__ as _messages
 
 if TYPE_CHECKING:
-    from atlas_drake.footholds import Gait
-    from atlas_drake.footstep_planner import (
+    from atlas_drake.diagrams.standing import place_robot
+    from atlas_drake.logs import Log, LogError, read_log
+    from atlas_drake.planning.footholds import Gait
+    from atlas_drake.planning.footstep_planner import (
         steps_ahead,
         steps_along_arc,
         steps_to,
         steps_turning,
     )
-    from atlas_drake.logs import Log, LogError, read_log
+    from atlas_drake.planning.step_stream import StepStream
     from atlas_drake.scenario import Jitter, Scenario, Start, load_scenario
+    from atlas_drake.scenario.terrain import Block
     from atlas_drake.simulation import AtlasSimulation, SimulationError
-    from atlas_drake.standing import place_robot
-    from atlas_drake.step_stream import StepStream
-    from atlas_drake.terrain import Block
 
 _LAZY = {
     "AtlasSimulation": "atlas_drake.simulation",
-    "Block": "atlas_drake.terrain",
-    "Gait": "atlas_drake.footholds",
+    "Block": "atlas_drake.scenario.terrain",
+    "Gait": "atlas_drake.planning.footholds",
     "Jitter": "atlas_drake.scenario",
     "Log": "atlas_drake.logs",
     "LogError": "atlas_drake.logs",
     "Scenario": "atlas_drake.scenario",
     "SimulationError": "atlas_drake.simulation",
     "Start": "atlas_drake.scenario",
-    "StepStream": "atlas_drake.step_stream",
+    "StepStream": "atlas_drake.planning.step_stream",
     "load_scenario": "atlas_drake.scenario",
-    "place_robot": "atlas_drake.standing",
+    "place_robot": "atlas_drake.diagrams.standing",
     "read_log": "atlas_drake.logs",
-    "steps_ahead": "atlas_drake.footstep_planner",
-    "steps_along_arc": "atlas_drake.footstep_planner",
-    "steps_to": "atlas_drake.footstep_planner",
-    "steps_turning": "atlas_drake.footstep_planner",
+    "steps_ahead": "atlas_drake.planning.footstep_planner",
+    "steps_along_arc": "atlas_drake.planning.footstep_planner",
+    "steps_to": "atlas_drake.planning.footstep_planner",
+    "steps_turning": "atlas_drake.planning.footstep_planner",
 }
 
 __all__ = [  # noqa: PLE0604

@@ -5,7 +5,7 @@ Nothing else lives here.
 
 import sys
 
-from atlas_drake.cli import main
+from atlas_drake.app.main import main
 
 if __name__ == "__main__":
     sys.exit(main())

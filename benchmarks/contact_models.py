@@ -21,8 +21,8 @@ from realtime import PIECE, BarePlant
 from report import command_line, write_figures
 
 from atlas_drake.robot import available_robots, load_robot
-from atlas_drake.scenario import PHYSICS_STEPS
-from atlas_drake.tutorial import DURATION
+from atlas_drake.scenario.scenario import PHYSICS_STEPS
+from atlas_drake.simulation.tutorial import DURATION
 
 APPROXIMATIONS = ("lagged", "similar", "sap")
 """All of Drake's but tamsi, which it no longer recommends."""

@@ -16,7 +16,7 @@ from tutorial_campaign import follow
 from walking import STANDING, Job, Push, strike, walk
 
 from atlas_drake import K_EFFORT_MAX, AtlasCommand, AtlasSimulation
-from atlas_drake.tutorial import DURATION
+from atlas_drake.simulation.tutorial import DURATION
 
 BEYOND = 1.001
 """Friction by Coulomb's bound that counts as beyond it; 1 but for rounding [-]."""

@@ -22,7 +22,7 @@ from atlas_drake import (
     Scenario,
 )
 from atlas_drake.behaviors.transitions import EntryLimits
-from atlas_drake.control.whole_body_model import WholeBodyModel
+from atlas_drake.control.whole_body.model import WholeBodyModel
 
 DIRECTIONS = {
     "forward": (1.0, 0.0),

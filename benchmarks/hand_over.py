@@ -15,7 +15,7 @@ import numpy as np
 from report import command_line, write_figures
 
 from atlas_drake import AtlasSimulation, Scenario
-from atlas_drake.tutorial import DURATION
+from atlas_drake.simulation.tutorial import DURATION
 
 GOAL = 0.10
 """Largest change within a control tick of a joint that the user has no share of, as a

@@ -19,8 +19,9 @@ from report import command_line, write_figures
 from walking import STANDING, plan
 
 from atlas_drake import AtlasSimInterfaceCommand, AtlasSimulation
-from atlas_drake.control import quadratic_program, whole_body_qp
-from atlas_drake.control.quadratic_program import SOFT, QuadraticProgram
+from atlas_drake.control.whole_body import qp as whole_body_qp
+from atlas_drake.control.whole_body import quadratic_program
+from atlas_drake.control.whole_body.quadratic_program import SOFT, QuadraticProgram
 from atlas_drake.robot import load_robot
 
 INFINITE = 1e20

@@ -26,10 +26,10 @@ from pydrake.systems.framework import DiagramBuilder
 from report import command_line, write_figures
 
 from atlas_drake import AtlasSimulation, Scenario
+from atlas_drake.diagrams.standing import place_robot
 from atlas_drake.robot import Robot, load_robot
-from atlas_drake.standing import place_robot
-from atlas_drake.start import draw_variation, scale_masses
-from atlas_drake.tutorial import DURATION
+from atlas_drake.simulation.start import draw_variation, scale_masses
+from atlas_drake.simulation.tutorial import DURATION
 
 PIECE = 0.5
 """Simulated time between changes from closed loop to bare plant [s]."""

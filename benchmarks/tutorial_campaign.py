@@ -18,7 +18,7 @@ from parallel import Outcome, run_in_processes
 from report import command_line, write_figures
 
 from atlas_drake import AtlasSimulation
-from atlas_drake.tutorial import DURATION, USER_TARGETS
+from atlas_drake.simulation.tutorial import DURATION, USER_TARGETS
 
 LANDING_GOAL = 0.02
 """Largest distance of a foot from where it was sent [m]."""

@@ -19,10 +19,11 @@ from pydrake.multibody.plant import (
 from pydrake.systems.framework import Diagram, DiagramBuilder, System
 
 from atlas_drake.control.gains import ControlGains
+from atlas_drake.diagrams.standing import stand_by_default
 from atlas_drake.messages import Behavior
-from atlas_drake.noise import NoiseModel
 from atlas_drake.robot import Robot, load_robot
-from atlas_drake.standing import stand_by_default
+from atlas_drake.scenario.noise import NoiseModel
+from atlas_drake.scenario.terrain import BLOCK_COLOR, Block
 from atlas_drake.systems.behavior_controller import BehaviorController
 from atlas_drake.systems.command_interface import CommandInterface
 from atlas_drake.systems.effort_selector import EffortSelector
@@ -33,7 +34,6 @@ from atlas_drake.systems.joint_pid_bank import JointPidBank
 from atlas_drake.systems.robot_sensors import RobotSensors
 from atlas_drake.systems.run_statistics import RunStatistics
 from atlas_drake.systems.state_estimator import StateEstimator
-from atlas_drake.terrain import BLOCK_COLOR, Block
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """The tutorial's diagram: a scheduler of commands in front of an AtlasStation.
 
-Wiring only; the programme is in ``atlas_drake.tutorial``.
+Wiring only; the programme is in ``atlas_drake.simulation.tutorial``.
 """
 
 from __future__ import annotations

@@ -19,9 +19,9 @@ from atlas_drake import (
     Behavior,
     Scenario,
 )
-from atlas_drake.cli import main as atlas_drake
-from atlas_drake.diagram_picture import write_diagram_picture
-from atlas_drake.viewer import start_meshcat
+from atlas_drake.app.diagram_picture import write_diagram_picture
+from atlas_drake.app.main import main as atlas_drake
+from atlas_drake.app.viewer import start_meshcat
 from atlas_drake.visualization.overlays import Overlays
 
 IMAGES = Path(__file__).parent / "images"

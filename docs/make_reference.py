@@ -24,9 +24,10 @@ import source_docs
 
 import atlas_drake
 from atlas_drake import errors, messages
-from atlas_drake.behaviors import base, needs_a_leg, supervisor, transitions
+from atlas_drake.behaviors import base, supervisor, transitions
+from atlas_drake.behaviors.stand import stance_guard
 from atlas_drake.control.gains import ControlGains
-from atlas_drake.control.whole_body_model import WholeBodyModel
+from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.messages import Behavior, Message
 from atlas_drake.robot import load_robot
 
@@ -90,8 +91,8 @@ def message_page(name: str, cls: type) -> str:
 def behavior_page(behavior: Behavior, implementation: base.Behavior) -> str:
     """What a behaviour does, when it can begin, what it reads, says and keeps to."""
     guard = None
-    if isinstance(implementation, needs_a_leg.NeedsALeg):
-        guard = needs_a_leg.__doc__
+    if isinstance(implementation, stance_guard.StanceGuard):
+        guard = stance_guard.__doc__
         implementation = implementation.behavior
     module = sys.modules[type(implementation).__module__]
     legal = transitions.LEGAL_TRANSITIONS

@@ -9,7 +9,7 @@ import signal
 import sys
 
 from atlas_drake import AtlasCommand, AtlasSimulation, AtlasState, Scenario
-from atlas_drake.viewer import await_viewer, start_meshcat
+from atlas_drake.app.viewer import await_viewer, start_meshcat
 
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("--headless", action="store_true", help="no 3D view")

@@ -9,7 +9,7 @@ import signal
 import sys
 
 from atlas_drake import AtlasCommand, AtlasSimulation, AtlasState
-from atlas_drake.viewer import await_viewer, start_meshcat
+from atlas_drake.app.viewer import await_viewer, start_meshcat
 
 GOALS = {  # [rad]
     AtlasState.neck_ry: -0.1,

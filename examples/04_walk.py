@@ -10,7 +10,7 @@ from atlas_drake import (
     Behavior,
     steps_along_arc,
 )
-from atlas_drake.viewer import await_viewer, start_meshcat
+from atlas_drake.app.viewer import await_viewer, start_meshcat
 
 LENGTH, ANGLE = 1.8, 0.9  # of the curve [m], [rad]
 

@@ -14,7 +14,7 @@ from atlas_drake import (
     AtlasSimulation,
     AtlasState,
 )
-from atlas_drake.viewer import await_viewer, start_meshcat
+from atlas_drake.app.viewer import await_viewer, start_meshcat
 
 GAINS = [20.0, 4000.0, 2000.0, 20.0]  # back, neck
 GAINS += 2 * [5.0, 100.0, 2000.0, 1000.0, 900.0, 300.0]  # legs

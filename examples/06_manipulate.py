@@ -16,7 +16,7 @@ from atlas_drake import (
     AtlasState,
     Behavior,
 )
-from atlas_drake.viewer import await_viewer, start_meshcat
+from atlas_drake.app.viewer import await_viewer, start_meshcat
 
 POSES = [  # what, and how [m], [rad]
     ("lean forward", {"pelvis_height": 0.85, "pelvis_pitch": 0.35}),

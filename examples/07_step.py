@@ -11,7 +11,7 @@ from atlas_drake import (
     Block,
     Scenario,
 )
-from atlas_drake.viewer import await_viewer, start_meshcat
+from atlas_drake.app.viewer import await_viewer, start_meshcat
 
 RISE = 0.12  # [m]
 

@@ -6,7 +6,7 @@ import signal
 import sys
 
 from atlas_drake import AtlasSimulation, Gait, StepStream, steps_along_arc
-from atlas_drake.viewer import await_viewer, start_meshcat
+from atlas_drake.app.viewer import await_viewer, start_meshcat
 
 RADIUS = 0.8  # of the circle [m]
 

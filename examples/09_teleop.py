@@ -9,11 +9,11 @@ import signal
 import sys
 
 from atlas_drake import AtlasSimulation, Behavior
-from atlas_drake.interrupts import ctrl_c
+from atlas_drake.app.interrupts import ctrl_c
+from atlas_drake.app.viewer import start_meshcat
 from atlas_drake.teleop.controls import Action, Controls, legend
 from atlas_drake.teleop.panel import Panel
 from atlas_drake.teleop.session import Session
-from atlas_drake.viewer import start_meshcat
 from atlas_drake.visualization.overlays import Overlays
 
 KEYS = {0.5: Action.FORWARD, 3.5: Action.ARC_LEFT, 6.0: Action.STOP}  # when [s]

@@ -1,4 +1,4 @@
-"""Robot models: URDF files, their meshes and the script that generates both.
+"""Robot models: URDF files, their descriptions and meshes.
 
-No simulation code lives here; the package reads the URDF files by path.
+No code lives here; the package reads the files by path. ``tools`` generates them.
 """

@@ -15,7 +15,7 @@ from atlas_drake import (
     Vector3,
 )
 from atlas_drake.scenario import Jitter, Start
-from atlas_drake.terrain import Block
+from atlas_drake.scenario.terrain import Block
 
 pytestmark = pytest.mark.slow
 

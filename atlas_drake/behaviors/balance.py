@@ -10,19 +10,20 @@ import numpy as np
 
 from atlas_drake.behaviors.base import Observation
 from atlas_drake.behaviors.body_reference import BodyReference
-from atlas_drake.control import tasks
-from atlas_drake.control.dcm_plan import DcmReference
-from atlas_drake.control.footstep import FootPose
+from atlas_drake.control.balance import feedback
+from atlas_drake.control.balance.dcm_plan import DcmReference
+from atlas_drake.control.balance.support_polygon import SupportPolygon
+from atlas_drake.control.feet.footstep import FootPose
+from atlas_drake.control.feet.sole import sole_corners
+from atlas_drake.control.feet.swing_foot import SwingReference
+from atlas_drake.control.feet.toe_off import toe_corners
 from atlas_drake.control.gains import ControlGains
-from atlas_drake.control.support_polygon import SupportPolygon, sole_corners
-from atlas_drake.control.swing_foot import SwingReference
-from atlas_drake.control.toe_off import toe_corners
-from atlas_drake.control.whole_body_command import (
+from atlas_drake.control.whole_body.command import (
     FootCommand,
     Pressure,
     WholeBodyCommand,
 )
-from atlas_drake.control.whole_body_model import GRAVITY
+from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.robot import Robot
 
 FULL_LOAD = 3.0
@@ -59,8 +60,8 @@ class Balance:
         cop = self.wanted_cop(seen, reference, omega, support)
         base = np.array([*cop, terms.com[2] - GRAVITY / (omega * omega)])
         com_acceleration = np.empty(3)
-        com_acceleration[:2] = tasks.com_acceleration_for_cop(terms.com, cop, omega)
-        com_acceleration[2] = tasks.height_acceleration(
+        com_acceleration[:2] = feedback.com_acceleration_for_cop(terms.com, cop, omega)
+        com_acceleration[2] = feedback.height_acceleration(
             terms, body.height, body.height_rate, gains.com_height
         )
         turning = np.array([0.0, 0.0, body.yaw_rate])
@@ -69,7 +70,7 @@ class Balance:
             # pelvis must not be tilted to bring it upright.
             chest = np.zeros(3)
         else:
-            chest = tasks.orientation_acceleration(
+            chest = feedback.orientation_acceleration(
                 body.R_WC,
                 turning,
                 terms.R_WC,
@@ -79,7 +80,7 @@ class Balance:
         return WholeBodyCommand(
             com_acceleration=com_acceleration,
             pendulum_base=base,
-            pelvis_angular_acceleration=tasks.orientation_acceleration(
+            pelvis_angular_acceleration=feedback.orientation_acceleration(
                 body.R_WP, turning, terms.R_WP, terms.V_WP[:3], gains.orientation
             ),
             chest_angular_acceleration=chest,
@@ -96,8 +97,8 @@ class Balance:
         support: SupportPolygon,
     ) -> np.ndarray:
         """Computes the CoP within ``support`` that tracks ``reference`` [m], (2,)."""
-        error = tasks.dcm(seen.terms, omega) - reference.dcm
-        cop = tasks.feedback_cop(error, reference.cop, self.gains.dcm_gain)
+        error = feedback.dcm(seen.terms, omega) - reference.dcm
+        cop = feedback.feedback_cop(error, reference.cop, self.gains.dcm_gain)
         return support.clamp(cop)
 
     def posture(self, seen: Observation, body: BodyReference) -> np.ndarray:
@@ -108,7 +109,7 @@ class Balance:
     def pressed(self, seen: Observation, foot: int, load: float) -> FootCommand:
         """A new foot, loaded by at least ``load`` weights so that it turns flat."""
         return FootCommand(
-            tasks.stance_acceleration(
+            feedback.stance_acceleration(
                 seen.terms.feet[foot], self.gains.stance_foot_damping
             ),
             max_normal_force=FULL_LOAD * self.weight,
@@ -121,7 +122,7 @@ class Balance:
     ) -> FootCommand:
         """A foot that stays where it is, loaded by at most ``max_load`` weights."""
         return FootCommand(
-            tasks.stance_acceleration(
+            feedback.stance_acceleration(
                 seen.terms.feet[foot], self.gains.stance_foot_damping
             ),
             max_normal_force=max_load * self.weight,
@@ -130,7 +131,7 @@ class Balance:
     def hanging(self, seen: Observation, foot: int) -> FootCommand:
         """A foot in the air that is to stop moving."""
         return FootCommand(
-            tasks.stance_acceleration(
+            feedback.stance_acceleration(
                 seen.terms.feet[foot], self.gains.stance_foot_damping
             ),
             max_normal_force=0.0,
@@ -142,7 +143,7 @@ class Balance:
         """A foot in the air that follows ``reference``."""
         gains, terms = self.gains, seen.terms.feet[foot]
         acceleration = np.empty(6)
-        acceleration[:3] = reference.alpha_WF + tasks.orientation_acceleration(
+        acceleration[:3] = reference.alpha_WF + feedback.orientation_acceleration(
             reference.R_WF,
             reference.w_WF,
             terms.R_WF,

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from atlas_drake.behaviors.base import Event
-from atlas_drake.control.footstep import (
+from atlas_drake.control.feet.footstep import (
     FootPose,
     Footstep,
     heading_error,

@@ -13,7 +13,7 @@ import numpy as np
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.base import Observation, Outcome
 from atlas_drake.behaviors.body_reference import BodyReference, capture_body
-from atlas_drake.control.whole_body_command import WholeBodyCommand
+from atlas_drake.control.whole_body.command import WholeBodyCommand
 from atlas_drake.messages import AtlasSimInterfaceCommand, AtlasSimInterfaceState
 
 STIFFNESS_WEIGHT = 1.0

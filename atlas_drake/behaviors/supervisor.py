@@ -23,21 +23,20 @@ from atlas_drake.behaviors.body_reference import (
 from atlas_drake.behaviors.fall import FallLimits, sign_of_fall
 from atlas_drake.behaviors.freeze import Freeze
 from atlas_drake.behaviors.idle import Idle
-from atlas_drake.behaviors.manipulate import Manipulate
-from atlas_drake.behaviors.needs_a_leg import NeedsALeg
-from atlas_drake.behaviors.stand import Stand
-from atlas_drake.behaviors.step import Step
+from atlas_drake.behaviors.manipulate.manipulate import Manipulate
+from atlas_drake.behaviors.stand.stance_guard import StanceGuard
+from atlas_drake.behaviors.stand.stand import Stand
+from atlas_drake.behaviors.step.step import Step
 from atlas_drake.behaviors.transitions import (
     LEAVES_IN_ORDER,
     EntryLimits,
     refusal,
 )
-from atlas_drake.behaviors.walk import Walk
-from atlas_drake.commands import BehaviorRequest
+from atlas_drake.behaviors.walk.walk import Walk
 from atlas_drake.control.gains import ControlGains
-from atlas_drake.control.pelvis_reach import PelvisReach
-from atlas_drake.control.whole_body_command import WholeBodyCommand
-from atlas_drake.control.whole_body_model import WholeBodyModel
+from atlas_drake.control.pelvis.pelvis_reach import PelvisReach
+from atlas_drake.control.whole_body.command import WholeBodyCommand
+from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.errors import ErrorCode
 from atlas_drake.frozen import replace
 from atlas_drake.messages import (
@@ -46,7 +45,8 @@ from atlas_drake.messages import (
     Behavior,
     BehaviorStatus,
 )
-from atlas_drake.recent import append_recent
+from atlas_drake.messages.commands import BehaviorRequest
+from atlas_drake.messages.recent import append_recent
 
 KEPT_EVENTS = 200
 """Number of events that the state keeps; none younger than ``READ_WITHIN`` is
@@ -113,7 +113,7 @@ class Supervisor:
         rates = BodyRates()
         freeze = Freeze(balance)
         stand = Stand(balance, nominal_height, rates)
-        stand_on_a_leg = NeedsALeg(stand, freeze, balance)
+        stand_on_a_leg = StanceGuard(stand, freeze, balance)
         manipulate = Manipulate(balance, PelvisReach(model), nominal_height, rates)
         idle = Idle()
         self._balance = balance
@@ -128,7 +128,7 @@ class Supervisor:
             Behavior.STAND_PREP: stand_on_a_leg,
             Behavior.STAND: stand_on_a_leg,
             Behavior.WALK: Walk(balance, nominal_height, rates),
-            Behavior.MANIPULATE: NeedsALeg(manipulate, freeze, balance),
+            Behavior.MANIPULATE: StanceGuard(manipulate, freeze, balance),
             Behavior.STEP: Step(balance, nominal_height),
         }
 

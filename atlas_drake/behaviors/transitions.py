@@ -11,7 +11,7 @@ import numpy as np
 
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.base import Observation
-from atlas_drake.control import tasks
+from atlas_drake.control.balance import feedback
 from atlas_drake.messages import Behavior, BehaviorStatus
 
 _ALWAYS = frozenset({Behavior.NONE, Behavior.FREEZE, Behavior.USER})
@@ -71,8 +71,8 @@ def refusal(
     if support.distance_outside(terms.com[:2]) > -limits.com_inside:
         return BehaviorStatus.FAILED_TRANS_COM_POS
     soles = 0.5 * float(terms.feet[0].p_WF[2] + terms.feet[1].p_WF[2])
-    omega = tasks.pendulum_frequency(float(terms.com[2]) - soles)
-    dcm = tasks.dcm(terms, omega)
+    omega = feedback.pendulum_frequency(float(terms.com[2]) - soles)
+    dcm = feedback.dcm(terms, omega)
     if support.distance_outside(dcm) > -limits.dcm_inside:
         return BehaviorStatus.FAILED_TRANS_COM_VEL
     if float(np.abs(terms.v[~seen.user_held]).max(initial=0.0)) > limits.joint_speed:

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from atlas_drake.control.feet.sole import sole_corners
 from atlas_drake.control.rotations import rotation_z
-from atlas_drake.control.support_polygon import sole_corners
 from atlas_drake.logs.joint_figures import JOINT_COLORS
 from atlas_drake.logs.layout import SIDES
 from atlas_drake.logs.log import Log

@@ -11,7 +11,6 @@ from pydrake.systems.framework import Context
 
 from atlas_drake.behaviors.base import Event
 from atlas_drake.behaviors.supervisor import KEPT_EVENTS, SupervisorState
-from atlas_drake.commands import BehaviorRequest, CommandsInForce, commands_at_start
 from atlas_drake.frozen import replace
 from atlas_drake.logs.layout import SIDES
 from atlas_drake.logs.log import Log
@@ -22,6 +21,11 @@ from atlas_drake.messages import (
     AtlasSimInterfaceState,
     Behavior,
     behavior_from,
+)
+from atlas_drake.messages.commands import (
+    BehaviorRequest,
+    CommandsInForce,
+    commands_at_start,
 )
 from atlas_drake.systems.behavior_controller import ControllerState
 from atlas_drake.systems.collectable_system import CollectableSystem

@@ -12,8 +12,8 @@ import numpy as np
 from pydrake.multibody.plant import ContactResults
 from pydrake.systems.framework import Context
 
-from atlas_drake.control.centre_of_pressure import centre_of_pressure
-from atlas_drake.control.tasks import pendulum_frequency
+from atlas_drake.control.balance.center_of_pressure import centre_of_pressure
+from atlas_drake.control.balance.feedback import pendulum_frequency
 from atlas_drake.logs.channels import GAINS, robot_layout
 from atlas_drake.logs.layout import SIDES
 from atlas_drake.logs.report_channels import reported

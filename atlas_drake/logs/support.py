@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from atlas_drake.control.support_polygon import SupportPolygon
-from atlas_drake.control.whole_body_model import GRAVITY
+from atlas_drake.control.balance.support_polygon import SupportPolygon
+from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.logs.layout import SIDES
 from atlas_drake.logs.log import Log
 

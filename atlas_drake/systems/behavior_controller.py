@@ -20,17 +20,16 @@ from pydrake.systems.framework import (
 
 from atlas_drake.behaviors.base import Observation
 from atlas_drake.behaviors.supervisor import Supervisor, SupervisorState
-from atlas_drake.commands import CommandsInForce
 from atlas_drake.control.gains import ControlGains
-from atlas_drake.control.limp import limp_effort
-from atlas_drake.control.user_share import behavior_share, effort_bounds
-from atlas_drake.control.whole_body_command import EffortBounds, WholeBodyCommand
-from atlas_drake.control.whole_body_model import (
+from atlas_drake.control.joints.blend import behavior_share, effort_bounds
+from atlas_drake.control.joints.damping import limp_effort
+from atlas_drake.control.whole_body.command import EffortBounds, WholeBodyCommand
+from atlas_drake.control.whole_body.model import (
     WholeBodyModel,
     WholeBodyTerms,
     nominal_com_height,
 )
-from atlas_drake.control.whole_body_qp import WholeBodyQp, WholeBodySolution
+from atlas_drake.control.whole_body.qp import WholeBodyQp, WholeBodySolution
 from atlas_drake.errors import ErrorCode
 from atlas_drake.frozen import NOTHING, Frozen
 from atlas_drake.messages import (
@@ -42,6 +41,7 @@ from atlas_drake.messages import (
     Quaternion,
     Vector3,
 )
+from atlas_drake.messages.commands import CommandsInForce
 from atlas_drake.robot import Robot
 from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.systems.scratch import declare_scratch_context

@@ -8,15 +8,15 @@ from typing import Any
 from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context, State, ValueProducer
 
-from atlas_drake.commands import (
+from atlas_drake.frozen import NOTHING, replace
+from atlas_drake.messages import Behavior
+from atlas_drake.messages.base import frozen
+from atlas_drake.messages.commands import (
     CommandsInForce,
     commands_at_start,
     latch,
     log_refusals,
 )
-from atlas_drake.frozen import NOTHING, replace
-from atlas_drake.messages import Behavior
-from atlas_drake.messages.base import frozen
 from atlas_drake.robot import Robot
 from atlas_drake.systems.collectable_system import CollectableSystem
 

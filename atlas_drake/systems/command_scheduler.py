@@ -13,7 +13,6 @@ from typing import Any
 from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context, State, ValueProducer
 
-from atlas_drake.commands import Command
 from atlas_drake.frozen import NOTHING, Frozen, replace
 from atlas_drake.messages import (
     AtlasCommand,
@@ -22,6 +21,7 @@ from atlas_drake.messages import (
     Imu,
 )
 from atlas_drake.messages.base import frozen, is_new
+from atlas_drake.messages.commands import Command
 from atlas_drake.systems.collectable_system import CollectableSystem
 
 

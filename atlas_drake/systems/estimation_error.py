@@ -13,7 +13,7 @@ from pydrake.systems.framework import (
     DiscreteValues,
 )
 
-from atlas_drake.control.attitude import rotation_matrix, turn_between
+from atlas_drake.control.estimation.attitude import rotation_matrix, turn_between
 from atlas_drake.robot import Robot
 from atlas_drake.systems.collectable_system import CollectableSystem
 

@@ -12,10 +12,14 @@ from pydrake.systems.framework import (
     DiscreteValues,
 )
 
-from atlas_drake.control.attitude import rotation_matrix, turn_between, turned
-from atlas_drake.control.whole_body_model import GRAVITY
-from atlas_drake.noise import NoiseModel, SensorNoise
+from atlas_drake.control.estimation.attitude import (
+    rotation_matrix,
+    turn_between,
+    turned,
+)
+from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.robot import Robot
+from atlas_drake.scenario.noise import NoiseModel, SensorNoise
 from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.systems.scratch import declare_scratch_context
 

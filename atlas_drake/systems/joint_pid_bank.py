@@ -15,8 +15,9 @@ from pydrake.systems.framework import (
     ValueProducer,
 )
 
-from atlas_drake.control.joint_mobility import JointMobility
-from atlas_drake.control.joint_pid import (
+from atlas_drake.control.joints.blend import UserForecast, forecast_user_effort
+from atlas_drake.control.joints.constrained_inertia import JointMobility
+from atlas_drake.control.joints.joint_pid import (
     PidState,
     StepModel,
     change_without_user,
@@ -25,11 +26,10 @@ from atlas_drake.control.joint_pid import (
     step_model,
     user_effort,
 )
-from atlas_drake.control.user_share import UserForecast, forecast_user_effort
-from atlas_drake.control.whole_body_model import GRAVITY
+from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.frozen import NOTHING, Frozen, replace
-from atlas_drake.joint_command import JointCommand
 from atlas_drake.messages import K_EFFORT_MAX
+from atlas_drake.messages.joint_command import JointCommand
 from atlas_drake.robot import PlantIndices, Robot
 from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.systems.scratch import declare_scratch_context

@@ -12,9 +12,9 @@ from pydrake.systems.framework import (
     DiscreteValues,
 )
 
-from atlas_drake.control.attitude import rotation_matrix
+from atlas_drake.control.estimation.attitude import rotation_matrix
 from atlas_drake.control.rotations import cross
-from atlas_drake.control.whole_body_model import GRAVITY
+from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.frozen import NOTHING
 from atlas_drake.messages import (
     AtlasState,
@@ -23,8 +23,8 @@ from atlas_drake.messages import (
     Vector3,
     Wrench,
 )
-from atlas_drake.noise import NoiseModel, SensorNoise
 from atlas_drake.robot import Robot
+from atlas_drake.scenario.noise import NoiseModel, SensorNoise
 from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.systems.scratch import declare_scratch_context
 

@@ -14,8 +14,8 @@ from pydrake.systems.framework import (
     ValueProducer,
 )
 
-from atlas_drake.control.attitude import rotation_matrix
-from atlas_drake.control.leg_odometry import (
+from atlas_drake.control.estimation.attitude import rotation_matrix
+from atlas_drake.control.estimation.leg_odometry import (
     OdometryState,
     OdometryTuning,
     correct,
@@ -23,7 +23,7 @@ from atlas_drake.control.leg_odometry import (
     start_odometry,
 )
 from atlas_drake.control.rotations import cross
-from atlas_drake.control.whole_body_model import GRAVITY, WholeBodyModel
+from atlas_drake.control.whole_body.model import GRAVITY, WholeBodyModel
 from atlas_drake.frozen import NOTHING, Frozen
 from atlas_drake.robot import Robot
 from atlas_drake.systems.collectable_system import CollectableSystem

@@ -12,8 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from atlas_drake.control.footstep import LEFT
-from atlas_drake.footholds import Gait, foothold, step_data, step_from
+from atlas_drake.control.feet.footstep import LEFT
 from atlas_drake.messages import (
     AtlasCommand,
     AtlasSimInterfaceCommand,
@@ -22,6 +21,7 @@ from atlas_drake.messages import (
     Behavior,
     BehaviorStatus,
 )
+from atlas_drake.planning.footholds import Gait, foothold, step_data, step_from
 from atlas_drake.robot import Robot
 from atlas_drake.teleop.controls import (
     DIRECTIONS,

@@ -11,9 +11,9 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import NamedTuple
 
-from atlas_drake.control.footstep import StepLimits
-from atlas_drake.footholds import Gait
+from atlas_drake.control.feet.footstep import StepLimits
 from atlas_drake.messages import K_EFFORT_MAX, AtlasBehaviorPelvisServoParams
+from atlas_drake.planning.footholds import Gait
 from atlas_drake.teleop.limbs import GROUPS
 from atlas_drake.teleop.walking import Direction
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from atlas_drake.footholds import Gait
 from atlas_drake.frozen import replace
 from atlas_drake.messages import (
     AtlasBehaviorStepData,
@@ -16,6 +15,7 @@ from atlas_drake.messages import (
     AtlasSimInterfaceState,
     Behavior,
 )
+from atlas_drake.planning.footholds import Gait
 from atlas_drake.teleop.walking import (
     Direction,
     Walker,

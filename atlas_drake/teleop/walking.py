@@ -9,8 +9,15 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from atlas_drake.control.footstep import LEFT, RIGHT
-from atlas_drake.footholds import (
+from atlas_drake.control.feet.footstep import LEFT, RIGHT
+from atlas_drake.frozen import replace
+from atlas_drake.messages import (
+    NUM_REQUIRED_WALK_STEPS,
+    AtlasBehaviorStepData,
+    AtlasSimInterfaceState,
+    Behavior,
+)
+from atlas_drake.planning.footholds import (
     BACKWARD_SHARE,
     SIDEWAYS_SHARE,
     Foothold,
@@ -18,13 +25,6 @@ from atlas_drake.footholds import (
     foothold,
     step_data,
     step_from,
-)
-from atlas_drake.frozen import replace
-from atlas_drake.messages import (
-    NUM_REQUIRED_WALK_STEPS,
-    AtlasBehaviorStepData,
-    AtlasSimInterfaceState,
-    Behavior,
 )
 
 STRIDE_CHANGE = 0.15

@@ -18,8 +18,7 @@ from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.systems.framework import Context
 
 from atlas_drake.behaviors.base import Event
-from atlas_drake.behaviors.step_queue import footstep_from
-from atlas_drake.commands import BehaviorRequest
+from atlas_drake.behaviors.step.queue import footstep_from
 from atlas_drake.frozen import NOTHING
 from atlas_drake.messages import (
     NO_STEP,
@@ -27,6 +26,7 @@ from atlas_drake.messages import (
     AtlasSimInterfaceState,
     Behavior,
 )
+from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.robot import SoleSize
 from atlas_drake.visualization.display import Display
 from atlas_drake.visualization.marks import Marks

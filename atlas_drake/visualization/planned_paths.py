@@ -10,12 +10,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from atlas_drake.behaviors.manipulate import ManipulateMemory
-from atlas_drake.behaviors.stand import StandMemory
-from atlas_drake.behaviors.step_memory import StepMemory
-from atlas_drake.behaviors.walk_memory import WalkMemory
-from atlas_drake.control.support_polygon import SupportPolygon
-from atlas_drake.control.swing_foot import SwingProfile, advance_swing, begin_swing
+from atlas_drake.behaviors.manipulate.manipulate import ManipulateMemory
+from atlas_drake.behaviors.stand.stand import StandMemory
+from atlas_drake.behaviors.step.memory import StepMemory
+from atlas_drake.behaviors.walk.memory import WalkMemory
+from atlas_drake.control.balance.support_polygon import SupportPolygon
+from atlas_drake.control.feet.swing_foot import SwingProfile, advance_swing, begin_swing
 
 TIME_STEP = 0.04
 """Between the points of a path [s]."""

@@ -20,8 +20,8 @@ from pydrake.systems.framework import Context, DiagramBuilder, System
 
 from atlas_drake.frozen import NOTHING
 from atlas_drake.robot import Robot
+from atlas_drake.scenario.terrain import Block
 from atlas_drake.systems.collectable_system import CollectableSystem
-from atlas_drake.terrain import Block
 from atlas_drake.visualization.caption import caption_of
 from atlas_drake.visualization.footsteps import footstep_marks
 from atlas_drake.visualization.video_camera import camera_pose, follow

@@ -34,7 +34,7 @@ from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.sensors import CameraInfo
 
 from atlas_drake.robot import Robot
-from atlas_drake.terrain import BLOCK_COLOR, Block
+from atlas_drake.scenario.terrain import BLOCK_COLOR, Block
 from atlas_drake.visualization.footsteps import (
     COLORS,
     LANDED_OPACITY,

@@ -12,7 +12,7 @@ from atlas_drake import (
     Scenario,
 )
 from atlas_drake.behaviors.base import Observation
-from atlas_drake.control.whole_body_model import WholeBodyModel
+from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.messages import AtlasSimInterfaceState
 from atlas_drake.robot import load_robot
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from atlas_drake.behaviors.balance import Balance
-from atlas_drake.control.footstep import FootPose
+from atlas_drake.control.feet.footstep import FootPose
+from atlas_drake.control.feet.swing_foot import SwingReference
 from atlas_drake.control.gains import ControlGains
-from atlas_drake.control.swing_foot import SwingReference
 
 FOOT = FootPose(np.array([1.0, 0.5, 0.0]), np.eye(3))
 

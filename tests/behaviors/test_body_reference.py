@@ -15,7 +15,7 @@ from atlas_drake.behaviors.body_reference import (
     capture_body,
 )
 from atlas_drake.control.rotations import wrap_angle
-from atlas_drake.control.whole_body_model import WholeBodyModel
+from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.robot import load_robot
 
 DT = 0.01

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from atlas_drake.behaviors.fall import FallLimits, sign_of_fall
-from atlas_drake.control.whole_body_model import nominal_com_height
+from atlas_drake.control.whole_body.model import nominal_com_height
 
 LIMITS = FallLimits(tilt=0.8, height=0.6)
 

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from atlas_drake.behaviors.gait import (
+from atlas_drake.behaviors.walk.gait import (
     COP_INWARD,
     GaitTiming,
     begun_at,
@@ -14,9 +14,9 @@ from atlas_drake.behaviors.gait import (
     plan_walk,
     stance_cop,
 )
-from atlas_drake.control.footstep import LEFT, RIGHT, FootPose, Footstep, outward
+from atlas_drake.control.balance.support_polygon import SupportPolygon
+from atlas_drake.control.feet.footstep import LEFT, RIGHT, FootPose, Footstep, outward
 from atlas_drake.control.rotations import rotation_z
-from atlas_drake.control.support_polygon import SupportPolygon
 
 OMEGA = 3.3
 TIMING = GaitTiming()

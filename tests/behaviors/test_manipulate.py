@@ -8,10 +8,10 @@ import pytest
 from atlas_drake import AtlasCommand, AtlasSimInterfaceCommand, AtlasState, Scenario
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.body_reference import BodyRates, capture_body
-from atlas_drake.behaviors.manipulate import Manipulate
-from atlas_drake.behaviors.stand import Stand
+from atlas_drake.behaviors.manipulate.manipulate import Manipulate
+from atlas_drake.behaviors.stand.stand import Stand
 from atlas_drake.control.gains import ControlGains
-from atlas_drake.control.pelvis_reach import PelvisReach
+from atlas_drake.control.pelvis.pelvis_reach import PelvisReach
 from atlas_drake.messages import AtlasSimInterfaceState, Behavior, BehaviorStatus
 
 POSE_FIELDS = (

@@ -7,11 +7,11 @@ from atlas_drake import AtlasSimInterfaceCommand
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.body_reference import BodyRates, capture_body
 from atlas_drake.behaviors.freeze import Freeze
-from atlas_drake.behaviors.manipulate import Manipulate
-from atlas_drake.behaviors.needs_a_leg import LEAST_EFFORT, Holding, NeedsALeg
-from atlas_drake.behaviors.stand import Stand
+from atlas_drake.behaviors.manipulate.manipulate import Manipulate
+from atlas_drake.behaviors.stand.stance_guard import LEAST_EFFORT, Holding, StanceGuard
+from atlas_drake.behaviors.stand.stand import Stand
 from atlas_drake.control.gains import ControlGains
-from atlas_drake.control.pelvis_reach import PelvisReach
+from atlas_drake.control.pelvis.pelvis_reach import PelvisReach
 from atlas_drake.messages import AtlasSimInterfaceState
 
 HEIGHT = 0.9
@@ -25,13 +25,13 @@ def balance(robot):
 
 @pytest.fixture(scope="module")
 def stand(balance):
-    return NeedsALeg(Stand(balance, HEIGHT, BodyRates()), Freeze(balance), balance)
+    return StanceGuard(Stand(balance, HEIGHT, BodyRates()), Freeze(balance), balance)
 
 
 @pytest.fixture(scope="module")
 def manipulate(balance, model):
     inner = Manipulate(balance, PelvisReach(model), HEIGHT, BodyRates())
-    return NeedsALeg(inner, Freeze(balance), balance)
+    return StanceGuard(inner, Freeze(balance), balance)
 
 
 BOTH_HIPS = {"l_leg_hpy": 1.0, "r_leg_hpy": 1.0}

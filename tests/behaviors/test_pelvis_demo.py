@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from atlas_drake.behaviors.pelvis_demo import (
+from atlas_drake.behaviors.manipulate.pelvis_demo import (
     MOVEMENTS,
     PERIOD,
     demo_amplitude,
     demo_pose,
 )
-from atlas_drake.control.pelvis_pose import PelvisPose
+from atlas_drake.control.pelvis.pelvis_pose import PelvisPose
 
 HOME = PelvisPose(0.89)
 ROUND = PERIOD * len(MOVEMENTS)

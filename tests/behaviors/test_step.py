@@ -8,7 +8,7 @@ import pytest
 
 from atlas_drake import AtlasSimInterfaceCommand, Scenario
 from atlas_drake.behaviors.base import STEPS_LEFT
-from atlas_drake.behaviors.step_memory import StepRules
+from atlas_drake.behaviors.step.memory import StepRules
 from atlas_drake.messages import (
     NO_STEP,
     AtlasBehaviorStepData,
@@ -18,7 +18,7 @@ from atlas_drake.messages import (
     ToeOff,
     Vector3,
 )
-from atlas_drake.terrain import Block
+from atlas_drake.scenario.terrain import Block
 
 LEFT, RIGHT = 0, 1
 LONGEST = 9.0

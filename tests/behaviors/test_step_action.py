@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from atlas_drake.behaviors.step_action import (
+from atlas_drake.behaviors.step.action import (
     LARGEST_ACTION,
     SIDE_BY_SIDE,
     StepAction,
@@ -14,8 +14,7 @@ from atlas_drake.behaviors.step_action import (
     resolve_action,
     step_spec_from,
 )
-from atlas_drake.behaviors.walk_steps import DEMO_STEPS
-from atlas_drake.control.footstep import FootPose
+from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.rotations import rotation_z
 from atlas_drake.messages import (
     AtlasBehaviorStepAction,
@@ -23,6 +22,7 @@ from atlas_drake.messages import (
     ToeOff,
     Vector3,
 )
+from atlas_drake.planning.demo_steps import DEMO_STEPS
 
 DEFAULT = StepAction(knee_nominal=0.72)
 LEVEL = (0.0, 0.0)

@@ -9,11 +9,11 @@ from atlas_drake import AtlasSimInterfaceCommand
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.base import STEPS_LEFT
 from atlas_drake.behaviors.body_reference import capture_body
-from atlas_drake.behaviors.step import Step
-from atlas_drake.behaviors.step_memory import StepPhase, StepRules
-from atlas_drake.control import tasks
-from atlas_drake.control.com_sway import ComSway
-from atlas_drake.control.footstep import FootPose
+from atlas_drake.behaviors.step.memory import StepPhase, StepRules
+from atlas_drake.behaviors.step.step import Step
+from atlas_drake.control.balance import feedback
+from atlas_drake.control.balance.weight_shift import ComSway
+from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.frozen import replace
 from atlas_drake.messages import AtlasSimInterfaceState, StepStatus, Vector3
@@ -60,7 +60,7 @@ def swaying(step, seen, command):
 
 def dcm(seen, balance):
     height = float(seen.terms.com[2] - seen.terms.feet[0].p_WF[2])
-    return tasks.dcm(seen.terms, tasks.pendulum_frequency(height))
+    return feedback.dcm(seen.terms, feedback.pendulum_frequency(height))
 
 
 @pytest.mark.parametrize("speed", [0.0, 0.12, -0.12])

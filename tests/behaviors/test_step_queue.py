@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from atlas_drake.behaviors.step_queue import (
+from atlas_drake.behaviors.step.queue import (
     NO_STEP,
     footstep_from,
     merge,
@@ -13,7 +13,7 @@ from atlas_drake.behaviors.step_queue import (
     replaced,
     step_data_from,
 )
-from atlas_drake.control.footstep import LEFT, RIGHT, Footstep
+from atlas_drake.control.feet.footstep import LEFT, RIGHT, Footstep
 from atlas_drake.messages import AtlasBehaviorStepData, Pose, Quaternion, Vector3
 
 

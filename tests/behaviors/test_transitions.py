@@ -13,7 +13,6 @@ from atlas_drake.behaviors.transitions import (
     EntryLimits,
     refusal,
 )
-from atlas_drake.commands import BehaviorRequest
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.errors import ErrorCode
 from atlas_drake.messages import (
@@ -24,6 +23,7 @@ from atlas_drake.messages import (
     BehaviorStatus,
     behavior_from,
 )
+from atlas_drake.messages.commands import BehaviorRequest
 
 NONE, FREEZE, STAND_PREP, STAND, WALK, STEP, MANIPULATE, USER = Behavior
 

@@ -7,16 +7,16 @@ import numpy as np
 import pytest
 
 from atlas_drake.behaviors.footstep_event import footstep_event, landed_elsewhere
-from atlas_drake.behaviors.gait import GaitTiming
-from atlas_drake.behaviors.walk_memory import Phase, WalkMemory
-from atlas_drake.behaviors.walk_outlook import (
+from atlas_drake.behaviors.walk.gait import GaitTiming
+from atlas_drake.behaviors.walk.memory import Phase, WalkMemory
+from atlas_drake.behaviors.walk.outlook import (
     LOOK_AHEAD,
     look_ahead,
     subject,
     time_to_touchdown,
     warnings_about,
 )
-from atlas_drake.control.footstep import (
+from atlas_drake.control.feet.footstep import (
     LEFT,
     RIGHT,
     FootPose,

@@ -6,13 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from atlas_drake.behaviors.walk_steps import (
-    DEMO_LENGTH,
-    DEMO_STEPS,
-    demo_steps,
-    steps_asked_for,
-)
-from atlas_drake.control.footstep import (
+from atlas_drake.behaviors.walk.steps import steps_asked_for
+from atlas_drake.control.feet.footstep import (
     LEFT,
     RIGHT,
     UP,
@@ -26,8 +21,9 @@ from atlas_drake.control.footstep import (
     saturate,
 )
 from atlas_drake.control.rotations import rotation_z
-from atlas_drake.footholds import HALF_WIDTH
 from atlas_drake.messages import AtlasBehaviorStepData, AtlasBehaviorWalkParams
+from atlas_drake.planning.demo_steps import DEMO_LENGTH, DEMO_STEPS, demo_steps
+from atlas_drake.planning.footholds import HALF_WIDTH
 
 LIMITS = StepLimits()
 GROUND = 1.0

@@ -10,7 +10,7 @@ import pytest
 from pydrake.geometry import Meshcat, MeshcatParams
 
 from atlas_drake import AtlasSimInterfaceCommand, AtlasSimulation
-from atlas_drake.cli import main
+from atlas_drake.app.main import main
 from atlas_drake.visualization import FRAME_RATE
 from atlas_drake.visualization.control_colors import COVER, GAMMA
 from atlas_drake.visualization.overlays import Overlays, overlays_from

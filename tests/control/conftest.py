@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
-from atlas_drake.control.whole_body_model import WholeBodyModel
+from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.robot import available_robots, load_robot
 
 # A busy machine must not fail a test, and a failure must come back when looked for.

@@ -9,14 +9,14 @@ from hypothesis import strategies as st
 from pydrake.common.eigen_geometry import AngleAxis, Quaternion
 from pydrake.math import RollPitchYaw, RotationMatrix
 
-from atlas_drake.control.attitude import (
+from atlas_drake.control.estimation.attitude import (
     rotation_matrix,
     turn_between,
     turned,
     turned_in_world,
     upright_correction,
 )
-from atlas_drake.control.whole_body_model import GRAVITY
+from atlas_drake.control.whole_body.model import GRAVITY
 
 component = st.floats(-3.0, 3.0, allow_subnormal=False)
 vector = st.tuples(component, component, component).map(np.array)

@@ -2,7 +2,10 @@
 
 import numpy as np
 
-from atlas_drake.control.centre_of_pressure import LEAST_LOAD, centre_of_pressure
+from atlas_drake.control.balance.center_of_pressure import (
+    LEAST_LOAD,
+    centre_of_pressure,
+)
 
 
 def test_it_is_the_mean_of_the_loads_and_moves_with_the_moments():

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from atlas_drake.control.com_sway import ComSway, plan_sway, sway_duration
-from atlas_drake.control.support_polygon import SupportPolygon, sole_corners
+from atlas_drake.control.balance.support_polygon import SupportPolygon
+from atlas_drake.control.balance.weight_shift import ComSway, plan_sway, sway_duration
+from atlas_drake.control.feet.sole import sole_corners
 
 OMEGA = 3.2
 DT = 1e-4

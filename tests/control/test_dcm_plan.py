@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from atlas_drake.control.dcm_plan import CopSegment, DcmPlan
+from atlas_drake.control.balance.dcm_plan import CopSegment, DcmPlan
 
 OMEGA = 3.3
 """Natural frequency of the pendulum [1/s]."""

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from atlas_drake.control.footstep import (
+from atlas_drake.control.feet.footstep import (
     LEFT,
     RIGHT,
     FootPose,

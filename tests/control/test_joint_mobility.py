@@ -5,8 +5,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from atlas_drake.control.joint_mobility import JointMobility
-from atlas_drake.control.joint_pid import (
+from atlas_drake.control.joints.constrained_inertia import JointMobility
+from atlas_drake.control.joints.joint_pid import (
     JointCommand,
     PidState,
     change_without_user,

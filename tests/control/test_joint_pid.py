@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydrake.multibody.plant import MultibodyPlant
 
-from atlas_drake.control.joint_mobility import JointMobility
-from atlas_drake.control.joint_pid import (
+from atlas_drake.control.joints.constrained_inertia import JointMobility
+from atlas_drake.control.joints.joint_pid import (
     JointCommand,
     PidState,
     change_without_user,

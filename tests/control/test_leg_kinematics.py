@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from atlas_drake.control.leg_kinematics import leg_chains, solve_leg
+from atlas_drake.control.feet.leg_kinematics import leg_chains, solve_leg
 
 KNEE = 3
 """Index of the knee within a leg."""

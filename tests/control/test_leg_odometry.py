@@ -3,14 +3,18 @@
 import numpy as np
 import pytest
 
-from atlas_drake.control.attitude import rotation_matrix, turn_between, turned
-from atlas_drake.control.leg_odometry import (
+from atlas_drake.control.estimation.attitude import (
+    rotation_matrix,
+    turn_between,
+    turned,
+)
+from atlas_drake.control.estimation.leg_odometry import (
     OdometryTuning,
     correct,
     predict,
     start_odometry,
 )
-from atlas_drake.control.whole_body_model import GRAVITY
+from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.frozen import replace
 
 DT = 0.002

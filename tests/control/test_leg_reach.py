@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from atlas_drake.control.footstep import FootPose
-from atlas_drake.control.leg_reach import (
+from atlas_drake.control.feet.footstep import FootPose
+from atlas_drake.control.feet.leg_reach import (
     FOLDED_FLEXION,
     SHORTEST_FLEXION,
     _knee_ahead,

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from atlas_drake.control.load_share import load_share_range
-from atlas_drake.control.support_polygon import SupportPolygon, sole_corners
+from atlas_drake.control.balance.load_share import load_share_range
+from atlas_drake.control.balance.support_polygon import SupportPolygon
+from atlas_drake.control.feet.sole import sole_corners
 
 UPRIGHT = np.eye(3)
 

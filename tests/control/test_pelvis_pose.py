@@ -4,17 +4,18 @@ import numpy as np
 import pytest
 from pydrake.math import RollPitchYaw, RotationMatrix
 
-from atlas_drake.control.footstep import FootPose
-from atlas_drake.control.pelvis_pose import (
+from atlas_drake.control.balance.support_polygon import SupportPolygon
+from atlas_drake.control.feet.footstep import FootPose
+from atlas_drake.control.feet.sole import sole_corners
+from atlas_drake.control.pelvis.pelvis_pose import (
     PelvisLead,
     PelvisMotion,
     PelvisPose,
     PelvisRates,
     make_stance,
 )
+from atlas_drake.control.pelvis.smooth_motion import at_rest
 from atlas_drake.control.rotations import rotation_z
-from atlas_drake.control.smooth_motion import at_rest
-from atlas_drake.control.support_polygon import SupportPolygon, sole_corners
 
 DT = 0.002
 RATES, LEAD = PelvisRates(), PelvisLead()

@@ -8,10 +8,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from atlas_drake.control.footstep import FootPose
-from atlas_drake.control.pelvis_pose import PelvisPose, make_stance
-from atlas_drake.control.pelvis_reach import PelvisLimits, PelvisReach
-from atlas_drake.control.support_polygon import SupportPolygon, sole_corners
+from atlas_drake.control.balance.support_polygon import SupportPolygon
+from atlas_drake.control.feet.footstep import FootPose
+from atlas_drake.control.feet.sole import sole_corners
+from atlas_drake.control.pelvis.pelvis_pose import PelvisPose, make_stance
+from atlas_drake.control.pelvis.pelvis_reach import PelvisLimits, PelvisReach
 
 LIMITS = PelvisLimits()
 HOME = PelvisPose(0.89)

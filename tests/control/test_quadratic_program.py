@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from atlas_drake.control.quadratic_program import (
+from atlas_drake.control.whole_body.quadratic_program import (
     EQUALITY,
     INEQUALITY,
     SOFT,

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from atlas_drake.control.smooth_motion import MotionLimits, at_rest
+from atlas_drake.control.pelvis.smooth_motion import MotionLimits, at_rest
 
 DT = 0.002
 LIMITS = MotionLimits(speed=0.12, acceleration=0.4)

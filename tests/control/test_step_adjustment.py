@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from atlas_drake.control.footstep import FootPose
+from atlas_drake.control.balance.step_adjustment import StepAdjustmentLimits, step_shift
+from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.rotations import rotation_z
-from atlas_drake.control.step_adjustment import StepAdjustmentLimits, step_shift
 
 LIMITS = StepAdjustmentLimits()
 OMEGA = 3.2

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from atlas_drake.control.footstep import FootPose
+from atlas_drake.control.feet.footstep import FootPose
+from atlas_drake.control.feet.step_swing import StepSwingProfile, plan_step_swing
 from atlas_drake.control.rotations import (
     rotation_vector,
     rotation_with_normal,
     rotation_y,
     rotation_z,
 )
-from atlas_drake.control.step_swing import StepSwingProfile, plan_step_swing
 
 PROFILE = StepSwingProfile()
 DT = 0.001

@@ -5,14 +5,14 @@ import dataclasses
 import numpy as np
 import pytest
 
-from atlas_drake.control.footstep import FootPose, Footstep
+from atlas_drake.control.feet.footstep import FootPose, Footstep
+from atlas_drake.control.feet.swing_foot import SwingProfile, advance_swing, begin_swing
 from atlas_drake.control.rotations import (
     rotation_with_normal,
     rotation_z,
     wrap_angle,
     yaw_of,
 )
-from atlas_drake.control.swing_foot import SwingProfile, advance_swing, begin_swing
 
 DT = 0.002
 DURATION = 0.5

@@ -5,10 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from atlas_drake.control.gains import PdGains
-from atlas_drake.control.rotations import rotation_z
-from atlas_drake.control.support_polygon import SupportPolygon
-from atlas_drake.control.tasks import (
+from atlas_drake.control.balance.feedback import (
     com_acceleration_for_cop,
     dcm,
     feedback_cop,
@@ -17,7 +14,10 @@ from atlas_drake.control.tasks import (
     pendulum_frequency,
     stance_acceleration,
 )
-from atlas_drake.control.whole_body_model import GRAVITY
+from atlas_drake.control.balance.support_polygon import SupportPolygon
+from atlas_drake.control.gains import PdGains
+from atlas_drake.control.rotations import rotation_z
+from atlas_drake.control.whole_body.model import GRAVITY
 
 GAINS = PdGains(kp=50.0, kd=8.0)
 

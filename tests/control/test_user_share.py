@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from atlas_drake.control.user_share import (
+from atlas_drake.control.joints.blend import (
     UserForecast,
     behavior_share,
     effort_bounds,

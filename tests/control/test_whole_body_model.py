@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from pydrake.multibody.tree import MultibodyForces
 
-from atlas_drake.control.whole_body_model import GRAVITY, nominal_com_height
+from atlas_drake.control.whole_body.model import GRAVITY, nominal_com_height
 
 SEEDS = range(4)
 STEP = 1e-6

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 
 from atlas_drake.control.gains import ControlGains, QpWeights
-from atlas_drake.control.toe_off import TOES
-from atlas_drake.control.whole_body_command import (
+from atlas_drake.control.whole_body.command import (
+    TOES,
     EffortBounds,
     FootCommand,
     Pressure,
     WholeBodyCommand,
 )
-from atlas_drake.control.whole_body_model import GRAVITY
-from atlas_drake.control.whole_body_qp import MIDDLE, WholeBodyQp
+from atlas_drake.control.whole_body.model import GRAVITY
+from atlas_drake.control.whole_body.qp import MIDDLE, WholeBodyQp
 
 FEET = {"both": (0, 1), "left": (0,), "right": (1,), "none": ()}
 TOLERANCE = 1e-5

@@ -7,7 +7,7 @@ import pytest
 from PIL import Image
 
 from atlas_drake.behaviors.base import Event
-from atlas_drake.control.support_polygon import sole_corners
+from atlas_drake.control.feet.sole import sole_corners
 from atlas_drake.frozen import replace
 from atlas_drake.logs import png_page
 from atlas_drake.logs.figures import make_page

@@ -12,13 +12,13 @@ from atlas_drake import (
     Scenario,
     read_log,
 )
-from atlas_drake.control.centre_of_pressure import centre_of_pressure
+from atlas_drake.control.balance.center_of_pressure import centre_of_pressure
+from atlas_drake.diagrams.replay import make_replay
 from atlas_drake.logs.layout import SIDES
 from atlas_drake.logs.log import Log
 from atlas_drake.logs.log_player import LogPlayer
 from atlas_drake.logs.notes import Header
-from atlas_drake.logs.replay import make_replay
-from atlas_drake.terrain import Block
+from atlas_drake.scenario.terrain import Block
 from atlas_drake.visualization.balance_marks import PATH as BALANCE
 from atlas_drake.visualization.caption import caption_of
 from atlas_drake.visualization.feedback_words import feedback_words

@@ -7,20 +7,19 @@ import json
 
 import numpy as np
 import pytest
+from build_models import build
 from pydrake.multibody.tree import SpatialInertia, UnitInertia
-
-from atlas_drake.models.build_models import build
-from atlas_drake.models.generator.appearance import MATERIALS
-from atlas_drake.models.generator.appearance_limbs import LEG
-from atlas_drake.models.generator.collisions import FILTER_GROUPS
-from atlas_drake.models.generator.curves import interpolate
-from atlas_drake.models.generator.forms import block, drum, hull
-from atlas_drake.models.generator.gltf import Material, to_gltf
-from atlas_drake.models.generator.inertias import combine
-from atlas_drake.models.generator.parts import Inertial
-from atlas_drake.models.generator.skeleton import LINKS, SOLE_CENTER
-from atlas_drake.models.generator.surfaces import Panel, Tube
-from atlas_drake.models.generator.triangles import Triangles, merge
+from robot_models.appearance import MATERIALS
+from robot_models.appearance_limbs import LEG
+from robot_models.collisions import FILTER_GROUPS
+from robot_models.curves import interpolate
+from robot_models.forms import block, drum, hull
+from robot_models.gltf import Material, to_gltf
+from robot_models.inertias import combine
+from robot_models.parts import Inertial
+from robot_models.skeleton import LINKS, SOLE_CENTER
+from robot_models.surfaces import Panel, Tube
+from robot_models.triangles import Triangles, merge
 
 LARGEST_MESH = 250_000
 """Size that no mesh file may exceed [bytes]."""
@@ -34,7 +33,7 @@ def _volume(mesh: Triangles) -> float:
 def test_files_are_what_the_generator_writes(models_folder):
     for path, text in build().items():
         written = (models_folder / path).read_text(encoding="utf-8")
-        assert written == text, f"{path} is out of date: run build_models.py"
+        assert written == text, f"{path} is out of date: run tools/build_models.py"
 
 
 def test_no_mesh_is_left_over(models_folder):

@@ -6,7 +6,6 @@ from pydrake.common.value import AbstractValue
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder, LeafSystem
 
-from atlas_drake.commands import JOINT_FIELDS
 from atlas_drake.errors import ErrorCode
 from atlas_drake.frozen import NOTHING
 from atlas_drake.messages import (
@@ -15,6 +14,7 @@ from atlas_drake.messages import (
     AtlasSimInterfaceCommand,
     Behavior,
 )
+from atlas_drake.messages.commands import JOINT_FIELDS
 from atlas_drake.systems.command_interface import CommandInterface
 
 PERIOD = 0.002

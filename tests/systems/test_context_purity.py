@@ -7,9 +7,9 @@ from pydrake.systems.analysis import Simulator
 from atlas_drake.diagrams.atlas_station import StationConfig
 from atlas_drake.diagrams.control_mode_switch import make_control_mode_switch
 from atlas_drake.messages import AtlasCommand, Behavior
-from atlas_drake.noise import NOISE_MODELS
+from atlas_drake.scenario.noise import NOISE_MODELS
+from atlas_drake.simulation.tutorial import walk_command
 from atlas_drake.systems.command_scheduler import ScheduledCommand
-from atlas_drake.tutorial import walk_command
 
 WALK_AT = 0.05
 """When the robot is told to walk [s]."""

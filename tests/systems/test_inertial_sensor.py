@@ -5,9 +5,9 @@ import pytest
 from pydrake.systems.analysis import Simulator
 
 from atlas_drake import AtlasSimulation
-from atlas_drake.control.attitude import turned
-from atlas_drake.control.whole_body_model import GRAVITY
-from atlas_drake.noise import NOISE_MODELS
+from atlas_drake.control.estimation.attitude import turned
+from atlas_drake.control.whole_body.model import GRAVITY
+from atlas_drake.scenario.noise import NOISE_MODELS
 from atlas_drake.systems.inertial_sensor import InertialSensor
 
 TICK = 0.002

@@ -7,9 +7,9 @@ import pytest
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.analysis import Simulator
 
-from atlas_drake.commands import commands_at_start
-from atlas_drake.control.joint_mobility import JointMobility
+from atlas_drake.control.joints.constrained_inertia import JointMobility
 from atlas_drake.messages import Behavior
+from atlas_drake.messages.commands import commands_at_start
 from atlas_drake.systems.joint_pid_bank import JointPidBank
 
 PHYSICS_STEP, CONTROL_PERIOD = 0.001, 0.002

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from pydrake.systems.analysis import Simulator
 
-from atlas_drake.control.whole_body_model import WholeBodyModel
+from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.systems.run_statistics import RunStatistics
 
 TICK = 0.01

@@ -5,15 +5,15 @@ import pytest
 from pydrake.systems.analysis import Simulator
 
 from atlas_drake import AtlasSimInterfaceCommand, AtlasSimulation, Scenario
-from atlas_drake.control.attitude import rotation_matrix, turned
+from atlas_drake.control.estimation.attitude import rotation_matrix, turned
 from atlas_drake.diagrams.atlas_station import StationConfig, make_atlas_station
 from atlas_drake.diagrams.control_mode_switch import make_control_mode_switch
-from atlas_drake.noise import NOISE_MODELS
 from atlas_drake.scenario import Start
+from atlas_drake.scenario.noise import NOISE_MODELS
+from atlas_drake.simulation.tutorial import walk_command
 from atlas_drake.systems.command_scheduler import ScheduledCommand
 from atlas_drake.systems.estimation_error import error_sizes
 from atlas_drake.systems.state_estimator import StateEstimator
-from atlas_drake.tutorial import walk_command
 
 TICK = 0.002
 """Control period of the default scenario [s]."""

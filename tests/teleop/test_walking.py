@@ -5,11 +5,17 @@ from itertools import pairwise
 
 import pytest
 
-from atlas_drake.behaviors.step_queue import footstep_from
-from atlas_drake.control.footstep import LEFT, RIGHT, FootPose, StepLimits, saturate
+from atlas_drake.behaviors.step.queue import footstep_from
+from atlas_drake.control.feet.footstep import (
+    LEFT,
+    RIGHT,
+    FootPose,
+    StepLimits,
+    saturate,
+)
 from atlas_drake.control.rotations import rotation_z
-from atlas_drake.footholds import HALF_WIDTH, Gait, foothold
 from atlas_drake.messages import Behavior
+from atlas_drake.planning.footholds import HALF_WIDTH, Gait, foothold
 from atlas_drake.teleop.walking import (
     STRIDE_CHANGE,
     Direction,

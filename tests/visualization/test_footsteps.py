@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from atlas_drake.behaviors.base import Event
-from atlas_drake.commands import BehaviorRequest
 from atlas_drake.messages import (
     AtlasBehaviorStepData,
     AtlasSimInterfaceCommand,
     AtlasSimInterfaceState,
     Behavior,
 )
+from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.robot import SoleSize
 from atlas_drake.visualization.footsteps import (
     KEPT,

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from atlas_drake import AtlasSimulation
-from atlas_drake.cli import main
+from atlas_drake.app.main import main
 from atlas_drake.robot import load_robot
 from atlas_drake.visualization.footsteps import FootstepMark, Kind
 from atlas_drake.visualization.video_camera import LAG, camera_pose, follow
@@ -203,7 +203,7 @@ def test_a_run_becomes_a_film_of_the_robot(tmp_path, capsys):
 def test_an_interrupted_film_can_be_played(tmp_path, monkeypatch):
     import signal
 
-    from atlas_drake import run_command
+    from atlas_drake.app import run as run_command
 
     def interrupt(_self, _time, _behavior):
         signal.raise_signal(signal.SIGINT)

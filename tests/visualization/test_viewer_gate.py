@@ -6,8 +6,9 @@ from pathlib import Path
 import pytest
 from pydrake.math import RigidTransform
 
-from atlas_drake import AtlasSimulation, Scenario, simulation
-from atlas_drake.viewer import start_meshcat
+from atlas_drake import AtlasSimulation, Scenario
+from atlas_drake.app.viewer import start_meshcat
+from atlas_drake.simulation import atlas_simulation
 from atlas_drake.visualization import viewer_gate
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.viewer_gate import (
@@ -42,7 +43,7 @@ def test_what_is_on_its_way_is_counted_for_each_viewer_of_the_port():
 def watched(monkeypatch):
     """A simulation with a view, and somebody who has opened the view."""
     # What an advance ends with is looked at by itself.
-    monkeypatch.setattr(simulation, "SHOWN_EVERY", float("inf"))
+    monkeypatch.setattr(atlas_simulation, "SHOWN_EVERY", float("inf"))
     if not Path(TABLES[0]).is_file():
         pytest.skip("only Linux lists its sockets in /proc")
     meshcat = start_meshcat()

@@ -1,0 +1,279 @@
+"""The command ``atlas-drake``: its sub-commands, options and help.
+
+Parses and dispatches; a run is in ``run_command``, what is done with its log in
+``log_command``, the picture of the diagram in ``diagram_picture``.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from atlas_drake.app import exit_status
+from atlas_drake.app.options import (
+    add_address_options,
+    add_record_option,
+    add_robot_options,
+    add_run_options,
+    add_show_option,
+    add_speed_options,
+    rate,
+)
+from atlas_drake.errors import AtlasError
+from atlas_drake.visualization.overlays import LOGGED
+
+_LOST = "3 an output file could not be written (every other one is kept)"
+_EXIT_STATUS = (
+    "exit status: 0 Atlas ended upright and did what was asked, 1 it did not, "
+    f"2 bad input, {_LOST}, 130 stopped by Ctrl-C"
+)
+_LOG_EXIT_STATUS = f"exit status: 0 done, 2 bad input, {_LOST}, 130 stopped by Ctrl-C"
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Runs one command.
+
+    Args:
+        arguments: Of the command line; None takes the process's own.
+
+    Returns:
+        The exit status.
+    """
+    options = _parser().parse_args(arguments)
+    try:
+        _check_files_read(options)
+        return options.run(options)
+    except AtlasError as error:
+        print(f"atlas-drake: error: {error}", file=sys.stderr)
+        return exit_status.BAD_INPUT
+    except KeyboardInterrupt:
+        return exit_status.INTERRUPTED
+    except ImportError as error:
+        # What Drake's modules make of Ctrl-C while they load.
+        if isinstance(error.__cause__ or error.__context__, KeyboardInterrupt):
+            return exit_status.INTERRUPTED
+        raise
+
+
+def _check_files_read(options: argparse.Namespace) -> None:
+    """Misses a file at once, before Drake and all that takes seconds to load.
+
+    Raises:
+        AtlasError: If a file that is to be read is not there.
+    """
+    for path in [getattr(options, name, None) for name in options.reads]:
+        try:
+            missing = path is not None and not path.exists()
+        except OSError as error:  # A name too long, for instance.
+            raise AtlasError(f"{path}: {error.strerror}") from error
+        if missing:
+            raise AtlasError(f"{path}: there is no such file")
+
+
+def _demo(options: argparse.Namespace) -> int:
+    from atlas_drake.app.run import run_scenario
+    from atlas_drake.scenario import Scenario
+    from atlas_drake.simulation.tutorial import DURATION
+
+    scenario = Scenario(
+        name="demo",
+        programme="tutorial_literal" if options.literal else "tutorial",
+        duration=DURATION,
+    )
+    return run_scenario(scenario, options)
+
+
+def _run(options: argparse.Namespace) -> int:
+    from atlas_drake.app.run import run_scenario
+    from atlas_drake.scenario import load_scenario
+
+    return run_scenario(load_scenario(options.scenario), options)
+
+
+def _plot(options: argparse.Namespace) -> int:
+    from atlas_drake.app.log import plot_log
+
+    return plot_log(options)
+
+
+def _replay(options: argparse.Namespace) -> int:
+    from atlas_drake.app.log import replay_log
+
+    return replay_log(options)
+
+
+def _teleop(options: argparse.Namespace) -> int:
+    from atlas_drake.app.teleop import run_teleop
+    from atlas_drake.scenario import Scenario, load_scenario
+
+    scenario = Scenario(name="teleop")
+    if options.scenario is not None:
+        scenario = load_scenario(options.scenario)
+    return run_teleop(scenario, options)
+
+
+def _diagram(options: argparse.Namespace) -> int:
+    from atlas_drake.app.diagram_picture import write_diagram_picture
+
+    write_diagram_picture(options.file)
+    print(f"Wrote {options.file}.")
+    if not options.no_open and options.file.suffix != ".dot":
+        from atlas_drake.app.viewer import open_on_desktop
+
+        open_on_desktop(options.file.resolve().as_uri())
+    return exit_status.OK
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="atlas-drake",
+        description="Simulate the humanoid robot Atlas, under your own joint commands "
+        "and under behaviours that stand and walk.",
+        epilog="Begin with `atlas-drake demo`: it opens a 3D view in the browser and "
+        "shows Atlas standing, moving its arms and walking. "
+        "`atlas-drake COMMAND --help` lists the options of a command.",
+    )
+    parser.add_argument("--version", action=_Version, help="print the version")
+    commands = parser.add_subparsers(
+        title="commands", metavar="COMMAND", required=True, dest="command"
+    )
+
+    demo = commands.add_parser(
+        "demo",
+        help="watch the tutorial: stand, move the arms, walk (17 s)",
+        description="Atlas changes control modes: it stands by itself, stands under "
+        "joint commands, lets go of its arms while it balances, walks four steps "
+        "and ends under joint commands again.",
+        epilog=_EXIT_STATUS,
+    )
+    demo.add_argument(
+        "--literal",
+        action="store_true",
+        help="send the arm command exactly as the tutorial published it, without the "
+        "damping that its own comment means",
+    )
+    add_run_options(demo)
+    demo.set_defaults(run=_demo, reads=())
+
+    run = commands.add_parser(
+        "run",
+        help="simulate a scenario described in a YAML file",
+        description="Simulate a scenario; examples are in examples/scenarios/. "
+        "Options given here win over the file.",
+        epilog=_EXIT_STATUS,
+    )
+    run.add_argument("scenario", metavar="SCENARIO.yaml", type=Path)
+    add_run_options(run)
+    run.set_defaults(run=_run, reads=("scenario",))
+
+    plot = commands.add_parser(
+        "plot",
+        help="draw a page of figures of a log",
+        description="Draw behaviours and k_effort over time, joints and their "
+        "set-points, efforts against their limits, balance from above and over time, "
+        "feet, and the controller's tick times. Logs come from --log of `demo` and "
+        "`run`.",
+        epilog=_LOG_EXIT_STATUS,
+    )
+    plot.add_argument("log", metavar="LOG", type=Path)
+    plot.add_argument(
+        "--output",
+        action="append",
+        type=Path,
+        metavar="FILE",
+        help="a .png picture or an interactive .html page that works offline; may be "
+        "given more than once (default: both, beside the log: run.figures.png and "
+        "run.figures.html for run.mcap)",
+    )
+    plot.set_defaults(run=_plot, reads=("log",))
+
+    replay = commands.add_parser(
+        "replay",
+        help="watch or film a log",
+        description="Show the robot as the log has it, with footsteps and caption, in "
+        "the 3D view or in a video. Nothing is simulated.",
+        epilog=_LOG_EXIT_STATUS,
+    )
+    replay.add_argument("log", metavar="LOG", type=Path)
+    view = replay.add_argument_group("how you watch it")
+    add_speed_options(
+        view, "no 3D view: for --record and --video alone, as fast as possible"
+    )
+    add_address_options(view)
+    add_show_option(view, "none", LOGGED)
+    add_record_option(replay.add_argument_group("what you keep"))
+    replay.set_defaults(run=_replay, reads=("log",))
+
+    teleop = commands.add_parser(
+        "teleop",
+        help="steer Atlas yourself, with keys and sliders in the browser",
+        description="Steer Atlas in the 3D view: keys for behaviours and walking, "
+        "sliders for the gait, the pelvis and your share of each limb, pushes. "
+        "Ctrl-C ends it.",
+        epilog="exit status: 0 stopped by Ctrl-C or after --duration, 1 the simulation "
+        "failed, 2 bad input",
+    )
+    teleop.add_argument(
+        "scenario",
+        metavar="SCENARIO.yaml",
+        type=Path,
+        nargs="?",
+        help="what is simulated (default: Atlas on level ground)",
+    )
+    teleop.add_argument(
+        "--duration",
+        type=rate,
+        default=math.inf,
+        metavar="SECONDS",
+        help="end by itself after this simulated time (default: go on)",
+    )
+    add_robot_options(teleop)
+    view = teleop.add_argument_group("how you watch it")
+    add_address_options(view)
+    add_show_option(view, "com,dcm,cop,support,swing,flags,follow")
+    teleop.set_defaults(run=_teleop, reads=("scenario",))
+
+    diagram = commands.add_parser(
+        "diagram",
+        help="draw the block diagram of the simulation",
+        description="Draw the diagram that a run simulates, as the code wires it. "
+        "Pictures need Graphviz; its source, .dot, does not.",
+    )
+    diagram.add_argument(
+        "file",
+        nargs="?",
+        type=Path,
+        default=Path("atlas_drake.svg"),
+        metavar="FILE",
+        help="a .svg, .png, .pdf or .dot file (default: %(default)s)",
+    )
+    diagram.add_argument(
+        "--no-open",
+        action="store_true",
+        help="do not open the picture where there is a desktop",
+    )
+    diagram.set_defaults(run=_diagram, reads=())
+    return parser
+
+
+class _Version(argparse.Action):
+    """Looks the version up only when it is asked for."""
+
+    def __init__(self, option_strings: list[str], dest: str, help: str) -> None:
+        super().__init__(option_strings, argparse.SUPPRESS, nargs=0, help=help)
+
+    def __call__(self, parser, *_arguments) -> None:  # type: ignore[no-untyped-def]
+        """Prints the versions that matter in a bug report."""
+        from importlib.metadata import PackageNotFoundError, version
+
+        def of(name: str) -> str:
+            try:
+                return version(name)
+            except PackageNotFoundError:
+                return "(not installed)"
+
+        print(f"atlas-drake {of('atlas-drake')}, drake {of('drake')}")
+        parser.exit()

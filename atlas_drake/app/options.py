@@ -1,0 +1,170 @@
+"""Options that several commands share, and the values they take.
+
+Which command has which is in ``main``.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import re
+from collections.abc import Collection
+from functools import partial
+from pathlib import Path
+
+from atlas_drake.errors import ScenarioError
+from atlas_drake.visualization.overlays import OVERLAYS, overlays_from
+
+
+def add_robot_options(parser: argparse.ArgumentParser) -> None:
+    """Adds what is simulated: robot, seed, physics step."""
+    robot = parser.add_argument_group("what is simulated")
+    robot.add_argument(
+        "--model",
+        metavar="NAME",
+        help="the robot: atlas (91 kg, the default) or atlas_v3 (148 kg)",
+    )
+    robot.add_argument(
+        "--seed",
+        type=int,
+        metavar="N",
+        help="what sensor noise and random variations of a scenario are drawn from",
+    )
+    robot.add_argument(
+        "--physics-step",
+        type=float,
+        metavar="SECONDS",
+        help="0.0005, 0.001 (the default) or 0.002: smaller is slower and more exact",
+    )
+
+
+def add_run_options(parser: argparse.ArgumentParser) -> None:
+    """Adds every option that ``demo`` and ``run`` share."""
+    add_robot_options(parser)
+    view = parser.add_argument_group("how you watch it")
+    add_speed_options(view, "no 3D view: as fast as possible, for scripts and servers")
+    add_address_options(view)
+    add_show_option(view, "none")
+    keep = parser.add_argument_group("what you keep")
+    keep.add_argument(
+        "--json",
+        type=Path,
+        metavar="FILE",
+        help="write what happened, with all figures, as JSON",
+    )
+    keep.add_argument(
+        "--log",
+        type=Path,
+        metavar="FILE",
+        help="write every command, state, effort and feedback of every control tick: "
+        ".mcap for Foxglove and PlotJuggler (written as the run goes on, so best for "
+        "long ones), .npz or .parquet for Python; see `plot` and `replay`",
+    )
+    add_record_option(keep)
+
+
+def add_speed_options(view: argparse._ArgumentGroup, headless: str) -> None:
+    """Adds --headless, with its help, and --realtime-rate."""
+    view.add_argument("--headless", action="store_true", help=headless)
+    view.add_argument(
+        "--realtime-rate",
+        type=rate,
+        metavar="R",
+        help="simulated seconds per second, at most; 0 is as fast as possible "
+        "(default: 1 with the 3D view, 0 without)",
+    )
+
+
+def add_address_options(view: argparse._ArgumentGroup) -> None:
+    """Adds where the 3D view listens."""
+    view.add_argument(
+        "--port",
+        type=_port,
+        metavar="P",
+        help="port of the 3D view, or the next free one (default: from 7000)",
+    )
+    view.add_argument(
+        "--host",
+        default="localhost",
+        metavar="H",
+        help="address that the 3D view listens on; with * or 0.0.0.0 whoever reaches "
+        "its port sees the robot, and with teleop steers it (default: %(default)s)",
+    )
+
+
+def add_record_option(keep: argparse._ArgumentGroup) -> None:
+    """Adds --record, --video and --video-size."""
+    keep.add_argument(
+        "--record",
+        type=Path,
+        metavar="FILE.html",
+        help="write the 3D animation, with what --show asks for, as one web page that "
+        "plays without this program",
+    )
+    keep.add_argument(
+        "--video",
+        type=Path,
+        metavar="FILE",
+        help="film the run into a .mp4 or .gif, also with --headless; needs "
+        '`pip install "atlas-drake[video]"` and, for each simulated second, 3 to '
+        "6 s of computing, by its size",
+    )
+    keep.add_argument(
+        "--video-size",
+        type=_size,
+        default=(960, 540),
+        metavar="WxH",
+        help="of the video's pictures (default: 960x540)",
+    )
+
+
+def add_show_option(
+    view: argparse._ArgumentGroup, show: str, offered: Collection[str] = OVERLAYS
+) -> None:
+    """Adds --show: ``show`` by default, of the overlays ``offered``."""
+    missing = [name for name in OVERLAYS if name not in offered]
+    view.add_argument(
+        "--show",
+        type=partial(_overlays, offered=offered),
+        default=_overlays(show, offered),
+        metavar="LIST",
+        help="what the 3D view shows of the controller's thoughts, with commas: "
+        + ", ".join(offered)
+        + f"; or all, or none (default: {show})"
+        + (f"; {', '.join(missing)} are not in a log" if missing else ""),
+    )
+
+
+def _overlays(text: str, offered: Collection[str]) -> list[str]:
+    try:
+        return overlays_from(text, offered)
+    except ScenarioError as error:
+        # argparse names the option itself.
+        raise argparse.ArgumentTypeError(error.problem) from error
+
+
+def rate(text: str) -> float:
+    """Reads a number from 0 up, for argparse."""
+    try:
+        rate = float(text)
+    except ValueError:
+        rate = math.nan
+    if not (math.isfinite(rate) and rate >= 0.0):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number from 0 up")
+    return rate
+
+
+def _port(text: str) -> int:
+    # Below 1024 only administrators may listen, and Meshcat does not.
+    if not (text.isdecimal() and 1024 <= int(text) <= 65535):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a port in 1024..65535")
+    return int(text)
+
+
+def _size(text: str) -> tuple[int, int]:
+    found = re.fullmatch(r"([0-9]{1,4})x([0-9]{1,4})", text)
+    if found is None or not all(64 <= int(side) <= 4096 for side in found.groups()):
+        raise argparse.ArgumentTypeError(
+            f"{text!r} is not a width and height in 64..4096 pixels, such as 960x540"
+        )
+    return int(found[1]), int(found[2])

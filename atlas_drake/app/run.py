@@ -1,0 +1,203 @@
+"""One run on the command line: watch it, record it, save it, judge it.
+
+The simulation itself is ``AtlasSimulation``; options are parsed in ``cli``.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import logging
+import math
+import sys
+from typing import Any
+
+from atlas_drake.app import exit_status
+from atlas_drake.app.interrupts import ctrl_c, nothing_cut_off
+from atlas_drake.app.outputs import (
+    check_outputs,
+    invite_viewer,
+    keep,
+    keep_recording,
+    keep_text,
+    keep_video,
+    open_view,
+    realtime_rate,
+    video_asked_for,
+)
+from atlas_drake.app.progress import Progress
+from atlas_drake.app.viewer import interactive, keep_serving
+from atlas_drake.behaviors.base import STEPS_LEFT
+from atlas_drake.logs.formats import check_format
+from atlas_drake.scenario import Scenario
+from atlas_drake.simulation import AtlasSimulation, SimulationError
+from atlas_drake.simulation.drake_log import is_news
+from atlas_drake.visualization.overlays import Overlays
+from atlas_drake.visualization.viewer_gate import show_latest
+
+PIECE = 0.1
+"""Simulated time between updates of the progress line [s]."""
+AFTER_FALL = 2.0
+"""How long a fall is watched before the run ends [s]."""
+
+
+def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
+    """Runs a scenario as the command line asks for.
+
+    Args:
+        scenario: As read; the options' model, seed and physics step replace its own.
+        options: Of ``atlas-drake demo`` and ``atlas-drake run``.
+
+    Returns:
+        The exit status.
+
+    Raises:
+        ScenarioError: If anything asked for cannot be done, before anything is.
+    """
+    apply_options(scenario, options)
+    check_outputs(options, ("json", "record", "video", "log"))
+    video = video_asked_for(options)
+    if options.log is not None:
+        check_format(options.log)
+    quiet_logs()
+
+    progress = Progress(sys.stdout, scenario.duration)
+    meshcat = open_view(options, progress)
+    sim = AtlasSimulation(
+        scenario,
+        meshcat=meshcat,
+        recorded=options.record is not None,
+        video=video,
+        on_event=progress.event,
+        overlays=Overlays(options.show),
+        log=options.log,
+    )
+    invite_viewer(meshcat, options, progress)
+    sim.set_realtime_rate(realtime_rate(options))
+
+    with nothing_cut_off():
+        try:
+            stopped = _simulate(sim, progress)
+        finally:
+            # Also after a second Ctrl-C: neither can be read if it is not finished.
+            kept = _keep_what_grew(sim, options, progress)
+        summary = sim.summary()
+        summary["stopped"] = stopped
+        if stopped is not None:
+            summary["success"] = False
+        progress.say(verdict(summary))
+        if options.json is not None:
+            text = json.dumps(_plain(summary), indent=2) + "\n"
+            kept = keep_text(options.json, text, progress) and kept
+        kept = keep_recording(meshcat, options, progress) and kept
+    if stopped == INTERRUPTED:
+        return exit_status.INTERRUPTED
+    if not kept:
+        return exit_status.OUTPUT_LOST
+    if not options.headless and interactive():
+        show_latest(sim.diagram, sim.context)
+        keep_serving(progress)
+    return exit_status.OK if summary["success"] else exit_status.FAILED
+
+
+def _keep_what_grew(
+    sim: AtlasSimulation, options: argparse.Namespace, progress: Progress
+) -> bool:
+    """Completes video and log, written all along; says whether that went well."""
+    kept = True
+    if options.video is not None:
+        kept = keep_video(options.video, sim.close_video, progress)
+    if options.log is not None and sim.time == 0.0:
+        sim.close()
+        progress.say(f"{options.log} is not written: nothing was simulated.")
+    elif options.log is not None:
+        progress.say(f"Completing {options.log} ...")
+        draw = f"; draw it: atlas-drake plot {options.log}"
+        kept = keep(options.log, sim.close, progress, lambda _closed: draw) and kept
+    return kept
+
+
+def apply_options(scenario: Scenario, options: argparse.Namespace) -> None:
+    """Lets the command line win over a scenario in what is simulated.
+
+    Raises:
+        ScenarioError: If the scenario then has a value that cannot be used.
+    """
+    for name in ("model", "seed", "physics_step"):
+        if getattr(options, name) is not None:
+            setattr(scenario, name, getattr(options, name))
+    scenario.validate()
+
+
+INTERRUPTED = "interrupted"
+"""What the summary's ``stopped`` says after Ctrl-C."""
+
+
+def _simulate(sim: AtlasSimulation, progress: Progress) -> str | None:
+    """Advances to the scenario's end.
+
+    Returns:
+        None, or why the run ended before that, other than by a fall.
+    """
+    end = sim.scenario.duration
+    with ctrl_c() as asked_to_stop:
+        try:
+            while sim.time < end - 1e-9:
+                if asked_to_stop.is_set():
+                    return INTERRUPTED
+                sim.advance_to(min(sim.time + PIECE, end))
+                progress.update(sim.time, sim.current_behavior.name)
+                if sim.has_fallen:
+                    falls = [e.time for e in sim.events if e.kind == "fall"]
+                    end = min(end, falls[0] + AFTER_FALL)
+        except SimulationError as error:
+            return str(error)
+        return INTERRUPTED if asked_to_stop.is_set() else None
+
+
+def verdict(summary: dict[str, Any]) -> str:
+    """What became of a run, in one or two sentences."""
+    errors = [step["error_m"] for step in summary["footsteps"]]
+    steps = ""
+    if errors:
+        steps = f", {len(errors)} steps taken (at most {1e3 * max(errors):.0f} mm off)"
+    first = {event["kind"]: event for event in reversed(summary["events"])}
+    if summary["stopped"] == INTERRUPTED:
+        text = f"Stopped at {summary['sim_time']:.1f} s{steps}."
+    elif summary["stopped"] is not None:
+        text = f"Failed: {summary['stopped']}."
+    elif summary["fell"]:
+        fall = first["fall"]
+        text = f"Failed: Atlas fell at {fall['time']:.1f} s: {fall['text']}."
+    elif summary["success"]:
+        text = f"Success: Atlas is upright after {summary['sim_time']:.1f} s{steps}."
+    elif "refusal" in first:
+        why = first["refusal"]["text"]
+        text = f"Failed: Atlas is upright but did not obey: {why}."
+    elif STEPS_LEFT in first:
+        text = f"Failed: Atlas is upright, but {first[STEPS_LEFT]['text']}."
+    else:
+        text = f"Failed: Atlas did not end upright{steps}."
+    factor = summary["real_time_factor"]
+    return text if factor is None else f"{text} Ran at {factor:.2f} x real time."
+
+
+def quiet_logs() -> None:
+    """Keeps out of the run's lines what they say themselves, or what is no news."""
+    # Refusals are events, printed with all others.
+    logging.getLogger("atlas_drake").propagate = False
+    drake = logging.getLogger("drake")
+    # The address of the 3D view is a line of its own.
+    drake.setLevel(logging.WARNING)
+    drake.addFilter(is_news)
+
+
+def _plain(value: Any) -> Any:
+    """The same without infinities and NaN, which JSON does not know."""
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

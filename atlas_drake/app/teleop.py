@@ -1,0 +1,85 @@
+"""``atlas-drake teleop``: serve the panel, say the keys, go on until Ctrl-C.
+
+What the panel does is in ``commander``; a slice of time is in ``session``.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import threading
+
+from atlas_drake.app import exit_status
+from atlas_drake.app.interrupts import ctrl_c
+from atlas_drake.app.progress import Progress
+from atlas_drake.app.run import (
+    INTERRUPTED,
+    apply_options,
+    quiet_logs,
+    verdict,
+)
+from atlas_drake.app.viewer import interactive, open_on_desktop, start_meshcat
+from atlas_drake.scenario import Scenario
+from atlas_drake.simulation import AtlasSimulation, SimulationError
+from atlas_drake.teleop.controls import legend
+from atlas_drake.teleop.panel import Panel
+from atlas_drake.teleop.session import Session
+from atlas_drake.visualization.overlays import Overlays
+
+
+def run_teleop(scenario: Scenario, options: argparse.Namespace) -> int:
+    """Lets somebody steer until Ctrl-C, or for ``options.duration`` [s].
+
+    Args:
+        scenario: As read; the options' model, seed and physics step replace its own.
+        options: Of ``atlas-drake teleop``.
+
+    Returns:
+        The exit status.
+
+    Raises:
+        ScenarioError: If anything asked for cannot be done, before anything is.
+    """
+    apply_options(scenario, options)
+    quiet_logs()
+    overlays = Overlays(options.show)
+    progress = Progress(sys.stdout, options.duration)
+    meshcat = start_meshcat(options.host, options.port, progress.say)
+    sim = AtlasSimulation(
+        scenario, meshcat=meshcat, on_event=progress.event, overlays=overlays
+    )
+    session = Session(sim, Panel(meshcat, sim.robot, overlays))
+    with ctrl_c() as asked_to_stop:
+        progress.say(
+            f"Steer at {meshcat.web_url()}; Ctrl-C here ends it.\n\n{legend()}\n"
+        )
+        if interactive():
+            open_on_desktop(meshcat.web_url())
+        failure = _steer(sim, session, progress, options.duration, asked_to_stop)
+    summary = sim.summary()
+    # Nobody but the one who steered knows what was to be achieved.
+    summary["stopped"] = failure or INTERRUPTED
+    progress.say(verdict(summary))
+    return exit_status.OK if failure is None else exit_status.FAILED
+
+
+def _steer(
+    sim: AtlasSimulation,
+    session: Session,
+    progress: Progress,
+    end: float,
+    asked_to_stop: threading.Event,
+) -> str | None:
+    """Goes on until the end or Ctrl-C; says what went wrong, if anything."""
+    fallen = False
+    try:
+        while sim.time < end and not asked_to_stop.is_set():
+            session.advance()
+            paused = " (paused)" if session.paused else ""
+            progress.update(sim.time, sim.current_behavior.name + paused)
+            if sim.has_fallen and not fallen:
+                progress.say("Atlas falls; r puts it back on its feet.")
+            fallen = sim.has_fallen
+    except SimulationError as error:
+        return str(error)
+    return None

@@ -1,0 +1,140 @@
+"""The 3D view from the command line's side: serve it, wait for it, keep it open.
+
+What it shows is in ``visualization``.
+"""
+
+from __future__ import annotations
+
+import ipaddress
+import os
+import socket
+import sys
+import time
+import webbrowser
+from collections.abc import Callable
+
+from pydrake.geometry import Meshcat, MeshcatParams
+
+from atlas_drake.app.progress import Progress
+from atlas_drake.errors import ScenarioError, shown
+from atlas_drake.messages.numeric import is_whole
+
+VIEWER_PATIENCE = 15.0
+"""How long the start waits for a browser [s]."""
+
+LOCALHOST, ANYWHERE = "localhost", "*"
+"""Hosts that stand for this computer alone, and for all its addresses."""
+PORTS_TRIED = 100
+"""How many ports from the one asked for on may be in use."""
+FIRST_PORT, LAST_PORT = 1024, 65535
+"""Ports that Meshcat takes, besides 0, which stands for any that is free."""
+
+
+def start_meshcat(
+    host: str = LOCALHOST,
+    port: int | None = None,
+    say: Callable[[str], object] = print,
+) -> Meshcat:
+    """Starts to serve an empty 3D view, for this computer alone unless told otherwise.
+
+    Args:
+        host: Address to listen on; ``*`` stands for all.
+        port: Port to listen on; if it is in use the next free one is taken. None
+            takes the first free one from 7000.
+        say: Is told when it is another port than the one asked for, and when other
+            computers can reach it.
+
+    Raises:
+        ScenarioError: If that address cannot be had.
+    """
+    if port is not None and not (
+        is_whole(port) and (port == 0 or FIRST_PORT <= port <= LAST_PORT)
+    ):
+        rule = f"must be {FIRST_PORT} to {LAST_PORT}, is {shown(port)}"
+        raise ScenarioError("--port", port, rule)
+    local = host != ANYWHERE and _is_loopback(_address_of(host))
+    if port is None:
+        candidates: list[int | None] = [None]
+    else:
+        candidates = [*range(port, min(port + PORTS_TRIED, LAST_PORT + 1))]
+    for candidate in candidates:
+        try:
+            meshcat = Meshcat(MeshcatParams(host=host, port=candidate))
+        except RuntimeError as error:
+            problem = error
+            continue
+        if candidate != port:
+            say(f"Port {port} is in use; the 3D view is on {candidate}.")
+        if not local:
+            say(
+                f"! The 3D view listens on {host} and asks for no password: whoever "
+                f"reaches port {meshcat.port()} sees the robot, and with teleop steers "
+                "it."
+            )
+        return meshcat
+    raise ScenarioError(
+        "--port", port, f"no 3D view on {host}:{port or '7000...'}: {problem}"
+    ) from problem
+
+
+def interactive() -> bool:
+    """Whether somebody sits there who can press keys."""
+    return sys.stdin.isatty() and sys.stdout.isatty()
+
+
+def _address_of(host: str) -> str:
+    """Refuses an address that is not this computer's; Meshcat does not say why."""
+    try:
+        family, kind, _, _, address = socket.getaddrinfo(
+            host, 0, type=socket.SOCK_STREAM
+        )[0]
+        with socket.socket(family, kind) as probe:
+            probe.bind(address)
+            return str(address[0])
+    except (OSError, ValueError) as error:  # No such address, or no name of any host.
+        problem = getattr(error, "strerror", None) or error
+        raise ScenarioError(
+            "--host", host, f"cannot listen on {host}: {problem}"
+        ) from error
+
+
+def _is_loopback(address: str) -> bool:
+    # What follows a % is the interface of an IPv6 address.
+    return ipaddress.ip_address(address.partition("%")[0]).is_loopback
+
+
+def open_on_desktop(address: str) -> bool:
+    """Opens a page or picture where there is a graphical desktop to show it.
+
+    Returns:
+        Whether it was opened.
+    """
+    graphical = sys.platform == "darwin" or any(
+        os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY")
+    )
+    # Without a graphical desktop the "browser" would take over this terminal.
+    return graphical and webbrowser.open(address)
+
+
+def await_viewer(meshcat: Meshcat, say: Callable[[str], object] = print) -> None:
+    """Says where to watch, and gives a browser the time to open and show the start.
+
+    Where nobody sits at the terminal there is nobody to wait for.
+    """
+    say(f"Watch at {meshcat.web_url()}")
+    if not interactive():
+        return
+    if not open_on_desktop(meshcat.web_url()):
+        say(f"Open that address; the run begins then, or in {VIEWER_PATIENCE:g} s.")
+    give_up = time.monotonic() + VIEWER_PATIENCE
+    while meshcat.GetNumActiveConnections() == 0 and time.monotonic() < give_up:
+        time.sleep(0.1)
+
+
+def keep_serving(progress: Progress) -> None:
+    """Leaves the view open until somebody presses Enter or Ctrl-C."""
+    progress.say("The 3D view stays open. Press Enter to quit.")
+    try:
+        sys.stdin.readline()
+    except KeyboardInterrupt:
+        progress.say("")

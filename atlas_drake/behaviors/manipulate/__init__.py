@@ -1,0 +1,1 @@
+"""MANIPULATE: the pelvis moves while the feet stay."""

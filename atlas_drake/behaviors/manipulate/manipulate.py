@@ -1,0 +1,352 @@
+"""MANIPULATE: stand with a pelvis that goes where it is told.
+
+Pelvis and centre of mass follow the pose that messages ask for, clamped to what can
+be stood in. Trunk and pelvis turn as one; arms and neck are left alone. Which poses
+are possible is ``control.pelvis_reach``'s business.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from atlas_drake.behaviors.balance import Balance
+from atlas_drake.behaviors.base import Observation, Outcome
+from atlas_drake.behaviors.body_reference import BodyRates, BodyReference
+from atlas_drake.behaviors.manipulate.pelvis_demo import demo_amplitude, demo_pose
+from atlas_drake.control.balance import feedback
+from atlas_drake.control.balance.dcm_plan import DcmReference
+from atlas_drake.control.pelvis.pelvis_pose import (
+    PelvisLead,
+    PelvisMotion,
+    PelvisPose,
+    PelvisRates,
+    Stance,
+    make_stance,
+)
+from atlas_drake.control.pelvis.pelvis_reach import PelvisReach, UpperBody
+from atlas_drake.control.pelvis.smooth_motion import at_rest
+from atlas_drake.control.rotations import tilt_of
+from atlas_drake.frozen import replace
+from atlas_drake.messages import (
+    AtlasBehaviorPelvisServoParams,
+    AtlasSimInterfaceCommand,
+    AtlasSimInterfaceState,
+)
+
+FOOT_SLIP = 0.002
+"""A sole that moved this far since it was noted is noted anew [m]. Small, because all
+poses are relative to the soles."""
+ARMS_MOVED = 0.01
+"""The wish is clamped anew when what is above the legs has moved its centre of mass
+this far in the pelvis frame, as when the user's arms reach out [m]."""
+HOME = 0.002
+"""STAND follows when the reference is this near to its pose [m], [rad]."""
+
+
+@dataclass(frozen=True)
+class ManipulateMemory:
+    """What the pelvis is to do.
+
+    Attributes:
+        stance: The feet as noted.
+        wish: The pose asked for, whatever can be had of it.
+        goal: The pose that is pursued.
+        home: STAND's pose, where all reaching out begins and ends.
+        motion: The reference on its way to the goal.
+        upper: Trunk and arms as they were when the goal was found.
+        sensed: The pose that the robot is in.
+        heard: The last command listened to.
+        demo_time: Since the demo began [s]; None without demo.
+        demo_share: How much of its movement the legs allow [-].
+        waits: Whether the user has a leg, and the wish waits for it to be back.
+    """
+
+    stance: Stance
+    wish: PelvisPose
+    goal: PelvisPose
+    home: PelvisPose
+    motion: PelvisMotion
+    upper: UpperBody
+    sensed: PelvisPose
+    heard: AtlasSimInterfaceCommand | None = None
+    demo_time: float | None = None
+    demo_share: float = 0.0
+    waits: bool = False
+
+    def dcm_reference(self, omega: float) -> DcmReference:
+        """Where DCM and CoP shall be now, with the pendulum's frequency [1/s]."""
+        com = self.motion.com
+        return DcmReference(
+            dcm=com.position + com.velocity / omega,
+            cop=com.position - com.acceleration / omega**2,
+        )
+
+
+class Manipulate:
+    """Balance on both feet with a servoed pelvis."""
+
+    def __init__(
+        self,
+        balance: Balance,
+        reach: PelvisReach,
+        nominal_height: float,
+        posture_rates: BodyRates,
+        *,
+        rates: PelvisRates | None = None,
+        lead: PelvisLead | None = None,
+    ):
+        """STAND has the centre of mass ``nominal_height`` [m] above the soles."""
+        self._balance = balance
+        self._reach = reach
+        self._nominal_height = nominal_height
+        self._posture_rates = posture_rates
+        self._rates = rates or PelvisRates()
+        self._lead = lead or PelvisLead()
+        robot = balance.robot
+        self._back = robot.limb("back")
+        self._legs = robot.limb("l_leg", "r_leg")
+
+    def enter(
+        self,
+        seen: Observation,
+        body: BodyReference,
+        request: AtlasSimInterfaceCommand,
+    ) -> ManipulateMemory:
+        """Starts from where the reference and the DCM are."""
+        return self._pursue(self._listen(self._here(seen, body), seen, request), seen)
+
+    def update(
+        self,
+        memory: ManipulateMemory,
+        seen: Observation,
+        body: BodyReference,
+        request: AtlasSimInterfaceCommand,
+        leaving: bool,
+    ) -> Outcome:
+        """One tick; ``leaving`` brings the robot back to STAND's pose."""
+        waited, waits = memory.waits, bool(seen.user_held[self._legs].any())
+        memory = replace(memory, waits=waits)
+        if leaving:
+            home = self._home(seen, memory.stance)
+            memory = replace(memory, goal=home, demo_time=None, heard=None)
+        elif request is not memory.heard:
+            memory = self._pursue(self._listen(memory, seen, request), seen)
+        elif (waited and not waits) or self._arms_moved(memory, seen):
+            memory = self._pursue(memory, seen)
+        if self._slipped(memory.stance, seen):
+            memory = replace(memory, stance=self._note_feet(seen))
+            memory = memory if leaving else self._pursue(memory, seen)
+        if waits:
+            # The user decides where the legs are: a pelvis that went elsewhere could
+            # only tip the robot over.
+            memory = replace(memory, goal=memory.motion.pose(memory.stance))
+        elif memory.demo_time is not None:
+            time = memory.demo_time + seen.dt
+            goal = demo_pose(memory.home, memory.demo_share, time)
+            memory = replace(memory, goal=goal, demo_time=time)
+
+        motion = memory.motion.held_near(seen.terms, self._lead)
+        motion = motion.towards(memory.goal, memory.stance, self._rates, seen.dt)
+        memory = replace(
+            memory, motion=motion, sensed=memory.stance.measure(seen.terms)
+        )
+        body = self._body(seen, body, motion)
+        omega = self._omega(seen, memory.stance)
+        command = self._balance.command(
+            seen,
+            body,
+            memory.dcm_reference(omega),
+            omega,
+            memory.stance.support,
+            (self._balance.planted(seen, 0), self._balance.planted(seen, 1)),
+        )
+        there = motion.pose(memory.stance)
+        remaining = max(abs(x - y) for x, y in zip(there, memory.goal, strict=True))
+        return Outcome(
+            memory=memory,
+            body=body,
+            command=command,
+            finished=leaving and (waits or remaining < HOME),
+        )
+
+    def idle(self, memory: ManipulateMemory, seen: Observation) -> ManipulateMemory:
+        """Wish and reference wait while the pose is held; the robot is looked at."""
+        return replace(memory, sensed=memory.stance.measure(seen.terms))
+
+    def resume(
+        self,
+        memory: ManipulateMemory,
+        seen: Observation,
+        body: BodyReference,
+        request: AtlasSimInterfaceCommand,
+    ) -> ManipulateMemory:
+        """Pursues the old wish, or goes on with the demo, from where the robot is."""
+        resumed = replace(
+            self._here(seen, body),
+            wish=memory.wish,
+            heard=memory.heard,
+            demo_time=memory.demo_time,
+            demo_share=memory.demo_share,
+        )
+        return self._pursue(resumed, seen)
+
+    def report(self, memory: ManipulateMemory, state: AtlasSimInterfaceState) -> None:
+        """The poses pursued, commanded at this moment, and sensed."""
+        feedback = state.manipulate_feedback
+        feedback.clamped = _params(memory.goal)
+        feedback.internal_desired = _params(memory.motion.pose(memory.stance))
+        feedback.internal_sensed = _params(memory.sensed)
+
+    def _here(self, seen: Observation, body: BodyReference) -> ManipulateMemory:
+        """Memory that asks for nothing but what is."""
+        stance = self._note_feet(seen)
+        motion = self._motion_from(seen, body, stance)
+        pose = motion.pose(stance)
+        return ManipulateMemory(
+            stance=stance,
+            wish=pose,
+            goal=pose,
+            home=self._home(seen, stance),
+            motion=motion,
+            upper=self._reach.upper_body(seen.terms, stance),
+            sensed=stance.measure(seen.terms),
+        )
+
+    # ---- what is wished ------------------------------------------------------
+
+    def _listen(
+        self,
+        memory: ManipulateMemory,
+        seen: Observation,
+        request: AtlasSimInterfaceCommand,
+    ) -> ManipulateMemory:
+        """Takes in a message."""
+        memory = replace(memory, heard=request)
+        params = request.manipulate_params
+        if params.use_demo_mode:
+            if memory.demo_time is not None:
+                return memory
+            upper = self._reach.upper_body(seen.terms, memory.stance)
+            share = demo_amplitude(
+                memory.home,
+                lambda pose: self._reach.allows(pose, memory.stance, upper),
+            )
+            return replace(memory, demo_time=0.0, demo_share=share)
+        if params.use_desired:
+            wish = _pose(params.desired)
+        elif memory.demo_time is not None:
+            # Stays where the demo has brought it.
+            wish = memory.goal
+        else:
+            wish = memory.wish
+        return replace(memory, wish=wish, demo_time=None)
+
+    def _pursue(self, memory: ManipulateMemory, seen: Observation) -> ManipulateMemory:
+        """Makes the goal what can be had of the wish."""
+        upper = self._reach.upper_body(seen.terms, memory.stance)
+        home = self._home(seen, memory.stance)
+        home = self._reach.attainable(home, memory.stance, upper)
+        goal = self._reach.clamp(memory.wish, home, memory.stance, upper)
+        return replace(memory, home=home, goal=goal, upper=upper)
+
+    def _arms_moved(self, memory: ManipulateMemory, seen: Observation) -> bool:
+        upper = self._reach.upper_body(seen.terms, memory.stance)
+        moved = upper.p_PU - memory.upper.p_PU
+        return float(moved @ moved) > ARMS_MOVED**2
+
+    # ---- references ----------------------------------------------------------
+
+    def _motion_from(
+        self, seen: Observation, body: BodyReference, stance: Stance
+    ) -> PelvisMotion:
+        """The reference in force, in terms of the pelvis."""
+        terms = seen.terms
+        com = stance.support.clamp(feedback.dcm(terms, self._omega(seen, stance)))
+        height = body.height - float(terms.com[2] - terms.p_WP[2])
+        roll, pitch = body.pelvis_tilt
+        return PelvisMotion(
+            height=at_rest(np.array([height]), np.array([body.height_rate])),
+            turn=at_rest(
+                np.array([body.yaw, pitch, roll]), np.array([body.yaw_rate, 0.0, 0.0])
+            ),
+            com=at_rest(com),
+        )
+
+    def _body(
+        self, seen: Observation, body: BodyReference, motion: PelvisMotion
+    ) -> BodyReference:
+        """The reference of trunk and posture that goes with ``motion``.
+
+        The QP steers the height of the centre of mass. Referring that to where it is
+        above the pelvis at present makes it follow the pelvis: the difference drops
+        out of position and speed alike.
+        """
+        terms = seen.terms
+        yaw, pitch, roll = motion.turn.position
+        tilt = np.array([roll, pitch])
+        # Trunk and pelvis turn as one, after whatever bend there was is straightened.
+        step = self._posture_rates.tilt * seen.dt
+        if seen.user_held[self._back].any():
+            bend = tilt_of(terms.R_WC) - tilt
+        else:
+            bend = body.chest_tilt - body.pelvis_tilt
+            bend = bend - np.clip(bend, -step, step)
+        # Arms and neck stay where they are, or where the user leaves them. So do the
+        # legs: pelvis and feet leave them no choice.
+        follow = seen.user_held | self._legs
+        joints = np.where(follow, terms.q, body.joints)
+        straighten = self._back & ~seen.user_held
+        step = self._posture_rates.joints * seen.dt
+        joints[straighten] += np.clip(
+            self._balance.robot.stand_prep[straighten] - joints[straighten],
+            -step,
+            step,
+        )
+        above = float(terms.com[2] - terms.p_WP[2])
+        rising = float(terms.com_velocity[2] - terms.V_WP[5])
+        return BodyReference(
+            height=float(motion.height.position[0]) + above,
+            height_rate=float(motion.height.velocity[0]) + rising,
+            yaw=float(yaw),
+            yaw_rate=float(motion.turn.velocity[0]),
+            pelvis_tilt=tilt,
+            chest_tilt=tilt + bend,
+            joints=joints,
+        )
+
+    def _home(self, seen: Observation, stance: Stance) -> PelvisPose:
+        """STAND's pose with the arms as they are."""
+        above = float(seen.terms.com[2] - seen.terms.p_WP[2])
+        return PelvisPose(height=self._nominal_height - above)
+
+    def _omega(self, seen: Observation, stance: Stance) -> float:
+        return feedback.pendulum_frequency(float(seen.terms.com[2] - stance.middle[2]))
+
+    # ---- feet ----------------------------------------------------------------
+
+    def _note_feet(self, seen: Observation) -> Stance:
+        left, right = seen.foot_pose(0), seen.foot_pose(1)
+        return make_stance(left, right, self._balance.support(left, right))
+
+    def _slipped(self, stance: Stance, seen: Observation) -> bool:
+        return any(
+            float(np.abs(now.p_WF - noted.p_WF).max()) > FOOT_SLIP
+            for noted, now in zip(stance.feet, seen.terms.feet, strict=True)
+        )
+
+
+def _pose(params: AtlasBehaviorPelvisServoParams) -> PelvisPose:
+    return PelvisPose(
+        float(params.pelvis_height),
+        float(params.pelvis_yaw),
+        float(params.pelvis_pitch),
+        float(params.pelvis_roll),
+        float(params.com_v0),
+        float(params.com_v1),
+    )
+
+
+def _params(pose: PelvisPose) -> AtlasBehaviorPelvisServoParams:
+    return AtlasBehaviorPelvisServoParams(*pose)

@@ -1,0 +1,134 @@
+"""What a standing behaviour does while the user leaves it no leg to balance with.
+
+A leg to balance with is one of whose hip pitch and ankle pitch both the behaviour
+commands at least 15 N·m. Without one the behaviour holds its pose, as FREEZE does.
+Balancing all the same would move the centre of mass by what trunk and arms can do, lean
+further and further, and fall. With a leg given back it takes up what it was about.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+
+from atlas_drake.behaviors.balance import Balance
+from atlas_drake.behaviors.base import Behavior, Event, Observation, Outcome
+from atlas_drake.behaviors.body_reference import BodyReference
+from atlas_drake.behaviors.freeze import Freeze, FreezeMemory
+from atlas_drake.control.feet.leg_kinematics import LEGS
+from atlas_drake.frozen import replace
+from atlas_drake.messages import AtlasSimInterfaceCommand, AtlasSimInterfaceState
+from atlas_drake.robot import ANKLE_PITCH, HIP_PITCH
+
+LEAST_EFFORT = 15.0
+"""What the behaviour must be able to give a joint to balance with it [N·m]."""
+
+_WARNING = (
+    "no leg to balance with: only the pose is held. It takes hip and ankle pitch"
+    f" (hpy, aky) of one leg, and {LEAST_EFFORT:.0f} N·m of each"
+)
+
+
+@dataclass(frozen=True)
+class Holding:
+    """What is remembered while the pose is held.
+
+    Attributes:
+        pose: FREEZE's memory.
+        before: That of the behaviour.
+        warned: Whether the user was told.
+    """
+
+    pose: FreezeMemory
+    before: Any
+    warned: bool = False
+
+
+class StandingBehavior(Behavior, Protocol):
+    """A behaviour that can be interrupted while its pose is held."""
+
+    def idle(self, memory: Any, seen: Observation) -> Any:
+        """The memory after a tick in which the pose was held."""
+
+    def resume(
+        self,
+        memory: Any,
+        seen: Observation,
+        body: BodyReference,
+        request: AtlasSimInterfaceCommand,
+    ) -> Any:
+        """The memory with which it goes on from where the robot is now."""
+
+
+class StanceGuard:
+    """A standing behaviour, interrupted whenever it is without a leg.
+
+    Attributes:
+        behavior: Who balances.
+    """
+
+    def __init__(self, behavior: StandingBehavior, freeze: Freeze, balance: Balance):
+        """Runs ``behavior`` where it can balance, else ``freeze``."""
+        self.behavior = behavior
+        self._freeze = freeze
+        robot = balance.robot
+        self._pitch = np.array(
+            [np.flatnonzero(robot.limb(leg))[[HIP_PITCH, ANKLE_PITCH]] for leg in LEGS]
+        )
+        self._limit = robot.effort_limit[self._pitch]
+
+    def enter(
+        self,
+        seen: Observation,
+        body: BodyReference,
+        request: AtlasSimInterfaceCommand,
+    ) -> Any:
+        """The behaviour's own memory."""
+        return self.behavior.enter(seen, body, request)
+
+    def update(
+        self,
+        memory: Any,
+        seen: Observation,
+        body: BodyReference,
+        request: AtlasSimInterfaceCommand,
+        leaving: bool,
+    ) -> Outcome:
+        """One tick."""
+        if self.has_a_leg(seen):
+            if isinstance(memory, Holding):
+                memory = self.behavior.resume(memory.before, seen, body, request)
+            return self.behavior.update(memory, seen, body, request, leaving)
+        if not isinstance(memory, Holding):
+            memory = Holding(self._freeze.enter(seen, body, request), before=memory)
+        # Who takes every joint knows that nobody balances.
+        warn = not memory.warned and not seen.user_held.all()
+        outcome = self._freeze.update(memory.pose, seen, body, request, leaving)
+        return replace(
+            outcome,
+            memory=Holding(
+                pose=outcome.memory,
+                before=self.behavior.idle(memory.before, seen),
+                warned=memory.warned or warn,
+            ),
+            finished=leaving,
+            events=(Event(seen.time, "warning", _WARNING),) if warn else (),
+        )
+
+    def report(self, memory: Any, state: AtlasSimInterfaceState) -> None:
+        """What the behaviour has to say."""
+        if isinstance(memory, Holding):
+            memory = memory.before
+        self.behavior.report(memory, state)
+
+    def has_a_leg(self, seen: Observation) -> bool:
+        """Whether there is a leg to balance with.
+
+        It takes hip and ankle pitch of the same leg: one keeps the trunk upright, the
+        other moves the centre of pressure. Sideways the stance of two feet is stable
+        whoever holds the joints.
+        """
+        left_over = (1.0 - seen.user_share[self._pitch]) * self._limit
+        return any(min(leg) >= LEAST_EFFORT for leg in left_over.tolist())

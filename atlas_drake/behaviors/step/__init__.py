@@ -1,0 +1,1 @@
+"""STEP: one footstep at a time, statically."""

@@ -1,0 +1,224 @@
+"""The step that a message asks of STEP, in numbers that are all in force.
+
+Thresholds and defaults of the step action, and the way back into messages. Whether a
+foothold can be reached is decided when the step begins.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from atlas_drake.behaviors.step.queue import footstep_from
+from atlas_drake.control.feet.footstep import LEFT, RIGHT, FootPose, Footstep
+from atlas_drake.control.rotations import mean_yaw
+from atlas_drake.frozen import replace
+from atlas_drake.messages import (
+    NO_STEP,
+    AtlasBehaviorStepAction,
+    AtlasBehaviorStepParams,
+    AtlasBehaviorStepSpec,
+    ToeOff,
+    Vector3,
+)
+from atlas_drake.planning.demo_steps import demo_steps
+
+LEAST_SWAY_DURATION = 0.2
+"""A sway duration below this is ignored [s]."""
+LEAST_RISE = 0.1
+"""Swing and lift heights below this are ignored [m]."""
+LEAST_KNEE = 0.3
+"""A knee flexion below this is ignored [rad]."""
+LARGEST_END_DISTANCE = 0.05
+"""End distances beyond this are ignored [m]."""
+
+
+@dataclass(frozen=True)
+class StepAction:
+    """How a step is taken; the defaults are what the robot does safely.
+
+    Attributes:
+        step_duration: Of single support [s].
+        sway_duration: Of the weight shift before it [s].
+        swing_height: Rise above the lift height while moving across [m].
+        lift_height: Straight up, above the higher of the two footholds [m].
+        knee_nominal: Flexion of the standing knee [rad].
+        max_body_accel: Bounds the sway's duration [m/s²].
+        max_foot_vel: Bounds the step's duration [m/s].
+        sway_end_dist: How far short of the standing sole's middle the sway ends [m].
+        step_end_dist: How far the body leans into the step as the foot comes down [m].
+        toe_off: Whether the heel left behind may rise in the sway.
+    """
+
+    step_duration: float = 0.7
+    sway_duration: float = 0.6
+    swing_height: float = 0.02
+    lift_height: float = 0.06
+    knee_nominal: float = 0.6
+    max_body_accel: float = 0.4
+    max_foot_vel: float = 0.5
+    sway_end_dist: float = 0.01
+    step_end_dist: float = 0.0
+    toe_off: ToeOff = ToeOff.ENABLE
+
+
+LARGEST_ACTION = StepAction(
+    step_duration=20.0,
+    sway_duration=20.0,
+    swing_height=0.20,
+    lift_height=0.25,
+    knee_nominal=1.0,
+    max_body_accel=1.0,
+    max_foot_vel=1.0,
+    sway_end_dist=0.03,
+    step_end_dist=0.03,
+)
+"""What is asked for beyond this is done as far as this; ± for the end distances."""
+
+
+@dataclass(frozen=True)
+class DesiredStep:
+    """A step as it was asked for.
+
+    Attributes:
+        step: Foothold and foot.
+        action: How it is taken.
+    """
+
+    step: Footstep
+    action: StepAction
+
+
+def resolve_action(sent: AtlasBehaviorStepAction, default: StepAction) -> StepAction:
+    """What is in force of a message: ``default`` where its thresholds ignore it."""
+
+    def end_distance(value: float, otherwise: float) -> float:
+        return value if abs(value) <= LARGEST_END_DISTANCE else otherwise
+
+    def unless_below(least: float, value: float, otherwise: float) -> float:
+        return value if value >= least else otherwise
+
+    wanted = StepAction(
+        step_duration=sent.step_duration
+        if sent.step_duration > 0.0
+        else default.step_duration,
+        sway_duration=unless_below(
+            LEAST_SWAY_DURATION, sent.sway_duration, default.sway_duration
+        ),
+        swing_height=unless_below(LEAST_RISE, sent.swing_height, default.swing_height),
+        lift_height=unless_below(LEAST_RISE, sent.lift_height, default.lift_height),
+        knee_nominal=unless_below(LEAST_KNEE, sent.knee_nominal, default.knee_nominal),
+        max_body_accel=sent.max_body_accel or default.max_body_accel,
+        max_foot_vel=sent.max_foot_vel or default.max_foot_vel,
+        sway_end_dist=end_distance(sent.sway_end_dist, default.sway_end_dist),
+        step_end_dist=end_distance(sent.step_end_dist, default.step_end_dist),
+    )
+    bounded = {}
+    for name, largest in vars(LARGEST_ACTION).items():
+        if name != "toe_off":
+            bounded[name] = min(max(getattr(wanted, name), -largest), largest)
+    return StepAction(**bounded, toe_off=ToeOff(sent.toe_off))
+
+
+SIDE_BY_SIDE = 0.02
+"""Feet nearer than this along the heading count as side by side [m]."""
+
+
+def desired_step(
+    params: AtlasBehaviorStepParams,
+    feet_z: tuple[float, float],
+    default: StepAction,
+) -> DesiredStep | None:
+    """The step that a message asks for; None if it asks for none.
+
+    Args:
+        params: Of the message.
+        feet_z: Heights of the left and right sole in W [m].
+        default: What is done where the message leaves it open.
+    """
+    if params.use_spec:
+        wanted = _from_spec(params.desired_step_spec, default)
+    else:
+        wanted = _from_data(params, feet_z, default)
+    if wanted is not None and params.use_relative_step_height:
+        step = wanted.step
+        rise = np.array([0.0, 0.0, feet_z[1 - step.foot]])
+        wanted = replace(wanted, step=replace(step, p_WF=step.p_WF + rise))
+    return wanted
+
+
+def demo_step(
+    feet: tuple[FootPose, FootPose], index: int, default: StepAction
+) -> DesiredStep | None:
+    """A step ahead with the foot that is behind; None after the demonstration's last.
+
+    Args:
+        feet: Where the left and the right sole are.
+        index: Of the step.
+        default: How it is taken.
+    """
+    yaw = mean_yaw(feet[0].yaw, feet[1].yaw)
+    ahead = np.array([math.cos(yaw), math.sin(yaw)])
+    behind = float(ahead @ (feet[1].p_WF[:2] - feet[0].p_WF[:2])) < -SIDE_BY_SIDE
+    steps = demo_steps(feet, index, RIGHT if behind else LEFT)
+    if not steps:
+        return None
+    step = replace(
+        steps[0],
+        duration=default.step_duration,
+        swing_height=default.lift_height + default.swing_height,
+    )
+    return DesiredStep(step, default)
+
+
+def _from_spec(spec: AtlasBehaviorStepSpec, default: StepAction) -> DesiredStep | None:
+    if spec.step_index == NO_STEP:
+        return None
+    action = resolve_action(spec.action, default)
+    normal = spec.foot.normal.to_array()
+    step = Footstep(
+        index=int(spec.step_index),
+        foot=int(spec.foot_index),
+        p_WF=spec.foot.position.to_array(),
+        yaw=float(spec.foot.yaw),
+        duration=action.step_duration,
+        swing_height=action.lift_height + action.swing_height,
+        normal=normal / np.linalg.norm(normal),
+    )
+    return DesiredStep(step, action)
+
+
+def _from_data(
+    params: AtlasBehaviorStepParams, feet_z: tuple[float, float], default: StepAction
+) -> DesiredStep | None:
+    """The plain form says less: its apex counts from the midpoint between the feet."""
+    data = params.desired_step
+    if data.step_index == NO_STEP:
+        return None
+    step = footstep_from(data)
+    landing_z = float(step.p_WF[2])
+    if params.use_relative_step_height:
+        landing_z += feet_z[1 - step.foot]
+    rise = 0.5 * abs(landing_z - feet_z[step.foot])
+    arc = step.swing_height - rise - default.lift_height
+    action = replace(
+        default,
+        step_duration=min(step.duration, LARGEST_ACTION.step_duration),
+        swing_height=min(max(arc, default.swing_height), LARGEST_ACTION.swing_height),
+    )
+    return DesiredStep(step, action)
+
+
+def step_spec_from(step: Footstep, action: StepAction) -> AtlasBehaviorStepSpec:
+    """The message's form of a step as it is taken."""
+    spec = AtlasBehaviorStepSpec()
+    spec.step_index = step.index
+    spec.foot_index = step.foot
+    spec.foot.position = Vector3.from_array(step.p_WF)
+    spec.foot.yaw = float(step.yaw)
+    spec.foot.normal = Vector3.from_array(step.normal)
+    for name, value in vars(action).items():
+        setattr(spec.action, name, value)
+    return spec

@@ -1,0 +1,232 @@
+"""How a step is taken: foothold, posture and heel that the legs can afford.
+
+Everything about a step that is decided once, before its sway. Geometry of legs and the
+torque of the standing knee; no time and no feedback.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from atlas_drake.behaviors.balance import Balance
+from atlas_drake.behaviors.step.action import DesiredStep, StepAction
+from atlas_drake.control.feet.footstep import (
+    FootPose,
+    Footstep,
+    StepLimits,
+    laid_out,
+    saturate,
+)
+from atlas_drake.control.feet.leg_reach import (
+    highest_com,
+    highest_sole,
+    hips_from_com,
+    knee_for_length,
+    leg_length,
+    lowest_com,
+)
+from atlas_drake.control.feet.toe_off import on_toes
+from atlas_drake.control.rotations import rotation_z
+from atlas_drake.control.whole_body.model import WholeBodyTerms
+from atlas_drake.frozen import replace
+from atlas_drake.messages import ToeOff
+
+
+@dataclass(frozen=True)
+class PostureRules:
+    """What the body does to spare the standing knee and to lengthen the legs."""
+
+    knee_efforts: tuple[float, ...] = (0.78, 0.90)
+    """Shares of the standing knee's effort limit that a posture may need at rest, the
+    second one where the first is not enough [-]."""
+    level: float = 0.02
+    """Steps that lead up or down by less are level [m]."""
+    drop: float = 0.02
+    """The body sinks this far for a leg's reach before a heel rises [m]."""
+    steepest_heel: float = 0.6
+    """Most that a heel rises [rad]."""
+    forced_heel: float = 0.3
+    """Least that it rises when it is asked to [rad]."""
+    lean: float = 0.36
+    """Most that the trunk leans forward [rad]."""
+    ahead: float = 0.05
+    """Most that the weight stands ahead of the sole's middle [m]: both take the weight
+    off a bent knee."""
+    lean_shift: float = 0.2
+    """How far the hips stay behind the centre of mass per lean [m/rad]."""
+    smallest_share: float = 0.3
+    """A step is shortened to this share of its length at most [-]."""
+    easy_width: float = 0.24
+    """Distance between the feet sideways that costs no reach [m]."""
+
+
+@dataclass(frozen=True)
+class StepPlan:
+    """What was decided.
+
+    Attributes:
+        taken: The step as it can be taken.
+        com: Where the centre of mass stands over the stance foot, horizontal in W [m],
+            shape (2,).
+        hips: As seen from it, in W [m], shape (2, 3).
+        lean: Pitch of the trunk [rad].
+        heel: Angle by which the leaving heel has risen at lift-off [rad].
+        height: Of the centre of mass in W, as the legs reach [m].
+        ceiling: Height in W to which the leaving leg can lift its sole [m].
+    """
+
+    taken: Footstep
+    com: np.ndarray
+    hips: np.ndarray
+    lean: float
+    heel: float
+    height: float
+    ceiling: float
+
+
+class StepPlanner:
+    """Plans steps of one robot. Holds constants only."""
+
+    def __init__(
+        self,
+        balance: Balance,
+        nominal_height: float,
+        limits: StepLimits,
+        rules: PostureRules | None = None,
+    ):
+        """Stands with the centre of mass ``nominal_height`` [m] above the soles."""
+        robot = balance.robot
+        self.legs = robot.legs
+        self.half_length = 0.5 * robot.file.sole.length
+        self._nominal_height = nominal_height
+        self._limits = limits
+        self._rules = rules or PostureRules()
+        knee = self.legs.knees[0]
+        upright = leg_length(self.legs, robot.stand_prep[knee])
+        self._nominal_leg = upright - balance.gains.com_drop
+        self._lever = float(robot.effort_limit[knee]) / balance.weight
+
+    @property
+    def nominal_knee(self) -> float:
+        """Flexion of the knees at the nominal height [rad]."""
+        return knee_for_length(self.legs, self._nominal_leg)
+
+    def height(self, action: StepAction) -> float:
+        """Of the centre of mass above the standing sole [m]."""
+        bent = leg_length(self.legs, action.knee_nominal)
+        return self._nominal_height + bent - self._nominal_leg
+
+    def plan(
+        self,
+        terms: WholeBodyTerms,
+        feet: tuple[FootPose, FootPose],
+        wanted: DesiredStep,
+    ) -> StepPlan | None:
+        """The least posture that a step can be taken with, if need be a shorter step.
+
+        A step to another height is not shortened, because the ground nearer by need
+        not be at that height; nor is its height, because there is no ground between.
+
+        Args:
+            terms: At the present state.
+            feet: Both soles, on the ground.
+            wanted: The step asked for.
+
+        Returns:
+            The plan; None for a step that is out of reach.
+        """
+        foot, rules = wanted.step.foot, self._rules
+        stance = feet[1 - foot]
+        limits = self._limits
+        meant = laid_out(wanted.step, stance, limits)
+        step = saturate(meant, stance, limits)
+        if abs(float(meant.p_WF[2] - stance.p_WF[2])) > limits.rise:
+            return None
+        level = abs(float(step.p_WF[2] - stance.p_WF[2])) < rules.level
+        shares = np.linspace(1.0, rules.smallest_share, 15) if level else (1.0,)
+        for knee_effort in rules.knee_efforts:
+            for share in shares:
+                nearer = step if share == 1.0 else self._shortened(step, stance, share)
+                for effort in (0.0, 0.25, 0.5, 0.75, 1.0):
+                    plan = self._posture(terms, feet, wanted, nearer, effort)
+                    lever = knee_effort * self._lever
+                    if self._affordable(plan, feet, lever):
+                        return plan
+        return None
+
+    def _posture(
+        self,
+        terms: WholeBodyTerms,
+        feet: tuple[FootPose, FootPose],
+        wanted: DesiredStep,
+        step: Footstep,
+        effort: float,
+    ) -> StepPlan:
+        """The plan with ``effort`` from 0, upright, to 1, all that the rules allow."""
+        rules, foot = self._rules, step.foot
+        stance, other = feet[1 - foot], feet[foot]
+        lean = effort * rules.lean
+        R_WS = rotation_z(stance.yaw)
+        side = np.sign(R_WS[:2, 1] @ (other.p_WF - stance.p_WF)[:2])
+        offset = np.array([effort * rules.ahead, wanted.action.sway_end_dist * side])
+        pitch = math.asin(min(max(-float(terms.R_WP[2, 0]), -1.0), 1.0))
+        behind = rules.lean_shift * (lean - pitch)
+        com = stance.p_WF[:2] + R_WS[:2, :2] @ offset
+        hips = hips_from_com(terms, self.legs) - behind * R_WS[:, 0]
+        needed = min(
+            float(stance.p_WF[2]) + self.height(wanted.action),
+            highest_com(self.legs, hips, com, [(foot, step.pose)]),
+        )
+        heel = self._heel(hips, com, foot, other, needed, wanted.action.toe_off)
+        leaving = on_toes(other, heel, self.half_length)
+        height = min(needed, highest_com(self.legs, hips, com, [(foot, leaving)]))
+        ceiling = highest_sole(self.legs, hips, height, foot)
+        return StepPlan(step, com, hips, lean, heel, height, ceiling)
+
+    def _heel(
+        self,
+        hips: np.ndarray,
+        com: np.ndarray,
+        foot: int,
+        flat: FootPose,
+        needed: float,
+        setting: ToeOff,
+    ) -> float:
+        """How far the leaving heel rises, so that the body need not sink [rad]."""
+        rules = self._rules
+        if setting is ToeOff.DISABLE:
+            return 0.0
+        least = rules.forced_heel if setting is ToeOff.FORCE_ENABLE else 0.0
+        for angle in np.linspace(0.0, rules.steepest_heel, 13):
+            pose = on_toes(flat, angle, self.half_length)
+            if highest_com(self.legs, hips, com, [(foot, pose)]) > needed - rules.drop:
+                break
+        return max(float(angle), least)
+
+    def _affordable(
+        self,
+        plan: StepPlan,
+        feet: tuple[FootPose, FootPose],
+        lever: float,
+    ) -> bool:
+        """Whether the standing knee can carry the height that the legs' reach leaves.
+
+        Both legs count: the one that leaves, and the same when it lands.
+        """
+        stance = 1 - plan.taken.foot
+        return plan.height >= lowest_com(
+            self.legs, plan.hips, plan.com, stance, feet[stance], lever
+        )
+
+    def _shortened(self, step: Footstep, stance: FootPose, share: float) -> Footstep:
+        """The step drawn nearer to the place beside the stance foot."""
+        R_WS = rotation_z(stance.yaw)
+        p_SF = R_WS.T @ (step.p_WF - stance.p_WF)
+        beside = min(abs(float(p_SF[1])), self._rules.easy_width)
+        beside = math.copysign(beside, p_SF[1])
+        p_SF = np.array([share * p_SF[0], beside + share * (p_SF[1] - beside), p_SF[2]])
+        nearer = replace(step, p_WF=stance.p_WF + R_WS @ p_SF)
+        return saturate(nearer, stance, self._limits)

@@ -1,0 +1,1 @@
+"""WALK: its phases, its plan, and the steps it takes next."""

@@ -1,0 +1,150 @@
+"""Timing of the walk and the DCM plan that follows from it.
+
+From feet on the ground and steps to come to a ``DcmPlan``. Pure functions; the
+phases of the walk themselves are in ``walk``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from atlas_drake.control.balance.dcm_plan import CopSegment, DcmPlan
+from atlas_drake.control.balance.support_polygon import SupportPolygon
+from atlas_drake.control.feet.footstep import FootPose, Footstep, outward
+from atlas_drake.control.rotations import rotation_z
+from atlas_drake.frozen import replace
+
+
+@dataclass(frozen=True)
+class GaitTiming:
+    """Durations of the phases that a step's own duration does not give."""
+
+    first_shift: float = 0.80
+    """Weight shift before the first lift-off [s]."""
+    transfer_share: float = 0.32
+    """Share of a step's duration in double support [-]."""
+    settle: float = 0.70
+    """Shift to the middle of the feet after the last step [s]."""
+    rest: float = 0.50
+    """Time at rest before STAND takes over [s]."""
+
+    def transfer(self, step: Footstep) -> float:
+        """Double support before this step's lift-off [s]."""
+        return self.transfer_share * step.duration
+
+    def swing(self, step: Footstep) -> float:
+        """Single support of this step [s]."""
+        return (1.0 - self.transfer_share) * step.duration
+
+
+COP_INWARD = 0.010
+"""The CoP's reference lies this far from the stance sole's middle to the inside [m]."""
+
+
+def stance_cop(pose: FootPose, foot: int) -> np.ndarray:
+    """Reference of the CoP while ``foot`` alone carries the robot, shape (2,)."""
+    inward = -outward(foot) * rotation_z(pose.yaw)[:2, 1]
+    return pose.p_WF[:2] + COP_INWARD * inward
+
+
+def plan_walk(
+    cop: np.ndarray,
+    first_phase: float,
+    feet: tuple[FootPose, FootPose],
+    steps: Sequence[Footstep],
+    swinging: bool,
+    timing: GaitTiming,
+    omega: float,
+) -> DcmPlan:
+    """The DCM plan from now through ``steps`` to rest.
+
+    Backward from that rest, so that it begins with the DCM where it ought to be.
+
+    Args:
+        cop: Where the CoP's reference is now [m], shape (2,).
+        first_phase: Time left in the present phase [s].
+        feet: Where the soles are on the ground.
+        steps: To come, the present one first; may be empty.
+        swinging: True in single support: the present phase is steps[0]'s swing.
+        timing: Of the phases.
+        omega: Natural frequency of the pendulum [1/s].
+    """
+    segments: list[CopSegment] = []
+    poses = list(feet)
+    for number, step in enumerate(steps):
+        stance = 1 - step.foot
+        target = stance_cop(poses[stance], stance)
+        first = number == 0
+        if not (first and swinging):
+            duration = first_phase if first else timing.transfer(step)
+            segments.append(CopSegment(duration, cop, target))
+        duration = first_phase if first and swinging else timing.swing(step)
+        start = cop if first and swinging else target
+        segments.append(CopSegment(duration, start, target))
+        cop = target
+        poses[step.foot] = step.pose
+    middle = 0.5 * (poses[0].p_WF[:2] + poses[1].p_WF[:2])
+    duration = timing.settle if steps else first_phase
+    segments.append(CopSegment(duration, cop, middle))
+    return DcmPlan(segments, omega)
+
+
+def landing_sensitivity(
+    cop: np.ndarray,
+    swing_time: float,
+    feet: tuple[FootPose, FootPose],
+    steps: Sequence[Footstep],
+    timing: GaitTiming,
+    omega: float,
+) -> float:
+    """∂ξ(touchdown)/∂(landing place) of the foot in the air, the same on both axes [-].
+
+    The steps after it stay where they are, so that the plan is linear in its landing
+    place, and any offset does.
+
+    Args:
+        cop: Where the CoP's reference is now [m], shape (2,).
+        swing_time: Time left in the swing [s].
+        feet: Where the soles are on the ground.
+        steps: To come, the one in the air first.
+        timing: Of the phases.
+        omega: Natural frequency of the pendulum [1/s].
+    """
+    first, *rest = steps
+    moved = replace(first, p_WF=first.p_WF + np.array([1.0, 0.0, 0.0]))
+
+    def dcm_at_touchdown(step: Footstep) -> float:
+        coming = (step, *rest)
+        plan = plan_walk(cop, swing_time, feet, coming, True, timing, omega)
+        return float(plan.evaluate(swing_time).dcm[0])
+
+    return dcm_at_touchdown(moved) - dcm_at_touchdown(first)
+
+
+def begun_at(plan: DcmPlan, dcm: np.ndarray, support: SupportPolygon) -> DcmPlan:
+    """The same plan, but for a first segment that begins with the DCM where it is.
+
+    To move to one side, a pendulum has to be pushed off from the other: the CoP goes
+    there first, and only then to where the plan's first segment ends. Without it, the
+    feedback would push off at once, and with a jolt.
+
+    Args:
+        plan: From ``plan_walk``, for a robot on both feet.
+        dcm: Where the DCM is now in W [m], shape (2,).
+        support: Where the CoP may lie.
+    """
+    first, *rest = plan.segments
+    half = 0.5 * first.duration
+
+    def through(turning: np.ndarray) -> DcmPlan:
+        there = CopSegment(half, first.start, turning)
+        back = CopSegment(half, turning, first.end)
+        return DcmPlan([there, back, *rest], plan.omega)
+
+    # The DCM at the beginning is linear in where the CoP turns, alike on both axes.
+    begin = through(first.start).evaluate(0.0).dcm
+    gain = through(first.start + 1.0).evaluate(0.0).dcm - begin
+    return through(support.clamp(first.start + (dcm - begin) / gain))

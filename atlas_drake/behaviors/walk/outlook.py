@@ -1,0 +1,176 @@
+"""What a walk makes of the steps that it knows: as they will be taken, and when.
+
+Pure functions of what the walk remembers. Which steps it knows is in ``walk_steps``;
+how they are taken, in ``walk``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from atlas_drake.behaviors.base import Event
+from atlas_drake.behaviors.footstep_event import out_of_reach, pace_changed
+from atlas_drake.behaviors.walk.gait import GaitTiming
+from atlas_drake.behaviors.walk.memory import Phase, WalkMemory
+from atlas_drake.behaviors.walk.steps import feet_to_come
+from atlas_drake.control.feet.footstep import (
+    FootPose,
+    Footstep,
+    StepLimits,
+    StepSlack,
+    cleared,
+    heading_error,
+    kept_brisk,
+    laid_out,
+    landing_error,
+    saturate,
+)
+from atlas_drake.frozen import replace
+from atlas_drake.messages import NUM_REQUIRED_WALK_STEPS
+
+LOOK_AHEAD = NUM_REQUIRED_WALK_STEPS
+"""Steps that enter the plan."""
+
+ROUNDING = 1e-9
+"""A step moved by no more is taken as it was sent [m], [rad]."""
+LEVEL = 0.02
+"""A step up or down by more leads to another level [m]."""
+EDGE = 0.02
+"""A step to another level may end so far from its place and still be on it [m]."""
+
+
+@dataclass(frozen=True)
+class Outlook:
+    """What the walk makes of the steps it knows.
+
+    Attributes:
+        wishes: The steps that the plan looks at as they were sent, heights in W; the
+            one in the air as it is taken, for balance may have moved it.
+        steps: The same as they will be taken; the one in the air comes first.
+        blocked: The step behind them, if it cannot be taken.
+        obstacle: Why it cannot.
+    """
+
+    wishes: tuple[Footstep, ...]
+    steps: tuple[Footstep, ...]
+    blocked: Footstep | None = None
+    obstacle: str = ""
+
+
+def look_ahead(memory: WalkMemory, limits: StepLimits, slack: StepSlack) -> Outlook:
+    """The steps to come, saturated one from the other.
+
+    The step in the air is taken as it is.
+    """
+    steps, wishes = [], []
+    poses, aims = feet_to_come(memory), list(memory.aimed)
+    if memory.swinging:
+        steps.append(memory.step)
+        wishes.append(memory.step)
+        aims[memory.step.foot] = memory.step.pose
+    loose = slack.loosen(limits)
+    firm = replace(limits, rise=loose.rise)
+    last_foot = memory.last_foot
+    for step in memory.known:
+        if len(steps) >= LOOK_AHEAD:
+            break
+        start, stance = poses[step.foot], poses[1 - step.foot]
+        wish = laid_out(step, stance, limits)
+        taken = saturate(wish, stance, firm)
+        pose = taken.pose
+        if max(landing_error(wish, pose), heading_error(wish, pose)) > ROUNDING:
+            # Where the stance foot landed shall not eat the limits: they may as well
+            # count from where it was aimed, and with some slack from where it is.
+            aim = at_height(aims[1 - step.foot], stance)
+            taken = saturate(saturate(wish, aim, firm), stance, loose)
+        obstacle = obstacle_to(wish, taken, stance, last_foot, loose)
+        if obstacle:
+            return Outlook(tuple(wishes), tuple(steps), step, obstacle)
+        taken = kept_brisk(cleared(taken, start, limits), start, stance, limits)
+        wishes.append(wish)
+        steps.append(taken)
+        poses[taken.foot] = aims[taken.foot] = taken.pose
+        last_foot = taken.foot
+    return Outlook(tuple(wishes), tuple(steps))
+
+
+def at_height(pose: FootPose, ground: FootPose) -> FootPose:
+    """The same pose at the height of another one."""
+    return FootPose(np.append(pose.p_WF[:2], ground.p_WF[2]), pose.R_WF)
+
+
+def obstacle_to(
+    wish: Footstep,
+    taken: Footstep,
+    stance: FootPose,
+    last_foot: int | None,
+    limits: StepLimits,
+) -> str:
+    """Why a step cannot be taken at all; empty if it can.
+
+    Args:
+        wish: The step as it was sent, its height in W.
+        taken: The same, saturated.
+        stance: The foot that it is taken from.
+        last_foot: The foot of the step before, if any.
+        limits: What a step can be from there.
+    """
+    if wish.foot == last_foot:
+        return "two steps in a row are for the same foot"
+    climb = float(wish.p_WF[2] - stance.p_WF[2])
+    if abs(climb) > limits.rise:
+        way = "up" if climb > 0.0 else "down"
+        return f"step {wish.index} leads {abs(climb):.2f} m {way}, which is too much"
+    # Nearer by, the ground need not be at that height.
+    if abs(climb) > LEVEL and landing_error(wish, taken.pose) > EDGE:
+        return f"step {wish.index} leads to another level and is out of reach"
+    return ""
+
+
+def warnings_about(
+    outlook: Outlook, told: frozenset[tuple[int, str]], time: float
+) -> tuple[Event, ...]:
+    """Tells of the steps that are not taken as they were sent, each for once.
+
+    Args:
+        outlook: What is to come.
+        told: The ``subject`` of each warning given before.
+        time: [s]
+    """
+    events: tuple[Event, ...] = ()
+    for wish, step in zip(outlook.wishes, outlook.steps, strict=True):
+        events += out_of_reach(time, wish, step) + pace_changed(time, wish, step)
+    blocked = outlook.blocked
+    if blocked is not None:
+        text = f"WALK will end before step {blocked.index}: {outlook.obstacle}"
+        data = {"index": blocked.index, "about": "obstacle"}
+        events += (Event(time, "warning", text, data),)
+    return tuple(event for event in events if subject(event) not in told)
+
+
+def subject(warning: Event) -> tuple[int, str]:
+    """The step that a warning is about, and what of it: place, pace or obstacle."""
+    return warning.data["index"], warning.data["about"]
+
+
+def time_to_touchdown(
+    memory: WalkMemory, coming: Sequence[Footstep], timing: GaitTiming
+) -> float:
+    """Until the foot in the air touches down, or else the next one [s].
+
+    0 when no step is to come, and where a foot is late.
+
+    Args:
+        memory: Of the walk.
+        coming: Steps that it will take.
+        timing: Of its phases.
+    """
+    left = max(memory.duration - memory.elapsed, 0.0)
+    if memory.swinging:
+        return left
+    if memory.phase is Phase.SETTLE or not coming:
+        return 0.0
+    return left + timing.swing(coming[0])

@@ -1,0 +1,50 @@
+"""Which steps a walk takes: those that a message asks for, or a demonstration's own.
+
+Pure functions of what the walk remembers; when steps are taken is in ``walk``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from atlas_drake.behaviors.step.queue import merge
+from atlas_drake.behaviors.walk.memory import WalkMemory
+from atlas_drake.control.feet.footstep import (
+    LEFT,
+    FootPose,
+    Footstep,
+)
+from atlas_drake.messages import AtlasBehaviorWalkParams
+from atlas_drake.planning.demo_steps import demo_steps
+
+
+def steps_asked_for(
+    pending: tuple[Footstep, ...],
+    params: AtlasBehaviorWalkParams,
+    feet: Sequence[FootPose],
+    first_open: int,
+    last_foot: int | None = None,
+) -> tuple[Footstep, ...]:
+    """Steps to come after a message.
+
+    Args:
+        pending: Steps known so far that have not begun.
+        params: Of the message.
+        feet: Where the soles are, one in the air where it will land.
+        first_open: Lowest index that has not begun.
+        last_foot: The foot that steps now or has stepped last, if any.
+    """
+    if params.use_demo_walk:
+        foot = LEFT if last_foot is None else 1 - last_foot
+        return demo_steps(feet, first_open, foot)
+    return merge(
+        pending, params.step_queue, first_open, params.use_relative_step_height
+    )
+
+
+def feet_to_come(memory: WalkMemory) -> list[FootPose]:
+    """Where the soles are, one in the air where it will land."""
+    feet = list(memory.feet)
+    if memory.swinging:
+        feet[memory.step.foot] = memory.step.pose
+    return feet

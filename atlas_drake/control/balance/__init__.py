@@ -1,0 +1,1 @@
+"""Balance: DCM, CoP, support polygon, weight shifts, step adjustment."""

@@ -1,0 +1,75 @@
+"""Desired accelerations of single tasks: the feedback laws below the QP.
+
+Pure functions from reference and measurement to an acceleration. Which tasks are
+active, and what they refer to, is the behaviours' business.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from atlas_drake.control.gains import PdGains
+from atlas_drake.control.rotations import rotation_error
+from atlas_drake.control.whole_body.model import GRAVITY, FootTerms, WholeBodyTerms
+
+LEAST_HEIGHT = 0.3
+"""A pendulum is taken to be at least this high, which keeps the frequency of a robot
+that lies on the ground finite [m]."""
+
+
+def pendulum_frequency(height: float) -> float:
+    """Natural frequency of the inverted pendulum √(g/z) [1/s].
+
+    Args:
+        height: z, of the centre of mass above what it stands on [m].
+    """
+    return math.sqrt(GRAVITY / max(height, LEAST_HEIGHT))
+
+
+def dcm(terms: WholeBodyTerms, omega: float) -> np.ndarray:
+    """Divergent component of motion ξ = c + ċ/ω, horizontal [m], shape (2,)."""
+    return terms.com[:2] + terms.com_velocity[:2] / omega
+
+
+def com_acceleration_for_cop(
+    com: np.ndarray, cop: np.ndarray, omega: float
+) -> np.ndarray:
+    """Horizontal acceleration of the pendulum on ``cop``: ω²(c - p) [m/s²]."""
+    return omega * omega * (com[:2] - cop)
+
+
+def feedback_cop(
+    dcm_error: np.ndarray, cop_reference: np.ndarray, gain: float
+) -> np.ndarray:
+    """CoP that drives the DCM's error to zero: p = p_ref + (1 + k)·(ξ - ξ_ref).
+
+    The error then shrinks at the rate k·ω.
+    """
+    return cop_reference + (1.0 + gain) * dcm_error
+
+
+def height_acceleration(
+    terms: WholeBodyTerms, height: float, height_rate: float, gains: PdGains
+) -> float:
+    """Vertical acceleration of the CoM towards ``height`` in W [m/s²]."""
+    return gains.kp * (height - terms.com[2]) + gains.kd * (
+        height_rate - terms.com_velocity[2]
+    )
+
+
+def orientation_acceleration(
+    R_WD: np.ndarray,
+    w_WD: np.ndarray,
+    R_WB: np.ndarray,
+    w_WB: np.ndarray,
+    gains: PdGains,
+) -> np.ndarray:
+    """Angular acceleration of B towards the orientation D in W [rad/s²]."""
+    return gains.kp * rotation_error(R_WD, R_WB) + gains.kd * (w_WD - w_WB)
+
+
+def stance_acceleration(foot: FootTerms, damping: float) -> np.ndarray:
+    """Spatial acceleration that brings a planted sole to rest, shape (6,)."""
+    return -damping * foot.V_WF

@@ -1,0 +1,120 @@
+"""Orientation from a gyroscope, kept upright by gravity.
+
+Unit quaternions [w, x, y, z], written out on floats as it runs every control tick.
+Where the robot is, and how fast, is ``leg_odometry``.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from atlas_drake.control.whole_body.model import GRAVITY
+
+
+def rotation_matrix(q_WB: np.ndarray) -> np.ndarray:
+    """The same orientation as a matrix.
+
+    Args:
+        q_WB: Unit quaternion, shape (4,).
+
+    Returns:
+        R_WB, shape (3, 3).
+    """
+    w, x, y, z = q_WB.tolist()
+    return np.array(
+        [
+            [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
+            [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
+            [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
+        ]
+    )
+
+
+def turned(q_WB: np.ndarray, turn_B: np.ndarray) -> np.ndarray:
+    """The orientation after a rotation about an axis fixed in B.
+
+    Exact for any angle: the exponential map of SO(3).
+
+    Args:
+        q_WB: Unit quaternion, shape (4,).
+        turn_B: Rotation vector in B [rad], shape (3,).
+
+    Returns:
+        Unit quaternion, shape (4,).
+    """
+    return _normalized(_product(q_WB.tolist(), _exponential(turn_B)))
+
+
+def turned_in_world(q_WB: np.ndarray, turn_W: np.ndarray) -> np.ndarray:
+    """The orientation after a rotation about an axis fixed in W; see ``turned``."""
+    return _normalized(_product(_exponential(turn_W), q_WB.tolist()))
+
+
+def turn_between(q_WA: np.ndarray, q_WB: np.ndarray) -> np.ndarray:
+    """The shortest rotation from A to B, the inverse of ``turned``.
+
+    Args:
+        q_WA: Unit quaternion, shape (4,).
+        q_WB: Likewise.
+
+    Returns:
+        Rotation vector in A, and as well in B [rad], shape (3,).
+    """
+    w, x, y, z = q_WA.tolist()
+    w, x, y, z = _product((w, -x, -y, -z), q_WB.tolist())
+    if w < 0.0:
+        w, x, y, z = -w, -x, -y, -z
+    sine = math.sqrt(x * x + y * y + z * z)
+    scale = 2.0 * math.atan2(sine, w) / sine if sine > 0.0 else 2.0
+    return np.array([scale * x, scale * y, scale * z])
+
+
+def upright_correction(force_W: np.ndarray, dt: float, settling: float) -> np.ndarray:
+    """A small rotation that brings the specific force nearer to the vertical.
+
+    A first-order filter that forgets an error of tilt within ``settling``. Heading is
+    left alone. All that it adds up to over any time is the robot's change of horizontal
+    velocity divided by ``settling`` and gravity, as the rest of the specific force is
+    gravity itself: walking at 0.5 m/s disturbs the tilt by no more than half a
+    milliradian at 100 s. No gate is needed that tells rest from motion.
+
+    Args:
+        force_W: Specific force, of a robot at rest 9.81 m/s² upwards, in W as the
+            present estimate of orientation has it [m/s²], shape (3,).
+        dt: How long it was that [s].
+        settling: Time constant [s].
+
+    Returns:
+        Rotation vector in W [rad], shape (3,).
+    """
+    x, y, _ = force_W.tolist()
+    gain = dt / (settling * GRAVITY)
+    return np.array([gain * y, -gain * x, 0.0])
+
+
+_Quaternion = tuple[float, float, float, float]
+
+
+def _product(a: list[float] | _Quaternion, b: list[float] | _Quaternion) -> _Quaternion:
+    aw, ax, ay, az = a
+    bw, bx, by, bz = b
+    return (
+        aw * bw - ax * bx - ay * by - az * bz,
+        aw * bx + ax * bw + ay * bz - az * by,
+        aw * by - ax * bz + ay * bw + az * bx,
+        aw * bz + ax * by - ay * bx + az * bw,
+    )
+
+
+def _exponential(turn: np.ndarray) -> _Quaternion:
+    x, y, z = turn.tolist()
+    angle = math.sqrt(x * x + y * y + z * z)
+    scale = math.sin(0.5 * angle) / angle if angle > 0.0 else 0.5
+    return math.cos(0.5 * angle), scale * x, scale * y, scale * z
+
+
+def _normalized(quaternion: _Quaternion) -> np.ndarray:
+    q = np.array(quaternion)
+    return q / math.sqrt(q @ q)

@@ -1,0 +1,1 @@
+"""Feet and legs: footsteps, swing, toe-off, reach."""

@@ -1,0 +1,176 @@
+"""Motion of a foot that is lifted straight up, moved across, and let straight down.
+
+The quasi-static counterpart of ``swing_foot``: planned once at lift-off, because its
+landing place does not move. Knows nothing of balance.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from atlas_drake.control.feet.footstep import FootPose
+from atlas_drake.control.feet.swing_foot import SwingReference, bump, quintic_progress
+from atlas_drake.control.rotations import rotation_about, rotation_vector
+
+PEAK_SPEED = 1.875
+"""Of a quintic from rest to rest, over distance per duration [-]."""
+TURN_RADIUS = 0.25
+"""Distance that a point of a turning foot is taken to move per angle [m/rad]."""
+
+
+@dataclass(frozen=True)
+class StepSwingProfile:
+    """How a step's swing looks, whatever the step."""
+
+    press_depth: float = 0.005
+    """Landing is aimed this far below the ground, so that it is not missed [m]."""
+    late_descent: float = 0.10
+    """Speed at which a foot that found no ground goes on down [m/s]."""
+    deepest: float = 0.06
+    """How far below the ground expected it looks for it [m]."""
+    shortest_part: float = 0.15
+    """Least duration of lifting, of moving and of lowering [s]."""
+
+
+@dataclass(frozen=True)
+class StepSwing:
+    """Path of a sole from lift-off to landing.
+
+    Attributes:
+        start: Pose at lift-off; the heel may be up.
+        flat: Orientation that it has once it is lifted.
+        goal: Pose on landing.
+        top: Height in W at which the foot moves across [m].
+        arc: How far it rises above that in between [m].
+        lift: Duration of lifting [s].
+        move: Duration of moving across [s].
+        lower: Duration of lowering [s].
+        profile: What is the same for all steps.
+    """
+
+    start: FootPose
+    flat: np.ndarray
+    goal: FootPose
+    top: float
+    arc: float
+    lift: float
+    move: float
+    lower: float
+    profile: StepSwingProfile
+
+    @property
+    def duration(self) -> float:
+        """From lift-off to the planned touchdown [s]."""
+        return self.lift + self.move + self.lower
+
+    def is_lowering(self, time: float) -> bool:
+        """Whether the foot is on its way down at ``time`` [s]."""
+        return time >= self.lift + self.move
+
+    def has_missed(self, time: float) -> bool:
+        """Whether the foot has looked for the ground as deep as it shall."""
+        return self._late(time) * self.profile.late_descent >= self.profile.deepest
+
+    def evaluate(self, time: float) -> SwingReference:
+        """The reference at ``time`` [s] since lift-off."""
+        start, goal = self.start, self.goal
+        z = np.array([0.0, 0.0, 1.0])
+        if time < self.lift:
+            p, v, a = _along(time, self.lift, (self.top - start.p_WF[2]) * z)
+            R, w = _turning(time, self.lift, start.R_WF, self.flat)
+            return SwingReference(start.p_WF + p, v, a, R, w)
+        if not self.is_lowering(time):
+            return self._across(time - self.lift)
+        over = np.array([goal.p_WF[0], goal.p_WF[1], self.top])
+        down = goal.p_WF[2] - self.profile.press_depth - self.top
+        late = self._late(time)
+        if late == 0.0:
+            p, v, a = _along(time - self.lift - self.move, self.lower, down * z)
+            return _straight(over + p, v, a, goal.R_WF)
+        depth = min(self.profile.late_descent * late, self.profile.deepest)
+        speed = 0.0 if self.has_missed(time) else self.profile.late_descent
+        return _straight(over + (down - depth) * z, -speed * z, 0.0 * z, goal.R_WF)
+
+    def _late(self, time: float) -> float:
+        return max(time - self.duration, 0.0)
+
+    def _across(self, time: float) -> SwingReference:
+        start, goal = self.start, self.goal
+        way = goal.p_WF - start.p_WF
+        way = np.array([way[0], way[1], 0.0])
+        p, v, a = _along(time, self.move, way)
+        rise, rate, acceleration = bump(time / self.move)
+        p[2] += self.top + self.arc * rise
+        v[2] += self.arc * rate / self.move
+        a[2] += self.arc * acceleration / self.move**2
+        p[:2] += start.p_WF[:2]
+        R, w = _turning(time, self.move, self.flat, goal.R_WF)
+        return SwingReference(p, v, a, R, w)
+
+
+def plan_step_swing(
+    start: FootPose,
+    home: FootPose,
+    goal: FootPose,
+    lift_height: float,
+    swing_height: float,
+    duration: float,
+    max_speed: float,
+    profile: StepSwingProfile,
+) -> StepSwing:
+    """Plans a swing that takes ``duration``, or longer if its speed is bounded.
+
+    Args:
+        start: Pose at lift-off.
+        home: Pose in which the foot stood flat before.
+        goal: Pose on landing.
+        lift_height: Lift above the higher of the two [m].
+        swing_height: Rise above that while moving across [m].
+        duration: Wanted from lift-off to touchdown [s].
+        max_speed: That the foot shall not exceed in any part [m/s].
+        profile: What is the same for all steps.
+    """
+    top = max(home.p_WF[2], goal.p_WF[2], start.p_WF[2] - lift_height) + lift_height
+    way = math.hypot(*(goal.p_WF - start.p_WF)[:2])
+    turn = rotation_vector(home.R_WF.T @ goal.R_WF)
+    across = math.hypot(way, TURN_RADIUS * math.sqrt(turn @ turn), 2.0 * swing_height)
+    distances = (
+        float(top - start.p_WF[2]),
+        across,
+        float(top - goal.p_WF[2]) + profile.press_depth,
+    )
+    parts = [
+        max(PEAK_SPEED * distance / max_speed, profile.shortest_part)
+        for distance in distances
+    ]
+    stretch = max(duration / sum(parts), 1.0)
+    lift, move, lower = (part * stretch for part in parts)
+    return StepSwing(
+        start, home.R_WF, goal, top, swing_height, lift, move, lower, profile
+    )
+
+
+def _along(
+    time: float, duration: float, way: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Distance gone of ``way``, velocity and acceleration, from rest to rest."""
+    s, ds, dds = quintic_progress(time / duration)
+    return s * way, ds / duration * way, dds / duration**2 * way
+
+
+def _turning(
+    time: float, duration: float, R_WA: np.ndarray, R_WB: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Orientation and angular velocity on the way from A to B, from rest to rest."""
+    turn = rotation_vector(R_WA.T @ R_WB)
+    share, rate, _ = quintic_progress(time / duration)
+    return R_WA @ rotation_about(share * turn), R_WA @ turn * (rate / duration)
+
+
+def _straight(
+    p: np.ndarray, v: np.ndarray, a: np.ndarray, R: np.ndarray
+) -> SwingReference:
+    return SwingReference(p_WF=p, v_WF=v, a_WF=a, R_WF=R, w_WF=np.zeros(3))

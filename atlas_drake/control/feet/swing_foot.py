@@ -1,0 +1,309 @@
+"""Motion of a swinging sole from lift-off to landing.
+
+Horizontal motion follows a quintic that is solved anew every tick from its own
+present reference, so that the landing place may move during the swing without a
+jump. Knows nothing of balance or of why the target moved.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from atlas_drake.control.feet.footstep import FootPose, Footstep
+from atlas_drake.control.rotations import (
+    cross,
+    rotation_with_normal,
+    rotation_y,
+    wrap_angle,
+)
+from atlas_drake.frozen import replace
+
+
+@dataclass(frozen=True)
+class SwingProfile:
+    """How a swing looks, whatever the step."""
+
+    landing_speed: float = 0.15
+    """Speed at which the sole meets the ground, and at which a foot that found none
+    goes on down [m/s]: the faster, the less an error of height matters in time."""
+    landing_time: float = 0.5
+    """Last part of a swing that leads up to that speed, at most [s]."""
+    toe_down: float = 1.6
+    """Pitch of the toes at the apex per metre of swing height [rad/m]; climbing does
+    without it, lest the toes catch the edge."""
+    climb_share: float = 0.5
+    """Share of the swing in which a difference in height is overcome: the first one
+    upwards, the last one downwards, which keeps the sole off the edge [-]."""
+    edge_share: float = 0.25
+    """Share of the swing at that end in which the foot keeps still horizontally, when
+    there is an edge between the ends [-]."""
+    edge_height: float = 0.04
+    """Difference in height from which on an edge is one in full [m]."""
+
+
+@dataclass(frozen=True)
+class Swing:
+    """Reference of the swinging sole, advanced by one tick at a time.
+
+    Attributes:
+        start: Pose at lift-off.
+        duration: Of the swing [s].
+        elapsed: Time since lift-off [s].
+        xy, xy_velocity, xy_acceleration: Horizontal reference in W, shape (2,).
+    """
+
+    start: FootPose
+    duration: float
+    elapsed: float
+    xy: np.ndarray
+    xy_velocity: np.ndarray
+    xy_acceleration: np.ndarray
+
+    @property
+    def remaining(self) -> float:
+        """Time to the planned touchdown [s]."""
+        return max(self.duration - self.elapsed, 0.0)
+
+    @property
+    def progress(self) -> float:
+        """Share of the swing that is over, 0 to 1."""
+        return min(self.elapsed / self.duration, 1.0)
+
+
+@dataclass(frozen=True)
+class SwingReference:
+    """Where the sole shall be now: position, velocity, acceleration in W.
+
+    Attributes:
+        p_WF, v_WF, a_WF: Of the sole's centre, shape (3,).
+        R_WF, w_WF, alpha_WF: Orientation, angular velocity, angular acceleration.
+    """
+
+    p_WF: np.ndarray
+    v_WF: np.ndarray
+    a_WF: np.ndarray
+    R_WF: np.ndarray
+    w_WF: np.ndarray
+    alpha_WF: np.ndarray = field(default_factory=lambda: np.zeros(3))
+
+
+def begin_swing(start: FootPose, duration: float) -> Swing:
+    """A swing that lifts off from ``start`` at rest."""
+    zero = np.zeros(2)
+    return Swing(start, duration, 0.0, start.p_WF[:2].copy(), zero, zero)
+
+
+def advance_swing(
+    swing: Swing, target: Footstep, profile: SwingProfile, dt: float
+) -> tuple[Swing, SwingReference]:
+    """Moves the swing on by ``dt`` [s] towards ``target``."""
+    elapsed = swing.elapsed + dt
+    begin, end = _horizontal_window(swing, target, profile)
+    if elapsed < begin:
+        xy, velocity, acceleration = swing.xy, np.zeros(2), np.zeros(2)
+    elif elapsed < end:
+        since = max(swing.elapsed, begin)
+        xy, velocity, acceleration = quintic_step(
+            swing.xy,
+            swing.xy_velocity,
+            swing.xy_acceleration,
+            target.p_WF[:2],
+            max(end - since, 2.0 * dt),
+            elapsed - since,
+        )
+    else:
+        xy, velocity, acceleration = swing.xy, np.zeros(2), np.zeros(2)
+    moved = replace(
+        swing,
+        elapsed=elapsed,
+        xy=xy,
+        xy_velocity=velocity,
+        xy_acceleration=acceleration,
+    )
+    return moved, _reference(moved, target, profile)
+
+
+def _horizontal_window(
+    swing: Swing, target: Footstep, profile: SwingProfile
+) -> tuple[float, float]:
+    """When the foot begins and ends to move horizontally, in time since lift-off [s].
+
+    Up an edge it rises first, down an edge it sinks last.
+    """
+    climb = float(target.p_WF[2] - swing.start.p_WF[2])
+    edge = min(abs(climb) / profile.edge_height, 1.0)
+    still = profile.edge_share * edge * swing.duration
+    if climb > 0.0:
+        return still, swing.duration
+    return 0.0, swing.duration - still
+
+
+def _reference(swing: Swing, target: Footstep, profile: SwingProfile) -> SwingReference:
+    z, vz, az = _height(swing, target, profile)
+    T = swing.duration
+    s, ds, dds = quintic_progress(swing.progress)
+    tipped, tip_rate, tip_push = bump(swing.progress)
+    toes = _toe_pitch(swing, target, profile)
+    R, turn = _sole_on_ground(swing.start, target, s)
+    w, tip = turn * (ds / T), toes * tip_rate / T
+    pitch_axis = R[:, 1]
+    return SwingReference(
+        p_WF=np.array([swing.xy[0], swing.xy[1], z]),
+        v_WF=np.array([swing.xy_velocity[0], swing.xy_velocity[1], vz]),
+        a_WF=np.array([swing.xy_acceleration[0], swing.xy_acceleration[1], az]),
+        R_WF=R @ rotation_y(toes * tipped),
+        w_WF=w + tip * pitch_axis,
+        # The turn's own axis hardly moves, which is left out.
+        alpha_WF=(
+            turn * (dds / T**2)
+            + (toes * tip_push / T**2) * pitch_axis
+            + tip * cross(w, pitch_axis)
+        ),
+    )
+
+
+def _sole_on_ground(
+    start: FootPose, target: Footstep, s: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Orientation between start and target, were the foot not lifted, and its rate.
+
+    Heading and normal go from one to the other with the progress ``s``, 0 to 1; the
+    rate is the angular velocity per unit of it, shape (3,).
+    """
+    start_yaw, start_normal = start.yaw, start.R_WF[:, 2]
+    turn = wrap_angle(target.yaw - start_yaw)
+    yaw = start_yaw + s * turn
+    difference = target.normal - start_normal
+    along = start_normal + s * difference
+    length = math.sqrt(along @ along)
+    normal = along / length
+    # The normal's rate, but for a part along itself that drops out further down.
+    tilting = difference / length
+    R = rotation_with_normal(yaw, normal)
+    # The turn about the normal follows from x staying above the heading: x goes along
+    # u = [cos, sin, slope], and only the part of u's rate along y turns it.
+    c, si = math.cos(yaw), math.sin(yaw)
+    n, t = normal.tolist(), tilting.tolist()
+    slope = -(c * n[0] + si * n[1]) / n[2]
+    slope_rate = (
+        turn * (si * n[0] - c * n[1]) - (c * t[0] + si * t[1]) - slope * t[2]
+    ) / n[2]
+    y = R[:, 1].tolist()
+    along_y = turn * (c * y[1] - si * y[0]) + slope_rate * y[2]
+    spin = along_y / math.sqrt(1.0 + slope * slope)
+    w = np.array(
+        [
+            n[1] * t[2] - n[2] * t[1] + spin * n[0],
+            n[2] * t[0] - n[0] * t[2] + spin * n[1],
+            n[0] * t[1] - n[1] * t[0] + spin * n[2],
+        ]
+    )
+    return R, w
+
+
+def _toe_pitch(swing: Swing, target: Footstep, profile: SwingProfile) -> float:
+    """Pitch of the toes at the apex [rad]; none for a climb as high as the swing."""
+    climb = max(float(target.p_WF[2] - swing.start.p_WF[2]), 0.0)
+    return profile.toe_down * max(target.swing_height - climb, 0.0)
+
+
+def _height(
+    swing: Swing, target: Footstep, profile: SwingProfile
+) -> tuple[float, float, float]:
+    """Height of the sole, its rate and acceleration: a bump, a ramp and a landing.
+
+    The ramp is the climb from the ground here to the ground there. Bump and ramp end
+    at rest; the landing makes the sole meet the ground at speed, and so on time.
+    """
+    T = swing.duration
+    z0 = float(swing.start.p_WF[2])
+    climb = float(target.p_WF[2]) - z0
+    if swing.elapsed >= T:
+        late, speed = swing.elapsed - T, profile.landing_speed
+        return z0 + climb - speed * late, -speed, 0.0
+    share = profile.climb_share
+    begin = 0.0 if climb > 0.0 else 1.0 - share
+    r, dr, ddr = quintic_progress(min(max((swing.progress - begin) / share, 0.0), 1.0))
+    b, db, ddb = bump(swing.progress)
+    above, rate, push = _landing(swing.elapsed, T, profile)
+    # Midway, where the bump is highest, the foot has climbed to the higher end.
+    midway, _, _ = _landing(0.5 * T, T, profile)
+    height = target.swing_height - 0.5 * abs(climb) - midway
+    return (
+        z0 + climb * r + height * b + above,
+        (climb * dr / share + height * db) / T + rate,
+        (climb * ddr / share**2 + height * ddb) / (T * T) + push,
+    )
+
+
+def _landing(
+    elapsed: float, T: float, profile: SwingProfile
+) -> tuple[float, float, float]:
+    """v·τ·u³(1-u) with its first and second derivative in time.
+
+    It ends at 0 with the landing speed downwards; u goes from 0 to 1 in the last τ of
+    the swing's T [s].
+    """
+    tau, speed = min(T, profile.landing_time), profile.landing_speed
+    u = max((elapsed - T) / tau + 1.0, 0.0)
+    return (
+        speed * tau * u**3 * (1.0 - u),
+        speed * u * u * (3.0 - 4.0 * u),
+        speed / tau * u * (6.0 - 12.0 * u),
+    )
+
+
+def bump(s: float) -> tuple[float, float, float]:
+    """64 s³(1-s)³ with its first and second derivative: 0 at both ends, 1 midway."""
+    r = 1.0 - s
+    p = s * r
+    return (
+        64.0 * p**3,
+        192.0 * p * p * (r - s),
+        384.0 * p * ((r - s) ** 2 - p),
+    )
+
+
+def quintic_progress(s: float) -> tuple[float, float, float]:
+    """10s³ - 15s⁴ + 6s⁵ with its first and second derivative."""
+    r = 1.0 - s
+    return (
+        s**3 * (10.0 - 15.0 * s + 6.0 * s * s),
+        30.0 * s * s * r * r,
+        60.0 * s * r * (r - s),
+    )
+
+
+def quintic_step(
+    p: np.ndarray,
+    v: np.ndarray,
+    a: np.ndarray,
+    goal: np.ndarray,
+    T: float,
+    dt: float,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """State after ``dt`` on the quintic from (p, v, a) to rest at ``goal`` in ``T``."""
+    # On floats: numpy's own arithmetic on vectors of two costs ten times as much.
+    after = []
+    for x, vx, ax, goal_x in zip(
+        p.tolist(), v.tolist(), a.tolist(), goal.tolist(), strict=True
+    ):
+        d = goal_x - x - vx * T - 0.5 * ax * T * T
+        e = -(vx + ax * T) * T
+        f = -0.5 * ax * T * T
+        c3 = (10.0 * d - 4.0 * e + f) / T**3
+        c4 = (-15.0 * d + 7.0 * e - 2.0 * f) / T**4
+        c5 = (6.0 * d - 3.0 * e + f) / T**5
+        t = dt
+        after.append(
+            (
+                x + t * (vx + t * (0.5 * ax + t * (c3 + t * (c4 + t * c5)))),
+                vx + t * (ax + t * (3.0 * c3 + t * (4.0 * c4 + t * 5.0 * c5))),
+                ax + t * (6.0 * c3 + t * (12.0 * c4 + t * 20.0 * c5)),
+            )
+        )
+    moved, speed, push = np.array(after).T
+    return moved, speed, push

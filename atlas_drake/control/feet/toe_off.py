@@ -1,0 +1,48 @@
+"""A foot that raises its heel: it stands on its toes, which stay where they are.
+
+Geometry of the sole and its motion. When a heel rises is the behaviour's business.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from atlas_drake.control.feet.footstep import FootPose
+from atlas_drake.control.feet.sole import sole_corners
+from atlas_drake.control.feet.swing_foot import SwingReference
+from atlas_drake.control.rotations import rotation_y
+from atlas_drake.control.whole_body.command import TOES
+
+
+def on_toes(flat: FootPose, angle: float, half_length: float) -> FootPose:
+    """The pose of a sole whose heel rose.
+
+    Args:
+        flat: Where it lay flat.
+        angle: Of the rise [rad].
+        half_length: Of the sole [m].
+    """
+    toes = flat.p_WF + half_length * flat.R_WF[:, 0]
+    R_WF = flat.R_WF @ rotation_y(angle)
+    return FootPose(toes - half_length * R_WF[:, 0], R_WF)
+
+
+def toe_off_reference(
+    flat: FootPose, angle: float, rate: float, acceleration: float, half_length: float
+) -> SwingReference:
+    """Motion of a sole about its toes, at an angle [rad] with its derivatives."""
+    pose = on_toes(flat, angle, half_length)
+    y, arm = flat.R_WF[:, 1], -half_length * pose.R_WF[:, 0]
+    return SwingReference(
+        p_WF=pose.p_WF,
+        v_WF=rate * np.cross(y, arm),
+        a_WF=acceleration * np.cross(y, arm) - rate * rate * arm,
+        R_WF=pose.R_WF,
+        w_WF=rate * y,
+    )
+
+
+def toe_corners(flat: FootPose, half_length: float, half_width: float) -> np.ndarray:
+    """Corners of the strip that carries a foot on its toes, in W [m], shape (4, 3)."""
+    middle = flat.p_WF + (half_length - 0.5 * TOES) * flat.R_WF[:, 0]
+    return sole_corners(middle, flat.R_WF, 0.5 * TOES, half_width)

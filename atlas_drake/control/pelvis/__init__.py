@@ -1,0 +1,1 @@
+"""Poses of the pelvis that the legs can reach, and motion between them."""

@@ -1,0 +1,200 @@
+"""Poses of pelvis and centre of mass relative to two feet on the ground.
+
+What the numbers mean, and how they move. Which poses are possible is in
+``pelvis_reach``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from atlas_drake.control.balance.support_polygon import SupportPolygon
+from atlas_drake.control.feet.footstep import FootPose
+from atlas_drake.control.pelvis.smooth_motion import Motion, MotionLimits, at_rest
+from atlas_drake.control.rotations import (
+    mean_yaw,
+    orientation,
+    tilt_of,
+    wrap_angle,
+    yaw_of,
+)
+from atlas_drake.control.whole_body.model import WholeBodyTerms
+
+
+class PelvisPose(NamedTuple):
+    """A pose relative to a stance.
+
+    Attributes:
+        height: Of the pelvis' origin above the mean of the soles [m].
+        yaw: Of the pelvis, from the feet's mean heading, to the left [rad].
+        pitch: Of the pelvis, forward and down [rad].
+        roll: Of the pelvis, to the right [rad].
+        com_v0: Centre of mass from the middle of the soles along the line from the
+            right to the left one [m].
+        com_v1: The same across that line, forward for feet side by side [m].
+    """
+
+    height: float
+    yaw: float = 0.0
+    pitch: float = 0.0
+    roll: float = 0.0
+    com_v0: float = 0.0
+    com_v1: float = 0.0
+
+
+@dataclass(frozen=True)
+class Stance:
+    """Both feet on the ground.
+
+    Attributes:
+        feet: Left and right sole.
+        support: Where the CoP may lie on them.
+        middle: Between the soles in W [m], shape (3,).
+        yaw: Their mean heading [rad].
+        along: Horizontal unit vector from the right to the left sole, shape (2,).
+        across: ``along`` turned to the right by a quarter, shape (2,).
+    """
+
+    feet: tuple[FootPose, FootPose]
+    support: SupportPolygon
+    middle: np.ndarray
+    yaw: float
+    along: np.ndarray
+    across: np.ndarray
+
+    def com(self, pose: PelvisPose) -> np.ndarray:
+        """Where ``pose`` has the centre of mass, horizontal in W [m], shape (2,)."""
+        offset = pose.com_v0 * self.along + pose.com_v1 * self.across
+        return self.middle[:2] + offset
+
+    def R_WP(self, pose: PelvisPose) -> np.ndarray:
+        """Orientation of the pelvis in ``pose``."""
+        return orientation(self.yaw + pose.yaw, np.array([pose.roll, pose.pitch]))
+
+    def measure(self, terms: WholeBodyTerms) -> PelvisPose:
+        """The pose that the robot is in."""
+        roll, pitch = tilt_of(terms.R_WP)
+        return self.pose_of(
+            terms.p_WP[2], yaw_of(terms.R_WP), pitch, roll, terms.com[:2]
+        )
+
+    def pose_of(
+        self, z: float, yaw: float, pitch: float, roll: float, com: np.ndarray
+    ) -> PelvisPose:
+        """The pose given by the pelvis' height and angles and the CoM in W."""
+        offset = com - self.middle[:2]
+        return PelvisPose(
+            height=float(z - self.middle[2]),
+            yaw=wrap_angle(yaw - self.yaw),
+            pitch=float(pitch),
+            roll=float(roll),
+            com_v0=float(offset @ self.along),
+            com_v1=float(offset @ self.across),
+        )
+
+
+def make_stance(left: FootPose, right: FootPose, support: SupportPolygon) -> Stance:
+    """The stance on two feet."""
+    between = left.p_WF[:2] - right.p_WF[:2]
+    along = between / np.hypot(*between)
+    return Stance(
+        feet=(left, right),
+        support=support,
+        middle=0.5 * (left.p_WF + right.p_WF),
+        yaw=mean_yaw(left.yaw, right.yaw),
+        along=along,
+        across=np.array([along[1], -along[0]]),
+    )
+
+
+@dataclass(frozen=True)
+class PelvisRates:
+    """How fast pelvis and centre of mass are moved."""
+
+    height: MotionLimits = field(
+        default_factory=lambda: MotionLimits(speed=0.12, acceleration=0.4)
+    )
+    """[m]"""
+    turn: MotionLimits = field(
+        default_factory=lambda: MotionLimits(speed=0.4, acceleration=1.2)
+    )
+    """[rad]"""
+    com: MotionLimits = field(
+        default_factory=lambda: MotionLimits(speed=0.08, acceleration=0.25)
+    )
+    """[m]"""
+
+
+@dataclass(frozen=True)
+class PelvisLead:
+    """How far the reference may be ahead of a robot that does not follow.
+
+    A user who holds the legs, or a push, keeps it from following. Far beyond the lag
+    of a free robot. The centre of mass has no such limit: a reference that gave way
+    to it would balance nothing.
+    """
+
+    height: float = 0.06
+    """[m]"""
+    turn: float = 0.25
+    """[rad]"""
+
+
+@dataclass(frozen=True)
+class PelvisMotion:
+    """The reference on its way, in W, so that it stays when a sole slips.
+
+    Attributes:
+        height: Of the pelvis' origin, shape (1,) [m].
+        turn: Yaw, pitch and roll of the pelvis, shape (3,) [rad].
+        com: Horizontal place of the centre of mass, shape (2,) [m].
+    """
+
+    height: Motion
+    turn: Motion
+    com: Motion
+
+    def towards(
+        self, goal: PelvisPose, stance: Stance, rates: PelvisRates, dt: float
+    ) -> PelvisMotion:
+        """Moved on to ``goal`` by ``dt`` [s]."""
+        yaw = self.turn.position[0]
+        ahead = wrap_angle(stance.yaw + goal.yaw - yaw)
+        turn = np.array([yaw + ahead, goal.pitch, goal.roll])
+        height = np.array([stance.middle[2] + goal.height])
+        return PelvisMotion(
+            height=self.height.towards(height, rates.height, dt),
+            turn=self.turn.towards(turn, rates.turn, dt),
+            com=self.com.towards(stance.com(goal), rates.com, dt),
+        )
+
+    def held_near(self, terms: WholeBodyTerms, lead: PelvisLead) -> PelvisMotion:
+        """No further from the robot than ``lead``."""
+        roll, pitch = tilt_of(terms.R_WP)
+        yaw = self.turn.position[0] + wrap_angle(
+            yaw_of(terms.R_WP) - self.turn.position[0]
+        )
+        return PelvisMotion(
+            height=_held_near(self.height, terms.p_WP[2:], lead.height),
+            turn=_held_near(self.turn, np.array([yaw, pitch, roll]), lead.turn),
+            com=self.com,
+        )
+
+    def pose(self, stance: Stance) -> PelvisPose:
+        """The reference relative to ``stance``."""
+        yaw, pitch, roll = self.turn.position
+        return stance.pose_of(
+            self.height.position[0], yaw, pitch, roll, self.com.position
+        )
+
+
+def _held_near(motion: Motion, measured: np.ndarray, lead: float) -> Motion:
+    """The motion; begun anew at the edge of what is allowed when it is beyond."""
+    ahead = motion.position - measured
+    if np.abs(ahead).max() <= lead:
+        return motion
+    held = measured + np.minimum(np.maximum(ahead, -lead), lead)
+    return at_rest(held)

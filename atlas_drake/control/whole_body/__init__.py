@@ -1,0 +1,1 @@
+"""The whole-body QP: model terms, command, tasks, solver."""

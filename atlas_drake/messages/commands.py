@@ -1,0 +1,332 @@
+"""What is in force: the merge of all commands accepted so far.
+
+Pure functions on frozen values. Each message is checked whole before anything of it
+is applied; a refused message leaves everything as it was but for the error code.
+"""
+
+import logging
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from atlas_drake.errors import ErrorCode, InvalidMessageError
+from atlas_drake.frozen import NOTHING, Frozen, replace
+from atlas_drake.messages import (
+    K_EFFORT_MAX,
+    AtlasCommand,
+    AtlasSimInterfaceCommand,
+    Behavior,
+    behavior_from,
+    validate_atlas_command,
+    validate_sim_interface_command,
+)
+from atlas_drake.messages.base import frozen, is_new
+from atlas_drake.messages.joint_command import JOINT_FIELDS, JointCommand
+from atlas_drake.messages.numeric import as_float
+from atlas_drake.messages.recent import append_recent, items_since
+from atlas_drake.robot import Robot
+
+_log = logging.getLogger(__name__)
+
+Command = AtlasCommand | AtlasSimInterfaceCommand
+
+
+@dataclass(frozen=True)
+class Received(Frozen):
+    """A message as it came, accepted or refused.
+
+    Attributes:
+        time: When [s].
+        message: A snapshot.
+    """
+
+    time: float
+    message: Any
+
+
+@dataclass(frozen=True)
+class BehaviorRequest(Frozen):
+    """The behaviour command in force.
+
+    Attributes:
+        behavior: Asked for.
+        command: The message, a snapshot.
+        number: Counts accepted messages, so that a repeated request is noticed.
+        time: When it was accepted [s].
+    """
+
+    behavior: Behavior
+    command: AtlasSimInterfaceCommand
+    number: int
+    time: float = 0.0
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """A message that was not applied.
+
+    Attributes:
+        time: At which it came [s].
+        error: Why.
+        port: The field of ``CommandsInForce`` that remembers the messages of its port.
+    """
+
+    time: float
+    error: InvalidMessageError
+    port: str
+
+    @property
+    def place(self) -> tuple[str, str]:
+        """Port and field at fault."""
+        return self.port, self.error.field
+
+    @property
+    def error_code(self) -> ErrorCode:
+        """What the robot reports."""
+        return self.error.error_code
+
+    @property
+    def text(self) -> str:
+        """For the user."""
+        return f"refused: {self.error}"
+
+
+@dataclass(frozen=True)
+class CommandsInForce(Frozen):
+    """Everything that commands have set.
+
+    Attributes:
+        joints: For the PID bank, and who has which joint.
+        requests: The latest for the behaviour controller, oldest first.
+        error_code: Of the last message; NO_ERRORS once one is accepted.
+        refusals: The latest refused messages, oldest first.
+        refused: How many there were in all.
+        messages: The latest messages, refused ones too, oldest first.
+        received: How many there were in all.
+        atlas_command: The joint command last taken from the port, for ``is_new``;
+            NOTHING at first.
+        sim_command: Likewise of behaviour commands.
+        atlas_stamp: Time stamp of the last accepted joint command [s].
+        sim_stamp: Time stamp of the last accepted behaviour command [s].
+    """
+
+    joints: JointCommand
+    requests: tuple[BehaviorRequest, ...]
+    error_code: ErrorCode = ErrorCode.NO_ERRORS
+    refusals: tuple[Refusal, ...] = ()
+    refused: int = 0
+    messages: tuple[Received, ...] = ()
+    received: int = 0
+    atlas_command: Any = NOTHING
+    sim_command: Any = NOTHING
+    atlas_stamp: float | None = None
+    sim_stamp: float | None = None
+
+    @property
+    def request(self) -> BehaviorRequest:
+        """The latest request."""
+        return self.requests[-1]
+
+    def messages_since(self, received: int) -> tuple[Received, ...]:
+        """Those that came after the first ``received``."""
+        return items_since(self.messages, self.received, received)
+
+    def refusals_since(self, refused: int) -> tuple[Refusal, ...]:
+        """Those that came after the first ``refused``."""
+        return items_since(self.refusals, self.refused, refused)
+
+    @property
+    def k_effort(self) -> np.ndarray:
+        """User's share per joint, 0 to 255, shape (n,)."""
+        return self.joints.k_effort
+
+
+SERVO_FIELDS = (
+    "position",
+    "velocity",
+    "effort",
+    "kp_position",
+    "ki_position",
+    "kp_velocity",
+    "k_effort",
+)
+"""Joint arrays that a behaviour command has too; the later message counts."""
+
+KEPT = 50
+"""How many messages, requests and refusals are kept; none younger than READ_WITHIN is
+dropped."""
+
+
+def commands_at_start(robot: Robot, behavior: Behavior) -> CommandsInForce:
+    """What is in force before any command.
+
+    The joints' set-points are the stand-prep pose with the robot's default gains.
+    In behaviour USER all joints are the user's, else the behaviour's.
+    """
+    zero = np.zeros(robot.num_joints)
+    user = behavior in (Behavior.USER, Behavior.NONE)
+    command = AtlasSimInterfaceCommand()
+    command.behavior = behavior
+    return CommandsInForce(
+        joints=JointCommand(
+            position=robot.stand_prep,
+            velocity=zero,
+            effort=zero,
+            kp_position=robot.default_kp,
+            ki_position=zero,
+            kd_position=robot.default_kd,
+            kp_velocity=zero,
+            i_effort_min=zero,
+            i_effort_max=zero,
+            k_effort=np.full(robot.num_joints, float(K_EFFORT_MAX if user else 0)),
+        ),
+        requests=(BehaviorRequest(behavior, command.snapshot(), number=0),),
+    )
+
+
+def latch(
+    force: CommandsInForce,
+    atlas_command: Any,
+    sim_command: Any,
+    robot: Robot,
+    time: float,
+) -> CommandsInForce:
+    """Takes in what the two command ports hold, where ``is_new`` says so.
+
+    When both are new the joint command is applied first, unless its stamp is later.
+
+    Args:
+        force: In force so far.
+        atlas_command: A message, a snapshot or not; NOTHING where there is none.
+        sim_command: Likewise.
+        robot: Whose joints the messages are about.
+        time: Now [s].
+    """
+    new = [
+        (port, frozen(value))
+        for port, value, seen in (
+            ("atlas_command", atlas_command, force.atlas_command),
+            ("sim_command", sim_command, force.sim_command),
+        )
+        if is_new(value, seen)
+    ]
+    if len(new) == 2 and _stamp(new[0][1]) > _stamp(new[1][1]):
+        new.reverse()
+    for port, value in new:
+        force = _take(force, port, value, robot, time)
+    return force
+
+
+def _stamp(message: object) -> float:
+    """When a message that is yet to be checked was sent [s]; 0 where it is silent."""
+    stamp = getattr(getattr(message, "header", None), "stamp", None)
+    return as_float(stamp) or 0.0
+
+
+def _take(
+    force: CommandsInForce, port: str, message: Any, robot: Robot, time: float
+) -> CommandsInForce:
+    """Applies the message of one port, whatever it is, or notes why not."""
+    seen = message
+    if any(message is request.command for request in force.requests):
+        # Behaviours tell requests apart by their objects.
+        message = message.mutable_copy().snapshot()
+    noted = replace(
+        force,
+        messages=append_recent(force.messages, Received(time, message), KEPT),
+        received=force.received + 1,
+        **{port: seen},
+    )
+    try:
+        return replace(
+            _APPLY[port](noted, message, robot, time), error_code=ErrorCode.NO_ERRORS
+        )
+    except InvalidMessageError as error:
+        refusal = Refusal(time, error.with_traceback(None), port)
+        return replace(
+            noted,
+            error_code=error.error_code,
+            refusals=append_recent(noted.refusals, refusal, KEPT),
+            refused=noted.refused + 1,
+        )
+
+
+def log_refusals(before: CommandsInForce, after: CommandsInForce) -> None:
+    """Warns of what was refused since ``before``, of a streamed fault once."""
+    heard = {refusal.place: refusal.time for refusal in before.refusals}
+    for refusal in after.refusals_since(before.refused):
+        last = heard.get(refusal.place, -math.inf)
+        if not 0.0 <= refusal.time - last < SAME_FAULT:
+            _log.warning("t = %.3f s: %s", refusal.time, refusal.text)
+        heard[refusal.place] = refusal.time
+
+
+SAME_FAULT = 1.0
+"""Time after which another refusal for the same field of a port is news [s]."""
+
+
+def _apply_atlas_command(
+    force: CommandsInForce, message: AtlasCommand, robot: Robot, time: float
+) -> CommandsInForce:
+    validate_atlas_command(message, robot.joint_names, force.atlas_stamp)
+    given = _given(message, JOINT_FIELDS, robot)
+    joints = replace(force.joints, **given)
+    crossed = np.flatnonzero(joints.i_effort_min > joints.i_effort_max)
+    if crossed.size:
+        # The message has one of the two; the other is in force from before.
+        field = "i_effort_min" if "i_effort_min" in given else "i_effort_max"
+        index = int(crossed[0])
+        lower, upper = joints.i_effort_min[index], joints.i_effort_max[index]
+        raise InvalidMessageError(
+            f"{field}[{index}]",
+            float(given[field][index]),
+            f"would put i_effort_min ({lower:g}) above i_effort_max ({upper:g}), one "
+            f"of them in force from before (joint {robot.joint_names[index]})",
+        )
+    return replace(force, joints=joints, atlas_stamp=message.header.stamp or time)
+
+
+def _apply_sim_command(
+    force: CommandsInForce,
+    message: AtlasSimInterfaceCommand,
+    robot: Robot,
+    time: float,
+) -> CommandsInForce:
+    validate_sim_interface_command(message, robot.joint_names, force.sim_stamp)
+    behavior = behavior_from(message.behavior)
+    request = BehaviorRequest(behavior, message, force.request.number + 1, time)
+    given = _given(message, SERVO_FIELDS, robot)
+    if behavior is Behavior.USER:
+        # USER returns every joint to the user at once, whatever the message says.
+        given["k_effort"] = np.full(robot.num_joints, float(K_EFFORT_MAX))
+    return replace(
+        force,
+        # The same object when nothing changes, so that nothing is prepared anew.
+        joints=replace(force.joints, **given) if given else force.joints,
+        requests=append_recent(force.requests, request, KEPT),
+        sim_stamp=message.header.stamp or time,
+    )
+
+
+_APPLY: dict[str, Callable[[CommandsInForce, Any, Robot, float], CommandsInForce]] = {
+    "atlas_command": _apply_atlas_command,
+    "sim_command": _apply_sim_command,
+}
+"""By the field that remembers the message."""
+
+
+def _given(
+    message: object, names: tuple[str, ...], robot: Robot
+) -> dict[str, np.ndarray]:
+    """Copies of a message's joint arrays that are not empty, as far as they count."""
+    given = {
+        name: np.array(getattr(message, name), dtype=float)
+        for name in names
+        if len(getattr(message, name))
+    }
+    if "kp_velocity" in given:
+        given["kp_velocity"] = np.minimum(given["kp_velocity"], robot.kp_velocity_limit)
+    return given

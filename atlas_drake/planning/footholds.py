@@ -1,0 +1,164 @@
+"""Footholds beside each other: where a foot goes from the one that stays.
+
+Plane geometry and the message that it becomes. Which way to go is planned in
+``footstep_planner`` and steered in ``teleop.walking``.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from atlas_drake.control.estimation.attitude import rotation_matrix
+from atlas_drake.control.feet.footstep import StepLimits, longest_duration, outward
+from atlas_drake.control.rotations import wrap_angle, yaw_of
+from atlas_drake.messages import AtlasBehaviorStepData, Pose
+
+HALF_WIDTH = 0.12
+"""Distance of each foot from the middle between both [m]."""
+BACKWARD_SHARE = 0.6
+"""Of the stride, when walking backward: the knees bend the other way."""
+SIDEWAYS_SHARE = 0.5
+"""Of the stride, for each pair of steps to the side."""
+
+_ROUNDING = 1e-9
+
+
+@dataclass(frozen=True)
+class Gait:
+    """How to walk.
+
+    Attributes:
+        stride: From one footprint to the next [m], at most 0.35.
+        turn: Of each step when turning [rad], at most 0.25.
+        duration: Of each step [s], at most 3.0; less with a stride that takes the feet
+            far apart, about 1.4 with the longest.
+        swing_height: [m]
+
+    Raises:
+        ValueError: If the robot cannot walk like that; it names field and value.
+    """
+
+    stride: float = 0.2
+    turn: float = 0.15
+    duration: float = 0.63
+    swing_height: float = 0.1
+
+    def __post_init__(self) -> None:
+        limits = StepLimits()
+        for name, low, high in (
+            # Turning takes the feet apart lengthways as well.
+            ("stride", 0.01, limits.forward - 2.0 * HALF_WIDTH * limits.toe_in - 0.01),
+            ("turn", 0.01, limits.toe_in),
+            ("swing_height", limits.min_swing_height, limits.max_swing_height),
+            ("duration", limits.min_duration, limits.max_duration),
+        ):
+            value = getattr(self, name)
+            if not low - _ROUNDING <= value <= high + _ROUNDING:
+                text = f"gait.{name} is {value!r}, and not between {low} and {high:.2f}"
+                raise ValueError(text)
+        longest = longest_duration(self._farthest_apart, limits)
+        if self.duration > longest + _ROUNDING:
+            text = f"gait.duration is {self.duration!r}, and not at most {longest:.2f}"
+            apart = f"a stride of {self.stride!r} takes feet up to"
+            raise ValueError(f"{text}: {apart} {self._farthest_apart:.2f} m apart")
+
+    @property
+    def _farthest_apart(self) -> float:
+        """Upper bound of the distance between the feet in any step [m].
+
+        That of a full stride that goes to the side and turns in at once.
+        """
+        aside = SIDEWAYS_SHARE * self.stride
+        turned = 2.0 * self.stride * aside * math.sin(0.5 * self.turn)
+        return math.sqrt(self.stride**2 + (2.0 * HALF_WIDTH + aside) ** 2 + turned)
+
+
+class Foothold(NamedTuple):
+    """A sole on the ground in W, or the middle between two [m], [rad]."""
+
+    x: float
+    y: float
+    yaw: float
+
+
+def foothold(pose: Pose) -> Foothold:
+    """Place and heading of a sole."""
+    yaw = yaw_of(rotation_matrix(pose.orientation.to_wxyz()))
+    return Foothold(pose.position.x, pose.position.y, wrap_angle(yaw))
+
+
+def middle_beside(sole: Foothold, foot: int) -> Foothold:
+    """The middle between both feet, were the other one beside this ``foot``."""
+    return moved(sole, 0.0, -outward(foot) * HALF_WIDTH, 0.0)
+
+
+def sole_beside(middle: Foothold, foot: int) -> Foothold:
+    """Where a foot stands when ``middle`` is between both."""
+    return moved(middle, 0.0, outward(foot) * HALF_WIDTH, 0.0)
+
+
+def moved(place: Foothold, ahead: float, left: float, turn: float) -> Foothold:
+    """A place moved ahead on its way round a turn, then to the new left.
+
+    Args:
+        place: Where it begins.
+        ahead: [m], along the heading half-way through the turn.
+        left: [m]
+        turn: To the left [rad].
+    """
+    yaw, half = place.yaw + turn, place.yaw + 0.5 * turn
+    return Foothold(
+        place.x + ahead * math.cos(half) - left * math.sin(yaw),
+        place.y + ahead * math.sin(half) + left * math.cos(yaw),
+        yaw,
+    )
+
+
+def way_to(place: Foothold, goal: Foothold, turn: float) -> tuple[float, float]:
+    """How far ahead and to the left ``moved`` leads to the place of ``goal`` [m].
+
+    Args:
+        place: Where it begins.
+        goal: Where it ends; its heading does not count.
+        turn: On the way, to the left [rad], less than a right angle.
+    """
+    half = place.yaw + 0.5 * turn
+    dx, dy = goal.x - place.x, goal.y - place.y
+    along = dx * math.cos(half) + dy * math.sin(half)
+    across = dy * math.cos(half) - dx * math.sin(half)
+    # The new left leans back by half the turn.
+    left = across / math.cos(0.5 * turn)
+    return along + left * math.sin(0.5 * turn), left
+
+
+def step_from(
+    stance: Foothold, foot: int, stride: float, shift: float, turn: float
+) -> Foothold:
+    """Where a foot goes beside the one that stays.
+
+    Args:
+        stance: The foot that stays.
+        foot: The one that steps.
+        stride: Ahead of the other one [m].
+        shift: To the left [m]; only the foot on that side takes it, the other one
+            then closes up.
+        turn: To the left [rad], of the middle between the feet, on the spot.
+    """
+    left = shift if shift * outward(foot) > 0.0 else 0.0
+    middle = moved(middle_beside(stance, 1 - foot), stride, left, turn)
+    return sole_beside(middle, foot)
+
+
+def step_data(
+    index: int, foot: int, place: Foothold, gait: Gait
+) -> AtlasBehaviorStepData:
+    """A step for a message, on the level of z = 0."""
+    step = AtlasBehaviorStepData()
+    step.step_index, step.foot_index = index, foot
+    step.duration, step.swing_height = gait.duration, gait.swing_height
+    step.pose.position.x, step.pose.position.y = place.x, place.y
+    step.pose.orientation.z = math.sin(0.5 * place.yaw)
+    step.pose.orientation.w = math.cos(0.5 * place.yaw)
+    return step

@@ -1,0 +1,311 @@
+"""Footsteps from wishes: some way ahead, a turn, an arc, or to a pose.
+
+Each function takes the robot's latest report and returns steps for
+``walk_params.step_queue``, from where the feet are to feet side by side, within the
+robot's limits. ``step_stream`` sends more of them than the queue holds. The ground is
+taken to be level; nothing in the way is seen.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import asdict
+
+from atlas_drake.control.feet.footstep import (
+    LEFT,
+    RIGHT,
+    StepLimits,
+    clip,
+    longest_duration,
+    outward,
+)
+from atlas_drake.control.rotations import mean_yaw, wrap_angle
+from atlas_drake.errors import shown
+from atlas_drake.messages import AtlasBehaviorStepData, AtlasSimInterfaceState
+from atlas_drake.planning.footholds import (
+    BACKWARD_SHARE,
+    HALF_WIDTH,
+    SIDEWAYS_SHARE,
+    Foothold,
+    Gait,
+    foothold,
+    middle_beside,
+    moved,
+    sole_beside,
+    step_data,
+    way_to,
+)
+
+FAR = 0.8
+"""To a pose farther away than this the robot turns and walks ahead; to a nearer one it
+goes as it stands, also backwards and sideways [m]."""
+CLOSING = 0.02
+"""A foot comes nearer to the other one than side by side by no more than this [m]."""
+FARTHEST = 1000.0
+"""Longest way of a plan, ahead or along each axis of the world [m]."""
+MOST_TURN = 1000.0
+"""Largest angle that is asked for [rad]."""
+WORLD = 1e6
+"""Feet are no farther than this from the world's origin [m]."""
+UNEVEN = 0.02
+"""Feet that differ in height by more do not stand on level ground [m]."""
+THERE, THERE_YAW = 1e-6, 1e-6
+"""A place that is reached but for rounding [m], [rad]."""
+ASTRIDE, ASTRIDE_YAW = 0.03, 0.05
+"""How exactly feet have to stand side by side already [m], [rad]."""
+
+
+def steps_ahead(
+    report: AtlasSimInterfaceState, distance: float, gait: Gait | None = None
+) -> list[AtlasBehaviorStepData]:
+    """Steps straight ahead.
+
+    Args:
+        report: The latest one, of a robot that stands.
+        distance: Of the middle between the feet [m]; negative is backwards.
+        gait: How to walk.
+
+    Returns:
+        Steps in order, counted from 1; none if there is nothing to do.
+
+    Raises:
+        ValueError: If ``distance`` is beyond FARTHEST or not a number, the report has
+            no place for a foot, or the feet are not on one level.
+    """
+    _check_range("distance", distance, FARTHEST)
+    return steps_along_arc(report, distance, 0.0, gait)
+
+
+def steps_turning(
+    report: AtlasSimInterfaceState, angle: float, gait: Gait | None = None
+) -> list[AtlasBehaviorStepData]:
+    """Steps that turn on the spot.
+
+    Args:
+        report: The latest one, of a robot that stands.
+        angle: By how much [rad], positive to the left.
+        gait: How to walk.
+
+    Returns:
+        Steps in order, counted from 1; none if there is nothing to do.
+
+    Raises:
+        ValueError: If ``angle`` is beyond MOST_TURN or not a number, the report has no
+            place for a foot, or the feet are not on one level.
+    """
+    return steps_along_arc(report, 0.0, angle, gait)
+
+
+def steps_along_arc(
+    report: AtlasSimInterfaceState,
+    length: float,
+    angle: float,
+    gait: Gait | None = None,
+) -> list[AtlasBehaviorStepData]:
+    """Steps along an arc of a circle.
+
+    Args:
+        report: The latest one, of a robot that stands.
+        length: Of the arc [m]; negative is backwards.
+        angle: By which it turns [rad], positive to the left.
+        gait: How to walk.
+
+    Returns:
+        Steps in order, counted from 1; none if there is nothing to do.
+
+    Raises:
+        ValueError: If ``length`` is beyond FARTHEST, ``angle`` beyond MOST_TURN or
+            either not a number, the report has no place for a foot, or the feet are
+            not on one level.
+    """
+    gait = gait or Gait()
+    _check_range("length", length, FARTHEST)
+    _check_range("angle", angle, MOST_TURN)
+    return _steps(report, _arc(_middle(report), length, angle, gait), gait)
+
+
+def steps_to(
+    report: AtlasSimInterfaceState,
+    x: float,
+    y: float,
+    yaw: float,
+    gait: Gait | None = None,
+) -> list[AtlasBehaviorStepData]:
+    """Steps to a pose in the world.
+
+    Args:
+        report: The latest one, of a robot that stands.
+        x: Where the middle between the feet shall be [m].
+        y: Likewise.
+        yaw: Where the robot shall look [rad].
+        gait: How to walk.
+
+    Returns:
+        Steps in order, counted from 1; none if the robot is there.
+
+    Raises:
+        ValueError: If ``x`` or ``y`` is farther than FARTHEST from the robot, ``yaw``
+            beyond MOST_TURN or either not a number, the report has no place for a
+            foot, or the feet are not on one level.
+    """
+    gait = gait or Gait()
+    here = _middle(report)
+    _check_range("x", x, FARTHEST, here.x)
+    _check_range("y", y, FARTHEST, here.y)
+    _check_range("yaw", yaw, MOST_TURN)
+    goal = Foothold(x, y, yaw)
+    dx, dy = x - here.x, y - here.y
+    distance = math.hypot(dx, dy)
+    if distance <= FAR:
+        return _steps(report, [goal], gait)
+    bearing = math.atan2(dy, dx)
+    way = _arc(here, 0.0, wrap_angle(bearing - here.yaw), gait)
+    way += _arc(way[-1], distance, 0.0, gait)
+    way += _arc(way[-1], 0.0, wrap_angle(yaw - bearing), gait)
+    return _steps(report, way, gait)
+
+
+def _arc(start: Foothold, length: float, angle: float, gait: Gait) -> list[Foothold]:
+    """Places on an arc, a step from each to the next; at least its end."""
+    stride = gait.stride if length >= 0.0 else BACKWARD_SHARE * gait.stride
+    count = max(_ceil(abs(length) / stride), _ceil(abs(angle) / gait.turn), 1)
+    turn = angle / count
+    # The chord of each part of the arc.
+    chord = length / count
+    if turn:
+        chord *= math.sin(0.5 * turn) / (0.5 * turn)
+    places = [start]
+    for _ in range(count):
+        places.append(moved(places[-1], chord, 0.0, turn))
+    return places[1:]
+
+
+def _steps(
+    report: AtlasSimInterfaceState, way: Sequence[Foothold], gait: Gait
+) -> list[AtlasBehaviorStepData]:
+    """Steps from one place to the next, the last two to the last place."""
+    feet, limits = _feet(report), StepLimits()
+    height = 0.5 * sum(pose.position.z for pose in report.foot_pos_est)
+    here = _middle(report)
+    if all(_is_there(here, place) for place in way) and _side_by_side(feet):
+        return []
+    foot = _first_foot(here, way)
+    steps: list[AtlasBehaviorStepData] = []
+    remaining = list(way)
+    at_end = False
+    while True:
+        stance = middle_beside(feet[1 - foot], 1 - foot)
+        middle = _next_middle(stance, remaining[0], foot, gait)
+        apart = math.dist(feet[0][:2], feet[1][:2])
+        feet[foot] = sole_beside(middle, foot)
+        step = step_data(len(steps) + 1, foot, feet[foot], gait)
+        step.pose.position.z = height
+        # Feet may be farther apart before the first step than the gait takes them.
+        step.duration = min(gait.duration, longest_duration(apart, limits))
+        steps.append(step)
+        reached = _is_there(middle, remaining[0])
+        if len(remaining) > 1:
+            if reached:
+                del remaining[0]
+        elif reached and at_end:
+            return steps
+        else:
+            at_end = reached
+        foot = 1 - foot
+
+
+def _next_middle(stance: Foothold, goal: Foothold, foot: int, gait: Gait) -> Foothold:
+    """The middle between the feet after a step towards ``goal``.
+
+    Args:
+        stance: The middle were ``foot`` beside the one that stays.
+        goal: Where the middle shall come to.
+        foot: The one that steps.
+        gait: How far and how much at once.
+    """
+    side = outward(foot)
+    turn = clip(wrap_angle(goal.yaw - stance.yaw), -gait.turn, gait.turn)
+    ahead, left = way_to(stance, goal, turn)
+    out = clip(side * left, -CLOSING, SIDEWAYS_SHARE * gait.stride)
+    farthest = min(gait.stride, _farthest_ahead(out, side * turn))
+    ahead = clip(ahead, -BACKWARD_SHARE * gait.stride, farthest)
+    return moved(stance, ahead, side * out, turn)
+
+
+def _farthest_ahead(out: float, turn: float) -> float:
+    """How far ahead of the stance foot the middle can come within the limits [m].
+
+    Only a foot that turns in comes near a limit: it gets ahead by its turn as well,
+    and nearer to the stance foot with every bit that it goes ahead. No ``Gait`` leads
+    to the other limits.
+
+    Args:
+        out: Way of the middle to the side of the stepping foot [m].
+        turn: Outward [rad], no more inward than ``StepLimits.toe_in``.
+    """
+    limits, width = StepLimits(), HALF_WIDTH + out
+    farthest = (limits.forward + width * math.sin(turn)) / math.cos(0.5 * turn)
+    if turn < -THERE_YAW:
+        room = HALF_WIDTH + width * math.cos(turn) - limits.min_width
+        farthest = min(farthest, room / math.sin(-0.5 * turn))
+    return farthest
+
+
+def _first_foot(here: Foothold, way: Sequence[Foothold]) -> int:
+    """The foot on the side to which the way leads."""
+    for place in way:
+        _, left = way_to(here, place, 0.0)
+        turn = wrap_angle(place.yaw - here.yaw)
+        for lean in (left, turn):
+            if abs(lean) > THERE:
+                return LEFT if lean > 0.0 else RIGHT
+    return LEFT
+
+
+def _feet(report: AtlasSimInterfaceState) -> list[Foothold]:
+    """Both soles, which stand on one level."""
+    for index, pose in enumerate(report.foot_pos_est):
+        for field in ("position", "orientation"):
+            for name, value in asdict(getattr(pose, field)).items():
+                _check_range(f"foot_pos_est[{index}].{field}.{name}", value, WORLD)
+    feet = [foothold(pose) for pose in report.foot_pos_est]
+    heights = [pose.position.z for pose in report.foot_pos_est]
+    if abs(heights[0] - heights[1]) > UNEVEN:
+        text = f"the feet are at {heights[0]:.3f} m and {heights[1]:.3f} m"
+        raise ValueError(f"{text}: footsteps are planned on level ground only")
+    return feet
+
+
+def _middle(report: AtlasSimInterfaceState) -> Foothold:
+    left, right = _feet(report)
+    x, y = 0.5 * (left.x + right.x), 0.5 * (left.y + right.y)
+    return Foothold(x, y, mean_yaw(left.yaw, right.yaw))
+
+
+def _side_by_side(feet: Sequence[Foothold]) -> bool:
+    beside = sole_beside(middle_beside(feet[LEFT], LEFT), RIGHT)
+    return (
+        math.dist(beside[:2], feet[RIGHT][:2]) <= ASTRIDE
+        and abs(wrap_angle(beside.yaw - feet[RIGHT].yaw)) <= ASTRIDE_YAW
+    )
+
+
+def _is_there(place: Foothold, goal: Foothold) -> bool:
+    return (
+        math.dist(place[:2], goal[:2]) <= THERE
+        and abs(wrap_angle(place.yaw - goal.yaw)) <= THERE_YAW
+    )
+
+
+def _check_range(name: str, number: float, size: float, about: float = 0.0) -> None:
+    # Compared, not computed with: a number may be too large for a float.
+    low, high = about - size, about + size
+    if not low <= number <= high:
+        text = f"{name} is {shown(number)}, and not between {low:g} and {high:g}"
+        raise ValueError(text)
+
+
+def _ceil(share: float) -> int:
+    """Steps for so many strides, but none for rounding."""
+    return math.ceil(share - 1e-9)

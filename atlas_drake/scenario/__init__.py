@@ -1,0 +1,8 @@
+"""Scenarios as data: what is simulated, from YAML or Python.
+
+Nothing here simulates.
+"""
+
+from atlas_drake.scenario.scenario import Jitter, Scenario, Start, load_scenario
+
+__all__ = ["Jitter", "Scenario", "Start", "load_scenario"]

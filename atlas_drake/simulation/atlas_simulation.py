@@ -1,0 +1,686 @@
+"""The front door for Python: one robot, one diagram, one simulator.
+
+A thin facade: it builds the diagram of a scenario, passes messages in, advances time
+and reads messages out. It holds no control law.
+"""
+
+from __future__ import annotations
+
+import copy
+import functools
+import itertools
+import math
+import time
+import weakref
+from array import array
+from collections.abc import Callable, MutableSequence, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from pydrake.geometry import Meshcat
+from pydrake.math import RigidTransform
+from pydrake.systems.analysis import Simulator
+from pydrake.systems.framework import Context
+
+from atlas_drake.behaviors.base import Event
+from atlas_drake.diagrams.atlas_station import StationConfig
+from atlas_drake.diagrams.control_mode_switch import make_control_mode_switch
+from atlas_drake.diagrams.standing import place_robot
+from atlas_drake.diagrams.station_reset import reset_station
+from atlas_drake.errors import (
+    AtlasError,
+    InvalidMessageError,
+    ScenarioError,
+    WaitTimeoutError,
+    did_you_mean,
+    shown,
+)
+from atlas_drake.frozen import replace
+from atlas_drake.messages import (
+    AtlasCommand,
+    AtlasSimInterfaceCommand,
+    AtlasSimInterfaceState,
+    AtlasState,
+    Behavior,
+    Imu,
+    check_command,
+)
+from atlas_drake.messages.checks import check_number
+from atlas_drake.messages.commands import Command
+from atlas_drake.messages.numeric import as_float
+from atlas_drake.robot import load_robot
+from atlas_drake.scenario import Scenario, Start
+from atlas_drake.scenario.kinds import check_kinds, make_plain
+from atlas_drake.scenario.noise import NOISE_MODELS
+from atlas_drake.scenario.scenario import starting_behavior
+from atlas_drake.simulation.drake_log import only_news
+from atlas_drake.simulation.pace import Pace
+from atlas_drake.simulation.pushes import Push, make_push
+from atlas_drake.simulation.run_log import RunLog
+from atlas_drake.simulation.start import Variation, draw_variation, scale_masses
+from atlas_drake.simulation.steady import steady_ticks
+from atlas_drake.simulation.summary import estimator_drift, make_summary
+from atlas_drake.simulation.turns import Turns
+from atlas_drake.simulation.tutorial import control_mode_switch_programme
+from atlas_drake.systems.command_interface import CommandInterface
+from atlas_drake.systems.command_scheduler import CommandScheduler
+from atlas_drake.visualization.overlays import Overlays
+from atlas_drake.visualization.viewer_gate import show_latest
+
+if TYPE_CHECKING:
+    from atlas_drake.logs.recorder import LogRecorder
+    from atlas_drake.visualization.video_display import Video, VideoDisplay
+
+CHUNK = 0.02
+"""Simulated time between looks at events, pushes and Ctrl-C [s]."""
+SHOWN_EVERY = 0.5
+"""At most this often a slow viewer is shown where an advance ended [s of wall time]."""
+CLEARANCE = 0.10
+"""How far above the ground the feet of a harnessed robot hang [m]."""
+
+
+class AtlasSimulation:
+    """A simulated Atlas with joint controllers and behaviours.
+
+    Attributes:
+        scenario: What is simulated.
+        robot: Its description: joint names, limits, masses.
+        diagram: The ``control_mode_switch``, with all systems.
+        station: The ``AtlasStation`` in it.
+        plant: The ``MultibodyPlant`` in that.
+        simulator: Drake's, which advances the diagram.
+
+    Example:
+        >>> sim = AtlasSimulation()
+        >>> command = AtlasSimInterfaceCommand()
+        >>> command.behavior = command.STAND
+        >>> sim.publish(command)
+        >>> sim.advance(2.0)
+        >>> sim.atlas_sim_interface_state.current_behavior
+    """
+
+    def __init__(
+        self,
+        scenario: Scenario | None = None,
+        *,
+        meshcat: Meshcat | None = None,
+        overlays: Overlays | None = None,
+        recorded: bool = False,
+        video: Video | None = None,
+        on_event: Callable[[Event], None] | None = None,
+        log: str | Path | None = None,
+    ):
+        """Builds the diagram and puts the robot on its feet.
+
+        Args:
+            scenario: What to simulate, as it is now: it is copied; None is a robot
+                that stands, commanded by nobody but the caller.
+            meshcat: Where to show it; None shows nothing.
+            overlays: What of the controller's thoughts is shown there.
+            recorded: Whether Meshcat is recording already; then every picture is kept
+                for the recording. Otherwise pictures are left out while a viewer is too
+                slow for them, and a recording that runs then is lost.
+            video: What to film it into, until ``close_video``; None films nothing.
+            on_event: Called with each event as it is noticed.
+            log: File that records the run, see ``atlas_drake.logs``: .mcap, .npz or
+                .parquet. ``close`` completes it, and so does the end of the program.
+
+        Raises:
+            TypeError: If the scenario is none.
+            ScenarioError: If the scenario has a value that cannot be used.
+            LogError: If the log cannot be written.
+            VideoError: If the video cannot be made.
+        """
+        if not isinstance(scenario, Scenario | None):
+            raise TypeError(
+                f"scenario must be a Scenario, is {shown(scenario)}; load_scenario "
+                "reads one from a file"
+            )
+        self.scenario = copy.deepcopy((scenario or Scenario()).validate())
+        self.robot = load_robot(self.scenario.model)
+        self._tick_seconds = array("d")
+        self._turns = Turns()
+        self._numbers = itertools.count(1)
+        self._recorder = None if log is None else self._start_log(Path(log))
+        log_event = None if self._recorder is None else self._recorder.event
+        self._log = RunLog(log_event, on_event)
+        self._meshcat = meshcat
+        self._pushes: list[Push] = []
+        self._wall_time = 0.0
+        self._shown = 0.0
+        try:
+            self._build(meshcat, overlays, recorded, video)
+        except BaseException:
+            if self._recorder is not None:
+                self._finalizer()
+            raise
+
+    def _build(
+        self,
+        meshcat: Meshcat | None,
+        overlays: Overlays | None,
+        recorded: bool,
+        video: Video | None,
+    ) -> None:
+        """Builds the diagram and begins."""
+        self._variation = variation = draw_variation(self.scenario, self.robot)
+        config = StationConfig(
+            physics_step=self.scenario.physics_step,
+            control_period=self.scenario.control_period,
+            ground_friction=variation.ground_friction,
+            terrain=tuple(self.scenario.terrain),
+            contact_approximation=self.scenario.contact_approximation,
+            noise=NOISE_MODELS[self.scenario.noise],
+            seed=self.scenario.seed,
+            initial_behavior=self.scenario.behavior(),
+            harnessed=self.scenario.start.harnessed,
+            estimated=self.scenario.state == "estimated",
+        )
+        programme = []
+        if self.scenario.programme != "none":
+            programme = control_mode_switch_programme(
+                self.robot, literal=self.scenario.programme == "tutorial_literal"
+            )
+        self.diagram = make_control_mode_switch(
+            self.robot,
+            programme,
+            config,
+            meshcat,
+            overlays,
+            recorded,
+            self._recorder,
+            video,
+        )
+        self._film: VideoDisplay | None = None
+        if self.diagram.HasSubsystemNamed("video"):
+            self._film = self.diagram.GetSubsystemByName("video")
+        self._faults: list[AtlasError] = []
+        self.station = self.diagram.GetSubsystemByName("station")
+        self.plant = self.station.GetSubsystemByName("plant")
+        self._scheduler = self.diagram.GetSubsystemByName("scheduler")
+        self._interface = self.station.GetSubsystemByName("command_interface")
+        self._controller = self.station.GetSubsystemByName("behavior_controller")
+        self._controller.tick_seconds = self._tick_seconds
+        with only_news():
+            self.simulator = Simulator(self.diagram)
+        scale_masses(self.plant, self._plant_context(), variation)
+        self._release_time: float | None = None
+        self._place(variation, self.scenario.start)
+        self.simulator.Initialize()
+        self._pace = Pace(self.simulator)
+
+    # ---- log -----------------------------------------------------------------
+
+    def _start_log(self, path: Path) -> LogRecorder:
+        # What logs need loads only where there is one.
+        from atlas_drake.logs.start import start_recorder
+
+        recorder = start_recorder(path, self.scenario, self.robot, self._tick_seconds)
+        # Whoever forgets to close still gets a file that can be read.
+        self._finalizer = weakref.finalize(self, recorder.close)
+        return recorder
+
+    def close(self) -> None:
+        """Completes the log, if there is one; the run may go on without it.
+
+        Raises:
+            LogError: If the log cannot be written, now or earlier in the run, which
+                went on and has a warning among its ``events``.
+        """
+        if self._recorder is not None:
+            with self._turns:
+                try:
+                    self._look()
+                finally:  # Who listens may raise anything.
+                    self._recorder.flush(
+                        self._recorder.GetMyContextFromRoot(self.context)
+                    )
+                    self._finalizer()
+
+    def __enter__(self) -> AtlasSimulation:
+        return self
+
+    def __exit__(self, *_error: object) -> None:
+        self.close()
+
+    # ---- commands ------------------------------------------------------------
+
+    def publish(self, message: AtlasCommand | AtlasSimInterfaceCommand) -> None:
+        """Sends a command; it takes effect at the next control update.
+
+        The message is copied: the caller may go on changing and sending it. Messages
+        of one instant are taken in the order in which they are sent, and a message
+        that is sent again counts again.
+
+        Any thread may call this. While another thread simulates, the message is checked
+        here, and taken in before that thread simulates another 20 ms. What contradicts
+        only what is in force then, such as a stamp before the last one, is not raised
+        but reported: by ``error_code``, and as an event.
+
+        Args:
+            message: What is commanded.
+
+        Raises:
+            InvalidMessageError: If the message cannot be applied. The robot then
+                reports the error's code, and what was in force stays in force.
+            TypeError: If it is no command.
+        """
+        if not isinstance(message, (AtlasCommand, AtlasSimInterfaceCommand)):
+            raise TypeError(
+                "publish takes an AtlasCommand or an AtlasSimInterfaceCommand, not "
+                f"{type(message).__name__}"
+            )
+        numbered = message.numbered(next(self._numbers))
+        if self._turns.leave(functools.partial(self._deliver, numbered)):
+            check_command(numbered, self.robot.joint_names)
+            return
+        with self._turns:
+            refused = self.output("commands").refused
+            self._deliver(numbered)
+            refusals = self.output("commands").refusals_since(refused)
+            if refusals:
+                self._look()
+        if refusals:
+            # A new one: what is raised collects a traceback.
+            raise InvalidMessageError(*refusals[-1].error.args)
+
+    def _deliver(self, message: Command) -> None:
+        """Puts a numbered message on its port, and takes it in."""
+        is_joint_command = isinstance(message, AtlasCommand)
+        name = "atlas_command" if is_joint_command else "atlas_sim_interface_command"
+        # It must not take the place of what the programme has just sent.
+        self._take_in(self._interface)
+        self.diagram.GetInputPort(f"other_{name}").FixValue(self.context, message)
+        self._take_in(self._scheduler)
+        self._take_in(self._interface)
+
+    def _take_in(self, system: CommandScheduler | CommandInterface) -> None:
+        system.take_in(system.GetMyMutableContextFromRoot(self.context))
+
+    def apply_push(
+        self, body: str, force_W: Sequence[float] | np.ndarray, duration: float
+    ) -> None:
+        """Pushes a body at its origin from now on.
+
+        Args:
+            body: Name of a link, such as ``utorso``.
+            force_W: Force in W [N], shape (3,).
+            duration: How long [s], positive.
+
+        Raises:
+            InvalidMessageError: If there is no such body or a value is no number.
+        """
+        with self._turns:
+            push = make_push(self.robot.body_names, body, force_W, duration, self.time)
+            self._pushes.append(push)
+            force = np.round(push.force_W, 1).tolist()
+            text = f"push of {force} N on {body} for {float(duration):g} s"
+            self._log.note(Event(self.time, "push", text))
+
+    # ---- time ----------------------------------------------------------------
+
+    def advance(self, seconds: float) -> None:
+        """Simulates for a while.
+
+        Args:
+            seconds: How long [s].
+
+        Raises:
+            InvalidMessageError: If ``seconds`` is no number, or negative.
+            SimulationError: As ``advance_to`` does.
+        """
+        self.advance_to(self.time + check_number(seconds, "seconds", 0.0))
+
+    def advance_to(self, t: float) -> None:
+        """Simulates until a time.
+
+        Args:
+            t: Simulated time [s].
+
+        Raises:
+            InvalidMessageError: If ``t`` is in the past, or no time.
+            SimulationError: If the physics could not be solved; what was recorded
+                until then is kept.
+        """
+        end = as_float(t)
+        if end is None or not math.isfinite(end) or end < self.time - 1e-9:
+            raise InvalidMessageError(
+                "t",
+                t,
+                f"cannot advance to {shown(t)} s: it must be a time not before now, "
+                f"{self.time:.3f} s",
+            )
+        begin = time.perf_counter()
+        try:
+            with steady_ticks():
+                while self.time < end - 1e-9:
+                    with self._turns:
+                        # Another thread may have had a turn meanwhile.
+                        if self.time < end - 1e-9:
+                            self._advance_chunk(end)
+        finally:
+            self._wall_time += time.perf_counter() - begin
+        if self._meshcat is not None:
+            self._show_end(time.perf_counter())
+
+    def _show_end(self, now: float) -> None:
+        """Shows a viewer that is too slow for all pictures where an advance ended.
+
+        Not more often than it can take: an advance that ends soon after another one
+        may stay unseen until the next picture that comes through.
+        """
+        if now - self._shown > SHOWN_EVERY:
+            self._shown = now
+            with self._turns:
+                show_latest(self.diagram, self.context)
+
+    def _advance_chunk(self, t: float) -> None:
+        """Simulates until the next look at the events, at most until ``t``."""
+        self._pace.forget_lost_time()
+        self._exert_pushes()
+        if self._release_time is not None and self._release_time <= self.time + 1e-9:
+            self.release()
+        stops = [t, self.time + CHUNK, *(push.end for push in self._pushes)]
+        if self._release_time is not None:
+            stops.append(self._release_time)
+        stop = min(stop for stop in stops if stop > self.time + 1e-9)
+        try:
+            self.simulator.AdvanceTo(stop)
+        except RuntimeError as error:
+            raise SimulationError(
+                f"the simulation stopped at {self.time:.3f} s: {error}"
+            ) from error
+        self._look()
+
+    def wait_until(
+        self,
+        condition: Callable[[AtlasSimulation], bool],
+        timeout: float = 10.0,
+        *,
+        what: str = "the condition",
+        period: float = CHUNK,
+    ) -> float:
+        """Simulates until a condition holds.
+
+        Example:
+            >>> sim.wait_until(lambda sim: sim.current_behavior is Behavior.STAND)
+
+        Args:
+            condition: Called with the simulation, now and after every ``period``.
+            timeout: How long to wait for it at most [s], in simulated time.
+            what: The condition in words, for the error.
+            period: Simulated time between two looks [s].
+
+        Returns:
+            How long it took [s], in simulated time.
+
+        Raises:
+            WaitTimeoutError: If the condition did not hold in that time.
+            InvalidMessageError: If ``timeout`` or ``period`` cannot be used.
+            SimulationError: If the physics could not be solved.
+        """
+        begin = self.time
+        end = begin + check_number(timeout, "timeout", 0.0)
+        check_number(period, "period", 0.0, strictly=True)
+        while not condition(self):
+            if self.time >= end - 1e-9:
+                raise WaitTimeoutError(
+                    f"{what} did not hold within {timeout:g} s of simulated time, from "
+                    f"{begin:.3f} s to {self.time:.3f} s"
+                )
+            self.advance_to(min(self.time + period, end))
+        return self.time - begin
+
+    def set_realtime_rate(self, rate: float) -> None:
+        """Keeps simulated time at a multiple of real time.
+
+        Only time during advances counts: after a pause between two of them, and where
+        the computer was too slow, the simulation does not hurry to catch up.
+
+        Args:
+            rate: The multiple; 0 is as fast as can be.
+
+        Raises:
+            InvalidMessageError: If ``rate`` is no number, or negative.
+        """
+        checked = check_number(rate, "rate", 0.0)
+        with self._turns:
+            self._pace.set_rate(checked)
+
+    def close_video(self) -> int:
+        """Finishes the video, of which nothing can be seen before.
+
+        What is simulated later is not filmed.
+
+        Returns:
+            How many pictures it has; 0 if nothing was filmed.
+
+        Raises:
+            VideoError: If the video cannot be written, now or earlier in the run.
+        """
+        with self._turns:
+            return 0 if self._film is None else self._film.close()
+
+    # ---- start ---------------------------------------------------------------
+
+    def reset(
+        self, behavior: Behavior | int | str | None = None, pose: Start | None = None
+    ) -> None:
+        """Puts the robot back on its feet, with nothing in force but ``behavior``.
+
+        Joint controllers and behaviours forget all they know, and pushes end. Time
+        goes on, and so does what is left of a programme.
+
+        Args:
+            behavior: STAND, STAND_PREP, USER or FREEZE; None is the scenario's.
+            pose: Where to; None is where the run began. A harness holds the robot if
+                the scenario has one and ``pose.harnessed`` says so.
+
+        Raises:
+            InvalidMessageError: If the robot cannot begin with that behaviour.
+            ScenarioError: If it cannot begin in that pose.
+        """
+        asked = self.scenario.initial_behavior if behavior is None else behavior
+        start = self.scenario.start if pose is None else pose
+        begin = starting_behavior(asked, "behavior")
+        check_kinds(start, Start, "pose")
+        make_plain(start).validate(begin)
+        if start.harnessed and not self.scenario.start.harnessed:
+            raise ScenarioError(
+                "start.harnessed", True, "needs a scenario that began in a harness"
+            )
+        moved = self._variation
+        if pose is not None:
+            moved = replace(
+                moved,
+                position=np.array(pose.position, dtype=float),
+                rpy=np.array([0.0, 0.0, pose.yaw]),
+            )
+        with self._turns:
+            self._pushes = []
+            self._exert(())
+            reset_station(self.station, self.context, begin)
+            self._place(moved, start)
+            self.simulator.Initialize()
+            self._look()
+
+    def release(self) -> None:
+        """Lets a harnessed robot down to the ground, and then go.
+
+        Raises:
+            ScenarioError: If the scenario has no harness.
+        """
+        if not self.scenario.start.harnessed:
+            raise ScenarioError(
+                "start.harnessed", False, "there is no harness to release"
+            )
+        harness = self.station.GetSubsystemByName("harness")
+        with self._turns:
+            harness.release(harness.GetMyMutableContextFromRoot(self.context))
+            self._release_time = None
+            self._log.note(Event(self.time, "harness", "harness lets the robot down"))
+
+    def _place(self, variation: Variation, start: Start) -> None:
+        """Puts the robot where it begins, and into the harness if there is one."""
+        clearance = CLEARANCE if start.harnessed else 0.0
+        self._release_time = None
+        plant, context = self.plant, self._plant_context()
+        place_robot(
+            plant,
+            context,
+            self.robot,
+            position=variation.position,
+            rpy=variation.rpy,
+            joints=variation.joints,
+            terrain=self.scenario.terrain,
+            clearance=clearance,
+        )
+        if not self.scenario.start.harnessed:
+            return
+        harness = self.station.GetSubsystemByName("harness")
+        own = harness.GetMyMutableContextFromRoot(self.context)
+        if start.harnessed:
+            X_WP = self.pelvis_pose
+            p_WP, R_WP = X_WP.translation(), X_WP.rotation().matrix()
+            harness.hold(own, p_WP, R_WP, clearance)
+            if start.release_time is not None:
+                self._release_time = self.time + start.release_time
+        else:
+            harness.let_go(own)
+
+    # ---- state ---------------------------------------------------------------
+
+    @property
+    def context(self) -> Context:
+        """The root context of the diagram; not for use while another thread simulates.
+
+        The rest here may be called by any thread. What reads an output or changes
+        anything waits until the one that simulates pauses, as it does every 20 ms of
+        simulated time; ``time``, ``events`` and the like say what was last noticed.
+        """
+        return self.simulator.get_mutable_context()
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+        return self.simulator.get_context().get_time()
+
+    @property
+    def atlas_state(self) -> AtlasState:
+        """The latest joint and sensor state."""
+        return self.output("atlas_state")
+
+    @property
+    def atlas_sim_interface_state(self) -> AtlasSimInterfaceState:
+        """The latest state of the behaviours."""
+        return self.output("atlas_sim_interface_state")
+
+    @property
+    def imu(self) -> Imu:
+        """The latest IMU measurement."""
+        return self.output("imu")
+
+    @property
+    def current_behavior(self) -> Behavior:
+        """The active behaviour."""
+        return self.output("controller_state").supervisor.current
+
+    @property
+    def has_fallen(self) -> bool:
+        """Whether the robot fell since the start or the last reset."""
+        return self._log.fallen()
+
+    @property
+    def events(self) -> list[Event]:
+        """What happened so far."""
+        return self._log.events
+
+    @property
+    def footsteps(self) -> list[dict[str, Any]]:
+        """Every footstep taken: what was commanded, and where the foot landed."""
+        return self._log.footsteps
+
+    @property
+    def pelvis_pose(self) -> RigidTransform:
+        """Pose of the pelvis in the world."""
+        pelvis = self.plant.GetBodyByName(self.robot.file.pelvis)
+        with self._turns:
+            return self.plant.EvalBodyPoseInWorld(self._plant_context(), pelvis)
+
+    @property
+    def tick_seconds(self) -> MutableSequence[float]:
+        """Wall-clock times of the controller's ticks [s]."""
+        return self._controller.tick_seconds
+
+    def output(self, name: str) -> Any:
+        """What an output port of the station says now.
+
+        Args:
+            name: Of the port, such as ``effort``: those of
+                ``atlas_drake.diagrams.atlas_station.make_atlas_station``, and ``sent``.
+
+        Returns:
+            A message or another frozen value, or an array, as the port has it.
+
+        Raises:
+            ValueError: If there is no such port.
+        """
+        if not (isinstance(name, str) and self.diagram.HasOutputPort(name)):
+            ports = range(self.diagram.num_output_ports())
+            known = [self.diagram.get_output_port(i).get_name() for i in ports]
+            raise ValueError(
+                f"there is no output port {name!r}.{did_you_mean(str(name), known)} "
+                f"Known are {', '.join(known)}"
+            )
+        with self._turns:
+            return self.diagram.GetOutputPort(name).Eval(self.context)
+
+    def summary(self) -> dict[str, Any]:
+        """What happened so far, as plain numbers and text ready for JSON."""
+        extremes = self.output("extremes")
+        summary = make_summary(self, self._wall_time, extremes)
+        if self.scenario.state == "estimated":
+            summary["estimator_drift"] = estimator_drift(
+                self.output("estimation_error"),
+                self.output("largest_estimation_error"),
+            )
+        return summary
+
+    # ---- inside --------------------------------------------------------------
+
+    def _plant_context(self) -> Context:
+        return self.plant.GetMyMutableContextFromRoot(self.context)
+
+    def _exert_pushes(self) -> None:
+        alive = [push for push in self._pushes if push.end > self.time + 1e-9]
+        if not alive and not self._pushes:
+            return
+        self._pushes = alive
+        self._exert(alive)
+
+    def _exert(self, pushes: Sequence[Push]) -> None:
+        """Puts forces on the plant's port."""
+        forces = [push.on(self.plant) for push in pushes]
+        self.diagram.GetInputPort("applied_spatial_force").FixValue(
+            self.context, forces
+        )
+
+    def _look(self) -> None:
+        """Takes in what happened since the last look."""
+        self._log.collect(
+            self._scheduler.programme,
+            self.output("sent"),
+            self.output("commands"),
+            self.output("controller_state").supervisor,
+        )
+        for system in (self._recorder, self._film):
+            fault: AtlasError | None = None if system is None else system.fault
+            if fault is not None and fault not in self._faults:
+                self._faults.append(fault)
+                text = f"{fault}; the run goes on without it"
+                self._log.note(Event(self.time, "warning", text))
+
+
+class SimulationError(AtlasError, RuntimeError):
+    """The physics could not be solved any further."""

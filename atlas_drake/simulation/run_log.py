@@ -1,0 +1,75 @@
+"""What happened in a run, read off the diagram's ports from time to time.
+
+It only listens. What a summary makes of it is in ``summary``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from atlas_drake.behaviors.base import Event
+from atlas_drake.behaviors.supervisor import SupervisorState
+from atlas_drake.frozen import replace
+from atlas_drake.messages.commands import CommandsInForce
+from atlas_drake.messages.recent import items_since
+from atlas_drake.systems.command_scheduler import ScheduledCommand
+
+
+class RunLog:
+    """The events of one run, in order of time within each look.
+
+    Attributes:
+        events: All of them.
+        footsteps: The data of those that are about a landed foot.
+    """
+
+    def __init__(self, *listeners: Callable[[Event], None] | None):
+        """Calls the listeners, as far as there are any, with each event."""
+        self.events: list[Event] = []
+        self.footsteps: list[dict[str, Any]] = []
+        self._listeners = [heard for heard in listeners if heard is not None]
+        self._seen_events = 0
+        self._seen_sent = 0
+        self._seen_refusals = 0
+
+    def collect(
+        self,
+        programme: tuple[ScheduledCommand, ...],
+        sent: int,
+        commands: CommandsInForce,
+        supervisor: SupervisorState,
+    ) -> None:
+        """Notes what was sent, refused and done since the last look."""
+        fresh = [
+            Event(entry.time, "command", entry.text)
+            for entry in programme[self._seen_sent : sent]
+        ]
+        self._seen_sent = sent
+        fresh.extend(
+            Event(refusal.time, "refusal", refusal.text)
+            for refusal in commands.refusals_since(self._seen_refusals)
+        )
+        self._seen_refusals = commands.refused
+        fresh.extend(
+            items_since(supervisor.events, supervisor.event_count, self._seen_events)
+        )
+        self._seen_events = supervisor.event_count
+        self.note(*sorted(fresh, key=lambda event: event.time))
+
+    def note(self, *events: Event) -> None:
+        """Adds events, and then tells the listeners: what one raises loses none."""
+        for event in events:
+            self.events.append(replace(event, time=round(event.time, 6)))
+            if event.kind == "footstep":
+                self.footsteps.append(event.data)
+        for heard in self._listeners:
+            for event in events:
+                heard(event)
+
+    def fallen(self) -> bool:
+        """Whether the robot fell since it was last reset."""
+        for event in reversed(self.events):
+            if event.kind in ("fall", "reset"):
+                return event.kind == "fall"
+        return False

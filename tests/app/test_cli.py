@@ -1,0 +1,578 @@
+"""The command line: what it prints, writes and returns."""
+
+import base64
+import json
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import webbrowser
+from functools import partialmethod
+from pathlib import Path
+
+import pytest
+from pydrake.geometry import Meshcat, MeshcatParams
+
+from atlas_drake import AtlasSimulation, LogError, ScenarioError, read_log
+from atlas_drake.app import run as run_command
+from atlas_drake.app.main import main
+from atlas_drake.app.run import AFTER_FALL, verdict
+from atlas_drake.app.viewer import start_meshcat
+from atlas_drake.logs import mcap_file
+from atlas_drake.simulation.tutorial import DURATION
+from atlas_drake.whole_file import whole_file, why_not_writable
+
+pytestmark = pytest.mark.usefixtures("restored_loggers")
+
+FALL = "initial_behavior: USER\nduration: 30.0\njitter: {joints: 0.6}\n"
+"""All joints in the user's hands, in a pose that does not stand: down within 1 s."""
+
+
+# ---- parsing -----------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--help"], ["demo", "run", "teleop", "diagram", "Begin with"]),
+        (
+            ["demo", "--help"],
+            ["--headless", "--realtime-rate", "--json", "exit status"],
+        ),
+        (["run", "--help"], ["SCENARIO.yaml", "--model", "--seed", "--record"]),
+        (["teleop", "--help"], ["SCENARIO.yaml", "--model", "--show", "cop", "Ctrl-C"]),
+        (["--version"], ["atlas-drake", "drake"]),
+    ],
+)
+def test_help_names_what_there_is(arguments, words, capsys):
+    with pytest.raises(SystemExit) as stop:
+        main(arguments)
+    assert stop.value.code == 0
+    out = capsys.readouterr().out
+    for word in words:
+        assert word in out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        ([], "COMMAND"),
+        (["dance"], "dance"),
+        (["run"], "SCENARIO.yaml"),
+        (["demo", "--realtime-rate", "-1"], "number from 0 up"),
+        (["demo", "--realtime-rate", "fast"], "number from 0 up"),
+        (["demo", "--port", "80"], "1024..65535"),
+        (["demo", "--seed", "x"], "--seed"),
+        (["demo", "--show", "com,aura"], "no overlay 'aura'"),
+        (["teleop", "--show", "aura"], "no overlay 'aura'"),
+        (["demo", "--video-size", "960"], "960x540"),
+        (["demo", "--video-size", "10x9000"], "64..4096"),
+    ],
+)
+def test_arguments_that_cannot_be_used_exit_with_2(arguments, complaint, capsys):
+    with pytest.raises(SystemExit) as stop:
+        main(arguments)
+    assert stop.value.code == 2
+    error = capsys.readouterr().err
+    assert complaint in error
+    assert "--show: --show" not in error
+
+
+def test_python_m_is_the_same_command():
+    command = [sys.executable, "-m", "atlas_drake", "--help"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0
+    assert "usage: atlas-drake" in done.stdout
+
+
+# ---- bad input ---------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("text", "field"),
+    [
+        ("durration: 1.0\n", "durration"),
+        ("duration: -1.0\n", "duration"),
+        ("physics_step: 0.003\n", "physics_step"),
+        ("initial_behavior: DANCE\n", "initial_behavior"),
+        ("model: spot\n", "model"),
+        ("jitter: {mass: -0.1}\n", "jitter.mass"),
+        ("duration: [\n", "file"),
+    ],
+)
+def test_a_bad_scenario_is_named_by_field(text, field, scenario, capsys):
+    assert main(["run", scenario(text), "--headless"]) == 2
+    assert field in capsys.readouterr().err
+
+
+def test_a_missing_scenario_is_bad_input(tmp_path, capsys):
+    assert main(["run", str(tmp_path / "none.yaml"), "--headless"]) == 2
+    assert "none.yaml" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("verb", ["run", "teleop", "plot", "replay"])
+def test_a_missing_file_is_missed_before_drake_is_loaded(verb):
+    code = (
+        "import sys; from atlas_drake.app.main import main; "
+        f"status = main([{verb!r}, 'none.npz']); "
+        "sys.exit(99 if 'pydrake' in sys.modules else status)"
+    )
+    command = [sys.executable, "-c", code]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert "none.npz: there is no such file" in done.stderr
+
+
+def test_an_unknown_model_is_answered_with_the_known_ones(capsys):
+    assert main(["demo", "--headless", "--model", "spot"]) == 2
+    error = capsys.readouterr().err
+    assert "spot" in error
+    assert "atlas, atlas_v3" in error
+
+
+def test_options_are_checked_like_the_file(capsys):
+    assert main(["demo", "--headless", "--physics-step", "0.01"]) == 2
+    assert "physics_step" in capsys.readouterr().err
+    assert main(["demo", "--headless", "--seed", "-1"]) == 2
+    assert "seed" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("option", ["--json", "--record", "--video"])
+def test_a_path_that_cannot_be_written_is_noticed_before_the_run(
+    option, scenario, tmp_path, capsys, monkeypatch
+):
+    monkeypatch.setattr(run_command, "AtlasSimulation", None)  # must not be reached
+    file = scenario()
+    missing = tmp_path / "missing" / "file"
+    assert main(["run", file, "--headless", option, str(missing)]) == 2
+    assert option in capsys.readouterr().err
+    assert main(["run", file, "--headless", option, str(tmp_path)]) == 2
+    assert "is a folder" in capsys.readouterr().err
+
+
+# ---- runs --------------------------------------------------------------------
+
+
+def test_a_run_that_stays_upright_succeeds(scenario, tmp_path, capsys, summary_keys):
+    file = tmp_path / "out.json"
+    arguments = ["--model", "atlas_v3", "--seed", "7", "--physics-step", "0.002"]
+    arguments += ["--headless", "--json", str(file)]
+    assert main(["run", scenario(), *arguments]) == 0
+    assert "Success: Atlas is upright after 0.1 s" in capsys.readouterr().out
+    summary = json.loads(file.read_text())
+    assert summary.keys() >= summary_keys
+    assert summary["success"] is True
+    assert summary["stopped"] is None
+    assert (summary["model"], summary["seed"]) == ("atlas_v3", 7)
+    assert summary["physics_step"] == 0.002
+    assert summary["sim_time"] == pytest.approx(0.1)
+    assert summary["controller_tick_ms"].keys() == {"median", "p99", "max"}
+    assert len(summary["peak_effort_fraction"]) == 28
+
+
+@pytest.mark.slow
+def test_a_fall_fails_and_ends_the_run(scenario, tmp_path, capsys):
+    file = tmp_path / "out.json"
+    assert main(["run", scenario(FALL), "--headless", "--json", str(file)]) == 1
+    assert "Failed: Atlas fell at" in capsys.readouterr().out
+    summary = json.loads(file.read_text())
+    assert summary["fell"] is True
+    assert summary["success"] is False
+    falls = [event["time"] for event in summary["events"] if event["kind"] == "fall"]
+    assert summary["sim_time"] == pytest.approx(falls[0] + AFTER_FALL, abs=0.2)
+
+
+def test_ctrl_c_stops_cleanly_and_keeps_what_was_recorded(
+    scenario, tmp_path, capsys, monkeypatch
+):
+    def interrupt(_self, _time, _behavior):
+        signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr(run_command.Progress, "update", interrupt)
+    before = signal.getsignal(signal.SIGINT)
+    file, page = tmp_path / "out.json", tmp_path / "out.html"
+    keep = ["--json", str(file), "--record", str(page)]
+    assert main(["run", scenario("duration: 60.0\n"), "--headless", *keep]) == 130
+    assert signal.getsignal(signal.SIGINT) is before
+    summary = json.loads(file.read_text())
+    assert summary["stopped"] == "interrupted"
+    assert summary["success"] is False
+    assert summary["sim_time"] == pytest.approx(run_command.PIECE)
+    text = page.read_text()
+    assert text.rstrip().endswith("</html>")
+    assert "Stopped at 0.1 s" in capsys.readouterr().out
+
+
+def test_a_run_with_view_ends_by_itself_when_nobody_sits_there(scenario, capsys):
+    assert main(["run", scenario(), "--realtime-rate", "0"]) == 0
+    assert re.search(r"Watch at http://localhost:\d+", capsys.readouterr().out)
+
+
+@pytest.mark.parametrize("options", [["--headless"], ["--realtime-rate", "0"]])
+def test_a_recording_has_the_motion_and_the_caption(
+    options, scenario, tmp_path, capsys
+):
+    page = tmp_path / "out.html"
+    assert main(["run", scenario(), "--record", str(page), *options]) == 0
+    assert str(page) in capsys.readouterr().out
+    blobs = re.findall(r"base64,([A-Za-z0-9+/=]+)", page.read_text())
+    messages = [base64.b64decode(blob) for blob in blobs]
+    (animation,) = [message for message in messages if b"set_animation" in message]
+    assert b"/visualizer/atlas/pelvis" in animation
+    # Shown from the very first picture on, which is hence part of the recording.
+    assert b"/caption/0" in animation
+    assert b".visible" in animation
+
+
+def test_instead_of_a_port_in_use_the_next_free_one_is_taken(scenario, capsys):
+    # Meshcat itself, as only it knows which of localhost's addresses it listens on.
+    taken = Meshcat(MeshcatParams(host="localhost"))
+    port = taken.port()
+    options = ["--port", str(port), "--realtime-rate", "0"]
+    assert main(["run", scenario(), *options]) == 0
+    out = capsys.readouterr().out
+    found = re.search(rf"Port {port} is in use; the 3D view is on (\d+)\.", out)
+    assert int(found[1]) > port
+    assert f"Watch at http://localhost:{found[1]}" in out
+
+
+def test_several_views_side_by_side_have_ports_of_their_own():
+    first = start_meshcat()
+    said = []
+    second = start_meshcat("localhost", first.port(), said.append)
+    third = start_meshcat()
+    assert len({first.port(), second.port(), third.port()}) == 3
+    assert [f"Port {first.port()} is in use" in line for line in said] == [True]
+
+
+def test_the_view_is_for_this_computer_only_unless_told_otherwise(scenario, capsys):
+    def listening(port):
+        """Addresses, as the kernel writes them: 127.0.0.1 is 0100007F."""
+        rows = [
+            line.split()
+            for file in ("/proc/net/tcp", "/proc/net/tcp6")
+            for line in Path(file).read_text().splitlines()[1:]
+        ]
+        ends = [row[1].rsplit(":", 1) for row in rows if row[3] == "0A"]
+        return {address for address, at in ends if int(at, 16) == port}
+
+    if not Path("/proc/net/tcp").is_file():
+        pytest.skip("only Linux lists its sockets in /proc")
+    said = []
+    local = start_meshcat(say=said.append)
+    assert listening(local.port()) <= {"0100007F", "0" * 24 + "01000000"}
+    assert listening(local.port())
+    assert start_meshcat("127.0.0.1", say=said.append)
+    assert said == []
+    for host in ("*", "0.0.0.0"):
+        everywhere = start_meshcat(host, say=said.append)
+        assert listening(everywhere.port()) & {"0" * 8, "0" * 32}
+        assert f"whoever reaches port {everywhere.port()}" in said.pop()
+
+
+@pytest.mark.parametrize("port", [70000, -1, 80, "x", 7000.5])
+def test_a_port_that_is_none_is_bad_input(port):
+    with pytest.raises(ScenarioError, match="--port: must be 1024 to 65535"):
+        start_meshcat(port=port)
+
+
+@pytest.mark.parametrize("host", ["a" * 70, "a..b"])
+def test_a_host_that_no_computer_can_have_is_bad_input(host):
+    with pytest.raises(ScenarioError, match="--host: cannot listen on"):
+        start_meshcat(host)
+
+
+def test_a_name_that_no_file_can_have_is_bad_input(scenario, tmp_path, capsys):
+    loop = tmp_path / "loop.json"
+    loop.symlink_to(loop)
+    long = str(tmp_path / f"{'a' * 300}.json")
+    for arguments in (
+        ["run", long],
+        ["run", scenario(), "--headless", "--json", long],
+        ["run", scenario(), "--headless", "--json", str(loop)],
+        ["run", scenario(), "--headless", "--log", long.replace("json", "mcap")],
+    ):
+        assert main(arguments) == 2
+        assert "atlas-drake: error: " in capsys.readouterr().err
+    with pytest.raises(LogError, match="File name too long"):
+        read_log(long.replace("json", "npz"))
+    for suffix in (".npz", ".mcap"):
+        link = tmp_path / f"loop{suffix}"
+        link.symlink_to(link)
+        with pytest.raises(LogError, match="symbolic links"):
+            AtlasSimulation(log=link)
+
+
+def test_a_file_may_have_the_longest_name(tmp_path):
+    path = tmp_path / f"{'a' * 250}.json"
+    assert why_not_writable(path) is None
+    with whole_file(path) as unfinished:
+        unfinished.touch()
+    assert [*tmp_path.iterdir()] == [path]
+
+
+def test_a_host_that_is_not_this_computer_is_bad_input(scenario, capsys):
+    # Addresses set aside for documentation belong to nobody.
+    assert main(["run", scenario(), "--host", "192.0.2.1"]) == 2
+    error = capsys.readouterr().err
+    assert "--host" in error
+    assert "192.0.2.1" in error
+
+
+@pytest.mark.parametrize(
+    ("options", "programme"), [([], "tutorial"), (["--literal"], "tutorial_literal")]
+)
+def test_the_demo_is_the_tutorial(options, programme, monkeypatch):
+    asked = []
+    monkeypatch.setattr(run_command, "run_scenario", lambda *run: asked.append(run))
+    main(["demo", "--headless", "--physics-step", "0.002", *options])
+    scenario, given = asked[0]
+    assert (scenario.programme, scenario.duration) == (programme, DURATION)
+    assert given.physics_step == 0.002
+
+
+@pytest.mark.slow
+def test_the_demo_does_the_whole_tutorial_also_as_published(tmp_path, capsys):
+    file = tmp_path / "out.json"
+    options = ["--literal", "--headless", "--physics-step", "0.002"]
+    status = main(["demo", *options, "--json", str(file)])
+    out = capsys.readouterr().out
+    summary = json.loads(file.read_text())
+    lines = [
+        "[USER] Going to stand prep position...",
+        "[USER] Warming up BDI stand...",
+        "[BDI] Standing...",
+        "[USER/BDI] Command neck and arms...",
+        "[USER/BDI] Walking...",
+        "[USER] Going to home position...",
+    ]
+    places = [out.index(line) for line in lines]
+    assert places == sorted(places)
+    assert summary["fell"] is False
+    changes = [e["text"] for e in summary["events"] if e["kind"] == "behavior"]
+    assert changes[-1] == "WALK -> STAND (by itself)"
+    assert [step["foot"] for step in summary["footsteps"]] == [0, 1, 0, 1]
+    assert all(step["error_m"] < 0.02 for step in summary["footsteps"])
+    assert summary["success"]
+    assert summary["max_pelvis_tilt_rad"] < 0.3
+    assert summary["min_pelvis_height"] > 0.7
+    assert max(summary["peak_effort_fraction"].values()) <= 1.0
+    assert status == 0
+
+
+@pytest.mark.parametrize(
+    ("options", "word"),
+    [
+        (["--log", "a.npz", "--json", "a.npz"], "--log"),
+        (["--record", "a.html", "--json", "./a.html"], "--record"),
+        (["--json", "scenario.yaml"], "the scenario that is read"),
+        (["--record", "a.txt"], "must end in .html"),
+    ],
+)
+def test_no_file_takes_the_place_of_another(
+    options, word, scenario, tmp_path, capsys, monkeypatch
+):
+    monkeypatch.setattr(run_command, "AtlasSimulation", None)  # must not be reached
+    monkeypatch.chdir(tmp_path)
+    text = Path(scenario()).read_text()
+    assert main(["run", "scenario.yaml", "--headless", *options]) == 2
+    assert word in capsys.readouterr().err
+    assert Path("scenario.yaml").read_text() == text
+
+
+def write_until_full(writer, write, row):
+    if row[0] > 0.05:
+        raise OSError(28, "No space left on device")
+    write(writer, row)
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no full disk here")
+@pytest.mark.parametrize("full", ["--json", "--video", "--log"])
+def test_a_full_disk_takes_nothing_else_with_it(
+    full, scenario, tmp_path, capsys, monkeypatch
+):
+    pytest.importorskip("av", reason='needs pip install "atlas-drake[video]"')
+    names = {"--json": "a.json", "--record": "a.html", "--video": "a.gif"}
+    files = {option: tmp_path / name for option, name in names.items()}
+    files["--log"] = tmp_path / "a.mcap"
+    options = ["--headless", "--physics-step", "0.002", "--video-size", "64x64"]
+    for option, file in files.items():
+        options += [option, str(file)]
+    lost = files.pop(full)
+    if full == "--log":  # It is open from the start, and finds no room later.
+        write = partialmethod(write_until_full, mcap_file.McapWriter.row)
+        monkeypatch.setattr(mcap_file.McapWriter, "row", write)
+    else:
+        lost.symlink_to("/dev/full")
+    assert main(["run", scenario(), *options]) == 3
+    out = capsys.readouterr().out
+    assert f"{lost} is lost: No space left on device" in out
+    assert "Success: Atlas is upright after 0.1 s" in out
+    assert all(file.stat().st_size > 1000 for file in files.values())
+    if full == "--log":  # Which is noticed, and told, while the run goes on.
+        told = f"{lost}: cannot be written: No space left on device; the run"
+        events = json.loads(files["--json"].read_text())["events"]
+        assert [told in e["text"] for e in events if e["kind"] == "warning"] == [True]
+
+
+@pytest.mark.parametrize("name", ["a.gif", "a.mp4"])
+def test_a_video_that_cannot_be_finished_is_deleted(name, tmp_path):
+    code = """
+import resource, sys
+import numpy as np
+from pathlib import Path
+from atlas_drake.visualization.video_file import VideoError, VideoFile
+resource.setrlimit(resource.RLIMIT_FSIZE, (3000, 3000))
+file = VideoFile(Path(sys.argv[1]), 25, 64, 48)
+noise = np.random.default_rng(1)
+try:
+    for _ in range(100):
+        file.add(noise.integers(0, 255, (48, 64, 3), dtype=np.uint8))
+    file.close()
+except VideoError as error:
+    assert not file.is_open
+    file.close()
+    sys.exit(str(error))
+"""
+    pytest.importorskip("av", reason='needs pip install "atlas-drake[video]"')
+    command = [sys.executable, "-c", code, str(tmp_path / name)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.stderr.endswith(f"{name}: cannot be written: File too large\n")
+    assert [*tmp_path.iterdir()] == []
+
+
+def test_a_second_ctrl_c_cuts_off_nothing_that_is_written(
+    scenario, tmp_path, capfd, monkeypatch
+):
+    def interrupt(*_arguments):
+        signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr(run_command.Progress, "update", interrupt)
+    close = run_command.AtlasSimulation.close
+    monkeypatch.setattr(
+        run_command.AtlasSimulation, "close", lambda sim: (interrupt(), close(sim))
+    )
+    file, log = tmp_path / "out.json", tmp_path / "out.npz"
+    keep = ["--json", str(file), "--log", str(log)]
+    assert main(["run", scenario("duration: 60.0\n"), "--headless", *keep]) == 130
+    assert json.loads(file.read_text())["stopped"] == "interrupted"
+    assert log.is_file()
+    assert "Still writing" in capfd.readouterr().err
+
+
+# ---- verdicts ----------------------------------------------------------------
+
+
+def outcome(**changes):
+    summary = {
+        "success": True,
+        "fell": False,
+        "stopped": None,
+        "sim_time": 17.0,
+        "real_time_factor": 1.5,
+        "footsteps": [{"error_m": 0.004}],
+        "events": [],
+    }
+    return summary | changes
+
+
+def test_verdicts_tell_apart_what_can_happen():
+    assert verdict(outcome()).startswith("Success: Atlas is upright after 17.0 s, 1 st")
+    fall = [{"time": 3.2, "kind": "fall", "text": "falling in WALK"}]
+    fell = verdict(outcome(success=False, fell=True, events=fall))
+    assert "fell at 3.2 s: falling in WALK" in fell
+    refusal = [{"time": 1.0, "kind": "refusal", "text": "no such thing"}]
+    refused = verdict(outcome(success=False, events=refusal))
+    assert "did not obey: no such thing" in refused
+    left = [{"time": 1.0, "kind": "steps left", "text": "WALK ends without step 2"}]
+    assert "ends without step 2" in verdict(outcome(success=False, events=left))
+    assert "did not end upright" in verdict(outcome(success=False))
+    assert "diverged" in verdict(outcome(success=False, stopped="diverged"))
+
+
+# ---- teleoperation -----------------------------------------------------------
+
+
+def test_teleop_says_the_keys_and_ends_in_good_order(capsys):
+    assert main(["teleop", "--duration", "0.2", "--show", "all"]) == 0
+    out = capsys.readouterr().out
+    assert "http://" in out
+    assert "u  i  o" in out
+    assert "Stopped at 0.2 s" in out
+
+
+def test_ctrl_c_ends_teleop_cleanly():
+    command = [sys.executable, "-m", "atlas_drake", "teleop"]
+    process = subprocess.Popen(
+        command,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    for line in process.stdout:
+        if "0 deg" in line or "bodies are" in line:
+            break
+    process.send_signal(signal.SIGINT)
+    out, errors = process.communicate(timeout=60)
+    assert process.returncode == 0, errors
+    assert "Stopped at" in out
+    assert "Traceback" not in errors
+
+
+# ---- the diagram's picture ---------------------------------------------------
+
+
+def test_the_diagram_is_drawn_as_it_is_wired(tmp_path, capsys):
+    file = tmp_path / "diagram.dot"
+    assert main(["diagram", str(file)]) == 0
+    source = file.read_text()
+    for edge in (
+        "scheduler -> command_interface",
+        "behavior_controller -> effort_selector",
+        "effort_selector -> plant",
+        "plant -> robot_sensors",
+    ):
+        assert edge in source
+    assert str(file) in capsys.readouterr().out
+
+
+@pytest.mark.skipif(shutil.which("dot") is None, reason="Graphviz is not installed")
+def test_the_diagram_becomes_a_picture(tmp_path):
+    file = tmp_path / "diagram.svg"
+    assert main(["diagram", str(file), "--no-open"]) == 0
+    assert "behavior_controller" in file.read_text()
+
+
+@pytest.mark.skipif(shutil.which("dot") is None, reason="Graphviz is not installed")
+def test_the_picture_opens_where_there_is_a_desktop(tmp_path, monkeypatch):
+    opened = []
+    monkeypatch.setattr(webbrowser, "open", lambda address: not opened.append(address))
+    monkeypatch.setattr(sys, "platform", "linux")
+    monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    monkeypatch.delenv("DISPLAY", raising=False)
+    file = tmp_path / "diagram.svg"
+    assert main(["diagram", str(file)]) == 0
+    assert opened == []
+    monkeypatch.setenv("DISPLAY", ":0")
+    assert main(["diagram", str(file), "--no-open"]) == 0
+    assert opened == []
+    assert main(["diagram", str(file)]) == 0
+    assert opened == [file.as_uri()]
+
+
+def test_a_picture_without_graphviz_is_refused(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(shutil, "which", lambda _name: None)
+    assert main(["diagram", str(tmp_path / "diagram.png")]) == 2
+    assert [*tmp_path.iterdir()] == []
+    error = capsys.readouterr().err
+    assert "install graphviz" in error
+    assert f"ask for {tmp_path / 'diagram.dot'}" in error
+
+
+def test_a_picture_of_unknown_kind_is_bad_input(tmp_path, capsys):
+    assert main(["diagram", str(tmp_path / "diagram.gif")]) == 2
+    assert ".svg" in capsys.readouterr().err
+    assert main(["diagram", str(tmp_path / "missing" / "diagram.dot")]) == 2
+    assert "cannot be written" in capsys.readouterr().err

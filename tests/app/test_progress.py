@@ -1,0 +1,64 @@
+"""What a run prints while it goes on, on terminals and into logs."""
+
+import io
+
+from atlas_drake.app import progress
+from atlas_drake.app.progress import Progress, event_line
+from atlas_drake.behaviors.base import Event
+
+
+class Terminal(io.StringIO):
+    """A stream that says it is a terminal."""
+
+    def isatty(self):
+        return True
+
+
+def test_events_are_lines_with_their_time():
+    command = Event(2.0, "command", "[USER] Going to stand prep position...")
+    assert event_line(command) == "   2.00 s [USER] Going to stand prep position..."
+    fall = Event(12.3, "fall", "falling in WALK")
+    assert event_line(fall) == "  12.30 s   ! falling in WALK"
+    data = {"foot": 1, "error_m": 0.0023}
+    step = Event(10.0, "footstep", "step 2 landed", data)
+    assert event_line(step) == "  10.00 s   step 2 landed (right, 2 mm off)"
+
+
+def test_a_terminal_has_one_line_that_is_rewritten():
+    stream = Terminal()
+    shown = Progress(stream, end=17.0)
+    shown.update(1.0, "STAND")
+    shown.update(1.1, "WALK")
+    assert "\n" not in stream.getvalue()
+    assert stream.getvalue().count("\r") == 2
+    last = stream.getvalue().split("\r")[-1]
+    assert "1.10 s of 17 s" in last
+    assert "WALK" in last
+    # An event first wipes the line away, so that nothing of it sticks out.
+    shown.event(Event(1.1, "command", "x"))
+    wiped, line = stream.getvalue().split("\r")[-2:]
+    assert wiped.strip() == ""
+    assert len(wiped) >= len(last.rstrip())
+    assert line == "   1.10 s x\n"
+
+
+def test_the_line_fits_the_terminal(monkeypatch):
+    monkeypatch.setenv("COLUMNS", "20")
+    stream = Terminal()
+    Progress(stream, end=17.0).update(1.0, "STAND")
+    assert len(stream.getvalue().strip("\r")) < 20
+
+
+def test_a_log_has_a_line_now_and_then(monkeypatch):
+    clock = {"now": 0.0}
+    monkeypatch.setattr(progress.time, "perf_counter", lambda: clock["now"])
+    stream = io.StringIO()
+    shown = Progress(stream, end=17.0)
+    for i in range(1, 101):
+        clock["now"] = 0.2 * i
+        shown.update(0.1 * i, "STAND")
+    lines = stream.getvalue().splitlines()
+    assert len(lines) == 4
+    assert "\r" not in stream.getvalue()
+    # 0.1 s simulated in 0.2 s.
+    assert all("0.50 x real time" in line for line in lines)

@@ -1,0 +1,511 @@
+"""What is in force: merged field by field, refused whole, the later message wins."""
+
+import copy
+import dataclasses
+import logging
+
+import numpy as np
+import pytest
+
+from atlas_drake.behaviors.supervisor import SupervisorState
+from atlas_drake.errors import ErrorCode
+from atlas_drake.frozen import NOTHING
+from atlas_drake.messages import (
+    AtlasCommand,
+    AtlasSimInterfaceCommand,
+    Behavior,
+    Header,
+)
+from atlas_drake.messages.commands import (
+    JOINT_FIELDS,
+    KEPT,
+    SERVO_FIELDS,
+    CommandsInForce,
+    commands_at_start,
+    latch,
+    log_refusals,
+)
+from atlas_drake.robot import load_robot
+from atlas_drake.simulation.run_log import RunLog
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return load_robot()
+
+
+@pytest.fixture
+def start(robot):
+    return commands_at_start(robot, Behavior.STAND)
+
+
+@pytest.fixture
+def everything(robot):
+    """A joint command with all arrays, each with numbers of its own, within bounds."""
+    command = AtlasCommand()
+    for number, name in enumerate(JOINT_FIELDS):
+        setattr(command, name, [number + 0.01 * j for j in range(28)])
+    command.k_effort = list(range(28))
+    assert robot.num_joints == 28
+    return command.snapshot()
+
+
+def sent(force, robot, atlas=None, sim=None, time=1.0):
+    """What is in force after the messages given; the others stay on their ports."""
+    number = force.received + 1
+    return latch(
+        force,
+        force.atlas_command if atlas is None else atlas.numbered(number),
+        force.sim_command if sim is None else sim.numbered(number),
+        robot,
+        time,
+    )
+
+
+def assert_only_the_error_is_new(after, before):
+    """Everything that acts on the robot is as it was."""
+    assert after.joints is before.joints
+    assert after.request is before.request
+    np.testing.assert_array_equal(after.k_effort, before.k_effort)
+    assert (after.atlas_stamp, after.sim_stamp) == (
+        before.atlas_stamp,
+        before.sim_stamp,
+    )
+
+
+# Before any command.
+
+
+def test_at_start_the_stand_prep_pose_and_default_gains_are_in_force(robot, start):
+    joints = start.joints
+    np.testing.assert_array_equal(joints.position, robot.stand_prep)
+    np.testing.assert_array_equal(joints.kp_position, robot.default_kp)
+    np.testing.assert_array_equal(joints.kd_position, robot.default_kd)
+    for name in set(JOINT_FIELDS) - {"position", "kp_position", "kd_position"}:
+        np.testing.assert_array_equal(getattr(joints, name), np.zeros(28))
+    assert start.error_code is ErrorCode.NO_ERRORS
+
+
+@pytest.mark.parametrize("behavior", Behavior)
+def test_at_start_joints_are_the_users_only_without_behavior(robot, behavior):
+    start = commands_at_start(robot, behavior)
+    users = behavior in (Behavior.USER, Behavior.NONE)
+    np.testing.assert_array_equal(start.k_effort, np.full(28, 255.0 * users))
+    assert start.request.behavior is behavior
+    assert start.request.number == 0
+
+
+def test_without_messages_nothing_changes(robot, start):
+    assert latch(start, NOTHING, NOTHING, robot, 1.0) is start
+
+
+# Joint commands.
+
+
+def test_all_arrays_of_a_command_come_into_force(robot, start, everything):
+    after = sent(start, robot, everything)
+    for name in JOINT_FIELDS:
+        np.testing.assert_array_equal(
+            getattr(after.joints, name), getattr(everything, name)
+        )
+    np.testing.assert_array_equal(after.k_effort, range(28))
+    assert after.error_code is ErrorCode.NO_ERRORS
+    assert after.request is start.request
+
+
+@pytest.mark.parametrize("field", JOINT_FIELDS)
+def test_one_array_leaves_the_others_in_force(robot, start, everything, field):
+    before = sent(start, robot, everything)
+    # Between the integral bounds in force, so that it may be either of them.
+    values = np.full(28, 7.5) if field.startswith("i_effort") else np.full(28, 7.0)
+    command = AtlasCommand()
+    setattr(command, field, values)
+    after = sent(before, robot, command)
+    assert after.error_code is ErrorCode.NO_ERRORS, after.refusals
+    for name in JOINT_FIELDS:
+        expected = values if name == field else getattr(before.joints, name)
+        np.testing.assert_array_equal(getattr(after.joints, name), expected)
+
+
+@pytest.mark.parametrize("kind", [AtlasCommand, AtlasSimInterfaceCommand])
+def test_velocity_gains_come_into_force_within_their_bound(robot, start, kind):
+    bound = 50.0 * robot.effort_limit / robot.velocity_limit
+    command = kind()
+    command.kp_velocity = np.where(np.arange(28) % 2, 1e6, 0.9 * bound)
+    port = "sim" if kind is AtlasSimInterfaceCommand else "atlas"
+    after = sent(start, robot, **{port: command})
+    expected = np.where(np.arange(28) % 2, bound, 0.9 * bound)
+    np.testing.assert_allclose(after.joints.kp_velocity, expected)
+
+
+@pytest.mark.parametrize("field", SERVO_FIELDS)
+def test_a_behavior_command_sets_the_joints_too(robot, start, everything, field):
+    before = sent(start, robot, everything)
+    values = np.full(28, 7.0)
+    command = AtlasSimInterfaceCommand(behavior=Behavior.STAND)
+    setattr(command, field, values)
+    after = sent(before, robot, sim=command)
+    assert after.request.number == before.request.number + 1
+    for name in JOINT_FIELDS:
+        expected = values if name == field else getattr(before.joints, name)
+        np.testing.assert_array_equal(getattr(after.joints, name), expected)
+    # The later message counts.
+    back = sent(after, robot, everything.mutable_copy())
+    for name in JOINT_FIELDS:
+        np.testing.assert_array_equal(
+            getattr(back.joints, name), getattr(everything, name)
+        )
+
+
+def test_a_behavior_command_without_arrays_leaves_the_joints_as_they_are(robot, start):
+    after = sent(start, robot, sim=AtlasSimInterfaceCommand(behavior=Behavior.STAND))
+    assert after.joints is start.joints
+
+
+def test_an_empty_command_changes_nothing_but_is_accepted(robot, start):
+    after = sent(start, robot, AtlasCommand(), time=3.0)
+    for name in JOINT_FIELDS:
+        np.testing.assert_array_equal(
+            getattr(after.joints, name), getattr(start.joints, name)
+        )
+    assert after.atlas_stamp == 3.0
+    assert after.refused == 0
+
+
+BAD_VALUES = {
+    "one too few": [1.0] * 27,
+    "one too many": [1.0] * 29,
+    "no number": [1.0] * 27 + [float("nan")],
+    "infinite": [1.0] * 27 + [float("inf")],
+    "words": ["one"] * 28,
+}
+
+
+@pytest.mark.parametrize("fault", BAD_VALUES)
+@pytest.mark.parametrize("field", JOINT_FIELDS)
+def test_a_bad_array_refuses_the_whole_command(robot, start, everything, field, fault):
+    before = sent(start, robot, everything)
+    command = everything.mutable_copy()
+    command.position = [0.5] * 28  # Good, and yet it must not be applied.
+    setattr(command, field, BAD_VALUES[fault])
+    after = sent(before, robot, command, time=4.0)
+    assert_only_the_error_is_new(after, before)
+    assert after.error_code is ErrorCode.VALUE_OUT_OF_RANGE
+    assert after.refused == 1
+    (refusal,) = after.refusals
+    assert refusal.time == 4.0
+    assert refusal.error_code is ErrorCode.VALUE_OUT_OF_RANGE
+    assert field in refusal.text
+
+
+def test_integral_bounds_must_not_cross_those_in_force(robot, start):
+    both = AtlasCommand()
+    both.i_effort_min, both.i_effort_max = [-2.0] * 28, [3.0] * 28
+    before = sent(start, robot, both)
+    for field, value in (("i_effort_min", 3.5), ("i_effort_max", -2.5)):
+        one = AtlasCommand()
+        values = [0.0] * 28
+        values[5] = value
+        setattr(one, field, values)
+        after = sent(before, robot, one)
+        assert_only_the_error_is_new(after, before)
+        assert after.error_code is ErrorCode.VALUE_OUT_OF_RANGE
+        # The message is told of its own field and of the joint.
+        assert f"{field}[5]" in after.refusals[-1].text
+        assert robot.joint_names[5] in after.refusals[-1].text
+
+
+def test_both_integral_bounds_may_pass_the_ones_in_force(robot, start):
+    first, second = AtlasCommand(), AtlasCommand()
+    first.i_effort_min, first.i_effort_max = [-2.0] * 28, [-1.0] * 28
+    second.i_effort_min, second.i_effort_max = [4.0] * 28, [5.0] * 28
+    after = sent(sent(start, robot, first), robot, second)
+    assert after.error_code is ErrorCode.NO_ERRORS
+    np.testing.assert_array_equal(after.joints.i_effort_min, np.full(28, 4.0))
+
+
+# Behaviour commands.
+
+
+def test_a_behavior_request_is_numbered(robot, start):
+    force = start
+    for number, behavior in enumerate((Behavior.STAND, Behavior.STAND, "walk", 6), 1):
+        force = sent(force, robot, sim=AtlasSimInterfaceCommand(behavior=behavior))
+        assert force.request.number == number
+    assert force.request.behavior is Behavior.MANIPULATE
+
+
+def test_joint_commands_do_not_count_as_requests(robot, start, everything):
+    assert sent(start, robot, everything).request.number == 0
+
+
+@pytest.mark.parametrize("behavior", [8, -1, "moonwalk", None, 2.5])
+def test_an_unknown_behavior_is_refused(robot, start, behavior):
+    command = AtlasSimInterfaceCommand(behavior=behavior, k_effort=[255] * 28)
+    after = sent(start, robot, sim=command)
+    assert_only_the_error_is_new(after, start)
+    assert after.error_code is ErrorCode.NO_SUCH_BEHAVIOR
+
+
+def test_a_bad_step_is_refused_with_the_whole_command(robot, start):
+    command = AtlasSimInterfaceCommand(behavior=Behavior.WALK, k_effort=[3] * 28)
+    command.walk_params.step_queue[0].step_index = 0
+    after = sent(start, robot, sim=command)
+    assert_only_the_error_is_new(after, start)
+    assert after.error_code is ErrorCode.INVALID_INDEX
+
+
+@pytest.mark.parametrize("shares", [[], [0] * 28])
+def test_user_returns_every_joint_whatever_the_message_says(robot, start, shares):
+    command = AtlasSimInterfaceCommand(behavior=Behavior.USER, k_effort=shares)
+    after = sent(start, robot, sim=command)
+    np.testing.assert_array_equal(after.k_effort, np.full(28, 255.0))
+
+
+def test_the_request_holds_what_was_sent_and_nobody_can_change_it(robot, start):
+    command = AtlasSimInterfaceCommand(behavior=Behavior.MANIPULATE)
+    command.manipulate_params.desired.pelvis_height = 0.77
+    after = sent(start, robot, sim=command)
+    command.manipulate_params.desired.pelvis_height = 0.1
+    kept = after.request.command.manipulate_params.desired
+    assert kept.pelvis_height == 0.77
+    with pytest.raises(AttributeError):
+        kept.pelvis_height = 0.2
+
+
+# Both kinds.
+
+
+def test_the_later_message_wins_the_shares(robot, start):
+    shares_of_7 = AtlasCommand(k_effort=[7] * 28)
+    shares_of_9 = AtlasSimInterfaceCommand(behavior=Behavior.STAND, k_effort=[9] * 28)
+    after = sent(sent(start, robot, shares_of_7), robot, sim=shares_of_9)
+    np.testing.assert_array_equal(after.k_effort, np.full(28, 9.0))
+    after = sent(sent(start, robot, sim=shares_of_9), robot, shares_of_7)
+    np.testing.assert_array_equal(after.k_effort, np.full(28, 7.0))
+    silent = AtlasSimInterfaceCommand(behavior=Behavior.STAND)
+    after = sent(after, robot, sim=silent)
+    np.testing.assert_array_equal(after.k_effort, np.full(28, 7.0))
+
+
+@pytest.mark.parametrize(
+    ("atlas_stamp", "sim_stamp", "winner"),
+    [(2.0, 1.0, 7.0), (1.0, 2.0, 9.0), (0.0, 0.0, 9.0), (1.5, 1.5, 9.0)],
+)
+def test_at_one_instant_the_stamps_decide(robot, start, atlas_stamp, sim_stamp, winner):
+    atlas = AtlasCommand(Header(atlas_stamp), k_effort=[7] * 28)
+    sim = AtlasSimInterfaceCommand(
+        Header(sim_stamp), behavior=Behavior.STAND, k_effort=[9] * 28
+    )
+    after = sent(start, robot, atlas, sim, time=2.0)
+    np.testing.assert_array_equal(after.k_effort, np.full(28, winner))
+    assert after.error_code is ErrorCode.NO_ERRORS
+
+
+def test_stamps_of_any_number_type_are_compared(robot, start):
+    atlas = AtlasCommand(Header(np.float32(2.0)), k_effort=[7] * 28)
+    sim = AtlasSimInterfaceCommand(
+        Header(1), behavior=Behavior.STAND, k_effort=[9] * 28
+    )
+    after = sent(start, robot, atlas, sim, time=2.0)
+    np.testing.assert_array_equal(after.k_effort, np.full(28, 7.0))
+
+
+def test_one_refused_message_does_not_take_the_other_with_it(robot, start):
+    bad = AtlasCommand(position=[0.0])
+    good = AtlasSimInterfaceCommand(behavior=Behavior.WALK)
+    after = sent(start, robot, bad, good)
+    assert after.request.behavior is Behavior.WALK
+    assert after.refused == 1
+    assert after.joints is start.joints
+
+
+def test_a_message_seen_before_is_not_new(robot, start):
+    bad = AtlasCommand(position=[0.0]).snapshot()
+    good = AtlasSimInterfaceCommand(behavior=Behavior.WALK).snapshot()
+    once = latch(start, bad, good, robot, 1.0)
+    assert latch(once, bad, good, robot, 2.0) is once
+    assert once.refused == 1
+    assert once.request.number == 1
+
+
+def test_an_equal_message_is_new_only_with_another_number_or_stamp(robot, start):
+    def walk(stamp=0.0):
+        return AtlasSimInterfaceCommand(Header(stamp), behavior=Behavior.WALK)
+
+    force = start
+    for message, number in (
+        (walk(), 1),
+        (walk(), 1),
+        (walk().snapshot(), 1),
+        (walk().numbered(1), 2),
+        (walk().numbered(1), 2),
+        (walk().numbered(2), 3),
+        (walk(stamp=1.5), 4),
+        (walk(stamp=1.5), 4),
+    ):
+        force = latch(force, NOTHING, message, robot, 1.0)
+        assert force.request.number == number
+        assert force.received == number
+
+
+def test_requests_are_objects_of_their_own(robot, start):
+    """By which behaviours notice that one was sent again."""
+    message = AtlasSimInterfaceCommand(behavior=Behavior.WALK).snapshot()
+    force = latch(start, NOTHING, message, robot, 1.0)
+    other = AtlasSimInterfaceCommand(behavior=Behavior.STAND).snapshot()
+    force = latch(force, NOTHING, other, robot, 1.0)
+    force = latch(force, NOTHING, message, robot, 1.0)
+    _, first, _, again = (request.command for request in force.requests)
+    assert first == again
+    assert first.walk_params is not again.walk_params
+
+
+def test_a_message_that_changes_on_its_port_is_new(robot, start):
+    command = AtlasCommand(position=[0.0] * 28)
+    force = latch(start, command, NOTHING, robot, 1.0)
+    command.position[3] = 0.5
+    force = latch(force, command, NOTHING, robot, 2.0)
+    assert force.received == 2
+    assert force.joints.position[3] == 0.5
+    assert force.messages[0].message.position[3] == 0.0
+
+
+def test_a_message_that_leaves_its_port_is_not_forgotten(robot, start, everything):
+    after = sent(start, robot, everything)
+    assert latch(after, NOTHING, NOTHING, robot, 2.0) is after
+
+
+def test_time_must_not_run_backward_for_either_kind(robot, start):
+    force = sent(start, robot, AtlasCommand(Header(5.0)))
+    # The two kinds have clocks of their own.
+    sim = AtlasSimInterfaceCommand(Header(4.0), behavior=Behavior.STAND)
+    force = sent(force, robot, sim=sim)
+    assert force.error_code is ErrorCode.NO_ERRORS
+    late = sent(force, robot, AtlasCommand(Header(4.9), position=[0.0] * 28))
+    assert_only_the_error_is_new(late, force)
+    assert late.error_code is ErrorCode.TIME_RAN_BACKWARD
+    late = sent(
+        force, robot, sim=AtlasSimInterfaceCommand(Header(3.9), behavior=Behavior.WALK)
+    )
+    assert_only_the_error_is_new(late, force)
+    assert late.error_code is ErrorCode.TIME_RAN_BACKWARD
+
+
+def test_a_message_without_stamp_was_sent_now(robot, start):
+    after = sent(start, robot, AtlasCommand(), time=2.5)
+    refused = sent(after, robot, AtlasCommand(Header(2.4)), time=2.6)
+    assert refused.error_code is ErrorCode.TIME_RAN_BACKWARD
+
+
+def test_an_accepted_message_clears_the_error_but_not_the_log(robot, start):
+    refused = sent(start, robot, AtlasCommand(position=[0.0]))
+    assert refused.error_code is not ErrorCode.NO_ERRORS
+    after = sent(refused, robot, sim=AtlasSimInterfaceCommand(behavior=Behavior.STAND))
+    assert after.error_code is ErrorCode.NO_ERRORS
+    assert after.refusals == refused.refusals
+
+
+def test_refusals_are_counted_but_only_the_latest_kept(robot, start):
+    force = start
+    for number in range(KEPT + 7):
+        force = sent(force, robot, AtlasCommand(position=[0.0]), time=float(number))
+    assert force.refused == KEPT + 7
+    assert [r.time for r in force.refusals] == list(range(7, KEPT + 7))
+
+
+@pytest.mark.parametrize("kind", ["messages", "refusals", "requests"])
+def test_nothing_of_the_last_moments_is_dropped(robot, start, kind):
+    force = start
+    bad = kind == "refusals"
+    for _ in range(3 * KEPT):
+        command = AtlasSimInterfaceCommand(behavior="WALLK" if bad else "STAND")
+        force = sent(force, robot, sim=command, time=1.0)
+    assert len(getattr(force, kind)) >= 3 * KEPT
+    later = sent(force, robot, sim=command, time=2.0)
+    assert len(getattr(later, kind)) == KEPT
+
+
+def test_a_reader_who_has_seen_more_than_there_was_gets_nothing(robot, start):
+    """As after a step back in time, to an older Context."""
+    force = sent(start, robot, AtlasCommand(position=[0.0]))
+    assert force.messages_since(7) == ()
+    assert force.refusals_since(7) == ()
+    assert len(force.messages_since(0)) == 1
+
+
+def test_refusals_are_logged(robot, start, caplog):
+    log_refusals(start, sent(start, robot, AtlasCommand(velocity=[0.0]), time=1.25))
+    (record,) = caplog.records
+    assert record.levelno == logging.WARNING
+    assert "velocity" in record.getMessage()
+    assert "1.25" in record.getMessage()
+
+
+def test_a_streamed_fault_is_logged_once(robot, start, caplog):
+    force = start
+    for tick in range(600):
+        bad = AtlasCommand(Header(1.0 + tick), velocity=[0.0])
+        before, force = force, sent(force, robot, bad, time=0.002 * tick)
+        log_refusals(before, force)
+    assert force.refused == 600
+    assert len(caplog.records) == 1
+    late = sent(force, robot, AtlasCommand(velocity=[0.0]), time=4.0)
+    log_refusals(force, late)
+    assert len(caplog.records) == 2
+
+
+def test_two_streamed_faults_that_change_are_logged_once_each(robot, start, caplog):
+    force, log = start, RunLog()
+    for tick in range(500):
+        time = 0.002 * tick
+        bad = AtlasCommand(Header(1.0 + tick), kp_velocity=[-1.0 - tick] * 28)
+        before, force = force, sent(force, robot, bad, time=time)
+        log_refusals(before, force)
+        worse = AtlasCommand(Header(1.0 + tick), velocity=[0.0] * (tick % 20))
+        before, force = force, sent(force, robot, worse, time=time)
+        log_refusals(before, force)
+        log.collect((), 0, force, SupervisorState(Behavior.STAND, Behavior.STAND))
+    assert force.refused > 900
+    assert len(caplog.records) == 2
+    assert len(log.events) > 900  # Events are a record, and leave none out.
+
+
+@pytest.mark.parametrize("thing", ["stand", 4, [1, 2]])
+def test_what_is_no_message_is_refused(robot, start, thing):
+    for arguments in ((thing, NOTHING), (NOTHING, thing)):
+        after = latch(start, *arguments, robot, 1.0)
+        assert_only_the_error_is_new(after, start)
+        assert after.refused == 1
+
+
+# Values.
+
+
+def test_what_was_in_force_does_not_change_afterwards(robot, start, everything):
+    kept = {n: getattr(start.joints, n).copy() for n in JOINT_FIELDS}
+    shares = start.k_effort.copy()
+    sent(start, robot, everything)
+    for name, values in kept.items():
+        np.testing.assert_array_equal(getattr(start.joints, name), values)
+    np.testing.assert_array_equal(start.k_effort, shares)
+
+
+def test_arrays_in_force_are_not_the_senders(robot, start):
+    positions = np.full(28, 0.25)
+    shares = np.full(28, 17)
+    after = latch(
+        start, AtlasCommand(position=positions, k_effort=shares), NOTHING, robot, 1.0
+    )
+    positions[:] = 9.0
+    shares[:] = 0
+    np.testing.assert_array_equal(after.joints.position, np.full(28, 0.25))
+    np.testing.assert_array_equal(after.k_effort, np.full(28, 17.0))
+
+
+def test_values_are_their_own_copies(start):
+    for value in (start, start.joints, start.request):
+        assert copy.deepcopy(value) is value
+        with pytest.raises(dataclasses.FrozenInstanceError):
+            setattr(value, dataclasses.fields(value)[0].name, None)
+    assert isinstance(start, CommandsInForce)

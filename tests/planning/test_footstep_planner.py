@@ -1,0 +1,389 @@
+"""Footsteps from wishes: where they end, and that the robot can take each of them."""
+
+import math
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+
+from atlas_drake import (
+    AtlasSimInterfaceState,
+    AtlasSimulation,
+    Behavior,
+    Gait,
+    Quaternion,
+    Scenario,
+    StepStream,
+    Vector3,
+    steps_ahead,
+    steps_along_arc,
+    steps_to,
+    steps_turning,
+)
+from atlas_drake.behaviors.step.queue import footstep_from
+from atlas_drake.control.feet.footstep import (
+    FootPose,
+    StepLimits,
+    kept_brisk,
+    outward,
+    saturate,
+)
+from atlas_drake.control.rotations import mean_yaw, rotation_z, wrap_angle
+from atlas_drake.planning.footholds import HALF_WIDTH
+
+LIMITS = StepLimits()
+PLACES = st.floats(-4.0, 4.0)
+ANGLES = st.floats(-math.pi, math.pi)
+FASTEST = Gait(stride=0.35, turn=0.25, duration=1.42)
+"""Everything at its limit."""
+
+
+def report_of(left, right, z=0.0):
+    """A report of a robot whose soles are at (x, y, yaw)."""
+    report = AtlasSimInterfaceState()
+    report.current_behavior = Behavior.STAND
+    for pose, (x, y, yaw) in zip(report.foot_pos_est, (left, right), strict=True):
+        pose.position = Vector3(x, y, z)
+        pose.orientation = Quaternion(0.0, 0.0, math.sin(yaw / 2), math.cos(yaw / 2))
+    return report
+
+
+def standing(x=0.0, y=0.0, yaw=0.0, width=2 * HALF_WIDTH, z=0.0):
+    """A report of a robot with its feet side by side about (x, y)."""
+    c, s = math.cos(yaw), math.sin(yaw)
+    soles = [(x - s * w, y + c * w, yaw) for w in (0.5 * width, -0.5 * width)]
+    return report_of(*soles, z=z)
+
+
+@st.composite
+def gaits(draw):
+    """Any gait that can be asked for."""
+    stride = draw(st.floats(0.01, 0.35))
+    turn = draw(st.floats(0.01, 0.25))
+    duration = draw(st.floats(0.6, 1.42))
+    return Gait(stride=stride, turn=turn, duration=duration)
+
+
+@st.composite
+def reports(draw):
+    """A robot anywhere, its feet as after any step, side by side or not."""
+    yaw, z = draw(ANGLES), draw(st.floats(-1.0, 1.0))
+    R_WS = rotation_z(yaw)
+    p_WS = np.array([draw(PLACES), draw(PLACES), z])
+    p_SL = [draw(st.floats(-0.3, 0.4)), draw(st.floats(0.18, 0.4)), 0.0]
+    turn = draw(st.floats(-0.25, 0.5))
+    p_WL = p_WS + R_WS @ p_SL
+    return report_of((*p_WL[:2], yaw + turn), (*p_WS[:2], yaw), z=z)
+
+
+def soles(report):
+    return [
+        FootPose(
+            pose.position.to_array(),
+            rotation_z(2.0 * math.atan2(pose.orientation.z, pose.orientation.w)),
+        )
+        for pose in report.foot_pos_est
+    ]
+
+
+def middle(feet):
+    x, y = 0.5 * (feet[0].p_WF[:2] + feet[1].p_WF[:2])
+    return x, y, mean_yaw(feet[0].yaw, feet[1].yaw)
+
+
+def taken(report, steps):
+    """The soles after the steps; each of them is one that the robot can take."""
+    feet = soles(report)
+    assert [data.step_index for data in steps] == [*range(1, len(steps) + 1)]
+    assert all(a.foot_index != b.foot_index for a, b in pairwise(steps))
+    for data in steps:
+        step = footstep_from(data)
+        stance = feet[1 - step.foot]
+        done = saturate(step, stance, LIMITS)
+        done = kept_brisk(done, feet[step.foot], stance, LIMITS)
+        np.testing.assert_allclose(done.p_WF, step.p_WF, atol=1e-9)
+        assert wrap_angle(done.yaw - step.yaw) == pytest.approx(0.0, abs=1e-9)
+        assert done.duration == pytest.approx(step.duration)
+        assert done.swing_height == pytest.approx(step.swing_height)
+        feet[step.foot] = step.pose
+    return feet
+
+
+def assert_ends_at(feet, x, y, yaw):
+    """Feet side by side about this place."""
+    here = middle(feet)
+    np.testing.assert_allclose(here[:2], (x, y), atol=1e-3)
+    assert wrap_angle(here[2] - yaw) == pytest.approx(0.0, abs=1e-3)
+    apart = rotation_z(yaw).T @ (feet[0].p_WF - feet[1].p_WF)
+    np.testing.assert_allclose(apart, [0.0, 2 * HALF_WIDTH, 0.0], atol=1e-3)
+    assert wrap_angle(feet[0].yaw - feet[1].yaw) == pytest.approx(0.0, abs=1e-3)
+
+
+@settings(deadline=None, max_examples=60)
+@given(report=reports(), x=PLACES, y=PLACES, yaw=ANGLES)
+def test_from_any_feet_to_any_pose(report, x, y, yaw):
+    steps = steps_to(report, x, y, yaw)
+    assert_ends_at(taken(report, steps), x, y, yaw)
+    here = middle(soles(report))
+    distance = math.dist(here[:2], (x, y))
+    # No more steps than for turning twice and walking, by strides or sideways.
+    assert len(steps) <= distance / 0.04 + 2 * math.pi / 0.15 + 12
+
+
+@settings(deadline=None, max_examples=60)
+@given(
+    report=reports(),
+    x=st.floats(-0.5, 0.5),
+    y=st.floats(-0.5, 0.5),
+    turn=st.floats(-0.6, 0.6),
+)
+def test_to_a_pose_nearby(report, x, y, turn):
+    here = middle(soles(report))
+    goal = here[0] + x, here[1] + y, here[2] + turn
+    steps = steps_to(report, *goal)
+    # None where the feet are side by side in the right place, if not exactly.
+    if steps:
+        assert_ends_at(taken(report, steps), *goal)
+
+
+@settings(deadline=None, max_examples=200)
+@given(
+    report=reports(),
+    gait=st.one_of(st.just(FASTEST), gaits()),
+    x=st.floats(-0.5, 0.5),
+    y=st.floats(-0.5, 0.5),
+    turn=st.floats(-1.0, 1.0),
+)
+@example(standing(), FASTEST, 0.5, 0.1, 0.6)
+@example(standing(), FASTEST, 0.5, 0.3, -0.6)
+def test_to_a_pose_nearby_in_any_gait(report, gait, x, y, turn):
+    # Ahead, aside and turning at once.
+    here = middle(soles(report))
+    goal = here[0] + x, here[1] + y, here[2] + turn
+    steps = steps_to(report, *goal, gait)
+    # Only the first one begins with feet as far apart as they happen to be.
+    assert {step.duration for step in steps[1:]} <= {gait.duration}
+    if steps:
+        assert_ends_at(taken(report, steps), *goal)
+
+
+@settings(deadline=None, max_examples=60)
+@given(report=reports(), length=st.floats(-3.0, 3.0), angle=st.floats(-7.0, 7.0))
+def test_along_an_arc(report, length, angle):
+    x, y, yaw = middle(soles(report))
+    steps = steps_along_arc(report, length, angle)
+    chord = length * np.sinc(0.5 * angle / math.pi)
+    x += chord * math.cos(yaw + 0.5 * angle)
+    y += chord * math.sin(yaw + 0.5 * angle)
+    if steps:
+        assert_ends_at(taken(report, steps), x, y, yaw + angle)
+    else:
+        assert max(abs(length), abs(angle)) < 1e-5
+
+
+@pytest.mark.parametrize("gait", [Gait(stride=0.35, turn=0.25), Gait(stride=0.1)])
+@pytest.mark.parametrize("wish", [(3.0, 0.0), (-1.0, 0.0), (2.0, 1.5), (0.0, -2.0)])
+def test_whatever_the_gait_the_robot_can_take_its_steps(gait, wish):
+    report = standing(1.0, 2.0, 0.3)
+    steps = steps_along_arc(report, *wish, gait)
+    taken(report, steps)
+    assert {step.duration for step in steps} == {gait.duration}
+    assert {step.swing_height for step in steps} == {gait.swing_height}
+
+
+def test_two_metres_ahead_are_ten_strides_and_a_step_to_close():
+    report = standing(0.5, 1.0, 0.7)
+    steps = steps_ahead(report, 2.0)
+    assert len(steps) == 11
+    feet = taken(report, steps)
+    assert_ends_at(feet, 0.5 + 2 * math.cos(0.7), 1.0 + 2 * math.sin(0.7), 0.7)
+    ahead = [
+        math.cos(0.7) * (s.pose.position.x - 0.5)
+        + math.sin(0.7) * (s.pose.position.y - 1.0)
+        for s in steps
+    ]
+    np.testing.assert_allclose(np.diff(ahead)[:-1], 0.2, atol=1e-9)
+
+
+@pytest.mark.parametrize("width", [0.2, 0.23, 0.26])
+def test_feet_a_little_nearer_or_wider_need_no_step_more(width):
+    assert len(steps_ahead(standing(width=width), 1.0)) == 6
+
+
+@pytest.mark.parametrize("angle", [math.pi / 2, -math.pi / 2, math.pi, 5.0, -5.0])
+def test_a_turn_goes_its_way_round_on_the_spot(angle):
+    report = standing(1.0, -1.0, 0.4)
+    steps = steps_turning(report, angle)
+    # With the foot on that side first.
+    assert steps[0].foot_index == (0 if angle > 0.0 else 1)
+    yaws = [0.4]
+    for step in steps:
+        yaws.append(footstep_from(step).yaw)
+    turns = [wrap_angle(b - a) for a, b in pairwise(yaws)]
+    assert sum(turns) == pytest.approx(angle)
+    assert all(turn * angle >= -1e-9 for turn in turns)
+    assert_ends_at(taken(report, steps), 1.0, -1.0, 0.4 + angle)
+
+
+def test_sideways_begins_with_the_foot_on_that_side():
+    for y in (0.3, -0.3):
+        steps = steps_to(standing(), 0.0, y, 0.0)
+        assert outward(steps[0].foot_index) * y > 0.0
+
+
+@pytest.mark.parametrize(
+    "steps",
+    [
+        steps_ahead(standing(1.0, 2.0, 0.5), 0.0),
+        steps_turning(standing(1.0, 2.0, 0.5), 0.0),
+        steps_to(standing(1.0, 2.0, 0.5), 1.0, 2.0, 0.5),
+    ],
+    ids=["ahead", "turning", "to"],
+)
+def test_no_way_to_go_is_no_step(steps):
+    assert steps == []
+
+
+def test_feet_apart_are_put_side_by_side_even_where_they_are():
+    report = report_of((0.3, 0.12, 0.0), (0.0, -0.12, 0.0))
+    assert_ends_at(taken(report, steps_ahead(report, 0.0)), 0.15, 0.0, 0.0)
+
+
+def test_feet_far_apart_leave_the_first_step_less_time():
+    report = report_of((0.3, 0.25, 0.0), (0.0, -0.25, 0.0))
+    steps = steps_ahead(report, 1.0, Gait(duration=2.5))
+    taken(report, steps)
+    assert steps[0].duration < 2.0
+    assert {step.duration for step in steps[1:]} == {2.5}
+
+
+def test_a_long_stride_leaves_a_step_less_time():
+    assert Gait(duration=3.0).duration == 3.0
+    with pytest.raises(ValueError, match=r"^gait\.duration is 3\.0, and not") as error:
+        Gait(stride=0.35, duration=3.0)
+    assert "at most 1.49: a stride of 0.35 takes feet up to 0.55 m" in str(error.value)
+
+
+def test_steps_are_level_with_the_feet():
+    steps = steps_ahead(standing(z=0.35), 0.5)
+    assert {step.pose.position.z for step in steps} == {0.35}
+    report = standing()
+    report.foot_pos_est[0].position.z = 0.1
+    with pytest.raises(ValueError, match=r"feet are at 0\.100 m and 0\.000 m"):
+        steps_ahead(report, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("call", "name"),
+    [
+        (lambda: steps_ahead(standing(), math.nan), "distance"),
+        (lambda: steps_ahead(standing(), 1e308), "distance"),
+        (lambda: steps_ahead(standing(), -(10**5000)), "distance"),
+        (lambda: steps_along_arc(standing(), 1001.0, 0.0), "length"),
+        (lambda: steps_turning(standing(), 10**400), "angle"),
+        (lambda: steps_to(standing(), 1e200, 0.0, 0.0), "x"),
+        (lambda: steps_to(standing(), 0.0, 0.0, 1e9), "yaw"),
+        (lambda: steps_turning(standing(), math.inf), "angle"),
+        (lambda: steps_to(standing(), 1.0, math.nan, 0.0), "y"),
+        (lambda: Gait(stride=0.5), "gait.stride"),
+        (lambda: Gait(turn=0.3), "gait.turn"),
+        (lambda: Gait(duration=0.1), "gait.duration"),
+        (lambda: Gait(swing_height=math.nan), "gait.swing_height"),
+    ],
+)
+def test_what_cannot_be_is_an_error_that_names_it(call, name):
+    with pytest.raises(ValueError, match=rf"^{name} is "):
+        call()
+
+
+@pytest.mark.parametrize(
+    "name", ["position.x", "position.y", "position.z", "orientation.z"]
+)
+@pytest.mark.parametrize("value", [math.nan, math.inf])
+def test_a_report_without_a_place_for_a_foot_is_an_error(name, value):
+    report = standing()
+    field, axis = name.split(".")
+    setattr(getattr(report.foot_pos_est[1], field), axis, value)
+    with pytest.raises(ValueError, match=rf"^foot_pos_est\[1\].{name} is "):
+        steps_ahead(report, 1.0)
+    with pytest.raises(ValueError, match=rf"^foot_pos_est\[1\].{name} is "):
+        steps_to(report, 1.0, 0.0, 0.0)
+
+
+def test_a_walk_goes_far_from_a_place_far_away():
+    assert_ends_at(
+        taken(standing(x=5000.0), steps_ahead(standing(x=5000.0), 30.0)),
+        5030.0,
+        0.0,
+        0.0,
+    )
+
+
+def walking(needed, current, time=1.0, behavior=Behavior.WALK):
+    report = standing()
+    report.header.stamp = time
+    report.current_behavior = behavior
+    report.walk_feedback.next_step_index_needed = needed
+    report.walk_feedback.current_step_index = current
+    return report
+
+
+def indices(command):
+    queue = command.walk_params.step_queue
+    return [step.step_index for step in queue if step.step_index > 0]
+
+
+def test_a_stream_sends_four_at_a_time_when_they_are_needed():
+    stream = StepStream(steps_ahead(standing(), 1.5))
+    still = walking(1, 0, 0.0, Behavior.STAND)
+    assert not stream.is_over(still)
+    first = stream.next_command(still)
+    assert first.behavior == Behavior.WALK
+    assert indices(first) == [1, 2, 3, 4]
+    # Until the robot has read them, nothing more is known of it.
+    assert stream.next_command(still) is None
+    assert not stream.is_over(still)
+    assert stream.next_command(walking(5, 1)) is None
+    assert indices(stream.next_command(walking(5, 2))) == [5, 6, 7, 8]
+    assert stream.next_command(walking(5, 2)) is None
+    assert indices(stream.next_command(walking(9, 6))) == [9]
+    assert stream.next_command(walking(10, 9)) is None
+    assert not stream.is_over(walking(10, 9, 8.0))
+    assert stream.is_over(walking(1, 0, 9.0, Behavior.STAND))
+
+
+def test_a_stream_ends_with_a_walk_that_ends_early_or_never_begins():
+    stream = StepStream(steps_ahead(standing(), 3.0))
+    stream.next_command(walking(1, 0, 0.0, Behavior.STAND))
+    later = walking(1, 0, 1.0, Behavior.STAND)
+    assert stream.is_over(later)
+    assert stream.next_command(later) is None
+    assert StepStream([]).is_over(later)
+    assert StepStream([]).next_command(later) is None
+
+
+def test_a_stream_needs_steps_counted_from_one():
+    steps = steps_ahead(standing(), 1.0)
+    with pytest.raises(ValueError, match=r"steps\[0\].step_index is 2, and not 1"):
+        StepStream(steps[1:])
+
+
+@pytest.mark.slow
+def test_the_robot_walks_to_a_pose():
+    sim = AtlasSimulation(Scenario(physics_step=0.002, control_period=0.004))
+    goal = 0.9, 0.5, -0.6
+    steps = steps_to(sim.atlas_sim_interface_state, *goal)
+    stream = StepStream(steps)
+    while not stream.is_over(sim.atlas_sim_interface_state) and not sim.has_fallen:
+        command = stream.next_command(sim.atlas_sim_interface_state)
+        if command is not None:
+            sim.publish(command)
+        sim.advance(0.1)
+    assert sim.summary()["success"]
+    assert len(sim.footsteps) == len(steps)
+    assert [e.text for e in sim.events if e.kind == "warning"] == []
+    here = middle(soles(sim.atlas_sim_interface_state))
+    np.testing.assert_allclose(here[:2], goal[:2], atol=0.01)
+    assert here[2] == pytest.approx(goal[2], abs=0.02)

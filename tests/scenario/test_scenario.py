@@ -1,0 +1,233 @@
+"""Scenarios: every field checked, every fault named."""
+
+import json
+import math
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from atlas_drake import Block, Scenario, ScenarioError, Start, load_scenario
+from atlas_drake.errors import shown
+from atlas_drake.messages import Behavior
+from atlas_drake.scenario import Jitter
+from atlas_drake.scenario.scenario import PHYSICS_STEPS
+
+EXAMPLES = sorted((Path(__file__).parents[2] / "examples/scenarios").glob("*.yaml"))
+
+
+def load(tmp_path, text):
+    path = tmp_path / "scenario.yaml"
+    path.write_text(text)
+    return load_scenario(path)
+
+
+def test_what_is_left_out_has_its_default(tmp_path):
+    scenario = load(tmp_path, "seed: 3\njitter: {mass: 0.05}\n")
+    assert scenario.seed == 3
+    assert scenario.jitter.mass == 0.05
+    assert scenario.jitter.position == 0.0
+    assert scenario.model == Scenario().model
+    assert scenario.duration == Scenario().duration
+
+
+@pytest.mark.parametrize("text", ["true", "True", '"true"', "'true'"])
+def test_the_true_state_needs_no_quotes(text, tmp_path):
+    assert load(tmp_path, f"state: {text}\n").state == "true"
+    assert load(tmp_path, "state: estimated\n").state == "estimated"
+    assert Scenario(state=True).validate().state == "true"
+
+
+@pytest.mark.parametrize("text", ["false", "1", "[true]", "null"])
+def test_nothing_else_stands_for_the_true_state(text, tmp_path):
+    with pytest.raises(ScenarioError, match="state"):
+        load(tmp_path, f"state: {text}\n")
+
+
+def test_validate_returns_the_scenario_itself():
+    scenario = Scenario()
+    assert scenario.validate() is scenario
+
+
+@pytest.mark.parametrize("step", PHYSICS_STEPS)
+def test_every_physics_step_on_offer_is_accepted(step):
+    assert Scenario(physics_step=step).validate().physics_step == step
+
+
+@pytest.mark.parametrize("name", ["STAND", "stand", "Stand-Prep", "user", "FREEZE"])
+def test_behaviors_are_named_in_any_case(name):
+    behavior = Scenario(initial_behavior=name).validate().behavior()
+    assert behavior.name == name.upper().replace("-", "_")
+    assert isinstance(behavior, Behavior)
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [
+        ("model", "spot"),
+        ("programme", "dance"),
+        ("noise", "deafening"),
+        ("state", "guessed"),
+        ("state", False),
+        ("physics_step", 0.003),
+        ("physics_step", -0.001),
+        ("physics_step", math.nan),
+        ("contact_approximation", "exact"),
+        ("initial_behavior", "SITT"),
+        ("initial_behavior", "WALK"),
+        ("duration", 0.0),
+        ("duration", math.inf),
+        ("ground_friction", -0.1),
+        ("ground_friction", math.nan),
+        ("control_period", 0.0),
+        ("control_period", 0.0015),
+        ("control_period", 0.1),
+        ("seed", -1),
+        ("friction_jitter", 0.9),
+        ("friction_jitter", -0.1),
+        ("friction_jitter", math.nan),
+        ("duration", "5"),
+        ("seed", 1.5),
+        ("seed", True),
+        ("name", 3),
+        ("start", {"yaw": 1.0, "tilt": 0.0}),
+        ("terrain", "flat"),
+        ("seed", 2**64),
+        ("seed", 10**400),
+        ("seed", 10**5000),
+        ("duration", 10**400),
+        ("duration", 1e308),
+        ("duration", np.timedelta64(1, "s")),
+        ("ground_friction", 1e308),
+        ("ground_friction", Fraction(10**400, 3)),
+        ("friction_jitter", 10**400),
+        ("physics_step", 10**400),
+        ("control_period", 1e308),
+    ],
+    ids=lambda value: shown(value)[:20],
+)
+def test_a_value_that_cannot_be_used_is_named(field, value):
+    scenario = Scenario(**{field: value})
+    with pytest.raises(ScenarioError) as error:
+        scenario.validate()
+    if isinstance(value, dict):
+        field, value = "start.tilt", value["tilt"]
+    assert error.value.field == field
+    assert error.value.value is value
+    assert str(error.value).startswith(f"{field}: ")
+
+
+@pytest.mark.parametrize(
+    ("scenario", "field"),
+    [
+        (Scenario(start={"yaw": 1.0}), "start"),
+        (Scenario(jitter={}), "jitter"),
+        (Scenario(terrain=[{"size": [1.0, 1.0, 0.1]}]), "terrain[0]"),
+        (Scenario(terrain=[Block(size=[1.0, 1e308, 0.1])]), "terrain[0].size[1]"),
+        (Scenario(terrain=[Block(position=[0, 0, 10**400])]), "terrain[0].position[2]"),
+        (Scenario(terrain=[Block(rpy=[0, 0, 1e308])]), "terrain[0].rpy[2]"),
+        (Scenario(terrain=[Block(friction=1e308)]), "terrain[0].friction"),
+        (Scenario(start=Start(position=[1e308, 0.0])), "start.position[0]"),
+        (Scenario(start=Start(yaw=10**400)), "start.yaw"),
+        (Scenario(start=Start(release_time=1e308)), "start.release_time"),
+        (Scenario(jitter=Jitter(position=1e308)), "jitter.position"),
+    ],
+)
+def test_what_lies_deeper_is_named_by_its_path(scenario, field):
+    with pytest.raises(ScenarioError) as error:
+        scenario.validate()
+    assert error.value.field == field
+
+
+def test_numbers_of_every_kind_mean_the_same():
+    odd = Scenario(
+        duration=Fraction(1, 2),
+        seed=np.int64(3),
+        ground_friction=np.float32(0.5),
+        start=Start(position=np.array([1.0, 2.0]), yaw=np.float32(0.25)),
+        terrain=(Block(size=(1, 1, Fraction(1, 10)), friction=np.float16(0.5)),),
+    )
+    plain = Scenario(
+        duration=0.5,
+        seed=3,
+        ground_friction=0.5,
+        start=Start(position=[1.0, 2.0], yaw=0.25),
+        terrain=[Block(size=[1, 1, 0.1], friction=0.5)],
+    )
+    assert odd.validate() == plain
+    assert type(odd.start.yaw) is type(odd.ground_friction) is float
+    assert json.loads(json.dumps(vars(odd.start))) == vars(plain.start)
+
+
+def test_a_number_of_less_precision_is_not_the_same():
+    with pytest.raises(ScenarioError, match=r"physics_step: is 0\.001000000047"):
+        Scenario(physics_step=np.float32(0.001)).validate()
+
+
+def test_a_field_that_does_not_exist_is_noticed_in_python_too():
+    scenario = Scenario()
+    scenario.modle = "atlas"
+    with pytest.raises(ScenarioError, match=r"modle: .*Did you mean 'model'"):
+        scenario.validate()
+
+
+@pytest.mark.parametrize("field", ["position", "orientation", "joints", "mass"])
+@pytest.mark.parametrize("value", [-0.1, math.nan, math.inf, "much"])
+def test_jitter_is_checked_field_by_field(field, value):
+    scenario = Scenario()
+    setattr(scenario.jitter, field, value)
+    with pytest.raises(ScenarioError) as error:
+        scenario.validate()
+    assert error.value.field == f"jitter.{field}"
+    assert repr(value) in str(error.value)
+
+
+def test_no_link_can_lose_all_its_mass():
+    with pytest.raises(ScenarioError, match=r"jitter.mass: is 1.0; .*below 1"):
+        Scenario(jitter=Jitter(mass=1.0)).validate()
+
+
+@pytest.mark.parametrize(
+    ("text", "word"),
+    [
+        ("durration: 3.0\n", "durration: .*Did you mean 'duration'"),
+        ("jitter: {weight: 0.1}\n", r"jitter\.weight: .*position, orientation"),
+        ("duration: soon\n", "duration: is 'soon'; must be a number"),
+        ("duration: 5 s\n", "duration: is '5 s'; must be a number"),
+        ("start: {yaw: ninety}\n", r"start\.yaw: is 'ninety'"),
+        ("start: {harnessed: 1}\n", r"start\.harnessed: .*true or false"),
+        ("jitter: 0.02\n", "jitter: is 0.02; must be fields of a Jitter"),
+        ("terrain: [{sizes: [1, 1, 1]}]\n", r"terrain\[0\]\.sizes: .*'size'"),
+        ("terrain: [{size: [1, 1, high]}]\n", r"terrain\[0\]\.size\[2\]: is 'high'"),
+        ("", "file: must have fields of a scenario"),
+        ("duration: 1e308\n", "duration: is '1e308'; must be within"),
+        (f"ground_friction: 1{'0' * 400}\n", "ground_friction: .*within"),
+        (f"seed: 1{'0' * 5000}\n", "file"),
+        ("duration: [\n", "file"),
+        ("- duration\n", "file"),
+    ],
+)
+def test_a_file_that_is_no_scenario_is_refused(text, word, tmp_path):
+    with pytest.raises(ScenarioError, match=word) as error:
+        load(tmp_path, text)
+    assert str(tmp_path) in str(error.value)
+
+
+@pytest.mark.parametrize("text", ["1.0e-2", "1e-2", "0.01"])
+def test_a_number_may_be_written_in_any_way(text, tmp_path):
+    assert load(tmp_path, f"jitter: {{joints: {text}}}\n").jitter.joints == 0.01
+
+
+def test_a_file_that_is_missing_is_named(tmp_path):
+    with pytest.raises(ScenarioError, match="nowhere"):
+        load_scenario(tmp_path / "nowhere.yaml")
+
+
+def test_the_examples_are_found():
+    assert {path.stem for path in EXAMPLES} >= {"tutorial", "rough"}
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_the_examples_load_under_their_own_name(path):
+    assert load_scenario(path).name == path.stem

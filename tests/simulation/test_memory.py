@@ -1,0 +1,85 @@
+"""Memory: what is dropped is freed, and takes no port and no thread with it."""
+
+import gc
+import importlib
+import re
+import socket
+import weakref
+from pathlib import Path
+
+import pytest
+from pydrake.systems.framework import Diagram, LeafSystem
+
+from atlas_drake import AtlasSimulation, Scenario, Start
+from atlas_drake.app.viewer import start_meshcat
+from atlas_drake.systems.collectable_system import CollectableSystem
+
+PAGE = Path(__file__).parents[2] / "docs" / "memory.md"
+
+
+def parts_of(diagram):
+    """A diagram and all systems in it, also those of diagrams in it."""
+    yield diagram
+    for system in diagram.GetSystems():
+        yield from parts_of(system) if isinstance(system, Diagram) else [system]
+
+
+def threads_and_files():
+    """How many this process has, also those of Drake's, where Linux tells."""
+    folders = {name: Path("/proc/self") / name for name in ("task", "fd")}
+    return {n: len([*f.iterdir()]) for n, f in folders.items() if f.is_dir()}
+
+
+def test_a_simulation_that_is_dropped_is_freed_with_its_view_and_log(tmp_path):
+    def run():
+        meshcat = start_meshcat()
+        sim = AtlasSimulation(
+            Scenario(
+                physics_step=0.002,
+                control_period=0.004,
+                state="estimated",
+                initial_behavior="USER",
+                start=Start(harnessed=True),
+            ),
+            meshcat=meshcat,
+            log=tmp_path / "run.npz",
+        )
+        sim.advance(0.02)
+        parts = [sim, meshcat, sim.simulator, *parts_of(sim.diagram)]
+        names = [type(part).__name__ for part in parts]
+        return meshcat.port(), names, [weakref.ref(part) for part in parts]
+
+    gc.collect()
+    before = threads_and_files()
+    port, names, alive = run()
+    gc.collect()
+    left = [name for name, part in zip(names, alive, strict=True) if part()]
+    assert left == []
+    assert {"Harness", "StateEstimator", "BalanceMarks", "LogRecorder"} <= {*names}
+    for name, count in threads_and_files().items():
+        assert count <= before[name], name  # Of another test's, some may go as well.
+    with socket.socket() as free:
+        free.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        free.bind(("localhost", port))
+
+
+def test_every_system_of_this_package_can_be_freed():
+    for name in ("visualization.meshcat_view", "visualization.video_display"):
+        importlib.import_module(f"atlas_drake.{name}")
+    for name in ("log_player", "recorder"):
+        importlib.import_module(f"atlas_drake.logs.{name}")
+    ours = [
+        kind
+        for kind in LeafSystem.__subclasses__()
+        if kind.__module__.startswith("atlas_drake")
+    ]
+    assert ours == [CollectableSystem]
+    assert len(CollectableSystem.__subclasses__()) > 15
+    with pytest.raises(TypeError, match="__slots__"):
+        type("Forgetful", (CollectableSystem,), {})
+
+
+def test_the_examples_of_the_page_run(capsys):
+    for code in re.findall(r"```python\n(.*?)```", PAGE.read_text(), re.DOTALL):
+        exec(compile(code, str(PAGE), "exec"), {"__name__": "page"})
+    assert capsys.readouterr().out.split() in (["True"], ["False"])

@@ -1,0 +1,45 @@
+"""Real time: what the clock says when a simulation is to keep to it."""
+
+import time
+
+import pytest
+from pydrake.systems.analysis import Simulator
+from pydrake.systems.primitives import ConstantVectorSource
+
+from atlas_drake import AtlasSimulation, Scenario
+from atlas_drake.simulation.pace import SLACK, Pace
+
+
+def seconds(act):
+    begin = time.perf_counter()
+    act()
+    return time.perf_counter() - begin
+
+
+@pytest.fixture
+def paced():
+    """Advances a simulation of nothing at real time."""
+    simulator = Simulator(ConstantVectorSource([0.0]))
+    pace = Pace(simulator)
+    pace.set_rate(1.0)
+
+    def advance(span, pieces=10):
+        for _ in range(pieces):
+            pace.forget_lost_time()
+            simulator.AdvanceTo(simulator.get_context().get_time() + span / pieces)
+
+    return advance
+
+
+def test_what_is_waited_for_is_followed_by_no_rush(paced):
+    for _ in range(2):  # At the start, and between two commands.
+        time.sleep(0.3)
+        assert seconds(lambda: paced(0.3)) > 0.3 - 0.5 * SLACK
+
+
+def test_a_simulation_waits_at_its_start_and_between_advances():
+    sim = AtlasSimulation(Scenario(physics_step=0.002, control_period=0.004))
+    sim.set_realtime_rate(0.1)
+    for _ in range(2):
+        time.sleep(0.4)
+        assert seconds(lambda: sim.advance(0.04)) > 0.4 - SLACK

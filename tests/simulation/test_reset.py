@@ -1,0 +1,232 @@
+"""Falls, resets and the harness: how a run goes on, and how it begins."""
+
+import numpy as np
+import pytest
+from pydrake.multibody.plant import MultibodyPlant
+
+from atlas_drake import (
+    AtlasCommand,
+    AtlasSimInterfaceCommand,
+    AtlasSimulation,
+    Behavior,
+    BehaviorStatus,
+    InvalidMessageError,
+    Scenario,
+    ScenarioError,
+    Start,
+)
+from atlas_drake.control.joints.constrained_inertia import JointMobility
+from atlas_drake.control.joints.damping import LIMP_DAMPING, limp_effort
+from atlas_drake.robot import load_robot
+
+
+def asking(behavior, **fields):
+    command = AtlasSimInterfaceCommand(behavior=behavior)
+    for name, value in fields.items():
+        setattr(command, name, value)
+    return command
+
+
+def push_over(sim):
+    """Pushes the robot so that it falls, and lets it lie for a while."""
+    sim.apply_push("utorso", [400.0, 100.0, 0.0], 0.4)
+    sim.advance(3.0)
+    assert sim.has_fallen
+
+
+def flags(sim):
+    return sim.atlas_sim_interface_state.behavior_feedback.status_flags
+
+
+def touching(sim, but):
+    """Bodies that touch the world, but for those given."""
+    results = sim.output("contact_results")
+    world = sim.plant.world_body().name()
+    names = set()
+    for k in range(results.num_point_pair_contacts()):
+        info = results.point_pair_contact_info(k)
+        pair = {
+            sim.plant.get_body(index).name()
+            for index in (info.bodyA_index(), info.bodyB_index())
+        }
+        # A shin may well touch the other foot.
+        if world in pair:
+            names |= pair
+    return names - set(but) - {world}
+
+
+def test_limp_joints_are_only_braked():
+    v, limit = np.array([1.0, -2.0, 0.0, 1e6]), np.array([10.0, 20.0, 30.0, 40.0])
+    effort = limp_effort(v, limit)
+    assert (effort * v <= 0.0).all()
+    assert effort[2] == 0.0
+    assert effort[3] == -40.0
+
+
+@pytest.mark.parametrize("name", ["atlas", "atlas_v3"])
+def test_limp_damping_is_too_weak_to_shake_a_joint(name):
+    robot = load_robot(name)
+    mobility = JointMobility(robot)
+    context = mobility.create_context()
+    plant = MultibodyPlant(time_step=0.0)
+    robot.add_to(plant)
+    plant.Finalize()
+    q = plant.GetPositions(plant.CreateDefaultContext())
+    inertia = 1.0 / np.diag(mobility.evaluate(context, q, (False, False)))
+    damping = LIMP_DAMPING * robot.effort_limit
+    # Held over a control tick, it would overshoot from inertia / period on.
+    assert (damping * Scenario().control_period < 0.6 * inertia).all()
+
+
+@pytest.mark.slow
+def test_a_fall_is_noticed_before_the_ground_and_leaves_the_robot_limp():
+    sim = AtlasSimulation()
+    feet = [foot.body for foot in sim.robot.file.feet]
+    sim.advance(0.2)
+    sim.apply_push("utorso", [400.0, 100.0, 0.0], 0.4)
+    while not sim.has_fallen:
+        assert sim.time < 3.0
+        assert not touching(sim, feet)
+        sim.advance(0.02)
+    # It lies on the ground some time later, limp, and the simulation goes on.
+    sim.advance(4.0)
+    assert touching(sim, feet)
+    assert flags(sim) & BehaviorStatus.ERROR_FALLING
+    assert sim.summary()["fell"]
+    effort = np.abs(np.array(sim.atlas_state.effort)) / sim.robot.effort_limit
+    assert effort.max() < 0.05
+    assert np.abs(sim.atlas_state.velocity).max() < 0.5
+
+
+@pytest.mark.slow
+def test_a_reset_stands_a_fallen_robot_up_again():
+    sim = AtlasSimulation()
+    command = AtlasCommand(position=[0.4] * 28, kp_position=[7.0] * 28)
+    sim.publish(command)
+    sim.advance(0.1)
+    push_over(sim)
+    before = sim.time
+    sim.reset()
+    assert sim.time == before
+    assert not sim.has_fallen
+    assert sim.current_behavior is Behavior.STAND
+    # Nothing that was in force is, and the old message is not taken for a new one.
+    sim.advance(2.0)
+    np.testing.assert_array_equal(sim.atlas_state.kp_position, sim.robot.default_kp)
+    assert sim.pelvis_pose.translation()[2] > 0.8
+    assert np.abs(sim.atlas_state.velocity).max() < 0.05
+    assert not flags(sim) & BehaviorStatus.ERROR_FALLING
+    assert not sim.has_fallen
+    # The summary forgets nothing.
+    assert sim.summary()["fell"]
+    assert [event.kind for event in sim.events].count("reset") == 1
+    # And it takes commands as before.
+    sim.publish(asking("FREEZE"))
+    sim.advance(0.1)
+    assert sim.current_behavior is Behavior.FREEZE
+
+
+@pytest.mark.slow
+def test_a_reset_is_as_good_as_a_new_start():
+    fresh, again = AtlasSimulation(), AtlasSimulation()
+    again.publish(asking("USER"))
+    again.advance(0.5)
+    again.reset("STAND")
+    for sim in (fresh, again):
+        sim.advance(0.5)
+    np.testing.assert_allclose(
+        again.output("state"), fresh.output("state"), rtol=0.0, atol=1e-9
+    )
+
+
+@pytest.mark.parametrize("behavior", ["STAND", "freeze", Behavior.USER])
+def test_a_reset_puts_the_robot_where_it_is_asked_to(behavior):
+    sim = AtlasSimulation()
+    sim.advance(0.02)
+    sim.reset(behavior, Start(position=[2.0, -1.0], yaw=0.5))
+    X_WP = sim.pelvis_pose
+    np.testing.assert_allclose(X_WP.translation()[:2], [2.0, -1.0])
+    assert np.arctan2(*X_WP.rotation().matrix()[1::-1, 0]) == pytest.approx(0.5)
+    sim.advance(0.1)
+    assert (
+        sim.current_behavior
+        is Behavior[str(getattr(behavior, "name", behavior)).upper()]
+    )
+    share = 255 if behavior is Behavior.USER else 0
+    assert set(sim.atlas_state.k_effort) == {share}
+
+
+def test_a_reset_that_cannot_be_done_changes_nothing():
+    sim = AtlasSimulation()
+    sim.advance(0.02)
+    before = sim.output("state")
+    with pytest.raises(InvalidMessageError, match="behavior: is 'WALK'; must be"):
+        sim.reset("WALK")
+    with pytest.raises(ScenarioError, match=r"start.position: is \[1.0\]"):
+        sim.reset(pose=Start(position=[1.0]))
+    with pytest.raises(ScenarioError, match="needs a scenario that began in a harness"):
+        sim.reset("USER", Start(harnessed=True))
+    with pytest.raises(ScenarioError, match="there is no harness to release"):
+        sim.release()
+    np.testing.assert_array_equal(sim.output("state"), before)
+
+
+@pytest.mark.slow
+def test_a_harnessed_robot_hangs_until_it_is_released_and_then_stands():
+    sim = AtlasSimulation(
+        Scenario(initial_behavior="USER", start=Start(harnessed=True))
+    )
+    begin = sim.pelvis_pose.translation()
+    sim.advance(2.0)
+    np.testing.assert_allclose(sim.pelvis_pose.translation(), begin, atol=0.01)
+    assert not touching(sim, ())
+    assert not sim.has_fallen
+    sim.release()
+    sim.advance(2.5)
+    # The harness is off, and the feet carry the robot.
+    loads = sim.atlas_state.l_foot.force.z + sim.atlas_state.r_foot.force.z
+    assert loads == pytest.approx(sim.robot.mass * 9.81, rel=0.1)
+    sim.publish(asking("STAND", k_effort=[0] * 28))
+    sim.advance(2.0)
+    assert sim.current_behavior is Behavior.STAND
+    assert not sim.has_fallen
+    assert sim.pelvis_pose.translation()[2] > 0.8
+
+
+def test_the_harness_lets_go_by_itself_at_its_time():
+    start = Start(harnessed=True, release_time=0.05)
+    sim = AtlasSimulation(Scenario(initial_behavior="FREEZE", start=start))
+    sim.advance(0.1)
+    events = [event for event in sim.events if event.kind == "harness"]
+    assert [event.time for event in events] == [pytest.approx(0.05)]
+
+
+def test_after_a_reset_the_harness_waits_anew_and_only_if_it_holds():
+    start = Start(harnessed=True, release_time=0.05)
+    sim = AtlasSimulation(Scenario(initial_behavior="FREEZE", start=start))
+    sim.advance(0.1)
+    sim.reset()
+    sim.advance(0.1)
+    sim.reset("STAND", Start())
+    sim.advance(0.1)
+    events = [event for event in sim.events if event.kind == "harness"]
+    assert [event.time for event in events] == pytest.approx([0.05, 0.15])
+
+
+@pytest.mark.parametrize(
+    ("fields", "fault"),
+    [
+        ({"start": Start(harnessed=True)}, "initial_behavior: must be USER or FREEZE"),
+        ({"start": Start(release_time=1.0)}, "needs start.harnessed: true"),
+        (
+            {
+                "start": Start(harnessed=True, release_time=-1.0),
+                "initial_behavior": "USER",
+            },
+            "start.release_time: is -1.0",
+        ),
+    ],
+)
+def test_a_harness_that_cannot_be_is_refused(fields, fault):
+    with pytest.raises(ScenarioError, match=fault):
+        AtlasSimulation(Scenario(**fields))

@@ -1,0 +1,65 @@
+"""Threads that share a simulation: who comes when, and what is done for whom."""
+
+import threading
+
+import pytest
+
+from atlas_drake.simulation.turns import Turns
+
+
+def from_another_thread(call):
+    """What a call in a thread of its own returns."""
+    answers = []
+    thread = threading.Thread(target=lambda: answers.append(call()))
+    thread.start()
+    thread.join(10.0)
+    return answers[0]
+
+
+def test_what_is_left_is_done_in_order_before_the_lock_is_let_go():
+    turns, done = Turns(), []
+    with turns:
+        for number in range(3):
+            assert from_another_thread(
+                lambda n=number: turns.leave(lambda: done.append(n))
+            )
+        assert done == []
+    assert done == [0, 1, 2]
+    assert not turns.leave(done.clear)
+
+
+def test_who_leaves_task_after_task_keeps_nobody_from_going_on():
+    """Each task is followed by another, as from a thread that publishes in a loop."""
+    turns, done = Turns(), []
+
+    def task():
+        done.append(from_another_thread(lambda: turns.leave(task)))
+
+    with turns:
+        assert from_another_thread(lambda: turns.leave(task))
+    assert done == [False]
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, ValueError])
+def test_an_interrupted_task_takes_neither_the_lock_nor_the_other_tasks(error):
+    turns, done = Turns(), []
+
+    def interrupted():
+        raise error
+
+    def leave(task):
+        assert from_another_thread(lambda: turns.leave(task))
+
+    turns.__enter__()
+    leave(interrupted)
+    leave(lambda: done.append("after"))
+    with pytest.raises(error):
+        turns.__exit__()
+    assert done == []
+
+    def take():
+        with turns:
+            return True
+
+    assert from_another_thread(take)
+    assert done == ["after"]

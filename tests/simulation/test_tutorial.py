@@ -1,0 +1,151 @@
+"""The tutorial from end to end, and its behaviour part on the heavier robot."""
+
+import numpy as np
+import pytest
+
+from atlas_drake import AtlasSimulation, AtlasState, Behavior, Scenario
+from atlas_drake.robot import load_robot
+from atlas_drake.simulation.tutorial import (
+    DURATION,
+    FIRST_COMMAND,
+    USER_TARGETS,
+    control_mode_switch_programme,
+)
+from atlas_drake.systems.command_scheduler import Feedback
+
+BEFORE_WALK = FIRST_COMMAND + 7.0 - 0.01
+"""The user's joints have had two seconds [s]."""
+AFTER_WALK = FIRST_COMMAND + 13.0 - 0.01
+"""The walk is over, the last command not sent [s]."""
+LANDING_ERROR = 0.02
+"""[m]"""
+SETTLED = 0.05
+"""Farthest that a settled joint may be from where its gains let it [rad]."""
+
+LINES = [
+    "[USER] Going to stand prep position...",
+    "[USER] Warming up BDI stand...",
+    "[BDI] Standing...",
+    "[USER/BDI] Command neck and arms...",
+    "[USER/BDI] Walking...",
+    "[USER] Going to home position...",
+]
+
+
+def user_joint_errors(sim):
+    """How far the user's joints are from set-point less gravity droop [rad]."""
+    plant, state = sim.plant, sim.atlas_state
+    context = plant.CreateDefaultContext()
+    state_now = sim.diagram.GetOutputPort("state").Eval(sim.context)
+    plant.SetPositionsAndVelocities(context, state_now)
+    gravity = plant.CalcGravityGeneralizedForces(context)[sim.robot.indices(plant).v]
+    errors = {}
+    for name, target in USER_TARGETS.items():
+        joint = getattr(AtlasState, name)
+        assert state.k_effort[joint] == 255
+        droop = gravity[joint] / state.kp_position[joint]
+        errors[name] = abs(state.position[joint] - (target + droop))
+    return errors
+
+
+def assert_settled(sim):
+    errors = user_joint_errors(sim)
+    assert max(errors.values()) <= SETTLED, errors
+
+
+def assert_walked(sim):
+    steps = sim.footsteps
+    assert [(step["index"], step["foot"]) for step in steps] == [
+        (1, 0),
+        (2, 1),
+        (3, 0),
+        (4, 1),
+    ]
+    errors = [step["error_m"] for step in steps]
+    assert max(errors) <= LANDING_ERROR, errors
+
+
+def assert_stands_ahead_of(sim, start):
+    """Both feet half a metre ahead of where the pelvis was, the origin of the steps."""
+    feet = [pose.position for pose in sim.atlas_sim_interface_state.foot_pos_est]
+    for foot, side in zip(feet, (0.15, -0.15), strict=True):
+        expected = [start[0] + 0.5, start[1] + side, 0.0]
+        np.testing.assert_allclose(foot.to_array(), expected, atol=0.025)
+    height = sim.pelvis_pose.translation()[2]
+    assert height == pytest.approx(start[2], abs=0.03)
+
+
+def changes(sim):
+    return [event.text for event in sim.events if event.kind == "behavior"]
+
+
+def assert_upright(sim):
+    summary = sim.summary()
+    assert not summary["fell"]
+    assert summary["success"]
+    assert summary["max_pelvis_tilt_rad"] < 0.3
+    # No step down, no joint driven beyond its motor.
+    assert summary["min_pelvis_height"] > 0.7
+    assert max(summary["peak_effort_fraction"].values()) <= 1.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("physics_step", [0.001, 0.002])
+def test_the_whole_tutorial(physics_step):
+    sim = AtlasSimulation(Scenario(programme="tutorial", physics_step=physics_step))
+    sim.advance_to(BEFORE_WALK)
+    assert sim.current_behavior is Behavior.STAND
+    assert_settled(sim)
+    start = sim.pelvis_pose.translation()
+    sim.advance_to(AFTER_WALK)
+    assert sim.current_behavior is Behavior.STAND
+    assert_settled(sim)
+    assert_stands_ahead_of(sim, start)
+    sim.advance_to(DURATION)
+    assert_walked(sim)
+    assert_upright(sim)
+    commands = [event for event in sim.events if event.kind == "command"]
+    assert [event.text for event in commands] == LINES
+    assert [event.time for event in commands] == [2.0, 4.0, 5.0, 7.0, 9.0, 15.0]
+    assert changes(sim) == [
+        "STAND -> STAND_PREP",
+        "STAND_PREP -> STAND",
+        "STAND -> WALK",
+        "WALK -> STAND (by itself)",
+    ]
+    # In the end all joints are the user's, on their way to zero.
+    assert list(sim.atlas_state.k_effort) == [255] * 28
+
+
+def test_literally_the_arm_command_brings_no_velocity_gains():
+    robot = load_robot()
+    arms = [
+        control_mode_switch_programme(robot, literal=literal)[3].command
+        for literal in (False, True)
+    ]
+    assert list(arms[0].kp_velocity) == [50.0] * 28
+    assert list(arms[1].kp_velocity) == []
+    assert list(arms[0].kp_position) == list(arms[1].kp_position)
+
+
+@pytest.mark.slow
+def test_stand_arms_and_walk_on_the_heavier_robot():
+    sim = AtlasSimulation(Scenario(model="atlas_v3", physics_step=0.002))
+    programme = control_mode_switch_programme(sim.robot)
+    arms, walk = programme[3].command, programme[4].command
+    sim.advance_to(1.0)
+    sim.publish(arms)
+    sim.advance(2.0)
+    assert_settled(sim)
+    start = sim.pelvis_pose.translation()
+    feedback = Feedback(
+        sim.time, sim.atlas_state, sim.atlas_sim_interface_state, sim.imu
+    )
+    sim.publish(walk(feedback))
+    sim.advance(6.0)
+    assert sim.current_behavior is Behavior.STAND
+    assert changes(sim) == ["STAND -> WALK", "WALK -> STAND (by itself)"]
+    assert_settled(sim)
+    assert_walked(sim)
+    assert_upright(sim)
+    assert_stands_ahead_of(sim, start)
