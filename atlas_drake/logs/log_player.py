@@ -19,8 +19,8 @@ from atlas_drake.messages import (
     AtlasSimInterfaceCommand,
     AtlasSimInterfaceState,
     Behavior,
-    behavior_from,
 )
+from atlas_drake.messages.behavior_catalog import SHIPPED
 from atlas_drake.messages.commands import (
     BehaviorRequest,
     CommandsInForce,
@@ -180,6 +180,6 @@ def _requests(log: Log) -> dict[int, BehaviorRequest]:
         number = int(numbers[row])
         # A refused command leaves the number as it was.
         if number > (int(numbers[row - 1]) if row else 0):
-            behavior = behavior_from(message.behavior)
+            behavior = SHIPPED.find(message.behavior)
             requests[number] = BehaviorRequest(behavior, message.snapshot(), number)
     return requests

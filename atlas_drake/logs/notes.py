@@ -16,6 +16,7 @@ import numpy as np
 from atlas_drake.errors import AtlasError, shown
 from atlas_drake.logs.layout import Layout
 from atlas_drake.messages import AtlasCommand, AtlasSimInterfaceCommand, Message
+from atlas_drake.messages.base import is_record
 from atlas_drake.messages.controller_status import PlannedPaths
 from atlas_drake.messages.event import Event
 from atlas_drake.messages.numeric import is_whole
@@ -192,10 +193,10 @@ def to_plain(value: Any, path: tuple[int, ...] = ()) -> Any:
     if id(value) in path or len(path) == DEEPEST:
         return "..."
     within = (*path, id(value))
-    if isinstance(value, Message):
+    if isinstance(value, Message) or is_record(value):
         return {
             field.name: to_plain(getattr(value, field.name), within)
-            for field in fields(value)  # type: ignore[arg-type]
+            for field in fields(value)
         }
     if isinstance(value, Mapping):
         return {str(key): to_plain(item, within) for key, item in value.items()}

@@ -12,7 +12,8 @@ import numpy as np
 from pydrake.common.yaml import yaml_load, yaml_load_typed
 
 from atlas_drake.errors import InvalidMessageError, ScenarioError, shown
-from atlas_drake.messages import Behavior, behavior_from
+from atlas_drake.messages import Behavior
+from atlas_drake.messages.behavior_catalog import SHIPPED
 from atlas_drake.robot import DEFAULT_ROBOT, available_robots
 from atlas_drake.scenario.kinds import check_kinds, make_plain
 from atlas_drake.scenario.noise import NOISE_MODELS
@@ -233,7 +234,7 @@ def starting_behavior(value: object, name: str) -> Behavior:
     Raises:
         InvalidMessageError: If there is no such behaviour, or none can begin with it.
     """
-    behavior = behavior_from(value, name)
+    behavior = SHIPPED.find(value, name)
     allowed = (Behavior.STAND, Behavior.STAND_PREP, Behavior.USER, Behavior.FREEZE)
     if behavior not in allowed:
         names = ", ".join(b.name for b in allowed)
