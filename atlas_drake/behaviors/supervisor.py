@@ -114,7 +114,7 @@ class Supervisor:
         freeze = Freeze(balance)
         stand = Stand(balance, nominal_height, rates)
         stand_on_a_leg = StanceGuard(stand, freeze, balance)
-        manipulate = Manipulate(balance, PelvisReach(model), nominal_height, rates)
+        manipulate = Manipulate(balance, PelvisReach(robot), nominal_height, rates)
         idle = Idle()
         self._balance = balance
         self._entry_limits = EntryLimits()

@@ -17,7 +17,7 @@ from atlas_drake.behaviors.base import Event
 from atlas_drake.errors import AtlasError, shown
 from atlas_drake.logs.layout import Layout
 from atlas_drake.messages import AtlasCommand, AtlasSimInterfaceCommand, Message
-from atlas_drake.messages.numeric import is_whole
+from atlas_drake.numeric import is_whole
 
 FORMAT, VERSION = "atlas_drake log", 1
 COMMANDS: dict[str, type[Message]] = {
@@ -53,7 +53,7 @@ class Header:
     """What there is to know about a log as a whole.
 
     Attributes:
-        model: Name of the robot.
+        model: Name of the robot, or the path of its file.
         control_period: Time between rows [s].
         scenario: The scenario as YAML.
         layout: Of the rows.

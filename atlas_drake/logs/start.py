@@ -31,5 +31,5 @@ def start_recorder(
     """
     sampler = RowSampler(robot)
     period = scenario.control_period
-    header = Header(robot.name, period, yaml_dump_typed(scenario), sampler.layout)
+    header = Header(robot.model, period, yaml_dump_typed(scenario), sampler.layout)
     return LogRecorder(sampler, LogFile(path, header), period, tick_seconds)

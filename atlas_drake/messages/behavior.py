@@ -6,7 +6,7 @@ What a behavior does, and from which other it may follow, is not decided here.
 from enum import IntEnum
 
 from atlas_drake.errors import ErrorCode, InvalidMessageError, did_you_mean, shown
-from atlas_drake.messages.numeric import is_whole
+from atlas_drake.numeric import is_whole
 
 _WHOLE = tuple("bcdnoxX")
 """Types of format specifications that are for whole numbers."""

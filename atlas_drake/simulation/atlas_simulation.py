@@ -37,6 +37,7 @@ from atlas_drake.errors import (
     shown,
 )
 from atlas_drake.frozen import replace
+from atlas_drake.kinds import check_kinds, make_plain
 from atlas_drake.messages import (
     AtlasCommand,
     AtlasSimInterfaceCommand,
@@ -48,10 +49,9 @@ from atlas_drake.messages import (
 )
 from atlas_drake.messages.checks import check_number
 from atlas_drake.messages.commands import Command
-from atlas_drake.messages.numeric import as_float
+from atlas_drake.numeric import as_float
 from atlas_drake.robot import load_robot
 from atlas_drake.scenario import Scenario, Start
-from atlas_drake.scenario.kinds import check_kinds, make_plain
 from atlas_drake.scenario.noise import NOISE_MODELS
 from atlas_drake.scenario.scenario import starting_behavior
 from atlas_drake.simulation.drake_log import only_news
@@ -129,6 +129,7 @@ class AtlasSimulation:
         Raises:
             TypeError: If the scenario is none.
             ScenarioError: If the scenario has a value that cannot be used.
+            RobotDescriptionError: If the robot's files cannot be used.
             LogError: If the log cannot be written.
             VideoError: If the video cannot be made.
         """
@@ -139,6 +140,8 @@ class AtlasSimulation:
             )
         self.scenario = copy.deepcopy((scenario or Scenario()).validate())
         self.robot = load_robot(self.scenario.model)
+        # A path stays right wherever the program, or its log, goes on.
+        self.scenario.model = self.robot.model
         self._tick_seconds = array("d")
         self._turns = Turns()
         self._numbers = itertools.count(1)

@@ -98,7 +98,7 @@ class BehaviorController(CollectableSystem):
         self._model = WholeBodyModel(robot)
         self._pelvis = robot.indices(self._model.plant).pelvis
         self._qp = WholeBodyQp(robot, gains)
-        height = nominal_com_height(self._model) - gains.com_drop
+        height = nominal_com_height(self._model) - robot.file.com_drop
         self._supervisor = Supervisor(self._model, gains, height)
         self.tick_seconds: MutableSequence[float] | None = None
         """Wall-clock time of each tick, kept only when set to a list: a measurement of

@@ -21,11 +21,11 @@ from atlas_drake.control.feet.footstep import (
     RIGHT,
     FootPose,
     Footstep,
-    StepLimits,
     StepSlack,
     outward,
 )
 from atlas_drake.control.rotations import rotation_z
+from atlas_drake.robot import StepLimits
 
 LIMITS, SLACK, TIMING = StepLimits(), StepSlack(), GaitTiming()
 HALF_WIDTH = 0.12

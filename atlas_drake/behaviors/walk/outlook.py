@@ -19,7 +19,6 @@ from atlas_drake.behaviors.walk.steps import feet_to_come
 from atlas_drake.control.feet.footstep import (
     FootPose,
     Footstep,
-    StepLimits,
     StepSlack,
     cleared,
     heading_error,
@@ -30,6 +29,7 @@ from atlas_drake.control.feet.footstep import (
 )
 from atlas_drake.frozen import replace
 from atlas_drake.messages import NUM_REQUIRED_WALK_STEPS
+from atlas_drake.robot import StepLimits
 
 LOOK_AHEAD = NUM_REQUIRED_WALK_STEPS
 """Steps that enter the plan."""

@@ -42,7 +42,6 @@ from atlas_drake.control.balance.step_adjustment import StepAdjustmentLimits, st
 from atlas_drake.control.feet.footstep import (
     LEFT,
     Footstep,
-    StepLimits,
     StepSlack,
     saturate,
 )
@@ -60,6 +59,7 @@ from atlas_drake.messages import (
     AtlasSimInterfaceCommand,
     AtlasSimInterfaceState,
 )
+from atlas_drake.planning.footholds import Gait
 
 _UPRIGHT = np.zeros(2)
 REACH = 0.04
@@ -76,7 +76,6 @@ class Walk:
         rates: BodyRates,
         *,
         timing: GaitTiming | None = None,
-        limits: StepLimits | None = None,
         slack: StepSlack | None = None,
         adjustment: StepAdjustmentLimits | None = None,
         profile: SwingProfile | None = None,
@@ -87,14 +86,17 @@ class Walk:
         self._nominal_height = nominal_height
         self._rates = rates
         self._timing = timing or GaitTiming()
-        self._limits = limits or StepLimits()
+        self._limits = balance.robot.file.walk_limits
         self._slack = slack or StepSlack()
         self._loose_limits = self._slack.loosen(self._limits)
         self._adjustment = adjustment or StepAdjustmentLimits()
         self._profile = profile or SwingProfile()
         self._rules = rules or WalkRules()
-        self._knees = [
-            balance.robot.joint_index(f"{side}_leg_kny") for side in ("l", "r")
+        self._gait = Gait.of(balance.robot)
+        legs = balance.robot.legs
+        self._knees = [leg.knee for leg in legs]
+        self._straight_knees = [
+            leg.straight + self._rules.straight_flexion for leg in legs
         ]
         self._touchdown_force = self._rules.touchdown_force * balance.weight
 
@@ -107,7 +109,7 @@ class Walk:
         """Begins to shift the weight to the first stance foot."""
         feet = (seen.foot_pose(0), seen.foot_pose(1))
         params = request.walk_params
-        pending = steps_asked_for((), params, feet, first_open=1)
+        pending = steps_asked_for((), params, feet, 1, self._gait)
         first = pending[0].index if pending else 1
         omega = feedback.pendulum_frequency(self._nominal_height)
         memory = WalkMemory(
@@ -225,6 +227,7 @@ class Walk:
             params,
             feet_to_come(memory),
             memory.next_index,
+            self._gait,
             memory.last_foot,
         )
         # A step that was sent anew is another one, which nothing was told of yet.
@@ -312,7 +315,7 @@ class Walk:
         """
         foot = memory.unloading
         return foot is not None and (
-            float(seen.terms.q[self._knees[foot]]) < self._rules.straight_knee
+            float(seen.terms.q[self._knees[foot]]) < self._straight_knees[foot]
         )
 
     def _lift_off(self, memory: WalkMemory, seen: Observation) -> WalkMemory:
