@@ -79,7 +79,7 @@ def _steer(
             paused = " (paused)" if session.paused else ""
             progress.update(sim.time, sim.current_behavior.name + paused)
             if sim.has_fallen and not fallen:
-                progress.say(f"{sim.robot.name} falls; r puts it back on its feet.")
+                progress.say("The robot falls; r puts it back on its feet.")
             fallen = sim.has_fallen
     except SimulationError as error:
         return str(error)

@@ -62,12 +62,16 @@ class ContactEntry:
     name: str = ""
     """By which tasks and behaviors ask for the contact."""
     frame: str = ""
-    """Centre of the surface; z points from the touched object into the robot, as a
-    sole's does."""
+    """Frame or body F of the URDF that the surface belongs to."""
+    p_FC: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
+    """Centre of the surface in F [m]."""
+    rpy_FC: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
+    """Roll, pitch and yaw of the contact frame C in F [rad]; z of C points from the
+    touched object into the robot, as a sole's does."""
     length: float = 0.0
-    """Of the contact rectangle along the frame's x [m]; 0 is a line or a point."""
+    """Of the contact rectangle along x of C [m]."""
     width: float = 0.0
-    """Of the contact rectangle along the frame's y [m]; 0 is a line or a point."""
+    """Of the contact rectangle along y of C [m]."""
 
 
 @dataclass
@@ -127,6 +131,28 @@ def quasi_static_limits() -> StepLimits:
         min_swing_height=0.0,
         max_swing_height=0.60,
     )
+
+
+@dataclass
+class GaitTiming:
+    """Durations of a walk's phases that a step's own duration does not give."""
+
+    first_shift: float = 0.80
+    """Weight shift before the first lift-off [s]."""
+    transfer_share: float = 0.32
+    """Share of a step's duration in double support [-]."""
+    settle: float = 0.70
+    """Shift to the middle of the feet after the last step [s]."""
+    rest: float = 0.50
+    """Time at rest before STAND takes over [s]."""
+
+    def transfer(self, duration: float) -> float:
+        """Double support before the lift-off of a step of this duration [s]."""
+        return self.transfer_share * duration
+
+    def swing(self, duration: float) -> float:
+        """Single support of a step of this duration [s]."""
+        return (1.0 - self.transfer_share) * duration
 
 
 @dataclass
@@ -205,6 +231,8 @@ class RobotFile:
     """What one step of a walk can be."""
     step_limits: StepLimits = field(default_factory=quasi_static_limits)
     """What one step of STEP can be."""
+    gait_timing: GaitTiming = field(default_factory=GaitTiming)
+    """Durations of a walk's phases."""
     usual_steps: UsualSteps = field(default_factory=UsualSteps)
     pelvis_range: PelvisRange = field(default_factory=PelvisRange)
 
@@ -234,6 +262,11 @@ def check_file(file: RobotFile) -> None:
     _check_least("stance_width", file.stance_width, above=0.0)
     _check_least("balance_effort", file.balance_effort)
     _check_order("", file, ("least_knee_flexion", "most_knee_flexion"))
+    for name, value in vars(file.gait_timing).items():
+        _check_least(f"gait_timing.{name}", value)
+    share = file.gait_timing.transfer_share
+    if not 0.0 < share < 1.0:
+        raise _wrong("gait_timing.transfer_share", share, "must be between 0 and 1")
     for name in ("walk_limits", "step_limits"):
         _check_limits(name, getattr(file, name))
     _check_usual(file)
@@ -302,8 +335,12 @@ def _check_contacts(contacts: Sequence[ContactEntry]) -> None:
                 raise _wrong(f"{where}.{name}", "", "is missing")
         if any(contact.name == other.name for other in contacts[:index]):
             raise _wrong(f"{where}.name", contact.name, "an earlier contact has it")
+        for name in ("p_FC", "rpy_FC"):
+            vector = getattr(contact, name)
+            if len(vector) != 3 or not all(map(math.isfinite, vector)):
+                raise _wrong(f"{where}.{name}", vector, "must be three numbers")
         for name in ("length", "width"):
-            _check_least(f"{where}.{name}", getattr(contact, name))
+            _check_least(f"{where}.{name}", getattr(contact, name), above=0.0)
 
 
 def _check_limits(path: str, limits: StepLimits) -> None:

@@ -15,8 +15,8 @@ from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
 
-from atlas_drake.errors import RobotDescriptionError
-from atlas_drake.robot.file import RobotFile
+from atlas_drake.errors import RobotDescriptionError, shown
+from atlas_drake.robot.file import ContactEntry, RobotFile
 from atlas_drake.robot.leg import Leg
 
 
@@ -138,6 +138,19 @@ class Robot:
             f"robot '{self.name}' has no joint '{name}'; it has "
             + ", ".join(self.joint_names),
         )
+
+    def contact(self, name: str) -> ContactEntry:
+        """The surface beside the soles that the robot's file calls so.
+
+        Raises:
+            RobotDescriptionError: If the file has no such contact.
+        """
+        for entry in self.file.contacts:
+            if entry.name == name:
+                return entry
+        known = ", ".join(entry.name for entry in self.file.contacts) or "none"
+        problem = f"robot '{self.name}' has no contact {shown(name)}; it has {known}"
+        raise RobotDescriptionError("contact", name, problem)
 
     @cached_property
     def urdf(self) -> Path:

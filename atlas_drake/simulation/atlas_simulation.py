@@ -62,7 +62,7 @@ from atlas_drake.simulation.start import Variation, draw_variation, scale_masses
 from atlas_drake.simulation.steady import steady_ticks
 from atlas_drake.simulation.summary import estimator_drift, make_summary
 from atlas_drake.simulation.turns import Turns
-from atlas_drake.simulation.tutorial import control_mode_switch_programme
+from atlas_drake.simulation.tutorial import scheduled_programme
 from atlas_drake.systems.command_interface import CommandInterface
 from atlas_drake.systems.command_scheduler import CommandScheduler
 from atlas_drake.visualization.overlays import Overlays
@@ -142,6 +142,7 @@ class AtlasSimulation:
         self.robot = load_robot(self.scenario.model)
         # A path stays right wherever the program, or its log, goes on.
         self.scenario.model = self.robot.model
+        self._programme = scheduled_programme(self.scenario, self.robot)
         self._tick_seconds = array("d")
         self._turns = Turns()
         self._numbers = itertools.count(1)
@@ -180,14 +181,9 @@ class AtlasSimulation:
             harnessed=self.scenario.start.harnessed,
             estimated=self.scenario.state == "estimated",
         )
-        programme = []
-        if self.scenario.programme != "none":
-            programme = control_mode_switch_programme(
-                self.robot, literal=self.scenario.programme == "tutorial_literal"
-            )
         self.diagram = make_control_mode_switch(
             self.robot,
-            programme,
+            self._programme,
             config,
             meshcat,
             overlays,

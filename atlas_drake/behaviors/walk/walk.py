@@ -21,7 +21,6 @@ from atlas_drake.behaviors.body_reference import (
 from atlas_drake.behaviors.footstep_event import footstep_event
 from atlas_drake.behaviors.step.queue import replaced, step_data_from
 from atlas_drake.behaviors.walk.gait import (
-    GaitTiming,
     begun_at,
     landing_sensitivity,
     plan_walk,
@@ -75,7 +74,6 @@ class Walk:
         nominal_height: float,
         rates: BodyRates,
         *,
-        timing: GaitTiming | None = None,
         slack: StepSlack | None = None,
         adjustment: StepAdjustmentLimits | None = None,
         profile: SwingProfile | None = None,
@@ -85,7 +83,7 @@ class Walk:
         self._balance = balance
         self._nominal_height = nominal_height
         self._rates = rates
-        self._timing = timing or GaitTiming()
+        self._timing = balance.robot.file.gait_timing
         self._limits = balance.robot.file.walk_limits
         self._slack = slack or StepSlack()
         self._loose_limits = self._slack.loosen(self._limits)
@@ -324,7 +322,7 @@ class Walk:
         sent = next(s for s in memory.pending if s.index == step.index)
         # A tick that the transfer was too long is taken off the swing.
         late = min(max(memory.elapsed - memory.duration, 0.0), seen.dt)
-        duration = self._timing.swing(step) - late
+        duration = self._timing.swing(step.duration) - late
         memory = replace(
             memory,
             phase=Phase.SWING,
@@ -368,7 +366,7 @@ class Walk:
         if not coming:
             return self._settle(memory, cop), (event,)
         # The next touchdown is due a step's duration after this one was.
-        transfer = self._timing.transfer(coming[0])
+        transfer = self._timing.transfer(coming[0].duration)
         change = self._rules.transfer_change * transfer
         transfer += min(max(early, -change), change)
         memory = replace(memory, duration=transfer)
