@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from pydrake.math import RollPitchYaw
 from pydrake.multibody.plant import MultibodyPlant
 
 from atlas_drake.errors import AtlasError, RobotDescriptionError
@@ -313,7 +314,7 @@ FAULTS = {
         "pelvis_range.yaw: ",
     ),
     "no such contact": (
-        [("imu_frame", "contacts: [{name: fist, frame: fist}]\nimu_frame")],
+        [("frame: l_hand", "frame: fist")],
         [],
         r"contacts\[0\].frame: the URDF has no frame 'fist'",
     ),
@@ -348,6 +349,21 @@ def test_a_faulty_description_is_an_error_that_says_where(spoil, fault):
     with pytest.raises(RobotDescriptionError, match=message) as caught:
         load_robot(path)
     assert str(path) in str(caught.value)
+
+
+def test_a_contact_points_from_the_touched_object_into_the_robot(robot, plant):
+    context = plant.CreateDefaultContext()
+    for side, outward in (("l", 1.0), ("r", -1.0)):
+        entry = robot.contact(f"{side}_hand")
+        center = plant.GetBodyByName(entry.frame).CalcCenterOfMassInBodyFrame(context)
+        R_FC = RollPitchYaw(entry.rpy_FC).ToRotationMatrix()
+        inward = R_FC.matrix()[:, 2]
+        assert inward @ (center - entry.p_FC) > 0.1
+        # The tip of the capsule that stands for the hand.
+        np.testing.assert_allclose(inward, [0.0, -outward, 0.0], atol=1e-5)
+        assert entry.p_FC == [0.0, outward * 0.21, 0.005]
+    with pytest.raises(RobotDescriptionError, match="no contact 'nose'; it has l_hand"):
+        robot.contact("nose")
 
 
 def test_defaults_are_filled_in(spoil):

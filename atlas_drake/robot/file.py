@@ -27,7 +27,7 @@ class JointEntry:
     """Second name by which users may ask for the joint; Atlas' joints have those of
     its first version."""
     limb: str = ""
-    """What the joint is part of, one of LIMBS."""
+    """What the joint is part of: back, neck, l_leg, r_leg, l_arm or r_arm."""
     kp: float = 0.0
     """Default position gain in force before any command [N·m/rad]."""
     kd: float = 0.0
@@ -41,6 +41,7 @@ class FootEntry:
     """One foot: its body and the frame in which footsteps are commanded."""
 
     body: str = ""
+    """Name in the URDF."""
     sole_frame: str = ""
     """Centre of the sole on its bottom plane, x ahead, z along the normal."""
 
@@ -83,13 +84,13 @@ class StepLimits:
     """
 
     forward: float = 0.42
-    """[m]"""
+    """Longest step ahead [m]."""
     backward: float = 0.32
-    """[m]"""
+    """Longest step back [m]."""
     min_width: float = 0.18
     """Nearest the feet come to each other sideways, centre to centre [m]."""
     max_width: float = 0.50
-    """[m]"""
+    """Farthest that the feet go from each other sideways, centre to centre [m]."""
     rise: float = 0.10
     """Largest step up or down [m]."""
     meant_rise: float = 0.40
@@ -98,24 +99,24 @@ class StepLimits:
     tilt: float = 0.30
     """Steepest ground to step on [rad]."""
     toe_out: float = 0.5
-    """[rad]"""
+    """Largest turn outward [rad]."""
     toe_in: float = 0.25
-    """[rad]"""
+    """Largest turn inward [rad]."""
     min_duration: float = 0.60
-    """[s]"""
+    """Shortest step [s]."""
     max_duration: float = 3.0
-    """Of a step from and to a place near the other foot [s]."""
+    """Longest step from and to a place near the other foot [s]."""
     near: float = 0.40
     """Feet no farther apart than this give a step all the time it wants [m]."""
     far: float = 0.60
-    """Feet this far apart or farther ... [m]"""
+    """Feet this far apart or farther give a step ``far_duration`` at most [m]."""
     far_duration: float = 1.0
-    """... give it this much: in more, the centre of mass would have to come over the
-    standing foot before the other leg is long enough to let it [s]."""
+    """Longest step with the feet far apart [s]: in more time the centre of mass would
+    have to come over the stance foot before the other leg is long enough."""
     min_swing_height: float = 0.03
-    """[m]"""
+    """Lowest apex of a swing above the middle of its ends [m]."""
     max_swing_height: float = 0.30
-    """[m]"""
+    """Highest apex of a swing above the middle of its ends [m]."""
 
 
 def quasi_static_limits() -> StepLimits:
@@ -162,11 +163,11 @@ class UsualSteps:
     stride: float = 0.20
     """From one footprint to the next [m]."""
     turn: float = 0.15
-    """Of each step when turning [rad]."""
+    """Turn of each step on a bend or on the spot [rad]."""
     duration: float = 0.63
-    """Of each step [s]."""
+    """Duration of each step [s]."""
     swing_height: float = 0.10
-    """[m]"""
+    """Apex of each swing above the middle of its ends [m]."""
 
 
 @dataclass
@@ -180,11 +181,11 @@ class PelvisRange:
     height: list[float] = field(default_factory=lambda: [0.55, 0.95])
     """Of the pelvis' origin above the mean of the soles [m]."""
     yaw: list[float] = field(default_factory=lambda: [-0.6, 0.6])
-    """[rad]"""
+    """Of the pelvis, from the mean heading of the feet, to the left [rad]."""
     pitch: list[float] = field(default_factory=lambda: [-0.3, 0.5])
-    """[rad]"""
+    """Of the pelvis, forward and down [rad]."""
     roll: list[float] = field(default_factory=lambda: [-0.3, 0.3])
-    """[rad]"""
+    """Of the pelvis, to the right [rad]."""
     com: list[float] = field(default_factory=lambda: [-0.5, 0.5])
     """Of the centre of mass along either axis [m]; the support polygon decides."""
 
@@ -206,6 +207,7 @@ class RobotFile:
     feet: list[FootEntry] = field(default_factory=list)
     """Left foot, right foot: the order of foot_index."""
     sole: SoleSize = field(default_factory=SoleSize)
+    """Contact rectangle of each sole."""
     contacts: list[ContactEntry] = field(default_factory=list)
     """Further surfaces that can carry load, such as hands."""
     pushed: list[str] = field(default_factory=list)
@@ -234,7 +236,9 @@ class RobotFile:
     gait_timing: GaitTiming = field(default_factory=GaitTiming)
     """Durations of a walk's phases."""
     usual_steps: UsualSteps = field(default_factory=UsualSteps)
+    """Steps of a walk for which nothing else is asked."""
     pelvis_range: PelvisRange = field(default_factory=PelvisRange)
+    """Poses of the pelvis that MANIPULATE may be asked for."""
 
 
 def check_file(file: RobotFile) -> None:

@@ -216,7 +216,9 @@ def _missing(
 def _check_base(plant: Any, instance: Any, file: RobotFile) -> Any:
     """Checks that the pelvis, and nothing else, is free in the world; returns it."""
     pelvis = plant.GetBodyByName(file.pelvis)
-    free = [plant.get_body(index).name() for index in plant.GetFloatingBaseBodies()]
+    free = sorted(
+        plant.get_body(index).name() for index in plant.GetFloatingBaseBodies()
+    )
     if free != [file.pelvis]:
         raise RobotDescriptionError(
             "pelvis",
