@@ -298,6 +298,12 @@ FAULTS = {
     "no such sole": ([("frame: l_sole", "frame: l_sol")], [], r"feet\[0\].*'l_sole'"),
     "one hand": ([("[l_hand, r_hand]", "[l_hand]")], [], "hands: "),
     "beyond its stops": ([("stand_prep: 0.5181", "stand_prep: 9")], [], "goes from"),
+    "toes down": ([("stand_prep: -0.2762", "stand_prep: 0")], [], "tilted by 0.28 rad"),
+    "leaning back": (
+        [("prep: -0.2333", "prep: -0.5333"), ("prep: -0.2762", "prep: 0.0238")],
+        [],
+        r"stand_prep: .*centre of mass is -0\.18\d m ahead",
+    ),
     "limits crossed": (
         [("imu_frame", "walk_limits: {min_width: 0.6}\nimu_frame")],
         [],

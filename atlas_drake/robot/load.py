@@ -1,12 +1,12 @@
 """Reads a robot: one that comes with the package by name, any other by its path.
 
-Checks that file and URDF belong together and that the controller can use the robot;
-everything wrong is refused here, with the file's name and what to do.
+Every error that a robot's files give rise to leaves here with the file's name. What is
+checked is in ``file``, ``fit`` and ``leg``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +14,6 @@ import numpy as np
 from pydrake.common.yaml import yaml_load, yaml_load_typed
 from pydrake.geometry import SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import RevoluteJoint
 
 from atlas_drake.errors import (
     RobotDescriptionError,
@@ -24,6 +23,14 @@ from atlas_drake.errors import (
 )
 from atlas_drake.kinds import check_kinds, make_plain
 from atlas_drake.robot.file import RobotFile, check_file
+from atlas_drake.robot.fit import (
+    check_base,
+    check_joints,
+    check_limits,
+    check_names,
+    check_pose,
+    check_stance,
+)
 from atlas_drake.robot.leg import read_legs
 from atlas_drake.robot.robot import Robot, add_urdf
 
@@ -102,17 +109,19 @@ def _load(path: Path, name: str | None) -> Robot:
     robot_name = name or path.stem
     plant = _parse(path.parent / file.urdf, robot_name)
     instance = plant.GetModelInstanceByName(robot_name)
-    _check_names(plant, instance, file)
-    pelvis = _check_base(plant, instance, file)
+    check_names(plant, instance, file)
+    pelvis = check_base(plant, instance, file)
     names = tuple(joint.name for joint in file.joints)
-    actuators = _check_joints(plant, names, file.urdf)
+    actuators = check_joints(plant, names, file.urdf)
     joints = [plant.GetJointByName(joint) for joint in names]
     lower = np.array([joint.position_lower_limits()[0] for joint in joints])
     upper = np.array([joint.position_upper_limits()[0] for joint in joints])
     velocity = np.array([joint.velocity_upper_limits()[0] for joint in joints])
     effort = np.array([actuators[joint].effort_limit() for joint in names])
-    _check_limits(names, lower, upper, velocity, effort)
-    _check_pose(file, lower, upper)
+    check_limits(names, lower, upper, velocity, effort)
+    check_pose(file, lower, upper)
+    legs = read_legs(plant, pelvis, file)
+    check_stance(plant, instance, file)
     return Robot(
         name=robot_name,
         path=path,
@@ -128,7 +137,7 @@ def _load(path: Path, name: str | None) -> Robot:
             plant.get_body(index).name() for index in plant.GetBodyIndices(instance)
         ),
         moved_links=tuple(str(joint.child_body().name()) for joint in joints),
-        legs=read_legs(plant, pelvis, file),
+        legs=legs,
     )
 
 
@@ -174,124 +183,3 @@ def _parse(urdf: Path, name: str) -> Any:
         ) from error
     plant.Finalize()
     return plant
-
-
-def _check_names(plant: Any, instance: Any, file: RobotFile) -> None:
-    """Checks that the URDF has every body and frame that the file names."""
-    named: list[tuple[str, str]] = [("pelvis", file.pelvis)]
-    for index, foot in enumerate(file.feet):
-        named.append((f"feet[{index}].body", foot.body))
-    named += [(f"hands[{index}]", hand) for index, hand in enumerate(file.hands)]
-    named += [(f"pushed[{index}]", body) for index, body in enumerate(file.pushed)]
-    for field, name in named:
-        if not plant.HasBodyNamed(name):
-            known = [
-                plant.get_body(index).name() for index in plant.GetBodyIndices(instance)
-            ]
-            raise _missing(field, name, "body", known)
-    frames = [("chest", file.chest), ("imu_frame", file.imu_frame)]
-    for index, foot in enumerate(file.feet):
-        frames.append((f"feet[{index}].sole_frame", foot.sole_frame))
-    for index, contact in enumerate(file.contacts):
-        frames.append((f"contacts[{index}].frame", contact.frame))
-    for field, name in frames:
-        if not plant.HasFrameNamed(name):
-            known = [
-                plant.get_frame(index).name()
-                for index in plant.GetFrameIndices(instance)
-            ]
-            raise _missing(field, name, "frame", known)
-
-
-def _missing(
-    field: str, name: str, kind: str, known: Iterable[str]
-) -> RobotDescriptionError:
-    known = [word for word in known if word]
-    hint = did_you_mean(name, known) or f" It has {', '.join(known)}."
-    return RobotDescriptionError(
-        field, name, f"the URDF has no {kind} {shown(name)}.{hint}"
-    )
-
-
-def _check_base(plant: Any, instance: Any, file: RobotFile) -> Any:
-    """Checks that the pelvis, and nothing else, is free in the world; returns it."""
-    pelvis = plant.GetBodyByName(file.pelvis)
-    free = sorted(
-        plant.get_body(index).name() for index in plant.GetFloatingBaseBodies()
-    )
-    if free != [file.pelvis]:
-        raise RobotDescriptionError(
-            "pelvis",
-            file.pelvis,
-            f"the URDF's bodies that are free in the world are {', '.join(free)}; the "
-            f"pelvis, {file.pelvis}, must be the root, and the only one",
-        )
-    return pelvis
-
-
-def _check_joints(plant: Any, names: tuple[str, ...], urdf: str) -> dict[str, Any]:
-    """Checks that file and URDF have the same joints; returns their actuators."""
-    actuators = {
-        plant.get_joint_actuator(index).joint().name(): plant.get_joint_actuator(index)
-        for index in plant.GetJointActuatorIndices()
-    }
-    if sorted(names) != sorted(actuators):
-        odd = sorted(set(names) ^ set(actuators))
-        raise RobotDescriptionError(
-            "joints",
-            odd,
-            f"the file and {urdf} name different actuated joints: {', '.join(odd)}; "
-            "list each joint that has a <transmission>, and no other",
-        )
-    for index in plant.GetJointIndices():
-        joint = plant.get_joint(index)
-        moves = joint.num_velocities() in range(1, 6)
-        if moves and joint.name() not in actuators:
-            raise RobotDescriptionError(
-                "joints",
-                joint.name(),
-                f"joint {joint.name()} of {urdf} moves without an actuator; give it a "
-                "<transmission>, or make it fixed",
-            )
-        if moves and not isinstance(joint, RevoluteJoint):
-            raise RobotDescriptionError(
-                "joints",
-                joint.name(),
-                f"joint {joint.name()} of {urdf} is {joint.type_name()}; must be "
-                "revolute: everything is commanded as an angle",
-            )
-    return actuators
-
-
-def _check_limits(
-    names: tuple[str, ...],
-    lower: np.ndarray,
-    upper: np.ndarray,
-    velocity: np.ndarray,
-    effort: np.ndarray,
-) -> None:
-    for what, values, low in (
-        ("lower position limit", lower, -np.inf),
-        ("upper position limit", upper, -np.inf),
-        ("velocity limit", velocity, 0.0),
-        ("effort limit", effort, 0.0),
-    ):
-        for name, value in zip(names, values.tolist(), strict=True):
-            if not (np.isfinite(value) and value > low):
-                raise RobotDescriptionError(
-                    "joints",
-                    value,
-                    f"joint {name} has the {what} {value}; the URDF must give a finite "
-                    f"one{'' if low < 0.0 else ' above 0'}",
-                )
-
-
-def _check_pose(file: RobotFile, lower: np.ndarray, upper: np.ndarray) -> None:
-    for index, joint in enumerate(file.joints):
-        if not lower[index] <= joint.stand_prep <= upper[index]:
-            raise RobotDescriptionError(
-                f"joints[{index}].stand_prep",
-                joint.stand_prep,
-                f"is {joint.stand_prep:g}; joint {joint.name} goes from "
-                f"{lower[index]:g} to {upper[index]:g} rad",
-            )
