@@ -168,16 +168,18 @@ def verdict(summary: dict[str, Any]) -> str:
         text = f"Failed: {summary['stopped']}."
     elif summary["fell"]:
         fall = first["fall"]
-        text = f"Failed: Atlas fell at {fall['time']:.1f} s: {fall['text']}."
+        text = f"Failed: the robot fell at {fall['time']:.1f} s: {fall['text']}."
     elif summary["success"]:
-        text = f"Success: Atlas is upright after {summary['sim_time']:.1f} s{steps}."
+        text = (
+            f"Success: the robot is upright after {summary['sim_time']:.1f} s{steps}."
+        )
     elif "refusal" in first:
         why = first["refusal"]["text"]
-        text = f"Failed: Atlas is upright but did not obey: {why}."
+        text = f"Failed: the robot is upright but did not obey: {why}."
     elif STEPS_LEFT in first:
-        text = f"Failed: Atlas is upright, but {first[STEPS_LEFT]['text']}."
+        text = f"Failed: the robot is upright, but {first[STEPS_LEFT]['text']}."
     else:
-        text = f"Failed: Atlas did not end upright{steps}."
+        text = f"Failed: the robot did not end upright{steps}."
     factor = summary["real_time_factor"]
     return text if factor is None else f"{text} Ran at {factor:.2f} x real time."
 

@@ -43,7 +43,7 @@ def _stand(tools: BehaviorTools, _config: Any) -> Any:
 
 
 def _manipulate(tools: BehaviorTools, _config: Any) -> Any:
-    reach = PelvisReach(tools.model)
+    reach = PelvisReach(tools.robot)
     return tools.guarded(
         Manipulate(tools.balance, reach, tools.nominal_height, tools.rates)
     )

@@ -122,12 +122,25 @@ class Log:
         """The robot that was simulated.
 
         Raises:
-            LogError: If this program does not know it.
+            LogError: If this program does not know it, its files have gone, or it has
+                other joints by now.
         """
         try:
-            return load_robot(self.header.model)
+            robot = load_robot(self.header.model)
         except RobotDescriptionError as error:
-            raise LogError(f"{self.path}: {error}") from error
+            raise LogError(
+                f"{self.path}: its robot cannot be loaded: {error}"
+            ) from error
+        for channel in self.header.layout.channels:
+            if (
+                channel.name == "joints.k_effort"
+                and channel.labels != robot.joint_names
+            ):
+                raise LogError(
+                    f"{self.path}: its robot, {self.header.model}, has other joints "
+                    "than when the log was recorded; bring back the file of then"
+                )
+        return robot
 
     @cached_property
     def scenario(self) -> Scenario:

@@ -25,7 +25,7 @@ from atlas_drake.messages.behavior_catalog import (
 )
 from atlas_drake.messages.controller_status import PlannedPaths
 from atlas_drake.messages.event import Event
-from atlas_drake.messages.numeric import is_whole
+from atlas_drake.numeric import is_whole
 
 FORMAT, VERSION = "atlas_drake log", 1
 SHOWN = ("name", "number", "caption", "color", "description")
@@ -67,7 +67,7 @@ class Header:
     """What there is to know about a log as a whole.
 
     Attributes:
-        model: Name of the robot.
+        model: Name of the robot, or the path of its file.
         control_period: Time between rows [s].
         scenario: The scenario as YAML.
         layout: Of the rows.

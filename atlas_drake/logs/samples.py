@@ -141,7 +141,9 @@ class RowSampler:
         self, scratch: Context, state: np.ndarray, contacts: ContactResults
     ) -> dict[str, np.ndarray]:
         """Contact on both hands, about their body origins."""
-        totals = np.array(contact_wrenches(contacts, self._hand_bodies))
+        totals = np.zeros((2, 6))
+        if self._hands:
+            totals[:] = contact_wrenches(contacts, self._hand_bodies)
         if totals.any():
             plant: Any = self._plant
             plant.SetPositionsAndVelocities(scratch, state)

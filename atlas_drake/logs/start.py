@@ -38,6 +38,6 @@ def start_recorder(
     sampler = RowSampler(robot)
     period = scenario.control_period
     header = Header(
-        robot.name, period, yaml_dump_typed(scenario), sampler.layout, tuple(behaviors)
+        robot.model, period, yaml_dump_typed(scenario), sampler.layout, tuple(behaviors)
     )
     return LogRecorder(sampler, LogFile(path, header), period, tick_seconds)

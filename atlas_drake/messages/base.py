@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from atlas_drake.errors import did_you_mean
 from atlas_drake.frozen import NOTHING
-from atlas_drake.messages.numeric import plain_number
+from atlas_drake.numeric import plain_number
 
 if TYPE_CHECKING:
     from typing import Self

@@ -35,7 +35,7 @@ from atlas_drake.messages.behavior_validation import (
     check_walk_params,
 )
 from atlas_drake.messages.checks import check_kind
-from atlas_drake.messages.numeric import is_whole
+from atlas_drake.numeric import is_whole
 
 FIRST_NUMBER = 100
 """Lowest number that a behavior of one's own may have; those below are the original

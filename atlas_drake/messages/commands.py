@@ -25,8 +25,8 @@ from atlas_drake.messages import (
 from atlas_drake.messages.base import frozen, is_new
 from atlas_drake.messages.behavior_catalog import SHIPPED, BehaviorCatalog
 from atlas_drake.messages.joint_command import JOINT_FIELDS, JointCommand
-from atlas_drake.messages.numeric import as_float
 from atlas_drake.messages.recent import append_recent, items_since
+from atlas_drake.numeric import as_float
 from atlas_drake.robot import Robot
 
 _log = logging.getLogger(__name__)

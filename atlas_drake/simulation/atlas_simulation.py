@@ -39,6 +39,7 @@ from atlas_drake.errors import (
     shown,
 )
 from atlas_drake.frozen import replace
+from atlas_drake.kinds import check_kinds, make_plain
 from atlas_drake.messages import (
     AtlasCommand,
     AtlasSimInterfaceCommand,
@@ -52,10 +53,9 @@ from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.messages.checks import check_number
 from atlas_drake.messages.commands import Command
 from atlas_drake.messages.event import Event
-from atlas_drake.messages.numeric import as_float
+from atlas_drake.numeric import as_float
 from atlas_drake.robot import load_robot
 from atlas_drake.scenario import Scenario, Start
-from atlas_drake.scenario.kinds import check_kinds, make_plain
 from atlas_drake.scenario.noise import NOISE_MODELS
 from atlas_drake.scenario.scenario import starting_behavior
 from atlas_drake.simulation.drake_log import only_news
@@ -67,7 +67,7 @@ from atlas_drake.simulation.start import Variation, draw_variation, scale_masses
 from atlas_drake.simulation.steady import steady_ticks
 from atlas_drake.simulation.summary import estimator_drift, make_summary
 from atlas_drake.simulation.turns import Turns
-from atlas_drake.simulation.tutorial import control_mode_switch_programme
+from atlas_drake.simulation.tutorial import scheduled_programme
 from atlas_drake.systems.command_interface import CommandInterface
 from atlas_drake.systems.command_scheduler import CommandScheduler
 from atlas_drake.visualization.overlays import Overlays
@@ -146,6 +146,7 @@ class AtlasSimulation:
         Raises:
             TypeError: If the scenario is none.
             ScenarioError: If the scenario has a value that cannot be used.
+            RobotDescriptionError: If the robot's files cannot be used.
             LogError: If the log cannot be written.
             VideoError: If the video cannot be made.
             ControllerError: If the controller does not fit the station.
@@ -160,6 +161,9 @@ class AtlasSimulation:
         self.robot = load_robot(self.scenario.model)
         self._own_behaviors = tuple(behaviors)
         self.behaviors = BehaviorCatalog((*SHIPPED_ENTRIES, *self._own_behaviors))
+        # A path stays right wherever the program, or its log, goes on.
+        self.scenario.model = self.robot.model
+        self._programme = scheduled_programme(self.scenario, self.robot)
         self._tick_seconds = array("d")
         self._turns = Turns()
         self._numbers = itertools.count(1)
@@ -200,14 +204,9 @@ class AtlasSimulation:
             harnessed=self.scenario.start.harnessed,
             estimated=self.scenario.state == "estimated",
         )
-        programme = []
-        if self.scenario.programme != "none":
-            programme = control_mode_switch_programme(
-                self.robot, literal=self.scenario.programme == "tutorial_literal"
-            )
         self.diagram = make_control_mode_switch(
             self.robot,
-            programme,
+            self._programme,
             config,
             meshcat,
             overlays,
