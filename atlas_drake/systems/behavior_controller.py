@@ -23,13 +23,11 @@ from atlas_drake.behaviors.supervisor import Supervisor, SupervisorState
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.control.joints.blend import behavior_share, effort_bounds
 from atlas_drake.control.joints.damping import limp_effort
-from atlas_drake.control.whole_body.command import EffortBounds, WholeBodyCommand
-from atlas_drake.control.whole_body.model import (
-    WholeBodyModel,
-    WholeBodyTerms,
-    nominal_com_height,
-)
+from atlas_drake.control.whole_body.command import WholeBodyCommand
+from atlas_drake.control.whole_body.constraints import EffortBounds
+from atlas_drake.control.whole_body.model import WholeBodyModel, nominal_com_height
 from atlas_drake.control.whole_body.qp import WholeBodyQp, WholeBodySolution
+from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.errors import ErrorCode
 from atlas_drake.frozen import NOTHING, Frozen
 from atlas_drake.messages import (

@@ -17,7 +17,8 @@ from atlas_drake.control.feet.leg_kinematics import (
     solve_leg,
 )
 from atlas_drake.control.pelvis.pelvis_pose import PelvisPose, Stance
-from atlas_drake.control.whole_body.model import GRAVITY, WholeBodyModel, WholeBodyTerms
+from atlas_drake.control.whole_body.model import GRAVITY, WholeBodyModel
+from atlas_drake.control.whole_body.terms import WholeBodyTerms
 
 LEGS_COM = 0.5
 """Where the legs' own centre of mass lies on the way from ankles to pelvis [-]."""
