@@ -97,7 +97,8 @@ def _displace(
         """Least generalized velocity of that CoM motion, feet and pelvis' tilt kept."""
         terms = model.evaluate(scratch, state)
         upright = np.eye(3, len(order))
-        rows = np.vstack([terms.J[:12], terms.M[3:6] / robot.mass, upright])
+        feet = [foot.J_WF for foot in terms.feet]
+        rows = np.vstack([*feet, terms.M[3:6] / robot.mass, upright])
         wanted = np.concatenate([np.zeros(12), com_velocity, [0.0], np.zeros(3)])
         velocity = np.zeros(len(order))
         velocity[order] = np.linalg.lstsq(rows, wanted, rcond=None)[0]

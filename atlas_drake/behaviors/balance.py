@@ -6,6 +6,8 @@ nothing: where to put feet and centre of mass is each behaviour's business.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from atlas_drake.behaviors.base import Observation
@@ -15,19 +17,44 @@ from atlas_drake.control.balance.dcm_plan import DcmReference
 from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.feet.sole import sole_corners
+from atlas_drake.control.feet.sole_contact import sole_patches
 from atlas_drake.control.feet.swing_foot import SwingReference
 from atlas_drake.control.feet.toe_off import toe_corners
 from atlas_drake.control.gains import ControlGains
-from atlas_drake.control.whole_body.command import (
-    FootCommand,
-    Pressure,
-    WholeBodyCommand,
+from atlas_drake.control.whole_body.command import WholeBodyCommand
+from atlas_drake.control.whole_body.contact import Contact, ContactPatch
+from atlas_drake.control.whole_body.contact_tasks import (
+    ComTask,
+    InternalContactTask,
+    MomentTask,
 )
 from atlas_drake.control.whole_body.model import GRAVITY
+from atlas_drake.control.whole_body.tasks import (
+    FrameTask,
+    OrientationTask,
+    PostureTask,
+    Task,
+)
+from atlas_drake.control.whole_body.tracking import (
+    orientation_acceleration,
+    position_acceleration,
+)
 from atlas_drake.robot import Robot
 
 FULL_LOAD = 3.0
 """Largest normal force asked of one sole, in weights of the robot [-]."""
+
+
+class FootCommand(NamedTuple):
+    """What one foot shall do.
+
+    Attributes:
+        task: Motion of the sole.
+        contact: What the ground may push with; None for a foot in the air.
+    """
+
+    task: FrameTask
+    contact: Contact | None = None
 
 
 class Balance:
@@ -45,6 +72,23 @@ class Balance:
             np.where(back, gains.back_posture_weight, gains.arm_posture_weight),
         )
         self._back = np.flatnonzero(back)
+        self._frames = tuple(foot.sole_frame for foot in robot.file.feet)
+        self._patches = sole_patches(robot.file.sole, gains.contact)
+        self._soles = [self._contact(i, self._patches.whole, FULL_LOAD) for i in (0, 1)]
+        weights = gains.weights
+        self._stance_weight = np.full(6, weights.stance_foot)
+        self._swing_weight = np.repeat(
+            [weights.swing_foot_orientation, weights.swing_foot_position], 3
+        )
+        self._chest_weight = np.full(3, weights.chest_orientation)
+        self._pelvis_weight = np.full(3, weights.pelvis_orientation)
+        self._moment_weight = np.full(2, weights.moment)
+        self._com_weight = np.array([weights.com, weights.com, weights.com_height])
+        force = weights.internal_contact_force
+        self._internal = InternalContactTask(
+            (self._frames[0], self._frames[1]),
+            np.array([weights.internal_contact_moment, force, force]),
+        )
 
     def command(
         self,
@@ -58,7 +102,9 @@ class Balance:
         """The QP's command that tracks ``reference`` within ``support``."""
         terms, gains = seen.terms, self.gains
         cop = self.wanted_cop(seen, reference, omega, support)
-        base = np.array([*cop, terms.com[2] - GRAVITY / (omega * omega)])
+        # Enhanced centroidal moment pivot: g/ω² below the virtual repellent point.
+        x, y = cop.tolist()
+        p_WE = np.array([x, y, terms.com[2] - GRAVITY / (omega * omega)])
         com_acceleration = np.empty(3)
         com_acceleration[:2] = feedback.com_acceleration_for_cop(terms.com, cop, omega)
         com_acceleration[2] = feedback.height_acceleration(
@@ -70,24 +116,34 @@ class Balance:
             # pelvis must not be tilted to bring it upright.
             chest = np.zeros(3)
         else:
-            chest = feedback.orientation_acceleration(
-                body.R_WC,
-                turning,
-                terms.R_WC,
-                terms.w_WC,
-                gains.orientation,
+            chest = orientation_acceleration(
+                body.R_WC, turning, terms.R_WC, terms.w_WC, gains.orientation
             )
-        return WholeBodyCommand(
-            com_acceleration=com_acceleration,
-            pendulum_base=base,
-            pelvis_angular_acceleration=feedback.orientation_acceleration(
-                body.R_WP, turning, terms.R_WP, terms.V_WP[:3], gains.orientation
-            ),
-            chest_angular_acceleration=chest,
-            feet=feet,
-            joint_acceleration=self.posture(seen, body),
-            joint_weight=self._joint_weight,
+        pelvis = orientation_acceleration(
+            body.R_WP, turning, terms.R_WP, terms.V_WP[:3], gains.orientation
         )
+        file = self.robot.file
+        return self.on_feet(
+            feet,
+            PostureTask(self.posture(seen, body), self._joint_weight),
+            OrientationTask(file.chest, chest, self._chest_weight),
+            OrientationTask(file.pelvis, pelvis, self._pelvis_weight),
+            MomentTask(p_WE, self._moment_weight),
+            ComTask(com_acceleration, self._com_weight),
+        )
+
+    def on_feet(
+        self,
+        feet: tuple[FootCommand, FootCommand],
+        posture: PostureTask,
+        *tasks: Task,
+    ) -> WholeBodyCommand:
+        """The QP's command of two feet, a posture and further tasks."""
+        left, right = feet
+        contacts = tuple([foot.contact for foot in feet if foot.contact is not None])
+        if len(contacts) == len(feet):
+            tasks += (self._internal,)
+        return WholeBodyCommand(posture, (left.task, right.task, *tasks), contacts)
 
     def wanted_cop(
         self,
@@ -109,12 +165,8 @@ class Balance:
     def pressed(self, seen: Observation, foot: int, load: float) -> FootCommand:
         """A new foot, loaded by at least ``load`` weights so that it turns flat."""
         return FootCommand(
-            feedback.stance_acceleration(
-                seen.terms.feet[foot], self.gains.stance_foot_damping
-            ),
-            max_normal_force=FULL_LOAD * self.weight,
-            min_normal_force=load * self.weight,
-            pressure=Pressure.MIDDLE,
+            self._resting(seen, foot, self._stance_weight),
+            self._contact(foot, self._patches.middle, FULL_LOAD, load),
         )
 
     def planted(
@@ -122,50 +174,74 @@ class Balance:
     ) -> FootCommand:
         """A foot that stays where it is, loaded by at most ``max_load`` weights."""
         return FootCommand(
-            feedback.stance_acceleration(
-                seen.terms.feet[foot], self.gains.stance_foot_damping
-            ),
-            max_normal_force=max_load * self.weight,
+            self._resting(seen, foot, self._stance_weight),
+            self._soles[foot]
+            if max_load == FULL_LOAD
+            else self._contact(foot, self._patches.whole, max_load),
         )
 
     def hanging(self, seen: Observation, foot: int) -> FootCommand:
         """A foot in the air that is to stop moving."""
-        return FootCommand(
-            feedback.stance_acceleration(
-                seen.terms.feet[foot], self.gains.stance_foot_damping
-            ),
-            max_normal_force=0.0,
-        )
+        return FootCommand(self._resting(seen, foot, self._swing_weight))
 
     def swinging(
         self, seen: Observation, foot: int, reference: SwingReference
     ) -> FootCommand:
         """A foot in the air that follows ``reference``."""
+        return FootCommand(self._following(seen, foot, reference, self._swing_weight))
+
+    def toeing_off(
+        self, seen: Observation, foot: int, reference: SwingReference, max_load: float
+    ) -> FootCommand:
+        """A foot on its toes, whose heel follows ``reference``."""
+        return FootCommand(
+            self._following(seen, foot, reference, self._stance_weight),
+            self._contact(foot, self._patches.toes, max_load),
+        )
+
+    def _resting(self, seen: Observation, foot: int, weight: np.ndarray) -> FrameTask:
+        """The task that brings a sole to rest."""
+        acceleration = feedback.stance_acceleration(
+            seen.terms.feet[foot], self.gains.stance_foot_damping
+        )
+        return FrameTask(self._frames[foot], acceleration, weight)
+
+    def _following(
+        self,
+        seen: Observation,
+        foot: int,
+        reference: SwingReference,
+        weight: np.ndarray,
+    ) -> FrameTask:
+        """The task that moves a sole along ``reference``."""
         gains, terms = self.gains, seen.terms.feet[foot]
         acceleration = np.empty(6)
-        acceleration[:3] = reference.alpha_WF + feedback.orientation_acceleration(
+        acceleration[:3] = reference.alpha_WF + orientation_acceleration(
             reference.R_WF,
             reference.w_WF,
             terms.R_WF,
             terms.V_WF[:3],
             gains.swing_orientation,
         )
-        acceleration[3:] = (
-            reference.a_WF
-            + gains.swing_position.kp * (reference.p_WF - terms.p_WF)
-            + gains.swing_position.kd * (reference.v_WF - terms.V_WF[3:])
+        acceleration[3:] = reference.a_WF + position_acceleration(
+            reference.p_WF,
+            reference.v_WF,
+            terms.p_WF,
+            terms.V_WF[3:],
+            gains.swing_position,
         )
-        return FootCommand(acceleration, max_normal_force=0.0)
+        return FrameTask(self._frames[foot], acceleration, weight)
 
-    def toeing_off(
-        self, seen: Observation, foot: int, reference: SwingReference, max_load: float
-    ) -> FootCommand:
-        """A foot on its toes, whose heel follows ``reference``."""
-        in_air = self.swinging(seen, foot, reference)
-        return FootCommand(
-            in_air.acceleration,
+    def _contact(
+        self, foot: int, patch: ContactPatch, max_load: float, min_load: float = 0.0
+    ) -> Contact:
+        return Contact(
+            self._frames[foot],
+            patch,
             max_normal_force=max_load * self.weight,
-            pressure=Pressure.TOES,
+            min_normal_force=min_load * self.weight,
+            force_weight=self.gains.weights.contact_force,
+            moment_weight=self.gains.weights.contact_moment,
         )
 
     def toes(self, toeing: FootPose) -> SupportPolygon:

@@ -15,7 +15,7 @@ import numpy as np
 from atlas_drake.behaviors.body_reference import BodyReference
 from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.whole_body.command import WholeBodyCommand
-from atlas_drake.control.whole_body.model import WholeBodyTerms
+from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.messages import AtlasSimInterfaceCommand, AtlasSimInterfaceState
 from atlas_drake.messages.controller_status import Plan
 from atlas_drake.messages.event import Event

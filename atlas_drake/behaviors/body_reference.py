@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from atlas_drake.control.rotations import orientation, tilt_of, wrap_angle, yaw_of
-from atlas_drake.control.whole_body.model import WholeBodyTerms
+from atlas_drake.control.whole_body.terms import WholeBodyTerms
 
 EASING = 0.1
 """Time in which height and heading take up their speed, and lose it [s]."""

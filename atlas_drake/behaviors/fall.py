@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from atlas_drake.control.whole_body.model import WholeBodyTerms
+from atlas_drake.control.whole_body.terms import WholeBodyTerms
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ import numpy as np
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.base import Observation, Outcome
 from atlas_drake.behaviors.body_reference import BodyReference, capture_body
-from atlas_drake.control.whole_body.command import WholeBodyCommand
+from atlas_drake.control.whole_body.tasks import PostureTask
 from atlas_drake.messages import AtlasSimInterfaceCommand, AtlasSimInterfaceState
 from atlas_drake.messages.controller_status import Plan
 
@@ -61,24 +61,14 @@ class Freeze:
         joints = np.where(seen.user_held, seen.terms.q, memory.joints)
         gains = self._balance.gains.posture
         carrying = seen.foot_force > CONTACT_FORCE * self._balance.weight
-        feet = tuple(
+        left, right = (
             self._balance.planted(seen, foot)
             if carrying[foot]
             else self._balance.hanging(seen, foot)
             for foot in (0, 1)
         )
-        still = np.zeros(3)
-        command = WholeBodyCommand(
-            com_acceleration=still,
-            pendulum_base=still,
-            pelvis_angular_acceleration=still,
-            chest_angular_acceleration=still,
-            feet=feet,  # type: ignore[arg-type]
-            joint_acceleration=gains.kp * (joints - seen.terms.q)
-            - gains.kd * seen.terms.v,
-            joint_weight=self._weight,
-            balance=False,
-        )
+        still = gains.kp * (joints - seen.terms.q) - gains.kd * seen.terms.v
+        command = self._balance.on_feet((left, right), PostureTask(still, self._weight))
         return Outcome(memory=FreezeMemory(joints), body=body, command=command)
 
     def plan(self, memory: FreezeMemory, com: np.ndarray, omega: float) -> Plan:

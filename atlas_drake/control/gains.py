@@ -27,10 +27,11 @@ class QpWeights:
     com: float = 30.0
     """Centre of mass, horizontal, through the contact forces [1/(m/s²)²]."""
     com_height: float = 60.0
-    """Likewise its height [1/(m/s²)²]. Below the weight of the pendulum: where a knee
-    is at its limit, the robot gives up height before balance."""
-    pendulum: float = 70.0
-    """The ground's force passes through the centre of pressure that balance asks for
+    """Height of the center of mass [1/(m/s²)²]. Below the weight of the moment: where a
+    knee is at its limit, the robot gives up height before balance."""
+    moment: float = 70.0
+    """Moment of the contact forces about the enhanced centroidal moment pivot (eCMP):
+    their sum passes through the center of pressure that balance asks for
     [1/(m/s²)²]."""
     pelvis_orientation: float = 2.0
     """[1/(rad/s²)²]."""
@@ -46,11 +47,11 @@ class QpWeights:
     """Spreads the load over the feet [1/N²]."""
     contact_moment: float = 1e-4
     """Keeps the pressure near the soles' middles [1/(N·m)²]."""
-    opposed_force: float = 3e-5
+    internal_contact_force: float = 3e-5
     """Feet pushing against each other horizontally, per difference: enough to keep them
     from it where nothing is won, not where knees at their limit need it [1/N²]."""
-    opposed_twist: float = 1e-3
-    """Likewise about the vertical [1/(N·m)²]."""
+    internal_contact_moment: float = 1e-3
+    """Feet turning against each other about the vertical [1/(N·m)²]."""
 
 
 @dataclass(frozen=True)

@@ -27,14 +27,15 @@ from atlas_drake.control.balance.feedback import pendulum_frequency
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.control.joints.blend import behavior_share, effort_bounds
 from atlas_drake.control.joints.damping import limp_effort
-from atlas_drake.control.whole_body.command import EffortBounds, WholeBodyCommand
+from atlas_drake.control.whole_body.command import WholeBodyCommand
+from atlas_drake.control.whole_body.constraints import EffortBounds
 from atlas_drake.control.whole_body.model import (
     WholeBodyModel,
-    WholeBodyTerms,
     mean_sole_height,
     nominal_com_height,
 )
 from atlas_drake.control.whole_body.qp import WholeBodyQp, WholeBodySolution
+from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.frozen import NOTHING, Frozen
 from atlas_drake.messages import K_EFFORT_MAX, AtlasSimInterfaceState, Behavior
 from atlas_drake.messages.commands import CommandsInForce

@@ -17,7 +17,8 @@ from pydrake.systems.framework import Context
 
 from atlas_drake.control.balance.center_of_pressure import centre_of_pressure
 from atlas_drake.control.balance.feedback import dcm, pendulum_frequency
-from atlas_drake.control.whole_body.model import WholeBodyModel, WholeBodyTerms
+from atlas_drake.control.whole_body.model import WholeBodyModel
+from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.frozen import NOTHING
 from atlas_drake.messages.controller_status import Plan
 from atlas_drake.robot import Robot

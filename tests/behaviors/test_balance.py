@@ -43,6 +43,6 @@ def test_a_swinging_foot_is_pulled_to_its_reference(balance, observe):
     )
     command = balance.swinging(seen, 1, reference)
     expected = sooner + gains.kp * ahead + gains.kd * faster
-    np.testing.assert_allclose(command.acceleration[3:], expected)
-    np.testing.assert_allclose(command.acceleration[:3], 0.0, atol=1e-9)
-    assert command.max_normal_force == 0.0
+    np.testing.assert_allclose(command.task.target[3:], expected)
+    np.testing.assert_allclose(command.task.target[:3], 0.0, atol=1e-9)
+    assert command.contact is None

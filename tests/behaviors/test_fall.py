@@ -31,7 +31,7 @@ def tilted(terms, angle):
 def lowered(terms, height):
     """With the centre of mass at a height above the left sole [m], the lower one."""
     left, right = terms.feet
-    raised = dataclasses.replace(right, p_WF=left.p_WF + np.array([0.0, -0.2, 0.3]))
+    raised = right._replace(p_WF=left.p_WF + np.array([0.0, -0.2, 0.3]))
     com = np.array([*terms.com[:2], left.p_WF[2] + height])
     return dataclasses.replace(terms, com=com, feet=(left, raised))
 

@@ -144,8 +144,8 @@ def standing_still_at(memory, place, **fields):
 
 
 def commanded(step, memory, seen):
-    """Both feet's commands; the reference is held still for the look."""
-    return step._stance.command(memory, seen, capture_body(seen.terms)).feet
+    """Both feet's contacts; the reference is held still for the look."""
+    return step._stance.command(memory, seen, capture_body(seen.terms)).contacts
 
 
 @pytest.mark.parametrize("pressed", [LEFT, RIGHT])

@@ -199,7 +199,7 @@ def test_stand_takes_over_only_a_robot_that_it_can_hold(
 def test_the_dcm_is_that_of_a_pendulum_between_both_soles(model, observe):
     seen, balance = observe(speed=0.3), Balance(model.robot, ControlGains())
     left, right = seen.terms.feet
-    higher = dataclasses.replace(right, p_WF=right.p_WF + np.array([0.0, 0.0, 0.3]))
+    higher = right._replace(p_WF=right.p_WF + np.array([0.0, 0.0, 0.3]))
     terms = dataclasses.replace(seen.terms, feet=(left, higher))
     seen = dataclasses.replace(seen, terms=terms)
     height = terms.com[2] - 0.5 * (left.p_WF[2] + higher.p_WF[2])
@@ -265,7 +265,7 @@ def test_freeze_holds_the_joints_where_they_are(make, observe):
     robot = make(STAND)
     robot.ask(FREEZE)
     robot.tick(observe(joints={WRIST: 1.0}))
-    wanted = robot.command.joint_acceleration
+    wanted = robot.command.posture.target
     moving = WRIST_INDEX
     assert wanted[moving] < 0.0
     np.testing.assert_array_equal(np.delete(wanted, moving), np.zeros(27))

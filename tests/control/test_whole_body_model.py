@@ -8,6 +8,7 @@ import pytest
 from pydrake.multibody.tree import MultibodyForces
 
 from atlas_drake.control.whole_body.model import GRAVITY, nominal_com_height
+from atlas_drake.errors import RobotDescriptionError
 
 SEEDS = range(4)
 STEP = 1e-6
@@ -91,10 +92,51 @@ def test_foot_bias_is_the_rate_of_the_jacobian(model, state, terms, generalized,
 
 def test_chest_jacobian_and_bias(model, state, terms, generalized):
     angular = angular_velocity(model, state, generalized, lambda t: t.R_WC)
-    rate = derivative(model, state, generalized, lambda t: t.J[12:])
-    np.testing.assert_allclose(terms.J[12:] @ generalized, angular, atol=1e-6)
     np.testing.assert_allclose(terms.w_WC, angular, atol=1e-6)
-    np.testing.assert_allclose(terms.bias[12:], rate @ generalized, atol=1e-5)
+
+
+FRAMES = ("pelvis", "chest", "head", "l_hand", "r_farm", "r_sole")
+
+
+@pytest.mark.parametrize("name", FRAMES)
+def test_any_frame_by_its_name(model, state, terms, generalized, name):
+    file = model.robot.file
+    name = {"pelvis": file.pelvis, "chest": file.chest}.get(name, name)
+    frame = terms.frame(name)
+    linear = derivative(model, state, generalized, lambda t: t.frame(name).p_WF)
+    angular = angular_velocity(model, state, generalized, lambda t: t.frame(name).R_WF)
+    rate = derivative(model, state, generalized, lambda t: t.frame(name).J_WF)
+    np.testing.assert_allclose(frame.V_WF, [*angular, *linear], atol=1e-6)
+    np.testing.assert_allclose(frame.J_WF @ generalized, frame.V_WF, atol=1e-12)
+    np.testing.assert_allclose(frame.bias, rate @ generalized, atol=1e-5)
+
+
+@pytest.mark.parametrize("name", ["l_hand", "r_farm"])
+def test_any_frames_jacobian_column_by_column(model, state, terms, name):
+    for column in range(6 + model.robot.num_joints):
+        unit = np.zeros(6 + model.robot.num_joints)
+        unit[column] = 1.0
+        linear = derivative(model, state, unit, lambda t: t.frame(name).p_WF)
+        np.testing.assert_allclose(
+            terms.frame(name).J_WF[3:, column], linear, atol=1e-6, err_msg=str(column)
+        )
+
+
+def test_a_frame_is_computed_once_and_for_the_state_of_its_terms(model, random_state):
+    context = model.create_context()
+    terms = model.evaluate(context, random_state(0))
+    # The context goes on to another state before the frame is asked for.
+    model.evaluate(context, random_state(1))
+    hand = terms.frame("l_hand")
+    assert terms.frame("l_hand") is hand
+    fresh = model.evaluate(model.create_context(), random_state(0)).frame("l_hand")
+    for late, expected in zip(hand, fresh, strict=True):
+        np.testing.assert_array_equal(late, expected)
+
+
+def test_a_frame_that_the_robot_does_not_have_is_named(terms):
+    with pytest.raises(RobotDescriptionError, match=r"'l_hnad'.*'l_hand'"):
+        terms.frame("l_hnad")
 
 
 def test_pelvis_velocity_is_that_of_its_pose(model, state, terms, generalized):
@@ -183,7 +225,7 @@ def test_terms_do_not_depend_on_what_a_context_was_used_for(model, random_state)
     fresh = model.evaluate(model.create_context(), random_state(0))
     again = model.evaluate(context, random_state(0))
     for field in dataclasses.fields(first):
-        if field.name != "feet":
+        if field.name not in ("feet", "frames", "compute_frame"):
             for terms in (first, fresh, again):
                 np.testing.assert_array_equal(
                     getattr(terms, field.name), getattr(kept, field.name), field.name

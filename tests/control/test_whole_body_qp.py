@@ -5,16 +5,22 @@ import dataclasses
 import numpy as np
 import pytest
 
-from atlas_drake.control.gains import ControlGains, QpWeights
-from atlas_drake.control.whole_body.command import (
-    TOES,
+from atlas_drake.control.feet.sole_contact import MIDDLE, sole_patches
+from atlas_drake.control.feet.toe_off import TOES
+from atlas_drake.control.gains import ContactModel, ControlGains, QpWeights
+from atlas_drake.control.whole_body import (
+    ComTask,
+    Contact,
     EffortBounds,
-    FootCommand,
-    Pressure,
+    FrameTask,
+    InternalContactTask,
+    MomentTask,
+    OrientationTask,
+    PostureTask,
     WholeBodyCommand,
+    WholeBodyQp,
 )
 from atlas_drake.control.whole_body.model import GRAVITY
-from atlas_drake.control.whole_body.qp import MIDDLE, WholeBodyQp
 
 FEET = {"both": (0, 1), "left": (0,), "right": (1,), "none": ()}
 TOLERANCE = 1e-5
@@ -41,35 +47,85 @@ def bounds(robot):
     return EffortBounds(-limit, limit, np.zeros(robot.num_joints, dtype=bool))
 
 
-def command_for(robot, contacts, random=None, scale=1.0):
-    """A command with the given feet in contact: to rest, or at random."""
+WEIGHTS = QpWeights()
+
+
+def command_for(robot, contacts, random=None, scale=1.0, weights=WEIGHTS):
+    """A command with the given feet in contact: to rest, or at random.
+
+    Without a contact there is nothing to balance with, and the trunk is left alone.
+    """
 
     def wish(size):
         return np.zeros(size) if random is None else scale * random.normal(size=size)
 
+    frames = [foot.sole_frame for foot in robot.file.feet]
+    com, point, pelvis, chest = wish(3), 0.1 * wish(3), wish(3), wish(3)
+    swing = [weights.swing_foot_orientation] * 3 + [weights.swing_foot_position] * 3
+    tasks = [
+        FrameTask(
+            frame,
+            wish(6),
+            weights.stance_foot if foot in contacts else np.array(swing),
+        )
+        for foot, frame in enumerate(frames)
+    ]
+    if contacts:
+        force = weights.internal_contact_force
+        tasks += [
+            OrientationTask(robot.file.chest, chest, weights.chest_orientation),
+            OrientationTask(robot.file.pelvis, pelvis, weights.pelvis_orientation),
+            MomentTask(point, weights.moment),
+            ComTask(com, np.array([weights.com, weights.com, weights.com_height])),
+            InternalContactTask(
+                tuple(frames),
+                np.array([weights.internal_contact_moment, force, force]),
+            ),
+        ]
+    patch = sole_patches(robot.file.sole, ContactModel()).whole
     return WholeBodyCommand(
-        com_acceleration=wish(3),
-        pendulum_base=0.1 * wish(3),
-        pelvis_angular_acceleration=wish(3),
-        chest_angular_acceleration=wish(3),
-        feet=tuple(
-            FootCommand(wish(6), UNBOUNDED if foot in contacts else 0.0)
-            for foot in (0, 1)
-        ),
-        joint_acceleration=wish(robot.num_joints),
-        joint_weight=np.full(robot.num_joints, 0.05),
-        balance=bool(contacts),
+        posture=PostureTask(wish(robot.num_joints), np.full(robot.num_joints, 0.05)),
+        tasks=tuple(tasks),
+        contacts=tuple(Contact(frames[foot], patch, UNBOUNDED) for foot in contacts),
     )
+
+
+def with_target(command, kind, **changes):
+    """The command with its task of this kind changed."""
+    tasks = [
+        dataclasses.replace(task, **changes) if isinstance(task, kind) else task
+        for task in command.tasks
+    ]
+    return dataclasses.replace(command, tasks=tuple(tasks))
+
+
+def with_left_contact(command, **changes):
+    """The command with its first contact changed."""
+    first, *others = command.contacts
+    first = dataclasses.replace(first, **changes)
+    return dataclasses.replace(command, contacts=(first, *others))
+
+
+def wrenches_on(robot, solution):
+    """Wrenches on left and right sole, shape (2, 6); zero for a foot in the air."""
+    found = solution.contact_wrenches
+    names = [foot.sole_frame for foot in robot.file.feet]
+    return np.array([found.get(name, np.zeros(6)) for name in names])
+
+
+def point_below(terms, acceleration=(0.0, 0.0, 0.0)):
+    """Point at the height of the soles about which the acceleration has no moment."""
+    acceleration = np.array(acceleration)
+    point = np.array([*terms.com[:2], terms.feet[0].p_WF[2]])
+    point[:2] -= acceleration[:2] * (terms.com[2] - point[2]) / GRAVITY
+    return point
 
 
 def over_its_feet(command, terms, acceleration=(0.0, 0.0, 0.0)):
-    """The command with the pendulum's base where it gives the acceleration."""
-    acceleration = np.array(acceleration)
-    base = np.array([*terms.com[:2], terms.feet[0].p_WF[2]])
-    base[:2] -= acceleration[:2] * (terms.com[2] - base[2]) / GRAVITY
-    return dataclasses.replace(
-        command, com_acceleration=acceleration, pendulum_base=base
-    )
+    """The command with the forces' sum through the point for the acceleration."""
+    point = point_below(terms, acceleration)
+    command = with_target(command, ComTask, target=np.array(acceleration))
+    return with_target(command, MomentTask, p_WE=point)
 
 
 def moving(model, random_state, standing, seed):
@@ -91,8 +147,8 @@ def residual(terms, solution):
     rows without motors, so that the residual is in the joints' rows.
     """
     force = -terms.h
-    for foot, wrench in zip(terms.feet, solution.foot_wrenches, strict=True):
-        force = force + foot.J_WF.T @ wrench
+    for name, wrench in solution.contact_wrenches.items():
+        force = force + terms.frame(name).J_WF.T @ wrench
     force[6:] += solution.effort
     joints = solution.joint_acceleration
     pelvis = np.linalg.solve(terms.M[:6, :6], force[:6] - terms.M[:6, 6:] @ joints)
@@ -131,8 +187,8 @@ def test_wrenches_are_ones_that_the_ground_can_give(
         assert solution.found
         for foot in FEET[feet]:
             R_FW = terms.feet[foot].R_WF.T
-            moment = R_FW @ solution.foot_wrenches[foot, :3]
-            force = R_FW @ solution.foot_wrenches[foot, 3:]
+            moment = R_FW @ wrenches_on(robot, solution)[foot, :3]
+            force = R_FW @ wrenches_on(robot, solution)[foot, 3:]
             normal, slack = force[2], 1e-5
             assert normal >= -slack
             # The true friction cone; the program keeps to a pyramid inside it.
@@ -149,8 +205,8 @@ def test_wrenches_are_ones_that_the_ground_can_give(
 def test_a_foot_in_the_air_gets_no_wrench(robot, qp, bounds, standing, foot):
     solution = qp.solve(standing, command_for(robot, (1 - foot,)), bounds)
     assert solution.found
-    np.testing.assert_array_equal(solution.foot_wrenches[foot], 0.0)
-    assert solution.foot_wrenches[1 - foot, 5] > 0.0
+    np.testing.assert_array_equal(wrenches_on(robot, solution)[foot], 0.0)
+    assert wrenches_on(robot, solution)[1 - foot, 5] > 0.0
 
 
 def test_standing_still_takes_the_weight(robot, qp, bounds, standing):
@@ -158,10 +214,10 @@ def test_standing_still_takes_the_weight(robot, qp, bounds, standing):
     solution = qp.solve(standing, command, bounds)
     assert solution.found
     weight = robot.mass * GRAVITY
-    total = solution.foot_wrenches[:, 3:].sum(axis=0)
+    total = wrenches_on(robot, solution)[:, 3:].sum(axis=0)
     np.testing.assert_allclose(total, [0.0, 0.0, weight], atol=0.01 * weight)
     # The pose is the same on both sides up to rounding of its figures.
-    left, right = solution.foot_wrenches[:, 5]
+    left, right = wrenches_on(robot, solution)[:, 5]
     assert left == pytest.approx(right, rel=0.1)
     # The wrists start at their end stops, which they leave at once.
     trunk = robot.limb("back", "neck", "l_leg", "r_leg")
@@ -175,32 +231,34 @@ def test_centre_of_pressure_is_where_it_shall_be(robot, qp, bounds, standing, ah
     command = over_its_feet(command_for(robot, (0, 1)), standing, acceleration)
     solution = qp.solve(standing, command, bounds)
     moment = np.zeros(3)
-    for foot, wrench in zip(standing.feet, solution.foot_wrenches, strict=True):
+    for foot, wrench in zip(standing.feet, wrenches_on(robot, solution), strict=True):
         moment += wrench[:3] + np.cross(foot.p_WF, wrench[3:])
-    force = solution.foot_wrenches[:, 5].sum()
+    force = wrenches_on(robot, solution)[:, 5].sum()
     cop = np.array([-moment[1], moment[0]]) / force
-    np.testing.assert_allclose(cop, command.pendulum_base[:2], atol=0.01)
+    np.testing.assert_allclose(cop, point_below(standing, acceleration)[:2], atol=0.01)
 
 
 @pytest.mark.parametrize("aside", [(0.03, 0.0), (0.0, 0.03)])
 @pytest.mark.parametrize("raised", [0.0, 0.05])
-def test_the_force_of_the_ground_goes_through_the_pendulums_base(
-    robot, bounds, standing, aside, raised
+def test_the_sum_of_the_contact_forces_passes_through_the_point_of_the_moment_task(
+    robot, qp, bounds, standing, aside, raised
 ):
-    # Where the acceleration asked for is another than that which the base gives.
-    command = over_its_feet(command_for(robot, (0, 1)), standing)
-    base = command.pendulum_base + np.array([*aside, raised])
-    command = dataclasses.replace(command, pendulum_base=base)
+    # Where the acceleration asked for is another than the point gives.
+    point = point_below(standing) + np.array([*aside, raised])
 
     def moment(weights):
-        gains = dataclasses.replace(ControlGains(), weights=weights)
-        wrenches = WholeBodyQp(robot, gains).solve(standing, command, bounds)
+        command = command_for(robot, (0, 1), weights=weights)
+        command = over_its_feet(command, standing)
+        command = with_target(command, MomentTask, p_WE=point)
+        solution = qp.solve(standing, command, bounds)
         total = np.zeros(3)
-        for foot, wrench in zip(standing.feet, wrenches.foot_wrenches, strict=True):
-            total += wrench[:3] + np.cross(foot.p_WF - base, wrench[3:])
+        for foot, wrench in zip(
+            standing.feet, wrenches_on(robot, solution), strict=True
+        ):
+            total += wrench[:3] + np.cross(foot.p_WF - point, wrench[3:])
         return np.linalg.norm(total[:2])
 
-    with_it, without = moment(QpWeights()), moment(QpWeights(pendulum=0.0))
+    with_it, without = moment(QpWeights()), moment(QpWeights(moment=0.0))
     assert without > 0.02 * robot.mass * GRAVITY
     assert with_it < 0.5 * without
 
@@ -218,18 +276,18 @@ def test_feet_do_not_push_against_each_other_for_next_to_nothing(
         state[robot.indices(model.plant).q[robot.joint_index(name)]] += sign * roll
     terms = model.evaluate(model.create_context(), state)
     command = over_its_feet(command_for(robot, (0, 1)), terms, [-2.0, 0.0, 0.0])
-    left, right = qp.solve(terms, command, bounds).foot_wrenches
+    left, right = wrenches_on(robot, qp.solve(terms, command, bounds))
     assert abs(left[4] - right[4]) < 40.0
 
 
 @pytest.mark.parametrize("axis", range(3))
 def test_com_acceleration_asked_for_is_reached(robot, qp, bounds, standing, axis):
     command = over_its_feet(command_for(robot, (0, 1)), standing)
-    still = qp.solve(standing, command, bounds).foot_wrenches[:, 3:].sum(axis=0)
+    still = wrenches_on(robot, qp.solve(standing, command, bounds))[:, 3:].sum(axis=0)
     wanted = np.zeros(3)
     wanted[axis] = 0.1
     command = over_its_feet(command, standing, wanted)
-    pushed = qp.solve(standing, command, bounds).foot_wrenches[:, 3:].sum(axis=0)
+    pushed = wrenches_on(robot, qp.solve(standing, command, bounds))[:, 3:].sum(axis=0)
     gained = (pushed - still) / robot.mass
     np.testing.assert_allclose(gained, wanted, atol=0.03)
 
@@ -237,11 +295,11 @@ def test_com_acceleration_asked_for_is_reached(robot, qp, bounds, standing, axis
 def test_in_the_air_the_robot_falls_and_only_inner_forces_act(
     robot, qp, bounds, standing
 ):
-    falling = FootCommand(np.array([0.0, 0.0, 0.0, 0.0, 0.0, -GRAVITY]), 0.0)
-    command = dataclasses.replace(command_for(robot, ()), feet=(falling, falling))
+    falling = np.array([0.0, 0.0, 0.0, 0.0, 0.0, -GRAVITY])
+    command = with_target(command_for(robot, ()), FrameTask, target=falling)
     solution = qp.solve(standing, command, bounds)
     assert solution.found
-    np.testing.assert_array_equal(solution.foot_wrenches, 0.0)
+    np.testing.assert_array_equal(wrenches_on(robot, solution), 0.0)
     # A falling robot that keeps its pose needs no effort at all, but for the wrists,
     # which start at their end stops and leave them at once.
     still = robot.limb("back", "neck", "l_leg", "r_leg")
@@ -299,18 +357,14 @@ def test_effort_bounds_of_blended_joints_are_kept(robot, qp, bounds, standing):
 def test_normal_force_keeps_to_its_bounds(robot, qp, bounds, standing):
     command = over_its_feet(command_for(robot, (0, 1)), standing)
     share = 0.1 * robot.mass * GRAVITY
-    capped = dataclasses.replace(command.feet[0], max_normal_force=share)
-    solution = qp.solve(
-        standing, dataclasses.replace(command, feet=(capped, command.feet[1])), bounds
-    )
+    capped = with_left_contact(command, max_normal_force=share)
+    solution = qp.solve(standing, capped, bounds)
     assert solution.found
-    assert solution.foot_wrenches[0, 5] <= share + 1e-5
-    raised = dataclasses.replace(command.feet[0], min_normal_force=8.0 * share)
-    solution = qp.solve(
-        standing, dataclasses.replace(command, feet=(raised, command.feet[1])), bounds
-    )
+    assert wrenches_on(robot, solution)[0, 5] <= share + 1e-5
+    raised = with_left_contact(command, min_normal_force=8.0 * share)
+    solution = qp.solve(standing, raised, bounds)
     assert solution.found
-    assert solution.foot_wrenches[0, 5] >= 8.0 * share - 1e-5
+    assert wrenches_on(robot, solution)[0, 5] >= 8.0 * share - 1e-5
 
 
 def test_joints_beyond_their_limits_are_turned_back(model, robot, qp, bounds, standing):
@@ -323,7 +377,9 @@ def test_joints_beyond_their_limits_are_turned_back(model, robot, qp, bounds, st
     terms = model.evaluate(model.create_context(), state)
     wish = np.zeros(robot.num_joints)
     wish[knee] = 50.0
-    command = dataclasses.replace(command_for(robot, ()), joint_acceleration=wish)
+    command = command_for(robot, ())
+    posture = dataclasses.replace(command.posture, target=wish)
+    command = dataclasses.replace(command, posture=posture)
     solution = qp.solve(terms, command, bounds)
     assert solution.found
     assert solution.joint_acceleration[knee] < 0.0
@@ -340,23 +396,18 @@ def test_contradicting_bounds_still_give_finite_efforts(
     assert (np.abs(solution.effort) <= robot.effort_limit).all()
 
 
-def test_without_a_solution_the_efforts_carry_the_weight(robot, qp, bounds, standing):
-    command = command_for(robot, (0, 1))
-    impossible = dataclasses.replace(
-        command.feet[0], min_normal_force=2.0, max_normal_force=1.0
+def test_without_a_solution_the_efforts_compensate_gravity(robot, qp, bounds, standing):
+    impossible = with_left_contact(
+        command_for(robot, (0, 1)), min_normal_force=2.0, max_normal_force=1.0
     )
-    solution = qp.solve(
-        standing,
-        dataclasses.replace(command, feet=(impossible, command.feet[1])),
-        bounds,
-    )
+    solution = qp.solve(standing, impossible, bounds)
     assert not solution.found
     weight = robot.mass * GRAVITY
     np.testing.assert_allclose(
-        solution.foot_wrenches[:, 5], [weight / 2, weight / 2], rtol=1e-12
+        wrenches_on(robot, solution)[:, 5], [weight / 2, weight / 2], rtol=1e-12
     )
     expected = standing.h[6:].copy()
-    for foot, wrench in zip(standing.feet, solution.foot_wrenches, strict=True):
+    for foot, wrench in zip(standing.feet, wrenches_on(robot, solution), strict=True):
         expected -= foot.J_WF[:, 6:].T @ wrench
     np.testing.assert_allclose(solution.effort, expected, atol=1e-9)
 
@@ -373,27 +424,31 @@ def test_same_input_same_bits(model, robot, gains, qp, bounds, random_state, sta
     ):
         for field in dataclasses.fields(first):
             before, after = getattr(first, field.name), getattr(again, field.name)
+            if field.name == "contact_wrenches":
+                assert list(before) == list(after)
+                before, after = list(before.values()), list(after.values())
             assert np.asarray(before).tobytes() == np.asarray(after).tobytes()
 
 
 @pytest.mark.parametrize(
-    ("pressure", "low", "high"),
-    [(Pressure.MIDDLE, -MIDDLE, MIDDLE), (Pressure.TOES, 0.13 - TOES, 0.13)],
+    ("patch", "low", "high"),
+    [("middle", -MIDDLE, MIDDLE), ("toes", 0.13 - TOES, 0.13)],
 )
 def test_pressure_keeps_to_its_part_of_the_sole(
-    robot, qp, bounds, standing, pressure, low, high
+    robot, qp, bounds, standing, patch, low, high
 ):
     command = command_for(robot, (0, 1))
-    left, right = command.feet
-    left = dataclasses.replace(left, pressure=pressure, min_normal_force=80.0)
+    command = with_left_contact(
+        command,
+        patch=getattr(sole_patches(robot.file.sole, ContactModel()), patch),
+        min_normal_force=80.0,
+    )
     # Ahead and aside, so that the pressure runs to where it may.
     for acceleration in ([1.0, 0.5, 0.0], [-1.0, -0.5, 0.0]):
-        wanted = dataclasses.replace(
-            command, feet=(left, right), com_acceleration=np.array(acceleration)
-        )
+        wanted = with_target(command, ComTask, target=np.array(acceleration))
         solution = qp.solve(standing, wanted, bounds)
         assert solution.found
-        moment = standing.feet[0].R_WF.T @ solution.foot_wrenches[0, :3]
-        force = standing.feet[0].R_WF.T @ solution.foot_wrenches[0, 3:]
+        moment = standing.feet[0].R_WF.T @ wrenches_on(robot, solution)[0, :3]
+        force = standing.feet[0].R_WF.T @ wrenches_on(robot, solution)[0, 3:]
         assert force[2] >= 80.0 - TOLERANCE
         assert low - 1e-6 <= -moment[1] / force[2] <= high + 1e-6

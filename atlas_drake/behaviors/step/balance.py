@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from atlas_drake.behaviors.balance import FULL_LOAD, Balance
+from atlas_drake.behaviors.balance import FULL_LOAD, Balance, FootCommand
 from atlas_drake.behaviors.base import Observation
 from atlas_drake.behaviors.body_reference import BodyReference, BodyTarget
 from atlas_drake.behaviors.step.memory import StepMemory, StepPhase, StepRules
@@ -20,7 +20,7 @@ from atlas_drake.control.feet.leg_reach import highest_com
 from atlas_drake.control.feet.swing_foot import quintic_progress
 from atlas_drake.control.feet.toe_off import on_toes, toe_off_reference
 from atlas_drake.control.rotations import mean_yaw
-from atlas_drake.control.whole_body.command import FootCommand, WholeBodyCommand
+from atlas_drake.control.whole_body.command import WholeBodyCommand
 
 
 class StepBalance:

@@ -29,7 +29,7 @@ from atlas_drake.control.feet.leg_reach import (
 )
 from atlas_drake.control.feet.toe_off import on_toes
 from atlas_drake.control.rotations import rotation_z
-from atlas_drake.control.whole_body.model import WholeBodyTerms
+from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.frozen import replace
 from atlas_drake.messages import ToeOff
 from atlas_drake.robot import StepLimits

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from atlas_drake.behaviors.balance import FULL_LOAD, Balance
+from atlas_drake.behaviors.balance import FULL_LOAD, Balance, FootCommand
 from atlas_drake.behaviors.base import Observation, Outcome
 from atlas_drake.behaviors.body_reference import (
     BodyRates,
@@ -52,7 +52,6 @@ from atlas_drake.control.feet.swing_foot import (
     begin_swing,
 )
 from atlas_drake.control.rotations import mean_yaw
-from atlas_drake.control.whole_body.command import FootCommand
 from atlas_drake.frozen import replace
 from atlas_drake.messages import (
     AtlasBehaviorWalkFeedback,

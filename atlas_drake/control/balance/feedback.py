@@ -11,8 +11,8 @@ import math
 import numpy as np
 
 from atlas_drake.control.gains import PdGains
-from atlas_drake.control.rotations import rotation_error
-from atlas_drake.control.whole_body.model import GRAVITY, FootTerms, WholeBodyTerms
+from atlas_drake.control.whole_body.model import GRAVITY
+from atlas_drake.control.whole_body.terms import FrameTerms, WholeBodyTerms
 
 LEAST_HEIGHT = 0.3
 """A pendulum is taken to be at least this high, which keeps the frequency of a robot
@@ -59,17 +59,6 @@ def height_acceleration(
     )
 
 
-def orientation_acceleration(
-    R_WD: np.ndarray,
-    w_WD: np.ndarray,
-    R_WB: np.ndarray,
-    w_WB: np.ndarray,
-    gains: PdGains,
-) -> np.ndarray:
-    """Angular acceleration of B towards the orientation D in W [rad/s²]."""
-    return gains.kp * rotation_error(R_WD, R_WB) + gains.kd * (w_WD - w_WB)
-
-
-def stance_acceleration(foot: FootTerms, damping: float) -> np.ndarray:
+def stance_acceleration(foot: FrameTerms, damping: float) -> np.ndarray:
     """Spatial acceleration that brings a planted sole to rest, shape (6,)."""
     return -damping * foot.V_WF

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from atlas_drake.control.feet.footstep import FootPose
-from atlas_drake.control.whole_body.model import WholeBodyTerms
+from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.robot import Leg
 
 DEEPEST_SQUAT = 0.40

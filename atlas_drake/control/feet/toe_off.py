@@ -11,7 +11,9 @@ from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.feet.sole import sole_corners
 from atlas_drake.control.feet.swing_foot import SwingReference
 from atlas_drake.control.rotations import rotation_y
-from atlas_drake.control.whole_body.command import TOES
+
+TOES = 0.03
+"""Length of the strip at the front of a sole that bears a foot on its toes [m]."""
 
 
 def on_toes(flat: FootPose, angle: float, half_length: float) -> FootPose:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from atlas_drake.control.whole_body.command import EffortBounds
+from atlas_drake.control.whole_body.constraints import EffortBounds
 
 
 @dataclass(frozen=True)

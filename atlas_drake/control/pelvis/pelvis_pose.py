@@ -21,7 +21,7 @@ from atlas_drake.control.rotations import (
     wrap_angle,
     yaw_of,
 )
-from atlas_drake.control.whole_body.model import WholeBodyTerms
+from atlas_drake.control.whole_body.terms import WholeBodyTerms
 
 
 class PelvisPose(NamedTuple):

@@ -12,7 +12,8 @@ import numpy as np
 
 from atlas_drake.control.feet.leg_kinematics import LegPose, solve_leg
 from atlas_drake.control.pelvis.pelvis_pose import PelvisPose, Stance
-from atlas_drake.control.whole_body.model import GRAVITY, WholeBodyTerms
+from atlas_drake.control.whole_body.model import GRAVITY
+from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.robot import KNEE, Leg, Robot
 
 LEGS_COM = 0.5

@@ -6,91 +6,24 @@ from a plant of its own without geometry. Makes no decision about control.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import Frame, JacobianWrtVariable
+from pydrake.multibody.tree import Frame, FrameIndex, JacobianWrtVariable
 from pydrake.systems.framework import Context
 
+from atlas_drake.control.whole_body.terms import FrameTerms, WholeBodyTerms
+from atlas_drake.errors import RobotDescriptionError, did_you_mean
 from atlas_drake.robot import Robot
 
 GRAVITY = 9.81
 """Magnitude of the gravitational acceleration [m/s²]."""
 
 _ORIGIN = np.zeros(3)
-
-
-@dataclass(frozen=True)
-class FootTerms:
-    """Kinematics of one sole frame F.
-
-    Attributes:
-        p_WF: Position of the sole's centre [m], shape (3,).
-        R_WF: Orientation, shape (3, 3).
-        V_WF: Spatial velocity [rad/s; m/s] in W, shape (6,).
-        J_WF: Its Jacobian with respect to the generalized velocities, (6, 6 + n).
-        bias: J̇·v [rad/s²; m/s²] in W, shape (6,).
-    """
-
-    p_WF: np.ndarray
-    R_WF: np.ndarray
-    V_WF: np.ndarray
-    J_WF: np.ndarray
-    bias: np.ndarray
-
-
-@dataclass(frozen=True)
-class WholeBodyTerms:
-    """All model terms at one state; n joints in message order.
-
-    Generalized velocities are [ω_WP, v_WP, joints]: the pelvis' angular and
-    translational velocity in W, then the joints.
-
-    Attributes:
-        q: Joint positions [rad], shape (n,).
-        v: Joint velocities [rad/s], shape (n,).
-        stack: Rows of ``M``, then those of ``J``, shape (6 + n + 15, 6 + n).
-        h: Coriolis, centrifugal and gravity forces and the damping of the joints
-            [N·m; N], shape (6 + n,).
-        R_WP: Orientation of the pelvis.
-        p_WP: Position of the pelvis [m].
-        V_WP: Spatial velocity of the pelvis [rad/s; m/s] in W.
-        R_WC: Orientation of the chest.
-        w_WC: Its angular velocity in W [rad/s].
-        bias: J̇·v of the rows of ``J`` [rad/s²; m/s²], shape (15,).
-        com: Centre of mass in W [m].
-        com_velocity: Its velocity in W [m/s].
-        feet: Left and right sole.
-    """
-
-    q: np.ndarray
-    v: np.ndarray
-    stack: np.ndarray
-    h: np.ndarray
-    R_WP: np.ndarray
-    p_WP: np.ndarray
-    V_WP: np.ndarray
-    R_WC: np.ndarray
-    w_WC: np.ndarray
-    bias: np.ndarray
-    com: np.ndarray
-    com_velocity: np.ndarray
-    feet: tuple[FootTerms, FootTerms]
-
-    @property
-    def M(self) -> np.ndarray:
-        """Mass matrix, shape (6 + n, 6 + n)."""
-        return self.stack[: -len(self.bias)]
-
-    @property
-    def J(self) -> np.ndarray:
-        """Jacobians of left sole, right sole and the chest's angular velocity in W.
-
-        Shape (15, 6 + n).
-        """
-        return self.stack[-len(self.bias) :]
+_NO_BIAS = np.zeros(6)
+_PARTS = (slice(0, 6), slice(6, 12), slice(12, 18))
+"""Rows of the frames that every tick needs, one below the other."""
 
 
 class WholeBodyModel:
@@ -104,9 +37,12 @@ class WholeBodyModel:
         self._indices = robot.indices(plant)
         self._world = plant.world_frame()
         self._pelvis = plant.GetBodyByName(robot.file.pelvis)
-        self._chest = plant.GetFrameByName(robot.file.chest)
-        self._soles = [plant.GetFrameByName(f.sole_frame) for f in robot.file.feet]
+        soles = [foot.sole_frame for foot in robot.file.feet]
+        self._names = [*soles, robot.file.chest, robot.file.pelvis]
+        self._tracked = [plant.GetFrameByName(name) for name in self._names[:3]]
+        self._soles = self._tracked[:2]
         generalized = self._indices.generalized
+        self._pelvis_jacobian = np.eye(6, len(generalized))
         joints = [plant.GetJointByName(name) for name in robot.joint_names]
         self._damping = np.array(
             [joint.default_damping_vector()[0] for joint in joints]
@@ -131,10 +67,12 @@ class WholeBodyModel:
         """Computes all terms at one state of the robot.
 
         Args:
-            context: A scratch context from ``create_context``; overwritten.
+            context: A scratch context from ``create_context``; overwritten, and read
+                again when a further frame is asked of the terms.
             state: Positions and velocities in plant order, the free pelvis first.
         """
         plant, indices = self._plant, self._indices
+        state = np.array(state)
         plant.SetPositionsAndVelocities(context, state)
         velocity = state[plant.num_positions() :]
         order = indices.generalized
@@ -142,8 +80,7 @@ class WholeBodyModel:
 
         # Drake's matrices come column by column: their transposes are read in order.
         size = len(order)
-        stack = np.empty((size + 15, size))
-        M, J = stack[:size], stack[size:]
+        M = np.empty((size, size))
         plant.CalcMassMatrix(context).T.take(self._square, out=M)
         h = plant.CalcBiasTerm(context).take(order)
         # Gravity is a uniform acceleration, so its generalized force is the column
@@ -152,36 +89,60 @@ class WholeBodyModel:
         # A swinging foot is so light about the ankle that the joint's damping counts.
         h[6:] += self._damping * v[6:]
 
-        bias = np.empty(15)
-        for foot, sole in enumerate(self._soles):
-            part = slice(6 * foot, 6 * foot + 6)
-            J[part], bias[part] = self._differential(context, sole, order)
-        J_chest, chest_bias = self._differential(context, self._chest, order)
-        J[12:], bias[12:] = J_chest[:3], chest_bias[:3]
-        velocities = J @ v
+        def compute_frame(name: str) -> FrameTerms:
+            if not np.array_equal(plant.GetPositionsAndVelocities(context), state):
+                # The context served another state in the meantime.
+                plant.SetPositionsAndVelocities(context, state)
+            frame = self._frame(name)
+            J, bias = self._differential(context, frame)
+            return self._frame_terms(context, frame, J @ v, J, bias)
 
+        J, bias = np.empty((18, size)), np.empty(18)
+        for frame, part in zip(self._tracked, _PARTS, strict=True):
+            J[part], bias[part] = self._differential(context, frame)
+        V = J @ v
+        left, right, chest = [
+            self._frame_terms(context, frame, V[part], J[part], bias[part])
+            for frame, part in zip(self._tracked, _PARTS, strict=True)
+        ]
         X_WP = plant.EvalBodyPoseInWorld(context, self._pelvis)
+        R_WP, p_WP = X_WP.rotation().matrix(), X_WP.translation()
+        pelvis = FrameTerms(p_WP, R_WP, v[:6], self._pelvis_jacobian, _NO_BIAS)
         return WholeBodyTerms(
+            mass=self.robot.mass,
             q=state.take(indices.q),
             v=v[6:],
-            stack=stack,
+            M=M,
             h=h,
-            R_WP=X_WP.rotation().matrix(),
-            p_WP=X_WP.translation(),
+            R_WP=R_WP,
+            p_WP=p_WP,
             V_WP=v[:6],
-            R_WC=self._chest.CalcPoseInWorld(context).rotation().matrix(),
-            w_WC=velocities[12:],
-            bias=bias,
+            R_WC=chest.R_WF,
+            w_WC=chest.V_WF[:3],
             com=plant.CalcCenterOfMassPositionInWorld(context),
-            com_velocity=plant.CalcCenterOfMassTranslationalVelocityInWorld(context),
-            feet=(
-                self._foot(context, 0, velocities, J, bias),
-                self._foot(context, 1, velocities, J, bias),
-            ),
+            com_velocity=(M[3:6] @ v) / self.robot.mass,
+            feet=(left, right),
+            frames=dict(zip(self._names, (left, right, chest, pelvis), strict=True)),
+            compute_frame=compute_frame,
         )
 
+    def _frame(self, name: str) -> Frame:
+        """The plant's frame of this name."""
+        plant = self._plant
+        if not plant.HasFrameNamed(name):
+            known = [
+                plant.get_frame(FrameIndex(i)).name() for i in range(plant.num_frames())
+            ]
+            raise RobotDescriptionError(
+                "frame",
+                name,
+                f"robot '{self.robot.name}' has no frame {name!r}."
+                + did_you_mean(name, known),
+            )
+        return plant.GetFrameByName(name)
+
     def _differential(
-        self, context: Context, frame: Frame, order: np.ndarray
+        self, context: Context, frame: Frame
     ) -> tuple[np.ndarray, np.ndarray]:
         """Spatial Jacobian and J̇·v of a frame's origin in W, message order."""
         plant, world = self._plant, self._world
@@ -191,24 +152,20 @@ class WholeBodyModel:
         bias = plant.CalcBiasSpatialAcceleration(
             context, JacobianWrtVariable.kV, frame, _ORIGIN, world, world
         )
-        return J.T.take(order, axis=0).T, bias.get_coeffs()
+        return J.T.take(self._indices.generalized, axis=0).T, bias.get_coeffs()
 
-    def _foot(
+    def _frame_terms(
         self,
         context: Context,
-        foot: int,
-        velocities: np.ndarray,
-        J: np.ndarray,
+        frame: Frame,
+        V_WF: np.ndarray,
+        J_WF: np.ndarray,
         bias: np.ndarray,
-    ) -> FootTerms:
-        X_WF = self._soles[foot].CalcPoseInWorld(context)
-        part = slice(6 * foot, 6 * foot + 6)
-        return FootTerms(
-            p_WF=X_WF.translation(),
-            R_WF=X_WF.rotation().matrix(),
-            V_WF=velocities[part],
-            J_WF=J[part],
-            bias=bias[part],
+    ) -> FrameTerms:
+        """A frame's differential kinematics together with its pose."""
+        X_WF = frame.CalcPoseInWorld(context)
+        return FrameTerms(
+            X_WF.translation(), X_WF.rotation().matrix(), V_WF, J_WF, bias
         )
 
 

@@ -1,0 +1,153 @@
+"""Contacts of the robot with its surroundings, as the whole-body QP assumes them.
+
+A ``ContactPatch`` is the constant part: where forces can act, and with which friction.
+A ``Contact`` is what a behavior allows of it in one tick. Nothing here detects contact.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from pydrake.math import VectorToSkewSymmetric
+
+WRENCH = 6
+"""Size of a wrench [moment; force]."""
+_MOMENT_X, _MOMENT_Y, _MOMENT_Z, _FORCE_X, _FORCE_Y, _NORMAL = range(WRENCH)
+
+
+@dataclass(frozen=True)
+class ContactPatch:
+    """A flat part of the robot that its surroundings can push on.
+
+    The patch lies in the xy plane of a contact frame C, whose z axis points from the
+    surroundings into the robot. C is fixed in a frame F of the robot; wrenches are
+    at the origin of F.
+
+    Attributes:
+        corners: Convex polygon that the center of pressure is kept in: vertices in C,
+            counterclockwise seen from +z [m], shape (m, 2), m ≥ 3.
+        friction: Coefficient of friction, of which the inscribed pyramid is used.
+        yaw_moment_arm: Greatest moment about the normal, as a lever of the friction
+            force [m].
+        R_FC: Orientation of the contact frame in F.
+        p_FC: Origin of the contact frame in F [m].
+
+    Raises:
+        ValueError: If the corners are no convex polygon in counterclockwise order.
+    """
+
+    corners: np.ndarray
+    friction: float
+    yaw_moment_arm: float
+    R_FC: np.ndarray = field(default_factory=lambda: np.eye(3))
+    p_FC: np.ndarray = field(default_factory=lambda: np.zeros(3))
+
+    def __post_init__(self) -> None:
+        edges = np.roll(self.corners, -1, axis=0) - self.corners
+        following = np.roll(edges, -1, axis=0)
+        turns = edges[:, 0] * following[:, 1] - edges[:, 1] * following[:, 0]
+        if len(edges) < 3 or not (turns > 0.0).all():
+            raise ValueError(
+                "corners: a contact patch is a convex polygon, its corners"
+                f" counterclockwise; got {self.corners.tolist()}"
+            )
+
+    @classmethod
+    def rectangle(
+        cls,
+        x: tuple[float, float],
+        y: tuple[float, float],
+        friction: float,
+        yaw_moment_arm: float,
+    ) -> ContactPatch:
+        """Makes a rectangle along the axes of the frame F itself.
+
+        Args:
+            x: Rear and front edge [m].
+            y: Right and left edge [m].
+            friction: See ``ContactPatch``.
+            yaw_moment_arm: Likewise [m].
+        """
+        (rear, front), (right, left) = x, y
+        corners = [[front, left], [rear, left], [rear, right], [front, right]]
+        return cls(np.array(corners), friction, yaw_moment_arm)
+
+    @cached_property
+    def cone(self) -> np.ndarray:
+        """Rows C ∈ R^{r × 6} with C [moment; force] ≤ 0, axes of F.
+
+        The last row is the normal force, which has bounds of its own.
+        """
+        pyramid = self.friction / np.sqrt(2.0)
+        yaw = self.friction * self.yaw_moment_arm
+        rows = [
+            _row({axis: sign, _NORMAL: -bound})
+            for axis, bound in ((_FORCE_X, pyramid), (_FORCE_Y, pyramid))
+            for sign in (1.0, -1.0)
+        ]
+        # Center of pressure (-m_y, m_x) / normal force, inside of every edge.
+        for corner, edge in zip(
+            self.corners, np.roll(self.corners, -1, axis=0) - self.corners, strict=True
+        ):
+            outward = np.array([edge[1], -edge[0]]) / np.hypot(*edge)
+            distance = float(outward @ corner)
+            rows.append(
+                _row(
+                    {_MOMENT_X: outward[1], _MOMENT_Y: -outward[0], _NORMAL: -distance}
+                )
+            )
+        rows += [_row({_MOMENT_Z: sign, _NORMAL: -yaw}) for sign in (1.0, -1.0)]
+        rows.append(_row({_NORMAL: 1.0}))
+        to_patch = np.zeros((WRENCH, WRENCH))
+        to_patch[:3, :3] = to_patch[3:, 3:] = self.R_FC.T
+        to_patch[:3, 3:] = -self.R_FC.T @ VectorToSkewSymmetric(self.p_FC)
+        return np.array(rows) @ to_patch
+
+    @cached_property
+    def num_rows(self) -> int:
+        """Number of rows r of the cone."""
+        return len(self.cone)
+
+    @cached_property
+    def cone_vectors(self) -> np.ndarray:
+        """Moment and force part of each row of the cone in turn, shape (2 r, 3)."""
+        return self.cone.reshape(-1, 3)
+
+
+@dataclass(frozen=True)
+class Contact:
+    """One contact in one tick: the QP finds its wrench within these bounds.
+
+    The contact does not hold its frame still; that is the business of a task on the
+    frame, which says how firmly.
+
+    Attributes:
+        frame: Name of the frame F in the robot's URDF.
+        patch: Where and with which friction forces act on F.
+        max_normal_force: Greatest normal force [N].
+        min_normal_force: Smallest normal force [N].
+        force_weight: Cost of the force: spreads the load over the contacts
+            [cost]/[N]².
+        moment_weight: Cost of the moment about the origin of F: keeps the pressure
+            near it [cost]/[N·m]².
+        support_share: Share of the weight, relative to the other contacts, that the
+            contact takes in the gravity compensation that replaces an unsolved QP;
+            0 for a hand that only leans [-].
+    """
+
+    frame: str
+    patch: ContactPatch
+    max_normal_force: float
+    min_normal_force: float = 0.0
+    force_weight: float = 1e-6
+    moment_weight: float = 1e-4
+    support_share: float = 1.0
+
+
+def _row(entries: dict[int, float]) -> np.ndarray:
+    row = np.zeros(WRENCH)
+    for index, value in entries.items():
+        row[index] = value
+    return row

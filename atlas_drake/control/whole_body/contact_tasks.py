@@ -1,0 +1,127 @@
+"""Tasks of the whole-body QP on the contact wrenches: centroidal motion and load.
+
+Their rows are G λ + g; no Jacobian enters. The floating-base dynamics hold exactly, so
+the sum of the contact forces is the motion of the center of mass.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+
+import numpy as np
+
+from atlas_drake.control.whole_body.contact import WRENCH, Contact
+from atlas_drake.control.whole_body.model import GRAVITY
+from atlas_drake.control.whole_body.tasks import Task, TaskRows
+from atlas_drake.control.whole_body.terms import WholeBodyTerms
+
+_ZERO = np.zeros(3)
+_FREE_FALL = np.array([0.0, 0.0, -GRAVITY])
+
+
+@dataclass(frozen=True)
+class ComTask(Task):
+    """Acceleration of the center of mass through the contacts: m c̈ = Σ f + m g.
+
+    Attributes:
+        target: Acceleration in W [m/s²], shape (3,).
+        weight: [cost]/[m/s²]².
+    """
+
+    target: np.ndarray
+    weight: np.ndarray | float
+
+    def rows(self, terms: WholeBodyTerms, contacts: Sequence[Contact]) -> TaskRows:
+        """Returns G ∈ R^{3 × 6 c} and the acceleration of gravity."""
+        return TaskRows(None, _FREE_FALL, _mean_force(len(contacts), terms.mass))
+
+
+@dataclass(frozen=True)
+class MomentTask(Task):
+    """Horizontal moment of all contact wrenches about a point.
+
+    The moment M about y and x is divided by m·h, h the height of the center of mass
+    above the point: a moment m·h·a about the point below a point mass accelerates it
+    by a, toward +x and toward -y.
+
+    Zero moment makes the sum of the contact forces pass through the point. The
+    shipped behaviors take the enhanced centroidal moment pivot (eCMP), g/ω² below
+    the virtual repellent point (VRP); about the VRP itself, which lies at the height
+    of the center of mass, the moment would not vanish.
+
+    Attributes:
+        p_WE: The point, below the center of mass, in W [m], shape (3,).
+        weight: [cost]/[m/s²]².
+        target: [M_y, M_x] / (m·h) [m/s²], shape (2,).
+    """
+
+    p_WE: np.ndarray
+    weight: np.ndarray | float
+    target: np.ndarray = field(default_factory=lambda: np.zeros(2))
+
+    def rows(self, terms: WholeBodyTerms, contacts: Sequence[Contact]) -> TaskRows:
+        """Returns G ∈ R^{2 × 6 c}."""
+        x_E, y_E, z_E = self.p_WE.tolist()
+        scale = 1.0 / (terms.mass * (float(terms.com[2]) - z_E))
+        about_y: list[float] = []
+        about_x: list[float] = []
+        for contact in contacts:
+            x, y, z = terms.frame(contact.frame).p_WF.tolist()
+            lift = scale * (z - z_E)
+            about_y += (0.0, scale, 0.0, lift, 0.0, scale * (x_E - x))
+            about_x += (scale, 0.0, 0.0, 0.0, -lift, scale * (y - y_E))
+        return TaskRows(None, _ZERO[:2], np.array([about_y, about_x]))
+
+
+@dataclass(frozen=True)
+class InternalContactTask(Task):
+    """Internal contact force and moment of two contacts: horizontal push, yaw moment.
+
+    The rows are the differences of the yaw moments and of the horizontal forces of
+    the two contacts in W. They are zero where one of the contacts is missing.
+
+    What two feet do against each other moves nothing, and so would be all but free.
+    Yet the QP finds a use for it. Across a sole rolled by 0.002 rad, 160 N count as
+    0.3 N more on the sole, and so as 0.04 N·m more at its toe: whenever the pressure
+    is at the edge the feet would push apart or together, as the soles happen to lie,
+    and rub over the ground. An uneven split of a force that both have to give is
+    charged too, which shifts it by less than a hundredth.
+
+    Attributes:
+        frames: Frames of the two contacts.
+        weight: [cost]/[N·m]² for the yaw moment, [cost]/[N]² for both forces, shape
+            (3,).
+        target: [Δm_z, Δf_x, Δf_y] [N·m; N; N], shape (3,).
+    """
+
+    frames: tuple[str, str]
+    weight: np.ndarray
+    target: np.ndarray = field(default_factory=lambda: np.zeros(3))
+
+    def rows(self, terms: WholeBodyTerms, contacts: Sequence[Contact]) -> TaskRows:
+        """Returns G ∈ R^{3 × 6 c}, entries 1 and -1."""
+        found = tuple([contact.frame for contact in contacts])
+        return TaskRows(None, _ZERO, _difference(self.frames, found))
+
+
+# The same in most ticks, and so computed once.
+
+
+@lru_cache(maxsize=64)
+def _mean_force(contacts: int, mass: float) -> np.ndarray:
+    """Σ f / m, G ∈ R^{3 × 6 c}."""
+    force = np.eye(3, WRENCH, 3)
+    return np.tile(force / mass, contacts)
+
+
+@lru_cache(maxsize=64)
+def _difference(frames: tuple[str, str], found: tuple[str, ...]) -> np.ndarray:
+    """Yaw moment and horizontal forces of one contact less the other's, (3, 6 c)."""
+    G = np.zeros((3, WRENCH * len(found)))
+    if all(frame in found for frame in frames):
+        for frame, sign in zip(frames, (1.0, -1.0), strict=True):
+            start = WRENCH * found.index(frame)
+            G[0, start + 2] = G[1, start + 3] = G[2, start + 4] = sign
+    return G

@@ -1,0 +1,208 @@
+"""The unknowns of the whole-body QP, and everything else as rows on them.
+
+The unknowns are z = [q̈; λ]: the n joint accelerations and one wrench per contact.
+The pelvis' acceleration is eliminated with the six rows of the dynamics that no motor
+acts on, which makes the QP smaller and those rows exact.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from atlas_drake.control.whole_body.contact import WRENCH, Contact
+from atlas_drake.control.whole_body.tasks import Task
+from atlas_drake.control.whole_body.terms import WholeBodyTerms
+
+BASE = 6
+"""Number of generalized velocities of the free pelvis."""
+_NONE = np.empty(0)
+
+
+def inverse_inertia(M_base: np.ndarray, mass: float) -> np.ndarray:
+    """Inverse of the whole robot's spatial inertia about the pelvis' origin.
+
+    With c from the pelvis' origin to the center of mass and the rotational inertia I_c
+    about the center of mass, in W,
+
+        [I_c + m [c]ᵀ[c]  m [c]]⁻¹   [    I_c⁻¹         -I_c⁻¹ [c]      ]
+        [     m [c]ᵀ        m 1]   = [ -[c]ᵀ I_c⁻¹  1/m + [c]ᵀ I_c⁻¹ [c] ]
+
+    where [c] is the matrix of c ×. Written out on floats: a general solver takes
+    three times as long for a matrix of this size.
+
+    Args:
+        M_base: Pelvis' part of the mass matrix, [angular; translational], (6, 6).
+        mass: Total mass m [kg].
+    """
+    (xx, xy, xz, _, _, y), (_, yy, yz, z, _, _), (_, _, zz, _, x, _) = M_base[
+        :3
+    ].tolist()
+    x, y, z = x / mass, y / mass, z / mass
+    xx -= mass * (y * y + z * z)
+    yy -= mass * (x * x + z * z)
+    zz -= mass * (x * x + y * y)
+    xy += mass * x * y
+    xz += mass * x * z
+    yz += mass * y * z
+    # Inverse of I_c by its adjugate.
+    a, b, c = yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy
+    d, e, f = xx * zz - xz * xz, xy * xz - xx * yz, xx * yy - xy * xy
+    scale = 1.0 / (xx * a + xy * b + xz * c)
+    a, b, c = scale * a, scale * b, scale * c
+    d, e, f = scale * d, scale * e, scale * f
+    # K = -I_c⁻¹ [c], and 1/m - [c]ᵀ K.
+    k = (
+        (c * y - b * z, a * z - c * x, b * x - a * y),
+        (e * y - d * z, b * z - e * x, d * x - b * y),
+        (f * y - e * z, c * z - f * x, e * x - c * y),
+    )
+    (k00, k01, k02), (k10, k11, k12), (k20, k21, k22) = k
+    n = 1.0 / mass
+    return np.array(
+        [
+            [a, b, c, k00, k01, k02],
+            [b, d, e, k10, k11, k12],
+            [c, e, f, k20, k21, k22],
+            [
+                k00,
+                k10,
+                k20,
+                n + y * k20 - z * k10,
+                y * k21 - z * k11,
+                y * k22 - z * k12,
+            ],
+            [
+                k01,
+                k11,
+                k21,
+                z * k00 - x * k20,
+                n + z * k01 - x * k21,
+                z * k02 - x * k22,
+            ],
+            [
+                k02,
+                k12,
+                k22,
+                x * k10 - y * k00,
+                x * k11 - y * k01,
+                n + x * k12 - y * k02,
+            ],
+        ]
+    )
+
+
+class TaskStack:
+    """Tasks with their rows at one state, those with rows on accelerations first.
+
+    Rows on the contact wrenches alone need no elimination, which keeps the products
+    small.
+
+    Attributes:
+        target: Targets of all rows.
+        weight: Weights of all rows.
+        A: A ∈ R^{k × n_v} of each task with rows on accelerations.
+        b: Constant parts of the rows on accelerations, b ∈ R^k.
+        G: G ∈ R^{k × 6 c} of each task with rows on the contact wrenches alone.
+        g: Constant parts of the rows on the contact wrenches alone.
+        mixed: Tasks that have both: first row and G ∈ R^{k × 6 c}.
+    """
+
+    __slots__ = ("A", "G", "b", "g", "mixed", "target", "weight")
+
+    def __init__(
+        self, tasks: Sequence[Task], terms: WholeBodyTerms, contacts: Sequence[Contact]
+    ):
+        self.A: list[np.ndarray] = []
+        self.b: list[np.ndarray] = []
+        self.G: list[np.ndarray] = []
+        self.g: list[np.ndarray] = []
+        self.mixed: list[tuple[int, np.ndarray]] = []
+        moving: list[Task] = []
+        others: list[Task] = []
+        for task in tasks:
+            A, b, G = task.rows(terms, contacts)
+            if A is not None:
+                if G is not None:
+                    self.mixed.append((sum(map(len, self.b)), G))
+                moving.append(task)
+                self.A.append(A)
+                self.b.append(b)
+            elif G is not None:
+                others.append(task)
+                self.G.append(G)
+                self.g.append(b)
+        ordered = moving + others
+        self.target = np.concatenate([_NONE, *[task.target for task in ordered]])
+        self.weight = np.concatenate([_NONE, *[row_weights(task) for task in ordered]])
+
+
+def row_weights(task: Task) -> np.ndarray:
+    """Returns the weight of each row of a task, shape (k,)."""
+    weight = task.weight
+    return (
+        weight if isinstance(weight, np.ndarray) else np.full(len(task.target), weight)
+    )
+
+
+class ReducedDynamics:
+    """The equations of motion of one tick in the unknowns z ∈ R^{size}.
+
+    Attributes:
+        terms: Model terms of the tick.
+        contacts: In the order of their wrenches in z.
+        num_joints: Number of joints n.
+        size: Number of unknowns n + 6 c.
+        effort: Joint efforts [N·m] as rows R ∈ R^{n × (size + 1)} on [z; 1].
+        tasks: Quantities of the stacked tasks, likewise.
+    """
+
+    def __init__(
+        self, terms: WholeBodyTerms, contacts: Sequence[Contact], stack: TaskStack
+    ):
+        self.terms = terms
+        self.contacts = contacts
+        self.num_joints = n = len(terms.q)
+        self.size = size = n + WRENCH * len(contacts)
+        J = [terms.frame(contact.frame).J_WF for contact in contacts]
+        M, h = terms.M, terms.h
+        J_contacts = np.concatenate(J) if J else np.empty((0, n + BASE))
+        right = np.empty((BASE, size + 1))
+        np.negative(M[:BASE, BASE:], out=right[:, :n])
+        right[:, n:size] = J_contacts[:, :BASE].T
+        np.negative(h[:BASE], out=right[:, size])
+        # Acceleration of the pelvis as X [z; 1].
+        self._X = inverse_inertia(M[:BASE, :BASE], terms.mass) @ right
+
+        # One product for efforts and motions together: many small ones cost more.
+        A = np.concatenate([M[BASE:], *stack.A])
+        b = np.concatenate([h[BASE:], *stack.b])
+        g = np.concatenate(stack.g) if stack.g else b[:0]
+        end = len(A)
+        rows = np.empty((end + len(g), size + 1))
+        self._reduce(A, b, rows[:end])
+        rows[:n, n:size] -= J_contacts[:, BASE:].T
+        for start, G in stack.mixed:
+            rows[n + start : n + start + len(G), n:size] += G
+        if len(g):
+            rows[end:, :n] = 0.0
+            np.concatenate(stack.G, out=rows[end:, n:size])
+            rows[end:, size] = g
+        self.effort, self.tasks = rows[:n], rows[n:]
+
+    def rows_of(self, task: Task) -> np.ndarray:
+        """Returns the quantities of one task as rows R ∈ R^{k × (size + 1)}."""
+        n = self.num_joints
+        A, b, G = task.rows(self.terms, self.contacts)
+        rows = np.empty((len(b), self.size + 1))
+        self._reduce(np.zeros((len(b), n + BASE)) if A is None else A, b, rows)
+        if G is not None:
+            rows[:, n : self.size] += G
+        return rows
+
+    def _reduce(self, A: np.ndarray, b: np.ndarray, rows: np.ndarray) -> None:
+        """Writes A v̇ + b as rows R ∈ R^{k × (size + 1)}: A v̇ + b = R [z; 1]."""
+        np.matmul(A[:, :BASE], self._X, out=rows)
+        rows[:, : self.num_joints] += A[:, BASE:]
+        rows[:, self.size] += b

@@ -1,0 +1,315 @@
+"""Each task alone: its rows mean what it says, and the QP meets its target."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from atlas_drake.control.gains import ControlGains, PdGains
+from atlas_drake.control.rotations import rotation_about
+from atlas_drake.control.whole_body import (
+    ComTask,
+    Contact,
+    ContactPatch,
+    EffortBounds,
+    FrameTask,
+    InternalContactTask,
+    MomentTask,
+    OrientationTask,
+    PositionTask,
+    PostureTask,
+    Task,
+    TaskBounds,
+    TaskRows,
+    WholeBodyCommand,
+    WholeBodyQp,
+)
+from atlas_drake.control.whole_body.elimination import inverse_inertia
+from atlas_drake.control.whole_body.model import GRAVITY
+
+HAND = "l_hand"
+GAINS = PdGains(kp=100.0, kd=20.0)
+SIZES = {FrameTask: 6, OrientationTask: 3, PositionTask: 3}
+PATCH = ContactPatch.rectangle((-0.1, 0.1), (-0.05, 0.05), 0.6, 0.05)
+
+
+@pytest.fixture(scope="module")
+def qp(robot):
+    return WholeBodyQp(robot, ControlGains())
+
+
+@pytest.fixture
+def bounds(robot):
+    """Motors without limits, so that only the task decides."""
+    limit = np.full(robot.num_joints, 1e4)
+    return EffortBounds(-limit, limit, np.zeros(robot.num_joints, dtype=bool))
+
+
+@pytest.fixture
+def terms(model, standing):
+    """The standing robot with the joints off their limits, slowly moving."""
+    state = np.zeros(model.num_states)
+    state[0] = 1.0
+    robot, indices = model.robot, model.robot.indices(model.plant)
+    middle = 0.5 * (robot.position_lower + robot.position_upper)
+    state[indices.q] = 0.8 * standing.q + 0.2 * middle
+    moving = np.random.default_rng(0).normal(size=model.plant.num_velocities())
+    state[model.plant.num_positions() :] = 0.05 * moving
+    return model.evaluate(model.create_context(), state)
+
+
+def soles(robot, most=1e5):
+    return tuple(
+        Contact(foot.sole_frame, PATCH, max_normal_force=most)
+        for foot in robot.file.feet
+    )
+
+
+def still(robot, *tasks, contacts=(), constraints=()):
+    """A command of these tasks over a posture at rest that hardly counts."""
+    n = robot.num_joints
+    posture = PostureTask(np.zeros(n), np.full(n, 1e-4))
+    return WholeBodyCommand(posture, tasks, contacts, constraints)
+
+
+def motion(terms, solution):
+    """Generalized accelerations with the pelvis' from the rows without motors."""
+    joints = solution.joint_acceleration
+    force = -terms.h[:6] - terms.M[:6, 6:] @ joints
+    for name, wrench in solution.contact_wrenches.items():
+        force += terms.frame(name).J_WF[:, :6].T @ wrench
+    return np.concatenate([np.linalg.solve(terms.M[:6, :6], force), joints])
+
+
+def value(task, terms, command, solution):
+    """What the solution makes of the task's rows."""
+    rows = task.rows(terms, command.contacts)
+    result = np.array(rows.b)
+    if rows.A is not None:
+        result += rows.A @ motion(terms, solution)
+    if rows.G is not None:
+        wrenches = solution.contact_wrenches
+        stacked = [wrenches[contact.frame] for contact in command.contacts]
+        result += rows.G @ np.concatenate(stacked)
+    return result
+
+
+@pytest.mark.parametrize("kind", SIZES)
+def test_a_task_on_a_frame_meets_its_target(robot, qp, bounds, terms, kind):
+    target = np.linspace(-1.0, 2.0, SIZES[kind])
+    task = kind(HAND, target, 100.0)
+    assert task.dimension == SIZES[kind]
+    command = still(robot, task, contacts=soles(robot))
+    solution = qp.solve(terms, command, bounds)
+    assert solution.found
+    np.testing.assert_allclose(value(task, terms, command, solution), target, atol=1e-3)
+    F = terms.frame(HAND)
+    acceleration = F.J_WF @ motion(terms, solution) + F.bias
+    part = slice(3, 6) if kind is PositionTask else slice(SIZES[kind])
+    np.testing.assert_allclose(acceleration[part], target, atol=1e-3)
+
+
+def test_tasks_track_a_pose_with_their_pd_law(robot, terms):
+    F = terms.frame(HAND)
+    ahead, turn = np.array([0.1, -0.05, 0.02]), np.array([0.02, -0.01, 0.03])
+    there = PositionTask.tracking(terms, HAND, F.p_WF + ahead, GAINS, 1.0)
+    expected = GAINS.kp * ahead - GAINS.kd * F.V_WF[3:]
+    np.testing.assert_allclose(there.target, expected)
+    R_WD = rotation_about(turn) @ F.R_WF
+    task = OrientationTask.tracking(terms, HAND, R_WD, GAINS, 1.0, w_WD=F.V_WF[:3])
+    np.testing.assert_allclose(task.target, GAINS.kp * turn, atol=1e-2)
+
+
+def test_the_com_task_is_the_acceleration_of_the_center_of_mass(
+    robot, qp, bounds, terms
+):
+    target = np.array([0.3, -0.2, 0.5])
+    command = still(robot, ComTask(target, 100.0), contacts=soles(robot))
+    solution = qp.solve(terms, command, bounds)
+    assert solution.found
+    # Momentum by the mass matrix, which the task's own rows do not use.
+    force = terms.M[3:6] @ motion(terms, solution) + terms.h[3:6]
+    gravity = np.array([0.0, 0.0, -GRAVITY])
+    np.testing.assert_allclose(force / terms.mass + gravity, target, atol=1e-2)
+
+
+def test_the_moment_task_directs_the_sum_of_the_forces(robot, qp, bounds, terms):
+    point = terms.com - np.array([0.03, -0.02, 0.8])
+    lift = ComTask(np.zeros(3), np.array([0.0, 0.0, 100.0]))
+    command = still(robot, lift, MomentTask(point, 100.0), contacts=soles(robot))
+    solution = qp.solve(terms, command, bounds)
+    assert solution.found
+    moment = np.zeros(3)
+    for name, wrench in solution.contact_wrenches.items():
+        moment += wrench[:3] + np.cross(terms.frame(name).p_WF - point, wrench[3:])
+    np.testing.assert_allclose(moment[:2] / (terms.mass * 0.8), 0.0, atol=1e-2)
+
+
+def test_internal_contact_forces_and_moments_meet_their_target(
+    robot, qp, bounds, terms
+):
+    frames = tuple(foot.sole_frame for foot in robot.file.feet)
+    target = np.array([2.0, 10.0, -5.0])
+    task = InternalContactTask(frames, np.full(3, 1.0), target)
+    lift = ComTask(np.zeros(3), 100.0)
+    solution = qp.solve(terms, still(robot, lift, task, contacts=soles(robot)), bounds)
+    left, right = (solution.contact_wrenches[name] for name in frames)
+    np.testing.assert_allclose((left - right)[[2, 3, 4]], target, rtol=0.01)
+    alone = InternalContactTask(frames, np.ones(3)).rows(terms, soles(robot)[:1])
+    np.testing.assert_array_equal(alone.G, np.zeros((3, 6)))
+
+
+def test_a_posture_among_the_tasks_is_as_good_as_the_commands_own(
+    robot, qp, bounds, terms
+):
+    random = np.random.default_rng(1)
+    n = robot.num_joints
+    target, weight = random.normal(size=n), random.uniform(0.1, 1.0, n)
+    least = PostureTask(np.zeros(n), np.full(n, 1e-9))
+    feet = FrameTask(HAND, np.ones(6), 10.0)
+    own = WholeBodyCommand(PostureTask(target, weight), (feet,), soles(robot))
+    listed = WholeBodyCommand(least, (feet,), soles(robot))
+    one = qp.solve(terms, own, bounds)
+    other = qp.solve(terms, listed.plus(PostureTask(target, weight)), bounds)
+    np.testing.assert_allclose(
+        other.joint_acceleration, one.joint_acceleration, atol=1e-5
+    )
+
+
+@dataclasses.dataclass(frozen=True)
+class SumTask(Task):
+    """A user's own: rows on accelerations and wrenches at once."""
+
+    target: np.ndarray
+    weight: float
+
+    def rows(self, terms, contacts):
+        A = np.zeros((1, len(terms.M)))
+        A[0, 6] = 1.0
+        G = np.zeros((1, 6 * len(contacts)))
+        G[0, 5] = 0.01
+        return TaskRows(A, np.array([0.25]), G)
+
+
+def test_a_task_of_ones_own_may_mix_accelerations_and_wrenches(
+    robot, qp, bounds, terms
+):
+    task = SumTask(np.array([3.0]), 100.0)
+    before, after = FrameTask(HAND, np.ones(6), 1.0), ComTask(np.zeros(3), 1.0)
+    command = still(robot, after, before, task, contacts=soles(robot))
+    solution = qp.solve(terms, command, bounds)
+    assert solution.found
+    np.testing.assert_allclose(value(task, terms, command, solution), 3.0, atol=1e-2)
+
+
+@pytest.mark.parametrize("soft", [True, False])
+def test_a_bound_on_a_task_is_kept(robot, qp, bounds, terms, soft):
+    wish = PositionTask(HAND, np.array([2.0, 0.0, 0.0]), 100.0)
+    limit = TaskBounds(wish, np.full(3, -np.inf), np.array([0.5, 5.0, 5.0]), soft)
+    command = still(robot, wish, contacts=soles(robot))
+    free = value(wish, terms, command, qp.solve(terms, command, bounds))
+    kept = qp.solve(terms, command.plus(constraints=[limit]), bounds)
+    assert kept.found
+    assert free[0] > 1.9
+    assert value(wish, terms, command, kept)[0] <= 0.5 + 1e-4
+
+
+def test_the_inverse_of_the_robots_inertia(terms):
+    M = terms.M[:6, :6]
+    np.testing.assert_allclose(
+        inverse_inertia(M, terms.mass) @ M, np.eye(6), atol=1e-12
+    )
+
+
+def test_rows_beyond_a_tasks_frame_names_are_refused_by_name(robot, qp, bounds, terms):
+    with pytest.raises(ValueError, match="no frame 'tail'"):
+        qp.solve(terms, still(robot, PositionTask("tail", np.zeros(3), 1.0)), bounds)
+
+
+# ---- contacts ----------------------------------------------------------------
+
+
+def residual(terms, solution):
+    """What the equations of motion lack with the solution's forces."""
+    force = -terms.h
+    for name, wrench in solution.contact_wrenches.items():
+        force = force + terms.frame(name).J_WF.T @ wrench
+    force[6:] += solution.effort
+    return terms.M @ motion(terms, solution) - force
+
+
+def test_a_hand_on_a_rail_carries_load(robot, qp, bounds, terms):
+    """With one foot allowed little, the hand takes what the foot cannot."""
+    hand = terms.frame(HAND)
+    palm = ContactPatch(
+        corners=0.02 * np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]]),
+        friction=0.6,
+        yaw_moment_arm=0.02,
+        # The rail pushes straight up, however the hand is turned.
+        R_FC=hand.R_WF.T,
+        p_FC=np.array([0.0, 0.05, 0.0]),
+    )
+    most = 0.4 * robot.mass * GRAVITY
+    rail = Contact(HAND, palm, max_normal_force=most, support_share=0.0)
+    still_hand = FrameTask(HAND, np.zeros(6), 50.0)
+    feet = soles(robot, most)
+    tasks = (ComTask(np.zeros(3), 100.0), still_hand)
+    lacking = qp.solve(terms, still(robot, *tasks, contacts=feet), bounds)
+    held = qp.solve(terms, still(robot, *tasks, contacts=(*feet, rail)), bounds)
+    assert lacking.found
+    assert held.found
+    assert list(held.contact_wrenches) == [*lacking.contact_wrenches, HAND]
+    np.testing.assert_allclose(residual(terms, held), 0.0, atol=1e-6)
+    wrench = held.contact_wrenches[HAND]
+    force = wrench[3:]
+    assert force[2] > 0.15 * robot.mass * GRAVITY
+    total = sum(wrench[5] for wrench in held.contact_wrenches.values())
+    assert total == pytest.approx(robot.mass * GRAVITY, rel=0.01)
+    # Within friction, and with the pressure under the palm.
+    assert np.hypot(force[0], force[1]) <= 0.6 * force[2] + 1e-4
+    at_palm = wrench[:3] - np.cross(hand.R_WF @ palm.p_FC, force)
+    pressure = np.array([-at_palm[1], at_palm[0]]) / force[2]
+    assert (np.abs(pressure) <= 0.02 + 1e-4).all()
+
+
+def test_a_leaning_hand_takes_no_part_in_the_gravity_compensation(robot, qp, terms):
+    rail = Contact(HAND, PATCH, 100.0, support_share=0.0)
+    contacts = (*soles(robot), rail)
+    crossed = EffortBounds(
+        robot.effort_limit, -robot.effort_limit, np.zeros(robot.num_joints, dtype=bool)
+    )
+    solution = qp.solve(terms, still(robot, contacts=contacts), crossed)
+    assert not solution.found
+    np.testing.assert_array_equal(solution.contact_wrenches[HAND], 0.0)
+    for foot in robot.file.feet:
+        wrench = solution.contact_wrenches[foot.sole_frame]
+        assert wrench[5] == pytest.approx(0.5 * robot.mass * GRAVITY)
+
+
+@pytest.mark.parametrize(
+    "corners",
+    [
+        [[0.1, 0.1], [-0.1, 0.1]],
+        [[0.1, 0.1], [0.1, -0.1], [-0.1, -0.1], [-0.1, 0.1]],
+        [[0.1, 0.1], [-0.1, 0.1], [0.0, 0.09], [-0.1, -0.1]],
+    ],
+    ids=["two corners", "clockwise", "not convex"],
+)
+def test_a_patch_is_a_convex_polygon(corners):
+    with pytest.raises(ValueError, match="corners"):
+        ContactPatch(np.array(corners), 0.5, 0.05)
+
+
+def test_a_patch_keeps_the_pressure_in_its_polygon():
+    triangle = np.array([[0.1, 0.0], [-0.1, 0.1], [-0.1, -0.1]])
+    patch = ContactPatch(triangle, 0.5, 0.05)
+
+    def holds(x, y):
+        # A force of 10 N along the normal at (x, y).
+        wrench = np.array([10.0 * y, -10.0 * x, 0.0, 0.0, 0.0, 10.0])
+        return (patch.cone[:-1] @ wrench <= 1e-9).all()
+
+    assert holds(0.0, 0.0)
+    assert holds(-0.09, 0.09)
+    assert not holds(0.05, 0.05)
+    assert not holds(-0.11, 0.0)
