@@ -52,7 +52,7 @@ class BarePlant:
         plant, _ = AddMultibodyPlant(
             MultibodyPlantConfig(
                 time_step=scenario.physics_step,
-                discrete_contact_approximation=scenario.contact_approximation,
+                discrete_contact_approximation=scenario.plant.discrete_contact_approximation,
                 contact_model="point",
                 # As the station's; sampled ports would add their cost to each step.
                 use_sampled_output_ports=False,

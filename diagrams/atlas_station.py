@@ -18,17 +18,21 @@ from pydrake.multibody.plant import (
 )
 from pydrake.systems.framework import Diagram, DiagramBuilder, System
 
-from atlas_drake.control.gains import ControlGains
+from atlas_drake.behaviors.config import ControllerConfig
+from atlas_drake.control.estimation.leg_odometry import OdometryTuning
 from atlas_drake.diagrams.controller_socket import (
     ControllerSource,
     add_controller,
     make_controller,
 )
+from atlas_drake.diagrams.ground_friction import GROUND, block_name
 from atlas_drake.diagrams.standing import stand_by_default
 from atlas_drake.messages import Behavior
 from atlas_drake.robot import Robot, load_robot
+from atlas_drake.scenario.drake_configs import check_plant_config, plant_config
 from atlas_drake.scenario.noise import NoiseModel
 from atlas_drake.scenario.terrain import BLOCK_COLOR, Block
+from atlas_drake.scenario.time_grid import on_common_grid
 from atlas_drake.systems.command_interface import CommandInterface
 from atlas_drake.systems.effort_selector import EffortSelector
 from atlas_drake.systems.estimation_error import EstimationError
@@ -51,26 +55,34 @@ class StationConfig:
         control_period: Step of the behaviours [s], a multiple of ``physics_step``.
         ground_friction: Coefficient of the ground.
         terrain: Boxes on the ground.
-        contact_approximation: Drake's name of how contact is solved.
         noise: Of the sensors.
         seed: Of that noise.
         initial_behavior: The behaviour active at the start.
         harnessed: Whether there is a harness that can hold the pelvis.
         estimated: Whether the behaviours see an estimate in place of the true state.
-        gains: Of the whole-body controller.
+        controller: Numbers of the controller.
+        estimator: Numbers of the state estimator.
+        plant: How contact is solved; see ``Scenario.plant``.
     """
 
     physics_step: float = 0.001
     control_period: float = 0.002
     ground_friction: float = 0.9
     terrain: tuple[Block, ...] = ()
-    contact_approximation: str = "similar"
     noise: NoiseModel = field(default_factory=NoiseModel)
     seed: int = 0
     initial_behavior: Behavior = Behavior.STAND
     harnessed: bool = False
     estimated: bool = False
-    gains: ControlGains = field(default_factory=ControlGains)
+    controller: ControllerConfig = field(default_factory=ControllerConfig)
+    estimator: OdometryTuning = field(default_factory=OdometryTuning)
+    plant: MultibodyPlantConfig = field(default_factory=plant_config)
+
+    def __post_init__(self) -> None:
+        """Lets physics steps and control ticks begin at the very same instants."""
+        steps = on_common_grid(self.physics_step, self.control_period)
+        object.__setattr__(self, "physics_step", steps[0])
+        object.__setattr__(self, "control_period", steps[1])
 
 
 def make_atlas_station(
@@ -235,7 +247,7 @@ def make_whole_body_controller(
         config: Of the station.
     """
     return WholeBodyController(
-        robot, config.gains, config.control_period, config.initial_behavior
+        robot, config.controller, config.control_period, config.initial_behavior
     )
 
 
@@ -243,17 +255,8 @@ def _add_world(
     builder: DiagramBuilder, robot: Robot, config: StationConfig
 ) -> tuple[MultibodyPlant, SceneGraph]:
     """The plant with robot, level ground at z = 0 and the terrain's boxes."""
-    plant, scene_graph = AddMultibodyPlant(
-        MultibodyPlantConfig(
-            time_step=config.physics_step,
-            discrete_contact_approximation=config.contact_approximation,
-            contact_model="point",
-            # Sampled ports would make the plant's step an unrestricted update, which
-            # could not see what the controller's update of the same instant decided.
-            use_sampled_output_ports=False,
-        ),
-        builder,
-    )
+    check_plant_config(config.plant, config.physics_step)
+    plant, scene_graph = AddMultibodyPlant(config.plant, builder)
     robot.add_to(plant)
     add_scenery(plant, config.terrain, config.ground_friction)
     plant.Finalize()
@@ -273,10 +276,10 @@ def add_scenery(
     """
     friction = CoulombFriction(ground_friction, ground_friction)
     plant.RegisterCollisionGeometry(
-        plant.world_body(), RigidTransform(), HalfSpace(), "ground", friction
+        plant.world_body(), RigidTransform(), HalfSpace(), GROUND, friction
     )
     for number, block in enumerate(terrain):
-        _add_block(plant, block, f"terrain_{number}", ground_friction)
+        _add_block(plant, block, block_name(number), ground_friction)
 
 
 def _add_estimator(
@@ -299,7 +302,8 @@ def _add_estimator(
         ),
     )
     estimator = builder.AddNamedSystem(
-        "state_estimator", StateEstimator(robot, config.control_period)
+        "state_estimator",
+        StateEstimator(robot, config.control_period, config.estimator),
     )
     error = builder.AddNamedSystem(
         "estimation_error", EstimationError(robot, plant, config.control_period)

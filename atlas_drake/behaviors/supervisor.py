@@ -14,25 +14,17 @@ import numpy as np
 
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.base import BehaviorProtocol, Observation
-from atlas_drake.behaviors.body_reference import (
-    BodyRates,
-    BodyReference,
-    capture_body,
-)
-from atlas_drake.behaviors.fall import FallLimits, posture_of, sign_of_fall
+from atlas_drake.behaviors.body_reference import BodyReference, capture_body
+from atlas_drake.behaviors.config import ControllerConfig
+from atlas_drake.behaviors.fall import posture_of, sign_of_fall
 from atlas_drake.behaviors.freeze import Freeze
 from atlas_drake.behaviors.idle import Idle
 from atlas_drake.behaviors.manipulate.manipulate import Manipulate
 from atlas_drake.behaviors.stand.stance_guard import StanceGuard
 from atlas_drake.behaviors.stand.stand import Stand
 from atlas_drake.behaviors.step.step import Step
-from atlas_drake.behaviors.transitions import (
-    LEAVES_IN_ORDER,
-    EntryLimits,
-    refusal,
-)
+from atlas_drake.behaviors.transitions import LEAVES_IN_ORDER, refusal
 from atlas_drake.behaviors.walk.walk import Walk
-from atlas_drake.control.gains import ControlGains
 from atlas_drake.control.pelvis.pelvis_reach import PelvisReach
 from atlas_drake.control.whole_body.command import WholeBodyCommand
 from atlas_drake.control.whole_body.model import WholeBodyModel
@@ -106,20 +98,22 @@ class Supervisor:
     """Owns one object per behaviour."""
 
     def __init__(
-        self, model: WholeBodyModel, gains: ControlGains, nominal_height: float
+        self, model: WholeBodyModel, config: ControllerConfig, nominal_height: float
     ):
         """Takes the height of the CoM above the soles when standing [m]."""
         robot = model.robot
-        balance = Balance(robot, gains)
-        rates = BodyRates()
-        freeze = Freeze(balance)
-        stand = Stand(balance, nominal_height, rates)
-        stand_on_a_leg = StanceGuard(stand, freeze, balance)
-        manipulate = Manipulate(balance, PelvisReach(model), nominal_height, rates)
+        balance = Balance(robot, config.gains)
+        rates = config.body
+        freeze = Freeze(balance, config.freeze)
+        stand = Stand(balance, nominal_height, rates, config.stand)
+        stand_on_a_leg = StanceGuard(stand, freeze, balance, config.guard)
+        manipulate = Manipulate(
+            balance, PelvisReach(model), nominal_height, rates, config.manipulate
+        )
         idle = Idle()
         self._balance = balance
-        self._entry_limits = EntryLimits()
-        self._fall_limits = FallLimits()
+        self._entry_limits = config.entry
+        self._fall_limits = config.fall
         self._nominal_height = nominal_height
         self._legs = np.flatnonzero(robot.limb("l_leg", "r_leg"))
         self._behaviors: dict[Behavior, BehaviorProtocol] = {
@@ -128,9 +122,9 @@ class Supervisor:
             Behavior.FREEZE: freeze,
             Behavior.STAND_PREP: stand_on_a_leg,
             Behavior.STAND: stand_on_a_leg,
-            Behavior.WALK: Walk(balance, nominal_height, rates),
-            Behavior.MANIPULATE: StanceGuard(manipulate, freeze, balance),
-            Behavior.STEP: Step(balance, nominal_height),
+            Behavior.WALK: Walk(balance, nominal_height, rates, config.walk),
+            Behavior.MANIPULATE: StanceGuard(manipulate, freeze, balance, config.guard),
+            Behavior.STEP: Step(balance, nominal_height, config.step),
         }
 
     @property

@@ -1,12 +1,14 @@
 """Gains and weights of the whole-body controller, as data.
 
-Values are shared by all robots unless a robot's file says otherwise; what they
-mean and why they are what they are stands beside each. No code that uses them.
+Values are shared by all robots; what they mean and why they are what they are stands
+beside each. No code that uses them.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+
+from atlas_drake.bounds import Positive
 
 
 @dataclass(frozen=True)
@@ -26,8 +28,7 @@ class QpWeights:
     com: float = 30.0
     """Centre of mass, horizontal, through the contact forces [1/(m/s²)²]."""
     com_height: float = 60.0
-    """Likewise upright: less, for where a knee is at its limit the robot shall rather
-    sink than lose its balance [1/(m/s²)²]."""
+    """Centre of mass, vertical [1/(m/s²)²]."""
     pendulum: float = 70.0
     """The ground's force passes through the centre of pressure that balance asks for
     [1/(m/s²)²]."""
@@ -41,9 +42,9 @@ class QpWeights:
     """[1/(m/s²)²]."""
     swing_foot_orientation: float = 10.0
     """[1/(rad/s²)²]."""
-    contact_force: float = 1e-6
+    contact_force: Positive = 1e-6
     """Spreads the load over the feet [1/N²]."""
-    contact_moment: float = 1e-4
+    contact_moment: Positive = 1e-4
     """Keeps the pressure near the soles' middles [1/(N·m)²]."""
     opposed_force: float = 3e-5
     """Feet pushing against each other horizontally, per difference: enough to keep them
@@ -56,7 +57,7 @@ class QpWeights:
 class ContactModel:
     """What the controller assumes of each sole on the ground."""
 
-    friction: float = 0.5
+    friction: Positive = 0.5
     """Coefficient that the QP keeps to; below the grounds it is meant for."""
     length_margin: float = 0.015
     """Strip at toe and heel that the centre of pressure stays out of [m]."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from pydrake.common.yaml import yaml_dump_typed
+from pydrake.common.yaml import yaml_dump
 
 from atlas_drake.logs.formats import LogFile
 from atlas_drake.logs.notes import Header
@@ -13,6 +13,7 @@ from atlas_drake.logs.recorder import LogRecorder
 from atlas_drake.logs.samples import RowSampler
 from atlas_drake.robot import Robot
 from atlas_drake.scenario import Scenario
+from atlas_drake.scenario.kinds import as_plain
 
 
 def start_recorder(
@@ -31,5 +32,5 @@ def start_recorder(
     """
     sampler = RowSampler(robot)
     period = scenario.control_period
-    header = Header(robot.name, period, yaml_dump_typed(scenario), sampler.layout)
+    header = Header(robot.name, period, yaml_dump(as_plain(scenario)), sampler.layout)
     return LogRecorder(sampler, LogFile(path, header), period, tick_seconds)

@@ -20,14 +20,14 @@ from atlas_drake.control.estimation.attitude import (
 from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.robot import Robot
 from atlas_drake.scenario.noise import NoiseModel, SensorNoise
-from atlas_drake.systems.collectable_system import CollectableSystem
+from atlas_drake.systems.noisy_system import NoisySystem
 from atlas_drake.systems.scratch import declare_scratch_context
 
 _UNSET = -1.0
 """Time of the last tick before there was one."""
 
 
-class InertialSensor(CollectableSystem):
+class InertialSensor(NoisySystem):
     """The plant's state in, increments of a strapdown IMU out.
 
     Like the inertial sensors that navigate, it integrates inside at a rate far above
@@ -59,7 +59,8 @@ class InertialSensor(CollectableSystem):
         """Measures ``robot`` in ``plant`` with the noise that ``RobotSensors`` has."""
         super().__init__()
         self._plant = plant
-        self._noise = SensorNoise(noise, seed, robot.num_joints, physics_step)
+        n = robot.num_joints
+        self.declare_noise(lambda seed: SensorNoise(noise, seed, n, physics_step), seed)
         imu = plant.GetFrameByName(robot.file.imu_frame)
         # A number, as a frame keeps its plant where nobody can see it.
         self._imu = imu.index()
@@ -100,9 +101,9 @@ class InertialSensor(CollectableSystem):
             gained = v_WI - last[5:]
             gained[2] += GRAVITY * dt
             velocity = halfway.T @ gained
-        if not self._noise.silent:
+        if not self.noise(context).silent:
             # One sample for all that lies between two ticks: rather too much noise.
-            noise = self._noise.sample(context.get_time())
+            noise = self.noise(context).sample(context.get_time())
             gyro = self._R_PI @ noise.angular_velocity
             rate = rate + gyro
             turn = turn + dt * gyro

@@ -25,11 +25,11 @@ from atlas_drake.messages import (
 )
 from atlas_drake.robot import Robot
 from atlas_drake.scenario.noise import NoiseModel, SensorNoise
-from atlas_drake.systems.collectable_system import CollectableSystem
+from atlas_drake.systems.noisy_system import NoisySystem
 from atlas_drake.systems.scratch import declare_scratch_context
 
 
-class RobotSensors(CollectableSystem):
+class RobotSensors(NoisySystem):
     """The plant's outputs in, measurements out.
 
     Input ports:
@@ -67,7 +67,7 @@ class RobotSensors(CollectableSystem):
         self._robot = robot
         self._plant = plant
         self._indices = robot.indices(plant)
-        self._noise = SensorNoise(noise, seed, n, physics_step)
+        self.declare_noise(lambda seed: SensorNoise(noise, seed, n, physics_step), seed)
         # Numbers, as bodies and frames keep their plant where nobody can see it.
         self._pelvis = plant.GetBodyByName(robot.file.pelvis).index()
         imu_frame = plant.GetFrameByName(robot.file.imu_frame)
@@ -99,8 +99,8 @@ class RobotSensors(CollectableSystem):
             self._calc_measured_state,
             # Noise is new at every instant; without it the cache lasts longer.
             prerequisites_of_calc={state_ticket}
-            if self._noise.silent
-            else {state_ticket, self.time_ticket()},
+            if noise == NoiseModel()
+            else {state_ticket, self.time_ticket(), self.pa_ticket()},
         )
         # About W's origin: where the soles are costs more to find than it is needed.
         self._wrenches = self.DeclareDiscreteState(12)
@@ -140,8 +140,8 @@ class RobotSensors(CollectableSystem):
 
     def _calc_measured_state(self, context: Context, output: BasicVector) -> None:
         state = self._state.Eval(context)
-        if not self._noise.silent:
-            noise = self._noise.sample(context.get_time())
+        if not self.noise(context).silent:
+            noise = self.noise(context).sample(context.get_time())
             indices, num_q = self._indices, self._plant.num_positions()
             state[indices.q] += noise.joint_position
             state[num_q + indices.v] += noise.joint_velocity
@@ -185,8 +185,8 @@ class RobotSensors(CollectableSystem):
         gravity = np.array([0.0, 0.0, -GRAVITY])
         rate = R_IW @ V_WP.rotational()
         force = R_IW @ (A_WI.translational() - gravity)
-        if not self._noise.silent:
-            noise = self._noise.sample(context.get_time())
+        if not self.noise(context).silent:
+            noise = self.noise(context).sample(context.get_time())
             rate = rate + noise.angular_velocity
             force = force + noise.specific_force
         imu = Imu()

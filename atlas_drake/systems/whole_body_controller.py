@@ -20,9 +20,9 @@ from pydrake.systems.framework import (
 )
 
 from atlas_drake.behaviors.base import Observation
+from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.supervisor import Supervisor, SupervisorState
 from atlas_drake.control.balance.feedback import pendulum_frequency
-from atlas_drake.control.gains import ControlGains
 from atlas_drake.control.joints.blend import behavior_share, effort_bounds
 from atlas_drake.control.joints.damping import limp_effort
 from atlas_drake.control.whole_body.command import EffortBounds, WholeBodyCommand
@@ -82,7 +82,7 @@ class WholeBodyController(CollectableSystem):
     def __init__(
         self,
         robot: Robot,
-        gains: ControlGains,
+        config: ControllerConfig,
         period: float,
         initial_behavior: Behavior,
     ):
@@ -94,9 +94,9 @@ class WholeBodyController(CollectableSystem):
         self._limit = limit = robot.effort_limit
         self._own_bounds = EffortBounds(-limit, limit, np.zeros(n, dtype=bool))
         self._model = WholeBodyModel(robot)
-        self._qp = WholeBodyQp(robot, gains)
-        height = nominal_com_height(self._model) - gains.com_drop
-        self._supervisor = Supervisor(self._model, gains, height)
+        self._qp = WholeBodyQp(robot, config.gains)
+        height = nominal_com_height(self._model) - config.gains.com_drop
+        self._supervisor = Supervisor(self._model, config, height)
         self.tick_seconds: MutableSequence[float] | None = None
         """Wall-clock time of each tick, kept only when set to a list: a measurement of
         the machine, no part of the Context."""

@@ -95,6 +95,11 @@ class VideoDisplay(CollectableSystem):
         self.DeclarePeriodicPublishEvent(1.0 / VIDEO_RATE, 0.0, self._publish)
 
     @property
+    def closed(self) -> bool:
+        """Whether nothing is filmed any more."""
+        return not self._file.is_open
+
+    @property
     def num_frames(self) -> int:
         """How many pictures the video has."""
         return self._file.num_frames

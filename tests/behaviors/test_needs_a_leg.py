@@ -8,13 +8,15 @@ from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.body_reference import BodyRates, capture_body
 from atlas_drake.behaviors.freeze import Freeze
 from atlas_drake.behaviors.manipulate.manipulate import Manipulate
-from atlas_drake.behaviors.stand.stance_guard import LEAST_EFFORT, Holding, StanceGuard
+from atlas_drake.behaviors.stand.config import StanceGuardConfig
+from atlas_drake.behaviors.stand.stance_guard import Holding, StanceGuard
 from atlas_drake.behaviors.stand.stand import Stand
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.control.pelvis.pelvis_reach import PelvisReach
 from atlas_drake.messages import AtlasSimInterfaceState
 
 HEIGHT = 0.9
+LEAST_EFFORT = StanceGuardConfig().least_effort
 """Of the CoM above the soles in STAND [m]."""
 
 

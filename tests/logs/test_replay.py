@@ -1,7 +1,10 @@
 """A replay shows what the log has, as the run was shown."""
 
+import copy
+
 import numpy as np
 import pytest
+from pydrake.common.yaml import yaml_dump
 from pydrake.geometry import Meshcat
 from pydrake.systems.analysis import Simulator
 
@@ -18,6 +21,7 @@ from atlas_drake.logs.layout import SIDES
 from atlas_drake.logs.log import Log
 from atlas_drake.logs.log_player import LogPlayer
 from atlas_drake.logs.notes import Header
+from atlas_drake.scenario.kinds import as_plain
 from atlas_drake.scenario.terrain import Block
 from atlas_drake.visualization.balance_marks import PATH as BALANCE
 from atlas_drake.visualization.caption import caption_of
@@ -167,14 +171,10 @@ def test_displays_read_what_they_read_in_the_run(run):
 
 
 def test_terrain_is_shown(log, scenario, meshcat):
-    from pydrake.common.yaml import yaml_dump_typed, yaml_load_typed
-
-    from atlas_drake import Scenario
-
-    text = yaml_dump_typed(scenario)
-    rough = yaml_load_typed(schema=Scenario, data=text, defaults=Scenario())
+    rough = copy.deepcopy(scenario)
     rough.terrain = [Block()]
-    header = Header("atlas", 0.002, yaml_dump_typed(rough), log.header.layout)
+    text = yaml_dump(as_plain(rough))
+    header = Header("atlas", 0.002, text, log.header.layout)
     terrain = Log(log.path, header, log.arrays, log.notes)
     diagram = make_replay(terrain, meshcat)
     station = diagram.GetSubsystemByName("station")

@@ -1,7 +1,7 @@
 """What a standing behaviour does while the user leaves it no leg to balance with.
 
-A leg to balance with is one of whose hip pitch and ankle pitch both the behaviour
-commands at least 15 N·m. Without one the behaviour holds its pose, as FREEZE does.
+A leg to balance with is one of whose hip pitch and ankle pitch the behaviour commands
+enough effort each. Without one the behaviour holds its pose, as FREEZE does.
 Balancing all the same would move the centre of mass by what trunk and arms can do, lean
 further and further, and fall. With a leg given back it takes up what it was about.
 """
@@ -17,20 +17,13 @@ from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.base import BehaviorProtocol, Observation, Outcome
 from atlas_drake.behaviors.body_reference import BodyReference
 from atlas_drake.behaviors.freeze import Freeze, FreezeMemory
+from atlas_drake.behaviors.stand.config import StanceGuardConfig
 from atlas_drake.control.feet.leg_kinematics import LEGS
 from atlas_drake.frozen import replace
 from atlas_drake.messages import AtlasSimInterfaceCommand, AtlasSimInterfaceState
 from atlas_drake.messages.controller_status import Plan
 from atlas_drake.messages.event import Event
 from atlas_drake.robot import ANKLE_PITCH, HIP_PITCH
-
-LEAST_EFFORT = 15.0
-"""What the behaviour must be able to give a joint to balance with it [N·m]."""
-
-_WARNING = (
-    "no leg to balance with: only the pose is held. It takes hip and ankle pitch"
-    f" (hpy, aky) of one leg, and {LEAST_EFFORT:.0f} N·m of each"
-)
 
 
 @dataclass(frozen=True)
@@ -71,8 +64,19 @@ class StanceGuard:
         behavior: Who balances.
     """
 
-    def __init__(self, behavior: StandingBehavior, freeze: Freeze, balance: Balance):
+    def __init__(
+        self,
+        behavior: StandingBehavior,
+        freeze: Freeze,
+        balance: Balance,
+        config: StanceGuardConfig | None = None,
+    ):
         """Runs ``behavior`` where it can balance, else ``freeze``."""
+        self._least_effort = (config or StanceGuardConfig()).least_effort
+        self._warning = (
+            "no leg to balance with: only the pose is held. It takes hip and ankle "
+            f"pitch (hpy, aky) of one leg, and {self._least_effort:.0f} N·m of each"
+        )
         self.behavior = behavior
         self._freeze = freeze
         robot = balance.robot
@@ -116,7 +120,7 @@ class StanceGuard:
                 warned=memory.warned or warn,
             ),
             finished=leaving,
-            events=(Event(seen.time, "warning", _WARNING),) if warn else (),
+            events=(Event(seen.time, "warning", self._warning),) if warn else (),
         )
 
     def plan(self, memory: Any, com: np.ndarray, omega: float) -> Plan:
@@ -139,4 +143,4 @@ class StanceGuard:
         whoever holds the joints.
         """
         left_over = (1.0 - seen.user_share[self._pitch]) * self._limit
-        return any(min(leg) >= LEAST_EFFORT for leg in left_over.tolist())
+        return any(min(leg) >= self._least_effort for leg in left_over.tolist())

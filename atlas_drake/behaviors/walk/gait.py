@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from atlas_drake.bounds import Positive, ProperShare
 from atlas_drake.control.balance.dcm_plan import CopSegment, DcmPlan
 from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.footstep import FootPose, Footstep, outward
@@ -22,11 +23,11 @@ from atlas_drake.frozen import replace
 class GaitTiming:
     """Durations of the phases that a step's own duration does not give."""
 
-    first_shift: float = 0.80
+    first_shift: Positive = 0.80
     """Weight shift before the first lift-off [s]."""
-    transfer_share: float = 0.32
+    transfer_share: ProperShare = 0.32
     """Share of a step's duration in double support [-]."""
-    settle: float = 0.70
+    settle: Positive = 0.70
     """Shift to the middle of the feet after the last step [s]."""
     rest: float = 0.50
     """Time at rest before STAND takes over [s]."""

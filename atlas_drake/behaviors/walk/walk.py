@@ -20,14 +20,14 @@ from atlas_drake.behaviors.body_reference import (
 )
 from atlas_drake.behaviors.footstep_event import footstep_event
 from atlas_drake.behaviors.step.queue import replaced, step_data_from
+from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.behaviors.walk.gait import (
-    GaitTiming,
     begun_at,
     landing_sensitivity,
     plan_walk,
     stance_cop,
 )
-from atlas_drake.behaviors.walk.memory import Phase, WalkMemory, WalkRules
+from atlas_drake.behaviors.walk.memory import Phase, WalkMemory
 from atlas_drake.behaviors.walk.outlook import (
     LOOK_AHEAD,
     Outlook,
@@ -39,16 +39,14 @@ from atlas_drake.behaviors.walk.outlook import (
 from atlas_drake.behaviors.walk.preview import walk_plan
 from atlas_drake.behaviors.walk.steps import feet_to_come, steps_asked_for
 from atlas_drake.control.balance import feedback
-from atlas_drake.control.balance.step_adjustment import StepAdjustmentLimits, step_shift
+from atlas_drake.control.balance.step_adjustment import step_shift
 from atlas_drake.control.feet.footstep import (
     LEFT,
     Footstep,
     StepLimits,
-    StepSlack,
     saturate,
 )
 from atlas_drake.control.feet.swing_foot import (
-    SwingProfile,
     SwingReference,
     advance_swing,
     begin_swing,
@@ -65,8 +63,6 @@ from atlas_drake.messages.controller_status import Plan
 from atlas_drake.messages.event import STEPS_LEFT, Event
 
 _UPRIGHT = np.zeros(2)
-REACH = 0.04
-"""The lower leg stretches by this much where the ground is uneven [m]."""
 
 
 class Walk:
@@ -77,25 +73,22 @@ class Walk:
         balance: Balance,
         nominal_height: float,
         rates: BodyRates,
+        config: WalkConfig | None = None,
         *,
-        timing: GaitTiming | None = None,
         limits: StepLimits | None = None,
-        slack: StepSlack | None = None,
-        adjustment: StepAdjustmentLimits | None = None,
-        profile: SwingProfile | None = None,
-        rules: WalkRules | None = None,
     ):
         """Walks with the centre of mass ``nominal_height`` [m] above the soles."""
         self._balance = balance
         self._nominal_height = nominal_height
         self._rates = rates
-        self._timing = timing or GaitTiming()
+        config = config or WalkConfig()
+        self._timing = config.timing
         self._limits = limits or StepLimits()
-        self._slack = slack or StepSlack()
+        self._slack = config.slack
         self._loose_limits = self._slack.loosen(self._limits)
-        self._adjustment = adjustment or StepAdjustmentLimits()
-        self._profile = profile or SwingProfile()
-        self._rules = rules or WalkRules()
+        self._adjustment = config.adjustment
+        self._profile = config.swing
+        self._rules = config.rules
         self._knees = [
             balance.robot.joint_index(f"{side}_leg_kny") for side in ("l", "r")
         ]
@@ -203,7 +196,7 @@ class Walk:
 
     def plan(self, memory: WalkMemory, com: np.ndarray, omega: float) -> Plan:
         """DCM plan, footsteps to come and the swing at hand."""
-        return walk_plan(memory, com)
+        return walk_plan(memory, com, self._profile)
 
     def report(self, memory: WalkMemory, state: AtlasSimInterfaceState) -> None:
         """Steps and timing; the steps as they will really be taken."""
@@ -445,7 +438,7 @@ class Walk:
         low, high = sorted([float(left.p_WF[2]), float(right.p_WF[2])])
         # With one foot above the other, or on its way there, the upper leg bends no
         # more than the lower one's reach makes it: bent knees carry least.
-        ground = min(high, low + REACH)
+        ground = min(high, low + self._rules.leg_stretch)
         return BodyTarget(
             height=ground + self._nominal_height,
             yaw=mean_yaw(left.yaw, right.yaw),
