@@ -4,7 +4,7 @@ Two command ports in, state ports out, as the simulator's plugin was to the orig
 Wiring only.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -33,6 +33,7 @@ from atlas_drake.scenario.drake_configs import check_plant_config, plant_config
 from atlas_drake.scenario.noise import NoiseModel
 from atlas_drake.scenario.terrain import BLOCK_COLOR, Block
 from atlas_drake.scenario.time_grid import on_common_grid
+from atlas_drake.scenario.world import WorldMaker, add_world, world_instances
 from atlas_drake.systems.command_interface import CommandInterface
 from atlas_drake.systems.effort_selector import EffortSelector
 from atlas_drake.systems.estimation_error import EstimationError
@@ -90,6 +91,7 @@ def make_atlas_station(
     config: StationConfig | None = None,
     *,
     controller: ControllerSource | None = None,
+    world: Sequence[WorldMaker] = (),
 ) -> Diagram:
     """Builds the station.
 
@@ -101,6 +103,8 @@ def make_atlas_station(
         config: Periods, sensors, ground; None has the defaults.
         controller: Takes the place of ``WholeBodyController``; see
             ``atlas_drake.diagrams.controller_socket`` for the ports that it may have.
+        world: Callables (plant) -> None that add models beside the robot; see
+            ``atlas_drake.scenario.world``.
 
     Input ports:
         atlas_command: ``AtlasCommand``; optional. See ``CommandInterface`` for when a
@@ -120,7 +124,10 @@ def make_atlas_station(
         behavior_state: What the behaviours see of the state.
         foot_wrenches: See ``RobotSensors``.
         extremes: Of the run so far, see ``RunStatistics``.
-        state, body_poses, contact_results: Of the plant.
+        state: Positions and velocities of the robot.
+        plant_state: Those of the whole plant.
+        NAME.state: Those of each other model that can move, by its name.
+        body_poses, contact_results: Of the plant.
         query_object: Of the scene graph, for visualisers.
         estimated_state, estimation_error, largest_estimation_error: Of the state
             estimator, where there is one; see ``EstimationError``.
@@ -131,8 +138,9 @@ def make_atlas_station(
     robot = robot or load_robot()
     config = config or StationConfig()
     builder = DiagramBuilder()
-    plant, scene_graph = _add_world(builder, robot, config)
-    indices = robot.indices(plant)
+    plant, scene_graph = _add_plant(builder, robot, config, world)
+    indices, own = robot.indices(plant), robot.instance(plant)
+    own_state = plant.get_state_output_port(own)
 
     commands = builder.AddNamedSystem(
         "command_interface",
@@ -143,7 +151,7 @@ def make_atlas_station(
         JointPidBank(
             robot,
             indices,
-            plant.num_positions(),
+            plant.num_positions(own),
             config.physics_step,
             config.control_period,
         ),
@@ -166,7 +174,7 @@ def make_atlas_station(
     statistics = builder.AddNamedSystem(
         "run_statistics",
         RunStatistics(
-            robot, indices, plant.num_multibody_states(), config.control_period
+            robot, indices, plant.num_multibody_states(own), config.control_period
         ),
     )
 
@@ -182,7 +190,9 @@ def make_atlas_station(
     for reader in (selector, pid, reporter):
         builder.Connect(socket.effort, reader.GetInputPort("behavior_effort"))
     builder.Connect(socket.status, reporter.GetInputPort("controller_status"))
-    connect(selector, "actuation", plant)
+    builder.Connect(
+        selector.GetOutputPort("actuation"), plant.get_actuation_input_port(own)
+    )
     connect(selector, "effort", sensors)
     connect(selector, "actuation", statistics)
     if config.estimated:
@@ -203,14 +213,14 @@ def make_atlas_station(
     connect(plant, "contact_results", sensors)
     connect(plant, "body_spatial_accelerations", sensors, "body_accelerations")
     for reader in (sensors, pid, statistics):
-        builder.Connect(plant.get_state_output_port(), reader.GetInputPort("state"))
+        builder.Connect(own_state, reader.GetInputPort("state"))
 
     for name in ("atlas_command", "atlas_sim_interface_command"):
         builder.ExportInput(commands.GetInputPort(name), name)
     pushes = plant.get_applied_spatial_force_input_port()
     if config.harnessed:
         harness = builder.AddNamedSystem("harness", Harness(robot, plant))
-        builder.Connect(plant.get_state_output_port(), harness.GetInputPort("state"))
+        builder.Connect(own_state, harness.GetInputPort("state"))
         connect(selector, "actuation", harness)
         connect(sensors, "foot_wrenches", harness)
         builder.Connect(harness.GetOutputPort("applied_spatial_force"), pushes)
@@ -227,7 +237,10 @@ def make_atlas_station(
     ):
         for name in names:
             builder.ExportOutput(system.GetOutputPort(name), name)
-    builder.ExportOutput(plant.get_state_output_port(), "state")
+    builder.ExportOutput(own_state, "state")
+    builder.ExportOutput(plant.get_state_output_port(), "plant_state")
+    for instance, name in world_instances(plant, robot).items():
+        builder.ExportOutput(plant.get_state_output_port(instance), f"{name}.state")
     builder.ExportOutput(behavior_state, "behavior_state")
     builder.ExportOutput(socket.effort, "behavior_effort")
     builder.ExportOutput(socket.status, "controller_status")
@@ -251,14 +264,18 @@ def make_whole_body_controller(
     )
 
 
-def _add_world(
-    builder: DiagramBuilder, robot: Robot, config: StationConfig
+def _add_plant(
+    builder: DiagramBuilder,
+    robot: Robot,
+    config: StationConfig,
+    world: Sequence[WorldMaker],
 ) -> tuple[MultibodyPlant, SceneGraph]:
-    """The plant with robot, level ground at z = 0 and the terrain's boxes."""
+    """The plant with robot, level ground at z = 0, terrain and world."""
     check_plant_config(config.plant, config.physics_step)
     plant, scene_graph = AddMultibodyPlant(config.plant, builder)
     robot.add_to(plant)
     add_scenery(plant, config.terrain, config.ground_friction)
+    add_world(plant, world)
     plant.Finalize()
     stand_by_default(plant, robot, config.terrain)
     return plant, scene_graph
@@ -311,7 +328,7 @@ def _add_estimator(
     for name in ("measured_state", "foot_loads"):
         builder.Connect(sensors.GetOutputPort(name), estimator.GetInputPort(name))
     builder.Connect(imu.GetOutputPort("inertial"), estimator.GetInputPort("inertial"))
-    true = plant.get_state_output_port()
+    true = plant.get_state_output_port(robot.instance(plant))
     builder.Connect(true, imu.GetInputPort("state"))
     builder.Connect(true, estimator.GetInputPort("start_state"))
     builder.Connect(true, error.GetInputPort("state"))

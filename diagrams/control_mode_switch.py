@@ -14,6 +14,7 @@ from pydrake.systems.framework import Diagram, DiagramBuilder
 from atlas_drake.diagrams.atlas_station import StationConfig, make_atlas_station
 from atlas_drake.diagrams.controller_socket import ControllerSource
 from atlas_drake.robot import Robot, load_robot
+from atlas_drake.scenario.world import WorldMaker
 from atlas_drake.systems.command_scheduler import CommandScheduler, ScheduledCommand
 from atlas_drake.visualization.overlays import Overlays
 
@@ -38,6 +39,7 @@ def make_control_mode_switch(
     *,
     controller: ControllerSource | None = None,
     extend: Extend | None = None,
+    world: Sequence[WorldMaker] = (),
 ) -> Diagram:
     """Builds scheduler and station; 3D view, recorder and video if they are given.
 
@@ -51,6 +53,7 @@ def make_control_mode_switch(
         recorder: Writes a log; None writes nothing.
         video: What to film it into; None films nothing.
         controller: As for ``make_atlas_station``.
+        world: As for ``make_atlas_station``; called for the video's scene, too.
         extend: Called with (builder, station) before the diagram is built: adds
             systems, connects them to the station, exports ports.
 
@@ -65,7 +68,7 @@ def make_control_mode_switch(
     config = config or StationConfig()
     builder = DiagramBuilder()
     station = builder.AddNamedSystem(
-        "station", make_atlas_station(robot, config, controller=controller)
+        "station", make_atlas_station(robot, config, controller=controller, world=world)
     )
     scheduler = builder.AddNamedSystem(
         "scheduler", CommandScheduler(programme, config.control_period)
@@ -95,7 +98,7 @@ def make_control_mode_switch(
     if video is not None:
         from atlas_drake.visualization.video_display import add_video
 
-        add_video(builder, station, robot, config.terrain, video)
+        add_video(builder, station, robot, config.terrain, video, world)
     if extend is not None:
         extend(builder, station)
     diagram = builder.Build()

@@ -3,6 +3,7 @@
 Nothing here simulates.
 """
 
+from atlas_drake.scenario.models import Model
 from atlas_drake.scenario.scenario import (
     Jitter,
     Scenario,
@@ -14,6 +15,7 @@ from atlas_drake.scenario.scenario import (
 
 __all__ = [
     "Jitter",
+    "Model",
     "Scenario",
     "Start",
     "load_scenario",

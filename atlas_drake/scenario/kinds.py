@@ -19,6 +19,9 @@ from collections.abc import Mapping, Sequence
 from typing import Annotated, Any
 
 import numpy as np
+from pydrake.common.schema import Transform
+from pydrake.common.yaml import yaml_dump, yaml_dump_typed, yaml_load, yaml_load_typed
+from pydrake.math import RigidTransform
 
 from atlas_drake.bounds import Bounds
 from atlas_drake.errors import ScenarioError, did_you_mean, shown
@@ -68,6 +71,8 @@ def typed(
     if typing.get_origin(kind) is Annotated:
         kind, *notes = typing.get_args(kind)
         bounds = next((note for note in notes if isinstance(note, Bounds)), bounds)
+    if kind is Transform:
+        return _transform(value, path)
     if _is_structure(kind):
         return _structure(value, kind, path, default, bounds, from_text)
     origin, arguments = typing.get_origin(kind), typing.get_args(kind)
@@ -92,24 +97,49 @@ def typed(
             return value
         return elements
     kinds = arguments if origin in (types.UnionType, typing.Union) else (kind,)
+    if value is None and type(None) in kinds:
+        return None
     structures = [one for one in kinds if _is_structure(one)]
-    if structures and value is not None:
-        return _structure(value, structures[0], path, default, bounds, from_text)
+    nested = structures or any(typing.get_origin(one) is list for one in kinds)
+    if nested:
+        (only,) = (one for one in kinds if one is not type(None))
+        return typed(
+            value, only, path, default=default, bounds=bounds, from_text=from_text
+        )
     if not any(_is(value, one, from_text) for one in kinds):
         raise _wrong(path, value, " or ".join(_NAMES[one] for one in kinds))
-    if float not in kinds or value is None:
+    if float not in kinds:
         return plain_number(value)
     return _number(value, path, bounds)
 
 
 def as_plain(value: Any) -> Any:
     """Return the value as mappings, lists and plain values, as YAML has it."""
+    if isinstance(value, Transform):
+        return yaml_load(data=yaml_dump_typed(value))
     if isinstance(value, list | tuple):
         return [as_plain(element) for element in value]
     if _is_structure(type(value)):
         names = _fields(type(value))
         return {name: as_plain(getattr(value, name)) for name in names}
     return value
+
+
+def _transform(value: Any, path: str) -> Transform:
+    """A pose of Drake's schema, whose rotation is a word of several kinds."""
+    if isinstance(value, Transform):
+        return value
+    try:
+        if isinstance(value, RigidTransform):
+            return Transform(value)
+        if isinstance(value, Mapping):
+            text = yaml_dump(dict(value))
+            pose: Transform = yaml_load_typed(schema=Transform, data=text)
+            return pose
+    except Exception as error:  # Drake raises several kinds.
+        why = str(error).partition("\n")[0].removeprefix("(): ")
+        raise ScenarioError(path, value, f"is {shown(value)}: {why}") from error
+    raise _wrong(path, value, "a pose, such as {translation: [1.0, 0.0, 0.5]}")
 
 
 def _is_structure(kind: Any) -> bool:

@@ -26,6 +26,7 @@ from atlas_drake.scenario.drake_configs import (
     plant_config,
 )
 from atlas_drake.scenario.kinds import as_plain, typed
+from atlas_drake.scenario.models import Model
 from atlas_drake.scenario.noise import NOISE_MODELS
 from atlas_drake.scenario.terrain import Block
 from atlas_drake.scenario.time_grid import on_common_grid
@@ -154,6 +155,8 @@ class Scenario:
     """Half width of a uniform change of it."""
     terrain: list[Block] = field(default_factory=list)
     """Boxes on the level ground at z = 0."""
+    models: list[Model] = field(default_factory=list)
+    """What else there is beside the robot, from files."""
     start: Start = field(default_factory=Start)
     """Where the robot begins."""
     noise: str = "none"
@@ -241,6 +244,8 @@ class Scenario:
             )
         for index, block in enumerate(self.terrain):
             block.validate(f"terrain[{index}]")
+        for index, model in enumerate(self.models):
+            model.validate(f"models[{index}]")
         self.start.validate(self.behavior())
         return self
 
@@ -319,11 +324,30 @@ def load_scenario(path: str | Path) -> Scenario:
             raise ScenarioError(
                 "file", raw, "must have fields of a scenario, such as duration: 10"
             )
-        return scenario_from(raw)
+        return scenario_from(_with_full_paths(raw, Path(path).parent))
     except ScenarioError as error:
         raise ScenarioError(
             error.field, error.value, f"{error.problem} (in {path})"
         ) from None
+
+
+def _with_full_paths(raw: Mapping[str, Any], folder: Path) -> Mapping[str, Any]:
+    """The same with the files of models as seen from ``folder``."""
+    models = raw.get("models")
+    if not isinstance(models, list):
+        return raw
+    return {
+        **raw,
+        "models": [
+            {**model, "file": str((folder / model["file"]).absolute())}
+            if isinstance(model, Mapping)
+            and isinstance(model.get("file"), str)
+            and model["file"]
+            and "://" not in model["file"]
+            else model
+            for model in models
+        ],
+    }
 
 
 def scenario_from(

@@ -53,8 +53,10 @@ from atlas_drake.messages.numeric import as_float
 from atlas_drake.robot import load_robot
 from atlas_drake.scenario import Scenario, Start
 from atlas_drake.scenario.kinds import typed
+from atlas_drake.scenario.models import set_velocities, world_of
 from atlas_drake.scenario.noise import NOISE_MODELS
 from atlas_drake.scenario.scenario import check_seed, starting_behavior
+from atlas_drake.scenario.world import WorldMaker, put_world_back
 from atlas_drake.simulation.drake_log import only_news
 from atlas_drake.simulation.fall_watch import FallWatch
 from atlas_drake.simulation.pace import Pace
@@ -107,6 +109,7 @@ class AtlasSimulation:
         scenario: Scenario | None = None,
         *,
         controller: ControllerSource | None = None,
+        world: Sequence[WorldMaker] = (),
         extend: Extend | None = None,
         meshcat: Meshcat | None = None,
         overlays: Overlays | None = None,
@@ -123,6 +126,8 @@ class AtlasSimulation:
             controller: Takes the place of ours: a System, or a callable
                 (robot, config: StationConfig) -> System. See
                 ``atlas_drake.diagrams.controller_socket`` for its ports.
+            world: Callables (plant) -> None that add models beside the robot before the
+                plant is finalized: a table, a ball. They are called again for a video.
             extend: Called with (builder, station) before the diagram is built, to add
                 systems of your own. ``output`` reads the ports that it exports.
             meshcat: Where to show it; None shows nothing.
@@ -156,7 +161,7 @@ class AtlasSimulation:
         self._listeners = (log_event, on_event)
         self._meshcat = meshcat
         try:
-            self._build(controller, extend, meshcat, overlays, recorded, video)
+            self._build(controller, world, extend, meshcat, overlays, recorded, video)
         except BaseException:
             if self._recorder is not None:
                 self._finalizer()
@@ -165,6 +170,7 @@ class AtlasSimulation:
     def _build(
         self,
         controller: ControllerSource | None,
+        world: Sequence[WorldMaker],
         extend: Extend | None,
         meshcat: Meshcat | None,
         overlays: Overlays | None,
@@ -202,6 +208,7 @@ class AtlasSimulation:
             video,
             controller=controller,
             extend=extend,
+            world=(*world_of(self.scenario.models), *world),
         )
         self._film: VideoDisplay | None = None
         if self.diagram.HasSubsystemNamed("video"):
@@ -230,7 +237,7 @@ class AtlasSimulation:
         self._pushes: list[Push] = []
         self._exert(())
         self._variation = draw_variation(self.scenario, self.robot)
-        scale_masses(self.plant, self._plant_context(), self._variation)
+        scale_masses(self.plant, self._plant_context(), self.robot, self._variation)
         begin_run(
             self.station,
             context,
@@ -238,6 +245,7 @@ class AtlasSimulation:
             self.scenario.terrain,
             self._variation.ground_friction,
         )
+        set_velocities(self.scenario.models, self.plant, self._plant_context())
         del self._tick_seconds[:]
         self._log = RunLog(*self._listeners)
         self._faults: list[AtlasError] = []
@@ -517,8 +525,9 @@ class AtlasSimulation:
     ) -> None:
         """Puts the robot back on its feet, with nothing in force but ``behavior``.
 
-        Joint controllers and behaviors forget all they know, and pushes end. Time goes
-        on, and so does what is left of a programme.
+        Joint controllers and behaviors forget all they know, pushes end, and what else
+        is in the world is where it was at the start. Time goes on, and so does what is
+        left of a programme.
 
         With a ``seed`` a new run begins: time, programme, events and summary start from
         zero, and whatever the scenario jitters is drawn anew. Such a run equals that of
@@ -558,6 +567,8 @@ class AtlasSimulation:
             self._pushes = []
             self._exert(())
             reset_station(self.station, self.context, begin)
+            put_world_back(self.plant, self._plant_context(), self.robot)
+            set_velocities(self.scenario.models, self.plant, self._plant_context())
             self._place(moved, start)
             self._log.note(Event(self.time, "reset", f"reset, {begin.name} begins"))
             self.simulator.Initialize()
@@ -674,7 +685,8 @@ class AtlasSimulation:
     @property
     def pelvis_pose(self) -> RigidTransform:
         """Pose of the pelvis in the world."""
-        pelvis = self.plant.GetBodyByName(self.robot.file.pelvis)
+        own = self.robot.instance(self.plant)
+        pelvis = self.plant.GetBodyByName(self.robot.file.pelvis, own)
         with self._turns:
             return self.plant.EvalBodyPoseInWorld(self._plant_context(), pelvis)
 
@@ -731,7 +743,7 @@ class AtlasSimulation:
 
     def _exert(self, pushes: Sequence[Push]) -> None:
         """Puts forces on the plant's port."""
-        forces = [push.on(self.plant) for push in pushes]
+        forces = [push.on(self.plant, self.robot) for push in pushes]
         self.diagram.GetInputPort("applied_spatial_force").FixValue(
             self.context, forces
         )

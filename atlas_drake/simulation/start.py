@@ -60,18 +60,21 @@ def draw_variation(scenario: Scenario, robot: Robot) -> Variation:
     )
 
 
-def scale_masses(plant: MultibodyPlant, context: Context, variation: Variation) -> None:
+def scale_masses(
+    plant: MultibodyPlant, context: Context, robot: Robot, variation: Variation
+) -> None:
     """Make bodies heavier or lighter than the controller believes.
 
     Args:
         plant: With the robot.
         context: Of the plant, with its default masses.
+        robot: In the plant.
         variation: What was drawn.
     """
     for name, factor in variation.mass_factor.items():
         if factor == 1.0:
             continue
-        body = plant.GetBodyByName(name)
+        body = plant.GetBodyByName(name, robot.instance(plant))
         inertia = body.default_spatial_inertia()
         body.SetSpatialInertiaInBodyFrame(
             context,

@@ -36,7 +36,7 @@ class InertialSensor(NoisySystem):
     instant has been solved: the integral of acceleration is the change of velocity.
 
     Input ports:
-        state: Positions and velocities of the plant.
+        state: Positions and velocities of the robot.
 
     Output ports:
         inertial: In the pelvis' axes, shape (9,): the angular velocity now [rad/s],
@@ -61,12 +61,15 @@ class InertialSensor(NoisySystem):
         self._plant = plant
         n = robot.num_joints
         self.declare_noise(lambda seed: SensorNoise(noise, seed, n, physics_step), seed)
-        imu = plant.GetFrameByName(robot.file.imu_frame)
+        self._instance = own = robot.instance(plant)
+        imu = plant.GetFrameByName(robot.file.imu_frame, own)
         # A number, as a frame keeps its plant where nobody can see it.
         self._imu = imu.index()
         self._R_PI = imu.GetFixedPoseInBodyFrame().rotation().matrix()
         self._orientation = robot.indices(plant).pelvis.orientation
-        self._state = self.DeclareVectorInputPort("state", plant.num_multibody_states())
+        self._state = self.DeclareVectorInputPort(
+            "state", plant.num_multibody_states(own)
+        )
         self._scratch = declare_scratch_context(self, plant.CreateDefaultContext)
         # At the last tick: its time, the pelvis' quaternion, the IMU's velocity in W.
         self._last = self.DeclareDiscreteState(_nothing())
@@ -80,7 +83,7 @@ class InertialSensor(NoisySystem):
     def _motion(self, context: Context) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Quaternion of the pelvis, angular velocity and velocity of the IMU in W."""
         state, scratch = self._state.Eval(context), self._scratch.Eval(context)
-        self._plant.SetPositionsAndVelocities(scratch, state)
+        self._plant.SetPositionsAndVelocities(scratch, self._instance, state)
         V_WI = self._plant.get_frame(self._imu).CalcSpatialVelocityInWorld(scratch)
         return state[self._orientation], V_WI.rotational(), V_WI.translational()
 
