@@ -33,7 +33,7 @@ if TYPE_CHECKING:
         steps_turning,
     )
     from atlas_drake.planning.step_stream import StepStream
-    from atlas_drake.scenario import Jitter, Scenario, Start, load_scenario
+    from atlas_drake.scenario import Jitter, Model, Scenario, Start, load_scenario
     from atlas_drake.scenario.terrain import Block
     from atlas_drake.simulation import AtlasSimulation, SimulationError
 
@@ -47,6 +47,7 @@ _LAZY = {
     "Block": "atlas_drake.scenario.terrain",
     "Gait": "atlas_drake.planning.footholds",
     "Jitter": "atlas_drake.scenario",
+    "Model": "atlas_drake.scenario",
     "Log": "atlas_drake.logs",
     "LogError": "atlas_drake.logs",
     "Scenario": "atlas_drake.scenario",
@@ -75,6 +76,7 @@ __all__ = [  # noqa: PLE0604
     "Gait",
     "InvalidMessageError",
     "Jitter",
+    "Model",
     "Log",
     "LogError",
     "Scenario",

@@ -1,23 +1,35 @@
-"""Names and kinds of a scenario's values, checked against its dataclasses.
+"""Names, kinds and bounds of a scenario's values, checked against its dataclasses.
 
-Serves a YAML file's mapping and a scenario made in Python alike. What values mean, and
-which go together, is for the dataclasses to check themselves.
+Serves a YAML file's mapping and a scenario made in Python alike, and Drake's own
+configurations as well as dataclasses. What values mean, and which go together, is for
+the dataclasses to check themselves.
+
+Drake's ``yaml_load_typed`` reads its YAML but builds no frozen dataclass, knows no
+bounds, and names neither the path of a fault nor the word that was meant.
 """
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 import math
 import types
 import typing
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
+from pydrake.common.schema import Transform
+from pydrake.common.yaml import yaml_dump, yaml_dump_typed, yaml_load, yaml_load_typed
+from pydrake.math import RigidTransform
 
+from atlas_drake.bounds import Bounds
 from atlas_drake.errors import ScenarioError, did_you_mean, shown
 from atlas_drake.numeric import is_number, is_whole, plain_number
 
+LARGEST = 1e6
+"""Largest size of a number in a scenario, whatever its unit: a thousand kilometres from
+the origin positions are still exact to a nanometre."""
 _NAMES = {
     float: "a number",
     int: "a whole number",
@@ -27,89 +39,189 @@ _NAMES = {
 }
 
 
-def check_kinds(
-    value: object, kind: Any, path: str = "", *, from_text: bool = False
-) -> None:
-    """Checks a value and all within it.
+def typed(
+    value: Any,
+    kind: Any,
+    path: str = "",
+    *,
+    default: Any = None,
+    bounds: Bounds | None = None,
+    from_text: bool = False,
+) -> Any:
+    """Check a value and all within it, and return it as its field declares it.
+
+    Fractions, numpy's numbers and arrays become Python's own numbers and lists: they
+    mean the same, but cannot be written to a file or given to Drake.
 
     Args:
-        value: Of a field: plain, a sequence, a mapping or a dataclass.
+        value: Of a field: plain, a sequence, a dataclass or, from text, a mapping.
         kind: What the field is declared to be.
         path: Of the field, such as ``terrain[0].size``; empty for the whole.
-        from_text: Whether it was read from YAML, which takes 1e-3 for a word.
+        default: Value of the fields that a mapping leaves out.
+        bounds: Of every number that declares none of its own.
+        from_text: Whether ``value`` was read from YAML, which takes 1e-3 for a word.
+
+    Returns:
+        The value; lists, and dataclasses that are not frozen, are changed in place.
 
     Raises:
-        ScenarioError: Naming the first field that does not exist or is of another kind.
+        ScenarioError: Naming the first field that does not exist, is of another kind
+            or out of bounds.
     """
-    if dataclasses.is_dataclass(kind):
-        _check_fields(value, kind, path, from_text)
-        return
+    if typing.get_origin(kind) is Annotated:
+        kind, *notes = typing.get_args(kind)
+        bounds = next((note for note in notes if isinstance(note, Bounds)), bounds)
+    if kind is Transform:
+        return _transform(value, path)
+    if _is_structure(kind):
+        return _structure(value, kind, path, default, bounds, from_text)
     origin, arguments = typing.get_origin(kind), typing.get_args(kind)
-    if origin is list:
+    if origin in (list, tuple):
         if isinstance(value, str) or not isinstance(value, (Sequence, np.ndarray)):
             raise _wrong(path, value, "a list")
-        element: object
-        for index, element in enumerate(value):
-            check_kinds(element, arguments[0], f"{path}[{index}]", from_text=from_text)
-        return
+        # In this package every element of a list or tuple is of the same kind.
+        elements = [
+            typed(
+                element,
+                arguments[0],
+                f"{path}[{index}]",
+                bounds=bounds,
+                from_text=from_text,
+            )
+            for index, element in enumerate(value)
+        ]
+        if origin is tuple:
+            return tuple(elements)
+        if isinstance(value, list):
+            value[:] = elements
+            return value
+        return elements
     kinds = arguments if origin in (types.UnionType, typing.Union) else (kind,)
+    if value is None and type(None) in kinds:
+        return None
+    structures = [one for one in kinds if _is_structure(one)]
+    nested = structures or any(typing.get_origin(one) is list for one in kinds)
+    if nested:
+        (only,) = (one for one in kinds if one is not type(None))
+        return typed(
+            value, only, path, default=default, bounds=bounds, from_text=from_text
+        )
     if not any(_is(value, one, from_text) for one in kinds):
         raise _wrong(path, value, " or ".join(_NAMES[one] for one in kinds))
-    if float in kinds and value is not None:
-        number: Any = float(value) if isinstance(value, str) else plain_number(value)
-        # Infinity and NaN are for each field to refuse in its own words.
-        if number not in (math.inf, -math.inf) and abs(number) > LARGEST:
-            raise _wrong(path, value, f"within ±{LARGEST:g}")
+    if float not in kinds:
+        return plain_number(value)
+    return _number(value, path, bounds)
 
 
-LARGEST = 1e6
-"""Largest size of a number in a scenario, whatever its unit: a thousand kilometres from
-the origin positions are still exact to a nanometre."""
+def as_plain(value: Any) -> Any:
+    """Return the value as mappings, lists and plain values, as YAML has it."""
+    if isinstance(value, Transform):
+        return yaml_load(data=yaml_dump_typed(value))
+    if isinstance(value, list | tuple):
+        return [as_plain(element) for element in value]
+    if _is_structure(type(value)):
+        names = _fields(type(value))
+        return {name: as_plain(getattr(value, name)) for name in names}
+    return value
 
 
-def make_plain(value: Any) -> Any:
-    """Returns a value of the right kind with numbers and lists as Python's own.
-
-    Fractions, numpy's numbers and arrays mean the same, but cannot be written to a file
-    or given to Drake. Dataclasses and lists are changed in place.
-    """
-    if dataclasses.is_dataclass(value):
-        for name, item in vars(value).items():
-            setattr(value, name, make_plain(item))
+def _transform(value: Any, path: str) -> Transform:
+    """A pose of Drake's schema, whose rotation is a word of several kinds."""
+    if isinstance(value, Transform):
         return value
-    if isinstance(value, list):
-        value[:] = [make_plain(element) for element in value]
-        return value
-    if isinstance(value, (tuple, np.ndarray)):
-        return [make_plain(element) for element in value]
-    return plain_number(value)
+    try:
+        if isinstance(value, RigidTransform):
+            return Transform(value)
+        if isinstance(value, Mapping):
+            text = yaml_dump(dict(value))
+            pose: Transform = yaml_load_typed(schema=Transform, data=text)
+            return pose
+    except Exception as error:  # Drake raises several kinds.
+        why = str(error).partition("\n")[0].removeprefix("(): ")
+        raise ScenarioError(path, value, f"is {shown(value)}: {why}") from error
+    raise _wrong(path, value, "a pose, such as {translation: [1.0, 0.0, 0.5]}")
 
 
-def _check_fields(value: object, kind: Any, path: str, from_text: bool) -> None:
-    if isinstance(value, Mapping):
-        given: Mapping[Any, object] = value
-    elif isinstance(value, kind):
-        given = vars(value)
+def _is_structure(kind: Any) -> bool:
+    """Tell a dataclass or a configuration of Drake's."""
+    return dataclasses.is_dataclass(kind) or hasattr(kind, "__fields__")
+
+
+def _fields(kind: Any) -> dict[str, Any]:
+    """Kinds of a structure's fields by name."""
+    if dataclasses.is_dataclass(kind):
+        hints = typing.get_type_hints(kind, include_extras=True)
+        return {field.name: hints[field.name] for field in dataclasses.fields(kind)}
+    return {field.name: field.type for field in kind.__fields__}
+
+
+def _structure(
+    value: Any,
+    kind: Any,
+    path: str,
+    default: Any,
+    bounds: Bounds | None,
+    from_text: bool,
+) -> Any:
+    """Check a dataclass, a configuration of Drake's, or the mapping of one."""
+    kinds = _fields(kind)
+    if isinstance(value, kind):
+        base = value
+        # What was set by a mistyped name shall be found, too.
+        given: Mapping[Any, Any] = getattr(value, "__dict__", None) or {
+            name: getattr(value, name) for name in kinds
+        }
+    elif isinstance(value, Mapping):
+        base = kind() if default is None else default
+        given = value
     else:
-        wanted = f"fields of a {kind.__name__}, such as {_example(kind)}"
-        raise _wrong(path, value, wanted)
-    if isinstance(value, Mapping) and not isinstance(value, kind) and not from_text:
-        names = [field.name for field in dataclasses.fields(kind)]
-        if set(given) <= set(names):
-            raise _wrong(path, value, f"a {kind.__name__}({', '.join(names)})")
-    kinds = typing.get_type_hints(kind)
+        example = next(iter(kinds))
+        base = kind() if default is None else default
+        wanted = f"fields of a {kind.__name__}, such as {example}: "
+        raise _wrong(path, value, wanted + shown(as_plain(getattr(base, example))))
+    if base is not value and not from_text and set(given) <= set(kinds):
+        raise _wrong(path, value, f"a {kind.__name__}({', '.join(kinds)})")
+    changes = {}
     for name, item in given.items():
         where = f"{path}.{name}" if path else str(name)
         if name not in kinds:
-            known = ", ".join(kinds)
-            hint = did_you_mean(str(name), kinds) or f" There are {known}."
+            hint = did_you_mean(str(name), kinds) or f" There are {', '.join(kinds)}."
             raise ScenarioError(where, item, f"there is no such field.{hint}")
-        check_kinds(item, kinds[name], where, from_text=from_text)
+        changes[name] = typed(
+            item,
+            kinds[name],
+            where,
+            default=None if base is value else getattr(base, name),
+            bounds=bounds,
+            from_text=from_text,
+        )
+    try:
+        return _changed(base, changes, in_place=base is value)
+    except ScenarioError:
+        raise
+    except ValueError as error:  # From a check of the structure's own.
+        raise ScenarioError(path, value, str(error)) from error
 
 
-def _example(kind: Any) -> str:
-    name = dataclasses.fields(kind)[0].name
-    return f"{name}: {getattr(kind(), name)}"
+def _changed(base: Any, changes: Mapping[str, Any], in_place: bool) -> Any:
+    """The structure with some fields changed; a frozen one is never changed itself."""
+    parameters = getattr(base, "__dataclass_params__", None)
+    if parameters is not None and parameters.frozen:
+        return dataclasses.replace(base, **changes)
+    target = base if in_place else copy.deepcopy(base)
+    for name, item in changes.items():
+        setattr(target, name, item)
+    return target
+
+
+def _number(value: Any, path: str, bounds: Bounds | None) -> float:
+    number: Any = float(value) if isinstance(value, str) else plain_number(value)
+    # Without bounds infinity and NaN are for each field to refuse in its own words.
+    if number not in (math.inf, -math.inf) and abs(number) > LARGEST:
+        raise _wrong(path, value, f"within ±{LARGEST:g}")
+    if bounds is not None and not bounds.allow(number):
+        raise _wrong(path, value, str(bounds))
+    return float(number)
 
 
 def _is(value: object, kind: type, from_text: bool) -> bool:

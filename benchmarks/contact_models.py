@@ -21,7 +21,6 @@ from realtime import PIECE, BarePlant
 from report import command_line, write_figures
 
 from atlas_drake.robot import available_robots, load_robot
-from atlas_drake.scenario.scenario import PHYSICS_STEPS
 from atlas_drake.simulation.tutorial import DURATION
 
 APPROXIMATIONS = ("lagged", "similar", "sap")
@@ -191,7 +190,6 @@ def main() -> int:
     parser.add_argument(
         "--physics-step",
         type=float,
-        choices=PHYSICS_STEPS,
         default=Physics.step,
         help=f"[s]; a control period is {TICK} of them (default: %(default)s)",
     )

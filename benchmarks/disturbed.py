@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 from atlas_drake import AtlasSimulation, Scenario
 from atlas_drake.scenario import Jitter
+from atlas_drake.scenario.drake_configs import plant_config
 
 POSITION = 0.02
 """Half width of the pelvis' place along x and y [m]."""
@@ -38,7 +39,7 @@ class Physics:
         period: Of the behaviours [s].
     """
 
-    contact: str = Scenario.contact_approximation
+    contact: str = plant_config().discrete_contact_approximation
     step: float = Scenario.physics_step
     period: float = Scenario.control_period
 
@@ -65,7 +66,7 @@ def disturbed_simulation(
             duration=duration,
             physics_step=physics.step,
             control_period=physics.period,
-            contact_approximation=physics.contact,
+            plant=plant_config(discrete_contact_approximation=physics.contact),
             seed=seed,
             noise=NOISE,
             ground_friction=0.5 * (lowest + highest),

@@ -52,7 +52,7 @@ class BarePlant:
         plant, _ = AddMultibodyPlant(
             MultibodyPlantConfig(
                 time_step=scenario.physics_step,
-                discrete_contact_approximation=scenario.contact_approximation,
+                discrete_contact_approximation=scenario.plant.discrete_contact_approximation,
                 contact_model="point",
                 # As the station's; sampled ports would add their cost to each step.
                 use_sampled_output_ports=False,
@@ -73,7 +73,7 @@ class BarePlant:
         context = self._simulator.get_mutable_context()
         plant_context = plant.GetMyMutableContextFromRoot(context)
         variation = draw_variation(scenario, robot)
-        scale_masses(plant, plant_context, variation)
+        scale_masses(plant, plant_context, robot, variation)
         place_robot(
             plant,
             plant_context,

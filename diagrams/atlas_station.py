@@ -4,7 +4,7 @@ Two command ports in, state ports out, as the simulator's plugin was to the orig
 Wiring only.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 
@@ -19,20 +19,25 @@ from pydrake.multibody.plant import (
 )
 from pydrake.systems.framework import Diagram, DiagramBuilder, System
 
+from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
-from atlas_drake.control.gains import ControlGains
+from atlas_drake.control.estimation.leg_odometry import OdometryTuning
 from atlas_drake.diagrams.controller_socket import (
     ControllerSource,
     add_controller,
     make_controller,
 )
+from atlas_drake.diagrams.ground_friction import GROUND, block_name
 from atlas_drake.diagrams.standing import stand_by_default
 from atlas_drake.messages import Behavior
 from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.robot import Robot, load_robot
+from atlas_drake.scenario.drake_configs import check_plant_config, plant_config
 from atlas_drake.scenario.noise import NoiseModel
 from atlas_drake.scenario.terrain import BLOCK_COLOR, Block
+from atlas_drake.scenario.time_grid import on_common_grid
+from atlas_drake.scenario.world import WorldMaker, add_world, world_instances
 from atlas_drake.systems.command_interface import CommandInterface
 from atlas_drake.systems.effort_selector import EffortSelector
 from atlas_drake.systems.estimation_error import EstimationError
@@ -55,26 +60,34 @@ class StationConfig:
         control_period: Step of the behaviours [s], a multiple of ``physics_step``.
         ground_friction: Coefficient of the ground.
         terrain: Boxes on the ground.
-        contact_approximation: Drake's name of how contact is solved.
         noise: Of the sensors.
         seed: Of that noise.
         initial_behavior: The behaviour active at the start.
         harnessed: Whether there is a harness that can hold the pelvis.
         estimated: Whether the behaviours see an estimate in place of the true state.
-        gains: Of the whole-body controller.
+        controller: Numbers of the controller.
+        estimator: Numbers of the state estimator.
+        plant: How contact is solved; see ``Scenario.plant``.
     """
 
     physics_step: float = 0.001
     control_period: float = 0.002
     ground_friction: float = 0.9
     terrain: tuple[Block, ...] = ()
-    contact_approximation: str = "similar"
     noise: NoiseModel = field(default_factory=NoiseModel)
     seed: int = 0
     initial_behavior: Behavior = Behavior.STAND
     harnessed: bool = False
     estimated: bool = False
-    gains: ControlGains = field(default_factory=ControlGains)
+    controller: ControllerConfig = field(default_factory=ControllerConfig)
+    estimator: OdometryTuning = field(default_factory=OdometryTuning)
+    plant: MultibodyPlantConfig = field(default_factory=plant_config)
+
+    def __post_init__(self) -> None:
+        """Lets physics steps and control ticks begin at the very same instants."""
+        steps = on_common_grid(self.physics_step, self.control_period)
+        object.__setattr__(self, "physics_step", steps[0])
+        object.__setattr__(self, "control_period", steps[1])
 
 
 def make_atlas_station(
@@ -83,6 +96,7 @@ def make_atlas_station(
     *,
     controller: ControllerSource | None = None,
     behaviors: Iterable[BehaviorEntry] = (),
+    world: Sequence[WorldMaker] = (),
 ) -> Diagram:
     """Builds the station.
 
@@ -95,6 +109,8 @@ def make_atlas_station(
         controller: Takes the place of ``WholeBodyController``; see
             ``atlas_drake.diagrams.controller_socket`` for the ports that it may have.
         behaviors: Added to those that our controller is shipped with.
+        world: Callables (plant) -> None that add models beside the robot; see
+            ``atlas_drake.scenario.world``.
 
     Input ports:
         atlas_command: ``AtlasCommand``; optional. See ``CommandInterface`` for when a
@@ -114,7 +130,10 @@ def make_atlas_station(
         behavior_state: What the behaviours see of the state.
         foot_wrenches: See ``RobotSensors``.
         extremes: Of the run so far, see ``RunStatistics``.
-        state, body_poses, contact_results: Of the plant.
+        state: Positions and velocities of the robot.
+        plant_state: Those of the whole plant.
+        NAME.state: Those of each other model that can move, by its name.
+        body_poses, contact_results: Of the plant.
         query_object: Of the scene graph, for visualisers.
         estimated_state, estimation_error, largest_estimation_error: Of the state
             estimator, where there is one; see ``EstimationError``.
@@ -127,8 +146,9 @@ def make_atlas_station(
     config = config or StationConfig()
     builder = DiagramBuilder()
     entries = (*SHIPPED_ENTRIES, *behaviors)
-    plant, scene_graph = _add_world(builder, robot, config)
-    indices = robot.indices(plant)
+    plant, scene_graph = _add_plant(builder, robot, config, world)
+    indices, own = robot.indices(plant), robot.instance(plant)
+    own_state = plant.get_state_output_port(own)
 
     commands = builder.AddNamedSystem(
         "command_interface",
@@ -144,7 +164,7 @@ def make_atlas_station(
         JointPidBank(
             robot,
             indices,
-            plant.num_positions(),
+            plant.num_positions(own),
             config.physics_step,
             config.control_period,
         ),
@@ -168,7 +188,7 @@ def make_atlas_station(
     statistics = builder.AddNamedSystem(
         "run_statistics",
         RunStatistics(
-            robot, indices, plant.num_multibody_states(), config.control_period
+            robot, indices, plant.num_multibody_states(own), config.control_period
         ),
     )
 
@@ -184,7 +204,9 @@ def make_atlas_station(
     for reader in (selector, pid, reporter):
         builder.Connect(socket.effort, reader.GetInputPort("behavior_effort"))
     builder.Connect(socket.status, reporter.GetInputPort("controller_status"))
-    connect(selector, "actuation", plant)
+    builder.Connect(
+        selector.GetOutputPort("actuation"), plant.get_actuation_input_port(own)
+    )
     connect(selector, "effort", sensors)
     connect(selector, "actuation", statistics)
     if config.estimated:
@@ -205,14 +227,14 @@ def make_atlas_station(
     connect(plant, "contact_results", sensors)
     connect(plant, "body_spatial_accelerations", sensors, "body_accelerations")
     for reader in (sensors, pid, statistics):
-        builder.Connect(plant.get_state_output_port(), reader.GetInputPort("state"))
+        builder.Connect(own_state, reader.GetInputPort("state"))
 
     for name in ("atlas_command", "atlas_sim_interface_command"):
         builder.ExportInput(commands.GetInputPort(name), name)
     pushes = plant.get_applied_spatial_force_input_port()
     if config.harnessed:
         harness = builder.AddNamedSystem("harness", Harness(robot, plant))
-        builder.Connect(plant.get_state_output_port(), harness.GetInputPort("state"))
+        builder.Connect(own_state, harness.GetInputPort("state"))
         connect(selector, "actuation", harness)
         connect(sensors, "foot_wrenches", harness)
         builder.Connect(harness.GetOutputPort("applied_spatial_force"), pushes)
@@ -229,7 +251,10 @@ def make_atlas_station(
     ):
         for name in names:
             builder.ExportOutput(system.GetOutputPort(name), name)
-    builder.ExportOutput(plant.get_state_output_port(), "state")
+    builder.ExportOutput(own_state, "state")
+    builder.ExportOutput(plant.get_state_output_port(), "plant_state")
+    for instance, name in world_instances(plant, robot).items():
+        builder.ExportOutput(plant.get_state_output_port(instance), f"{name}.state")
     builder.ExportOutput(behavior_state, "behavior_state")
     builder.ExportOutput(socket.effort, "behavior_effort")
     builder.ExportOutput(socket.status, "controller_status")
@@ -252,27 +277,26 @@ def make_whole_body_controller(
         entries: Of the behaviors.
     """
     return WholeBodyController(
-        robot, config.gains, config.control_period, config.initial_behavior, entries
+        robot,
+        config.controller,
+        config.control_period,
+        config.initial_behavior,
+        entries,
     )
 
 
-def _add_world(
-    builder: DiagramBuilder, robot: Robot, config: StationConfig
+def _add_plant(
+    builder: DiagramBuilder,
+    robot: Robot,
+    config: StationConfig,
+    world: Sequence[WorldMaker],
 ) -> tuple[MultibodyPlant, SceneGraph]:
-    """The plant with robot, level ground at z = 0 and the terrain's boxes."""
-    plant, scene_graph = AddMultibodyPlant(
-        MultibodyPlantConfig(
-            time_step=config.physics_step,
-            discrete_contact_approximation=config.contact_approximation,
-            contact_model="point",
-            # Sampled ports would make the plant's step an unrestricted update, which
-            # could not see what the controller's update of the same instant decided.
-            use_sampled_output_ports=False,
-        ),
-        builder,
-    )
+    """The plant with robot, level ground at z = 0, terrain and world."""
+    check_plant_config(config.plant, config.physics_step)
+    plant, scene_graph = AddMultibodyPlant(config.plant, builder)
     robot.add_to(plant)
     add_scenery(plant, config.terrain, config.ground_friction)
+    add_world(plant, world)
     plant.Finalize()
     stand_by_default(plant, robot, config.terrain)
     return plant, scene_graph
@@ -290,10 +314,10 @@ def add_scenery(
     """
     friction = CoulombFriction(ground_friction, ground_friction)
     plant.RegisterCollisionGeometry(
-        plant.world_body(), RigidTransform(), HalfSpace(), "ground", friction
+        plant.world_body(), RigidTransform(), HalfSpace(), GROUND, friction
     )
     for number, block in enumerate(terrain):
-        _add_block(plant, block, f"terrain_{number}", ground_friction)
+        _add_block(plant, block, block_name(number), ground_friction)
 
 
 def _add_estimator(
@@ -316,7 +340,8 @@ def _add_estimator(
         ),
     )
     estimator = builder.AddNamedSystem(
-        "state_estimator", StateEstimator(robot, config.control_period)
+        "state_estimator",
+        StateEstimator(robot, config.control_period, config.estimator),
     )
     error = builder.AddNamedSystem(
         "estimation_error", EstimationError(robot, plant, config.control_period)
@@ -324,7 +349,7 @@ def _add_estimator(
     for name in ("measured_state", "foot_loads"):
         builder.Connect(sensors.GetOutputPort(name), estimator.GetInputPort(name))
     builder.Connect(imu.GetOutputPort("inertial"), estimator.GetInputPort("inertial"))
-    true = plant.get_state_output_port()
+    true = plant.get_state_output_port(robot.instance(plant))
     builder.Connect(true, imu.GetInputPort("state"))
     builder.Connect(true, estimator.GetInputPort("start_state"))
     builder.Connect(true, error.GetInputPort("state"))

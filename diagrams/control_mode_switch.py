@@ -15,6 +15,7 @@ from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.diagrams.atlas_station import StationConfig, make_atlas_station
 from atlas_drake.diagrams.controller_socket import ControllerSource
 from atlas_drake.robot import Robot, load_robot
+from atlas_drake.scenario.world import WorldMaker
 from atlas_drake.systems.command_scheduler import CommandScheduler, ScheduledCommand
 from atlas_drake.visualization.overlays import Overlays
 
@@ -40,6 +41,7 @@ def make_control_mode_switch(
     controller: ControllerSource | None = None,
     behaviors: Iterable[BehaviorEntry] = (),
     extend: Extend | None = None,
+    world: Sequence[WorldMaker] = (),
 ) -> Diagram:
     """Builds scheduler and station; 3D view, recorder and video if they are given.
 
@@ -54,6 +56,7 @@ def make_control_mode_switch(
         video: What to film it into; None films nothing.
         controller: As for ``make_atlas_station``.
         behaviors: Likewise.
+        world: Likewise; called for the video's scene, too.
         extend: Called with (builder, station) before the diagram is built: adds
             systems, connects them to the station, exports ports.
 
@@ -69,7 +72,9 @@ def make_control_mode_switch(
     builder = DiagramBuilder()
     station = builder.AddNamedSystem(
         "station",
-        make_atlas_station(robot, config, controller=controller, behaviors=behaviors),
+        make_atlas_station(
+            robot, config, controller=controller, behaviors=behaviors, world=world
+        ),
     )
     scheduler = builder.AddNamedSystem(
         "scheduler", CommandScheduler(programme, config.control_period)
@@ -99,7 +104,7 @@ def make_control_mode_switch(
     if video is not None:
         from atlas_drake.visualization.video_display import add_video
 
-        add_video(builder, station, robot, config.terrain, video)
+        add_video(builder, station, robot, config.terrain, video, world)
     if extend is not None:
         extend(builder, station)
     diagram = builder.Build()

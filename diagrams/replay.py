@@ -81,6 +81,7 @@ def _make_station(log: Log) -> Diagram:
     for index in range(player.num_output_ports()):
         port = player.get_output_port(index)
         builder.ExportOutput(port, port.get_name())
+    builder.ExportOutput(player.GetOutputPort("state"), "plant_state")
     builder.ExportOutput(scene_graph.get_query_output_port(), "query_object")
     station = builder.Build()
     station.set_name("ReplayStation")

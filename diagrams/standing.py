@@ -35,7 +35,8 @@ def place_robot(
 
     Args:
         plant: With the robot.
-        context: Of the plant. The robot's positions and all velocities are overwritten.
+        context: Of the plant. Positions and velocities of the robot are overwritten,
+            those of other models stay.
         robot: In the plant.
         position: Of the pelvis, horizontal in W [m], shape (2,).
         rpy: Roll, pitch and yaw of the pelvis in W [rad], shape (3,).
@@ -53,11 +54,12 @@ def place_robot(
     pose = robot.stand_prep if joints is None else joints
     pose = check_vector(pose, "joints", robot.num_joints)
     clearance = check_number(clearance, "clearance")
-    plant.SetVelocities(context, np.zeros(plant.num_velocities()))
-    q = plant.GetPositions(context).copy()
+    own = robot.instance(plant)
+    plant.SetVelocities(context, own, np.zeros(plant.num_velocities(own)))
+    q = plant.GetPositions(context, own).copy()
     q[robot.indices(plant).q] = pose
-    plant.SetPositions(context, q)
-    pelvis = plant.GetBodyByName(robot.file.pelvis)
+    plant.SetPositions(context, own, q)
+    pelvis = plant.GetBodyByName(robot.file.pelvis, own)
     R_WP = RollPitchYaw(roll_pitch_yaw).ToRotationMatrix()
 
     def lift_to(z: float) -> None:
@@ -89,7 +91,8 @@ def _corners(
     """Where the corners of both soles are in W [m]."""
     half_length, half_width = robot.file.sole.length / 2, robot.file.sole.width / 2
     for foot in robot.file.feet:
-        X_WF = plant.GetFrameByName(foot.sole_frame).CalcPoseInWorld(context)
+        frame = plant.GetFrameByName(foot.sole_frame, robot.instance(plant))
+        X_WF = frame.CalcPoseInWorld(context)
         for x in (-half_length, half_length):
             for y in (-half_width, half_width):
                 corner = X_WF @ np.array([x, y, 0.0])

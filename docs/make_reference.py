@@ -26,16 +26,18 @@ import source_docs
 
 import atlas_drake
 from atlas_drake import errors, messages
-from atlas_drake.behaviors import base, entry_limits, supervisor
+from atlas_drake.behaviors import base, entry_limits, fall, supervisor
+from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.entry import legal_transitions
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.behaviors.stand import stance_guard
-from atlas_drake.control.gains import ControlGains
 from atlas_drake.control.whole_body.model import WholeBodyModel
+from atlas_drake.kinds import as_plain
 from atlas_drake.messages import Behavior, Message
 from atlas_drake.robot import RobotFile, load_robot
 from atlas_drake.robot import file as robot_file
 from atlas_drake.robot import leg as robot_leg
+from atlas_drake.scenario import Scenario
 
 REFERENCE = Path(__file__).parent / "reference"
 _LEGAL = {
@@ -133,12 +135,23 @@ def behavior_page(behavior: Behavior, implementation: base.BehaviorProtocol) -> 
         parts.append(f"**Limits** stand in [the robot's file](../robot.md): {names}.")
     if guard:
         parts += ["## Without a leg", source_docs.paragraphs(guard)]
-    sets = [v for v in vars(module).values() if source_docs.is_parameter_set(v)]
-    if sets:
-        parts.append("## Numbers")
+    tuned = _tuned(ControllerConfig())
+    sets = [
+        v
+        for v in vars(module).values()
+        if source_docs.is_parameter_set(v) and v not in tuned
+    ]
+    parts += ["## Numbers", "[All that can be tuned](../scenario.md#controller)."]
     for cls in sets:
         parts += [f"### {cls.__name__}", source_docs.head(cls.__doc__), _numbers(cls)]
     return "\n\n".join([*parts, NOTE]) + "\n"
+
+
+def _tuned(value: Any) -> set[type]:
+    """Dataclasses in a configuration, its own included."""
+    if not dataclasses.is_dataclass(value):
+        return set()
+    return {type(value)}.union(*(_tuned(item) for item in vars(value).values()))
 
 
 def transitions_page() -> str:
@@ -162,8 +175,8 @@ def transitions_page() -> str:
         source_docs.head(entry_limits.EntryLimits.__doc__),
         _numbers(entry_limits.EntryLimits),
         "## When the robot counts as falling",
-        source_docs.head(supervisor.FallLimits.__doc__),
-        _numbers(supervisor.FallLimits),
+        source_docs.head(fall.FallLimits.__doc__),
+        _numbers(fall.FallLimits),
     ]
     return "\n\n".join([*parts, NOTE]) + "\n"
 
@@ -223,6 +236,38 @@ def robot_page() -> str:
     return "\n\n".join([*parts, NOTE]) + "\n"
 
 
+def scenario_page() -> str:
+    """Every field of a scenario that can be given in YAML or by ``--set``."""
+    parts = [
+        "# Fields of a scenario",
+        "In a YAML file nested; on the command line `--set key.path=value`. Checks of "
+        "the values are in [`scenario.py`](../../atlas_drake/scenario/scenario.py).",
+        *_fields_of(Scenario(), ""),
+    ]
+    return "\n\n".join([*parts, NOTE]) + "\n"
+
+
+def _fields_of(value: Any, path: str) -> list[str]:
+    """A table of the plain fields, and then one of each structure among them."""
+    if not dataclasses.is_dataclass(value):
+        rows = [(f"`{name}`", _value(item)) for name, item in as_plain(value).items()]
+        told = f"Drake's `{type(value).__name__}`."
+        return [f"## {path}", told, table(("name", "value"), rows)]
+    told = source_docs.attributes(type(value))
+    told |= source_docs.trailing_strings(type(value))
+    rows, parts = [], []
+    for field in dataclasses.fields(value):
+        item, where = getattr(value, field.name), f"{path}.{field.name}".lstrip(".")
+        if dataclasses.is_dataclass(item) or hasattr(item, "__fields__"):
+            parts += _fields_of(item, where)
+        else:
+            rows.append((f"`{field.name}`", _value(item), told.get(field.name, "")))
+    head = [f"## {path}", source_docs.head(type(value).__doc__)] if path else []
+    if rows:
+        head.append(table(("name", "value", "meaning"), rows))
+    return [*head, *parts]
+
+
 def index_page(pages: list[str]) -> str:
     """Links to all pages."""
     own = [p for p in pages if "/" not in p and p[0].isupper()]
@@ -231,7 +276,9 @@ def index_page(pages: list[str]) -> str:
     lines += [
         "- [Transitions](transitions.md): which behaviour may follow which\n"
         "- [Flags and error codes](flags.md)\n"
-        "- [A robot's file](robot.md): every field, with unit and default",
+        "- [A robot's file](robot.md): every field, with unit and default\n"
+        "- [Fields of a scenario](scenario.md), among them every number of the "
+        "controller",
         "## Behaviours",
         "\n".join(
             f"- [{Path(p).stem}]({p})" for p in pages if p.startswith("behaviors/")
@@ -275,7 +322,7 @@ def _first_line(value: Any) -> str:
 def all_pages() -> dict[str, str]:
     """Every page by its path below the reference folder."""
     model = WholeBodyModel(load_robot())
-    behaviors = supervisor.Supervisor(model, ControlGains(), 1.0).behaviors
+    behaviors = supervisor.Supervisor(model, ControllerConfig(), 1.0).behaviors
     pages = {
         f"{name}.md": message_page(name, cls) for name, cls in all_messages().items()
     }
@@ -285,6 +332,7 @@ def all_pages() -> dict[str, str]:
     pages["transitions.md"] = transitions_page()
     pages["flags.md"] = flags_page()
     pages["robot.md"] = robot_page()
+    pages["scenario.md"] = scenario_page()
     pages["README.md"] = index_page(list(pages))
     return pages
 

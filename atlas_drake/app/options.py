@@ -17,7 +17,7 @@ from atlas_drake.visualization.overlays import OVERLAYS, overlays_from
 
 
 def add_robot_options(parser: argparse.ArgumentParser) -> None:
-    """Adds what is simulated: robot, seed, physics step."""
+    """Adds what is simulated: robot, seed, physics step, any other field."""
     robot = parser.add_argument_group("what is simulated")
     robot.add_argument(
         "--model",
@@ -35,7 +35,16 @@ def add_robot_options(parser: argparse.ArgumentParser) -> None:
         "--physics-step",
         type=float,
         metavar="SECONDS",
-        help="0.0005, 0.001 (the default) or 0.002: smaller is slower and more exact",
+        help="at most 0.002, and a part of the control period, 0.002 (default: 0.001); "
+        "smaller is slower and more exact",
+    )
+    robot.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="KEY.PATH=VALUE",
+        help="set any field of the scenario, such as controller.gains.dcm_gain=2.5, "
+        "jitter.mass=0.05 or plant.stiction_tolerance=1e-3; may be given several times",
     )
 
 

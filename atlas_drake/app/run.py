@@ -29,7 +29,7 @@ from atlas_drake.app.progress import Progress
 from atlas_drake.app.viewer import interactive, keep_serving
 from atlas_drake.logs.formats import check_format
 from atlas_drake.messages.event import STEPS_LEFT
-from atlas_drake.scenario import Scenario
+from atlas_drake.scenario import Scenario, with_settings
 from atlas_drake.simulation import AtlasSimulation, SimulationError
 from atlas_drake.simulation.drake_log import is_news
 from atlas_drake.visualization.overlays import Overlays
@@ -45,7 +45,7 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
     """Runs a scenario as the command line asks for.
 
     Args:
-        scenario: As read; the options' model, seed and physics step replace its own.
+        scenario: As read; options that say what is simulated win over it.
         options: Of ``atlas-drake demo`` and ``atlas-drake run``.
 
     Returns:
@@ -54,7 +54,7 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
     Raises:
         ScenarioError: If anything asked for cannot be done, before anything is.
     """
-    apply_options(scenario, options)
+    scenario = with_options(scenario, options)
     check_outputs(options, ("json", "record", "video", "log"))
     video = video_asked_for(options)
     if options.log is not None:
@@ -73,7 +73,8 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
         log=options.log,
     )
     invite_viewer(meshcat, options, progress)
-    sim.set_realtime_rate(realtime_rate(options))
+    if options.realtime_rate is not None or not sim.realtime_rate:
+        sim.set_realtime_rate(realtime_rate(options))
 
     with nothing_cut_off():
         try:
@@ -117,8 +118,8 @@ def _keep_what_grew(
     return kept
 
 
-def apply_options(scenario: Scenario, options: argparse.Namespace) -> None:
-    """Lets the command line win over a scenario in what is simulated.
+def with_options(scenario: Scenario, options: argparse.Namespace) -> Scenario:
+    """Returns a scenario with what the command line says of it; ``--set`` comes last.
 
     Raises:
         ScenarioError: If the scenario then has a value that cannot be used.
@@ -126,7 +127,7 @@ def apply_options(scenario: Scenario, options: argparse.Namespace) -> None:
     for name in ("model", "seed", "physics_step"):
         if getattr(options, name) is not None:
             setattr(scenario, name, getattr(options, name))
-    scenario.validate()
+    return with_settings(scenario, options.set)
 
 
 INTERRUPTED = "interrupted"

@@ -14,9 +14,9 @@ from atlas_drake.app.interrupts import ctrl_c
 from atlas_drake.app.progress import Progress
 from atlas_drake.app.run import (
     INTERRUPTED,
-    apply_options,
     quiet_logs,
     verdict,
+    with_options,
 )
 from atlas_drake.app.viewer import interactive, open_on_desktop, start_meshcat
 from atlas_drake.scenario import Scenario
@@ -31,7 +31,7 @@ def run_teleop(scenario: Scenario, options: argparse.Namespace) -> int:
     """Lets somebody steer until Ctrl-C, or for ``options.duration`` [s].
 
     Args:
-        scenario: As read; the options' model, seed and physics step replace its own.
+        scenario: As read; options that say what is simulated win over it.
         options: Of ``atlas-drake teleop``.
 
     Returns:
@@ -40,7 +40,7 @@ def run_teleop(scenario: Scenario, options: argparse.Namespace) -> int:
     Raises:
         ScenarioError: If anything asked for cannot be done, before anything is.
     """
-    apply_options(scenario, options)
+    scenario = with_options(scenario, options)
     quiet_logs()
     overlays = Overlays(options.show)
     progress = Progress(sys.stdout, options.duration)

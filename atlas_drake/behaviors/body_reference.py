@@ -11,11 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from atlas_drake.bounds import Positive
 from atlas_drake.control.rotations import orientation, tilt_of, wrap_angle, yaw_of
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
-
-EASING = 0.1
-"""Time in which height and heading take up their speed, and lose it [s]."""
 
 
 @dataclass(frozen=True)
@@ -30,6 +28,8 @@ class BodyRates:
     """[rad/s]"""
     height: float = 0.12
     """[m/s]"""
+    easing: Positive = 0.1
+    """Time in which height and heading take up their speed, and lose it [s]."""
 
 
 @dataclass(frozen=True)
@@ -112,10 +112,10 @@ def advance_body(
     from where the user left them.
     """
     height_rate = _eased(
-        target.height - body.height, body.height_rate, rates.height, dt
+        target.height - body.height, body.height_rate, rates.height, rates.easing, dt
     )
     turn = wrap_angle(target.yaw - body.yaw)
-    yaw_rate = _eased(turn, body.yaw_rate, rates.yaw, dt)
+    yaw_rate = _eased(turn, body.yaw_rate, rates.yaw, rates.easing, dt)
     joints = _approach_all(body.joints, target.joints, rates.joints * dt)
     if user_held.any():
         joints = np.where(user_held, measured, joints)
@@ -132,17 +132,17 @@ def advance_body(
     )
 
 
-def _eased(way: float, rate: float, limit: float, dt: float) -> float:
+def _eased(way: float, rate: float, limit: float, easing: float, dt: float) -> float:
     """The next rate of what has ``way`` to go, and goes at most at ``limit``.
 
-    It takes up its speed over EASING, and loses it as it comes near: a rate that jumps
-    is a jump of every effort, since the feedback laws damp the difference to it. Behind
-    a goal that moves it stays by EASING times the goal's speed. A rate that it inherits
-    takes it beyond a goal close by, by limit·EASING/2 at most.
+    It takes up its speed over ``easing`` [s], and loses it as it comes near: a rate
+    that jumps is a jump of every effort, since the feedback laws damp the difference to
+    it. Behind a goal that moves it stays by ``easing`` times the goal's speed. A rate
+    that it inherits takes it beyond a goal close by, by limit·easing/2 at most.
     """
     rate = min(max(rate, -limit), limit)
-    wanted = min(max(way / EASING, -limit), limit)
-    change = limit * dt / EASING
+    wanted = min(max(way / easing, -limit), limit)
+    change = limit * dt / easing
     return min(max(wanted, rate - change), rate + change)
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from atlas_drake.bounds import Share
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
 
 
@@ -17,7 +18,7 @@ class FallLimits:
 
     tilt: float = 0.8
     """Angle of the pelvis' z axis from the vertical [rad]."""
-    height: float = 0.6
+    height: Share = 0.6
     """Height of the CoM above the lower sole, as a share of the nominal one [-]."""
 
 

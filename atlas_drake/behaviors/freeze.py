@@ -13,14 +13,20 @@ import numpy as np
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.base import Observation, Outcome
 from atlas_drake.behaviors.body_reference import BodyReference, capture_body
+from atlas_drake.bounds import Share
 from atlas_drake.control.whole_body.tasks import PostureTask
 from atlas_drake.messages import AtlasSimInterfaceCommand, AtlasSimInterfaceState
 from atlas_drake.messages.controller_status import Plan
 
-STIFFNESS_WEIGHT = 1.0
-"""Weight of holding each joint in the QP, all joints alike [1/(rad/s²)²]."""
-CONTACT_FORCE = 0.02
-"""A sole that carries this share of the weight counts as on the ground [-]."""
+
+@dataclass(frozen=True)
+class FreezeConfig:
+    """Tunes FREEZE."""
+
+    stiffness_weight: float = 1.0
+    """Weight of holding each joint in the QP, all joints alike [1/(rad/s²)²]."""
+    contact_force: Share = 0.02
+    """A sole that carries this share of the weight counts as on the ground [-]."""
 
 
 @dataclass(frozen=True)
@@ -33,10 +39,12 @@ class FreezeMemory:
 class Freeze:
     """Holds still."""
 
-    def __init__(self, balance: Balance):
-        """Takes gains and weights from ``balance``."""
+    def __init__(self, balance: Balance, config: FreezeConfig | None = None):
+        """Takes gains from ``balance``."""
+        config = config or FreezeConfig()
         self._balance = balance
-        self._weight = np.full(balance.robot.num_joints, STIFFNESS_WEIGHT)
+        self._least_load = config.contact_force * balance.weight
+        self._weight = np.full(balance.robot.num_joints, config.stiffness_weight)
 
     def enter(
         self,
@@ -60,7 +68,7 @@ class Freeze:
         body = capture_body(seen.terms)
         joints = np.where(seen.user_held, seen.terms.q, memory.joints)
         gains = self._balance.gains.posture
-        carrying = seen.foot_force > CONTACT_FORCE * self._balance.weight
+        carrying = seen.foot_force > self._least_load
         left, right = (
             self._balance.planted(seen, foot)
             if carrying[foot]

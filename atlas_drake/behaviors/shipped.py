@@ -9,9 +9,13 @@ import numpy as np
 
 from atlas_drake.behaviors.entry import BehaviorEntry, BehaviorTools, Transition
 from atlas_drake.behaviors.idle import Idle
+from atlas_drake.behaviors.manipulate.config import ManipulateConfig
 from atlas_drake.behaviors.manipulate.manipulate import Manipulate
+from atlas_drake.behaviors.stand.config import StandConfig
 from atlas_drake.behaviors.stand.stand import Stand
+from atlas_drake.behaviors.step.config import StepConfig
 from atlas_drake.behaviors.step.step import Step
+from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.behaviors.walk.walk import Walk
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.pelvis.pelvis_reach import PelvisReach
@@ -38,14 +42,20 @@ def at_rest_over_the_feet(asked: Transition) -> BehaviorStatus:
     return BehaviorStatus.OK
 
 
-def _stand(tools: BehaviorTools, _config: Any) -> Any:
-    return tools.guarded(Stand(tools.balance, tools.nominal_height, tools.rates))
+def _stand(tools: BehaviorTools, config: StandConfig) -> Any:
+    return tools.guarded(
+        Stand(tools.balance, tools.nominal_height, tools.rates, config)
+    )
 
 
-def _manipulate(tools: BehaviorTools, _config: Any) -> Any:
+def _walk(tools: BehaviorTools, config: WalkConfig) -> Walk:
+    return Walk(tools.balance, tools.nominal_height, tools.rates, config)
+
+
+def _manipulate(tools: BehaviorTools, config: ManipulateConfig) -> Any:
     reach = PelvisReach(tools.robot)
     return tools.guarded(
-        Manipulate(tools.balance, reach, tools.nominal_height, tools.rates)
+        Manipulate(tools.balance, reach, tools.nominal_height, tools.rates, config)
     )
 
 
@@ -67,29 +77,30 @@ _ANY_TIME = {**_UNBALANCED, "at_any_time": True, "upright": False}
 SHIPPED_ENTRIES = (
     _entry(Behavior.NONE, make=lambda _tools, _config: Idle(), **_ANY_TIME),
     _entry(Behavior.FREEZE, make=lambda tools, _config: tools.freeze, **_ANY_TIME),
-    _entry(Behavior.STAND_PREP, make=_stand, **_UNBALANCED),
+    _entry(Behavior.STAND_PREP, make=_stand, config=StandConfig(), **_UNBALANCED),
     _entry(
         Behavior.STAND,
         make=_stand,
+        config=StandConfig(),
         conditions=(at_rest_over_the_feet,),
         leads_to=("STAND_PREP", "WALK", "STEP", "MANIPULATE"),
         ends_in_order=False,
     ),
     _entry(
         Behavior.WALK,
-        make=lambda tools, _config: Walk(
-            tools.balance, tools.nominal_height, tools.rates
-        ),
+        make=_walk,
+        config=WalkConfig(),
         lifts_feet=True,
         feedback="walk_feedback",
     ),
     _entry(
         Behavior.STEP,
-        make=lambda tools, _config: Step(tools.balance, tools.nominal_height),
+        make=lambda tools, config: Step(tools.balance, tools.nominal_height, config),
+        config=StepConfig(),
         lifts_feet=True,
         feedback="step_feedback",
     ),
-    _entry(Behavior.MANIPULATE, make=_manipulate),
+    _entry(Behavior.MANIPULATE, make=_manipulate, config=ManipulateConfig()),
     _entry(Behavior.USER, make=lambda _tools, _config: Idle(), **_ANY_TIME),
 )
 """In the order of their numbers."""

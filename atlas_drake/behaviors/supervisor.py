@@ -14,22 +14,17 @@ import numpy as np
 
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.base import BehaviorProtocol, Observation
-from atlas_drake.behaviors.body_reference import (
-    BodyRates,
-    BodyReference,
-    capture_body,
-)
+from atlas_drake.behaviors.body_reference import BodyReference, capture_body
+from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.entry import (
     BehaviorEntry,
     BehaviorTools,
     Transition,
     refusal,
 )
-from atlas_drake.behaviors.entry_limits import EntryLimits
-from atlas_drake.behaviors.fall import FallLimits, posture_of, sign_of_fall
+from atlas_drake.behaviors.fall import posture_of, sign_of_fall
 from atlas_drake.behaviors.freeze import Freeze
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
-from atlas_drake.control.gains import ControlGains
 from atlas_drake.control.whole_body.command import WholeBodyCommand
 from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.errors import ErrorCode
@@ -108,7 +103,7 @@ class Supervisor:
     def __init__(
         self,
         model: WholeBodyModel,
-        gains: ControlGains,
+        config: ControllerConfig,
         nominal_height: float,
         entries: Iterable[BehaviorEntry] = SHIPPED_ENTRIES,
     ):
@@ -116,20 +111,26 @@ class Supervisor:
 
         Args:
             model: Of the robot.
-            gains: Of the tasks that all behaviors share.
+            config: All numbers that tune the behaviors.
             nominal_height: Of the center of mass above the soles when standing [m].
             entries: Of the behaviors.
         """
         robot = model.robot
-        balance = Balance(robot, gains)
+        balance = Balance(robot, config.gains)
         self._tools = BehaviorTools(
-            model, balance, nominal_height, BodyRates(), EntryLimits(), Freeze(balance)
+            model,
+            balance,
+            nominal_height,
+            config.body,
+            config.entry,
+            Freeze(balance, config.freeze),
         )
-        self._fall_limits = FallLimits()
+        self._fall_limits = config.fall
         self._legs = np.flatnonzero(robot.limb("l_leg", "r_leg"))
         self._entries = {entry.behavior: entry for entry in entries}
+        shipped = config.of_behaviors
         self.behaviors: dict[Behavior, BehaviorProtocol] = {
-            behavior: entry.make(self._tools, entry.config)
+            behavior: entry.make(self._tools, shipped.get(entry.name, entry.config))
             for behavior, entry in self._entries.items()
         }
 

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from atlas_drake.bounds import Positive
+
 
 @dataclass(frozen=True)
 class PdGains:
@@ -43,9 +45,9 @@ class QpWeights:
     """[1/(m/s²)²]."""
     swing_foot_orientation: float = 10.0
     """[1/(rad/s²)²]."""
-    contact_force: float = 1e-6
+    contact_force: Positive = 1e-6
     """Spreads the load over the feet [1/N²]."""
-    contact_moment: float = 1e-4
+    contact_moment: Positive = 1e-4
     """Keeps the pressure near the soles' middles [1/(N·m)²]."""
     internal_contact_force: float = 3e-5
     """Feet pushing against each other horizontally, per difference: enough to keep them
@@ -58,7 +60,7 @@ class QpWeights:
 class ContactModel:
     """What the controller assumes of each sole on the ground."""
 
-    friction: float = 0.5
+    friction: Positive = 0.5
     """Coefficient that the QP keeps to; below the grounds it is meant for."""
     length_margin: float = 0.015
     """Strip at toe and heel that the centre of pressure stays out of [m]."""

@@ -10,7 +10,7 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from pydrake.common.yaml import yaml_load_typed
+from pydrake.common.yaml import yaml_load
 
 from atlas_drake.errors import RobotDescriptionError, did_you_mean
 from atlas_drake.logs.formats import read_file
@@ -26,7 +26,7 @@ from atlas_drake.logs.notes import (
 from atlas_drake.messages import Behavior, Message
 from atlas_drake.messages.event import Event
 from atlas_drake.robot import Robot, load_robot
-from atlas_drake.scenario import Scenario
+from atlas_drake.scenario import Scenario, scenario_from
 
 TINY = 1e-6
 """A quaternion that is no longer than this gives no orientation."""
@@ -150,9 +150,7 @@ class Log:
             LogError: If this program cannot run it any more.
         """
         try:
-            return yaml_load_typed(
-                schema=Scenario, data=self.header.scenario, defaults=Scenario()
-            ).validate()
+            return scenario_from(yaml_load(data=self.header.scenario))
         except Exception as error:
             # The loader raises many kinds of exception.
             raise LogError(f"{self.path}: its scenario is unknown: {error}") from error

@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from pydrake.common.yaml import yaml_dump_typed
+from pydrake.common.yaml import yaml_dump
 
+from atlas_drake.kinds import as_plain
 from atlas_drake.logs.formats import LogFile
 from atlas_drake.logs.notes import Header
 from atlas_drake.logs.recorder import LogRecorder
@@ -37,7 +38,6 @@ def start_recorder(
     """
     sampler = RowSampler(robot)
     period = scenario.control_period
-    header = Header(
-        robot.model, period, yaml_dump_typed(scenario), sampler.layout, tuple(behaviors)
-    )
+    text = yaml_dump(as_plain(scenario))
+    header = Header(robot.model, period, text, sampler.layout, tuple(behaviors))
     return LogRecorder(sampler, LogFile(path, header), period, tick_seconds)

@@ -10,6 +10,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+from atlas_drake.bounds import ProperShare
 from atlas_drake.errors import RobotDescriptionError, shown
 
 LEGS = ("l_leg", "r_leg")
@@ -140,7 +141,7 @@ class GaitTiming:
 
     first_shift: float = 0.80
     """Weight shift before the first lift-off [s]."""
-    transfer_share: float = 0.32
+    transfer_share: ProperShare = 0.39
     """Share of a step's duration in double support [-]."""
     settle: float = 0.70
     """Shift to the middle of the feet after the last step [s]."""

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydrake.common.yaml import yaml_load, yaml_load_typed
+from pydrake.common.yaml import yaml_load
 from pydrake.geometry import SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
 
@@ -21,7 +21,7 @@ from atlas_drake.errors import (
     did_you_mean,
     shown,
 )
-from atlas_drake.kinds import check_kinds, make_plain
+from atlas_drake.kinds import typed
 from atlas_drake.robot.file import RobotFile, check_file
 from atlas_drake.robot.fit import (
     check_base,
@@ -155,9 +155,10 @@ def _read_file(path: Path) -> RobotFile:
         raise RobotDescriptionError(
             "file", raw, "must have fields of a robot, such as urdf: robot.urdf"
         )
-    check_kinds(raw, RobotFile, from_text=True)
-    file: RobotFile = yaml_load_typed(schema=RobotFile, data=text, defaults=RobotFile())
-    make_plain(file)
+    try:
+        file: RobotFile = typed(raw, RobotFile, default=RobotFile(), from_text=True)
+    except ScenarioError as error:
+        raise RobotDescriptionError(error.field, error.value, error.problem) from None
     check_file(file)
     file.imu_frame = file.imu_frame or file.pelvis
     file.pushed = file.pushed or list(

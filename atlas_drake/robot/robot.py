@@ -39,14 +39,17 @@ class PelvisParts:
 
 @dataclass(frozen=True)
 class PlantIndices:
-    """Where a plant keeps each joint, in message order.
+    """Where each joint lies in the robot's own vectors, in message order.
+
+    The robot's own vectors are those of its model instance: as in a plant that holds
+    nothing but the robot, whatever else is in the plant.
 
     Attributes:
-        q: Index of each joint into the plant's positions, shape (n,).
-        v: Index of each joint into the plant's velocities, shape (n,).
-        actuation: Index of each joint into the actuation vector, shape (n,).
+        q: Index of each joint into the robot's positions, shape (n,).
+        v: Index of each joint into the robot's velocities, shape (n,).
+        actuation: Index of each joint into the robot's actuation, shape (n,).
         generalized: The six base velocities, then ``v``: shape (6 + n,).
-        pelvis: The free pelvis, in the state.
+        pelvis: The free pelvis, in the robot's state [q; v].
     """
 
     q: np.ndarray
@@ -168,26 +171,41 @@ class Robot:
         """Parses the robot into ``plant`` (before Finalize)."""
         return add_urdf(plant, self.urdf, self.name)
 
+    def instance(self, plant: MultibodyPlant) -> ModelInstanceIndex:
+        """The robot's model instance in ``plant``, which may hold other models."""
+        return plant.GetModelInstanceByName(self.name)
+
     def indices(self, plant: MultibodyPlant) -> PlantIndices:
-        """Where the finalized ``plant`` keeps this robot's joints."""
-        robot = plant.GetModelInstanceByName(self.name)
-        joints = [plant.GetJointByName(name, robot) for name in self.joint_names]
+        """Where the joints lie in the robot's vectors of the finalized ``plant``."""
+        instance = self.instance(plant)
+        joints = [plant.GetJointByName(name, instance) for name in self.joint_names]
         starts = {
             actuator.joint().name(): actuator.input_start()
             for actuator in (
                 plant.get_joint_actuator(index)
-                for index in plant.GetJointActuatorIndices(robot)
+                for index in plant.GetJointActuatorIndices(instance)
             )
         }
-        v = np.array([joint.velocity_start() for joint in joints])
-        base = plant.GetBodyByName(self.file.pelvis, robot)
-        base_q = base.floating_positions_start()
-        base_v = base.floating_velocities_start_in_v()
-        in_state = plant.num_positions() + base_v
+        all_q, all_v, all_u = (
+            np.arange(count, dtype=float)
+            for count in (
+                plant.num_positions(),
+                plant.num_velocities(),
+                plant.num_actuated_dofs(),
+            )
+        )
+        own_q = _places(plant.GetPositionsFromArray(instance, all_q))
+        own_v = _places(plant.GetVelocitiesFromArray(instance, all_v))
+        own_u = _places(plant.GetActuationFromArray(instance, all_u))
+        v = np.array([own_v[joint.velocity_start()] for joint in joints])
+        base = plant.GetBodyByName(self.file.pelvis, instance)
+        base_q = own_q[base.floating_positions_start()]
+        base_v = own_v[base.floating_velocities_start_in_v()]
+        in_state = len(own_q) + base_v
         return PlantIndices(
-            q=np.array([joint.position_start() for joint in joints]),
+            q=np.array([own_q[joint.position_start()] for joint in joints]),
             v=v,
-            actuation=np.array([starts[name] for name in self.joint_names]),
+            actuation=np.array([own_u[starts[name]] for name in self.joint_names]),
             generalized=np.concatenate([np.arange(base_v, base_v + 6), v]),
             pelvis=PelvisParts(
                 orientation=slice(base_q, base_q + 4),
@@ -196,6 +214,11 @@ class Robot:
                 velocity=slice(in_state + 3, in_state + 6),
             ),
         )
+
+
+def _places(own: np.ndarray) -> dict[int, int]:
+    """Place in the robot's own vector by index into the plant's."""
+    return {int(index): place for place, index in enumerate(own)}
 
 
 def add_urdf(plant: MultibodyPlant, urdf: Path, name: str) -> ModelInstanceIndex:

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from atlas_drake.frozen import Frozen
+
 
 @dataclass(frozen=True)
 class NoiseModel:
@@ -62,8 +64,8 @@ class NoiseSample:
     joint_velocity: np.ndarray
 
 
-class SensorNoise:
-    """Draws the noise of one robot."""
+class SensorNoise(Frozen):
+    """Draws the noise of one robot. Never changes, so that a Context can hold it."""
 
     def __init__(self, model: NoiseModel, seed: int, num_joints: int, period: float):
         """Draws the biases; measurements are ``period`` [s] apart."""

@@ -4,33 +4,46 @@ One dataclass, one comment per field, all defaults here. What is done with it is
 ``simulation``.
 """
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Annotated, Any
 
 import numpy as np
-from pydrake.common.yaml import yaml_load, yaml_load_typed
+from pydrake.common.yaml import yaml_load
+from pydrake.multibody.plant import MultibodyPlantConfig
+from pydrake.systems.analysis import SimulatorConfig
 
+from atlas_drake.behaviors.config import ControllerConfig
+from atlas_drake.bounds import NOT_NEGATIVE, Bounds
+from atlas_drake.control.estimation.leg_odometry import OdometryTuning
 from atlas_drake.errors import (
     InvalidMessageError,
     RobotDescriptionError,
     ScenarioError,
     shown,
 )
-from atlas_drake.kinds import check_kinds, make_plain
+from atlas_drake.kinds import as_plain, typed
 from atlas_drake.messages import Behavior
 from atlas_drake.messages.behavior_catalog import SHIPPED
 from atlas_drake.robot import DEFAULT_ROBOT, find_robot, model_beside
+from atlas_drake.scenario.drake_configs import (
+    check_plant_config,
+    check_simulator_config,
+    plant_config,
+)
+from atlas_drake.scenario.models import Model
 from atlas_drake.scenario.noise import NOISE_MODELS
 from atlas_drake.scenario.terrain import Block
+from atlas_drake.scenario.time_grid import on_common_grid
 
-PHYSICS_STEPS = (0.0005, 0.001, 0.002)
-"""Physics steps on offer [s]."""
+PHYSICS_STEPS = Bounds(1e-5, 0.002)
+"""Physics steps [s]. With shorter ones a second takes minutes; with 3 ms joints do not
+come to rest under the tutorial's gains, and with 4 ms rough.yaml's robot falls."""
 LARGEST_SEED = 2**64 - 1
 """What the generator of the sensors' noise takes."""
 LONGEST_PERIOD = 0.02
 """Longest control period on offer [s]."""
-CONTACT_APPROXIMATIONS = ("lagged", "similar", "sap", "tamsi")
 PROGRAMMES = ("none", "tutorial", "tutorial_literal")
 STATES = ("true", "estimated")
 IN_THE_AIR = (Behavior.USER, Behavior.FREEZE)
@@ -107,7 +120,7 @@ class Start:
             )
 
 
-@dataclass
+@dataclass(eq=False)
 class Scenario:
     """Everything that can be chosen about a run."""
 
@@ -123,17 +136,34 @@ class Scenario:
     initial_behavior: str = "STAND"
     """Behaviour active at the start; USER gives all joints to the user."""
     physics_step: float = 0.001
-    """Step of plant and joint controllers [s], one of PHYSICS_STEPS."""
+    """Step of plant and joint controllers [s], within PHYSICS_STEPS. Stands here rather
+    than in ``plant`` because joint controllers and sensors share the step."""
     control_period: float = 0.002
-    """Step of the behaviours [s], a multiple of physics_step."""
-    contact_approximation: str = "similar"
-    """How Drake solves contact, one of CONTACT_APPROXIMATIONS."""
+    """Step of the behaviors [s], a multiple of physics_step."""
+    plant: MultibodyPlantConfig = field(default_factory=plant_config)
+    """How Drake solves contact: all fields of Drake's ``MultibodyPlantConfig`` but
+    ``time_step``, which is physics_step, and ``use_sampled_output_ports``, which is
+    false."""
+    simulator: SimulatorConfig = field(default_factory=SimulatorConfig)
+    """Drake's ``SimulatorConfig``: how continuous systems that a user adds are
+    integrated, and the real-time rate. ``start_time`` is 0."""
+    controller: Annotated[ControllerConfig, NOT_NEGATIVE] = field(
+        default_factory=ControllerConfig
+    )
+    """Gains, weights, limits and timings of the controller, such as
+    ``gains: {dcm_gain: 2.5}``."""
+    estimator: Annotated[OdometryTuning, NOT_NEGATIVE] = field(
+        default_factory=OdometryTuning
+    )
+    """How far the state estimator trusts each sensor."""
     ground_friction: float = 0.9
     """Coefficient of the ground."""
     friction_jitter: float = 0.0
     """Half width of a uniform change of it."""
     terrain: list[Block] = field(default_factory=list)
     """Boxes on the level ground at z = 0."""
+    models: list[Model] = field(default_factory=list)
+    """What else there is beside the robot, from files."""
     start: Start = field(default_factory=Start)
     """Where the robot begins."""
     noise: str = "none"
@@ -147,6 +177,14 @@ class Scenario:
     jitter: Jitter = field(default_factory=Jitter)
     """Random changes at the start."""
 
+    def __eq__(self, other: object) -> bool:
+        """Tells whether all fields are equal; Drake's configurations cannot tell."""
+        if not isinstance(other, Scenario):
+            return NotImplemented
+        return bool(as_plain(self) == as_plain(other))
+
+    __hash__ = None  # type: ignore[assignment]  # It can be changed.
+
     def validate(self) -> "Scenario":
         """Checks every field.
 
@@ -158,8 +196,7 @@ class Scenario:
         Raises:
             ScenarioError: Naming the first field that cannot be used.
         """
-        check_kinds(self, Scenario)
-        make_plain(self)
+        typed(self, Scenario)
         try:
             find_robot(self.model)
         except RobotDescriptionError as error:
@@ -169,37 +206,38 @@ class Scenario:
         if self.state is True:
             self.state = "true"
         _one_of("state", self.state, STATES)
-        _one_of("physics_step", self.physics_step, PHYSICS_STEPS)
-        _one_of(
-            "contact_approximation",
-            self.contact_approximation,
-            CONTACT_APPROXIMATIONS,
-        )
+        # A step that was put on a common grid may be longer by a rounding error.
+        if not PHYSICS_STEPS.allow(round(self.physics_step, 12)):
+            raise ScenarioError(
+                "physics_step",
+                self.physics_step,
+                f"is {shown(self.physics_step)}; must be {PHYSICS_STEPS} s",
+            )
+        check_simulator_config(self.simulator)
         self.behavior()
         _positive("duration", self.duration)
         _positive("ground_friction", self.ground_friction)
         _positive("control_period", self.control_period)
         steps = self.control_period / self.physics_step
-        if abs(steps - round(steps)) > 1e-6 or round(steps) < 1:
+        if abs(steps - round(steps)) > 1e-9 * steps or round(steps) < 1:
             raise ScenarioError(
                 "control_period",
                 self.control_period,
                 f"is {shown(self.control_period)}; must be a whole multiple of "
                 f"physics_step ({self.physics_step} s)",
             )
-        if self.control_period > LONGEST_PERIOD:
+        if round(self.control_period, 12) > LONGEST_PERIOD:
             raise ScenarioError(
                 "control_period",
                 self.control_period,
                 f"is {shown(self.control_period)}; must be at most {LONGEST_PERIOD}: "
                 "the robot cannot balance with longer ones",
             )
-        if not 0 <= self.seed <= LARGEST_SEED:
-            raise ScenarioError(
-                "seed",
-                self.seed,
-                f"is {shown(self.seed)}; must be from 0 to {LARGEST_SEED}",
-            )
+        self.physics_step, self.control_period = on_common_grid(
+            self.physics_step, self.control_period
+        )
+        check_plant_config(self.plant, self.physics_step)
+        check_seed(self.seed)
         for name, value in vars(self.jitter).items():
             most = 1.0 if name == "mass" else np.inf
             if not 0.0 <= value < most:
@@ -216,6 +254,8 @@ class Scenario:
             )
         for index, block in enumerate(self.terrain):
             block.validate(f"terrain[{index}]")
+        for index, model in enumerate(self.models):
+            model.validate(f"models[{index}]")
         self.start.validate(self.behavior())
         return self
 
@@ -231,6 +271,26 @@ class Scenario:
             raise ScenarioError(
                 "initial_behavior", self.initial_behavior, error.problem
             ) from error
+
+
+def check_seed(value: object) -> int:
+    """Checks a seed of noise and jitter.
+
+    Args:
+        value: What was given.
+
+    Returns:
+        The seed as Python's own number.
+
+    Raises:
+        ScenarioError: If it cannot be used.
+    """
+    seed: int = typed(value, int, "seed")
+    if not 0 <= seed <= LARGEST_SEED:
+        raise ScenarioError(
+            "seed", value, f"is {shown(value)}; must be from 0 to {LARGEST_SEED}"
+        )
+    return seed
 
 
 def starting_behavior(value: object, name: str) -> Behavior:
@@ -274,16 +334,82 @@ def load_scenario(path: str | Path) -> Scenario:
             raise ScenarioError(
                 "file", raw, "must have fields of a scenario, such as duration: 10"
             )
-        check_kinds(raw, Scenario, from_text=True)
-        scenario: Scenario = yaml_load_typed(
-            schema=Scenario, data=text, defaults=Scenario()
-        )
-        scenario.model = model_beside(scenario.model, Path(path).parent)
-        return scenario.validate()
+        return scenario_from(_with_full_paths(raw, Path(path).parent))
     except ScenarioError as error:
         raise ScenarioError(
             error.field, error.value, f"{error.problem} (in {path})"
         ) from None
+
+
+def _with_full_paths(raw: Mapping[str, Any], folder: Path) -> Mapping[str, Any]:
+    """The same with the files of robot and models as seen from ``folder``."""
+    if isinstance(raw.get("model"), str):
+        raw = {**raw, "model": model_beside(raw["model"], folder)}
+    models = raw.get("models")
+    if not isinstance(models, list):
+        return raw
+    return {
+        **raw,
+        "models": [
+            {**model, "file": str((folder / model["file"]).absolute())}
+            if isinstance(model, Mapping)
+            and isinstance(model.get("file"), str)
+            and model["file"]
+            and "://" not in model["file"]
+            else model
+            for model in models
+        ],
+    }
+
+
+def scenario_from(
+    fields: Mapping[str, Any], default: Scenario | None = None
+) -> Scenario:
+    """Makes a scenario of what a YAML file has.
+
+    Args:
+        fields: Some or all, as YAML reads them.
+        default: Has the fields left out; None has the defaults. It is not changed.
+
+    Raises:
+        ScenarioError: Naming the first field that cannot be used.
+    """
+    base = Scenario() if default is None else default
+    scenario: Scenario = typed(fields, Scenario, default=base, from_text=True)
+    return scenario.validate()
+
+
+def with_settings(scenario: Scenario, settings: Iterable[str]) -> Scenario:
+    """Returns a scenario with some fields set as on the command line.
+
+    Args:
+        scenario: With all other fields.
+        settings: Such as ``controller.gains.dcm_gain=2.5``: path and value as in YAML;
+            of two for one field the later counts.
+
+    Raises:
+        ScenarioError: Naming the first field that cannot be set.
+    """
+    fields: dict[str, Any] = {}
+    for setting in settings:
+        path, equals, text = setting.partition("=")
+        names = [name.strip() for name in path.split(".")]
+        if not (equals and all(names)):
+            raise ScenarioError(
+                "--set", setting, f"is {shown(setting)}; must be KEY.PATH=VALUE"
+            )
+        try:
+            value = yaml_load(data=text)
+        except Exception as error:  # The parser raises many kinds of exception.
+            problem = f"is {shown(text)}; must be a value as in YAML: {error}"
+            raise ScenarioError(path, text, problem) from error
+        place = fields
+        for name in names[:-1]:
+            if not isinstance(place.get(name), dict):
+                place[name] = {}
+            place = place[name]
+        place[names[-1]] = value
+    return scenario_from(fields, scenario)
 
 
 def _one_of(name: str, value: object, allowed: Collection[object]) -> None:

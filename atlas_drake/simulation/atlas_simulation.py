@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from pydrake.geometry import Meshcat
 from pydrake.math import RigidTransform
-from pydrake.systems.analysis import Simulator
+from pydrake.systems.analysis import ApplySimulatorConfig, Simulator
 from pydrake.systems.framework import Context
 
 from atlas_drake.behaviors.entry import BehaviorEntry
@@ -29,7 +29,7 @@ from atlas_drake.diagrams.atlas_station import StationConfig
 from atlas_drake.diagrams.control_mode_switch import Extend, make_control_mode_switch
 from atlas_drake.diagrams.controller_socket import CONTROLLER, ControllerSource
 from atlas_drake.diagrams.standing import place_robot
-from atlas_drake.diagrams.station_reset import reset_station
+from atlas_drake.diagrams.station_reset import begin_run, reset_station
 from atlas_drake.errors import (
     AtlasError,
     InvalidMessageError,
@@ -38,8 +38,8 @@ from atlas_drake.errors import (
     did_you_mean,
     shown,
 )
-from atlas_drake.frozen import replace
-from atlas_drake.kinds import check_kinds, make_plain
+from atlas_drake.frozen import NOTHING, replace
+from atlas_drake.kinds import typed
 from atlas_drake.messages import (
     AtlasCommand,
     AtlasSimInterfaceCommand,
@@ -56,8 +56,10 @@ from atlas_drake.messages.event import Event
 from atlas_drake.numeric import as_float
 from atlas_drake.robot import load_robot
 from atlas_drake.scenario import Scenario, Start
+from atlas_drake.scenario.models import set_velocities, world_of
 from atlas_drake.scenario.noise import NOISE_MODELS
-from atlas_drake.scenario.scenario import starting_behavior
+from atlas_drake.scenario.scenario import check_seed, starting_behavior
+from atlas_drake.scenario.world import WorldMaker, put_world_back
 from atlas_drake.simulation.drake_log import only_news
 from atlas_drake.simulation.fall_watch import FallWatch
 from atlas_drake.simulation.pace import Pace
@@ -112,6 +114,7 @@ class AtlasSimulation:
         *,
         controller: ControllerSource | None = None,
         behaviors: Iterable[BehaviorEntry] = (),
+        world: Sequence[WorldMaker] = (),
         extend: Extend | None = None,
         meshcat: Meshcat | None = None,
         overlays: Overlays | None = None,
@@ -131,6 +134,8 @@ class AtlasSimulation:
             behaviors: Added to those that our controller is shipped with. Commands
                 ask for them by name or number, see
                 ``atlas_drake.behaviors.entry.BehaviorEntry``.
+            world: Callables (plant) -> None that add models beside the robot before the
+                plant is finalized: a table, a ball. They are called again for a video.
             extend: Called with (builder, station) before the diagram is built, to add
                 systems of your own. ``output`` reads the ports that it exports.
             meshcat: Where to show it; None shows nothing.
@@ -166,16 +171,12 @@ class AtlasSimulation:
         self._programme = scheduled_programme(self.scenario, self.robot)
         self._tick_seconds = array("d")
         self._turns = Turns()
-        self._numbers = itertools.count(1)
         self._recorder = None if log is None else self._start_log(Path(log))
         log_event = None if self._recorder is None else self._recorder.event
-        self._log = RunLog(log_event, on_event)
+        self._listeners = (log_event, on_event)
         self._meshcat = meshcat
-        self._pushes: list[Push] = []
-        self._wall_time = 0.0
-        self._shown = 0.0
         try:
-            self._build(controller, extend, meshcat, overlays, recorded, video)
+            self._build(controller, world, extend, meshcat, overlays, recorded, video)
         except BaseException:
             if self._recorder is not None:
                 self._finalizer()
@@ -184,6 +185,7 @@ class AtlasSimulation:
     def _build(
         self,
         controller: ControllerSource | None,
+        world: Sequence[WorldMaker],
         extend: Extend | None,
         meshcat: Meshcat | None,
         overlays: Overlays | None,
@@ -191,13 +193,14 @@ class AtlasSimulation:
         video: Video | None,
     ) -> None:
         """Builds the diagram and begins."""
-        self._variation = variation = draw_variation(self.scenario, self.robot)
         config = StationConfig(
             physics_step=self.scenario.physics_step,
             control_period=self.scenario.control_period,
-            ground_friction=variation.ground_friction,
+            ground_friction=self.scenario.ground_friction,
             terrain=tuple(self.scenario.terrain),
-            contact_approximation=self.scenario.contact_approximation,
+            plant=self.scenario.plant,
+            controller=self.scenario.controller,
+            estimator=self.scenario.estimator,
             noise=NOISE_MODELS[self.scenario.noise],
             seed=self.scenario.seed,
             initial_behavior=self.scenario.behavior(),
@@ -216,11 +219,11 @@ class AtlasSimulation:
             controller=controller,
             behaviors=self._own_behaviors,
             extend=extend,
+            world=(*world_of(self.scenario.models), *world),
         )
         self._film: VideoDisplay | None = None
         if self.diagram.HasSubsystemNamed("video"):
             self._film = self.diagram.GetSubsystemByName("video")
-        self._faults: list[AtlasError] = []
         self.station = self.diagram.GetSubsystemByName("station")
         self.plant = self.station.GetSubsystemByName("plant")
         self._scheduler = self.diagram.GetSubsystemByName("scheduler")
@@ -231,11 +234,39 @@ class AtlasSimulation:
         self._fall_watch = FallWatch(self.robot, self.plant)
         with only_news():
             self.simulator = Simulator(self.diagram)
-        scale_masses(self.plant, self._plant_context(), variation)
-        self._release_time: float | None = None
-        self._place(variation, self.scenario.start)
-        self.simulator.Initialize()
+        ApplySimulatorConfig(self.scenario.simulator, self.simulator)
         self._pace = Pace(self.simulator)
+        self._begin()
+
+    def _begin(self) -> None:
+        """Begins a run at time 0, with what is drawn from the scenario's seed."""
+        context = self.context
+        self.diagram.SetDefaultContext(context)
+        context.SetTime(0.0)
+        for name in ("other_atlas_command", "other_atlas_sim_interface_command"):
+            self.diagram.GetInputPort(name).FixValue(context, NOTHING)
+        self._pushes: list[Push] = []
+        self._exert(())
+        self._variation = draw_variation(self.scenario, self.robot)
+        scale_masses(self.plant, self._plant_context(), self.robot, self._variation)
+        begin_run(
+            self.station,
+            context,
+            self.scenario.seed,
+            self.scenario.terrain,
+            self._variation.ground_friction,
+        )
+        set_velocities(self.scenario.models, self.plant, self._plant_context())
+        del self._tick_seconds[:]
+        self._log = RunLog(*self._listeners)
+        self._faults: list[AtlasError] = []
+        self._numbers = itertools.count(1)
+        self._wall_time = 0.0
+        self._shown = 0.0
+        self._release_time: float | None = None
+        self._place(self._variation, self.scenario.start)
+        self.simulator.Initialize()
+        self._pace.forget_all()
 
     # ---- log -----------------------------------------------------------------
 
@@ -465,6 +496,11 @@ class AtlasSimulation:
             self.advance_to(min(self.time + period, end))
         return self.time - begin
 
+    @property
+    def realtime_rate(self) -> float:
+        """Multiple of real time that simulated time keeps to; 0 is unlimited."""
+        return self.simulator.get_target_realtime_rate()
+
     def set_realtime_rate(self, rate: float) -> None:
         """Keeps simulated time at a multiple of real time.
 
@@ -498,27 +534,41 @@ class AtlasSimulation:
     # ---- start ---------------------------------------------------------------
 
     def reset(
-        self, behavior: Behavior | int | str | None = None, pose: Start | None = None
+        self,
+        behavior: Behavior | int | str | None = None,
+        pose: Start | None = None,
+        *,
+        seed: int | None = None,
     ) -> None:
         """Puts the robot back on its feet, with nothing in force but ``behavior``.
 
-        Joint controllers and behaviours forget all they know, and pushes end. Time
-        goes on, and so does what is left of a programme.
+        Joint controllers and behaviors forget all they know, pushes end, and what else
+        is in the world is where it was at the start. Time goes on, and so does what is
+        left of a programme.
+
+        With a ``seed`` a new run begins: time, programme, events and summary start from
+        zero, and whatever the scenario jitters is drawn anew. Such a run equals that of
+        a new simulation with this seed bit for bit, but begins much faster.
 
         Args:
+            seed: Of the new run; None goes on with the present one.
             behavior: STAND, STAND_PREP, USER or FREEZE; None is the scenario's.
             pose: Where to; None is where the run began. A harness holds the robot if
                 the scenario has one and ``pose.harnessed`` says so.
 
         Raises:
             InvalidMessageError: If the robot cannot begin with that behaviour.
-            ScenarioError: If it cannot begin in that pose.
+            ScenarioError: If it cannot begin in that pose or with that seed, or while a
+                log or a video is written, which hold one run.
         """
+        if seed is not None:
+            self._begin_anew(check_seed(seed))
+            if behavior is None and pose is None:
+                return
         asked = self.scenario.initial_behavior if behavior is None else behavior
         start = self.scenario.start if pose is None else pose
         begin = starting_behavior(asked, "behavior")
-        check_kinds(start, Start, "pose")
-        make_plain(start).validate(begin)
+        typed(start, Start, "pose").validate(begin)
         if start.harnessed and not self.scenario.start.harnessed:
             raise ScenarioError(
                 "start.harnessed", True, "needs a scenario that began in a harness"
@@ -534,10 +584,24 @@ class AtlasSimulation:
             self._pushes = []
             self._exert(())
             reset_station(self.station, self.context, begin)
+            put_world_back(self.plant, self._plant_context(), self.robot)
+            set_velocities(self.scenario.models, self.plant, self._plant_context())
             self._place(moved, start)
             self._log.note(Event(self.time, "reset", f"reset, {begin.name} begins"))
             self.simulator.Initialize()
             self._look()
+
+    def _begin_anew(self, seed: int) -> None:
+        """Begins a run with another seed."""
+        writing = self._recorder is not None and self._finalizer.alive
+        if writing or (self._film is not None and not self._film.closed):
+            last = "close" if writing else "close_video"
+            raise ScenarioError(
+                "seed", seed, f"a log or a video holds one run: {last}() completes it"
+            )
+        with self._turns:
+            self.scenario.seed = seed
+            self._begin()
 
     def release(self) -> None:
         """Lets a harnessed robot down to the ground, and then go.
@@ -638,7 +702,8 @@ class AtlasSimulation:
     @property
     def pelvis_pose(self) -> RigidTransform:
         """Pose of the pelvis in the world."""
-        pelvis = self.plant.GetBodyByName(self.robot.file.pelvis)
+        own = self.robot.instance(self.plant)
+        pelvis = self.plant.GetBodyByName(self.robot.file.pelvis, own)
         with self._turns:
             return self.plant.EvalBodyPoseInWorld(self._plant_context(), pelvis)
 
@@ -695,7 +760,7 @@ class AtlasSimulation:
 
     def _exert(self, pushes: Sequence[Push]) -> None:
         """Puts forces on the plant's port."""
-        forces = [push.on(self.plant) for push in pushes]
+        forces = [push.on(self.plant, self.robot) for push in pushes]
         self.diagram.GetInputPort("applied_spatial_force").FixValue(
             self.context, forces
         )

@@ -23,9 +23,10 @@ class FallWatch:
         """Watches ``robot`` in ``plant``."""
         self._plant: Any = plant
         self._limits = limits or FallLimits()
-        self._pelvis = plant.GetBodyByName(robot.file.pelvis)
-        self._soles = [plant.GetFrameByName(f.sole_frame) for f in robot.file.feet]
-        self._instances = [self._pelvis.model_instance()]
+        own = robot.instance(plant)
+        self._pelvis = plant.GetBodyByName(robot.file.pelvis, own)
+        self._soles = [plant.GetFrameByName(f.sole_frame, own) for f in robot.file.feet]
+        self._instances = [own]
         self._nominal_height = self._standing_height(robot)
 
     def sign(self, context: Context) -> str:
@@ -50,7 +51,7 @@ class FallWatch:
     def _standing_height(self, robot: Robot) -> float:
         """The same of a robot in the stand-prep pose [m]."""
         context = self._plant.CreateDefaultContext()
-        q = self._plant.GetPositions(context)
+        q = self._plant.GetPositions(context, *self._instances)
         q[robot.indices(self._plant).q] = robot.stand_prep
-        self._plant.SetPositions(context, q)
+        self._plant.SetPositions(context, *self._instances, q)
         return self._com_height(context)

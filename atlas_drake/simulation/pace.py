@@ -31,6 +31,10 @@ class Pace:
         self._simulator.set_target_realtime_rate(rate)
         self._begin()
 
+    def forget_all(self) -> None:
+        """Begins anew, as the simulated time does."""
+        self._begin()
+
     def forget_lost_time(self) -> None:
         """Begins anew if time was lost; called before each piece of an advance."""
         rate = self._simulator.get_target_realtime_rate()

@@ -14,6 +14,7 @@ from pydrake.multibody.plant import ExternallyAppliedSpatialForce, MultibodyPlan
 
 from atlas_drake.errors import InvalidMessageError, did_you_mean, shown
 from atlas_drake.messages.checks import check_number, check_vector
+from atlas_drake.robot import Robot
 
 LARGEST_PUSH = 1e5
 """Largest force along an axis [N]: a hundred times a robot's weight, above which the
@@ -34,10 +35,10 @@ class Push:
     force_W: np.ndarray
     end: float
 
-    def on(self, plant: MultibodyPlant) -> ExternallyAppliedSpatialForce:
+    def on(self, plant: MultibodyPlant, robot: Robot) -> ExternallyAppliedSpatialForce:
         """As the plant's port takes it."""
         force = ExternallyAppliedSpatialForce()
-        force.body_index = plant.GetBodyByName(self.body).index()
+        force.body_index = plant.GetBodyByName(self.body, robot.instance(plant)).index()
         force.F_Bq_W = SpatialForce(np.zeros(3), self.force_W)
         return force
 

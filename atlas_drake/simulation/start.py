@@ -36,7 +36,7 @@ class Variation:
 
 
 def draw_variation(scenario: Scenario, robot: Robot) -> Variation:
-    """Draws from the scenario's seed."""
+    """Draw from the scenario's seed."""
     random = np.random.default_rng(scenario.seed)
     jitter = scenario.jitter
     position = random.uniform(-jitter.position, jitter.position, size=2)
@@ -60,13 +60,22 @@ def draw_variation(scenario: Scenario, robot: Robot) -> Variation:
     )
 
 
-def scale_masses(plant: MultibodyPlant, context: Context, variation: Variation) -> None:
-    """Makes bodies heavier or lighter than the controller believes; to be done once."""
+def scale_masses(
+    plant: MultibodyPlant, context: Context, robot: Robot, variation: Variation
+) -> None:
+    """Make bodies heavier or lighter than the controller believes.
+
+    Args:
+        plant: With the robot.
+        context: Of the plant, with its default masses.
+        robot: In the plant.
+        variation: What was drawn.
+    """
     for name, factor in variation.mass_factor.items():
         if factor == 1.0:
             continue
-        body = plant.GetBodyByName(name)
-        inertia = body.CalcSpatialInertiaInBodyFrame(context)
+        body = plant.GetBodyByName(name, robot.instance(plant))
+        inertia = body.default_spatial_inertia()
         body.SetSpatialInertiaInBodyFrame(
             context,
             SpatialInertia(

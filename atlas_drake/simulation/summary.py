@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from atlas_drake.behaviors.footstep_event import landed_elsewhere
+from atlas_drake.kinds import as_plain
 from atlas_drake.messages.event import STEPS_LEFT
 from atlas_drake.systems.estimation_error import error_sizes
 
@@ -58,6 +59,7 @@ def make_summary(
         "peak_effort_fraction": dict(
             zip(sim.robot.joint_names, map(float, extremes[:-2]), strict=True)
         ),
+        "configuration": as_plain(sim.scenario),
         "events": [
             {"time": e.time, "kind": e.kind, "text": e.text} for e in sim.events
         ],

@@ -22,7 +22,7 @@ class EstimationError(CollectableSystem):
     """True and estimated state in, what lies between them out.
 
     Input ports:
-        state: Positions and velocities of the plant.
+        state: Positions and velocities of the robot.
         estimated_state: Likewise.
 
     Output ports:
@@ -39,7 +39,7 @@ class EstimationError(CollectableSystem):
         """Looks every ``period`` [s]."""
         super().__init__()
         self._pelvis = robot.indices(plant).pelvis
-        size = plant.num_multibody_states()
+        size = plant.num_multibody_states(robot.instance(plant))
         self._true = self.DeclareVectorInputPort("state", size)
         self._estimated = self.DeclareVectorInputPort("estimated_state", size)
         self._largest = self.DeclareDiscreteState(4)

@@ -63,8 +63,8 @@ class Harness(CollectableSystem):
     """State and the forces of others in, these and the harness' own out.
 
     Input ports:
-        state: Positions and velocities of the plant.
-        actuation: What the motors do, in the order of the plant's actuators [N·m].
+        state: Positions and velocities of the robot.
+        actuation: What its motors do, in the order of its actuators [N·m].
         foot_wrenches: Of the ground on the soles [N·m; N], shape (12,).
         other_spatial_force: List of ``ExternallyAppliedSpatialForce``; optional.
 
@@ -85,18 +85,23 @@ class Harness(CollectableSystem):
         self._plant: Any = plant
         self._dt = plant.time_step()
         # The pelvis is the free body: its spatial velocity is among the plant's.
-        self._base = robot.indices(plant).generalized[:6]
-        self._actuation_matrix = np.asarray(plant.MakeActuationMatrix())
+        self._instance = own = robot.instance(plant)
+        places = np.arange(plant.num_velocities(), dtype=float)
+        in_plant = plant.GetVelocitiesFromArray(own, places).astype(int)
+        self._base = in_plant[robot.indices(plant).generalized[:6]]
+        motors = np.arange(plant.num_actuated_dofs(), dtype=float)
+        motors = plant.GetActuationFromArray(own, motors).astype(int)
+        self._actuation_matrix = np.asarray(plant.MakeActuationMatrix())[:, motors]
         # Numbers, as frames and bodies keep their plant where nobody can see it.
         self._soles = [
-            plant.GetFrameByName(f.sole_frame).index() for f in robot.file.feet
+            plant.GetFrameByName(f.sole_frame, own).index() for f in robot.file.feet
         ]
-        self._pelvis = plant.GetBodyByName(robot.file.pelvis).index()
+        self._pelvis = plant.GetBodyByName(robot.file.pelvis, own).index()
         self._state_input = self.DeclareVectorInputPort(
-            "state", plant.num_multibody_states()
+            "state", plant.num_multibody_states(own)
         )
         self._actuation_input = self.DeclareVectorInputPort(
-            "actuation", plant.num_actuators()
+            "actuation", robot.num_joints
         )
         self._wrench_input = self.DeclareVectorInputPort("foot_wrenches", 12)
         no_forces = AbstractValue.Make([ExternallyAppliedSpatialForce()])
@@ -158,7 +163,9 @@ class Harness(CollectableSystem):
             if strength <= 0.0:
                 return None
         scratch = self._scratch.Eval(context)
-        self._plant.SetPositionsAndVelocities(scratch, self._state_input.Eval(context))
+        self._plant.SetPositionsAndVelocities(
+            scratch, self._instance, self._state_input.Eval(context)
+        )
         pelvis = self._plant.get_body(self._pelvis)
         X_WP = self._plant.EvalBodyPoseInWorld(scratch, pelvis)
         V_WP = self._plant.EvalBodySpatialVelocityInWorld(scratch, pelvis)

@@ -20,14 +20,14 @@ from atlas_drake.control.estimation.attitude import (
 from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.robot import Robot
 from atlas_drake.scenario.noise import NoiseModel, SensorNoise
-from atlas_drake.systems.collectable_system import CollectableSystem
+from atlas_drake.systems.noisy_system import NoisySystem
 from atlas_drake.systems.scratch import declare_scratch_context
 
 _UNSET = -1.0
 """Time of the last tick before there was one."""
 
 
-class InertialSensor(CollectableSystem):
+class InertialSensor(NoisySystem):
     """The plant's state in, increments of a strapdown IMU out.
 
     Like the inertial sensors that navigate, it integrates inside at a rate far above
@@ -36,7 +36,7 @@ class InertialSensor(CollectableSystem):
     instant has been solved: the integral of acceleration is the change of velocity.
 
     Input ports:
-        state: Positions and velocities of the plant.
+        state: Positions and velocities of the robot.
 
     Output ports:
         inertial: In the pelvis' axes, shape (9,): the angular velocity now [rad/s],
@@ -59,13 +59,17 @@ class InertialSensor(CollectableSystem):
         """Measures ``robot`` in ``plant`` with the noise that ``RobotSensors`` has."""
         super().__init__()
         self._plant = plant
-        self._noise = SensorNoise(noise, seed, robot.num_joints, physics_step)
-        imu = plant.GetFrameByName(robot.file.imu_frame)
+        n = robot.num_joints
+        self.declare_noise(lambda seed: SensorNoise(noise, seed, n, physics_step), seed)
+        self._instance = own = robot.instance(plant)
+        imu = plant.GetFrameByName(robot.file.imu_frame, own)
         # A number, as a frame keeps its plant where nobody can see it.
         self._imu = imu.index()
         self._R_PI = imu.GetFixedPoseInBodyFrame().rotation().matrix()
         self._orientation = robot.indices(plant).pelvis.orientation
-        self._state = self.DeclareVectorInputPort("state", plant.num_multibody_states())
+        self._state = self.DeclareVectorInputPort(
+            "state", plant.num_multibody_states(own)
+        )
         self._scratch = declare_scratch_context(self, plant.CreateDefaultContext)
         # At the last tick: its time, the pelvis' quaternion, the IMU's velocity in W.
         self._last = self.DeclareDiscreteState(_nothing())
@@ -79,7 +83,7 @@ class InertialSensor(CollectableSystem):
     def _motion(self, context: Context) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Quaternion of the pelvis, angular velocity and velocity of the IMU in W."""
         state, scratch = self._state.Eval(context), self._scratch.Eval(context)
-        self._plant.SetPositionsAndVelocities(scratch, state)
+        self._plant.SetPositionsAndVelocities(scratch, self._instance, state)
         V_WI = self._plant.get_frame(self._imu).CalcSpatialVelocityInWorld(scratch)
         return state[self._orientation], V_WI.rotational(), V_WI.translational()
 
@@ -100,9 +104,9 @@ class InertialSensor(CollectableSystem):
             gained = v_WI - last[5:]
             gained[2] += GRAVITY * dt
             velocity = halfway.T @ gained
-        if not self._noise.silent:
+        if not self.noise(context).silent:
             # One sample for all that lies between two ticks: rather too much noise.
-            noise = self._noise.sample(context.get_time())
+            noise = self.noise(context).sample(context.get_time())
             gyro = self._R_PI @ noise.angular_velocity
             rate = rate + gyro
             turn = turn + dt * gyro

@@ -87,7 +87,7 @@ class JointPidBank(CollectableSystem):
     """Set-points, gains and measured joints in, the user's efforts out.
 
     Input ports:
-        state: Positions and velocities of the plant, in plant order.
+        state: Positions and velocities of the robot, in plant order.
         joint_command: ``JointCommand``
         behavior_effort: What the behaviour gives to its share [N·m], shape (n,).
         foot_wrenches: Of the ground on the soles [N·m; N], shape (12,).

@@ -25,16 +25,16 @@ from atlas_drake.messages import (
 )
 from atlas_drake.robot import Robot
 from atlas_drake.scenario.noise import NoiseModel, SensorNoise
-from atlas_drake.systems.collectable_system import CollectableSystem
+from atlas_drake.systems.noisy_system import NoisySystem
 from atlas_drake.systems.scratch import declare_scratch_context
 
 
-class RobotSensors(CollectableSystem):
+class RobotSensors(NoisySystem):
     """The plant's outputs in, measurements out.
 
     Input ports:
-        state: Positions and velocities of the plant.
-        contact_results: Of the plant.
+        state: Positions and velocities of the robot.
+        contact_results: Of the plant, those with other models included.
         body_accelerations: Spatial accelerations of all bodies in W.
         effort: What the motors do [N·m], shape (n,).
         commands: ``CommandsInForce``, whose gains are reported.
@@ -67,19 +67,25 @@ class RobotSensors(CollectableSystem):
         self._robot = robot
         self._plant = plant
         self._indices = robot.indices(plant)
-        self._noise = SensorNoise(noise, seed, n, physics_step)
+        self.declare_noise(lambda seed: SensorNoise(noise, seed, n, physics_step), seed)
         # Numbers, as bodies and frames keep their plant where nobody can see it.
-        self._pelvis = plant.GetBodyByName(robot.file.pelvis).index()
-        imu_frame = plant.GetFrameByName(robot.file.imu_frame)
+        self._instance = own = robot.instance(plant)
+        self._pelvis = plant.GetBodyByName(robot.file.pelvis, own).index()
+        imu_frame = plant.GetFrameByName(robot.file.imu_frame, own)
         self._X_PI = imu_frame.GetFixedPoseInBodyFrame()
         self._soles = [
-            plant.GetFrameByName(foot.sole_frame).index() for foot in robot.file.feet
+            plant.GetFrameByName(foot.sole_frame, own).index()
+            for foot in robot.file.feet
         ]
-        feet = [plant.GetBodyByName(foot.body) for foot in robot.file.feet]
+        feet = [plant.GetBodyByName(foot.body, own) for foot in robot.file.feet]
         self._foot_bodies = {int(body.index()): i for i, body in enumerate(feet)}
-        self._hands = [plant.GetBodyByName(name).index() for name in robot.file.hands]
+        self._hands = [
+            plant.GetBodyByName(name, own).index() for name in robot.file.hands
+        ]
         self._hand_bodies = {int(index): i for i, index in enumerate(self._hands)}
-        self._state = self.DeclareVectorInputPort("state", plant.num_multibody_states())
+        num_states = plant.num_multibody_states(own)
+        self._num_q = plant.num_positions(own)
+        self._state = self.DeclareVectorInputPort("state", num_states)
         self._contacts = self.DeclareAbstractInputPort(
             "contact_results", AbstractValue.Make(ContactResults())
         )
@@ -95,12 +101,12 @@ class RobotSensors(CollectableSystem):
         state_ticket = self.input_port_ticket(self._state.get_index())
         self.DeclareVectorOutputPort(
             "measured_state",
-            plant.num_multibody_states(),
+            num_states,
             self._calc_measured_state,
             # Noise is new at every instant; without it the cache lasts longer.
             prerequisites_of_calc={state_ticket}
-            if self._noise.silent
-            else {state_ticket, self.time_ticket()},
+            if noise == NoiseModel()
+            else {state_ticket, self.time_ticket(), self.pa_ticket()},
         )
         # About W's origin: where the soles are costs more to find than it is needed.
         self._wrenches = self.DeclareDiscreteState(12)
@@ -135,14 +141,16 @@ class RobotSensors(CollectableSystem):
     def _at_state(self, context: Context) -> Context:
         """The plant's scratch context at the present state."""
         scratch = self._scratch.Eval(context)
-        self._plant.SetPositionsAndVelocities(scratch, self._state.Eval(context))
+        self._plant.SetPositionsAndVelocities(
+            scratch, self._instance, self._state.Eval(context)
+        )
         return scratch
 
     def _calc_measured_state(self, context: Context, output: BasicVector) -> None:
         state = self._state.Eval(context)
-        if not self._noise.silent:
-            noise = self._noise.sample(context.get_time())
-            indices, num_q = self._indices, self._plant.num_positions()
+        if not self.noise(context).silent:
+            noise = self.noise(context).sample(context.get_time())
+            indices, num_q = self._indices, self._num_q
             state[indices.q] += noise.joint_position
             state[num_q + indices.v] += noise.joint_velocity
             # The gyroscope's axes are the IMU's, those of the state the world's.
@@ -185,8 +193,8 @@ class RobotSensors(CollectableSystem):
         gravity = np.array([0.0, 0.0, -GRAVITY])
         rate = R_IW @ V_WP.rotational()
         force = R_IW @ (A_WI.translational() - gravity)
-        if not self._noise.silent:
-            noise = self._noise.sample(context.get_time())
+        if not self.noise(context).silent:
+            noise = self.noise(context).sample(context.get_time())
             rate = rate + noise.angular_velocity
             force = force + noise.specific_force
         imu = Imu()
@@ -203,7 +211,7 @@ class RobotSensors(CollectableSystem):
         message = AtlasState()
         message.header.stamp = context.get_time()
         message.position = state[self._indices.q].tolist()
-        velocities = state[self._plant.num_positions() :]
+        velocities = state[self._num_q :]
         message.velocity = velocities[self._indices.v].tolist()
         message.effort = self._effort.Eval(context).tolist()
         for name in (

@@ -20,8 +20,8 @@ class RunStatistics(CollectableSystem):
     """State and actuation in, their extremes so far out.
 
     Input ports:
-        state: Positions and velocities of the plant.
-        actuation: What the motors do [N·m], shape (n,), in the plant's order.
+        state: Positions and velocities of the robot.
+        actuation: What the motors do [N·m], shape (n,), in its plant's order.
 
     Output ports:
         extremes: Peak effort of each joint as a share of its limit, then the lowest

@@ -20,11 +20,11 @@ from pydrake.systems.framework import (
 )
 
 from atlas_drake.behaviors.base import Observation
+from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.behaviors.supervisor import Supervisor, SupervisorState
 from atlas_drake.control.balance.feedback import pendulum_frequency
-from atlas_drake.control.gains import ControlGains
 from atlas_drake.control.joints.blend import behavior_share, effort_bounds
 from atlas_drake.control.joints.damping import limp_effort
 from atlas_drake.control.whole_body.command import WholeBodyCommand
@@ -85,7 +85,7 @@ class WholeBodyController(CollectableSystem):
     def __init__(
         self,
         robot: Robot,
-        gains: ControlGains,
+        config: ControllerConfig,
         period: float,
         initial_behavior: Behavior,
         entries: Iterable[BehaviorEntry] = SHIPPED_ENTRIES,
@@ -94,7 +94,7 @@ class WholeBodyController(CollectableSystem):
 
         Args:
             robot: To be controlled.
-            gains: Of the tasks that all behaviors share.
+            config: All numbers that tune it.
             period: Between two control ticks [s].
             initial_behavior: Active at the start.
             entries: Of the behaviors.
@@ -106,9 +106,9 @@ class WholeBodyController(CollectableSystem):
         self._limit = limit = robot.effort_limit
         self._own_bounds = EffortBounds(-limit, limit, np.zeros(n, dtype=bool))
         self._model = WholeBodyModel(robot)
-        self._qp = WholeBodyQp(robot, gains)
+        self._qp = WholeBodyQp(robot, config.gains)
         height = nominal_com_height(self._model) - robot.file.com_drop
-        self._supervisor = Supervisor(self._model, gains, height, entries)
+        self._supervisor = Supervisor(self._model, config, height, entries)
         self.tick_seconds: MutableSequence[float] | None = None
         """Wall-clock time of each tick, kept only when set to a list: a measurement of
         the machine, no part of the Context."""

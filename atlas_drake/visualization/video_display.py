@@ -5,7 +5,7 @@ Reads ports and hands pictures to a file; nothing here changes what is simulated
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -21,6 +21,7 @@ from pydrake.systems.framework import Context, DiagramBuilder, System
 from atlas_drake.frozen import NOTHING
 from atlas_drake.robot import Robot
 from atlas_drake.scenario.terrain import Block
+from atlas_drake.scenario.world import WorldMaker
 from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.visualization.caption import caption_of
 from atlas_drake.visualization.footsteps import footstep_marks
@@ -36,6 +37,10 @@ INK = (33, 43, 56)
 """Red, green and blue of the letters."""
 ACCENTS = ((60, 125, 225), (235, 135, 50), (160, 190, 230), (235, 195, 160))
 """Red, green and blue of footsteps as they look in the light."""
+
+
+STATES = ("state", "plant_state")
+"""Ports that say where robot and world are."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +59,8 @@ class VideoDisplay(CollectableSystem):
     videos, a fact about the file and not state of the simulation.
 
     Input ports:
-        state: Of the plant, configuration first.
+        state: Of the robot, the pelvis' orientation and position first.
+        plant_state: Of robot and world, configuration first.
         commands: ``CommandsInForce``
         controller_status: ``ControllerStatus``
         atlas_sim_interface_state: ``AtlasSimInterfaceState``
@@ -66,7 +72,12 @@ class VideoDisplay(CollectableSystem):
     __slots__ = ()
 
     def __init__(
-        self, video: Video, robot: Robot, terrain: Sequence[Block], num_states: int
+        self,
+        video: Video,
+        robot: Robot,
+        terrain: Sequence[Block],
+        world: Sequence[WorldMaker],
+        sizes: Mapping[str, int],
     ) -> None:
         """Opens the file.
 
@@ -74,7 +85,8 @@ class VideoDisplay(CollectableSystem):
             video: What is asked for.
             robot: Who is seen.
             terrain: Boxes on the ground.
-            num_states: Size of the plant's state.
+            world: What else there is.
+            sizes: Of the states, by port.
 
         Raises:
             VideoError: If the video cannot be made.
@@ -84,8 +96,10 @@ class VideoDisplay(CollectableSystem):
         self._file = VideoFile(
             video.path, VIDEO_RATE, video.width, video.height, ACCENTS
         )
-        self._stage = VideoStage(robot, terrain, video.width, video.height)
-        self._state = self.DeclareVectorInputPort("state", num_states)
+        self._stage = VideoStage(robot, terrain, video.width, video.height, world)
+        self._state, self._plant_state = (
+            self.DeclareVectorInputPort(name, sizes[name]) for name in STATES
+        )
         self._commands, self._status, self._report = (
             self.DeclareAbstractInputPort(name, AbstractValue.Make(NOTHING))
             for name in ("commands", "controller_status", "atlas_sim_interface_state")
@@ -93,6 +107,11 @@ class VideoDisplay(CollectableSystem):
         self._target: NDArray[np.float64] | None = None
         self._yaw = 0.0
         self.DeclarePeriodicPublishEvent(1.0 / VIDEO_RATE, 0.0, self._publish)
+
+    @property
+    def closed(self) -> bool:
+        """Whether nothing is filmed any more."""
+        return not self._file.is_open
 
     @property
     def num_frames(self) -> int:
@@ -116,7 +135,7 @@ class VideoDisplay(CollectableSystem):
     def _publish(self, context: Context) -> None:
         if not self._file.is_open:
             return
-        q = self._state.Eval(context)[: self._stage.num_positions]
+        q = self._state.Eval(context)
         commands: Any = self._commands.Eval(context)
         report: Any = self._report.Eval(context)
         status: Any = self._status.Eval(context)
@@ -127,7 +146,8 @@ class VideoDisplay(CollectableSystem):
         self._target = follow(self._target, q[4:7], 1.0 / VIDEO_RATE)
         marks = footstep_marks(commands.request, report, status.events)
         pose = camera_pose(self._target, self._yaw)
-        picture = self._stage.picture(q, marks, pose)
+        shown = self._plant_state.Eval(context)[: self._stage.num_positions]
+        picture = self._stage.picture(shown, marks, pose)
         captioned = with_caption(
             picture, *caption_of(report, commands.catalog), context.get_time()
         )
@@ -176,6 +196,7 @@ def add_video(
     robot: Robot,
     terrain: Sequence[Block],
     video: Video,
+    world: Sequence[WorldMaker] = (),
 ) -> None:
     """Adds a ``VideoDisplay`` named ``video`` to a diagram that holds a station.
 
@@ -185,12 +206,13 @@ def add_video(
         robot: Its robot.
         terrain: Its boxes.
         video: What is asked for.
+        world: What else is in its plant.
 
     Raises:
         VideoError: If the video cannot be made.
     """
-    num_states = station.GetOutputPort("state").size()
-    display = VideoDisplay(video, robot, terrain, num_states)
+    sizes = {name: station.GetOutputPort(name).size() for name in STATES}
+    display = VideoDisplay(video, robot, terrain, world, sizes)
     builder.AddNamedSystem("video", display)
     for index in range(display.num_input_ports()):
         port = display.get_input_port(index)

@@ -35,6 +35,7 @@ from pydrake.systems.sensors import CameraInfo
 
 from atlas_drake.robot import Robot
 from atlas_drake.scenario.terrain import BLOCK_COLOR, Block
+from atlas_drake.scenario.world import WorldMaker, add_world
 from atlas_drake.visualization.footsteps import (
     COLORS,
     LANDED_OPACITY,
@@ -74,7 +75,12 @@ class VideoStage:
     """Takes pictures of the robot in any pose."""
 
     def __init__(
-        self, robot: Robot, terrain: Sequence[Block], width: int, height: int
+        self,
+        robot: Robot,
+        terrain: Sequence[Block],
+        width: int,
+        height: int,
+        world: Sequence[WorldMaker] = (),
     ) -> None:
         """Sets up the scene.
 
@@ -83,6 +89,7 @@ class VideoStage:
             terrain: Boxes on the ground.
             width: Of the pictures [pixel].
             height: Of the pictures [pixel].
+            world: Adds what else is seen.
         """
         self._outline = sole_outline(robot.file.sole)
         builder = DiagramBuilder()
@@ -91,6 +98,7 @@ class VideoStage:
         self._plant.RegisterAsSourceForSceneGraph(self._scene_graph)
         robot.add_to(self._plant)
         self._add_ground(terrain)
+        add_world(self._plant, world)
         self._plant.Finalize()
         builder.Connect(
             self._plant.get_geometry_pose_output_port(),
@@ -113,7 +121,7 @@ class VideoStage:
 
     @property
     def num_positions(self) -> int:
-        """Length of the robot's configuration, quaternion and position first."""
+        """Length of the configuration of robot and world."""
         return self._plant.num_positions()
 
     def picture(
@@ -125,7 +133,7 @@ class VideoStage:
         """Takes one picture.
 
         Args:
-            q: Configuration of the robot, as the plant orders it.
+            q: Configuration of robot and world, as the plant orders it.
             marks: Footsteps to be seen.
             X_WC: Pose of the camera, z ahead and y down.
         """

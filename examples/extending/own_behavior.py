@@ -50,7 +50,7 @@ class Bow(Stand):
 
     def __init__(self, tools, config):
         super().__init__(tools.balance, tools.nominal_height, tools.rates)
-        self._robot, self._config = tools.robot, config
+        self._robot, self._bow = tools.robot, config
         self._back = tools.robot.joint_names.index("back_bky")
 
     def target(self, memory, request, leaving):
@@ -63,7 +63,7 @@ class Bow(Stand):
             upright,
             chest_tilt=np.array([0.0, depth]),
             joints=joints,
-            height=upright.height - self._config.lowering * depth,
+            height=upright.height - self._bow.lowering * depth,
         )
 
     def update(self, memory, seen, body, request, leaving):

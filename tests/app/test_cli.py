@@ -136,6 +136,9 @@ def test_options_are_checked_like_the_file(capsys):
     assert "physics_step" in capsys.readouterr().err
     assert main(["demo", "--headless", "--seed", "-1"]) == 2
     assert "seed" in capsys.readouterr().err
+    for verb in ("demo", "teleop"):
+        assert main([verb, "--set", "controller.gains.dcm_gian=2"]) == 2
+        assert "Did you mean 'dcm_gain'?" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("option", ["--json", "--record", "--video"])
@@ -158,14 +161,19 @@ def test_a_run_that_stays_upright_succeeds(scenario, tmp_path, capsys, summary_k
     file = tmp_path / "out.json"
     arguments = ["--model", "atlas_v3", "--seed", "7", "--physics-step", "0.002"]
     arguments += ["--headless", "--json", str(file)]
+    arguments += ["--set", "controller.gains.dcm_gain=2.5", "--set", "seed=8"]
+    log = tmp_path / "run.npz"
+    arguments += ["--log", str(log)]
     assert main(["run", scenario(), *arguments]) == 0
     assert "Success: the robot is upright after 0.1 s" in capsys.readouterr().out
     summary = json.loads(file.read_text())
     assert summary.keys() >= summary_keys
     assert summary["success"] is True
     assert summary["stopped"] is None
-    assert (summary["model"], summary["seed"]) == ("atlas_v3", 7)
+    assert (summary["model"], summary["seed"]) == ("atlas_v3", 8)
     assert summary["physics_step"] == 0.002
+    assert summary["configuration"]["controller"]["gains"]["dcm_gain"] == 2.5
+    assert read_log(log).scenario.controller.gains.dcm_gain == 2.5
     assert summary["sim_time"] == pytest.approx(0.1)
     assert summary["controller_tick_ms"].keys() == {"median", "p99", "max"}
     assert len(summary["peak_effort_fraction"]) == 28

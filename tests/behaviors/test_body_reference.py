@@ -8,7 +8,6 @@ import pytest
 from pydrake.math import RollPitchYaw
 
 from atlas_drake.behaviors.body_reference import (
-    EASING,
     BodyRates,
     BodyTarget,
     advance_body,
@@ -125,7 +124,7 @@ def test_rates_take_up_speed_and_lose_it(captured, target, nobody, way):
         after = advance(body, goal, nobody)
         for name, limit in (("height_rate", RATES.height), ("yaw_rate", RATES.yaw)):
             change = abs(getattr(after, name) - getattr(body, name))
-            assert change <= limit * DT / EASING + 1e-12
+            assert change <= limit * DT / RATES.easing + 1e-12
         most = max(most, after.yaw - goal.yaw, goal.height - after.height)
         body = after
     assert body.yaw == pytest.approx(goal.yaw, abs=1e-9)
@@ -140,7 +139,7 @@ def test_a_rate_beyond_its_limit_is_not_taken_over(captured, target, nobody):
     for _ in range(300):
         body = advance(body, goal, nobody)
         highest = max(highest, body.height - goal.height)
-    assert highest <= 0.5 * RATES.height * EASING
+    assert highest <= 0.5 * RATES.height * RATES.easing
     assert body.height == pytest.approx(goal.height, abs=1e-6)
 
 

@@ -8,6 +8,7 @@ import pytest
 
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.body_reference import BodyRates
+from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.entry import (
     BehaviorTools,
     Transition,
@@ -58,7 +59,7 @@ class Robot:
         # The height is what the pose has, so that nothing counts as a fall.
         terms = observe().terms
         height = float(terms.com[2] - terms.feet[0].p_WF[2])
-        self.supervisor = Supervisor(model, ControlGains(), height)
+        self.supervisor = Supervisor(model, ControllerConfig(), height)
         self.state = self.supervisor.start(behavior)
         self.request = self._request(behavior, 0)
         self.command = None
@@ -350,7 +351,7 @@ def test_a_fall_says_what_gave_it_away(make, observe, model):
     robot.tick(observe(pitch=1.0))
     assert "pelvis tilted by 1.00 rad" in robot.texts("fall")[0]
     low = make(STAND)
-    low.supervisor = Supervisor(model, ControlGains(), 2.0)
+    low.supervisor = Supervisor(model, ControllerConfig(), 2.0)
     low.tick(observe())
     assert "centre of mass only" in low.texts("fall")[0]
 

@@ -9,7 +9,6 @@ from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import LeafSystem
 
 from atlas_drake import AtlasCommand, AtlasSimulation, Behavior, Scenario, read_log
-from atlas_drake.control.gains import ControlGains
 from atlas_drake.diagrams.atlas_station import make_atlas_station
 from atlas_drake.diagrams.controller_socket import ControllerError
 from atlas_drake.messages.controller_status import (
@@ -159,7 +158,7 @@ def test_a_controller_without_reset_gets_its_default_state():
 def test_ours_through_the_socket_is_ours():
     def ours(robot, config):
         return WholeBodyController(
-            robot, ControlGains(), config.control_period, config.initial_behavior
+            robot, config.controller, config.control_period, config.initial_behavior
         )
 
     states = []

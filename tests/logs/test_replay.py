@@ -1,7 +1,10 @@
 """A replay shows what the log has, as the run was shown."""
 
+import copy
+
 import numpy as np
 import pytest
+from pydrake.common.yaml import yaml_dump
 from pydrake.geometry import Meshcat
 from pydrake.systems.analysis import Simulator
 
@@ -14,6 +17,7 @@ from atlas_drake import (
 )
 from atlas_drake.control.balance.center_of_pressure import centre_of_pressure
 from atlas_drake.diagrams.replay import make_replay
+from atlas_drake.kinds import as_plain
 from atlas_drake.logs.layout import SIDES
 from atlas_drake.logs.log import Log
 from atlas_drake.logs.log_player import LogPlayer
@@ -167,14 +171,10 @@ def test_displays_read_what_they_read_in_the_run(run):
 
 
 def test_terrain_is_shown(log, scenario, meshcat):
-    from pydrake.common.yaml import yaml_dump_typed, yaml_load_typed
-
-    from atlas_drake import Scenario
-
-    text = yaml_dump_typed(scenario)
-    rough = yaml_load_typed(schema=Scenario, data=text, defaults=Scenario())
+    rough = copy.deepcopy(scenario)
     rough.terrain = [Block()]
-    header = Header("atlas", 0.002, yaml_dump_typed(rough), log.header.layout)
+    text = yaml_dump(as_plain(rough))
+    header = Header("atlas", 0.002, text, log.header.layout)
     terrain = Log(log.path, header, log.arrays, log.notes)
     diagram = make_replay(terrain, meshcat)
     station = diagram.GetSubsystemByName("station")

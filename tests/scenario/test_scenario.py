@@ -7,12 +7,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pydrake.common.yaml import yaml_dump, yaml_load
+from pydrake.multibody.plant import MultibodyPlantConfig
 
 from atlas_drake import Block, Scenario, ScenarioError, Start, load_scenario
+from atlas_drake.behaviors.config import ControllerConfig
+from atlas_drake.behaviors.walk.memory import WalkRules
+from atlas_drake.control.gains import PdGains
 from atlas_drake.errors import shown
+from atlas_drake.kinds import as_plain
 from atlas_drake.messages import Behavior
-from atlas_drake.scenario import Jitter
-from atlas_drake.scenario.scenario import PHYSICS_STEPS
+from atlas_drake.scenario import Jitter, scenario_from, with_settings
+from atlas_drake.scenario.time_grid import on_common_grid
 
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples/scenarios").glob("*.yaml"))
 
@@ -50,9 +56,14 @@ def test_validate_returns_the_scenario_itself():
     assert scenario.validate() is scenario
 
 
-@pytest.mark.parametrize("step", PHYSICS_STEPS)
-def test_every_physics_step_on_offer_is_accepted(step):
-    assert Scenario(physics_step=step).validate().physics_step == step
+@pytest.mark.parametrize("parts", [1, 2, 3, 4, 7])
+def test_every_physics_step_that_divides_the_control_period_is_accepted(parts):
+    step = 0.002 / parts
+    scenario = Scenario(physics_step=step, control_period=0.002).validate()
+    assert scenario.physics_step == pytest.approx(step, rel=1e-9)
+    assert scenario.plant.time_step == scenario.physics_step
+    again = (scenario.physics_step, scenario.control_period)
+    assert on_common_grid(*again) == again
 
 
 @pytest.mark.parametrize("name", ["STAND", "stand", "Stand-Prep", "user", "FREEZE"])
@@ -73,7 +84,9 @@ def test_behaviors_are_named_in_any_case(name):
         ("physics_step", 0.003),
         ("physics_step", -0.001),
         ("physics_step", math.nan),
-        ("contact_approximation", "exact"),
+        ("physics_step", 1e-6),
+        ("physics_step", 0.004),
+        ("physics_step", 0.0),
         ("initial_behavior", "SITT"),
         ("initial_behavior", "WALK"),
         ("duration", 0.0),
@@ -161,7 +174,7 @@ def test_numbers_of_every_kind_mean_the_same():
 
 
 def test_a_number_of_less_precision_is_not_the_same():
-    with pytest.raises(ScenarioError, match=r"physics_step: is 0\.001000000047"):
+    with pytest.raises(ScenarioError, match=r"physics_step \(0\.001000000047"):
         Scenario(physics_step=np.float32(0.001)).validate()
 
 
@@ -231,3 +244,98 @@ def test_the_examples_are_found():
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_the_examples_load_under_their_own_name(path):
     assert load_scenario(path).name == path.stem
+
+
+def test_ticks_that_would_miss_the_physics_step_by_rounding_are_moved_onto_it():
+    step, period = on_common_grid(0.002 / 3, 0.002)
+    ticks = np.arange(1, 1_000_000)
+    assert not (3 * ticks * (0.002 / 3) == ticks * 0.002).all()
+    assert (3 * ticks * step == ticks * period).all()
+    assert on_common_grid(0.001, 0.002) == (0.001, 0.002)
+
+
+def test_every_number_of_the_controller_can_be_given(tmp_path):
+    text = """
+controller:
+  gains: {dcm_gain: 2.5, com_height: {kp: 50}}
+  walk: {rules: {dcm_ready: 0.03}}
+  step: {posture: {knee_efforts: [0.7, 0.8]}}
+  manipulate: {rates: {turn: {speed: 0.3}}}
+estimator: {slip: 2e-3}
+plant: {stiction_tolerance: 1e-3, contact_model: point}
+simulator: {accuracy: 1e-3}
+"""
+    scenario = load(tmp_path, text)
+    controller = scenario.controller
+    assert controller.gains.dcm_gain == 2.5
+    assert controller.gains.com_height == PdGains(kp=50.0, kd=12.0)
+    assert controller.walk.rules == WalkRules(dcm_ready=0.03)
+    assert controller.step.posture.knee_efforts == (0.7, 0.8)
+    assert controller.manipulate.rates.turn.speed == 0.3
+    assert controller.manipulate.rates.turn.acceleration == 1.2
+    assert scenario.estimator.slip == 2e-3
+    assert scenario.plant.stiction_tolerance == 1e-3
+    assert scenario.plant.discrete_contact_approximation == "similar"
+    assert scenario.simulator.accuracy == 1e-3
+    assert ControllerConfig() == Scenario().controller
+    assert scenario != Scenario()
+    assert scenario_from(yaml_load(data=yaml_dump(as_plain(scenario)))) == scenario
+
+
+@pytest.mark.parametrize(
+    ("setting", "field", "problem"),
+    [
+        ("controller.gains.dcm_gian=2", "controller.gains.dcm_gian", "'dcm_gain'"),
+        ("controler.gains.dcm_gain=2", "controler", "'controller'"),
+        ("controller.gains.dcm_gain=-1", "controller.gains.dcm_gain", "0 or more"),
+        ("controller.gains.dcm_gain=.nan", "controller.gains.dcm_gain", "0 or more"),
+        ("controller.gains.dcm_gain=fast", "controller.gains.dcm_gain", "a number"),
+        ("controller.gains=2", "controller.gains", "fields of a ControlGains"),
+        ("controller.fall.height=1.5", "controller.fall.height", "from 0 to 1"),
+        ("controller.body.easing=0", "controller.body.easing", "above 0"),
+        (
+            "controller.freeze.contact_force=1.5",
+            "controller.freeze.contact_force",
+            "from 0 to 1",
+        ),
+        (
+            "controller.manipulate.rates.turn.speed=9",
+            "controller.manipulate.rates.turn",
+            "does not stop",
+        ),
+        ("plant.time_step=0.0005", "plant.time_step", "physics_step"),
+        ("plant.contact_model=magnetic", "plant", "magnetic"),
+        ("plant.discrete_contact_approximation=exact", "plant", "exact"),
+        ("simulator.integration_scheme=guess", "simulator", "guess"),
+        ("simulator.start_time=1", "simulator.start_time", "must be 0"),
+        ("physics_step=0.0007", "control_period", "whole multiple"),
+        ("seed", "--set", "KEY.PATH=VALUE"),
+        ("=3", "--set", "KEY.PATH=VALUE"),
+        ("seed=[", "seed", "YAML"),
+    ],
+)
+def test_a_setting_that_cannot_be_used_is_named(setting, field, problem):
+    scenario = Scenario()
+    with pytest.raises(ScenarioError) as error:
+        with_settings(scenario, [setting])
+    assert error.value.field == field
+    assert problem in error.value.problem
+    assert scenario == Scenario()
+
+
+def test_settings_win_in_their_order():
+    scenario = with_settings(
+        Scenario(seed=1),
+        ["seed=2", "jitter={mass: 0.1}", "jitter.joints=0.2", "seed=3", "name=a=b"],
+    )
+    assert scenario.seed == 3
+    assert scenario.jitter == Jitter(mass=0.1, joints=0.2)
+    assert scenario.name == "a=b"
+
+
+def test_a_configuration_made_with_drakes_defaults_is_the_stations(tmp_path):
+    sap = MultibodyPlantConfig(discrete_contact_approximation="sap")
+    plant = Scenario(plant=sap, physics_step=0.0005).validate().plant
+    assert plant.time_step == 0.0005
+    assert not plant.use_sampled_output_ports
+    assert plant.discrete_contact_approximation == "sap"

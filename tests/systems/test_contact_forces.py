@@ -14,6 +14,7 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
 from atlas_drake import AtlasSimulation, Scenario
+from atlas_drake.scenario.drake_configs import plant_config
 from atlas_drake.systems.robot_sensors import contact_wrenches, shift_wrench
 from atlas_drake.visualization.contact_forces import contact_forces_of
 
@@ -103,7 +104,7 @@ def test_only_lagged_friction_may_pass_coulombs_bound(approximation):
 def test_the_sensors_read_what_the_plant_exerts(approximation):
     sim = AtlasSimulation(
         Scenario(
-            contact_approximation=approximation,
+            plant=plant_config(discrete_contact_approximation=approximation),
             physics_step=0.002,
             control_period=0.004,
         )

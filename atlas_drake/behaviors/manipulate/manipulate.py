@@ -14,14 +14,13 @@ import numpy as np
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.base import Observation, Outcome
 from atlas_drake.behaviors.body_reference import BodyRates, BodyReference
+from atlas_drake.behaviors.manipulate.config import ManipulateConfig
 from atlas_drake.behaviors.manipulate.pelvis_demo import demo_amplitude, demo_pose
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.dcm_plan import DcmReference
 from atlas_drake.control.pelvis.pelvis_pose import (
-    PelvisLead,
     PelvisMotion,
     PelvisPose,
-    PelvisRates,
     Stance,
     make_stance,
 )
@@ -35,15 +34,6 @@ from atlas_drake.messages import (
     AtlasSimInterfaceState,
 )
 from atlas_drake.messages.controller_status import Plan
-
-FOOT_SLIP = 0.002
-"""A sole that moved this far since it was noted is noted anew [m]. Small, because all
-poses are relative to the soles."""
-ARMS_MOVED = 0.01
-"""The wish is clamped anew when what is above the legs has moved its centre of mass
-this far in the pelvis frame, as when the user's arms reach out [m]."""
-HOME = 0.002
-"""STAND follows when the reference is this near to its pose [m], [rad]."""
 
 
 @dataclass(frozen=True)
@@ -94,17 +84,16 @@ class Manipulate:
         reach: PelvisReach,
         nominal_height: float,
         posture_rates: BodyRates,
-        *,
-        rates: PelvisRates | None = None,
-        lead: PelvisLead | None = None,
+        config: ManipulateConfig | None = None,
     ):
         """STAND has the centre of mass ``nominal_height`` [m] above the soles."""
         self._balance = balance
         self._reach = reach
         self._nominal_height = nominal_height
         self._posture_rates = posture_rates
-        self._rates = rates or PelvisRates()
-        self._lead = lead or PelvisLead()
+        self._config = config = config or ManipulateConfig()
+        self._rates = config.rates
+        self._lead = config.lead
         robot = balance.robot
         self._back = robot.limb("back")
         self._legs = robot.limb("l_leg", "r_leg")
@@ -169,7 +158,7 @@ class Manipulate:
             memory=memory,
             body=body,
             command=command,
-            finished=leaving and (waits or remaining < HOME),
+            finished=leaving and (waits or remaining < self._config.home),
         )
 
     def idle(self, memory: ManipulateMemory, seen: Observation) -> ManipulateMemory:
@@ -266,7 +255,7 @@ class Manipulate:
     def _arms_moved(self, memory: ManipulateMemory, seen: Observation) -> bool:
         upper = self._reach.upper_body(seen.terms, memory.stance)
         moved = upper.p_PU - memory.upper.p_PU
-        return float(moved @ moved) > ARMS_MOVED**2
+        return float(moved @ moved) > self._config.arms_moved**2
 
     # ---- references ----------------------------------------------------------
 
@@ -344,7 +333,7 @@ class Manipulate:
 
     def _slipped(self, stance: Stance, seen: Observation) -> bool:
         return any(
-            float(np.abs(now.p_WF - noted.p_WF).max()) > FOOT_SLIP
+            float(np.abs(now.p_WF - noted.p_WF).max()) > self._config.foot_slip
             for noted, now in zip(stance.feet, seen.terms.feet, strict=True)
         )
 

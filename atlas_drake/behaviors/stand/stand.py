@@ -20,6 +20,7 @@ from atlas_drake.behaviors.body_reference import (
     BodyTarget,
     advance_body,
 )
+from atlas_drake.behaviors.stand.config import StandConfig
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.dcm_plan import DcmReference
 from atlas_drake.control.balance.support_polygon import SupportPolygon
@@ -30,10 +31,6 @@ from atlas_drake.frozen import replace
 from atlas_drake.messages import AtlasSimInterfaceCommand, AtlasSimInterfaceState
 from atlas_drake.messages.controller_status import Plan
 
-COM_SPEED = 0.08
-"""How fast the reference of the centre of mass moves to the feet's middle [m/s]."""
-FOOT_SLIP = 0.01
-"""A sole that moved this far since it was noted is noted anew [m]."""
 _UPRIGHT = np.zeros(2)
 
 
@@ -61,8 +58,15 @@ class StandMemory:
 class Stand:
     """Static balance on both feet."""
 
-    def __init__(self, balance: Balance, nominal_height: float, rates: BodyRates):
+    def __init__(
+        self,
+        balance: Balance,
+        nominal_height: float,
+        rates: BodyRates,
+        config: StandConfig | None = None,
+    ):
         """Stands with the centre of mass ``nominal_height`` [m] above the soles."""
+        self._config = config or StandConfig()
         self._balance = balance
         self._nominal_height = nominal_height
         self._rates = rates
@@ -88,7 +92,7 @@ class Stand:
         leaving: bool,
     ) -> Outcome:
         """One tick of standing."""
-        com = _towards(memory.com, memory.middle, COM_SPEED * seen.dt)
+        com = _towards(memory.com, memory.middle, self._config.com_speed * seen.dt)
         if self._slipped(memory, seen):
             memory = self._note_feet(seen, com)
         elif com is not memory.com:
@@ -173,8 +177,9 @@ class Stand:
         )
 
     def _slipped(self, memory: StandMemory, seen: Observation) -> bool:
+        slip = self._config.foot_slip
         return any(
-            abs(x - noted_x) > FOOT_SLIP
+            abs(x - noted_x) > slip
             for noted, now in zip(memory.feet, seen.terms.feet, strict=True)
             for x, noted_x in zip(now.p_WF.tolist(), noted.p_WF.tolist(), strict=True)
         )

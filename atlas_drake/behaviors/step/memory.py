@@ -11,6 +11,7 @@ from enum import Enum
 import numpy as np
 
 from atlas_drake.behaviors.step.action import DesiredStep, StepAction
+from atlas_drake.bounds import Positive, ProperShare, Share
 from atlas_drake.control.balance.dcm_plan import DcmReference
 from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.balance.weight_shift import ComSway
@@ -38,9 +39,9 @@ class StepRules:
     """Time for which a new foot is pressed flat before the weight moves [s]."""
     settling_load: float = 0.06
     """Least that it then carries, in weights [-]."""
-    fresh_share: float = 0.4
+    fresh_share: Share = 0.4
     """First share of the sway after landing in which it stays pressed [-]."""
-    unload_share: float = 0.35
+    unload_share: Positive = 0.35
     """Last share of a sway in which the leaving foot is unloaded [-]."""
     still_loaded: float = 0.10
     """A foot that carries more than this does not lift off, in weights [-]."""
@@ -59,10 +60,13 @@ class StepRules:
     step [m]."""
     rest_speed: float = 0.05
     """Speed of the centre of mass below which the robot is at rest [m/s]."""
-    heel_begins: float = 0.5
+    heel_begins: ProperShare = 0.5
     """Share of the sway after which it rises [-]: the weight is off the heel then."""
     level: float = 0.02
     """Feet at rest that differ less in height let the trunk be upright [m]."""
+    least_clearance: float = 0.04
+    """Height above its footholds to which a foot is lifted even by a leg short of
+    room [m]."""
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ import numpy as np
 
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.step.action import DesiredStep, StepAction
+from atlas_drake.bounds import Share
 from atlas_drake.control.feet.footstep import (
     FootPose,
     Footstep,
@@ -39,7 +40,7 @@ from atlas_drake.robot import StepLimits
 class PostureRules:
     """What the body does to spare the standing knee and to lengthen the legs."""
 
-    knee_efforts: tuple[float, ...] = (0.78, 0.90)
+    knee_efforts: tuple[Share, ...] = (0.78, 0.90)
     """Shares of the standing knee's effort limit that a posture may need at rest, the
     second one where the first is not enough [-]."""
     level: float = 0.02
@@ -57,7 +58,7 @@ class PostureRules:
     off a bent knee."""
     lean_shift: float = 0.2
     """How far the hips stay behind the centre of mass per lean [m/rad]."""
-    smallest_share: float = 0.3
+    smallest_share: Share = 0.3
     """A step is shortened to this share of its length at most [-]."""
 
 

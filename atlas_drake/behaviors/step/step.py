@@ -12,11 +12,7 @@ import numpy as np
 
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.base import Observation, Outcome
-from atlas_drake.behaviors.body_reference import (
-    BodyRates,
-    BodyReference,
-    advance_body,
-)
+from atlas_drake.behaviors.body_reference import BodyReference, advance_body
 from atlas_drake.behaviors.footstep_event import (
     footstep_event,
     out_of_reach,
@@ -30,7 +26,8 @@ from atlas_drake.behaviors.step.action import (
     step_spec_from,
 )
 from atlas_drake.behaviors.step.balance import StepBalance
-from atlas_drake.behaviors.step.memory import StepMemory, StepPhase, StepRules
+from atlas_drake.behaviors.step.config import StepConfig
+from atlas_drake.behaviors.step.memory import StepMemory, StepPhase
 from atlas_drake.behaviors.step.plan import StepPlanner
 from atlas_drake.behaviors.step.preview import step_plan
 from atlas_drake.behaviors.step.queue import step_data_from
@@ -39,7 +36,7 @@ from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.balance.weight_shift import ComSway, plan_sway, sway_duration
 from atlas_drake.control.feet.footstep import FootPose, laid_out
 from atlas_drake.control.feet.leg_reach import hips_from_com
-from atlas_drake.control.feet.step_swing import StepSwingProfile, plan_step_swing
+from atlas_drake.control.feet.step_swing import plan_step_swing
 from atlas_drake.control.feet.toe_off import on_toes
 from atlas_drake.frozen import replace
 from atlas_drake.messages import (
@@ -53,10 +50,6 @@ from atlas_drake.messages.controller_status import Plan
 from atlas_drake.messages.event import STEPS_LEFT, Event
 from atlas_drake.planning.footholds import Gait
 
-LEAST_CLEARANCE = 0.04
-"""A foot is lifted this high above its footholds even by a leg short of room [m]."""
-STEP_RATES = BodyRates(yaw=0.5)
-
 
 class Step:
     """Takes one step after the other when it is told to."""
@@ -65,19 +58,17 @@ class Step:
         self,
         balance: Balance,
         nominal_height: float,
-        rates: BodyRates = STEP_RATES,
-        *,
-        profile: StepSwingProfile | None = None,
-        rules: StepRules | None = None,
+        config: StepConfig | None = None,
     ):
         """Stands with the centre of mass ``nominal_height`` [m] above the soles."""
         self._balance = balance
         self._nominal_height = nominal_height
-        self._rates = rates
-        self._profile = profile or StepSwingProfile()
-        self._rules = rules or StepRules()
+        config = config or StepConfig()
+        self._rates = config.body
+        self._profile = config.swing
+        self._rules = config.rules
         self._limits = balance.robot.file.step_limits
-        self._planner = StepPlanner(balance, nominal_height)
+        self._planner = StepPlanner(balance, nominal_height, config.posture)
         self._stance = StepBalance(balance, nominal_height, self._planner, self._rules)
         self._legs = self._planner.legs
         self._gait = Gait.of(balance.robot)
@@ -227,7 +218,13 @@ class Step:
             memory = replace(memory, refused=memory.looked_at)
             return memory, (Event(seen.time, STEPS_LEFT, text),)
         taken = plan.taken
-        action = _below(plan.ceiling, wanted.action, feet[foot], taken.pose)
+        action = _below(
+            plan.ceiling,
+            wanted.action,
+            feet[foot],
+            taken.pose,
+            self._rules.least_clearance,
+        )
         swing = plan_step_swing(
             on_toes(feet[foot], plan.heel, self._planner.half_length),
             feet[foot],
@@ -500,10 +497,13 @@ class Step:
 
 
 def _below(
-    ceiling: float, action: StepAction, start: FootPose, goal: FootPose
+    ceiling: float, action: StepAction, start: FootPose, goal: FootPose, least: float
 ) -> StepAction:
-    """The action with a foot that is lifted no higher than ``ceiling`` in W [m]."""
-    room = max(ceiling - float(max(start.p_WF[2], goal.p_WF[2])), LEAST_CLEARANCE)
+    """The action with a foot that is lifted no higher than ``ceiling`` in W [m].
+
+    It is lifted ``least`` [m] above the footholds all the same.
+    """
+    room = max(ceiling - float(max(start.p_WF[2], goal.p_WF[2])), least)
     lift = min(action.lift_height, room)
     arc = min(action.swing_height, room - lift)
     return replace(action, lift_height=lift, swing_height=arc)

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from atlas_drake.behaviors.step.queue import next_runs
+from atlas_drake.bounds import Positive, Share
 from atlas_drake.control.balance.dcm_plan import DcmPlan, DcmReference
 from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.footstep import FootPose, Footstep
@@ -32,9 +33,9 @@ class WalkRules:
 
     touchdown_force: float = 0.08
     """Normal force that counts as touchdown, in weights of the robot [-]."""
-    earliest_touchdown: float = 0.75
+    earliest_touchdown: Share = 0.75
     """Share of the swing before which contact is a stumble, not a touchdown."""
-    unload_share: float = 0.4
+    unload_share: Positive = 0.4
     """Last share of a transfer in which the leaving foot is unloaded [-]."""
     dcm_ready: float = 0.025
     """DCM error with which a foot may lift off [m]."""
@@ -53,6 +54,8 @@ class WalkRules:
     """Share by which a transfer is longer or shorter, at most, to make up for a
     touchdown before or after its time. A foot that is farther off was disturbed, and
     the next step shall not wait for the clock [-]."""
+    leg_stretch: float = 0.04
+    """Stretch of the lower leg where the ground is uneven [m]."""
 
 
 @dataclass(frozen=True)

@@ -17,12 +17,13 @@ TIME_STEP = 0.04
 """Between two points of a path [s]."""
 
 
-def walk_plan(memory: WalkMemory, com: np.ndarray) -> Plan:
+def walk_plan(memory: WalkMemory, com: np.ndarray, profile: SwingProfile) -> Plan:
     """The plan of a walk.
 
     Args:
         memory: After the last tick.
         com: Center of mass at that tick, horizontal in W [m], shape (2,).
+        profile: Shape of the swing.
     """
     reference = memory.dcm_reference()
     current = [memory.step] if memory.swinging else []
@@ -35,13 +36,13 @@ def walk_plan(memory: WalkMemory, com: np.ndarray) -> Plan:
             PlannedStep(step.foot, step.p_WF, step.yaw)
             for step in (*current, *memory.known)
         ),
-        preview=lambda: _paths(memory, com),
+        preview=lambda: _paths(memory, com, profile),
     )
 
 
-def _paths(memory: WalkMemory, com: np.ndarray) -> PlannedPaths:
+def _paths(memory: WalkMemory, com: np.ndarray, profile: SwingProfile) -> PlannedPaths:
     """Integrates ċ = ω (ξ - c), exactly for a DCM that stays between two points."""
-    swing = _swing_path(memory)
+    swing = _swing_path(memory, profile)
     plan = memory.plan
     times = np.arange(memory.plan_time, plan.duration, TIME_STEP)
     if times.size < 2:
@@ -57,7 +58,7 @@ def _paths(memory: WalkMemory, com: np.ndarray) -> PlannedPaths:
     return PlannedPaths(com=np.array(path), dcm=dcm, cop=cop, swing=swing)
 
 
-def _swing_path(memory: WalkMemory) -> np.ndarray | None:
+def _swing_path(memory: WalkMemory, profile: SwingProfile) -> np.ndarray | None:
     """The sole in the air, from lift-off to touchdown in W [m], shape (k, 3)."""
     if memory.swing is None:
         return None
@@ -65,6 +66,6 @@ def _swing_path(memory: WalkMemory) -> np.ndarray | None:
     points = [swing.start.p_WF]
     while swing.remaining > 0.0:
         step = min(TIME_STEP, max(swing.remaining, 1e-6))
-        swing, reference = advance_swing(swing, memory.step, SwingProfile(), step)
+        swing, reference = advance_swing(swing, memory.step, profile, step)
         points.append(reference.p_WF)
     return np.array(points)

@@ -20,13 +20,14 @@ from atlas_drake.behaviors.body_reference import (
 )
 from atlas_drake.behaviors.footstep_event import footstep_event
 from atlas_drake.behaviors.step.queue import replaced, step_data_from
+from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.behaviors.walk.gait import (
     begun_at,
     landing_sensitivity,
     plan_walk,
     stance_cop,
 )
-from atlas_drake.behaviors.walk.memory import Phase, WalkMemory, WalkRules
+from atlas_drake.behaviors.walk.memory import Phase, WalkMemory
 from atlas_drake.behaviors.walk.outlook import (
     LOOK_AHEAD,
     Outlook,
@@ -38,15 +39,13 @@ from atlas_drake.behaviors.walk.outlook import (
 from atlas_drake.behaviors.walk.preview import walk_plan
 from atlas_drake.behaviors.walk.steps import feet_to_come, steps_asked_for
 from atlas_drake.control.balance import feedback
-from atlas_drake.control.balance.step_adjustment import StepAdjustmentLimits, step_shift
+from atlas_drake.control.balance.step_adjustment import step_shift
 from atlas_drake.control.feet.footstep import (
     LEFT,
     Footstep,
-    StepSlack,
     saturate,
 )
 from atlas_drake.control.feet.swing_foot import (
-    SwingProfile,
     SwingReference,
     advance_swing,
     begin_swing,
@@ -63,8 +62,6 @@ from atlas_drake.messages.event import STEPS_LEFT, Event
 from atlas_drake.planning.footholds import Gait
 
 _UPRIGHT = np.zeros(2)
-REACH = 0.04
-"""The lower leg stretches by this much where the ground is uneven [m]."""
 
 
 class Walk:
@@ -75,23 +72,20 @@ class Walk:
         balance: Balance,
         nominal_height: float,
         rates: BodyRates,
-        *,
-        slack: StepSlack | None = None,
-        adjustment: StepAdjustmentLimits | None = None,
-        profile: SwingProfile | None = None,
-        rules: WalkRules | None = None,
+        config: WalkConfig | None = None,
     ):
         """Walks with the centre of mass ``nominal_height`` [m] above the soles."""
         self._balance = balance
         self._nominal_height = nominal_height
         self._rates = rates
+        config = config or WalkConfig()
         self._timing = balance.robot.file.gait_timing
         self._limits = balance.robot.file.walk_limits
-        self._slack = slack or StepSlack()
+        self._slack = config.slack
         self._loose_limits = self._slack.loosen(self._limits)
-        self._adjustment = adjustment or StepAdjustmentLimits()
-        self._profile = profile or SwingProfile()
-        self._rules = rules or WalkRules()
+        self._adjustment = config.adjustment
+        self._profile = config.swing
+        self._rules = config.rules
         self._gait = Gait.of(balance.robot)
         legs = balance.robot.legs
         self._knees = [leg.knee for leg in legs]
@@ -202,7 +196,7 @@ class Walk:
 
     def plan(self, memory: WalkMemory, com: np.ndarray, omega: float) -> Plan:
         """DCM plan, footsteps to come and the swing at hand."""
-        return walk_plan(memory, com)
+        return walk_plan(memory, com, self._profile)
 
     def report(self, memory: WalkMemory, state: AtlasSimInterfaceState) -> None:
         """Steps and timing; the steps as they will really be taken."""
@@ -445,7 +439,7 @@ class Walk:
         low, high = sorted([float(left.p_WF[2]), float(right.p_WF[2])])
         # With one foot above the other, or on its way there, the upper leg bends no
         # more than the lower one's reach makes it: bent knees carry least.
-        ground = min(high, low + REACH)
+        ground = min(high, low + self._rules.leg_stretch)
         return BodyTarget(
             height=ground + self._nominal_height,
             yaw=mean_yaw(left.yaw, right.yaw),

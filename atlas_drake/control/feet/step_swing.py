@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from atlas_drake.bounds import Positive
 from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.feet.swing_foot import SwingReference, bump, quintic_progress
 from atlas_drake.control.rotations import rotation_about, rotation_vector
@@ -27,11 +28,11 @@ class StepSwingProfile:
 
     press_depth: float = 0.005
     """Landing is aimed this far below the ground, so that it is not missed [m]."""
-    late_descent: float = 0.10
+    late_descent: Positive = 0.10
     """Speed at which a foot that found no ground goes on down [m/s]."""
     deepest: float = 0.06
     """How far below the ground expected it looks for it [m]."""
-    shortest_part: float = 0.15
+    shortest_part: Positive = 0.15
     """Least duration of lifting, of moving and of lowering [s]."""
 
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from atlas_drake.bounds import Positive, ProperShare, Share
 from atlas_drake.control.feet.footstep import FootPose, Footstep
 from atlas_drake.control.rotations import (
     cross,
@@ -26,21 +27,21 @@ from atlas_drake.frozen import replace
 class SwingProfile:
     """How a swing looks, whatever the step."""
 
-    landing_speed: float = 0.15
+    landing_speed: Positive = 0.15
     """Speed at which the sole meets the ground, and at which a foot that found none
     goes on down [m/s]: the faster, the less an error of height matters in time."""
-    landing_time: float = 0.5
+    landing_time: Positive = 0.5
     """Last part of a swing that leads up to that speed, at most [s]."""
     toe_down: float = 1.6
     """Pitch of the toes at the apex per metre of swing height [rad/m]; climbing does
     without it, lest the toes catch the edge."""
-    climb_share: float = 0.5
+    climb_share: ProperShare = 0.5
     """Share of the swing in which a difference in height is overcome: the first one
     upwards, the last one downwards, which keeps the sole off the edge [-]."""
-    edge_share: float = 0.25
+    edge_share: Share = 0.25
     """Share of the swing at that end in which the foot keeps still horizontally, when
     there is an edge between the ends [-]."""
-    edge_height: float = 0.04
+    edge_height: Positive = 0.04
     """Difference in height from which on an edge is one in full [m]."""
 
 

@@ -11,6 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from atlas_drake.bounds import Positive
+
 
 @dataclass(frozen=True)
 class MotionLimits:
@@ -25,7 +27,7 @@ class MotionLimits:
     """[1/s]"""
     acceleration: float
     """[1/s²]"""
-    rate: float = 4.0
+    rate: Positive = 4.0
     """Of the spring: what is left of the way shrinks by e in 1/rate [1/s]."""
 
     def __post_init__(self) -> None:

@@ -1,0 +1,49 @@
+"""All numbers that tune our controller, in one value.
+
+Gathers the configurations that live beside what they configure; holds no number of
+its own. What belongs to the robot stands in the robot's file.
+"""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from atlas_drake.behaviors.body_reference import BodyRates
+from atlas_drake.behaviors.entry_limits import EntryLimits
+from atlas_drake.behaviors.fall import FallLimits
+from atlas_drake.behaviors.freeze import FreezeConfig
+from atlas_drake.behaviors.manipulate.config import ManipulateConfig
+from atlas_drake.behaviors.stand.config import StandConfig
+from atlas_drake.behaviors.step.config import StepConfig
+from atlas_drake.behaviors.walk.config import WalkConfig
+from atlas_drake.control.gains import ControlGains
+
+
+@dataclass(frozen=True)
+class ControllerConfig:
+    """Tunes the controller; ``controller`` of a scenario."""
+
+    gains: ControlGains = field(default_factory=ControlGains)
+    """Gains and weights of the whole-body controller."""
+    body: BodyRates = field(default_factory=BodyRates)
+    """Speed of the reference of trunk and posture in STAND, WALK and MANIPULATE."""
+    entry: EntryLimits = field(default_factory=EntryLimits)
+    """Conditions under which STAND takes over."""
+    fall: FallLimits = field(default_factory=FallLimits)
+    """Posture that counts as a fall."""
+    freeze: FreezeConfig = field(default_factory=FreezeConfig)
+    stand: StandConfig = field(default_factory=StandConfig)
+    walk: WalkConfig = field(default_factory=WalkConfig)
+    step: StepConfig = field(default_factory=StepConfig)
+    manipulate: ManipulateConfig = field(default_factory=ManipulateConfig)
+
+    @property
+    def of_behaviors(self) -> dict[str, Any]:
+        """Configuration of each behavior that has one, by the behavior's name."""
+        return {
+            "FREEZE": self.freeze,
+            "STAND_PREP": self.stand,
+            "STAND": self.stand,
+            "WALK": self.walk,
+            "STEP": self.step,
+            "MANIPULATE": self.manipulate,
+        }

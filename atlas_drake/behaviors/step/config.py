@@ -1,0 +1,22 @@
+"""What can be tuned of STEP, gathered from the modules that use the values."""
+
+from dataclasses import dataclass, field
+
+from atlas_drake.behaviors.body_reference import BodyRates
+from atlas_drake.behaviors.step.memory import StepRules
+from atlas_drake.behaviors.step.plan import PostureRules
+from atlas_drake.control.feet.step_swing import StepSwingProfile
+
+
+@dataclass(frozen=True)
+class StepConfig:
+    """Tunes STEP."""
+
+    body: BodyRates = field(default_factory=lambda: BodyRates(yaw=0.5))
+    """Speed of the reference of trunk and posture."""
+    rules: StepRules = field(default_factory=StepRules)
+    """Thresholds of touchdown, lift-off and rest."""
+    posture: PostureRules = field(default_factory=PostureRules)
+    """How the body spares the standing knee and lengthens the legs."""
+    swing: StepSwingProfile = field(default_factory=StepSwingProfile)
+    """Shape of the swing."""

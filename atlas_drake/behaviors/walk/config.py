@@ -1,0 +1,22 @@
+"""What can be tuned of WALK, gathered from the modules that use the values."""
+
+from dataclasses import dataclass, field
+
+from atlas_drake.behaviors.walk.memory import WalkRules
+from atlas_drake.control.balance.step_adjustment import StepAdjustmentLimits
+from atlas_drake.control.feet.footstep import StepSlack
+from atlas_drake.control.feet.swing_foot import SwingProfile
+
+
+@dataclass(frozen=True)
+class WalkConfig:
+    """Tunes WALK."""
+
+    rules: WalkRules = field(default_factory=WalkRules)
+    """Thresholds of touchdown, lift-off and rest."""
+    swing: SwingProfile = field(default_factory=SwingProfile)
+    """Shape of the swing."""
+    adjustment: StepAdjustmentLimits = field(default_factory=StepAdjustmentLimits)
+    """When balance moves the landing place."""
+    slack: StepSlack = field(default_factory=StepSlack)
+    """How far a step may exceed its limits to make up for where the feet landed."""

@@ -1,0 +1,78 @@
+"""Drake's own configurations in a scenario: their defaults here, and their checks.
+
+Drake itself judges the values; only what the station decides is refused.
+"""
+
+from typing import Any
+
+from pydrake.multibody.plant import AddMultibodyPlant, MultibodyPlantConfig
+from pydrake.systems.analysis import (
+    ApplySimulatorConfig,
+    Simulator,
+    SimulatorConfig,
+)
+from pydrake.systems.framework import DiagramBuilder
+from pydrake.systems.primitives import ConstantVectorSource
+
+from atlas_drake.errors import ScenarioError, shown
+
+
+def plant_config(**fields: Any) -> MultibodyPlantConfig:
+    """Returns the default: point contact, and friction that never exceeds its cone.
+
+    Args:
+        **fields: Of ``MultibodyPlantConfig``, which shall be different.
+    """
+    own = {
+        "contact_model": "point",
+        "discrete_contact_approximation": "similar",
+        # Sampled ports would make the plant's step an unrestricted update, which could
+        # not see what the controller's update of the same instant decided.
+        "use_sampled_output_ports": False,
+    }
+    return MultibodyPlantConfig(**(own | fields))
+
+
+def check_plant_config(config: MultibodyPlantConfig, physics_step: float) -> None:
+    """Checks the plant's configuration, and completes it by what the station decides.
+
+    Args:
+        config: Its ``time_step`` becomes the physics step. One made in Python has
+            Drake's defaults for what the station decides; they are replaced as well.
+        physics_step: [s]
+
+    Raises:
+        ScenarioError: Naming the field that cannot be used.
+    """
+    _decide(config, "plant", "time_step", physics_step, "set physics_step instead")
+    sampled = "use_sampled_output_ports"
+    _decide(config, "plant", sampled, False, "must be false: controllers need it")
+    try:
+        AddMultibodyPlant(config, DiagramBuilder())
+    except Exception as error:  # Drake raises several kinds.
+        raise ScenarioError("plant", config, f"cannot be used: {error}") from error
+
+
+def check_simulator_config(config: SimulatorConfig) -> None:
+    """Checks the simulator's configuration.
+
+    Raises:
+        ScenarioError: Naming the field that cannot be used.
+    """
+    _decide(config, "simulator", "start_time", 0.0, "must be 0: commands count from it")
+    try:
+        ApplySimulatorConfig(config, Simulator(ConstantVectorSource([0.0])))
+    except Exception as error:  # Drake raises several kinds.
+        raise ScenarioError("simulator", config, f"cannot be used: {error}") from error
+
+
+def _decide(config: object, path: str, name: str, own: object, problem: str) -> None:
+    """Gives a field the station's own value.
+
+    Raises:
+        ScenarioError: If it has another one, which is not Drake's default either.
+    """
+    value = getattr(config, name)
+    if value not in (own, getattr(type(config)(), name)):
+        raise ScenarioError(f"{path}.{name}", value, f"is {shown(value)}; {problem}")
+    setattr(config, name, own)

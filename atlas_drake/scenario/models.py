@@ -1,0 +1,196 @@
+"""Models beside the robot in a scenario: files that Drake's parser reads, and where.
+
+How a user's own callables add to a plant is in ``world``.
+"""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from pydrake.common.schema import Transform
+from pydrake.math import RigidTransform
+from pydrake.multibody.math import SpatialVelocity
+from pydrake.multibody.parsing import Parser
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import ModelInstanceIndex, RigidBody
+from pydrake.systems.framework import Context
+
+from atlas_drake.errors import ScenarioError, shown
+from atlas_drake.scenario.world import WorldMaker
+
+
+@dataclass
+class Model:
+    """One file of models, such as a table, a ball or a ramp."""
+
+    file: str = ""
+    """URDF, SDFormat, MJCF or Drake's Model Directives (``.dmd.yaml``), relative to the
+    scenario's file; or a URI such as ``package://drake_models/...``."""
+    name: str = ""
+    """Of the model in the plant; the file's name if left out."""
+    X_WB: Transform | None = None
+    """Pose of the model's base body in W, a ``Transform`` of Drake's schema, such as
+    ``{translation: [1, 0, 0.5], rotation: !Rpy {deg: [0, 0, 90]}}``; null where the
+    file has it."""
+    V_WB: list[float] | None = None
+    """Velocity of the base body at the start, rotation first [rad/s; m/s]; null is
+    at rest."""
+    weld: bool = False
+    """Fixes the base body in W, at X_WB or at W's origin."""
+
+    def add_to(self, plant: MultibodyPlant, name: str, path: str = "models") -> None:
+        """Add the models of the file to a plant that is not finalized yet.
+
+        Args:
+            plant: Where to.
+            name: Of the model, where the file has one.
+            path: Of this entry in its scenario.
+
+        Raises:
+            ScenarioError: Naming the field that cannot be used.
+        """
+        try:
+            instances = self._parsed(plant)
+        except Exception as error:  # Drake raises several kinds.
+            raise ScenarioError(
+                f"{path}.file", self.file, f"cannot be read: {error}"
+            ) from error
+        if len(instances) != 1:
+            for field in ("name", "X_WB", "V_WB", "weld"):
+                if getattr(self, field):
+                    raise ScenarioError(
+                        f"{path}.{field}",
+                        getattr(self, field),
+                        f"is not for a file of {len(instances)} models, which says "
+                        "itself where they are",
+                    )
+            return
+        try:
+            plant.RenameModelInstance(instances[0], name)
+        except Exception as error:
+            raise ScenarioError(
+                f"{path}.name", name, f"{name!r} is taken; give another name"
+            ) from error
+        X_WB = RigidTransform()
+        if self.X_WB is not None:
+            X_WB = self.X_WB.GetDeterministicValue()
+        if self.weld:
+            base = self._base(plant, instances[0], f"{path}.weld")
+            plant.WeldFrames(plant.world_frame(), base.body_frame(), X_WB)
+        elif self.X_WB is not None:
+            base = self._base(plant, instances[0], f"{path}.X_WB")
+            plant.SetDefaultFloatingBaseBodyPose(base, X_WB)
+
+    def validate(self, path: str) -> None:
+        """Check every field.
+
+        Args:
+            path: Where the model is in its scenario, such as ``models[0]``.
+
+        Raises:
+            ScenarioError: Naming the first field that cannot be used.
+        """
+        if not self.file:
+            raise ScenarioError(f"{path}.file", self.file, "must be given")
+        if "://" not in self.file and not Path(self.file).is_file():
+            raise ScenarioError(
+                f"{path}.file", self.file, f"is {shown(self.file)}: no such file"
+            )
+        X_WB = self.X_WB
+        if X_WB is not None and not (
+            X_WB.IsDeterministic() and X_WB.base_frame in (None, "", "world")
+        ):
+            raise ScenarioError(
+                f"{path}.X_WB", X_WB, "must be one pose in W: no distribution, no frame"
+            )
+        if self.V_WB is not None and len(self.V_WB) != 6:
+            raise ScenarioError(
+                f"{path}.V_WB", self.V_WB, f"is {shown(self.V_WB)}; must be six numbers"
+            )
+        if self.V_WB is not None and self.weld:
+            raise ScenarioError(f"{path}.V_WB", self.V_WB, "is not for a welded model")
+        plant = MultibodyPlant(time_step=0.001)
+        self.add_to(plant, "model", path)
+        plant.Finalize()
+        if self.V_WB is not None:
+            _free_base(plant, "model", f"{path}.V_WB")
+
+    def _parsed(self, plant: MultibodyPlant) -> list[ModelInstanceIndex]:
+        parser = Parser(plant)
+        parser.SetAutoRenaming(True)
+        if "://" in self.file:
+            return parser.AddModels(url=self.file)
+        return parser.AddModels(Path(self.file))
+
+    @staticmethod
+    def _base(
+        plant: MultibodyPlant, instance: ModelInstanceIndex, path: str
+    ) -> RigidBody:
+        """The one body of a model that no joint hangs on another one."""
+        children = {
+            int(plant.get_joint(index).child_body().index())
+            for index in plant.GetJointIndices(instance)
+        }
+        bodies = [int(index) for index in plant.GetBodyIndices(instance)]
+        bases = [index for index in bodies if index not in children]
+        if len(bases) != 1:
+            raise ScenarioError(
+                path,
+                None,
+                f"needs a model with one base body, not {len(bases)}; a file that "
+                "fixes its model in the world says itself where that is",
+            )
+        return next(
+            plant.get_body(index)
+            for index in plant.GetBodyIndices(instance)
+            if int(index) == bases[0]
+        )
+
+
+def world_of(models: Sequence[Model]) -> list[WorldMaker]:
+    """Return what adds the models of a scenario to a plant."""
+    return [
+        functools.partial(model.add_to, name=name, path=f"models[{index}]")
+        for index, (model, name) in enumerate(zip(models, _names(models), strict=True))
+    ]
+
+
+def set_velocities(
+    models: Sequence[Model], plant: MultibodyPlant, context: Context
+) -> None:
+    """Give the models of a scenario the velocity they begin with.
+
+    Args:
+        models: Of the scenario.
+        plant: With the models.
+        context: Of the plant.
+    """
+    for model, name in zip(models, _names(models), strict=True):
+        if model.V_WB is not None:
+            base = _free_base(plant, name, "V_WB")
+            V_WB = SpatialVelocity(model.V_WB[:3], model.V_WB[3:])
+            plant.SetFreeBodySpatialVelocity(context, base, V_WB)
+
+
+def _free_base(plant: MultibodyPlant, name: str, path: str) -> RigidBody:
+    """The floating base body of a model in a finalized plant."""
+    instance = plant.GetModelInstanceByName(name)
+    if not plant.HasUniqueFloatingBaseBody(instance):
+        raise ScenarioError(path, name, "needs a model with one base body that is free")
+    return plant.GetUniqueFloatingBaseBodyOrThrow(instance)
+
+
+def _names(models: Sequence[Model]) -> list[str]:
+    """A name for each model: its own, or that of its file with a number if needed."""
+    names: list[str] = []
+    for model in models:
+        stem = name = model.name or Path(model.file).name.split(".")[0]
+        number = 1
+        while name in names and not model.name:
+            number += 1
+            name = f"{stem}_{number}"
+        names.append(name)
+    return names

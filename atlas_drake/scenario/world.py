@@ -1,0 +1,75 @@
+"""Models beside the robot: how they get into a plant, and back to where they began.
+
+A world is a sequence of callables (plant) -> None. Each adds what it likes to a plant
+that holds the robot and the ground, and is not finalized yet. They are called for every
+plant that simulates or films the world, and so must do the same each time.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TypeAlias
+
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import ModelInstanceIndex
+from pydrake.systems.framework import Context
+
+from atlas_drake.errors import AtlasError, shown
+from atlas_drake.robot import Robot
+
+WorldMaker: TypeAlias = Callable[[MultibodyPlant], None]
+"""Adds to a plant before it is finalized."""
+
+
+class WorldError(AtlasError, ValueError):
+    """A world that cannot be added to a plant."""
+
+
+def add_world(plant: MultibodyPlant, world: Sequence[WorldMaker]) -> None:
+    """Add everything beside robot and ground to a plant (before Finalize).
+
+    Args:
+        plant: Where to.
+        world: The callables, in order.
+
+    Raises:
+        WorldError: If one of them is not callable, or finalizes the plant.
+    """
+    for index, add in enumerate(world):
+        if not callable(add):
+            raise WorldError(
+                f"world[{index}] must be a callable (plant) -> None, is {shown(add)}"
+            )
+        add(plant)
+        if plant.is_finalized():
+            raise WorldError(f"world[{index}] must not finalize the plant")
+
+
+def world_instances(
+    plant: MultibodyPlant, robot: Robot
+) -> dict[ModelInstanceIndex, str]:
+    """Return the models beside the robot that can move, with their names."""
+    own = robot.instance(plant)
+    indices = map(ModelInstanceIndex, range(plant.num_model_instances()))
+    return {
+        index: plant.GetModelInstanceName(index)
+        for index in indices
+        if index != own and plant.num_multibody_states(index)
+    }
+
+
+def put_world_back(plant: MultibodyPlant, context: Context, robot: Robot) -> None:
+    """Put every model beside the robot where it is by default, and at rest.
+
+    Args:
+        plant: With the robot.
+        context: Of the plant; the robot's state stays.
+        robot: In the plant.
+    """
+    instances = world_instances(plant, robot)
+    if not instances:
+        return
+    default = plant.CreateDefaultContext()
+    for instance in instances:
+        state = plant.GetPositionsAndVelocities(default, instance)
+        plant.SetPositionsAndVelocities(context, instance, state)

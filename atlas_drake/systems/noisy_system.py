@@ -1,0 +1,43 @@
+"""The noise of a sensor as a parameter in its Context: every run has its own seed."""
+
+from collections.abc import Callable
+from typing import Any
+
+from pydrake.common.value import AbstractValue
+from pydrake.systems.framework import Context
+
+from atlas_drake.scenario.noise import SensorNoise
+from atlas_drake.systems.collectable_system import CollectableSystem
+
+
+class NoisySystem(CollectableSystem):
+    """A system that adds noise to what it measures."""
+
+    __slots__ = ()
+
+    def declare_noise(self, make: Callable[[int], SensorNoise], seed: int) -> None:
+        """Declare the parameter.
+
+        Args:
+            make: Makes the noise of a seed.
+            seed: Of the default context.
+        """
+        self._make_noise = make
+        self._noise_index = self.DeclareAbstractParameter(
+            AbstractValue.Make(make(seed))
+        )
+
+    def set_seed(self, context: Context, seed: int) -> None:
+        """Draw the noise from another seed from now on.
+
+        Args:
+            context: Of this system.
+            seed: From 0 to 2**64 - 1.
+        """
+        parameter: Any = context.get_mutable_abstract_parameter(self._noise_index)
+        parameter.set_value(self._make_noise(seed))
+
+    def noise(self, context: Context) -> SensorNoise:
+        """Return the noise in force."""
+        parameter: Any = context.get_abstract_parameter(self._noise_index)
+        return parameter.get_value()

@@ -1,0 +1,93 @@
+"""Models beside the robot in a scenario: read, placed, and refused by field."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pydrake.common.schema import Transform
+from pydrake.common.yaml import yaml_dump, yaml_load
+from pydrake.math import RigidTransform
+
+from atlas_drake import AtlasSimulation, Model, Scenario, ScenarioError, load_scenario
+from atlas_drake.kinds import as_plain
+from atlas_drake.scenario import scenario_from
+
+EXAMPLES = Path(__file__).parents[2] / "examples/scenarios"
+BALL = str(EXAMPLES / "world/ball.sdf")
+DIRECTIVES = """
+directives:
+- add_model: {{name: left, file: "file://{ball}"}}
+- add_model: {{name: right, file: "file://{ball}"}}
+- add_weld: {{parent: world, child: right::ball}}
+"""
+
+
+def test_the_example_has_a_ball_and_a_ramp():
+    scenario = load_scenario(EXAMPLES / "ball.yaml")
+    assert [Path(model.file).is_file() for model in scenario.models] == [True, True]
+    again = scenario_from(yaml_load(data=yaml_dump(as_plain(scenario))))
+    assert again == scenario
+    sim = AtlasSimulation(scenario)
+    ball = sim.output("ball.state")
+    np.testing.assert_array_equal(ball[4:7], [2.5, 0.0, 1.2])
+    np.testing.assert_array_equal(ball[7:], [0, 0, 0, -5.0, 0.0, 2.5])
+    ramp = sim.plant.GetBodyByName("board")
+    X_WB = sim.plant.EvalBodyPoseInWorld(
+        sim.plant.GetMyContextFromRoot(sim.context), ramp
+    )
+    assert X_WB.rotation().ToRollPitchYaw().pitch_angle() == pytest.approx(
+        -0.1396, 1e-3
+    )
+    sim.advance(0.1)
+    assert sim.output("ball.state")[4] == pytest.approx(2.0, abs=0.02)
+    sim.reset()
+    np.testing.assert_array_equal(sim.output("ball.state"), ball)
+    sim.advance(0.1)
+    sim.reset(seed=3)
+    np.testing.assert_array_equal(sim.output("ball.state"), ball)
+
+
+def test_models_of_one_file_get_names_of_their_own(tmp_path):
+    file = tmp_path / "two.dmd.yaml"
+    file.write_text(DIRECTIVES.format(ball=BALL))
+    models = [
+        Model(file=BALL, X_WB=RigidTransform([0.0, 2.0, 1.0])),
+        Model(file=BALL, X_WB=Transform(RigidTransform([0.0, 3.0, 1.0]))),
+        Model(file=BALL, name="mine"),
+        Model(file=str(file)),
+    ]
+    sim = AtlasSimulation(Scenario(models=models))
+    for name, y in (("ball", 2.0), ("ball_2", 3.0), ("mine", 0.0), ("left", 0.0)):
+        assert sim.output(f"{name}.state")[5] == y
+    assert not sim.diagram.HasOutputPort("right.state")
+
+
+@pytest.mark.parametrize(
+    ("fields", "field", "problem"),
+    [
+        ({}, "file", "must be given"),
+        ({"file": "nowhere.sdf"}, "file", "no such file"),
+        ({"file": __file__}, "file", "cannot be read"),
+        ({"file": BALL, "X_WB": {"translation": [1, 2]}}, "X_WB", "incompatible"),
+        ({"file": BALL, "X_WB": {"translatio": [1, 2, 3]}}, "X_WB", "translatio"),
+        ({"file": BALL, "X_WB": [1, 2, 3]}, "X_WB", "a pose"),
+        ({"file": BALL, "X_WB": {"base_frame": "pelvis"}}, "X_WB", "one pose in W"),
+        ({"file": BALL, "V_WB": [1, 2, 3]}, "V_WB", "six numbers"),
+        ({"file": BALL, "V_WB": [0] * 6, "weld": True}, "V_WB", "welded"),
+        ({"file": BALL, "weld": "yes"}, "weld", "true or false"),
+        ({"file": BALL, "wled": True}, "wled", "Did you mean 'weld'?"),
+    ],
+)
+def test_a_model_that_cannot_be_used_is_named(fields, field, problem):
+    good = {"file": BALL}
+    with pytest.raises(ScenarioError) as error:
+        scenario_from({"models": [good, fields]})
+    assert error.value.field == f"models[1].{field}"
+    assert problem in error.value.problem
+
+
+def test_a_file_of_several_models_says_itself_where_they_are(tmp_path):
+    file = tmp_path / "two.dmd.yaml"
+    file.write_text(DIRECTIVES.format(ball=BALL))
+    with pytest.raises(ScenarioError, match="2 models"):
+        Scenario(models=[Model(file=str(file), weld=True)]).validate()

@@ -1,0 +1,145 @@
+"""Models beside the robot: contacts, states, resets, harness, estimator and noise."""
+
+import numpy as np
+import pytest
+from pydrake.geometry import Box, Sphere
+from pydrake.math import RigidTransform
+from pydrake.multibody.math import SpatialVelocity
+from pydrake.multibody.plant import CoulombFriction
+from pydrake.multibody.tree import (
+    PrismaticJoint,
+    SpatialInertia,
+    UnitInertia,
+)
+
+from atlas_drake import AtlasSimulation, Scenario, Start
+from atlas_drake.diagrams.standing import place_robot
+from atlas_drake.scenario import Jitter
+from atlas_drake.scenario.world import WorldError
+
+FRICTION = CoulombFriction(0.5, 0.5)
+COARSE = {"physics_step": 0.002, "control_period": 0.004}
+
+
+def body(plant, name, shape, mass, link=None):
+    instance = plant.AddModelInstance(name)
+    inertia = SpatialInertia(mass, np.zeros(3), UnitInertia.SolidSphere(0.1))
+    added = plant.AddRigidBody(link or name, instance, inertia)
+    plant.RegisterCollisionGeometry(added, RigidTransform(), shape, name, FRICTION)
+    plant.RegisterVisualGeometry(
+        added, RigidTransform(), shape, name, np.array([1.0, 0.0, 0.0, 1.0])
+    )
+    return added
+
+
+def ball(plant):
+    """A ball in the air; its link has a name of the robot's."""
+    added = body(plant, "ball", Sphere(0.1), 3.0, link="pelvis")
+    plant.SetDefaultFloatingBaseBodyPose(added, RigidTransform([2.0, 0.0, 1.4]))
+
+
+def slider(plant):
+    """A block on a motor, named as a joint of the robot."""
+    added = body(plant, "slider", Box(0.2, 0.2, 0.2), 5.0)
+    joint = PrismaticJoint(
+        "l_leg_kny", plant.world_frame(), added.body_frame(), np.array([1.0, 0.0, 0.0])
+    )
+    joint = plant.AddJoint(joint)
+    joint.set_default_translation(3.0)
+    plant.AddJointActuator("l_leg_kny", joint)
+
+
+def plate(plant):
+    """A plate that the robot stands on."""
+    added = body(plant, "plate", Box(1.0, 1.0, 0.04), 20.0)
+    X_WB = RigidTransform([0.0, 0.0, 0.02])
+    plant.WeldFrames(plant.world_frame(), added.body_frame(), X_WB)
+
+
+def throw(sim):
+    plant = sim.plant
+    thrown = plant.GetBodyByName("pelvis", plant.GetModelInstanceByName("ball"))
+    plant.SetFreeBodySpatialVelocity(
+        plant.GetMyMutableContextFromRoot(sim.context),
+        thrown,
+        SpatialVelocity(np.zeros(3), np.array([-5.0, 0.0, 1.5])),
+    )
+
+
+@pytest.mark.parametrize(
+    "fields",
+    [
+        {"state": "estimated", "noise": "rough"},
+        {"start": Start(harnessed=True), "initial_behavior": "FREEZE"},
+        {"noise": "rough", "jitter": Jitter(mass=0.05, joints=0.02)},
+    ],
+    ids=["estimated", "harnessed", "jittered"],
+)
+def test_what_the_robot_does_not_touch_changes_nothing(fields):
+    scenario = Scenario(seed=3, **COARSE, **fields)
+    alone = AtlasSimulation(scenario)
+    among = AtlasSimulation(scenario, world=[ball, slider])
+    for sim in (alone, among):
+        sim.apply_push("utorso", [30.0, 0.0, 0.0], 0.05)
+        sim.advance(0.1)
+    for name in ("state", "behavior_state", "effort", "foot_wrenches", "extremes"):
+        mine, other = alone.output(name), among.output(name)
+        # The plant solves for all models at once.
+        np.testing.assert_allclose(other, mine, rtol=1e-6, atol=1e-8, err_msg=name)
+    num_alone = alone.output("plant_state").size
+    assert among.output("plant_state").size == num_alone + 13 + 2
+    assert among.output("slider.state").size == 2
+    height = among.output("ball.state")[6]
+    assert height == pytest.approx(1.4 - 0.5 * 9.81 * 0.1**2, abs=2e-3)
+
+
+def test_the_robot_feels_a_ball_and_a_reset_puts_it_back():
+    sim = AtlasSimulation(Scenario(**COARSE), world=[ball])
+    start = sim.output("ball.state").copy()
+    throw(sim)
+    sim.advance(0.4)
+    state = sim.output("state")
+    indices, robot = sim.robot.indices(sim.plant), sim.robot
+    hit = state[robot.num_joints + 7 :][indices.pelvis.velocity.start - 35]
+    assert hit < -0.05
+    sim.advance(1.0)
+    assert not sim.has_fallen
+    sim.reset()
+    np.testing.assert_array_equal(sim.output("ball.state"), start)
+    throw(sim)
+    sim.advance(0.1)
+    sim.reset(seed=0)
+    assert sim.time == 0.0
+    np.testing.assert_array_equal(sim.output("ball.state"), start)
+
+
+def test_what_the_feet_stand_on_counts_in_their_wrenches():
+    sim = AtlasSimulation(Scenario(**COARSE), world=[plate])
+    context = sim.plant.GetMyMutableContextFromRoot(sim.context)
+    place_robot(sim.plant, context, sim.robot, clearance=0.04)
+    sim.advance(0.6)
+    wrenches = sim.output("foot_wrenches").reshape(2, 6)
+    weight = sim.robot.mass * 9.81
+    assert wrenches[:, 5].sum() == pytest.approx(weight, rel=0.05)
+    results = sim.output("contact_results")
+    feet = {foot.body for foot in sim.robot.file.feet}
+    touched = set()
+    for k in range(results.num_point_pair_contacts()):
+        info = results.point_pair_contact_info(k)
+        pair = {
+            sim.plant.get_body(index).name()
+            for index in (info.bodyA_index(), info.bodyB_index())
+        }
+        if pair & feet:
+            touched |= pair - feet
+    assert touched == {"plate"}
+    assert not sim.has_fallen
+
+
+@pytest.mark.parametrize(
+    ("world", "problem"),
+    [([3], r"world\[0\] must be a callable"), ([lambda p: p.Finalize()], "finalize")],
+)
+def test_a_world_that_cannot_be_added_is_refused(world, problem):
+    with pytest.raises(WorldError, match=problem):
+        AtlasSimulation(Scenario(), world=world)
