@@ -97,7 +97,7 @@ def message_page(name: str, cls: type) -> str:
     return "\n\n".join([*parts, NOTE]) + "\n"
 
 
-def behavior_page(behavior: Behavior, implementation: base.Behavior) -> str:
+def behavior_page(behavior: Behavior, implementation: base.BehaviorProtocol) -> str:
     """What a behaviour does, when it can begin, what it reads, says and keeps to."""
     guard = None
     if isinstance(implementation, stance_guard.StanceGuard):

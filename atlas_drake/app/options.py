@@ -132,7 +132,7 @@ def add_show_option(
         help="what the 3D view shows of the controller's thoughts, with commas: "
         + ", ".join(offered)
         + f"; or all, or none (default: {show})"
-        + (f"; {', '.join(missing)} are not in a log" if missing else ""),
+        + (f"; {', '.join(missing)}: not in a log" if missing else ""),
     )
 
 

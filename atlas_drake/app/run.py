@@ -27,8 +27,8 @@ from atlas_drake.app.outputs import (
 )
 from atlas_drake.app.progress import Progress
 from atlas_drake.app.viewer import interactive, keep_serving
-from atlas_drake.behaviors.base import STEPS_LEFT
 from atlas_drake.logs.formats import check_format
+from atlas_drake.messages.event import STEPS_LEFT
 from atlas_drake.scenario import Scenario
 from atlas_drake.simulation import AtlasSimulation, SimulationError
 from atlas_drake.simulation.drake_log import is_news

@@ -13,14 +13,13 @@ from typing import Any
 import numpy as np
 
 from atlas_drake.behaviors.balance import Balance
-from atlas_drake.behaviors.base import Behavior as BehaviorProtocol
-from atlas_drake.behaviors.base import Event, Observation
+from atlas_drake.behaviors.base import BehaviorProtocol, Observation
 from atlas_drake.behaviors.body_reference import (
     BodyRates,
     BodyReference,
     capture_body,
 )
-from atlas_drake.behaviors.fall import FallLimits, sign_of_fall
+from atlas_drake.behaviors.fall import FallLimits, posture_of, sign_of_fall
 from atlas_drake.behaviors.freeze import Freeze
 from atlas_drake.behaviors.idle import Idle
 from atlas_drake.behaviors.manipulate.manipulate import Manipulate
@@ -46,6 +45,8 @@ from atlas_drake.messages import (
     BehaviorStatus,
 )
 from atlas_drake.messages.commands import BehaviorRequest
+from atlas_drake.messages.controller_status import Plan
+from atlas_drake.messages.event import Event
 from atlas_drake.messages.recent import append_recent
 
 KEPT_EVENTS = 200
@@ -141,15 +142,11 @@ class Supervisor:
         """The state before the first tick, with ``behavior`` already active."""
         return SupervisorState(current=behavior, desired=behavior)
 
-    def restart(
-        self, state: SupervisorState, behavior: Behavior, time: float
-    ) -> SupervisorState:
-        """The state as at the start, at ``time`` [s]; events so far are kept."""
-        text = f"reset, {behavior.name} begins"
-        fresh = replace(
+    def restart(self, state: SupervisorState, behavior: Behavior) -> SupervisorState:
+        """The state as at the start; events so far are kept."""
+        return replace(
             self.start(behavior), events=state.events, event_count=state.event_count
         )
-        return _log(fresh, Event(time, "reset", text))
 
     def update(
         self,
@@ -232,6 +229,18 @@ class Supervisor:
             message.walk_feedback.status_flags = state.behavior_flags
         elif state.current is Behavior.STEP:
             message.step_feedback.status_flags = state.behavior_flags
+
+    def plan(self, state: SupervisorState, com: np.ndarray, omega: float) -> Plan:
+        """What the active behavior intends.
+
+        Args:
+            state: After the last tick.
+            com: Center of mass at that tick, horizontal in W [m], shape (2,).
+            omega: Natural frequency of the pendulum there [1/s].
+        """
+        if state.memory is None or state.limp:
+            return Plan()
+        return self._behaviors[state.current].plan(state.memory, com, omega)
 
     # ---- transitions ---------------------------------------------------------
 
@@ -345,7 +354,9 @@ class Supervisor:
         return _log(replace(state, falling=True), Event(seen.time, "fall", text))
 
     def _sign_of_fall(self, seen: Observation) -> str:
-        return sign_of_fall(seen.terms, self._nominal_height, self._fall_limits)
+        return sign_of_fall(
+            posture_of(seen.terms), self._nominal_height, self._fall_limits
+        )
 
 
 _BALANCING = frozenset(Behavior) - {Behavior.NONE, Behavior.USER, Behavior.FREEZE}

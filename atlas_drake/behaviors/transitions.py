@@ -12,6 +12,7 @@ import numpy as np
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.base import Observation
 from atlas_drake.control.balance import feedback
+from atlas_drake.control.whole_body.model import mean_sole_height
 from atlas_drake.messages import Behavior, BehaviorStatus
 
 _ALWAYS = frozenset({Behavior.NONE, Behavior.FREEZE, Behavior.USER})
@@ -70,8 +71,7 @@ def refusal(
     support = balance.support(seen.foot_pose(0), seen.foot_pose(1))
     if support.distance_outside(terms.com[:2]) > -limits.com_inside:
         return BehaviorStatus.FAILED_TRANS_COM_POS
-    soles = 0.5 * float(terms.feet[0].p_WF[2] + terms.feet[1].p_WF[2])
-    omega = feedback.pendulum_frequency(float(terms.com[2]) - soles)
+    omega = feedback.pendulum_frequency(float(terms.com[2]) - mean_sole_height(terms))
     dcm = feedback.dcm(terms, omega)
     if support.distance_outside(dcm) > -limits.dcm_inside:
         return BehaviorStatus.FAILED_TRANS_COM_VEL

@@ -12,7 +12,6 @@ from pathlib import Path
 import numpy as np
 from pydrake.common.yaml import yaml_load_typed
 
-from atlas_drake.behaviors.base import Event
 from atlas_drake.errors import RobotDescriptionError, did_you_mean
 from atlas_drake.logs.formats import read_file
 from atlas_drake.logs.notes import (
@@ -25,6 +24,7 @@ from atlas_drake.logs.notes import (
     message_from,
 )
 from atlas_drake.messages import Behavior, Message
+from atlas_drake.messages.event import Event
 from atlas_drake.robot import Robot, load_robot
 from atlas_drake.scenario import Scenario
 

@@ -13,10 +13,12 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from atlas_drake.behaviors.base import Event
 from atlas_drake.errors import AtlasError, shown
 from atlas_drake.logs.layout import Layout
 from atlas_drake.messages import AtlasCommand, AtlasSimInterfaceCommand, Message
+from atlas_drake.messages.base import is_record
+from atlas_drake.messages.controller_status import PlannedPaths
+from atlas_drake.messages.event import Event
 from atlas_drake.numeric import is_whole
 
 FORMAT, VERSION = "atlas_drake log", 1
@@ -26,7 +28,11 @@ COMMANDS: dict[str, type[Message]] = {
 }
 """Kinds of notes that are commands."""
 EVENT = "event"
-"""The kind of all other notes."""
+"""Kind of the notes that are events."""
+PATHS = "planned_paths"
+"""Kind of the notes that hold ``PlannedPaths``."""
+PATH_GRID = 1e-4
+"""Points of paths are rounded to it [m]."""
 
 
 class LogError(AtlasError):
@@ -39,7 +45,7 @@ class Note:
 
     Attributes:
         time: When [s].
-        kind: One of COMMANDS, or EVENT.
+        kind: One of COMMANDS, EVENT, or PATHS.
         data: What a JSON object can hold.
     """
 
@@ -132,6 +138,27 @@ def event_from_note(note: Note) -> Event:
     return Event(note.time, note.data["kind"], note.data["text"], note.data["data"])
 
 
+def note_from_paths(time: float, paths: PlannedPaths) -> Note:
+    """Planned paths as a note; a path that there is not has no points."""
+    data = {
+        field.name: []
+        if (path := getattr(paths, field.name)) is None
+        else (np.round(path / PATH_GRID) * PATH_GRID).round(4).tolist()
+        for field in fields(PlannedPaths)
+    }
+    return Note(time, PATHS, data)
+
+
+def paths_from_note(note: Note) -> PlannedPaths:
+    """The reverse of ``note_from_paths``."""
+    paths = {
+        field.name: np.array(points)
+        for field in fields(PlannedPaths)
+        if (points := note.data.get(field.name))
+    }
+    return PlannedPaths(**paths)
+
+
 def notes_to_json(notes: Iterable[Note]) -> str:
     """Notes as text, for formats that keep them all in one place."""
     return json.dumps([[note.time, note.kind, note.data] for note in notes])
@@ -166,10 +193,10 @@ def to_plain(value: Any, path: tuple[int, ...] = ()) -> Any:
     if id(value) in path or len(path) == DEEPEST:
         return "..."
     within = (*path, id(value))
-    if isinstance(value, Message):
+    if isinstance(value, Message) or is_record(value):
         return {
             field.name: to_plain(getattr(value, field.name), within)
-            for field in fields(value)  # type: ignore[arg-type]
+            for field in fields(value)
         }
     if isinstance(value, Mapping):
         return {str(key): to_plain(item, within) for key, item in value.items()}

@@ -18,7 +18,8 @@ from atlas_drake.errors import (
     shown,
 )
 from atlas_drake.kinds import check_kinds, make_plain
-from atlas_drake.messages import Behavior, behavior_from
+from atlas_drake.messages import Behavior
+from atlas_drake.messages.behavior_catalog import SHIPPED
 from atlas_drake.robot import DEFAULT_ROBOT, find_robot, model_beside
 from atlas_drake.scenario.noise import NOISE_MODELS
 from atlas_drake.scenario.terrain import Block
@@ -242,7 +243,7 @@ def starting_behavior(value: object, name: str) -> Behavior:
     Raises:
         InvalidMessageError: If there is no such behaviour, or none can begin with it.
     """
-    behavior = behavior_from(value, name)
+    behavior = SHIPPED.find(value, name)
     allowed = (Behavior.STAND, Behavior.STAND_PREP, Behavior.USER, Behavior.FREEZE)
     if behavior not in allowed:
         names = ", ".join(b.name for b in allowed)

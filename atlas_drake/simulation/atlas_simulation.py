@@ -23,9 +23,9 @@ from pydrake.math import RigidTransform
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Context
 
-from atlas_drake.behaviors.base import Event
 from atlas_drake.diagrams.atlas_station import StationConfig
-from atlas_drake.diagrams.control_mode_switch import make_control_mode_switch
+from atlas_drake.diagrams.control_mode_switch import Extend, make_control_mode_switch
+from atlas_drake.diagrams.controller_socket import CONTROLLER, ControllerSource
 from atlas_drake.diagrams.standing import place_robot
 from atlas_drake.diagrams.station_reset import reset_station
 from atlas_drake.errors import (
@@ -49,12 +49,14 @@ from atlas_drake.messages import (
 )
 from atlas_drake.messages.checks import check_number
 from atlas_drake.messages.commands import Command
+from atlas_drake.messages.event import Event
 from atlas_drake.numeric import as_float
 from atlas_drake.robot import load_robot
 from atlas_drake.scenario import Scenario, Start
 from atlas_drake.scenario.noise import NOISE_MODELS
 from atlas_drake.scenario.scenario import starting_behavior
 from atlas_drake.simulation.drake_log import only_news
+from atlas_drake.simulation.fall_watch import FallWatch
 from atlas_drake.simulation.pace import Pace
 from atlas_drake.simulation.pushes import Push, make_push
 from atlas_drake.simulation.run_log import RunLog
@@ -104,6 +106,8 @@ class AtlasSimulation:
         self,
         scenario: Scenario | None = None,
         *,
+        controller: ControllerSource | None = None,
+        extend: Extend | None = None,
         meshcat: Meshcat | None = None,
         overlays: Overlays | None = None,
         recorded: bool = False,
@@ -116,6 +120,11 @@ class AtlasSimulation:
         Args:
             scenario: What to simulate, as it is now: it is copied; None is a robot
                 that stands, commanded by nobody but the caller.
+            controller: Takes the place of ours: a System, or a callable
+                (robot, config: StationConfig) -> System. See
+                ``atlas_drake.diagrams.controller_socket`` for its ports.
+            extend: Called with (builder, station) before the diagram is built, to add
+                systems of your own. ``output`` reads the ports that it exports.
             meshcat: Where to show it; None shows nothing.
             overlays: What of the controller's thoughts is shown there.
             recorded: Whether Meshcat is recording already; then every picture is kept
@@ -132,6 +141,7 @@ class AtlasSimulation:
             RobotDescriptionError: If the robot's files cannot be used.
             LogError: If the log cannot be written.
             VideoError: If the video cannot be made.
+            ControllerError: If the controller does not fit the station.
         """
         if not isinstance(scenario, Scenario | None):
             raise TypeError(
@@ -154,7 +164,7 @@ class AtlasSimulation:
         self._wall_time = 0.0
         self._shown = 0.0
         try:
-            self._build(meshcat, overlays, recorded, video)
+            self._build(controller, extend, meshcat, overlays, recorded, video)
         except BaseException:
             if self._recorder is not None:
                 self._finalizer()
@@ -162,6 +172,8 @@ class AtlasSimulation:
 
     def _build(
         self,
+        controller: ControllerSource | None,
+        extend: Extend | None,
         meshcat: Meshcat | None,
         overlays: Overlays | None,
         recorded: bool,
@@ -190,6 +202,8 @@ class AtlasSimulation:
             recorded,
             self._recorder,
             video,
+            controller=controller,
+            extend=extend,
         )
         self._film: VideoDisplay | None = None
         if self.diagram.HasSubsystemNamed("video"):
@@ -199,8 +213,10 @@ class AtlasSimulation:
         self.plant = self.station.GetSubsystemByName("plant")
         self._scheduler = self.diagram.GetSubsystemByName("scheduler")
         self._interface = self.station.GetSubsystemByName("command_interface")
-        self._controller = self.station.GetSubsystemByName("behavior_controller")
-        self._controller.tick_seconds = self._tick_seconds
+        own = self.station.GetSubsystemByName(CONTROLLER)
+        if hasattr(own, "tick_seconds"):
+            own.tick_seconds = self._tick_seconds
+        self._fall_watch = FallWatch(self.robot, self.plant)
         with only_news():
             self.simulator = Simulator(self.diagram)
         scale_masses(self.plant, self._plant_context(), variation)
@@ -501,6 +517,7 @@ class AtlasSimulation:
             self._exert(())
             reset_station(self.station, self.context, begin)
             self._place(moved, start)
+            self._log.note(Event(self.time, "reset", f"reset, {begin.name} begins"))
             self.simulator.Initialize()
             self._look()
 
@@ -583,7 +600,7 @@ class AtlasSimulation:
     @property
     def current_behavior(self) -> Behavior:
         """The active behaviour."""
-        return self.output("controller_state").supervisor.current
+        return self.output("controller_status").current_behavior
 
     @property
     def has_fallen(self) -> bool:
@@ -609,8 +626,8 @@ class AtlasSimulation:
 
     @property
     def tick_seconds(self) -> MutableSequence[float]:
-        """Wall-clock times of the controller's ticks [s]."""
-        return self._controller.tick_seconds
+        """Wall-clock times of the controller's ticks [s]; empty if it gives none."""
+        return self._tick_seconds
 
     def output(self, name: str) -> Any:
         """What an output port of the station says now.
@@ -671,8 +688,12 @@ class AtlasSimulation:
             self._scheduler.programme,
             self.output("sent"),
             self.output("commands"),
-            self.output("controller_state").supervisor,
+            self.output("controller_status"),
         )
+        if not self._log.fallen():
+            sign = self._fall_watch.sign(self._plant_context())
+            if sign:
+                self._log.note(Event(self.time, "fall", f"falling ({sign})"))
         for system in (self._recorder, self._film):
             fault: AtlasError | None = None if system is None else system.fault
             if fault is not None and fault not in self._faults:

@@ -532,7 +532,7 @@ def test_the_diagram_is_drawn_as_it_is_wired(tmp_path, capsys):
     source = file.read_text()
     for edge in (
         "scheduler -> command_interface",
-        "behavior_controller -> effort_selector",
+        "controller -> effort_selector",
         "effort_selector -> plant",
         "plant -> robot_sensors",
     ):
@@ -544,7 +544,7 @@ def test_the_diagram_is_drawn_as_it_is_wired(tmp_path, capsys):
 def test_the_diagram_becomes_a_picture(tmp_path):
     file = tmp_path / "diagram.svg"
     assert main(["diagram", str(file), "--no-open"]) == 0
-    assert "behavior_controller" in file.read_text()
+    assert "interface_reporter" in file.read_text()
 
 
 @pytest.mark.skipif(shutil.which("dot") is None, reason="Graphviz is not installed")

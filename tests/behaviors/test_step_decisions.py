@@ -7,7 +7,6 @@ import pytest
 
 from atlas_drake import AtlasSimInterfaceCommand
 from atlas_drake.behaviors.balance import Balance
-from atlas_drake.behaviors.base import STEPS_LEFT
 from atlas_drake.behaviors.body_reference import capture_body
 from atlas_drake.behaviors.step.memory import StepPhase, StepRules
 from atlas_drake.behaviors.step.step import Step
@@ -17,6 +16,7 @@ from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.frozen import replace
 from atlas_drake.messages import AtlasSimInterfaceState, StepStatus, Vector3
+from atlas_drake.messages.event import STEPS_LEFT
 
 LEFT, RIGHT = 0, 1
 RULES = StepRules()

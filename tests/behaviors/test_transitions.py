@@ -21,8 +21,8 @@ from atlas_drake.messages import (
     AtlasState,
     Behavior,
     BehaviorStatus,
-    behavior_from,
 )
+from atlas_drake.messages.behavior_catalog import SHIPPED
 from atlas_drake.messages.commands import BehaviorRequest
 
 NONE, FREEZE, STAND_PREP, STAND, WALK, STEP, MANIPULATE, USER = Behavior
@@ -69,7 +69,7 @@ class Robot:
 
     def send(self, command):
         self.request = BehaviorRequest(
-            behavior_from(command.behavior), command.snapshot(), self.request.number + 1
+            SHIPPED.find(command.behavior), command.snapshot(), self.request.number + 1
         )
 
     def tick(self, seen):

@@ -15,11 +15,13 @@ from typing import Any, Protocol
 import numpy as np
 
 from atlas_drake.behaviors.balance import Balance
-from atlas_drake.behaviors.base import Behavior, Event, Observation, Outcome
+from atlas_drake.behaviors.base import BehaviorProtocol, Observation, Outcome
 from atlas_drake.behaviors.body_reference import BodyReference
 from atlas_drake.behaviors.freeze import Freeze, FreezeMemory
 from atlas_drake.frozen import replace
 from atlas_drake.messages import AtlasSimInterfaceCommand, AtlasSimInterfaceState
+from atlas_drake.messages.controller_status import Plan
+from atlas_drake.messages.event import Event
 from atlas_drake.robot import ANKLE_PITCH, HIP_PITCH
 
 
@@ -38,7 +40,7 @@ class Holding:
     warned: bool = False
 
 
-class StandingBehavior(Behavior, Protocol):
+class StandingBehavior(BehaviorProtocol, Protocol):
     """A behaviour that can be interrupted while its pose is held."""
 
     def idle(self, memory: Any, seen: Observation) -> Any:
@@ -118,6 +120,12 @@ class StanceGuard:
             finished=leaving,
             events=(Event(seen.time, "warning", self._warning),) if warn else (),
         )
+
+    def plan(self, memory: Any, com: np.ndarray, omega: float) -> Plan:
+        """The behavior's plan; none while only the pose is held."""
+        if isinstance(memory, Holding):
+            return Plan()
+        return self.behavior.plan(memory, com, omega)
 
     def report(self, memory: Any, state: AtlasSimInterfaceState) -> None:
         """What the behaviour has to say."""

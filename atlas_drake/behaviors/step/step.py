@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from atlas_drake.behaviors.balance import Balance
-from atlas_drake.behaviors.base import STEPS_LEFT, Event, Observation, Outcome
+from atlas_drake.behaviors.base import Observation, Outcome
 from atlas_drake.behaviors.body_reference import (
     BodyRates,
     BodyReference,
@@ -32,6 +32,7 @@ from atlas_drake.behaviors.step.action import (
 from atlas_drake.behaviors.step.balance import StepBalance
 from atlas_drake.behaviors.step.memory import StepMemory, StepPhase, StepRules
 from atlas_drake.behaviors.step.plan import StepPlanner
+from atlas_drake.behaviors.step.preview import step_plan
 from atlas_drake.behaviors.step.queue import step_data_from
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.support_polygon import SupportPolygon
@@ -48,6 +49,8 @@ from atlas_drake.messages import (
     StepStatus,
     ToeOff,
 )
+from atlas_drake.messages.controller_status import Plan
+from atlas_drake.messages.event import STEPS_LEFT, Event
 from atlas_drake.planning.footholds import Gait
 
 LEAST_CLEARANCE = 0.04
@@ -139,6 +142,10 @@ class Step:
             else StepStatus.SUBSTATE_SWAYING,
             events=(*events, *landing, *left),
         )
+
+    def plan(self, memory: StepMemory, com: np.ndarray, omega: float) -> Plan:
+        """The weight shift or the swing at hand."""
+        return step_plan(memory, omega)
 
     def report(self, memory: StepMemory, state: AtlasSimInterfaceState) -> None:
         """Indices and timing; the step as it is really taken."""

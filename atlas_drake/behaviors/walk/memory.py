@@ -136,7 +136,7 @@ class WalkMemory:
         assert self.swing is not None
         return self.swing
 
-    def dcm_reference(self, _omega: float) -> DcmReference:
+    def dcm_reference(self) -> DcmReference:
         """The plan at this moment; where it waits, the DCM rests over the CoP."""
         reference = self.plan.evaluate(self.plan_time)
         if self.waiting:

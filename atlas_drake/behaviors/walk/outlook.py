@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from atlas_drake.behaviors.base import Event
 from atlas_drake.behaviors.footstep_event import out_of_reach, pace_changed
 from atlas_drake.behaviors.walk.memory import Phase, WalkMemory
 from atlas_drake.behaviors.walk.steps import feet_to_come
@@ -28,6 +27,7 @@ from atlas_drake.control.feet.footstep import (
 )
 from atlas_drake.frozen import replace
 from atlas_drake.messages import NUM_REQUIRED_WALK_STEPS
+from atlas_drake.messages.event import Event
 from atlas_drake.robot import GaitTiming, StepLimits
 
 LOOK_AHEAD = NUM_REQUIRED_WALK_STEPS

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from atlas_drake.behaviors.balance import FULL_LOAD, Balance
-from atlas_drake.behaviors.base import STEPS_LEFT, Event, Observation, Outcome
+from atlas_drake.behaviors.base import Observation, Outcome
 from atlas_drake.behaviors.body_reference import (
     BodyRates,
     BodyReference,
@@ -35,6 +35,7 @@ from atlas_drake.behaviors.walk.outlook import (
     time_to_touchdown,
     warnings_about,
 )
+from atlas_drake.behaviors.walk.preview import walk_plan
 from atlas_drake.behaviors.walk.steps import feet_to_come, steps_asked_for
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.step_adjustment import StepAdjustmentLimits, step_shift
@@ -58,6 +59,8 @@ from atlas_drake.messages import (
     AtlasSimInterfaceCommand,
     AtlasSimInterfaceState,
 )
+from atlas_drake.messages.controller_status import Plan
+from atlas_drake.messages.event import STEPS_LEFT, Event
 from atlas_drake.planning.footholds import Gait
 
 _UPRIGHT = np.zeros(2)
@@ -174,7 +177,7 @@ class Walk:
         command = self._balance.command(
             seen,
             body,
-            memory.dcm_reference(memory.omega),
+            memory.dcm_reference(),
             memory.omega,
             memory.support,
             self._feet(memory, seen, swing_reference),
@@ -197,6 +200,10 @@ class Walk:
             status_flags=self._flags(memory, leaving),
             events=events,
         )
+
+    def plan(self, memory: WalkMemory, com: np.ndarray, omega: float) -> Plan:
+        """DCM plan, footsteps to come and the swing at hand."""
+        return walk_plan(memory, com)
 
     def report(self, memory: WalkMemory, state: AtlasSimInterfaceState) -> None:
         """Steps and timing; the steps as they will really be taken."""
