@@ -6,6 +6,7 @@ Wiring only.
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 from pydrake.geometry import Box, HalfSpace, SceneGraph
@@ -18,6 +19,8 @@ from pydrake.multibody.plant import (
 )
 from pydrake.systems.framework import Diagram, DiagramBuilder, System
 
+from atlas_drake.behaviors.entry import BehaviorEntry
+from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.diagrams.controller_socket import (
     ControllerSource,
@@ -26,6 +29,7 @@ from atlas_drake.diagrams.controller_socket import (
 )
 from atlas_drake.diagrams.standing import stand_by_default
 from atlas_drake.messages import Behavior
+from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.robot import Robot, load_robot
 from atlas_drake.scenario.noise import NoiseModel
 from atlas_drake.scenario.terrain import BLOCK_COLOR, Block
@@ -78,6 +82,7 @@ def make_atlas_station(
     config: StationConfig | None = None,
     *,
     controller: ControllerSource | None = None,
+    behaviors: Iterable[BehaviorEntry] = (),
 ) -> Diagram:
     """Builds the station.
 
@@ -89,6 +94,7 @@ def make_atlas_station(
         config: Periods, sensors, ground; None has the defaults.
         controller: Takes the place of ``WholeBodyController``; see
             ``atlas_drake.diagrams.controller_socket`` for the ports that it may have.
+        behaviors: Added to those that our controller is shipped with.
 
     Input ports:
         atlas_command: ``AtlasCommand``; optional. See ``CommandInterface`` for when a
@@ -115,16 +121,23 @@ def make_atlas_station(
 
     Raises:
         ControllerError: If the controller does not fit the socket.
+        BehaviorError: If a behavior cannot be registered.
     """
     robot = robot or load_robot()
     config = config or StationConfig()
     builder = DiagramBuilder()
+    entries = (*SHIPPED_ENTRIES, *behaviors)
     plant, scene_graph = _add_world(builder, robot, config)
     indices = robot.indices(plant)
 
     commands = builder.AddNamedSystem(
         "command_interface",
-        CommandInterface(robot, config.control_period, config.initial_behavior),
+        CommandInterface(
+            robot,
+            config.control_period,
+            config.initial_behavior,
+            BehaviorCatalog(entries),
+        ),
     )
     pid = builder.AddNamedSystem(
         "joint_pid_bank",
@@ -136,7 +149,8 @@ def make_atlas_station(
             config.control_period,
         ),
     )
-    chosen = make_controller(controller or make_whole_body_controller, robot, config)
+    ours = partial(make_whole_body_controller, entries=entries)
+    chosen = make_controller(controller or ours, robot, config)
     socket = add_controller(builder, chosen, robot)
     reporter = builder.AddNamedSystem("interface_reporter", InterfaceReporter(robot))
     selector = builder.AddNamedSystem("effort_selector", EffortSelector(robot, indices))
@@ -226,16 +240,19 @@ def make_atlas_station(
 
 
 def make_whole_body_controller(
-    robot: Robot, config: StationConfig
+    robot: Robot,
+    config: StationConfig,
+    entries: Iterable[BehaviorEntry] = SHIPPED_ENTRIES,
 ) -> WholeBodyController:
     """Makes the controller of a station that is given no other.
 
     Args:
         robot: To be controlled.
         config: Of the station.
+        entries: Of the behaviors.
     """
     return WholeBodyController(
-        robot, config.gains, config.control_period, config.initial_behavior
+        robot, config.gains, config.control_period, config.initial_behavior, entries
     )
 
 

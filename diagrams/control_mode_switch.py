@@ -5,12 +5,13 @@ Wiring only; the programme is in ``atlas_drake.simulation.tutorial``.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING
 
 from pydrake.geometry import Meshcat
 from pydrake.systems.framework import Diagram, DiagramBuilder
 
+from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.diagrams.atlas_station import StationConfig, make_atlas_station
 from atlas_drake.diagrams.controller_socket import ControllerSource
 from atlas_drake.robot import Robot, load_robot
@@ -37,6 +38,7 @@ def make_control_mode_switch(
     video: Video | None = None,
     *,
     controller: ControllerSource | None = None,
+    behaviors: Iterable[BehaviorEntry] = (),
     extend: Extend | None = None,
 ) -> Diagram:
     """Builds scheduler and station; 3D view, recorder and video if they are given.
@@ -51,6 +53,7 @@ def make_control_mode_switch(
         recorder: Writes a log; None writes nothing.
         video: What to film it into; None films nothing.
         controller: As for ``make_atlas_station``.
+        behaviors: Likewise.
         extend: Called with (builder, station) before the diagram is built: adds
             systems, connects them to the station, exports ports.
 
@@ -65,7 +68,8 @@ def make_control_mode_switch(
     config = config or StationConfig()
     builder = DiagramBuilder()
     station = builder.AddNamedSystem(
-        "station", make_atlas_station(robot, config, controller=controller)
+        "station",
+        make_atlas_station(robot, config, controller=controller, behaviors=behaviors),
     )
     scheduler = builder.AddNamedSystem(
         "scheduler", CommandScheduler(programme, config.control_period)

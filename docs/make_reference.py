@@ -26,7 +26,9 @@ import source_docs
 
 import atlas_drake
 from atlas_drake import errors, messages
-from atlas_drake.behaviors import base, supervisor, transitions
+from atlas_drake.behaviors import base, entry_limits, supervisor
+from atlas_drake.behaviors.entry import legal_transitions
+from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.behaviors.stand import stance_guard
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.control.whole_body.model import WholeBodyModel
@@ -36,6 +38,10 @@ from atlas_drake.robot import file as robot_file
 from atlas_drake.robot import leg as robot_leg
 
 REFERENCE = Path(__file__).parent / "reference"
+_LEGAL = {
+    Behavior[source]: frozenset(map(Behavior.__getitem__, targets))
+    for source, targets in legal_transitions(SHIPPED_ENTRIES).items()
+}
 NOTE = "*Written by `docs/make_reference.py` from the code; changes belong there.*"
 PARAMS = {
     Behavior.WALK: "AtlasBehaviorWalkParams",
@@ -104,7 +110,7 @@ def behavior_page(behavior: Behavior, implementation: base.BehaviorProtocol) -> 
         guard = stance_guard.__doc__
         implementation = implementation.behavior
     module = sys.modules[type(implementation).__module__]
-    legal = transitions.LEGAL_TRANSITIONS
+    legal = _LEGAL
     before = [b.name for b in Behavior if behavior in legal.get(b, ())]
     after = [b.name for b in Behavior if b in legal.get(behavior, ())]
     told = source_docs.trailing_strings(Behavior)
@@ -140,24 +146,21 @@ def transitions_page() -> str:
     rows = [
         (
             f"**{source.name}**",
-            *(
-                "yes" if target in transitions.LEGAL_TRANSITIONS.get(source, ()) else ""
-                for target in Behavior
-            ),
+            *("yes" if target in _LEGAL[source] else "" for target in Behavior),
         )
         for source in Behavior
     ]
     header = ("from \\ to", *(b.name for b in Behavior))
     parts = [
         "# Transitions",
-        source_docs.paragraphs(transitions.__doc__),
+        source_docs.paragraphs(entry_limits.__doc__),
         table(header, rows),
         _drawing(),
         "Any other change is refused with FAILED_TRANS_ILLEGAL_BEHAVIOR and"
         " FAILED_TO_START_BEHAVIOR; what was active goes on.",
         "## When a behaviour that balances can begin",
-        source_docs.head(transitions.EntryLimits.__doc__),
-        _numbers(transitions.EntryLimits),
+        source_docs.head(entry_limits.EntryLimits.__doc__),
+        _numbers(entry_limits.EntryLimits),
         "## When the robot counts as falling",
         source_docs.head(supervisor.FallLimits.__doc__),
         _numbers(supervisor.FallLimits),
@@ -167,7 +170,7 @@ def transitions_page() -> str:
 
 def _drawing() -> str:
     """The same as a picture, without those that may follow at any moment."""
-    legal = transitions.LEGAL_TRANSITIONS
+    legal = _LEGAL
     always = frozenset.intersection(*legal.values())
     arrows = [
         f"    {source.name} --> {target.name}"

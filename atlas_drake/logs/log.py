@@ -106,6 +106,17 @@ class Log:
             if note.kind in COMMANDS
         ]
 
+    def behavior(self, number: int) -> Behavior:
+        """The behavior that a number in the channel ``behavior.current`` stands for.
+
+        Args:
+            number: In that channel.
+
+        Raises:
+            ValueError: If there was no such behavior.
+        """
+        return self.header.catalog.find(number)
+
     @cached_property
     def robot(self) -> Robot:
         """The robot that was simulated.
@@ -191,6 +202,6 @@ def _check_sound(log: Log) -> None:
     if not (np.isfinite(q).all() and (np.linalg.norm(q[:, :4], axis=1) > TINY).all()):
         raise ValueError("state.q is no pose")
     for behavior in np.unique(log.arrays.get("behavior.current", [])):
-        Behavior(behavior)
+        log.behavior(int(behavior))
     # Both are made of the notes when they are asked for.
     _ = log.events, log.commands

@@ -20,7 +20,6 @@ from atlas_drake.messages import (
     AtlasSimInterfaceState,
     Behavior,
 )
-from atlas_drake.messages.behavior_catalog import SHIPPED
 from atlas_drake.messages.commands import (
     BehaviorRequest,
     CommandsInForce,
@@ -69,7 +68,7 @@ class LogPlayer(CollectableSystem):
         _check_complete(log)
         self._log = log
         self._requests = _requests(log)
-        start = commands_at_start(log.robot, Behavior.STAND)
+        start = commands_at_start(log.robot, Behavior.STAND, log.header.catalog)
         self._start = start
         self._paths = [note for note in log.notes if note.kind == PATHS]
         self._path_times = np.array([note.time for note in self._paths])
@@ -148,6 +147,8 @@ class LogPlayer(CollectableSystem):
         log, row = self._log, self.row(context)
         names = (entry.channel.name for entry in REPORT_CHANNELS)
         report = report_from({name: log[name][row] for name in names})
+        report.current_behavior = log.behavior(report.current_behavior)
+        report.desired_behavior = log.behavior(report.desired_behavior)
         report.header.stamp = float(log.time[row])
         report.f_out = log["joints.behavior_effort"][row].tolist()
         report.k_effort = log["joints.k_effort"][row].tolist()
@@ -180,6 +181,6 @@ def _requests(log: Log) -> dict[int, BehaviorRequest]:
         number = int(numbers[row])
         # A refused command leaves the number as it was.
         if number > (int(numbers[row - 1]) if row else 0):
-            behavior = SHIPPED.find(message.behavior)
+            behavior = log.header.catalog.find(message.behavior)
             requests[number] = BehaviorRequest(behavior, message.snapshot(), number)
     return requests

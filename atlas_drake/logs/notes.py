@@ -9,6 +9,7 @@ import json
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
+from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
@@ -17,11 +18,18 @@ from atlas_drake.errors import AtlasError, shown
 from atlas_drake.logs.layout import Layout
 from atlas_drake.messages import AtlasCommand, AtlasSimInterfaceCommand, Message
 from atlas_drake.messages.base import is_record
+from atlas_drake.messages.behavior_catalog import (
+    SHIPPED,
+    BehaviorCatalog,
+    BehaviorInterface,
+)
 from atlas_drake.messages.controller_status import PlannedPaths
 from atlas_drake.messages.event import Event
 from atlas_drake.numeric import is_whole
 
 FORMAT, VERSION = "atlas_drake log", 1
+SHOWN = ("name", "number", "caption", "color", "description")
+"""What a log keeps of a behavior of one's own."""
 COMMANDS: dict[str, type[Message]] = {
     "atlas_command": AtlasCommand,
     "atlas_sim_interface_command": AtlasSimInterfaceCommand,
@@ -63,12 +71,19 @@ class Header:
         control_period: Time between rows [s].
         scenario: The scenario as YAML.
         layout: Of the rows.
+        behaviors: Those of one's own, beside the shipped ones.
     """
 
     model: str
     control_period: float
     scenario: str
     layout: Layout
+    behaviors: tuple[BehaviorInterface, ...] = ()
+
+    @cached_property
+    def catalog(self) -> BehaviorCatalog:
+        """All behaviors of the run."""
+        return BehaviorCatalog((*SHIPPED, *self.behaviors))
 
     def to_json(self) -> str:
         """As text, with the mark by which a log is known."""
@@ -80,6 +95,10 @@ class Header:
                 "control_period": self.control_period,
                 "scenario": self.scenario,
                 "channels": self.layout.to_plain(),
+                "behaviors": [
+                    {name: getattr(entry, name) for name in SHOWN}
+                    for entry in self.behaviors
+                ],
             }
         )
 
@@ -103,6 +122,10 @@ class Header:
                 float(plain["control_period"]),
                 str(plain["scenario"]),
                 Layout.from_plain(plain["channels"]),
+                tuple(
+                    BehaviorInterface(**{name: entry[name] for name in SHOWN})
+                    for entry in plain.get("behaviors", ())
+                ),
             )
         except (KeyError, TypeError, ValueError) as error:
             raise LogError("its header cannot be understood") from error

@@ -203,8 +203,19 @@ class BehaviorCatalog(Frozen):
 def _check(entry: BehaviorInterface, params: object) -> None:
     assert entry.params is not None
     check_kind(params, entry.params, entry.params_field)
-    if entry.check is not None:
+    if entry.check is None:
+        return
+    try:
         entry.check(params, entry.params_field)
+    except InvalidMessageError:
+        raise
+    except Exception as error:
+        # A check that fails by itself must not end the simulation.
+        raise InvalidMessageError(
+            entry.params_field,
+            params,
+            f"the check of {entry.name} failed with {type(error).__name__}: {error}",
+        ) from error
 
 
 def _check_sound(entry: BehaviorInterface) -> None:

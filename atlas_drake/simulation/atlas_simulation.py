@@ -13,7 +13,7 @@ import math
 import time
 import weakref
 from array import array
-from collections.abc import Callable, MutableSequence, Sequence
+from collections.abc import Callable, Iterable, MutableSequence, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,6 +23,8 @@ from pydrake.math import RigidTransform
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Context
 
+from atlas_drake.behaviors.entry import BehaviorEntry
+from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.diagrams.atlas_station import StationConfig
 from atlas_drake.diagrams.control_mode_switch import Extend, make_control_mode_switch
 from atlas_drake.diagrams.controller_socket import CONTROLLER, ControllerSource
@@ -47,6 +49,7 @@ from atlas_drake.messages import (
     Imu,
     check_command,
 )
+from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.messages.checks import check_number
 from atlas_drake.messages.commands import Command
 from atlas_drake.messages.event import Event
@@ -88,6 +91,7 @@ class AtlasSimulation:
     Attributes:
         scenario: What is simulated.
         robot: Its description: joint names, limits, masses.
+        behaviors: Catalog of the behaviors that can be asked for.
         diagram: The ``control_mode_switch``, with all systems.
         station: The ``AtlasStation`` in it.
         plant: The ``MultibodyPlant`` in that.
@@ -107,6 +111,7 @@ class AtlasSimulation:
         scenario: Scenario | None = None,
         *,
         controller: ControllerSource | None = None,
+        behaviors: Iterable[BehaviorEntry] = (),
         extend: Extend | None = None,
         meshcat: Meshcat | None = None,
         overlays: Overlays | None = None,
@@ -123,6 +128,9 @@ class AtlasSimulation:
             controller: Takes the place of ours: a System, or a callable
                 (robot, config: StationConfig) -> System. See
                 ``atlas_drake.diagrams.controller_socket`` for its ports.
+            behaviors: Added to those that our controller is shipped with. Commands
+                ask for them by name or number, see
+                ``atlas_drake.behaviors.entry.BehaviorEntry``.
             extend: Called with (builder, station) before the diagram is built, to add
                 systems of your own. ``output`` reads the ports that it exports.
             meshcat: Where to show it; None shows nothing.
@@ -142,6 +150,7 @@ class AtlasSimulation:
             LogError: If the log cannot be written.
             VideoError: If the video cannot be made.
             ControllerError: If the controller does not fit the station.
+            BehaviorError: If a behavior cannot be registered.
         """
         if not isinstance(scenario, Scenario | None):
             raise TypeError(
@@ -150,6 +159,8 @@ class AtlasSimulation:
             )
         self.scenario = copy.deepcopy((scenario or Scenario()).validate())
         self.robot = load_robot(self.scenario.model)
+        self._own_behaviors = tuple(behaviors)
+        self.behaviors = BehaviorCatalog((*SHIPPED_ENTRIES, *self._own_behaviors))
         # A path stays right wherever the program, or its log, goes on.
         self.scenario.model = self.robot.model
         self._programme = scheduled_programme(self.scenario, self.robot)
@@ -203,6 +214,7 @@ class AtlasSimulation:
             self._recorder,
             video,
             controller=controller,
+            behaviors=self._own_behaviors,
             extend=extend,
         )
         self._film: VideoDisplay | None = None
@@ -231,7 +243,13 @@ class AtlasSimulation:
         # What logs need loads only where there is one.
         from atlas_drake.logs.start import start_recorder
 
-        recorder = start_recorder(path, self.scenario, self.robot, self._tick_seconds)
+        recorder = start_recorder(
+            path,
+            self.scenario,
+            self.robot,
+            self._tick_seconds,
+            self._own_behaviors,
+        )
         # Whoever forgets to close still gets a file that can be read.
         self._finalizer = weakref.finalize(self, recorder.close)
         return recorder
@@ -288,7 +306,7 @@ class AtlasSimulation:
             )
         numbered = message.numbered(next(self._numbers))
         if self._turns.leave(functools.partial(self._deliver, numbered)):
-            check_command(numbered, self.robot.joint_names)
+            check_command(numbered, self.robot.joint_names, self.behaviors)
             return
         with self._turns:
             refused = self.output("commands").refused

@@ -8,7 +8,7 @@ tick's efforts. There is no latency but the hold over the control period.
 """
 
 import time
-from collections.abc import MutableSequence
+from collections.abc import Iterable, MutableSequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,6 +20,8 @@ from pydrake.systems.framework import (
 )
 
 from atlas_drake.behaviors.base import Observation
+from atlas_drake.behaviors.entry import BehaviorEntry
+from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.behaviors.supervisor import Supervisor, SupervisorState
 from atlas_drake.control.balance.feedback import pendulum_frequency
 from atlas_drake.control.gains import ControlGains
@@ -85,8 +87,17 @@ class WholeBodyController(CollectableSystem):
         gains: ControlGains,
         period: float,
         initial_behavior: Behavior,
+        entries: Iterable[BehaviorEntry] = SHIPPED_ENTRIES,
     ):
-        """Runs every ``period`` [s]."""
+        """Makes the behaviors.
+
+        Args:
+            robot: To be controlled.
+            gains: Of the tasks that all behaviors share.
+            period: Between two control ticks [s].
+            initial_behavior: Active at the start.
+            entries: Of the behaviors.
+        """
         super().__init__()
         n = robot.num_joints
         self._robot = robot
@@ -96,7 +107,7 @@ class WholeBodyController(CollectableSystem):
         self._model = WholeBodyModel(robot)
         self._qp = WholeBodyQp(robot, gains)
         height = nominal_com_height(self._model) - robot.file.com_drop
-        self._supervisor = Supervisor(self._model, gains, height)
+        self._supervisor = Supervisor(self._model, gains, height, entries)
         self.tick_seconds: MutableSequence[float] | None = None
         """Wall-clock time of each tick, kept only when set to a list: a measurement of
         the machine, no part of the Context."""

@@ -128,7 +128,9 @@ class VideoDisplay(CollectableSystem):
         marks = footstep_marks(commands.request, report, status.events)
         pose = camera_pose(self._target, self._yaw)
         picture = self._stage.picture(q, marks, pose)
-        captioned = with_caption(picture, *caption_of(report), context.get_time())
+        captioned = with_caption(
+            picture, *caption_of(report, commands.catalog), context.get_time()
+        )
         try:
             self._file.add(captioned)
         except VideoError as error:

@@ -95,12 +95,7 @@ class Stand:
             memory = replace(memory, com=com)
         body = advance_body(
             body,
-            BodyTarget(
-                height=memory.height,
-                yaw=memory.yaw,
-                joints=self._balance.robot.stand_prep,
-                pelvis_tilt=_UPRIGHT,
-            ),
+            self.target(memory, request, leaving),
             self._rates,
             seen.dt,
             seen.terms.q,
@@ -115,6 +110,23 @@ class Stand:
             (self._balance.planted(seen, 0), self._balance.planted(seen, 1)),
         )
         return Outcome(memory=memory, body=body, command=command)
+
+    def target(
+        self, memory: StandMemory, request: AtlasSimInterfaceCommand, leaving: bool
+    ) -> BodyTarget:
+        """Where trunk and posture go: upright, in the stand-prep pose.
+
+        Args:
+            memory: Where the robot stands.
+            request: The command in force.
+            leaving: Whether another behavior is to follow.
+        """
+        return BodyTarget(
+            height=memory.height,
+            yaw=memory.yaw,
+            joints=self._balance.robot.stand_prep,
+            pelvis_tilt=_UPRIGHT,
+        )
 
     def idle(self, memory: StandMemory, seen: Observation) -> StandMemory:
         """Nothing moves on while the pose is held."""
