@@ -141,8 +141,13 @@ def _check_chain(
     """Checks that each joint hangs on the one before, the first one on the pelvis."""
     limb, names = LEGS[foot], [joint.name() for joint in joints]
     above = pelvis
+
+    def is_part_of(body: Any, whole: Any) -> bool:
+        welded = [other.index() for other in plant.GetBodiesWeldedTo(whole)]
+        return body.index() in welded
+
     for joint in joints:
-        if joint.parent_body() not in plant.GetBodiesWeldedTo(above):
+        if not is_part_of(joint.parent_body(), above):
             parent = joint.parent_body().name()
             wanted = f"joint {joint.name()} hangs on {parent}, not on {above.name()}"
             raise _unlike(limb, names, wanted)
@@ -150,7 +155,7 @@ def _check_chain(
     entry = file.feet[foot]
     sole = plant.GetFrameByName(entry.sole_frame).body()
     for body in (plant.GetBodyByName(entry.body), sole):
-        if body not in plant.GetBodiesWeldedTo(above):
+        if not is_part_of(body, above):
             wanted = f"feet[{foot}] names {body.name()}, which is not below {names[-1]}"
             raise _unlike(limb, names, wanted)
 
