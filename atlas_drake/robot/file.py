@@ -142,7 +142,9 @@ class GaitTiming:
     first_shift: float = 0.80
     """Weight shift before the first lift-off [s]."""
     transfer_share: ProperShare = 0.39
-    """Share of a step's duration in double support [-]."""
+    """Share of a step's duration in double support [-]. On one foot an error of the DCM
+    grows; the less time there is for the swing, though, the harder the almost straight
+    trailing leg jerks the robot at lift-off."""
     settle: float = 0.70
     """Shift to the middle of the feet after the last step [s]."""
     rest: float = 0.50

@@ -297,6 +297,9 @@ class Walk:
         # Since touchdown the soles have come to lie flat under their load.
         memory = replace(memory, feet=(seen.foot_pose(0), seen.foot_pose(1)))
         memory, news = self._tell(memory, seen.time)
+        if not self._coming(memory):
+            # From where they are now the step cannot be taken.
+            return self._settle(memory), news
         return self._lift_off(memory, seen), news
 
     def _ready(self, memory: WalkMemory, seen: Observation) -> bool:
