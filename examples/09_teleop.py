@@ -56,7 +56,7 @@ if options.headless:
 meshcat = start_meshcat()
 overlays = Overlays(["com", "dcm", "cop", "support", "swing", "follow"])
 sim = AtlasSimulation(meshcat=meshcat, overlays=overlays)
-session = Session(sim, Panel(meshcat, sim.robot, overlays))
+session = Session(sim, Panel(meshcat, sim.robot, overlays, sim.behaviors))
 with ctrl_c() as asked_to_stop:
     print(f"Steer at {meshcat.web_url()}; Ctrl-C here ends it.\n\n{legend(sim.robot)}")
     while not asked_to_stop.is_set():

@@ -48,7 +48,7 @@ def run_teleop(scenario: Scenario, options: argparse.Namespace) -> int:
     sim = AtlasSimulation(
         scenario, meshcat=meshcat, on_event=progress.event, overlays=overlays
     )
-    session = Session(sim, Panel(meshcat, sim.robot, overlays))
+    session = Session(sim, Panel(meshcat, sim.robot, overlays, sim.behaviors))
     with ctrl_c() as asked_to_stop:
         progress.say(
             f"Steer at {meshcat.web_url()}; Ctrl-C here ends it.\n\n"

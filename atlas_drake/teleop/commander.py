@@ -32,6 +32,7 @@ from atlas_drake.teleop.controls import (
     PUSH_IMPULSE,
     SHARES,
     Action,
+    BehaviorButton,
     Controls,
     Slider,
 )
@@ -140,9 +141,14 @@ class Commander:
                 self._drive = steer(self._drive, None)
             elif action is Action.PUSH:
                 orders.push = push_of(controls, report, self._robot)
-            elif action in _BEHAVIORS:
+            elif isinstance(action, BehaviorButton) or action in _BEHAVIORS:
+                behavior = (
+                    action.behavior
+                    if isinstance(action, BehaviorButton)
+                    else _BEHAVIORS[action]
+                )
                 self._drive = Drive()
-                self._ask_for(_BEHAVIORS[action], controls, report, orders)
+                self._ask_for(behavior, controls, report, orders)
         self._follow_stick(controls)
         if orders.sim_command is None:
             if report.behavior_feedback.status_flags & BehaviorStatus.ERROR_FALLING:

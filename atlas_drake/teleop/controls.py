@@ -12,7 +12,12 @@ from enum import Enum
 from typing import NamedTuple
 
 from atlas_drake.control.feet.footstep import clip
-from atlas_drake.messages import K_EFFORT_MAX, AtlasBehaviorPelvisServoParams
+from atlas_drake.messages import (
+    K_EFFORT_MAX,
+    AtlasBehaviorPelvisServoParams,
+    Behavior,
+)
+from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.planning.footholds import Gait
 from atlas_drake.robot import Robot, RobotFile
 from atlas_drake.teleop.limbs import GROUPS
@@ -69,6 +74,45 @@ class Action(Enum):
     def key(self) -> Key:
         """That does the same as the button."""
         return self.value[1]
+
+
+@dataclass(frozen=True)
+class BehaviorButton:
+    """The button of a behavior of one's own.
+
+    Attributes:
+        behavior: Asked for, with default parameters.
+        key: That does the same as the button; None where no digit is left.
+    """
+
+    behavior: Behavior
+    key: Key | None
+
+    @property
+    def label(self) -> str:
+        """Of the button."""
+        return self.behavior.name + (f" ({self.key.cap})" if self.key else "")
+
+
+Button = Action | BehaviorButton
+FREE_DIGITS = "890"
+"""Digits that no button of the panel has."""
+
+
+def behavior_buttons(catalog: BehaviorCatalog) -> tuple[BehaviorButton, ...]:
+    """A button for each behavior of one's own.
+
+    Args:
+        catalog: Of the robot's behaviors.
+    """
+    own = [
+        entry.behavior for entry in catalog if entry.name not in Behavior.__members__
+    ]
+    keys = [*map(_digit, FREE_DIGITS)]
+    return tuple(
+        BehaviorButton(behavior, keys[number] if number < len(keys) else None)
+        for number, behavior in enumerate(own)
+    )
 
 
 DIRECTIONS = {
@@ -175,7 +219,7 @@ class Controls:
         stick: Where a gamepad's sticks point; None without a gamepad.
     """
 
-    clicks: tuple[Action, ...] = ()
+    clicks: tuple[Button, ...] = ()
     sliders: Mapping[str, float] = field(
         default_factory=lambda: {s.label: s.value for s in SLIDERS}
     )

@@ -10,7 +10,13 @@ from collections.abc import Sequence
 
 from pydrake.geometry import Meshcat
 
-from atlas_drake.teleop.controls import PAGE_TURNS, Action, Slider
+from atlas_drake.teleop.controls import (
+    PAGE_TURNS,
+    Action,
+    BehaviorButton,
+    Button,
+    Slider,
+)
 from atlas_drake.teleop.page_style import page_style
 from atlas_drake.teleop.pages import Page
 
@@ -18,16 +24,28 @@ from atlas_drake.teleop.pages import Page
 class PagedControls:
     """Pages in Meshcat's panel, of which one is open."""
 
-    def __init__(self, meshcat: Meshcat, pages: Sequence[Page]) -> None:
-        """Adds the buttons, and opens the first page."""
+    def __init__(
+        self,
+        meshcat: Meshcat,
+        pages: Sequence[Page],
+        more_buttons: Sequence[BehaviorButton] = (),
+    ) -> None:
+        """Adds the buttons, and opens the first page.
+
+        Args:
+            meshcat: Where to.
+            pages: At first.
+            more_buttons: Beside those of all panels.
+        """
         self._meshcat = meshcat
-        self._clicks = dict.fromkeys(Action, 0)
+        self._clicks: dict[Button, int] = dict.fromkeys((*Action, *more_buttons), 0)
         self._values: dict[Slider, float] = {}
         self._in_view: dict[Slider, float] = {}  # As Meshcat had them when last seen.
         self._style: str | None = None
         # Once and for all: a key works only as long as its button exists.
-        for action in Action:
-            meshcat.AddButton(action.label, action.key.code)
+        for button in self._clicks:
+            code = "" if button.key is None else button.key.code
+            meshcat.AddButton(button.label, code)
         self._pages = tuple(pages)
         self._open(0)
 
@@ -36,19 +54,20 @@ class PagedControls:
         """The one that is open."""
         return self._pages[self._number]
 
-    def read(self) -> tuple[Action, ...]:
+    def read(self) -> tuple[Button, ...]:
         """Takes over what was moved and turns pages; what else was pressed since."""
         for slider, before in self._in_view.items():
             value = self._meshcat.GetSliderValue(slider.label)
             if value != before:
                 self._values[slider] = self._in_view[slider] = value
-        pressed, turns = [], 0
+        pressed: list[Button] = []
+        turns = 0
         for action, before in self._clicks.items():
             clicks = self._meshcat.GetButtonClicks(action.label)
             if clicks == before:
                 continue
             self._clicks[action] = clicks
-            if action in PAGE_TURNS:
+            if isinstance(action, Action) and action in PAGE_TURNS:
                 turns += PAGE_TURNS[action] * (clicks - before)
             else:
                 pressed.append(action)
@@ -102,7 +121,7 @@ class PagedControls:
         self._style = page_style(
             f"{page.title}: page {self._number + 1} of {len(self._pages)}",
             page.note,
-            [action in page.actions or action in PAGE_TURNS for action in Action],
+            [button in (*page.actions, *PAGE_TURNS) for button in self._clicks],
             show_folders=page.scene,
         )
         if self._style == before:

@@ -5,7 +5,7 @@ Data only; ``paged_controls`` turns the pages.
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 from atlas_drake.robot import Robot
@@ -22,6 +22,8 @@ from atlas_drake.teleop.controls import (
     SWING_HEIGHT,
     TURN,
     Action,
+    BehaviorButton,
+    Button,
     Slider,
     fitted,
     pushed_bodies,
@@ -47,7 +49,7 @@ class Page:
     """
 
     title: str
-    actions: tuple[Action, ...] = ()
+    actions: tuple[Button, ...] = ()
     sliders: tuple[Slider, ...] = ()
     note: str = ""
     scene: bool = False
@@ -94,8 +96,16 @@ def joint_slider(robot: Robot, index: int) -> Slider:
     return Slider(label, float(low), float(high), SLIDER_STEP, 0.0)
 
 
-def pages_with(robot: Robot, joints: Collection[int]) -> tuple[Page, ...]:
-    """All pages while the user has these joints: a page more per limb of theirs."""
+def pages_with(
+    robot: Robot, joints: Collection[int], behaviors: Sequence[BehaviorButton] = ()
+) -> tuple[Page, ...]:
+    """All pages, with one more for each limb of the user's.
+
+    Args:
+        robot: Whose joints get sliders.
+        joints: That the user has.
+        behaviors: Buttons of behaviors of one's own, which get a page if there are any.
+    """
     groups = group_of(robot)
     own = fitted(robot)
 
@@ -114,8 +124,10 @@ def pages_with(robot: Robot, joints: Collection[int]) -> tuple[Page, ...]:
         for group, sliders in by_group.items()
         if sliders
     ]
+    own_behaviors = [Page("behaviors", tuple(behaviors))] if behaviors else []
     return (
         MODES,
+        *own_behaviors,
         fit(WALKING),
         fit(PELVIS),
         push,

@@ -11,8 +11,15 @@ from typing import Protocol
 
 from pydrake.geometry import Meshcat
 
+from atlas_drake.messages.behavior_catalog import SHIPPED, BehaviorCatalog
 from atlas_drake.robot import Robot
-from atlas_drake.teleop.controls import SLIDERS, Controls, Slider, fitted
+from atlas_drake.teleop.controls import (
+    SLIDERS,
+    Controls,
+    Slider,
+    behavior_buttons,
+    fitted,
+)
 from atlas_drake.teleop.paged_controls import PagedControls
 from atlas_drake.teleop.pages import SWITCHES, joint_slider, pages_with
 from atlas_drake.teleop.walking import Direction
@@ -40,20 +47,30 @@ class PanelLike(Protocol):
 class Panel:
     """The panel in Meshcat."""
 
-    def __init__(self, meshcat: Meshcat, robot: Robot, overlays: Overlays) -> None:
+    def __init__(
+        self,
+        meshcat: Meshcat,
+        robot: Robot,
+        overlays: Overlays,
+        behaviors: BehaviorCatalog = SHIPPED,
+    ) -> None:
         """Adds the first page.
 
         Args:
             meshcat: Where to.
             robot: Whose joints get sliders.
             overlays: Which the panel switches on and off.
+            behaviors: Those of one's own get buttons.
         """
         self._meshcat = meshcat
         self._robot = robot
         self._overlays = overlays
         self._joints: dict[int, Slider] = {}
+        self._buttons = behavior_buttons(behaviors)
         self._own = fitted(robot)
-        self._controls = PagedControls(meshcat, pages_with(robot, ()))
+        self._controls = PagedControls(
+            meshcat, pages_with(robot, (), self._buttons), self._buttons
+        )
         self._show_overlays()
 
     def read(self) -> Controls:
@@ -79,7 +96,7 @@ class Panel:
         self._joints = {index: joint_slider(robot, index) for index in positions}
         for index in new:
             self._controls.set(self._joints[index], positions[index])
-        self._controls.set_pages(pages_with(robot, positions))
+        self._controls.set_pages(pages_with(robot, positions, self._buttons))
 
     def _switch_overlays(self) -> None:
         """Takes over the switches, and shows where one turned another off."""

@@ -10,7 +10,7 @@ import time
 from atlas_drake.frozen import replace
 from atlas_drake.simulation import AtlasSimulation
 from atlas_drake.teleop.commander import Commander
-from atlas_drake.teleop.controls import Action, Controls
+from atlas_drake.teleop.controls import Action, Button, Controls
 from atlas_drake.teleop.panel import PanelLike
 
 SLICE = 0.04
@@ -39,7 +39,7 @@ class Session:
         self._panel = panel
         self._real_time = real_time
         self._commander = Commander(sim.robot, sim.atlas_sim_interface_state)
-        self._waiting: tuple[Action, ...] = ()
+        self._waiting: tuple[Button, ...] = ()
         self.paused = False
 
     def advance(self) -> None:

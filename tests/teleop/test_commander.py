@@ -11,6 +11,11 @@ from atlas_drake.messages import (
     validate_atlas_command,
     validate_sim_interface_command,
 )
+from atlas_drake.messages.behavior_catalog import (
+    SHIPPED,
+    BehaviorCatalog,
+    BehaviorInterface,
+)
 from atlas_drake.teleop.commander import PUSH_DURATION, Commander
 from atlas_drake.teleop.controls import (
     PELVIS_HEIGHT,
@@ -19,8 +24,11 @@ from atlas_drake.teleop.controls import (
     PUSH_IMPULSE,
     SHARES,
     Action,
+    Controls,
+    behavior_buttons,
 )
 from atlas_drake.teleop.limbs import DAMPING, SPEED
+from atlas_drake.teleop.pages import pages_with
 from atlas_drake.teleop.walking import Direction
 
 DT = 0.04
@@ -214,3 +222,23 @@ def test_a_reset_forgets_everything(look, panel, robot, standing):
     assert orders.reset
     assert orders.sim_command is None
     assert commander.restart(standing).sliders[SHARES["legs"]] == 0
+
+
+def test_a_behavior_of_ones_own_has_a_button_and_a_page(robot, standing, state):
+    entries = [
+        BehaviorInterface(name=f"TRICK_{number}", number=100 + number)
+        for number in range(4)
+    ]
+    buttons = behavior_buttons(BehaviorCatalog((*SHIPPED, *entries)))
+    assert [button.label for button in buttons] == [
+        "TRICK_0 (8)",
+        "TRICK_1 (9)",
+        "TRICK_2 (0)",
+        "TRICK_3",
+    ]
+    titles = [page.title for page in pages_with(robot, (), buttons)]
+    assert titles[1] == "behaviors"
+    assert "behaviors" not in [page.title for page in pages_with(robot, ())]
+    commander = Commander(robot, standing)
+    orders = commander.look(Controls(clicks=(buttons[1],)), standing, state, DT)
+    assert orders.sim_command.behavior.name == "TRICK_1"
