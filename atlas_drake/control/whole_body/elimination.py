@@ -30,7 +30,7 @@ def inverse_inertia(M_base: np.ndarray, mass: float) -> np.ndarray:
         [     m [c]ᵀ        m 1]   = [ -[c]ᵀ I_c⁻¹  1/m + [c]ᵀ I_c⁻¹ [c] ]
 
     where [c] is the matrix of c ×. Written out on floats: a general solver takes
-    three times as long for a matrix of this size.
+    twice as long for a matrix of this size.
 
     Args:
         M_base: Pelvis' part of the mass matrix, [angular; translational], (6, 6).
