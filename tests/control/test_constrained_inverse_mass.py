@@ -1,4 +1,4 @@
-"""The constrained inverse mass matrix, and the whole robot under the law that uses it."""
+"""The constrained inverse mass matrix, and the robot under the law that uses it."""
 
 import dataclasses
 
