@@ -18,6 +18,13 @@ from atlas_drake.messages import __all__ as _messages
 if TYPE_CHECKING:
     from atlas_drake.diagrams.standing import place_robot
     from atlas_drake.logs import Log, LogError, read_log
+    from atlas_drake.messages.controller_status import (
+        ControllerStatus,
+        Plan,
+        PlannedPaths,
+        PlannedStep,
+    )
+    from atlas_drake.messages.event import Event
     from atlas_drake.planning.footholds import Gait
     from atlas_drake.planning.footstep_planner import (
         steps_ahead,
@@ -32,6 +39,11 @@ if TYPE_CHECKING:
 
 _LAZY = {
     "AtlasSimulation": "atlas_drake.simulation",
+    "ControllerStatus": "atlas_drake.messages.controller_status",
+    "Event": "atlas_drake.messages.event",
+    "Plan": "atlas_drake.messages.controller_status",
+    "PlannedPaths": "atlas_drake.messages.controller_status",
+    "PlannedStep": "atlas_drake.messages.controller_status",
     "Block": "atlas_drake.scenario.terrain",
     "Gait": "atlas_drake.planning.footholds",
     "Jitter": "atlas_drake.scenario",
@@ -54,6 +66,11 @@ __all__ = [  # noqa: PLE0604
     "AtlasError",
     "AtlasSimulation",
     "Block",
+    "ControllerStatus",
+    "Event",
+    "Plan",
+    "PlannedPaths",
+    "PlannedStep",
     "ErrorCode",
     "Gait",
     "InvalidMessageError",

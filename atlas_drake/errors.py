@@ -65,16 +65,12 @@ class InvalidMessageError(AtlasError, ValueError):
         return f"{self.field}: {self.problem}"
 
 
-class RobotDescriptionError(AtlasError, ValueError):
-    """A robot that does not exist, or whose description contradicts its model."""
-
-
-class ScenarioError(AtlasError, ValueError):
-    """A scenario that cannot be run.
+class _FileError(AtlasError, ValueError):
+    """What is wrong with the contents of a file, or with the same made in Python.
 
     Attributes:
-        field: Where the fault is, as a path from the top of the scenario.
-        value: What the scenario has there.
+        field: Where the fault is, as a path from the top of the file.
+        value: What the file has there.
         problem: What is wrong with it and what would be right.
     """
 
@@ -87,6 +83,23 @@ class ScenarioError(AtlasError, ValueError):
     def __str__(self) -> str:
         """Say what is wrong, where."""
         return f"{self.field}: {self.problem}"
+
+
+class RobotDescriptionError(_FileError):
+    """A robot that does not exist, or whose files cannot be used.
+
+    It has the attributes ``field``, ``value`` and ``problem``, as a ScenarioError.
+    """
+
+
+class ScenarioError(_FileError):
+    """A scenario that cannot be run.
+
+    Attributes:
+        field: Where the fault is, as a path from the top of the scenario.
+        value: What the scenario has there.
+        problem: What is wrong with it and what would be right.
+    """
 
 
 class WaitTimeoutError(AtlasError, TimeoutError):

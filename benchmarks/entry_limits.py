@@ -21,7 +21,7 @@ from atlas_drake import (
     Behavior,
     Scenario,
 )
-from atlas_drake.behaviors.transitions import EntryLimits
+from atlas_drake.behaviors.entry_limits import EntryLimits
 from atlas_drake.control.whole_body.model import WholeBodyModel
 
 DIRECTIONS = {

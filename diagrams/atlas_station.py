@@ -6,6 +6,7 @@ Wiring only.
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 from pydrake.geometry import Box, HalfSpace, SceneGraph
@@ -18,22 +19,31 @@ from pydrake.multibody.plant import (
 )
 from pydrake.systems.framework import Diagram, DiagramBuilder, System
 
+from atlas_drake.behaviors.entry import BehaviorEntry
+from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.control.gains import ControlGains
+from atlas_drake.diagrams.controller_socket import (
+    ControllerSource,
+    add_controller,
+    make_controller,
+)
 from atlas_drake.diagrams.standing import stand_by_default
 from atlas_drake.messages import Behavior
+from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.robot import Robot, load_robot
 from atlas_drake.scenario.noise import NoiseModel
 from atlas_drake.scenario.terrain import BLOCK_COLOR, Block
-from atlas_drake.systems.behavior_controller import BehaviorController
 from atlas_drake.systems.command_interface import CommandInterface
 from atlas_drake.systems.effort_selector import EffortSelector
 from atlas_drake.systems.estimation_error import EstimationError
 from atlas_drake.systems.harness import Harness
 from atlas_drake.systems.inertial_sensor import InertialSensor
+from atlas_drake.systems.interface_reporter import InterfaceReporter
 from atlas_drake.systems.joint_pid_bank import JointPidBank
 from atlas_drake.systems.robot_sensors import RobotSensors
 from atlas_drake.systems.run_statistics import RunStatistics
 from atlas_drake.systems.state_estimator import StateEstimator
+from atlas_drake.systems.whole_body_controller import WholeBodyController
 
 
 @dataclass(frozen=True)
@@ -68,7 +78,11 @@ class StationConfig:
 
 
 def make_atlas_station(
-    robot: Robot | None = None, config: StationConfig | None = None
+    robot: Robot | None = None,
+    config: StationConfig | None = None,
+    *,
+    controller: ControllerSource | None = None,
+    behaviors: Iterable[BehaviorEntry] = (),
 ) -> Diagram:
     """Builds the station.
 
@@ -78,6 +92,9 @@ def make_atlas_station(
     Args:
         robot: Whose; None is ``atlas``.
         config: Periods, sensors, ground; None has the defaults.
+        controller: Takes the place of ``WholeBodyController``; see
+            ``atlas_drake.diagrams.controller_socket`` for the ports that it may have.
+        behaviors: Added to those that our controller is shipped with.
 
     Input ports:
         atlas_command: ``AtlasCommand``; optional. See ``CommandInterface`` for when a
@@ -90,7 +107,8 @@ def make_atlas_station(
         imu: ``Imu``
         atlas_sim_interface_state: ``AtlasSimInterfaceState``
         commands: ``CommandsInForce``
-        controller_state: ``ControllerState``
+        controller_status: ``ControllerStatus``
+        behavior_effort: Of the controller [N·m], shape (n,), message order.
         effort: What the motors do [N·m], shape (n,), message order.
         user_effort: Of the joint controllers [N·m], shape (n,), message order.
         behavior_state: What the behaviours see of the state.
@@ -100,16 +118,26 @@ def make_atlas_station(
         query_object: Of the scene graph, for visualisers.
         estimated_state, estimation_error, largest_estimation_error: Of the state
             estimator, where there is one; see ``EstimationError``.
+
+    Raises:
+        ControllerError: If the controller does not fit the socket.
+        BehaviorError: If a behavior cannot be registered.
     """
     robot = robot or load_robot()
     config = config or StationConfig()
     builder = DiagramBuilder()
+    entries = (*SHIPPED_ENTRIES, *behaviors)
     plant, scene_graph = _add_world(builder, robot, config)
     indices = robot.indices(plant)
 
     commands = builder.AddNamedSystem(
         "command_interface",
-        CommandInterface(robot, config.control_period, config.initial_behavior),
+        CommandInterface(
+            robot,
+            config.control_period,
+            config.initial_behavior,
+            BehaviorCatalog(entries),
+        ),
     )
     pid = builder.AddNamedSystem(
         "joint_pid_bank",
@@ -121,12 +149,10 @@ def make_atlas_station(
             config.control_period,
         ),
     )
-    behaviors = builder.AddNamedSystem(
-        "behavior_controller",
-        BehaviorController(
-            robot, config.gains, config.control_period, config.initial_behavior
-        ),
-    )
+    ours = partial(make_whole_body_controller, entries=entries)
+    chosen = make_controller(controller or ours, robot, config)
+    socket = add_controller(builder, chosen, robot)
+    reporter = builder.AddNamedSystem("interface_reporter", InterfaceReporter(robot))
     selector = builder.AddNamedSystem("effort_selector", EffortSelector(robot, indices))
     sensors = builder.AddNamedSystem(
         "robot_sensors",
@@ -152,12 +178,12 @@ def make_atlas_station(
 
     connect(commands, "joint_command", pid)
     connect(commands, "k_effort", selector)
-    connect(commands, "commands", behaviors)
     connect(commands, "commands", sensors)
+    connect(commands, "commands", reporter)
     connect(pid, "user_effort", selector)
-    connect(pid, "user_forecast", behaviors)
-    connect(behaviors, "behavior_effort", selector)
-    connect(behaviors, "behavior_effort", pid)
+    for reader in (selector, pid, reporter):
+        builder.Connect(socket.effort, reader.GetInputPort("behavior_effort"))
+    builder.Connect(socket.status, reporter.GetInputPort("controller_status"))
     connect(selector, "actuation", plant)
     connect(selector, "effort", sensors)
     connect(selector, "actuation", statistics)
@@ -166,8 +192,15 @@ def make_atlas_station(
         behavior_state = estimator.GetOutputPort("estimated_state")
     else:
         behavior_state = sensors.GetOutputPort("measured_state")
-    builder.Connect(behavior_state, behaviors.GetInputPort("state"))
-    connect(sensors, "foot_loads", behaviors)
+    builder.Connect(behavior_state, reporter.GetInputPort("state"))
+    socket.connect_inputs(
+        builder,
+        state=behavior_state,
+        foot_loads=sensors.GetOutputPort("foot_loads"),
+        user_forecast=pid.GetOutputPort("user_forecast"),
+        commands=commands.GetOutputPort("commands"),
+        imu=sensors.GetOutputPort("imu"),
+    )
     connect(sensors, "foot_wrenches", pid)
     connect(plant, "contact_results", sensors)
     connect(plant, "body_spatial_accelerations", sensors, "body_accelerations")
@@ -187,7 +220,7 @@ def make_atlas_station(
     builder.ExportInput(pushes, "applied_spatial_force")
     for system, names in (
         (sensors, ("atlas_state", "imu", "foot_wrenches")),
-        (behaviors, ("atlas_sim_interface_state", "controller_state")),
+        (reporter, ("atlas_sim_interface_state",)),
         (commands, ("commands",)),
         (pid, ("user_effort",)),
         (selector, ("effort",)),
@@ -198,10 +231,29 @@ def make_atlas_station(
             builder.ExportOutput(system.GetOutputPort(name), name)
     builder.ExportOutput(plant.get_state_output_port(), "state")
     builder.ExportOutput(behavior_state, "behavior_state")
+    builder.ExportOutput(socket.effort, "behavior_effort")
+    builder.ExportOutput(socket.status, "controller_status")
     builder.ExportOutput(scene_graph.get_query_output_port(), "query_object")
     station = builder.Build()
     station.set_name("AtlasStation")
     return station
+
+
+def make_whole_body_controller(
+    robot: Robot,
+    config: StationConfig,
+    entries: Iterable[BehaviorEntry] = SHIPPED_ENTRIES,
+) -> WholeBodyController:
+    """Makes the controller of a station that is given no other.
+
+    Args:
+        robot: To be controlled.
+        config: Of the station.
+        entries: Of the behaviors.
+    """
+    return WholeBodyController(
+        robot, config.gains, config.control_period, config.initial_behavior, entries
+    )
 
 
 def _add_world(

@@ -5,13 +5,15 @@ Wiring only; the programme is in ``atlas_drake.simulation.tutorial``.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING
 
 from pydrake.geometry import Meshcat
 from pydrake.systems.framework import Diagram, DiagramBuilder
 
+from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.diagrams.atlas_station import StationConfig, make_atlas_station
+from atlas_drake.diagrams.controller_socket import ControllerSource
 from atlas_drake.robot import Robot, load_robot
 from atlas_drake.systems.command_scheduler import CommandScheduler, ScheduledCommand
 from atlas_drake.visualization.overlays import Overlays
@@ -19,6 +21,10 @@ from atlas_drake.visualization.overlays import Overlays
 if TYPE_CHECKING:
     from atlas_drake.logs.recorder import LogRecorder
     from atlas_drake.visualization.video_display import Video
+
+
+Extend = Callable[[DiagramBuilder, Diagram], None]
+"""Adds systems to a diagram that holds a station, before it is built."""
 
 
 def make_control_mode_switch(
@@ -30,6 +36,10 @@ def make_control_mode_switch(
     recorded: bool = False,
     recorder: LogRecorder | None = None,
     video: Video | None = None,
+    *,
+    controller: ControllerSource | None = None,
+    behaviors: Iterable[BehaviorEntry] = (),
+    extend: Extend | None = None,
 ) -> Diagram:
     """Builds scheduler and station; 3D view, recorder and video if they are given.
 
@@ -42,6 +52,10 @@ def make_control_mode_switch(
         recorded: Whether Meshcat records.
         recorder: Writes a log; None writes nothing.
         video: What to film it into; None films nothing.
+        controller: As for ``make_atlas_station``.
+        behaviors: Likewise.
+        extend: Called with (builder, station) before the diagram is built: adds
+            systems, connects them to the station, exports ports.
 
     Input ports, all optional:
         other_atlas_command, other_atlas_sim_interface_command: Messages of a script or
@@ -53,7 +67,10 @@ def make_control_mode_switch(
     robot = robot or load_robot()
     config = config or StationConfig()
     builder = DiagramBuilder()
-    station = builder.AddNamedSystem("station", make_atlas_station(robot, config))
+    station = builder.AddNamedSystem(
+        "station",
+        make_atlas_station(robot, config, controller=controller, behaviors=behaviors),
+    )
     scheduler = builder.AddNamedSystem(
         "scheduler", CommandScheduler(programme, config.control_period)
     )
@@ -83,6 +100,8 @@ def make_control_mode_switch(
         from atlas_drake.visualization.video_display import add_video
 
         add_video(builder, station, robot, config.terrain, video)
+    if extend is not None:
+        extend(builder, station)
     diagram = builder.Build()
     diagram.set_name("control_mode_switch")
     return diagram

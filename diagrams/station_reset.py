@@ -7,12 +7,13 @@ from typing import Any
 
 from pydrake.systems.framework import Context, Diagram
 
+from atlas_drake.diagrams.controller_socket import CONTROLLER
 from atlas_drake.messages import Behavior
 
 _FORGET = ("joint_pid_bank", "robot_sensors", "inertial_sensor", "state_estimator")
 """Systems that forget all; a station need not have every one."""
-_BEGIN = ("command_interface", "behavior_controller")
-"""Systems that begin anew with a behaviour."""
+_BEGIN = ("command_interface", CONTROLLER)
+"""Systems that begin anew with a behavior."""
 
 
 def reset_station(station: Diagram, root: Context, behavior: Behavior) -> None:
@@ -27,4 +28,8 @@ def reset_station(station: Diagram, root: Context, behavior: Behavior) -> None:
         for name in names:
             if station.HasSubsystemNamed(name):
                 system: Any = station.GetSubsystemByName(name)
-                system.reset(system.GetMyMutableContextFromRoot(root), *arguments)
+                context = system.GetMyMutableContextFromRoot(root)
+                if hasattr(system, "reset"):
+                    system.reset(context, *arguments)
+                else:  # A controller that knows nothing of resets.
+                    system.SetDefaultContext(context)

@@ -17,6 +17,8 @@ import enum
 import inspect
 import sys
 import types
+import typing
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -24,20 +26,33 @@ import source_docs
 
 import atlas_drake
 from atlas_drake import errors, messages
-from atlas_drake.behaviors import base, supervisor, transitions
+from atlas_drake.behaviors import base, entry_limits, supervisor
+from atlas_drake.behaviors.entry import legal_transitions
+from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.behaviors.stand import stance_guard
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.messages import Behavior, Message
-from atlas_drake.robot import load_robot
+from atlas_drake.robot import RobotFile, load_robot
+from atlas_drake.robot import file as robot_file
+from atlas_drake.robot import leg as robot_leg
 
 REFERENCE = Path(__file__).parent / "reference"
+_LEGAL = {
+    Behavior[source]: frozenset(map(Behavior.__getitem__, targets))
+    for source, targets in legal_transitions(SHIPPED_ENTRIES).items()
+}
 NOTE = "*Written by `docs/make_reference.py` from the code; changes belong there.*"
 PARAMS = {
     Behavior.WALK: "AtlasBehaviorWalkParams",
     Behavior.STEP: "AtlasBehaviorStepParams",
     Behavior.STAND: "AtlasBehaviorStandParams",
     Behavior.MANIPULATE: "AtlasBehaviorManipulateParams",
+}
+IN_ROBOTS_FILE = {
+    Behavior.WALK: ("walk_limits", "gait_timing", "usual_steps"),
+    Behavior.STEP: ("step_limits",),
+    Behavior.MANIPULATE: ("pelvis_range",),
 }
 FLAGS = (messages.BehaviorStatus, messages.WalkStatus, messages.StepStatus)
 
@@ -88,14 +103,14 @@ def message_page(name: str, cls: type) -> str:
     return "\n\n".join([*parts, NOTE]) + "\n"
 
 
-def behavior_page(behavior: Behavior, implementation: base.Behavior) -> str:
+def behavior_page(behavior: Behavior, implementation: base.BehaviorProtocol) -> str:
     """What a behaviour does, when it can begin, what it reads, says and keeps to."""
     guard = None
     if isinstance(implementation, stance_guard.StanceGuard):
         guard = stance_guard.__doc__
         implementation = implementation.behavior
     module = sys.modules[type(implementation).__module__]
-    legal = transitions.LEGAL_TRANSITIONS
+    legal = _LEGAL
     before = [b.name for b in Behavior if behavior in legal.get(b, ())]
     after = [b.name for b in Behavior if b in legal.get(behavior, ())]
     told = source_docs.trailing_strings(Behavior)
@@ -113,6 +128,9 @@ def behavior_page(behavior: Behavior, implementation: base.Behavior) -> str:
             f"**Reads** [`{params}`](../{params}.md), **reports** "
             f"[`{feedback}`](../{feedback}.md)."
         )
+    if behavior in IN_ROBOTS_FILE:
+        names = ", ".join(f"`{name}`" for name in IN_ROBOTS_FILE[behavior])
+        parts.append(f"**Limits** stand in [the robot's file](../robot.md): {names}.")
     if guard:
         parts += ["## Without a leg", source_docs.paragraphs(guard)]
     sets = [v for v in vars(module).values() if source_docs.is_parameter_set(v)]
@@ -128,24 +146,21 @@ def transitions_page() -> str:
     rows = [
         (
             f"**{source.name}**",
-            *(
-                "yes" if target in transitions.LEGAL_TRANSITIONS.get(source, ()) else ""
-                for target in Behavior
-            ),
+            *("yes" if target in _LEGAL[source] else "" for target in Behavior),
         )
         for source in Behavior
     ]
     header = ("from \\ to", *(b.name for b in Behavior))
     parts = [
         "# Transitions",
-        source_docs.paragraphs(transitions.__doc__),
+        source_docs.paragraphs(entry_limits.__doc__),
         table(header, rows),
         _drawing(),
         "Any other change is refused with FAILED_TRANS_ILLEGAL_BEHAVIOR and"
         " FAILED_TO_START_BEHAVIOR; what was active goes on.",
         "## When a behaviour that balances can begin",
-        source_docs.head(transitions.EntryLimits.__doc__),
-        _numbers(transitions.EntryLimits),
+        source_docs.head(entry_limits.EntryLimits.__doc__),
+        _numbers(entry_limits.EntryLimits),
         "## When the robot counts as falling",
         source_docs.head(supervisor.FallLimits.__doc__),
         _numbers(supervisor.FallLimits),
@@ -155,7 +170,7 @@ def transitions_page() -> str:
 
 def _drawing() -> str:
     """The same as a picture, without those that may follow at any moment."""
-    legal = transitions.LEGAL_TRANSITIONS
+    legal = _LEGAL
     always = frozenset.intersection(*legal.values())
     arrows = [
         f"    {source.name} --> {target.name}"
@@ -185,6 +200,29 @@ def flags_page() -> str:
     return "\n\n".join([*parts, NOTE]) + "\n"
 
 
+def robot_page() -> str:
+    """Every field of a robot's file, with unit and default."""
+    parts = [
+        "# A robot's file",
+        source_docs.paragraphs(robot_file.__doc__),
+        "How to write one: [models/README.md](../../models/README.md). Only "
+        "`urdf`, `pelvis`, `chest`, `feet`, `sole` and `joints` must be given.",
+        _numbers(RobotFile),
+    ]
+    for name, value in source_docs.defaults(RobotFile).items():
+        kinds = typing.get_args(RobotFile.__annotations__[name])
+        cls = kinds[0] if kinds else type(value)
+        if not dataclasses.is_dataclass(cls):
+            continue
+        parts += [
+            f"## {name}{'[i]' if kinds else ''}",
+            source_docs.head(cls.__doc__),
+            _numbers(cls, vars(cls() if kinds else value)),
+        ]
+    parts += ["## Layout of a leg", source_docs.paragraphs(robot_leg.__doc__)]
+    return "\n\n".join([*parts, NOTE]) + "\n"
+
+
 def index_page(pages: list[str]) -> str:
     """Links to all pages."""
     own = [p for p in pages if "/" not in p and p[0].isupper()]
@@ -192,7 +230,8 @@ def index_page(pages: list[str]) -> str:
     lines = ["# Reference", "Every message and every behaviour, from the code itself."]
     lines += [
         "- [Transitions](transitions.md): which behaviour may follow which\n"
-        "- [Flags and error codes](flags.md)",
+        "- [Flags and error codes](flags.md)\n"
+        "- [A robot's file](robot.md): every field, with unit and default",
         "## Behaviours",
         "\n".join(
             f"- [{Path(p).stem}]({p})" for p in pages if p.startswith("behaviors/")
@@ -245,6 +284,7 @@ def all_pages() -> dict[str, str]:
         pages[f"behaviors/{behavior.name}.md"] = page
     pages["transitions.md"] = transitions_page()
     pages["flags.md"] = flags_page()
+    pages["robot.md"] = robot_page()
     pages["README.md"] = index_page(list(pages))
     return pages
 
@@ -260,11 +300,11 @@ def write_pages(folder: Path) -> None:
         (folder / path).write_text(text, encoding="utf-8")
 
 
-def _numbers(cls: type) -> str:
+def _numbers(cls: type, values: Mapping[str, Any] | None = None) -> str:
     told = source_docs.attributes(cls) | source_docs.trailing_strings(cls)
     rows = [
         (f"`{name}`", _value(value), told.get(name, ""))
-        for name, value in source_docs.defaults(cls).items()
+        for name, value in (values or source_docs.defaults(cls)).items()
     ]
     return table(("name", "value", "meaning"), rows)
 
@@ -285,6 +325,10 @@ def _value(value: Any) -> str:
         return str(value.value)
     if isinstance(value, Message):
         return "empty"
+    if dataclasses.is_dataclass(value):
+        return "see below"
+    if value in ("", []):
+        return ""
     if isinstance(value, list | tuple) and value and isinstance(value[0], Message):
         return f"{len(value)} empty"
     return f"`{value!r}`"

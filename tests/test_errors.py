@@ -16,7 +16,7 @@ from atlas_drake.errors import (
 ERRORS = [
     InvalidMessageError("k_effort[2]", 300, "must be 0 to 255", ErrorCode.UNSPECIFIED),
     ScenarioError("robot.name", "atlsa", "there is no such robot"),
-    RobotDescriptionError("no such robot"),
+    RobotDescriptionError("model", "hermes", "there is no such robot"),
 ]
 
 

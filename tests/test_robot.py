@@ -1,12 +1,10 @@
 """The description of a robot: files that fit, orders, names, limbs, errors."""
 
-import shutil
-
 import numpy as np
 import pytest
+from pydrake.math import RollPitchYaw
 from pydrake.multibody.plant import MultibodyPlant
 
-from atlas_drake import robot as robot_module
 from atlas_drake.errors import AtlasError, RobotDescriptionError
 from atlas_drake.robot import (
     DEFAULT_ROBOT,
@@ -240,43 +238,162 @@ def test_an_unknown_robot_is_an_error_that_lists_the_known():
     assert isinstance(e.value, AtlasError)
 
 
+@pytest.fixture
+def spoil(tmp_path):
+    """A copy of the default robot's files with some words replaced; gives its path."""
+    (tmp_path / "meshes").symlink_to(MODELS_FOLDER / "meshes")
+
+    def spoil(*replacements, urdf=(), name="mine"):
+        for suffix, changes in (("yaml", replacements), ("urdf", urdf)):
+            text = (MODELS_FOLDER / f"{DEFAULT_ROBOT}.{suffix}").read_text()
+            for old, new in changes:
+                assert old in text
+                text = text.replace(old, new)
+            stem = name if suffix == "yaml" else DEFAULT_ROBOT
+            (tmp_path / f"{stem}.{suffix}").write_text(text)
+        return tmp_path / f"{name}.yaml"
+
+    return spoil
+
+
+def test_a_robot_is_loaded_from_a_path(spoil, monkeypatch, tmp_path):
+    path = spoil(("kp: 20,", "kp: 21,"))
+    monkeypatch.chdir(tmp_path)
+    for model in (path, str(path), "mine.yaml", "./mine.yaml"):
+        robot = load_robot(model)
+        assert robot.name == "mine"
+        assert robot.path == path
+        assert robot.model == str(path)
+        assert robot.default_kp[0] == 21.0
+        # Bodies are found in the plant by the robot's name, whatever the URDF's is.
+        assert robot.make_plant().HasModelInstanceNamed("mine")
+    assert load_robot().model == DEFAULT_ROBOT
+
+
 @pytest.mark.parametrize("name", ["../models/atlas", str(MODELS_FOLDER / "atlas")])
-def test_a_path_is_no_name_of_a_robot(name):
+def test_a_path_ends_in_yaml(name):
     with pytest.raises(RobotDescriptionError, match="there is no robot"):
         load_robot(name)
 
 
-@pytest.fixture
-def other_models(tmp_path, monkeypatch):
-    """A copy of the default robot's files that a test may spoil."""
-    for suffix in ("yaml", "urdf"):
-        shutil.copy(MODELS_FOLDER / f"{DEFAULT_ROBOT}.{suffix}", tmp_path)
-    monkeypatch.setattr(robot_module, "MODELS_FOLDER", tmp_path)
-    return tmp_path / f"{DEFAULT_ROBOT}.yaml"
+def test_a_file_that_does_not_exist_is_an_error(tmp_path):
+    with pytest.raises(RobotDescriptionError, match="model: there is no file"):
+        load_robot(tmp_path / "no.yaml")
 
 
-def test_a_description_that_names_other_joints_is_an_error(other_models):
-    text = other_models.read_text()
-    other_models.write_text(text.replace("name: back_bkz", "name: back_xyz"))
-    with pytest.raises(RobotDescriptionError, match="different actuated joints") as e:
-        load_robot()
-    assert "back_bkz" in str(e.value)
-    assert "back_xyz" in str(e.value)
+LEG = "{name: l_leg_kny, limb: l_leg,"
+FAULTS = {
+    "an empty file": ([], [], "must have fields"),
+    "other joints": ([("name: back_bkz", "name: back_xyz")], [], "back_bkz, back_xyz"),
+    "unknown key": ([("pelvis: pelvis", "pelvis: pelvis\nwings: 2")], [], "wings: "),
+    "misspelt key": ([("{length: 0.26", "{lenght: 0.26")], [], "sole.lenght: .*length"),
+    "a word for a number": ([("kp: 4000", "kp: high")], [], r"\[1\].kp: is 'high'"),
+    "negative gain": ([("kp: 4000", "kp: -1")], [], r"joints\[1\].kp: is -1.0; must"),
+    "unknown limb": ([("limb: neck", "limb: tail")], [], r"limb: is 'tail'.*l_arm"),
+    "twice the same": ([("alias: back_lbz", "alias: back_bky")], [], "earlier joint"),
+    "no sole": ([("width: 0.124887", "width: 0")], [], r"sole.width: is 0.0; must"),
+    "one foot": ([("- {body: r_foot, sole_frame: r_sole}\n", "")], [], "feet: "),
+    "no chest": ([("chest: utorso\n", "")], [], "chest: is missing; name the body"),
+    "no such pelvis": ([("pelvis: pelvis", "pelvis: hips")], [], "has no body 'hips'"),
+    "no such sole": ([("frame: l_sole", "frame: l_sol")], [], r"feet\[0\].*'l_sole'"),
+    "one hand": ([("[l_hand, r_hand]", "[l_hand]")], [], "hands: "),
+    "beyond its stops": ([("stand_prep: 0.5181", "stand_prep: 9")], [], "goes from"),
+    "toes down": ([("stand_prep: -0.2762", "stand_prep: 0")], [], "tilted by 0.28 rad"),
+    "leaning back": (
+        [("prep: -0.2333", "prep: -0.5333"), ("prep: -0.2762", "prep: 0.0238")],
+        [],
+        r"stand_prep: .*centre of mass is -0\.18\d m ahead",
+    ),
+    "limits crossed": (
+        [("imu_frame", "walk_limits: {min_width: 0.6}\nimu_frame")],
+        [],
+        r"walk_limits.max_width: is 0.5; must be at least min_width",
+    ),
+    "usual beyond limits": (
+        [("imu_frame", "usual_steps: {stride: 0.5}\nimu_frame")],
+        [],
+        "usual_steps.stride: is 0.5; must be at most 0.42",
+    ),
+    "range reversed": (
+        [("imu_frame", "pelvis_range: {yaw: [1, -1]}\nimu_frame")],
+        [],
+        "pelvis_range.yaw: ",
+    ),
+    "no such contact": (
+        [("frame: l_hand", "frame: fist")],
+        [],
+        r"contacts\[0\].frame: the URDF has no frame 'fist'",
+    ),
+    "no urdf": ([("urdf: atlas", "urdf: nothing")], [], "urdf: there is no file .*ing"),
+    "faulty urdf": ([], [("</robot>", "")], "urdf: Drake cannot read it: .*XML"),
+    "no mesh": ([], [("pelvis.gltf", "gone.gltf")], "urdf: .*gone.gltf.*not exist"),
+    "an idle joint": ([], [('<joint name="back_bkz" />', "")], "urdf: |joints: "),
+    "five joints": ([(LEG, LEG.replace("l_leg,", "l_arm,"))], [], "has 5 joints"),
+    "unlike order": (
+        [
+            ("name: l_leg_hpz", "name: X"),
+            ("name: l_leg_hpx", "name: l_leg_hpz"),
+            ("name: X", "name: l_leg_hpx"),
+        ],
+        [],
+        "l_leg_hpx hangs on l_uglut, not on pelvis",
+    ),
+    "legs exchanged": (
+        [("{body: l_foot", "{body: r_foot")],
+        [],
+        r"feet\[0\] names r_foot, which is not below l_leg_akx",
+    ),
+}
 
 
-def test_a_description_with_an_unknown_key_is_an_error(other_models):
-    other_models.write_text(other_models.read_text() + "wings: 2\n")
-    with pytest.raises(RuntimeError, match="wings"):
-        load_robot()
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_faulty_description_is_an_error_that_says_where(spoil, fault):
+    replacements, urdf, message = FAULTS[fault]
+    path = spoil(*replacements, urdf=urdf)
+    if fault == "an empty file":
+        path.write_text("")
+    with pytest.raises(RobotDescriptionError, match=message) as caught:
+        load_robot(path)
+    assert str(path) in str(caught.value)
 
 
-def test_message_order_is_the_descriptions(other_models):
+def test_a_contact_points_from_the_touched_object_into_the_robot(robot, plant):
+    context = plant.CreateDefaultContext()
+    for side, outward in (("l", 1.0), ("r", -1.0)):
+        entry = robot.contact(f"{side}_hand")
+        center = plant.GetBodyByName(entry.frame).CalcCenterOfMassInBodyFrame(context)
+        R_FC = RollPitchYaw(entry.rpy_FC).ToRotationMatrix()
+        inward = R_FC.matrix()[:, 2]
+        assert inward @ (center - entry.p_FC) > 0.1
+        # The tip of the capsule that stands for the hand.
+        np.testing.assert_allclose(inward, [0.0, -outward, 0.0], atol=1e-5)
+        assert entry.p_FC == [0.0, outward * 0.21, 0.005]
+    with pytest.raises(RobotDescriptionError, match="no contact 'nose'; it has l_hand"):
+        robot.contact("nose")
+
+
+def test_defaults_are_filled_in(spoil):
+    file = load_robot(spoil(("imu_frame: imu\n", ""))).file
+    assert file.imu_frame == file.pelvis
+    lines = ("pushed: [pelvis, utorso, head, l_hand, r_hand]\n", "")
+    file = load_robot(spoil(lines)).file
+    assert file.pushed == ["pelvis", "utorso", "l_hand", "r_hand"]
+    # What is given in part keeps the rest; STEP has limits of its own.
+    limits = ("imu_frame", "step_limits: {forward: 0.3}\nimu_frame")
+    file = load_robot(spoil(limits)).file
+    assert file.step_limits.forward == 0.3
+    assert file.step_limits.backward == 0.36
+    assert file.walk_limits.forward == 0.42
+
+
+def test_message_order_is_the_descriptions(spoil):
     # The order comes from the file, so that another robot may have another.
-    lines = other_models.read_text().splitlines()
+    path = spoil()
+    lines = path.read_text().splitlines()
     first = next(i for i, line in enumerate(lines) if "back_bkz" in line)
     lines[first], lines[first + 1] = lines[first + 1], lines[first]
-    other_models.write_text("\n".join(lines))
-    swapped = load_robot()
+    path.write_text("\n".join(lines))
+    swapped = load_robot(path)
     assert swapped.joint_names[:2] == ("back_bky", "back_bkz")
     plant = MultibodyPlant(time_step=0.0)
     swapped.add_to(plant)

@@ -41,7 +41,6 @@ from atlas_drake.logs.formats import (
     missing_package,
 )
 from atlas_drake.logs.panels import Page
-from atlas_drake.messages import Behavior
 from atlas_drake.simulation.pace import Pace
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.viewer_gate import show_latest
@@ -195,7 +194,7 @@ def _play(
                 progress.event(event)
                 event = next(events, None)
             row = min(int(log.time.searchsorted(now)), len(log) - 1)
-            progress.update(now, Behavior(log["behavior.current"][row]).name)
+            progress.update(now, log.behavior(int(log["behavior.current"][row])).name)
         return asked_to_stop.is_set()
 
 

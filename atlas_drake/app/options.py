@@ -21,8 +21,9 @@ def add_robot_options(parser: argparse.ArgumentParser) -> None:
     robot = parser.add_argument_group("what is simulated")
     robot.add_argument(
         "--model",
-        metavar="NAME",
-        help="the robot: atlas (91 kg, the default) or atlas_v3 (148 kg)",
+        metavar="MODEL",
+        help="the robot: atlas (91 kg, the default), atlas_v3 (148 kg), or the path of "
+        "a robot's YAML file",
     )
     robot.add_argument(
         "--seed",
@@ -131,7 +132,7 @@ def add_show_option(
         help="what the 3D view shows of the controller's thoughts, with commas: "
         + ", ".join(offered)
         + f"; or all, or none (default: {show})"
-        + (f"; {', '.join(missing)} are not in a log" if missing else ""),
+        + (f"; {', '.join(missing)}: not in a log" if missing else ""),
     )
 
 

@@ -11,7 +11,7 @@ import time
 from collections import deque
 from typing import TextIO
 
-from atlas_drake.behaviors.base import Event
+from atlas_drake.messages.event import Event
 
 REPEAT = 5.0
 """Between lines of progress where lines cannot be rewritten [s of wall time]."""

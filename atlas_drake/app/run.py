@@ -27,8 +27,8 @@ from atlas_drake.app.outputs import (
 )
 from atlas_drake.app.progress import Progress
 from atlas_drake.app.viewer import interactive, keep_serving
-from atlas_drake.behaviors.base import STEPS_LEFT
 from atlas_drake.logs.formats import check_format
+from atlas_drake.messages.event import STEPS_LEFT
 from atlas_drake.scenario import Scenario
 from atlas_drake.simulation import AtlasSimulation, SimulationError
 from atlas_drake.simulation.drake_log import is_news
@@ -168,16 +168,18 @@ def verdict(summary: dict[str, Any]) -> str:
         text = f"Failed: {summary['stopped']}."
     elif summary["fell"]:
         fall = first["fall"]
-        text = f"Failed: Atlas fell at {fall['time']:.1f} s: {fall['text']}."
+        text = f"Failed: the robot fell at {fall['time']:.1f} s: {fall['text']}."
     elif summary["success"]:
-        text = f"Success: Atlas is upright after {summary['sim_time']:.1f} s{steps}."
+        text = (
+            f"Success: the robot is upright after {summary['sim_time']:.1f} s{steps}."
+        )
     elif "refusal" in first:
         why = first["refusal"]["text"]
-        text = f"Failed: Atlas is upright but did not obey: {why}."
+        text = f"Failed: the robot is upright but did not obey: {why}."
     elif STEPS_LEFT in first:
-        text = f"Failed: Atlas is upright, but {first[STEPS_LEFT]['text']}."
+        text = f"Failed: the robot is upright, but {first[STEPS_LEFT]['text']}."
     else:
-        text = f"Failed: Atlas did not end upright{steps}."
+        text = f"Failed: the robot did not end upright{steps}."
     factor = summary["real_time_factor"]
     return text if factor is None else f"{text} Ran at {factor:.2f} x real time."
 

@@ -51,7 +51,8 @@ def run_teleop(scenario: Scenario, options: argparse.Namespace) -> int:
     session = Session(sim, Panel(meshcat, sim.robot, overlays))
     with ctrl_c() as asked_to_stop:
         progress.say(
-            f"Steer at {meshcat.web_url()}; Ctrl-C here ends it.\n\n{legend()}\n"
+            f"Steer at {meshcat.web_url()}; Ctrl-C here ends it.\n\n"
+            f"{legend(sim.robot)}\n"
         )
         if interactive():
             open_on_desktop(meshcat.web_url())
@@ -78,7 +79,7 @@ def _steer(
             paused = " (paused)" if session.paused else ""
             progress.update(sim.time, sim.current_behavior.name + paused)
             if sim.has_fallen and not fallen:
-                progress.say("Atlas falls; r puts it back on its feet.")
+                progress.say("The robot falls; r puts it back on its feet.")
             fallen = sim.has_fallen
     except SimulationError as error:
         return str(error)

@@ -17,7 +17,7 @@ from pydrake.geometry import Meshcat, MeshcatParams
 
 from atlas_drake.app.progress import Progress
 from atlas_drake.errors import ScenarioError, shown
-from atlas_drake.messages.numeric import is_whole
+from atlas_drake.numeric import is_whole
 
 VIEWER_PATIENCE = 15.0
 """How long the start waits for a browser [s]."""

@@ -6,7 +6,7 @@ and hand back, so that the Context of a diagram can own it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Protocol
 
@@ -17,6 +17,8 @@ from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.whole_body.command import WholeBodyCommand
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.messages import AtlasSimInterfaceCommand, AtlasSimInterfaceState
+from atlas_drake.messages.controller_status import Plan
+from atlas_drake.messages.event import Event
 
 
 @dataclass(frozen=True)
@@ -48,28 +50,12 @@ class Observation:
         return FootPose(terms.p_WF.copy(), terms.R_WF.copy())
 
 
-STEPS_LEFT = "steps left"
-"""Kind of the event that tells of steps asked for and not taken."""
-
-
-@dataclass(frozen=True)
-class Event:
-    """Something worth telling the user: printed, logged, written to the summary."""
-
-    time: float
-    kind: str
-    text: str
-    data: dict[str, Any] = field(default_factory=dict)
-
-
 @dataclass(frozen=True)
 class Outcome:
     """What a behaviour answers in one tick.
 
     Attributes:
-        memory: What it wants to remember until the next tick; frozen. One that plans
-            the DCM says so to logs: ``dcm_reference(omega)``, and ``omega`` [1/s] if
-            that is planned too.
+        memory: What it wants to remember until the next tick; frozen.
         body: The body reference moved on by one tick.
         command: For the whole-body QP; None for no effort at all.
         finished: True when the behaviour is over and STAND shall follow.
@@ -85,7 +71,7 @@ class Outcome:
     events: tuple[Event, ...] = ()
 
 
-class Behavior(Protocol):
+class BehaviorProtocol(Protocol):
     """One behaviour. Objects hold constants only."""
 
     def enter(
@@ -108,3 +94,12 @@ class Behavior(Protocol):
 
     def report(self, memory: Any, state: AtlasSimInterfaceState) -> None:
         """Fills in the behaviour's own part of the state message, but its flags."""
+
+    def plan(self, memory: Any, com: np.ndarray, omega: float) -> Plan:
+        """What the behavior intends, for viewers and logs.
+
+        Args:
+            memory: After the last tick.
+            com: Center of mass at that tick, horizontal in W [m], shape (2,).
+            omega: Natural frequency of the pendulum there [1/s].
+        """

@@ -1,6 +1,6 @@
-"""How a robot that falls, or lies on the ground, is told from one that stands.
+"""Detects a fall from pelvis tilt and height of the center of mass.
 
-What follows from it is the supervisor's business.
+What follows from a fall is not decided here.
 """
 
 from __future__ import annotations
@@ -21,24 +21,37 @@ class FallLimits:
     """Height of the CoM above the lower sole, as a share of the nominal one [-]."""
 
 
-def sign_of_fall(
-    terms: WholeBodyTerms, nominal_height: float, limits: FallLimits
-) -> str:
+@dataclass(frozen=True)
+class Posture:
+    """What a fall shows in.
+
+    Attributes:
+        upright: Cosine of the angle between the pelvis' z axis and the vertical [-].
+        com_height: Height of the center of mass above the lower sole [m]. It tells a
+            robot that lies from one that stands or hangs wherever the ground is.
+    """
+
+    upright: float
+    com_height: float
+
+
+def posture_of(terms: WholeBodyTerms) -> Posture:
+    """The posture at a state of the robot."""
+    sole = min(float(terms.feet[0].p_WF[2]), float(terms.feet[1].p_WF[2]))
+    return Posture(float(terms.R_WP[2, 2]), float(terms.com[2]) - sole)
+
+
+def sign_of_fall(posture: Posture, nominal_height: float, limits: FallLimits) -> str:
     """What in a posture is that of a falling robot; empty if nothing is.
 
-    A robot that hangs in the air or lies still is told from one that stands by the
-    height of its centre of mass above its own lower sole, not above the world.
-
     Args:
-        terms: At the present state.
-        nominal_height: Of the centre of mass above the soles when standing [m].
-        limits: From where on it falls.
+        posture: Of the robot now.
+        nominal_height: Of the center of mass above the soles when standing [m].
+        limits: From where on the robot falls.
     """
-    tilt = math.acos(min(max(float(terms.R_WP[2, 2]), -1.0), 1.0))
+    tilt = math.acos(min(max(posture.upright, -1.0), 1.0))
     if tilt >= limits.tilt:
         return f"pelvis tilted by {tilt:.2f} rad"
-    sole = min(float(terms.feet[0].p_WF[2]), float(terms.feet[1].p_WF[2]))
-    height = float(terms.com[2]) - sole
-    if height <= limits.height * nominal_height:
-        return f"centre of mass only {height:.2f} m above the lower sole"
+    if posture.com_height <= limits.height * nominal_height:
+        return f"centre of mass only {posture.com_height:.2f} m above the lower sole"
     return ""

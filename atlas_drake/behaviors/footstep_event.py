@@ -6,13 +6,13 @@ import math
 
 import numpy as np
 
-from atlas_drake.behaviors.base import Event
 from atlas_drake.control.feet.footstep import (
     FootPose,
     Footstep,
     heading_error,
     landing_error,
 )
+from atlas_drake.messages.event import Event
 
 
 def footstep_event(

@@ -15,6 +15,7 @@ from atlas_drake.behaviors.base import Observation, Outcome
 from atlas_drake.behaviors.body_reference import BodyReference, capture_body
 from atlas_drake.control.whole_body.tasks import PostureTask
 from atlas_drake.messages import AtlasSimInterfaceCommand, AtlasSimInterfaceState
+from atlas_drake.messages.controller_status import Plan
 
 STIFFNESS_WEIGHT = 1.0
 """Weight of holding each joint in the QP, all joints alike [1/(rad/s²)²]."""
@@ -69,6 +70,10 @@ class Freeze:
         still = gains.kp * (joints - seen.terms.q) - gains.kd * seen.terms.v
         command = self._balance.on_feet((left, right), PostureTask(still, self._weight))
         return Outcome(memory=FreezeMemory(joints), body=body, command=command)
+
+    def plan(self, memory: FreezeMemory, com: np.ndarray, omega: float) -> Plan:
+        """Nothing is planned: the pose is held."""
+        return Plan()
 
     def report(self, memory: FreezeMemory, state: AtlasSimInterfaceState) -> None:
         """There is nothing to report beyond the behaviour's name."""

@@ -6,9 +6,12 @@ effort at all.
 
 from __future__ import annotations
 
+import numpy as np
+
 from atlas_drake.behaviors.base import Observation, Outcome
 from atlas_drake.behaviors.body_reference import BodyReference, capture_body
 from atlas_drake.messages import AtlasSimInterfaceCommand, AtlasSimInterfaceState
+from atlas_drake.messages.controller_status import Plan
 
 
 class Idle:
@@ -32,6 +35,10 @@ class Idle:
     ) -> Outcome:
         """One tick: the body reference follows the robot."""
         return Outcome(memory=None, body=capture_body(seen.terms), command=None)
+
+    def plan(self, memory: None, com: np.ndarray, omega: float) -> Plan:
+        """Nothing is planned."""
+        return Plan()
 
     def report(self, memory: None, state: AtlasSimInterfaceState) -> None:
         """There is nothing to report beyond the behaviour's name."""

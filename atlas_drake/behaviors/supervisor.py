@@ -1,40 +1,35 @@
 """Runs the active behaviour and changes it on request, by itself, or after a fall.
 
 The supervisor's state is one frozen value; the objects here hold constants only.
-Which changes are allowed is in ``transitions``.
+What a behavior is, and which may follow which, is in its ``entry``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from atlas_drake.behaviors.balance import Balance
-from atlas_drake.behaviors.base import Behavior as BehaviorProtocol
-from atlas_drake.behaviors.base import Event, Observation
+from atlas_drake.behaviors.base import BehaviorProtocol, Observation
 from atlas_drake.behaviors.body_reference import (
     BodyRates,
     BodyReference,
     capture_body,
 )
-from atlas_drake.behaviors.fall import FallLimits, sign_of_fall
-from atlas_drake.behaviors.freeze import Freeze
-from atlas_drake.behaviors.idle import Idle
-from atlas_drake.behaviors.manipulate.manipulate import Manipulate
-from atlas_drake.behaviors.stand.stance_guard import StanceGuard
-from atlas_drake.behaviors.stand.stand import Stand
-from atlas_drake.behaviors.step.step import Step
-from atlas_drake.behaviors.transitions import (
-    LEAVES_IN_ORDER,
-    EntryLimits,
+from atlas_drake.behaviors.entry import (
+    BehaviorEntry,
+    BehaviorTools,
+    Transition,
     refusal,
 )
-from atlas_drake.behaviors.walk.walk import Walk
+from atlas_drake.behaviors.entry_limits import EntryLimits
+from atlas_drake.behaviors.fall import FallLimits, posture_of, sign_of_fall
+from atlas_drake.behaviors.freeze import Freeze
+from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.control.gains import ControlGains
-from atlas_drake.control.pelvis.pelvis_reach import PelvisReach
 from atlas_drake.control.whole_body.command import WholeBodyCommand
 from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.errors import ErrorCode
@@ -46,6 +41,8 @@ from atlas_drake.messages import (
     BehaviorStatus,
 )
 from atlas_drake.messages.commands import BehaviorRequest
+from atlas_drake.messages.controller_status import Plan
+from atlas_drake.messages.event import Event
 from atlas_drake.messages.recent import append_recent
 
 KEPT_EVENTS = 200
@@ -102,54 +99,49 @@ class SupervisorState:
 
 
 class Supervisor:
-    """Owns one object per behaviour."""
+    """Owns one object per behavior.
+
+    Attributes:
+        behaviors: Who does what.
+    """
 
     def __init__(
-        self, model: WholeBodyModel, gains: ControlGains, nominal_height: float
+        self,
+        model: WholeBodyModel,
+        gains: ControlGains,
+        nominal_height: float,
+        entries: Iterable[BehaviorEntry] = SHIPPED_ENTRIES,
     ):
-        """Takes the height of the CoM above the soles when standing [m]."""
+        """Makes the behaviors of all entries.
+
+        Args:
+            model: Of the robot.
+            gains: Of the tasks that all behaviors share.
+            nominal_height: Of the center of mass above the soles when standing [m].
+            entries: Of the behaviors.
+        """
         robot = model.robot
         balance = Balance(robot, gains)
-        rates = BodyRates()
-        freeze = Freeze(balance)
-        stand = Stand(balance, nominal_height, rates)
-        stand_on_a_leg = StanceGuard(stand, freeze, balance)
-        manipulate = Manipulate(balance, PelvisReach(model), nominal_height, rates)
-        idle = Idle()
-        self._balance = balance
-        self._entry_limits = EntryLimits()
+        self._tools = BehaviorTools(
+            model, balance, nominal_height, BodyRates(), EntryLimits(), Freeze(balance)
+        )
         self._fall_limits = FallLimits()
-        self._nominal_height = nominal_height
         self._legs = np.flatnonzero(robot.limb("l_leg", "r_leg"))
-        self._behaviors: dict[Behavior, BehaviorProtocol] = {
-            Behavior.NONE: idle,
-            Behavior.USER: idle,
-            Behavior.FREEZE: freeze,
-            Behavior.STAND_PREP: stand_on_a_leg,
-            Behavior.STAND: stand_on_a_leg,
-            Behavior.WALK: Walk(balance, nominal_height, rates),
-            Behavior.MANIPULATE: StanceGuard(manipulate, freeze, balance),
-            Behavior.STEP: Step(balance, nominal_height),
+        self._entries = {entry.behavior: entry for entry in entries}
+        self.behaviors: dict[Behavior, BehaviorProtocol] = {
+            behavior: entry.make(self._tools, entry.config)
+            for behavior, entry in self._entries.items()
         }
-
-    @property
-    def behaviors(self) -> dict[Behavior, BehaviorProtocol]:
-        """Who does what."""
-        return dict(self._behaviors)
 
     def start(self, behavior: Behavior) -> SupervisorState:
         """The state before the first tick, with ``behavior`` already active."""
         return SupervisorState(current=behavior, desired=behavior)
 
-    def restart(
-        self, state: SupervisorState, behavior: Behavior, time: float
-    ) -> SupervisorState:
-        """The state as at the start, at ``time`` [s]; events so far are kept."""
-        text = f"reset, {behavior.name} begins"
-        fresh = replace(
+    def restart(self, state: SupervisorState, behavior: Behavior) -> SupervisorState:
+        """The state as at the start; events so far are kept."""
+        return replace(
             self.start(behavior), events=state.events, event_count=state.event_count
         )
-        return _log(fresh, Event(time, "reset", text))
 
     def update(
         self,
@@ -186,10 +178,10 @@ class Supervisor:
         if not state.entered:
             state = self._enter(state, seen, command)
 
-        if state.current in _ON_FOOT and not state.warned:
+        if self._entries[state.current].lifts_feet and not state.warned:
             state = self._warn_of_user_legs(state, seen)
         assert state.body is not None
-        behavior = self._behaviors[state.current]
+        behavior = self.behaviors[state.current]
         outcome = behavior.update(
             state.memory,
             seen,
@@ -227,11 +219,22 @@ class Supervisor:
         feedback.trans_from = state.trans_from
         feedback.trans_to = state.trans_to
         if state.memory is not None:
-            self._behaviors[state.current].report(state.memory, message)
-        if state.current is Behavior.WALK:
-            message.walk_feedback.status_flags = state.behavior_flags
-        elif state.current is Behavior.STEP:
-            message.step_feedback.status_flags = state.behavior_flags
+            self.behaviors[state.current].report(state.memory, message)
+        field = self._entries[state.current].feedback
+        if field:
+            getattr(message, field).status_flags = state.behavior_flags
+
+    def plan(self, state: SupervisorState, com: np.ndarray, omega: float) -> Plan:
+        """What the active behavior intends.
+
+        Args:
+            state: After the last tick.
+            com: Center of mass at that tick, horizontal in W [m], shape (2,).
+            omega: Natural frequency of the pendulum there [1/s].
+        """
+        if state.memory is None or state.limp:
+            return Plan()
+        return self.behaviors[state.current].plan(state.memory, com, omega)
 
     # ---- transitions ---------------------------------------------------------
 
@@ -248,14 +251,16 @@ class Supervisor:
             status = state.status & ~BehaviorStatus.TRANSITION_IN_PROGRESS
             return replace(state, desired=target, status=status, heard=request.command)
         # Of a limp robot no behaviour has a hold, whichever is active.
-        source = Behavior.FREEZE if state.limp else state.current
-        why = refusal(source, target, seen, self._balance, self._entry_limits)
-        hint = ""
-        sign = self._sign_of_fall(seen) if target in _BALANCING else ""
+        source = self._entries[Behavior.FREEZE if state.limp else state.current]
+        asked = Transition(source, seen, self._tools, request.command)
+        entry = self._entries[target]
+        why, reason = refusal(entry, asked)
+        sign = self._sign_of_fall(seen) if entry.upright else ""
         if sign and why is BehaviorStatus.OK:
             why = BehaviorStatus.FAILED_TRANS_COM_POS
-            hint = f" ({sign}; a reset puts the robot back on its feet)"
+            reason = f"{sign}; a reset puts the robot back on its feet"
         if why is not BehaviorStatus.OK:
+            hint = f" ({reason})" if reason else ""
             text = f"{state.current.name} -> {target.name} refused: {why.name}{hint}"
             state = replace(
                 state,
@@ -265,7 +270,7 @@ class Supervisor:
                 trans_to=target,
             )
             return _log(state, Event(seen.time, "refusal", text))
-        if source in LEAVES_IN_ORDER and target is Behavior.STAND:
+        if source.ends_in_order and target is Behavior.STAND:
             # It comes to an end in good order, and says when it is done.
             return replace(
                 state,
@@ -317,7 +322,7 @@ class Supervisor:
         command: AtlasSimInterfaceCommand,
     ) -> SupervisorState:
         assert state.body is not None
-        behavior = self._behaviors[state.current]
+        behavior = self.behaviors[state.current]
         memory = behavior.enter(seen, state.body, command)
         return replace(state, memory=memory, entered=True)
 
@@ -328,7 +333,7 @@ class Supervisor:
         held = self._legs[seen.user_held[self._legs]]
         if not held.size:
             return state
-        names = ", ".join(self._balance.robot.joint_names[i] for i in held)
+        names = ", ".join(self._tools.robot.joint_names[i] for i in held)
         text = f"{state.current.name} with leg joints under user control: {names}"
         return _log(replace(state, warned=True), Event(seen.time, "warning", text))
 
@@ -345,14 +350,10 @@ class Supervisor:
         return _log(replace(state, falling=True), Event(seen.time, "fall", text))
 
     def _sign_of_fall(self, seen: Observation) -> str:
-        return sign_of_fall(seen.terms, self._nominal_height, self._fall_limits)
+        return sign_of_fall(
+            posture_of(seen.terms), self._tools.nominal_height, self._fall_limits
+        )
 
-
-_BALANCING = frozenset(Behavior) - {Behavior.NONE, Behavior.USER, Behavior.FREEZE}
-"""Behaviours that keep the robot on its feet, and so need it to be there."""
-
-_ON_FOOT = (Behavior.WALK, Behavior.STEP)
-"""Behaviours that lift feet, and need legs of their own for it."""
 
 _SUBSTATES = 7
 """Bits of a behaviour's flags that say where it is now, and so do not latch."""

@@ -1,7 +1,8 @@
 """Gains and weights of the whole-body controller, as data.
 
-Values are shared by all robots unless a robot's file says otherwise; what they
-mean and why they are what they are stands beside each. No code that uses them.
+All robots share them; what is a robot's own, such as the joints' default gains, stands
+in its file. What each value means and why it is what it is stands beside it. No code
+that uses them.
 """
 
 from __future__ import annotations
@@ -26,8 +27,8 @@ class QpWeights:
     com: float = 30.0
     """Centre of mass, horizontal, through the contact forces [1/(m/s²)²]."""
     com_height: float = 60.0
-    """Likewise upright: less, for where a knee is at its limit the robot shall rather
-    sink than lose its balance [1/(m/s²)²]."""
+    """Likewise its height [1/(m/s²)²]. Below the weight of the moment: where a knee
+    is at its limit, the robot gives up height before balance."""
     moment: float = 70.0
     """Moment of the contact forces about the enhanced centroidal moment pivot (eCMP):
     their sum passes through the center of pressure that balance asks for
@@ -87,9 +88,6 @@ class ControlGains:
     contact: ContactModel = field(default_factory=ContactModel)
     joint_limits: JointLimitGains = field(default_factory=JointLimitGains)
     com_height: PdGains = PdGains(kp=40.0, kd=12.0)
-    com_drop: float = 0.02
-    """Standing and walking are this much lower than the stand-prep pose [m]: the bent
-    knees give the trailing leg its reach."""
     dcm_gain: float = 2.0
     """Centre of pressure moves this many times the DCM's error, beyond it [-]."""
     orientation: PdGains = PdGains(kp=100.0, kd=20.0)

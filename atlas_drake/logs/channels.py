@@ -10,6 +10,7 @@ from collections.abc import Iterable
 
 from atlas_drake.logs.layout import SIDES, WXYZ, XY, XYZ, Channel, Layout
 from atlas_drake.logs.report_channels import REPORT_CHANNELS
+from atlas_drake.messages.controller_status import LARGEST_SUPPORT
 from atlas_drake.robot import Robot
 
 GAINS = {
@@ -88,5 +89,12 @@ def _body() -> Iterable[Channel]:
     yield Channel("balance.com_velocity", "m/s", XYZ)
     yield Channel("balance.dcm", "m", XY, about="divergent component of motion")
     yield Channel("balance.cop", "m", XY, about="measured; NaN without load")
+    yield Channel("balance.com_reference", "m", XY, about="planned; NaN without plan")
     yield Channel("balance.dcm_reference", "m", XY, about="planned; NaN without plan")
     yield Channel("balance.cop_reference", "m", XY, about="planned; NaN without plan")
+    yield Channel(
+        "balance.support",
+        "m",
+        tuple(f"{axis}{i}" for i in range(LARGEST_SUPPORT) for axis in XY),
+        about="corners of the region planned for the CoP; NaN beyond the last",
+    )

@@ -20,18 +20,7 @@ from atlas_drake.logs.joint_figures import effort_panel, position_panels, share_
 from atlas_drake.logs.log import Log
 from atlas_drake.logs.panels import Line, Marker, Page, Panel, Span
 from atlas_drake.logs.support import feet_of, runs
-from atlas_drake.messages import Behavior
 
-BEHAVIOR_COLORS = {
-    Behavior.NONE: "#9e9e9e",
-    Behavior.FREEZE: "#4fc3d9",
-    Behavior.STAND_PREP: "#b39ddb",
-    Behavior.STAND: "#7cb342",
-    Behavior.WALK: "#42a5f5",
-    Behavior.STEP: "#26a69a",
-    Behavior.MANIPULATE: "#ec407a",
-    Behavior.USER: "#ffb74d",
-}
 ALARM = "#d50000"
 HEIGHTS = (0.4, 3.5, 2.0, 2.0, 2.0, 2.2, 2.2, 2.0, 2.0)
 """Of the rows of the page [inch]."""
@@ -93,9 +82,9 @@ def _scenario_name(log: Log) -> str:
 def _modes(log: Log) -> Panel:
     current = log["behavior.current"]
     spans = []
-    for behavior in map(Behavior, np.unique(current).tolist()):
-        color = BEHAVIOR_COLORS[behavior]
-        spans += _spans(log, current == behavior, color, behavior.name)
+    for number in np.unique(current).tolist():
+        entry = log.header.catalog.entry(log.behavior(number))
+        spans += _spans(log, current == number, entry.color, entry.name)
     spans.sort(key=lambda span: span.start)
     return Panel("Active behaviour", "", tuple(spans), x_label="")
 

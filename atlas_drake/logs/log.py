@@ -12,7 +12,6 @@ from pathlib import Path
 import numpy as np
 from pydrake.common.yaml import yaml_load_typed
 
-from atlas_drake.behaviors.base import Event
 from atlas_drake.errors import RobotDescriptionError, did_you_mean
 from atlas_drake.logs.formats import read_file
 from atlas_drake.logs.notes import (
@@ -25,6 +24,7 @@ from atlas_drake.logs.notes import (
     message_from,
 )
 from atlas_drake.messages import Behavior, Message
+from atlas_drake.messages.event import Event
 from atlas_drake.robot import Robot, load_robot
 from atlas_drake.scenario import Scenario
 
@@ -106,17 +106,41 @@ class Log:
             if note.kind in COMMANDS
         ]
 
+    def behavior(self, number: int) -> Behavior:
+        """The behavior that a number in the channel ``behavior.current`` stands for.
+
+        Args:
+            number: In that channel.
+
+        Raises:
+            ValueError: If there was no such behavior.
+        """
+        return self.header.catalog.find(number)
+
     @cached_property
     def robot(self) -> Robot:
         """The robot that was simulated.
 
         Raises:
-            LogError: If this program does not know it.
+            LogError: If this program does not know it, its files have gone, or it has
+                other joints by now.
         """
         try:
-            return load_robot(self.header.model)
+            robot = load_robot(self.header.model)
         except RobotDescriptionError as error:
-            raise LogError(f"{self.path}: {error}") from error
+            raise LogError(
+                f"{self.path}: its robot cannot be loaded: {error}"
+            ) from error
+        for channel in self.header.layout.channels:
+            if (
+                channel.name == "joints.k_effort"
+                and channel.labels != robot.joint_names
+            ):
+                raise LogError(
+                    f"{self.path}: its robot, {self.header.model}, has other joints "
+                    "than when the log was recorded; bring back the file of then"
+                )
+        return robot
 
     @cached_property
     def scenario(self) -> Scenario:
@@ -178,6 +202,6 @@ def _check_sound(log: Log) -> None:
     if not (np.isfinite(q).all() and (np.linalg.norm(q[:, :4], axis=1) > TINY).all()):
         raise ValueError("state.q is no pose")
     for behavior in np.unique(log.arrays.get("behavior.current", [])):
-        Behavior(behavior)
+        log.behavior(int(behavior))
     # Both are made of the notes when they are asked for.
     _ = log.events, log.commands

@@ -9,30 +9,32 @@ import numpy as np
 from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context
 
-from atlas_drake.behaviors.base import Event
-from atlas_drake.behaviors.supervisor import KEPT_EVENTS, SupervisorState
 from atlas_drake.frozen import replace
 from atlas_drake.logs.layout import SIDES
 from atlas_drake.logs.log import Log
-from atlas_drake.logs.notes import LogError
+from atlas_drake.logs.notes import PATHS, LogError, Note, paths_from_note
 from atlas_drake.logs.report_channels import REPORT_CHANNELS, report_from
+from atlas_drake.logs.samples import polygon_from
 from atlas_drake.messages import (
     AtlasSimInterfaceCommand,
     AtlasSimInterfaceState,
     Behavior,
-    behavior_from,
 )
 from atlas_drake.messages.commands import (
     BehaviorRequest,
     CommandsInForce,
     commands_at_start,
 )
-from atlas_drake.systems.behavior_controller import ControllerState
+from atlas_drake.messages.controller_status import REPORTED, ControllerStatus, Plan
+from atlas_drake.messages.event import Event
 from atlas_drake.systems.collectable_system import CollectableSystem
 
+KEPT_EVENTS = 200
+"""Number of events that a status has; as many as displays show."""
 VECTORS = {
     "state": ("state.q", "state.v"),
     "effort": ("joints.effort",),
+    "behavior_effort": ("joints.behavior_effort",),
     "foot_wrenches": tuple(
         f"feet.{side}_{part}" for side in SIDES for part in ("torque", "force")
     ),
@@ -49,7 +51,8 @@ class LogPlayer(CollectableSystem):
         foot_wrenches: See ``RobotSensors``, shape (12,).
         commands: ``CommandsInForce``, as far as displays need it: the request, and
             who has which joint.
-        controller_state: ``ControllerState``, likewise: the events so far.
+        behavior_effort: Of the controller [N·m], shape (n,).
+        controller_status: ``ControllerStatus``: the latest events and the plan.
         atlas_sim_interface_state: ``AtlasSimInterfaceState``, all of it.
     """
 
@@ -65,10 +68,10 @@ class LogPlayer(CollectableSystem):
         _check_complete(log)
         self._log = log
         self._requests = _requests(log)
-        start = commands_at_start(log.robot, Behavior.STAND)
-        nothing = np.zeros(log.robot.num_joints)
-        idle = ControllerState(SupervisorState(Behavior.STAND, Behavior.STAND), nothing)
-        self._start, self._idle = start, idle
+        start = commands_at_start(log.robot, Behavior.STAND, log.header.catalog)
+        self._start = start
+        self._paths = [note for note in log.notes if note.kind == PATHS]
+        self._path_times = np.array([note.time for note in self._paths])
         now = {self.time_ticket()}
         for name, channels in VECTORS.items():
             tables = [log[channel] for channel in channels]
@@ -82,7 +85,7 @@ class LogPlayer(CollectableSystem):
             )
         for name, blank, calc in (
             ("commands", start, self._commands),
-            ("controller_state", idle, self._controller_state),
+            ("controller_status", ControllerStatus(), self._status),
             ("atlas_sim_interface_state", AtlasSimInterfaceState(), self._report),
         ):
             self.DeclareAbstractOutputPort(
@@ -107,21 +110,45 @@ class LogPlayer(CollectableSystem):
         joints = replace(self._start.joints, k_effort=k_effort)
         return replace(self._start, requests=(request,), joints=joints)
 
-    def _controller_state(self, context: Context) -> ControllerState:
-        # The latest events, as in the controller.
+    def _status(self, context: Context) -> ControllerStatus:
+        report, row = self._report(context), self.row(context)
+        # The latest events, as a controller has them.
         now = context.get_time() + 1e-9
         past: list[Event] = [e for e in self._log.events if e.time <= now]
-        supervisor = replace(
-            self._idle.supervisor,
+        return ControllerStatus(
+            **{name: getattr(report, name) for name in REPORTED},
             events=tuple(past[-KEPT_EVENTS:]),
             event_count=len(past),
+            unsolved=int(self._log["controller.unsolved"][row]),
+            plan=self._plan(row, now),
         )
-        return replace(self._idle, supervisor=supervisor)
+
+    def _plan(self, row: int, now: float) -> Plan:
+        """What was planned at a row; logs of earlier versions lack some of it."""
+        kept = {
+            name: self._log[f"balance.{name}"][row]
+            for name in ("com_reference", "dcm_reference", "cop_reference")
+            if f"balance.{name}" in self._log.arrays
+        }
+        support = self._log.arrays.get("balance.support")
+        note = self._latest_paths(now)
+        return Plan(
+            **{name: value for name, value in kept.items() if np.isfinite(value).all()},
+            support=None if support is None else polygon_from(support[row]),
+            preview=None if note is None else lambda: paths_from_note(note),
+        )
+
+    def _latest_paths(self, now: float) -> Note | None:
+        """The paths noted last, if any; a note without points says that they ended."""
+        place = int(np.searchsorted(self._path_times, now, side="right")) - 1
+        return self._paths[place] if place >= 0 else None
 
     def _report(self, context: Context) -> AtlasSimInterfaceState:
         log, row = self._log, self.row(context)
         names = (entry.channel.name for entry in REPORT_CHANNELS)
         report = report_from({name: log[name][row] for name in names})
+        report.current_behavior = log.behavior(report.current_behavior)
+        report.desired_behavior = log.behavior(report.desired_behavior)
         report.header.stamp = float(log.time[row])
         report.f_out = log["joints.behavior_effort"][row].tolist()
         report.k_effort = log["joints.k_effort"][row].tolist()
@@ -154,6 +181,6 @@ def _requests(log: Log) -> dict[int, BehaviorRequest]:
         number = int(numbers[row])
         # A refused command leaves the number as it was.
         if number > (int(numbers[row - 1]) if row else 0):
-            behavior = behavior_from(message.behavior)
+            behavior = log.header.catalog.find(message.behavior)
             requests[number] = BehaviorRequest(behavior, message.snapshot(), number)
     return requests

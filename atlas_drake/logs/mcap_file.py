@@ -23,7 +23,15 @@ from mcap.stream_reader import StreamReader
 from mcap.writer import CompressionType, Writer
 
 from atlas_drake.logs.layout import Channel, Layout
-from atlas_drake.logs.notes import COMMANDS, EVENT, Header, LogError, Note, to_plain
+from atlas_drake.logs.notes import (
+    COMMANDS,
+    EVENT,
+    PATHS,
+    Header,
+    LogError,
+    Note,
+    to_plain,
+)
 from atlas_drake.logs.viewer_messages import (
     VIEWER_SCHEMAS,
     event_message,
@@ -74,6 +82,8 @@ class McapWriter:
             self._register(name, f"atlas_drake.{name}", topic.message(blank))
         for kind, message in COMMANDS.items():
             self._register(kind, f"atlas_drake.{message.__name__}", to_plain(message()))
+        points = {name: [[0.0]] for name in ("com", "dcm", "cop", "swing")}
+        self._register(PATHS, "atlas_drake.PlannedPaths", points)
         for name, (schema, sample) in VIEWER_SCHEMAS.items():
             self._register(name, schema, sample)
         self._file.flush()
@@ -190,7 +200,7 @@ def read_mcap(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]:
                     topics[record.id] = record.topic.removeprefix("/")
                 elif isinstance(record, Message):
                     topic = topics[record.channel_id]
-                    if topic in COMMANDS or topic == "events":
+                    if topic in (*COMMANDS, PATHS, "events"):
                         notes.append(_note(topic, record))
                     elif topic not in VIEWER_SCHEMAS:
                         messages.setdefault(topic, []).append(record)

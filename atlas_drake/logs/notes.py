@@ -9,24 +9,38 @@ import json
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
+from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
 
-from atlas_drake.behaviors.base import Event
 from atlas_drake.errors import AtlasError, shown
 from atlas_drake.logs.layout import Layout
 from atlas_drake.messages import AtlasCommand, AtlasSimInterfaceCommand, Message
-from atlas_drake.messages.numeric import is_whole
+from atlas_drake.messages.base import is_record
+from atlas_drake.messages.behavior_catalog import (
+    SHIPPED,
+    BehaviorCatalog,
+    BehaviorInterface,
+)
+from atlas_drake.messages.controller_status import PlannedPaths
+from atlas_drake.messages.event import Event
+from atlas_drake.numeric import is_whole
 
 FORMAT, VERSION = "atlas_drake log", 1
+SHOWN = ("name", "number", "caption", "color", "description")
+"""What a log keeps of a behavior of one's own."""
 COMMANDS: dict[str, type[Message]] = {
     "atlas_command": AtlasCommand,
     "atlas_sim_interface_command": AtlasSimInterfaceCommand,
 }
 """Kinds of notes that are commands."""
 EVENT = "event"
-"""The kind of all other notes."""
+"""Kind of the notes that are events."""
+PATHS = "planned_paths"
+"""Kind of the notes that hold ``PlannedPaths``."""
+PATH_GRID = 1e-4
+"""Points of paths are rounded to it [m]."""
 
 
 class LogError(AtlasError):
@@ -39,7 +53,7 @@ class Note:
 
     Attributes:
         time: When [s].
-        kind: One of COMMANDS, or EVENT.
+        kind: One of COMMANDS, EVENT, or PATHS.
         data: What a JSON object can hold.
     """
 
@@ -53,16 +67,23 @@ class Header:
     """What there is to know about a log as a whole.
 
     Attributes:
-        model: Name of the robot.
+        model: Name of the robot, or the path of its file.
         control_period: Time between rows [s].
         scenario: The scenario as YAML.
         layout: Of the rows.
+        behaviors: Those of one's own, beside the shipped ones.
     """
 
     model: str
     control_period: float
     scenario: str
     layout: Layout
+    behaviors: tuple[BehaviorInterface, ...] = ()
+
+    @cached_property
+    def catalog(self) -> BehaviorCatalog:
+        """All behaviors of the run."""
+        return BehaviorCatalog((*SHIPPED, *self.behaviors))
 
     def to_json(self) -> str:
         """As text, with the mark by which a log is known."""
@@ -74,6 +95,10 @@ class Header:
                 "control_period": self.control_period,
                 "scenario": self.scenario,
                 "channels": self.layout.to_plain(),
+                "behaviors": [
+                    {name: getattr(entry, name) for name in SHOWN}
+                    for entry in self.behaviors
+                ],
             }
         )
 
@@ -97,6 +122,10 @@ class Header:
                 float(plain["control_period"]),
                 str(plain["scenario"]),
                 Layout.from_plain(plain["channels"]),
+                tuple(
+                    BehaviorInterface(**{name: entry[name] for name in SHOWN})
+                    for entry in plain.get("behaviors", ())
+                ),
             )
         except (KeyError, TypeError, ValueError) as error:
             raise LogError("its header cannot be understood") from error
@@ -130,6 +159,27 @@ def note_from_event(event: Event) -> Note:
 def event_from_note(note: Note) -> Event:
     """The reverse of ``note_from_event``."""
     return Event(note.time, note.data["kind"], note.data["text"], note.data["data"])
+
+
+def note_from_paths(time: float, paths: PlannedPaths) -> Note:
+    """Planned paths as a note; a path that there is not has no points."""
+    data = {
+        field.name: []
+        if (path := getattr(paths, field.name)) is None
+        else (np.round(path / PATH_GRID) * PATH_GRID).round(4).tolist()
+        for field in fields(PlannedPaths)
+    }
+    return Note(time, PATHS, data)
+
+
+def paths_from_note(note: Note) -> PlannedPaths:
+    """The reverse of ``note_from_paths``."""
+    paths = {
+        field.name: np.array(points)
+        for field in fields(PlannedPaths)
+        if (points := note.data.get(field.name))
+    }
+    return PlannedPaths(**paths)
 
 
 def notes_to_json(notes: Iterable[Note]) -> str:
@@ -166,10 +216,10 @@ def to_plain(value: Any, path: tuple[int, ...] = ()) -> Any:
     if id(value) in path or len(path) == DEEPEST:
         return "..."
     within = (*path, id(value))
-    if isinstance(value, Message):
+    if isinstance(value, Message) or is_record(value):
         return {
             field.name: to_plain(getattr(value, field.name), within)
-            for field in fields(value)  # type: ignore[arg-type]
+            for field in fields(value)
         }
     if isinstance(value, Mapping):
         return {str(key): to_plain(item, within) for key, item in value.items()}

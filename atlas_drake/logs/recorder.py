@@ -20,7 +20,6 @@ from pydrake.systems.framework import (
     System,
 )
 
-from atlas_drake.behaviors.base import Event
 from atlas_drake.frozen import NOTHING
 from atlas_drake.logs.formats import LogFile
 from atlas_drake.logs.notes import (
@@ -28,20 +27,27 @@ from atlas_drake.logs.notes import (
     LogError,
     Note,
     note_from_event,
+    note_from_paths,
     to_plain,
 )
 from atlas_drake.logs.samples import RowSampler
+from atlas_drake.messages.controller_status import ControllerStatus
+from atlas_drake.messages.event import Event
 from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.systems.scratch import declare_scratch_context
 
 _VALUES = (
     "commands",
-    "controller_state",
+    "controller_status",
     "atlas_sim_interface_state",
     "imu",
     "contact_results",
 )
 """Ports whose values are no vectors."""
+
+
+PATHS_EVERY = 0.1
+"""Time between two records of the planned paths, which change slowly [s]."""
 
 
 class LogRecorder(CollectableSystem):
@@ -53,8 +59,8 @@ class LogRecorder(CollectableSystem):
     leaves a diagram.
 
     Input ports, as the station's outputs of the same names:
-        state, behavior_state, foot_wrenches, effort, user_effort
-        commands, controller_state, atlas_sim_interface_state, imu, contact_results
+        state, behavior_state, foot_wrenches, effort, user_effort, behavior_effort
+        commands, controller_status, atlas_sim_interface_state, imu, contact_results
 
     State: the row sampled last, shape (layout's width,). What has been written
     already is known here and not in a Context: it is a fact about the file.
@@ -98,6 +104,7 @@ class LogRecorder(CollectableSystem):
         self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._sample)
         self.DeclarePeriodicPublishEvent(period, 0.0, self._write)
         self._written_time = -np.inf
+        self._paths_time, self._planned = -np.inf, False
         self._received = 0
 
     # ---- writing -------------------------------------------------------------
@@ -148,6 +155,17 @@ class LogRecorder(CollectableSystem):
             if time > self._written_time:
                 self._written_time = time
                 self._writer.row(row)
+                self._write_paths(context)
+
+    def _write_paths(self, context: Context) -> None:
+        """Notes the planned paths from time to time, and when they come or go."""
+        time = context.get_time()
+        status: ControllerStatus = self._ports["controller_status"].Eval(context)
+        planned = status.plan.preview is not None
+        late = planned and time > self._paths_time + PATHS_EVERY - 1e-9
+        if late or planned != self._planned:
+            self._paths_time, self._planned = time, planned
+            self._writer.note(note_from_paths(time, status.plan.paths))
 
     # ---- sampling ------------------------------------------------------------
 

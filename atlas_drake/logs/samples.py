@@ -18,6 +18,7 @@ from atlas_drake.logs.channels import GAINS, robot_layout
 from atlas_drake.logs.layout import SIDES
 from atlas_drake.logs.report_channels import reported
 from atlas_drake.messages import AtlasSimInterfaceState
+from atlas_drake.messages.controller_status import LARGEST_SUPPORT
 from atlas_drake.robot import Robot
 from atlas_drake.systems.robot_sensors import contact_wrenches, shift_wrench
 
@@ -45,6 +46,7 @@ class RowSampler:
             "foot_wrenches": 12,
             "effort": num_joints,
             "user_effort": num_joints,
+            "behavior_effort": num_joints,
         }
         self._indices = robot.indices(plant)
         self._num_q = plant.num_positions()
@@ -70,7 +72,7 @@ class RowSampler:
         values: dict[str, Any] = {
             "time": time,
             "controller.tick_time": tick_time,
-            "controller.unsolved": ports["controller_state"].unsolved,
+            "controller.unsolved": ports["controller_status"].unsolved,
             **reported(ports["atlas_sim_interface_state"]),
             **self._joints(ports),
             **_commanded(ports["commands"]),
@@ -99,7 +101,7 @@ class RowSampler:
             "joints.velocity": measured[self._num_q + self._indices.v],
             "joints.effort": ports["effort"],
             "joints.user_effort": ports["user_effort"],
-            "joints.behavior_effort": ports["controller_state"].effort,
+            "joints.behavior_effort": ports["behavior_effort"],
         }
 
     def _coordinates(self, ports: Mapping[str, Any]) -> dict[str, Any]:
@@ -120,25 +122,28 @@ class RowSampler:
         report: AtlasSimInterfaceState = ports["atlas_sim_interface_state"]
         soles = [foot.position.z for foot in report.foot_pos_est]
         height = com[2] - 0.5 * sum(soles)
-        memory = ports["controller_state"].supervisor.memory
-        omega = getattr(memory, "omega", None) or pendulum_frequency(height)
+        plan = ports["controller_status"].plan
+        omega = plan.omega or pendulum_frequency(height)
         values = {
             "balance.com": com,
             "balance.com_velocity": velocity,
             "balance.dcm": com[:2] + velocity[:2] / omega,
         }
-        plan = getattr(memory, "dcm_reference", None)
-        if plan is not None:
-            reference = plan(omega)
-            values["balance.dcm_reference"] = reference.dcm
-            values["balance.cop_reference"] = reference.cop
+        for name in ("com", "dcm", "cop"):
+            reference = getattr(plan, f"{name}_reference")
+            if reference is not None:
+                values[f"balance.{name}_reference"] = reference
+        if plan.support is not None:
+            values["balance.support"] = flat_polygon(plan.support)
         return values
 
     def _hand_wrenches(
         self, scratch: Context, state: np.ndarray, contacts: ContactResults
     ) -> dict[str, np.ndarray]:
         """Contact on both hands, about their body origins."""
-        totals = np.array(contact_wrenches(contacts, self._hand_bodies))
+        totals = np.zeros((2, 6))
+        if self._hands:
+            totals[:] = contact_wrenches(contacts, self._hand_bodies)
         if totals.any():
             plant: Any = self._plant
             plant.SetPositionsAndVelocities(scratch, state)
@@ -150,6 +155,21 @@ class RowSampler:
             values[f"hands.{side}_torque"] = wrench[:3]
             values[f"hands.{side}_force"] = wrench[3:]
         return values
+
+
+def flat_polygon(corners: np.ndarray) -> np.ndarray:
+    """Corners as a row of numbers, NaN where there are fewer than the channel takes."""
+    row = np.full(2 * LARGEST_SUPPORT, np.nan)
+    kept = corners[:LARGEST_SUPPORT]
+    row[: 2 * len(kept)] = kept.ravel()
+    return row
+
+
+def polygon_from(row: np.ndarray) -> np.ndarray | None:
+    """The reverse of ``flat_polygon``: shape (k, 2), or None where there is none."""
+    corners = row.reshape(-1, 2)
+    corners = corners[np.isfinite(corners).all(axis=1)]
+    return corners if len(corners) else None
 
 
 def _commanded(commands: Any) -> dict[str, Any]:

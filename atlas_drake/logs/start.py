@@ -11,12 +11,17 @@ from atlas_drake.logs.formats import LogFile
 from atlas_drake.logs.notes import Header
 from atlas_drake.logs.recorder import LogRecorder
 from atlas_drake.logs.samples import RowSampler
+from atlas_drake.messages.behavior_catalog import BehaviorInterface
 from atlas_drake.robot import Robot
 from atlas_drake.scenario import Scenario
 
 
 def start_recorder(
-    path: Path, scenario: Scenario, robot: Robot, tick_seconds: Sequence[float]
+    path: Path,
+    scenario: Scenario,
+    robot: Robot,
+    tick_seconds: Sequence[float],
+    behaviors: Sequence[BehaviorInterface] = (),
 ) -> LogRecorder:
     """Opens the file and makes the system that fills it.
 
@@ -25,11 +30,14 @@ def start_recorder(
         scenario: That is simulated.
         robot: In the scenario.
         tick_seconds: Wall times of the controller's ticks, which it appends to.
+        behaviors: Of one's own, beside the shipped ones.
 
     Raises:
         LogError: If the file cannot be written.
     """
     sampler = RowSampler(robot)
     period = scenario.control_period
-    header = Header(robot.name, period, yaml_dump_typed(scenario), sampler.layout)
+    header = Header(
+        robot.model, period, yaml_dump_typed(scenario), sampler.layout, tuple(behaviors)
+    )
     return LogRecorder(sampler, LogFile(path, header), period, tick_seconds)

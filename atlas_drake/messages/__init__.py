@@ -11,7 +11,7 @@ from atlas_drake.messages.atlas_sim_interface_state import (
 )
 from atlas_drake.messages.atlas_state import AtlasState
 from atlas_drake.messages.base import Message
-from atlas_drake.messages.behavior import Behavior, behavior_from
+from atlas_drake.messages.behavior import Behavior
 from atlas_drake.messages.behavior_feedback import (
     AtlasBehaviorFeedback,
     AtlasBehaviorManipulateFeedback,
@@ -88,7 +88,6 @@ __all__ = [
     "Vector3",
     "WalkStatus",
     "Wrench",
-    "behavior_from",
     "check_command",
     "validate_atlas_command",
     "validate_sim_interface_command",

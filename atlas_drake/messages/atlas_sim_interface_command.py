@@ -4,6 +4,7 @@ What is valid is in ``validation``; what a behavior makes of it, in that behavio
 """
 
 from dataclasses import dataclass, field
+from typing import Any
 
 from atlas_drake.messages.base import FloatArray, IntArray, Message
 from atlas_drake.messages.behavior import Behavior
@@ -32,6 +33,8 @@ class AtlasSimInterfaceCommand(Message):
         step_params: Read by STEP.
         stand_params: Read by STAND.
         manipulate_params: Read by MANIPULATE.
+        params: Read by a behavior of one's own, an instance of its parameters'
+            dataclass; None means defaults.
         position: Servo positions [rad]. These six arrays set the joint controllers as
             the arrays of the same names in ``AtlasCommand`` do; the later message
             counts. They act on joints of which the user has a share.
@@ -68,6 +71,7 @@ class AtlasSimInterfaceCommand(Message):
     manipulate_params: AtlasBehaviorManipulateParams = field(
         default_factory=AtlasBehaviorManipulateParams
     )
+    params: Any = None
     position: FloatArray = field(default_factory=list)
     velocity: FloatArray = field(default_factory=list)
     effort: FloatArray = field(default_factory=list)

@@ -9,7 +9,7 @@ import copy
 import functools
 import operator
 from collections.abc import Callable
-from dataclasses import fields
+from dataclasses import fields, is_dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from atlas_drake.errors import did_you_mean
 from atlas_drake.frozen import NOTHING
-from atlas_drake.messages.numeric import plain_number
+from atlas_drake.numeric import plain_number
 
 if TYPE_CHECKING:
     from typing import Self
@@ -199,7 +199,26 @@ def frozen(value: Any, path: _Path = (), *, anew: bool = False) -> Any:
         if isinstance(value, Message):
             return value._fixed(within, anew=anew)
         return tuple(frozen(element, within, anew=anew) for element in value)
+    if is_record(value) and _enters(value, path):
+        return _frozen_record(value, (*path, id(value)))
     return plain_number(value)
+
+
+def is_record(value: object) -> bool:
+    """Tell whether a value is an instance of a dataclass that is no message."""
+    return is_dataclass(value) and not isinstance(value, (type, Message))
+
+
+def _frozen_record(value: Any, path: _Path) -> Any:
+    """Return a copy of a dataclass' instance whose fields nobody can change.
+
+    A dataclass that is not frozen itself stays changeable at its top; what has its copy
+    does not hand it out.
+    """
+    twin = copy.copy(value)
+    for item in fields(value):
+        object.__setattr__(twin, item.name, frozen(getattr(value, item.name), path))
+    return twin
 
 
 _NUMBERS = {float, int}
@@ -240,6 +259,13 @@ def same_content(value: Any, seen: Any, path: _Path = ()) -> bool:
         )
     if isinstance(value, np.ndarray):
         return _same_array(value, seen, path)
+    if is_record(value) and _enters(value, path):
+        return type(value) is type(seen) and all(
+            same_content(
+                getattr(value, item.name), getattr(seen, item.name), (*path, id(value))
+            )
+            for item in fields(value)
+        )
     number = plain_number(value)
     if number is not value:
         return same_content(number, seen)

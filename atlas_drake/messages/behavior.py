@@ -1,12 +1,10 @@
-"""The behaviors that can be asked for, by number or by name.
+"""The behaviors of the original interface, by number and name.
 
-What a behavior does, and from which other it may follow, is not decided here.
+How they are asked for, and behaviors of one's own, are in ``behavior_catalog``.
 """
 
 from enum import IntEnum
-
-from atlas_drake.errors import ErrorCode, InvalidMessageError, did_you_mean, shown
-from atlas_drake.messages.numeric import is_whole
+from typing import Any
 
 _WHOLE = tuple("bcdnoxX")
 """Types of format specifications that are for whole numbers."""
@@ -32,6 +30,29 @@ class Behavior(IntEnum):
     USER = 7
     """All joints return to the user at once."""
 
+    @classmethod
+    def named(cls, number: int, name: str) -> "Behavior":
+        """Give the member of that number, or a value beside the members.
+
+        Behaviors of one's own are such values: they have name and number as members do,
+        and are equal if their numbers are.
+
+        Args:
+            number: Of the behavior.
+            name: In capitals.
+        """
+        if name in cls.__members__:
+            return cls[name]
+        value = int.__new__(cls, number)
+        value._name_, value._value_ = name, number
+        return value
+
+    def __reduce_ex__(self, _protocol: object) -> tuple[Any, ...]:
+        return Behavior.named, (self._value_, self._name_)
+
+    def __deepcopy__(self, _memo: object) -> "Behavior":
+        return self
+
     def __str__(self) -> str:
         """Give the name, which is what a reader wants; ``int`` gives the number."""
         return self.name
@@ -39,34 +60,3 @@ class Behavior(IntEnum):
     def __format__(self, spec: str) -> str:
         """Format the name, unless the specification is for a whole number."""
         return format(int(self) if spec[-1:] in _WHOLE else self.name, spec)
-
-
-def behavior_from(value: object, field: str = "behavior") -> Behavior:
-    """Find the behavior that a message asks for.
-
-    Args:
-        value: A ``Behavior``, its number, or its name in any case; hyphens and spaces
-            in a name count as underscores.
-        field: Path of the value in its message, for the error.
-
-    Returns:
-        The behavior.
-
-    Raises:
-        InvalidMessageError: If there is no such behavior; code NO_SUCH_BEHAVIOR.
-    """
-    hint = ""
-    if isinstance(value, str):
-        name = value.strip().upper().replace("-", "_").replace(" ", "_")
-        if name in Behavior.__members__:
-            return Behavior[name]
-        hint = did_you_mean(name, Behavior.__members__)
-    elif is_whole(value) and value in Behavior.__members__.values():
-        return Behavior(value)
-    known = ", ".join(f"{member.name} ({member.value})" for member in Behavior)
-    raise InvalidMessageError(
-        field,
-        value,
-        f"there is no behavior {shown(value)}.{hint} Known are {known}.",
-        ErrorCode.NO_SUCH_BEHAVIOR,
-    )

@@ -26,7 +26,7 @@ from atlas_drake.messages.checks import (
     check_number,
 )
 from atlas_drake.messages.geometry import Pose, Quaternion, Vector3
-from atlas_drake.messages.numeric import is_whole
+from atlas_drake.numeric import is_whole
 
 FEET = {0: "left", 1: "right"}
 """Foot indices."""

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from atlas_drake.errors import InvalidMessageError, shown
 from atlas_drake.messages.base import Message
-from atlas_drake.messages.numeric import as_float, is_whole
+from atlas_drake.numeric import as_float, is_whole
 
 
 def check_kind(value: object, kind: type[Message], field: str) -> None:

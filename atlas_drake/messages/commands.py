@@ -19,14 +19,14 @@ from atlas_drake.messages import (
     AtlasCommand,
     AtlasSimInterfaceCommand,
     Behavior,
-    behavior_from,
     validate_atlas_command,
     validate_sim_interface_command,
 )
 from atlas_drake.messages.base import frozen, is_new
+from atlas_drake.messages.behavior_catalog import SHIPPED, BehaviorCatalog
 from atlas_drake.messages.joint_command import JOINT_FIELDS, JointCommand
-from atlas_drake.messages.numeric import as_float
 from atlas_drake.messages.recent import append_recent, items_since
+from atlas_drake.numeric import as_float
 from atlas_drake.robot import Robot
 
 _log = logging.getLogger(__name__)
@@ -100,6 +100,7 @@ class CommandsInForce(Frozen):
 
     Attributes:
         joints: For the PID bank, and who has which joint.
+        catalog: The behaviors that can be asked for.
         requests: The latest for the behaviour controller, oldest first.
         error_code: Of the last message; NO_ERRORS once one is accepted.
         refusals: The latest refused messages, oldest first.
@@ -115,6 +116,7 @@ class CommandsInForce(Frozen):
 
     joints: JointCommand
     requests: tuple[BehaviorRequest, ...]
+    catalog: BehaviorCatalog = SHIPPED
     error_code: ErrorCode = ErrorCode.NO_ERRORS
     refusals: tuple[Refusal, ...] = ()
     refused: int = 0
@@ -160,7 +162,9 @@ KEPT = 50
 dropped."""
 
 
-def commands_at_start(robot: Robot, behavior: Behavior) -> CommandsInForce:
+def commands_at_start(
+    robot: Robot, behavior: Behavior, catalog: BehaviorCatalog = SHIPPED
+) -> CommandsInForce:
     """What is in force before any command.
 
     The joints' set-points are the stand-prep pose with the robot's default gains.
@@ -184,6 +188,7 @@ def commands_at_start(robot: Robot, behavior: Behavior) -> CommandsInForce:
             k_effort=np.full(robot.num_joints, float(K_EFFORT_MAX if user else 0)),
         ),
         requests=(BehaviorRequest(behavior, command.snapshot(), number=0),),
+        catalog=catalog,
     )
 
 
@@ -295,8 +300,9 @@ def _apply_sim_command(
     robot: Robot,
     time: float,
 ) -> CommandsInForce:
-    validate_sim_interface_command(message, robot.joint_names, force.sim_stamp)
-    behavior = behavior_from(message.behavior)
+    behavior = validate_sim_interface_command(
+        message, robot.joint_names, force.sim_stamp, force.catalog
+    )
     request = BehaviorRequest(behavior, message, force.request.number + 1, time)
     given = _given(message, SERVO_FIELDS, robot)
     if behavior is Behavior.USER:

@@ -12,13 +12,8 @@ import numpy as np
 from atlas_drake.errors import ErrorCode, InvalidMessageError, shown
 from atlas_drake.messages.atlas_command import AtlasCommand
 from atlas_drake.messages.atlas_sim_interface_command import AtlasSimInterfaceCommand
-from atlas_drake.messages.behavior import behavior_from
-from atlas_drake.messages.behavior_params import AtlasBehaviorStandParams
-from atlas_drake.messages.behavior_validation import (
-    check_manipulate_params,
-    check_step_params,
-    check_walk_params,
-)
+from atlas_drake.messages.behavior import Behavior
+from atlas_drake.messages.behavior_catalog import SHIPPED, BehaviorCatalog
 from atlas_drake.messages.checks import check_joint_array, check_kind, check_number
 from atlas_drake.messages.geometry import Header
 
@@ -34,13 +29,16 @@ _SERVO_GAINS = ("kp_position", "ki_position", "kp_velocity")
 
 
 def check_command(
-    message: AtlasCommand | AtlasSimInterfaceCommand, joint_names: Sequence[str]
+    message: AtlasCommand | AtlasSimInterfaceCommand,
+    joint_names: Sequence[str],
+    catalog: BehaviorCatalog = SHIPPED,
 ) -> None:
     """Check a command of either kind by itself, whatever was sent before.
 
     Args:
         message: The command.
         joint_names: The robot's joints in message order.
+        catalog: The behaviors that can be asked for.
 
     Raises:
         InvalidMessageError: If anything in it cannot be applied; it names the field.
@@ -48,7 +46,7 @@ def check_command(
     if isinstance(message, AtlasCommand):
         validate_atlas_command(message, joint_names)
     else:
-        validate_sim_interface_command(message, joint_names)
+        validate_sim_interface_command(message, joint_names, catalog=catalog)
 
 
 def validate_atlas_command(
@@ -94,7 +92,8 @@ def validate_sim_interface_command(
     message: AtlasSimInterfaceCommand,
     joint_names: Sequence[str],
     previous_stamp: float | None = None,
-) -> None:
+    catalog: BehaviorCatalog = SHIPPED,
+) -> Behavior:
     """Check a command to the behaviors, the parameters of all behaviors included.
 
     Args:
@@ -102,22 +101,23 @@ def validate_sim_interface_command(
         joint_names: The robot's joints in message order.
         previous_stamp: Stamp of the last accepted ``AtlasSimInterfaceCommand`` [s],
             if any.
+        catalog: The behaviors that can be asked for.
+
+    Returns:
+        The behavior that the command asks for.
 
     Raises:
         InvalidMessageError: If anything in it cannot be applied; it names the field.
     """
     check_kind(message, AtlasSimInterfaceCommand, "message")
     _check_header(message.header, previous_stamp)
-    behavior_from(message.behavior)
-    check_walk_params(message.walk_params)
-    check_step_params(message.step_params)
-    check_kind(message.stand_params, AtlasBehaviorStandParams, "stand_params")
-    check_manipulate_params(message.manipulate_params)
+    behavior = catalog.check_params(message)
     for name in _SETPOINTS:
         check_joint_array(getattr(message, name), name, joint_names)
     for name in _SERVO_GAINS:
         check_joint_array(getattr(message, name), name, joint_names, lower=0.0)
     _check_k_effort(message.k_effort, joint_names)
+    return behavior
 
 
 def _check_header(header: Header, previous_stamp: float | None) -> None:

@@ -7,16 +7,15 @@ Plane geometry and the message that it becomes. Which way to go is planned in
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from typing import NamedTuple
+from dataclasses import asdict, dataclass, field
+from typing import NamedTuple, Self
 
 from atlas_drake.control.estimation.attitude import rotation_matrix
-from atlas_drake.control.feet.footstep import StepLimits, longest_duration, outward
+from atlas_drake.control.feet.footstep import clip, longest_duration, outward
 from atlas_drake.control.rotations import wrap_angle, yaw_of
 from atlas_drake.messages import AtlasBehaviorStepData, Pose
+from atlas_drake.robot import Robot, RobotFile, StepLimits, UsualSteps
 
-HALF_WIDTH = 0.12
-"""Distance of each foot from the middle between both [m]."""
 BACKWARD_SHARE = 0.6
 """Of the stride, when walking backward: the knees bend the other way."""
 SIDEWAYS_SHARE = 0.5
@@ -27,38 +26,90 @@ _ROUNDING = 1e-9
 
 @dataclass(frozen=True)
 class Gait:
-    """How to walk.
+    """How to walk, with Atlas' values as defaults; ``of`` has those of any robot.
 
     Attributes:
-        stride: From one footprint to the next [m], at most 0.35.
-        turn: Of each step when turning [rad], at most 0.25.
-        duration: Of each step [s], at most 3.0; less with a stride that takes the feet
-            far apart, about 1.4 with the longest.
+        stride: From one footprint to the next [m]; Atlas' at most 0.35.
+        turn: Of each step when turning [rad]; Atlas' at most 0.25.
+        duration: Of each step [s]; Atlas' at most 3.0, less with a stride that takes
+            the feet far apart, about 1.4 with the longest.
         swing_height: [m]
+        limits: What one step of the robot can be.
+        stance_width: Distance between the soles' middles of feet side by side [m].
 
     Raises:
         ValueError: If the robot cannot walk like that; it names field and value.
     """
 
-    stride: float = 0.2
-    turn: float = 0.15
-    duration: float = 0.63
-    swing_height: float = 0.1
+    stride: float = UsualSteps.stride
+    turn: float = UsualSteps.turn
+    duration: float = UsualSteps.duration
+    swing_height: float = UsualSteps.swing_height
+    limits: StepLimits = field(default_factory=StepLimits, repr=False)
+    stance_width: float = field(default=RobotFile.stance_width, repr=False)
 
-    def __post_init__(self) -> None:
-        limits = StepLimits()
-        for name, low, high in (
-            # Turning takes the feet apart lengthways as well.
-            ("stride", 0.01, limits.forward - 2.0 * HALF_WIDTH * limits.toe_in - 0.01),
+    @classmethod
+    def of(cls, robot: Robot, **wishes: float) -> Self:
+        """Returns how a robot usually walks.
+
+        Args:
+            robot: Whose limits and stance count.
+            **wishes: Of stride, turn, duration and swing_height, those that shall
+                differ from what is usual.
+
+        Raises:
+            ValueError: If the robot cannot walk like that.
+        """
+        file = robot.file
+        return cls(
+            **(asdict(file.usual_steps) | wishes),
+            limits=file.walk_limits,
+            stance_width=file.stance_width,
+        )
+
+    @classmethod
+    def nearest(cls, robot: Robot, **wishes: float) -> Self:
+        """Returns how a robot can walk that is nearest to wishes beyond its limits.
+
+        Args:
+            robot: Whose limits and stance count.
+            **wishes: As for ``of``.
+        """
+        usual = cls.of(robot)
+        wishes = {
+            name: clip(wishes.get(name, getattr(usual, name)), low, high)
+            for name, low, high in usual._bounds()
+        }
+        reach = cls.of(robot, **(wishes | {"duration": usual.limits.min_duration}))
+        longest = longest_duration(reach._farthest_apart, reach.limits)
+        return cls.of(
+            robot, **(wishes | {"duration": min(wishes["duration"], longest)})
+        )
+
+    @property
+    def half_width(self) -> float:
+        """Distance of each foot from the middle between both [m]."""
+        return 0.5 * self.stance_width
+
+    def _bounds(self) -> tuple[tuple[str, float, float], ...]:
+        """Least and greatest value of each field."""
+        limits = self.limits
+        # Turning takes the feet apart lengthways as well.
+        longest = limits.forward - self.stance_width * limits.toe_in - 0.01
+        return (
+            ("stride", 0.01, longest),
             ("turn", 0.01, limits.toe_in),
             ("swing_height", limits.min_swing_height, limits.max_swing_height),
             ("duration", limits.min_duration, limits.max_duration),
-        ):
+        )
+
+    def __post_init__(self) -> None:
+        for name, low, high in self._bounds():
             value = getattr(self, name)
             if not low - _ROUNDING <= value <= high + _ROUNDING:
                 text = f"gait.{name} is {value!r}, and not between {low} and {high:.2f}"
                 raise ValueError(text)
-        longest = longest_duration(self._farthest_apart, limits)
+        longest = longest_duration(self._farthest_apart, self.limits)
         if self.duration > longest + _ROUNDING:
             text = f"gait.duration is {self.duration!r}, and not at most {longest:.2f}"
             apart = f"a stride of {self.stride!r} takes feet up to"
@@ -72,7 +123,7 @@ class Gait:
         """
         aside = SIDEWAYS_SHARE * self.stride
         turned = 2.0 * self.stride * aside * math.sin(0.5 * self.turn)
-        return math.sqrt(self.stride**2 + (2.0 * HALF_WIDTH + aside) ** 2 + turned)
+        return math.sqrt(self.stride**2 + (self.stance_width + aside) ** 2 + turned)
 
 
 class Foothold(NamedTuple):
@@ -89,14 +140,14 @@ def foothold(pose: Pose) -> Foothold:
     return Foothold(pose.position.x, pose.position.y, wrap_angle(yaw))
 
 
-def middle_beside(sole: Foothold, foot: int) -> Foothold:
+def middle_beside(sole: Foothold, foot: int, gait: Gait) -> Foothold:
     """The middle between both feet, were the other one beside this ``foot``."""
-    return moved(sole, 0.0, -outward(foot) * HALF_WIDTH, 0.0)
+    return moved(sole, 0.0, -outward(foot) * gait.half_width, 0.0)
 
 
-def sole_beside(middle: Foothold, foot: int) -> Foothold:
+def sole_beside(middle: Foothold, foot: int, gait: Gait) -> Foothold:
     """Where a foot stands when ``middle`` is between both."""
-    return moved(middle, 0.0, outward(foot) * HALF_WIDTH, 0.0)
+    return moved(middle, 0.0, outward(foot) * gait.half_width, 0.0)
 
 
 def moved(place: Foothold, ahead: float, left: float, turn: float) -> Foothold:
@@ -134,21 +185,22 @@ def way_to(place: Foothold, goal: Foothold, turn: float) -> tuple[float, float]:
 
 
 def step_from(
-    stance: Foothold, foot: int, stride: float, shift: float, turn: float
+    stance: Foothold, foot: int, gait: Gait, stride: float, shift: float, turn: float
 ) -> Foothold:
     """Where a foot goes beside the one that stays.
 
     Args:
         stance: The foot that stays.
         foot: The one that steps.
+        gait: How far apart the feet are.
         stride: Ahead of the other one [m].
         shift: To the left [m]; only the foot on that side takes it, the other one
             then closes up.
         turn: To the left [rad], of the middle between the feet, on the spot.
     """
     left = shift if shift * outward(foot) > 0.0 else 0.0
-    middle = moved(middle_beside(stance, 1 - foot), stride, left, turn)
-    return sole_beside(middle, foot)
+    middle = moved(middle_beside(stance, 1 - foot, gait), stride, left, turn)
+    return sole_beside(middle, foot, gait)
 
 
 def step_data(

@@ -2,8 +2,9 @@
 
 Each function takes the robot's latest report and returns steps for
 ``walk_params.step_queue``, from where the feet are to feet side by side, within the
-robot's limits. ``step_stream`` sends more of them than the queue holds. The ground is
-taken to be level; nothing in the way is seen.
+limits of the gait's robot: Atlas, unless ``Gait.of`` names another. ``step_stream``
+sends more of them than the queue holds. The ground is taken to be level; nothing in the
+way is seen.
 """
 
 from __future__ import annotations
@@ -15,7 +16,6 @@ from dataclasses import asdict
 from atlas_drake.control.feet.footstep import (
     LEFT,
     RIGHT,
-    StepLimits,
     clip,
     longest_duration,
     outward,
@@ -25,7 +25,6 @@ from atlas_drake.errors import shown
 from atlas_drake.messages import AtlasBehaviorStepData, AtlasSimInterfaceState
 from atlas_drake.planning.footholds import (
     BACKWARD_SHARE,
-    HALF_WIDTH,
     SIDEWAYS_SHARE,
     Foothold,
     Gait,
@@ -185,24 +184,24 @@ def _steps(
     report: AtlasSimInterfaceState, way: Sequence[Foothold], gait: Gait
 ) -> list[AtlasBehaviorStepData]:
     """Steps from one place to the next, the last two to the last place."""
-    feet, limits = _feet(report), StepLimits()
+    feet = _feet(report)
     height = 0.5 * sum(pose.position.z for pose in report.foot_pos_est)
     here = _middle(report)
-    if all(_is_there(here, place) for place in way) and _side_by_side(feet):
+    if all(_is_there(here, place) for place in way) and _side_by_side(feet, gait):
         return []
     foot = _first_foot(here, way)
     steps: list[AtlasBehaviorStepData] = []
     remaining = list(way)
     at_end = False
     while True:
-        stance = middle_beside(feet[1 - foot], 1 - foot)
+        stance = middle_beside(feet[1 - foot], 1 - foot, gait)
         middle = _next_middle(stance, remaining[0], foot, gait)
         apart = math.dist(feet[0][:2], feet[1][:2])
-        feet[foot] = sole_beside(middle, foot)
+        feet[foot] = sole_beside(middle, foot, gait)
         step = step_data(len(steps) + 1, foot, feet[foot], gait)
         step.pose.position.z = height
         # Feet may be farther apart before the first step than the gait takes them.
-        step.duration = min(gait.duration, longest_duration(apart, limits))
+        step.duration = min(gait.duration, longest_duration(apart, gait.limits))
         steps.append(step)
         reached = _is_there(middle, remaining[0])
         if len(remaining) > 1:
@@ -228,12 +227,12 @@ def _next_middle(stance: Foothold, goal: Foothold, foot: int, gait: Gait) -> Foo
     turn = clip(wrap_angle(goal.yaw - stance.yaw), -gait.turn, gait.turn)
     ahead, left = way_to(stance, goal, turn)
     out = clip(side * left, -CLOSING, SIDEWAYS_SHARE * gait.stride)
-    farthest = min(gait.stride, _farthest_ahead(out, side * turn))
+    farthest = min(gait.stride, _farthest_ahead(out, side * turn, gait))
     ahead = clip(ahead, -BACKWARD_SHARE * gait.stride, farthest)
     return moved(stance, ahead, side * out, turn)
 
 
-def _farthest_ahead(out: float, turn: float) -> float:
+def _farthest_ahead(out: float, turn: float, gait: Gait) -> float:
     """How far ahead of the stance foot the middle can come within the limits [m].
 
     Only a foot that turns in comes near a limit: it gets ahead by its turn as well,
@@ -243,11 +242,12 @@ def _farthest_ahead(out: float, turn: float) -> float:
     Args:
         out: Way of the middle to the side of the stepping foot [m].
         turn: Outward [rad], no more inward than ``StepLimits.toe_in``.
+        gait: Of the robot with these limits.
     """
-    limits, width = StepLimits(), HALF_WIDTH + out
+    limits, width = gait.limits, gait.half_width + out
     farthest = (limits.forward + width * math.sin(turn)) / math.cos(0.5 * turn)
     if turn < -THERE_YAW:
-        room = HALF_WIDTH + width * math.cos(turn) - limits.min_width
+        room = gait.half_width + width * math.cos(turn) - limits.min_width
         farthest = min(farthest, room / math.sin(-0.5 * turn))
     return farthest
 
@@ -283,8 +283,8 @@ def _middle(report: AtlasSimInterfaceState) -> Foothold:
     return Foothold(x, y, mean_yaw(left.yaw, right.yaw))
 
 
-def _side_by_side(feet: Sequence[Foothold]) -> bool:
-    beside = sole_beside(middle_beside(feet[LEFT], LEFT), RIGHT)
+def _side_by_side(feet: Sequence[Foothold], gait: Gait) -> bool:
+    beside = sole_beside(middle_beside(feet[LEFT], LEFT, gait), RIGHT, gait)
     return (
         math.dist(beside[:2], feet[RIGHT][:2]) <= ASTRIDE
         and abs(wrap_angle(beside.yaw - feet[RIGHT].yaw)) <= ASTRIDE_YAW

@@ -11,10 +11,16 @@ from pathlib import Path
 import numpy as np
 from pydrake.common.yaml import yaml_load, yaml_load_typed
 
-from atlas_drake.errors import InvalidMessageError, ScenarioError, shown
-from atlas_drake.messages import Behavior, behavior_from
-from atlas_drake.robot import DEFAULT_ROBOT, available_robots
-from atlas_drake.scenario.kinds import check_kinds, make_plain
+from atlas_drake.errors import (
+    InvalidMessageError,
+    RobotDescriptionError,
+    ScenarioError,
+    shown,
+)
+from atlas_drake.kinds import check_kinds, make_plain
+from atlas_drake.messages import Behavior
+from atlas_drake.messages.behavior_catalog import SHIPPED
+from atlas_drake.robot import DEFAULT_ROBOT, find_robot, model_beside
 from atlas_drake.scenario.noise import NOISE_MODELS
 from atlas_drake.scenario.terrain import Block
 
@@ -108,7 +114,8 @@ class Scenario:
     name: str = "sandbox"
     """Shown to the user."""
     model: str = DEFAULT_ROBOT
-    """Robot, a name from ``models/``."""
+    """Robot: a name from ``models/``, or the path of a robot's YAML file, relative to
+    the scenario's file, and in Python and on the command line to the working folder."""
     programme: str = "none"
     """Commands that are sent by themselves: one of PROGRAMMES."""
     duration: float = 10.0
@@ -153,7 +160,10 @@ class Scenario:
         """
         check_kinds(self, Scenario)
         make_plain(self)
-        _one_of("model", self.model, available_robots())
+        try:
+            find_robot(self.model)
+        except RobotDescriptionError as error:
+            raise ScenarioError("model", self.model, error.problem) from None
         _one_of("programme", self.programme, PROGRAMMES)
         _one_of("noise", self.noise, tuple(NOISE_MODELS))
         if self.state is True:
@@ -233,7 +243,7 @@ def starting_behavior(value: object, name: str) -> Behavior:
     Raises:
         InvalidMessageError: If there is no such behaviour, or none can begin with it.
     """
-    behavior = behavior_from(value, name)
+    behavior = SHIPPED.find(value, name)
     allowed = (Behavior.STAND, Behavior.STAND_PREP, Behavior.USER, Behavior.FREEZE)
     if behavior not in allowed:
         names = ", ".join(b.name for b in allowed)
@@ -268,6 +278,7 @@ def load_scenario(path: str | Path) -> Scenario:
         scenario: Scenario = yaml_load_typed(
             schema=Scenario, data=text, defaults=Scenario()
         )
+        scenario.model = model_beside(scenario.model, Path(path).parent)
         return scenario.validate()
     except ScenarioError as error:
         raise ScenarioError(

@@ -13,7 +13,7 @@ import math
 import time
 import weakref
 from array import array
-from collections.abc import Callable, MutableSequence, Sequence
+from collections.abc import Callable, Iterable, MutableSequence, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,9 +23,11 @@ from pydrake.math import RigidTransform
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import Context
 
-from atlas_drake.behaviors.base import Event
+from atlas_drake.behaviors.entry import BehaviorEntry
+from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.diagrams.atlas_station import StationConfig
-from atlas_drake.diagrams.control_mode_switch import make_control_mode_switch
+from atlas_drake.diagrams.control_mode_switch import Extend, make_control_mode_switch
+from atlas_drake.diagrams.controller_socket import CONTROLLER, ControllerSource
 from atlas_drake.diagrams.standing import place_robot
 from atlas_drake.diagrams.station_reset import reset_station
 from atlas_drake.errors import (
@@ -37,6 +39,7 @@ from atlas_drake.errors import (
     shown,
 )
 from atlas_drake.frozen import replace
+from atlas_drake.kinds import check_kinds, make_plain
 from atlas_drake.messages import (
     AtlasCommand,
     AtlasSimInterfaceCommand,
@@ -46,15 +49,17 @@ from atlas_drake.messages import (
     Imu,
     check_command,
 )
+from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.messages.checks import check_number
 from atlas_drake.messages.commands import Command
-from atlas_drake.messages.numeric import as_float
+from atlas_drake.messages.event import Event
+from atlas_drake.numeric import as_float
 from atlas_drake.robot import load_robot
 from atlas_drake.scenario import Scenario, Start
-from atlas_drake.scenario.kinds import check_kinds, make_plain
 from atlas_drake.scenario.noise import NOISE_MODELS
 from atlas_drake.scenario.scenario import starting_behavior
 from atlas_drake.simulation.drake_log import only_news
+from atlas_drake.simulation.fall_watch import FallWatch
 from atlas_drake.simulation.pace import Pace
 from atlas_drake.simulation.pushes import Push, make_push
 from atlas_drake.simulation.run_log import RunLog
@@ -62,7 +67,7 @@ from atlas_drake.simulation.start import Variation, draw_variation, scale_masses
 from atlas_drake.simulation.steady import steady_ticks
 from atlas_drake.simulation.summary import estimator_drift, make_summary
 from atlas_drake.simulation.turns import Turns
-from atlas_drake.simulation.tutorial import control_mode_switch_programme
+from atlas_drake.simulation.tutorial import scheduled_programme
 from atlas_drake.systems.command_interface import CommandInterface
 from atlas_drake.systems.command_scheduler import CommandScheduler
 from atlas_drake.visualization.overlays import Overlays
@@ -86,6 +91,7 @@ class AtlasSimulation:
     Attributes:
         scenario: What is simulated.
         robot: Its description: joint names, limits, masses.
+        behaviors: Catalog of the behaviors that can be asked for.
         diagram: The ``control_mode_switch``, with all systems.
         station: The ``AtlasStation`` in it.
         plant: The ``MultibodyPlant`` in that.
@@ -104,6 +110,9 @@ class AtlasSimulation:
         self,
         scenario: Scenario | None = None,
         *,
+        controller: ControllerSource | None = None,
+        behaviors: Iterable[BehaviorEntry] = (),
+        extend: Extend | None = None,
         meshcat: Meshcat | None = None,
         overlays: Overlays | None = None,
         recorded: bool = False,
@@ -116,6 +125,14 @@ class AtlasSimulation:
         Args:
             scenario: What to simulate, as it is now: it is copied; None is a robot
                 that stands, commanded by nobody but the caller.
+            controller: Takes the place of ours: a System, or a callable
+                (robot, config: StationConfig) -> System. See
+                ``atlas_drake.diagrams.controller_socket`` for its ports.
+            behaviors: Added to those that our controller is shipped with. Commands
+                ask for them by name or number, see
+                ``atlas_drake.behaviors.entry.BehaviorEntry``.
+            extend: Called with (builder, station) before the diagram is built, to add
+                systems of your own. ``output`` reads the ports that it exports.
             meshcat: Where to show it; None shows nothing.
             overlays: What of the controller's thoughts is shown there.
             recorded: Whether Meshcat is recording already; then every picture is kept
@@ -129,8 +146,11 @@ class AtlasSimulation:
         Raises:
             TypeError: If the scenario is none.
             ScenarioError: If the scenario has a value that cannot be used.
+            RobotDescriptionError: If the robot's files cannot be used.
             LogError: If the log cannot be written.
             VideoError: If the video cannot be made.
+            ControllerError: If the controller does not fit the station.
+            BehaviorError: If a behavior cannot be registered.
         """
         if not isinstance(scenario, Scenario | None):
             raise TypeError(
@@ -139,6 +159,11 @@ class AtlasSimulation:
             )
         self.scenario = copy.deepcopy((scenario or Scenario()).validate())
         self.robot = load_robot(self.scenario.model)
+        self._own_behaviors = tuple(behaviors)
+        self.behaviors = BehaviorCatalog((*SHIPPED_ENTRIES, *self._own_behaviors))
+        # A path stays right wherever the program, or its log, goes on.
+        self.scenario.model = self.robot.model
+        self._programme = scheduled_programme(self.scenario, self.robot)
         self._tick_seconds = array("d")
         self._turns = Turns()
         self._numbers = itertools.count(1)
@@ -150,7 +175,7 @@ class AtlasSimulation:
         self._wall_time = 0.0
         self._shown = 0.0
         try:
-            self._build(meshcat, overlays, recorded, video)
+            self._build(controller, extend, meshcat, overlays, recorded, video)
         except BaseException:
             if self._recorder is not None:
                 self._finalizer()
@@ -158,6 +183,8 @@ class AtlasSimulation:
 
     def _build(
         self,
+        controller: ControllerSource | None,
+        extend: Extend | None,
         meshcat: Meshcat | None,
         overlays: Overlays | None,
         recorded: bool,
@@ -177,20 +204,18 @@ class AtlasSimulation:
             harnessed=self.scenario.start.harnessed,
             estimated=self.scenario.state == "estimated",
         )
-        programme = []
-        if self.scenario.programme != "none":
-            programme = control_mode_switch_programme(
-                self.robot, literal=self.scenario.programme == "tutorial_literal"
-            )
         self.diagram = make_control_mode_switch(
             self.robot,
-            programme,
+            self._programme,
             config,
             meshcat,
             overlays,
             recorded,
             self._recorder,
             video,
+            controller=controller,
+            behaviors=self._own_behaviors,
+            extend=extend,
         )
         self._film: VideoDisplay | None = None
         if self.diagram.HasSubsystemNamed("video"):
@@ -200,8 +225,10 @@ class AtlasSimulation:
         self.plant = self.station.GetSubsystemByName("plant")
         self._scheduler = self.diagram.GetSubsystemByName("scheduler")
         self._interface = self.station.GetSubsystemByName("command_interface")
-        self._controller = self.station.GetSubsystemByName("behavior_controller")
-        self._controller.tick_seconds = self._tick_seconds
+        own = self.station.GetSubsystemByName(CONTROLLER)
+        if hasattr(own, "tick_seconds"):
+            own.tick_seconds = self._tick_seconds
+        self._fall_watch = FallWatch(self.robot, self.plant)
         with only_news():
             self.simulator = Simulator(self.diagram)
         scale_masses(self.plant, self._plant_context(), variation)
@@ -216,7 +243,13 @@ class AtlasSimulation:
         # What logs need loads only where there is one.
         from atlas_drake.logs.start import start_recorder
 
-        recorder = start_recorder(path, self.scenario, self.robot, self._tick_seconds)
+        recorder = start_recorder(
+            path,
+            self.scenario,
+            self.robot,
+            self._tick_seconds,
+            self._own_behaviors,
+        )
         # Whoever forgets to close still gets a file that can be read.
         self._finalizer = weakref.finalize(self, recorder.close)
         return recorder
@@ -273,7 +306,7 @@ class AtlasSimulation:
             )
         numbered = message.numbered(next(self._numbers))
         if self._turns.leave(functools.partial(self._deliver, numbered)):
-            check_command(numbered, self.robot.joint_names)
+            check_command(numbered, self.robot.joint_names, self.behaviors)
             return
         with self._turns:
             refused = self.output("commands").refused
@@ -502,6 +535,7 @@ class AtlasSimulation:
             self._exert(())
             reset_station(self.station, self.context, begin)
             self._place(moved, start)
+            self._log.note(Event(self.time, "reset", f"reset, {begin.name} begins"))
             self.simulator.Initialize()
             self._look()
 
@@ -584,7 +618,7 @@ class AtlasSimulation:
     @property
     def current_behavior(self) -> Behavior:
         """The active behaviour."""
-        return self.output("controller_state").supervisor.current
+        return self.output("controller_status").current_behavior
 
     @property
     def has_fallen(self) -> bool:
@@ -610,8 +644,8 @@ class AtlasSimulation:
 
     @property
     def tick_seconds(self) -> MutableSequence[float]:
-        """Wall-clock times of the controller's ticks [s]."""
-        return self._controller.tick_seconds
+        """Wall-clock times of the controller's ticks [s]; empty if it gives none."""
+        return self._tick_seconds
 
     def output(self, name: str) -> Any:
         """What an output port of the station says now.
@@ -672,8 +706,12 @@ class AtlasSimulation:
             self._scheduler.programme,
             self.output("sent"),
             self.output("commands"),
-            self.output("controller_state").supervisor,
+            self.output("controller_status"),
         )
+        if not self._log.fallen():
+            sign = self._fall_watch.sign(self._plant_context())
+            if sign:
+                self._log.note(Event(self.time, "fall", f"falling ({sign})"))
         for system in (self._recorder, self._film):
             fault: AtlasError | None = None if system is None else system.fault
             if fault is not None and fault not in self._faults:

@@ -8,10 +8,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from atlas_drake.behaviors.base import Event
-from atlas_drake.behaviors.supervisor import SupervisorState
 from atlas_drake.frozen import replace
 from atlas_drake.messages.commands import CommandsInForce
+from atlas_drake.messages.controller_status import ControllerStatus
+from atlas_drake.messages.event import Event
 from atlas_drake.messages.recent import items_since
 from atlas_drake.systems.command_scheduler import ScheduledCommand
 
@@ -38,7 +38,7 @@ class RunLog:
         programme: tuple[ScheduledCommand, ...],
         sent: int,
         commands: CommandsInForce,
-        supervisor: SupervisorState,
+        status: ControllerStatus,
     ) -> None:
         """Notes what was sent, refused and done since the last look."""
         fresh = [
@@ -51,20 +51,21 @@ class RunLog:
             for refusal in commands.refusals_since(self._seen_refusals)
         )
         self._seen_refusals = commands.refused
-        fresh.extend(
-            items_since(supervisor.events, supervisor.event_count, self._seen_events)
-        )
-        self._seen_events = supervisor.event_count
+        fresh.extend(items_since(status.events, status.event_count, self._seen_events))
+        self._seen_events = status.event_count
         self.note(*sorted(fresh, key=lambda event: event.time))
 
     def note(self, *events: Event) -> None:
         """Adds events, and then tells the listeners: what one raises loses none."""
-        for event in events:
+        # A robot that has fallen falls no further, whoever notices it second.
+        fallen = self.fallen()
+        kept = [e for e in events if not (fallen and e.kind == "fall")]
+        for event in kept:
             self.events.append(replace(event, time=round(event.time, 6)))
             if event.kind == "footstep":
                 self.footsteps.append(event.data)
         for heard in self._listeners:
-            for event in events:
+            for event in kept:
                 heard(event)
 
     def fallen(self) -> bool:

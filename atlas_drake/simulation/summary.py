@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from atlas_drake.behaviors.base import STEPS_LEFT
 from atlas_drake.behaviors.footstep_event import landed_elsewhere
+from atlas_drake.messages.event import STEPS_LEFT
 from atlas_drake.systems.estimation_error import error_sizes
 
 if TYPE_CHECKING:

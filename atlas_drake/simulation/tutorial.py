@@ -10,17 +10,18 @@ import numpy as np
 from pydrake.common.eigen_geometry import Quaternion as DrakeQuaternion
 from pydrake.math import RigidTransform
 
+from atlas_drake.errors import ScenarioError
 from atlas_drake.messages import (
     K_EFFORT_MAX,
     AtlasBehaviorStepData,
     AtlasCommand,
     AtlasSimInterfaceCommand,
-    AtlasState,
     Pose,
     Quaternion,
     Vector3,
 )
 from atlas_drake.robot import Robot
+from atlas_drake.scenario import Scenario
 from atlas_drake.systems.command_scheduler import Feedback, ScheduledCommand
 
 FIRST_COMMAND = 2.0
@@ -28,12 +29,18 @@ FIRST_COMMAND = 2.0
 DURATION = 17.0
 """From the start to the end of the last command's time [s]."""
 
-KP_POSITION = (
-    [20.0, 4000.0, 2000.0, 20.0]
-    + 2 * [5.0, 100.0, 2000.0, 1000.0, 900.0, 300.0]
-    + 2 * [2000.0, 1000.0, 200.0, 200.0, 50.0, 100.0]
-)
-"""Position gains of the commands that bring their own [N·m/rad]."""
+_TRUNK = {"back_bkz": 20.0, "back_bky": 4000.0, "back_bkx": 2000.0, "neck_ry": 20.0}
+_LEG = {"hpz": 5.0, "hpx": 100.0, "hpy": 2000.0, "kny": 1000.0, "aky": 900.0}
+_LEG |= {"akx": 300.0}
+_ARM = {"shy": 2000.0, "shx": 1000.0, "ely": 200.0, "elx": 200.0, "wry": 50.0}
+_ARM |= {"wrx": 100.0}
+KP_POSITION = _TRUNK | {
+    f"{side}_{limb}_{joint}": gain
+    for limb, gains in (("leg", _LEG), ("arm", _ARM))
+    for side in ("l", "r")
+    for joint, gain in gains.items()
+}
+"""Position gains of the commands that bring their own, by joint [N·m/rad]."""
 KP_VELOCITY = 50.0
 """Velocity gain of every joint in those commands [N·m·s/rad]."""
 
@@ -58,6 +65,18 @@ HALF_STANCE = 0.15
 """Sideways distance of each foot from the robot's middle [m]."""
 
 
+def scheduled_programme(scenario: Scenario, robot: Robot) -> list[ScheduledCommand]:
+    """The commands that a scenario sends by itself.
+
+    Raises:
+        ScenarioError: If the robot lacks joints that the programme commands.
+    """
+    if scenario.programme == "none":
+        return []
+    literal = scenario.programme == "tutorial_literal"
+    return control_mode_switch_programme(robot, literal)
+
+
 def control_mode_switch_programme(
     robot: Robot, literal: bool = False
 ) -> list[ScheduledCommand]:
@@ -67,11 +86,22 @@ def control_mode_switch_programme(
         robot: Whose stand-prep pose is taken.
         literal: Send the arm command exactly as the published script does, without
             the velocity gains that its own comment intends.
+
+    Raises:
+        ScenarioError: If the robot lacks joints that the programme commands.
     """
+    missing = [name for name in KP_POSITION if name not in robot.joint_names]
+    if missing:
+        raise ScenarioError(
+            "programme",
+            "tutorial",
+            f"the tutorial commands Atlas' joints, and robot '{robot.name}' has no "
+            f"{missing[0]}; choose programme: none",
+        )
     n = robot.num_joints
     user_k_effort = [0] * n
     for name in USER_TARGETS:
-        user_k_effort[getattr(AtlasState, name)] = K_EFFORT_MAX
+        user_k_effort[robot.joint_index(name)] = K_EFFORT_MAX
 
     stand_prep = AtlasCommand()
     stand_prep.position = robot.stand_prep.tolist()
@@ -87,9 +117,9 @@ def control_mode_switch_programme(
     stand.behavior = stand.STAND
     stand.k_effort = [0] * n
 
-    arms = _posture(n, None if literal else KP_VELOCITY)
+    arms = _posture(robot, None if literal else KP_VELOCITY)
     for name, position in USER_TARGETS.items():
-        arms.position[getattr(AtlasState, name)] = position
+        arms.position[robot.joint_index(name)] = position
     arms.k_effort = user_k_effort
 
     def walk(feedback: Feedback) -> AtlasSimInterfaceCommand:
@@ -97,7 +127,7 @@ def control_mode_switch_programme(
         message.k_effort = user_k_effort
         return message
 
-    home = _posture(n, KP_VELOCITY)
+    home = _posture(robot, KP_VELOCITY)
     home.k_effort = [K_EFFORT_MAX] * n
 
     t = FIRST_COMMAND
@@ -111,13 +141,16 @@ def control_mode_switch_programme(
     ]
 
 
-def _posture(num_joints: int, kp_velocity: float | None) -> AtlasCommand:
+def _posture(robot: Robot, kp_velocity: float | None) -> AtlasCommand:
     """All joints to zero with the tutorial's gains."""
-    message = AtlasCommand()
+    message, num_joints = AtlasCommand(), robot.num_joints
     message.position = [0.0] * num_joints
     message.velocity = [0.0] * num_joints
     message.effort = [0.0] * num_joints
-    message.kp_position = list(KP_POSITION)
+    message.kp_position = [
+        KP_POSITION.get(name, kp)
+        for name, kp in zip(robot.joint_names, robot.default_kp.tolist(), strict=True)
+    ]
     message.ki_position = [0.0] * num_joints
     message.kd_position = [0.0] * num_joints
     if kp_velocity is not None:

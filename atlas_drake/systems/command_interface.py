@@ -11,6 +11,7 @@ from pydrake.systems.framework import Context, State, ValueProducer
 from atlas_drake.frozen import NOTHING, replace
 from atlas_drake.messages import Behavior
 from atlas_drake.messages.base import frozen
+from atlas_drake.messages.behavior_catalog import SHIPPED, BehaviorCatalog
 from atlas_drake.messages.commands import (
     CommandsInForce,
     commands_at_start,
@@ -43,11 +44,18 @@ class CommandInterface(CollectableSystem):
 
     __slots__ = ()
 
-    def __init__(self, robot: Robot, period: float, initial_behavior: Behavior):
-        """Updates every ``period`` [s]."""
+    def __init__(
+        self,
+        robot: Robot,
+        period: float,
+        initial_behavior: Behavior,
+        catalog: BehaviorCatalog = SHIPPED,
+    ):
+        """Updates every ``period`` [s]; knows the behaviors of ``catalog``."""
         super().__init__()
         self._robot = robot
-        start = commands_at_start(robot, initial_behavior)
+        start = commands_at_start(robot, initial_behavior, catalog)
+        self._catalog = catalog
         self._inputs = [
             self.DeclareAbstractInputPort(name, AbstractValue.Make(NOTHING))
             for name in ("atlas_command", "atlas_sim_interface_command")
@@ -92,7 +100,7 @@ class CommandInterface(CollectableSystem):
         before = context.get_abstract_state(self._state).get_value()
         atlas_command, sim_command = map(frozen, self._messages(context))
         after = replace(
-            commands_at_start(self._robot, behavior),
+            commands_at_start(self._robot, behavior, self._catalog),
             refusals=before.refusals,
             refused=before.refused,
             messages=before.messages,

@@ -227,6 +227,8 @@ class RobotSensors(CollectableSystem):
 
     def _hand_wrenches(self, context: Context) -> tuple[Wrench, Wrench]:
         """Contact forces on the hands, about their body origins, in W."""
+        if not self._hands:
+            return Wrench(), Wrench()
         totals = contact_wrenches(self._contacts.Eval(context), self._hand_bodies)
         scratch = self._at_state(context)
         wrenches = []

@@ -27,7 +27,6 @@ from atlas_drake.teleop.controls import (
     DIRECTIONS,
     PELVIS_HEIGHT,
     PELVIS_YAW,
-    PUSH_BODIES,
     PUSH_BODY,
     PUSH_DIRECTION,
     PUSH_IMPULSE,
@@ -97,7 +96,10 @@ class Commander:
     def __init__(self, robot: Robot, report: AtlasSimInterfaceState) -> None:
         """Takes over a robot as it reports itself."""
         self._robot = robot
-        self._first_joint = {group: group_of(robot).index(group) for group in SHARES}
+        groups = group_of(robot)
+        self._first_joint = {
+            group: groups.index(group) if group in groups else None for group in SHARES
+        }
         self._begin(report)
 
     def _begin(self, report: AtlasSimInterfaceState) -> None:
@@ -137,7 +139,7 @@ class Commander:
             elif action is Action.STOP:
                 self._drive = steer(self._drive, None)
             elif action is Action.PUSH:
-                orders.push = push_of(controls, report)
+                orders.push = push_of(controls, report, self._robot)
             elif action in _BEHAVIORS:
                 self._drive = Drive()
                 self._ask_for(_BEHAVIORS[action], controls, report, orders)
@@ -145,7 +147,9 @@ class Commander:
         if orders.sim_command is None:
             if report.behavior_feedback.status_flags & BehaviorStatus.ERROR_FALLING:
                 self._drive = Drive()
-            self._drive, orders.sim_command = drive(self._drive, controls.gait, report)
+            self._drive, orders.sim_command = drive(
+                self._drive, controls.gait(self._robot), report
+            )
         if orders.sim_command is not None:
             self._change_hands(orders.sim_command, report, state, orders)
         limbs = self._limbs
@@ -162,9 +166,9 @@ class Commander:
     # ---- joints --------------------------------------------------------------
 
     def _in_force(self, report: AtlasSimInterfaceState) -> dict[str, int]:
-        """Shares by group, as far as a group has one."""
+        """Shares by group, as far as a group has one; 0 for one without joints."""
         return {
-            group: int(report.k_effort[joint])
+            group: 0 if joint is None else int(report.k_effort[joint])
             for group, joint in self._first_joint.items()
         }
 
@@ -214,7 +218,10 @@ class Commander:
         if command.behavior == Behavior.USER:
             if not was_users:
                 self._shares_before_user = dict(self._limbs.shares)
-            shares = ALL_USER
+            shares = {
+                group: 0 if joint is None else ALL_USER[group]
+                for group, joint in self._first_joint.items()
+            }
         elif was_users:
             shares = self._shares_before_user
         else:
@@ -235,7 +242,7 @@ class Commander:
         command = AtlasSimInterfaceCommand()
         command.behavior = behavior
         if behavior is Behavior.STEP:
-            self._fill_step(command, controls.gait, report)
+            self._fill_step(command, controls.gait(self._robot), report)
         elif behavior is Behavior.MANIPULATE:
             self._fill_pose(command, controls, report, orders)
         orders.sim_command = command
@@ -251,7 +258,7 @@ class Commander:
         index = report.step_feedback.next_step_index_needed if active else 1
         foot = self._step_foot
         stance = foothold(report.foot_pos_est[1 - foot])
-        place = step_from(stance, foot, gait.stride, 0.0, 0.0)
+        place = step_from(stance, foot, gait, gait.stride, 0.0, 0.0)
         command.step_params.desired_step = step_data(index, foot, place, gait)
         command.step_params.use_relative_step_height = True
         self._step_foot = 1 - foot
@@ -298,13 +305,15 @@ class Commander:
             self._stick_used = False
 
 
-def push_of(controls: Controls, report: AtlasSimInterfaceState) -> PushOrder:
+def push_of(
+    controls: Controls, report: AtlasSimInterfaceState, robot: Robot
+) -> PushOrder:
     """The push that the sliders describe, its direction from the robot's heading."""
     heading = foothold(report.foot_pos_est[0]).yaw
     angle = heading + math.radians(controls.value(PUSH_DIRECTION))
     force = controls.value(PUSH_IMPULSE) / PUSH_DURATION
     return PushOrder(
-        body=PUSH_BODIES[int(controls.value(PUSH_BODY)) - 1],
+        body=robot.file.pushed[int(controls.value(PUSH_BODY)) - 1],
         force_W=force * np.array([math.cos(angle), math.sin(angle), 0.0]),
         duration=PUSH_DURATION,
     )

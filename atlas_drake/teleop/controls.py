@@ -11,14 +11,12 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import NamedTuple
 
-from atlas_drake.control.feet.footstep import StepLimits
+from atlas_drake.control.feet.footstep import clip
 from atlas_drake.messages import K_EFFORT_MAX, AtlasBehaviorPelvisServoParams
 from atlas_drake.planning.footholds import Gait
+from atlas_drake.robot import Robot, RobotFile
 from atlas_drake.teleop.limbs import GROUPS
 from atlas_drake.teleop.walking import Direction
-
-PUSH_BODIES = ("pelvis", "utorso", "head", "l_hand", "r_hand")
-"""What can be pushed, in the order of the slider."""
 
 
 class Key(NamedTuple):
@@ -92,7 +90,10 @@ PAGE_TURNS = {Action.PREVIOUS_PAGE: -1, Action.NEXT_PAGE: 1}
 
 
 class Slider(NamedTuple):
-    """A slider: its label, range and smallest change, and where it is at first."""
+    """A slider: its label, range and smallest change, and where it is at first.
+
+    The constants below have Atlas' ranges; ``fitted`` makes those of another robot.
+    """
 
     label: str
     low: float
@@ -101,15 +102,38 @@ class Slider(NamedTuple):
     value: float
 
 
-_GAIT, _LIMITS = Gait(), StepLimits()
-STRIDE = Slider("stride [m]", 0.05, 0.30, 0.01, _GAIT.stride)
-TURN = Slider("turn per step [rad]", 0.05, _LIMITS.toe_in, 0.01, _GAIT.turn)
-DURATION = Slider("step duration [s]", _LIMITS.min_duration, 1.2, 0.01, _GAIT.duration)
-SWING_HEIGHT = Slider("swing height [m]", 0.05, 0.25, 0.01, _GAIT.swing_height)
-_POSE = AtlasBehaviorPelvisServoParams()
-PELVIS_HEIGHT = Slider("pelvis height [m]", 0.60, 0.95, 0.005, _POSE.pelvis_height)
-PELVIS_YAW = Slider("pelvis yaw [rad]", -0.6, 0.6, 0.01, _POSE.pelvis_yaw)
-PUSH_BODY = Slider(f"body (1-{len(PUSH_BODIES)})", 1, len(PUSH_BODIES), 1, 2)
+def _walking_sliders(file: RobotFile) -> tuple[Slider, ...]:
+    """Stride, turn, duration and swing height, about what is usual."""
+    usual, limits = file.usual_steps, file.walk_limits
+    stride, height = usual.stride, usual.swing_height
+    slowest = 2.0 * limits.min_duration
+    return (
+        Slider("stride [m]", 0.25 * stride, 1.5 * stride, 0.01, stride),
+        Slider("turn per step [rad]", 0.05, limits.toe_in, 0.01, usual.turn),
+        Slider("step duration [s]", limits.min_duration, slowest, 0.01, usual.duration),
+        Slider("swing height [m]", 0.5 * height, 2.5 * height, 0.01, height),
+    )
+
+
+def _pelvis_sliders(file: RobotFile) -> tuple[Slider, ...]:
+    """Height and yaw."""
+    pose, allowed = AtlasBehaviorPelvisServoParams(), file.pelvis_range
+    (low, high), (left, right) = allowed.height, allowed.yaw
+    height = clip(pose.pelvis_height, low, high)
+    return (
+        Slider("pelvis height [m]", low, high, 0.005, height),
+        Slider("pelvis yaw [rad]", left, right, 0.01, clip(0.0, left, right)),
+    )
+
+
+def _push_body(bodies: int) -> Slider:
+    """By which number a body is pushed."""
+    return Slider("body", 1, bodies, 1, min(2, bodies))
+
+
+STRIDE, TURN, DURATION, SWING_HEIGHT = _walking_sliders(RobotFile())
+PELVIS_HEIGHT, PELVIS_YAW = _pelvis_sliders(RobotFile())
+PUSH_BODY = _push_body(5)
 PUSH_DIRECTION = Slider("direction [deg]", -180, 180, 5, 0)
 PUSH_IMPULSE = Slider("impulse [N.s]", 1, 60, 1, 15)
 SHARES = {group: Slider(f"k_effort {group}", 0, K_EFFORT_MAX, 1, 0) for group in GROUPS}
@@ -127,6 +151,17 @@ SLIDERS = (
     PUSH_DIRECTION,
     PUSH_IMPULSE,
 )
+
+
+def fitted(robot: Robot) -> dict[str, Slider]:
+    """Returns the sliders of the panel with the ranges of a robot, by label."""
+    file = robot.file
+    own = (
+        *_walking_sliders(file),
+        *_pelvis_sliders(file),
+        _push_body(len(file.pushed)),
+    )
+    return {slider.label: slider for slider in (*SLIDERS, *own)}
 
 
 @dataclass(frozen=True)
@@ -151,10 +186,10 @@ class Controls:
         """Where a slider is."""
         return self.sliders[slider.label]
 
-    @property
-    def gait(self) -> Gait:
-        """How to walk."""
-        return Gait(
+    def gait(self, robot: Robot) -> Gait:
+        """How ``robot`` shall walk."""
+        return Gait.nearest(
+            robot,
             stride=self.value(STRIDE),
             turn=self.value(TURN),
             duration=self.value(DURATION),
@@ -181,18 +216,18 @@ Keys work where the 3D view has the focus; every key is a button there too.
 "Open Controls" unfolds the panel, page by page: modes, walking, pelvis, push, limbs,
 overlays, scene. Every key works on every page, and while the panel is folded.
 
-Atlas goes on as told until another key; a gamepad's sticks steer it as long as they
+The robot goes on as told until another key; a gamepad's sticks steer it as long as they
 are held. Sliders set the stride and, per limb, k_effort: 0 is the behaviour, 255 you.
 A limb that is yours gets a page with a slider for each joint. A push goes ahead at
 0 deg and to the robot's left at 90 deg; bodies are
 {bodies}."""
 
 
-def legend() -> str:
+def legend(robot: Robot) -> str:
     """What the terminal says about the keys."""
-    return LEGEND.format(bodies=push_bodies())
+    return LEGEND.format(bodies=pushed_bodies(robot))
 
 
-def push_bodies() -> str:
-    """The bodies by their number on the slider."""
-    return ", ".join(f"{i} {name}" for i, name in enumerate(PUSH_BODIES, 1))
+def pushed_bodies(robot: Robot) -> str:
+    """The bodies that can be pushed by their number on the slider."""
+    return ", ".join(f"{i} {name}" for i, name in enumerate(robot.file.pushed, 1))

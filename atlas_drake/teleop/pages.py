@@ -6,7 +6,7 @@ Data only; ``paged_controls`` turns the pages.
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from atlas_drake.robot import Robot
 from atlas_drake.teleop.controls import (
@@ -23,7 +23,8 @@ from atlas_drake.teleop.controls import (
     TURN,
     Action,
     Slider,
-    push_bodies,
+    fitted,
+    pushed_bodies,
 )
 from atlas_drake.teleop.limbs import SLIDER_STEP, group_of
 from atlas_drake.visualization.overlays import OVERLAYS
@@ -73,12 +74,7 @@ WALKING = Page(
     (STRIDE, TURN, DURATION, SWING_HEIGHT),
 )
 PELVIS = Page("pelvis", (Action.STAND, Action.MANIPULATE), (PELVIS_HEIGHT, PELVIS_YAW))
-PUSH = Page(
-    "push",
-    (Action.PUSH,),
-    (PUSH_BODY, PUSH_DIRECTION, PUSH_IMPULSE),
-    f"0 deg is ahead, 90 to the left; bodies: {push_bodies()}",
-)
+PUSH = Page("push", (Action.PUSH,), (PUSH_BODY, PUSH_DIRECTION, PUSH_IMPULSE))
 LIMBS = Page(
     "limbs",
     (),
@@ -101,6 +97,14 @@ def joint_slider(robot: Robot, index: int) -> Slider:
 def pages_with(robot: Robot, joints: Collection[int]) -> tuple[Page, ...]:
     """All pages while the user has these joints: a page more per limb of theirs."""
     groups = group_of(robot)
+    own = fitted(robot)
+
+    def fit(page: Page, note: str = "") -> Page:
+        sliders = tuple(own[slider.label] for slider in page.sliders)
+        return replace(page, sliders=sliders, note=note or page.note)
+
+    push = fit(PUSH, f"0 deg is ahead, 90 to the left; bodies: {pushed_bodies(robot)}")
+    shares = tuple(SHARES[group] for group in SHARES if group in groups)
     by_group = {
         group: [joint_slider(robot, i) for i in sorted(joints) if groups[i] == group]
         for group in SHARES
@@ -110,4 +114,13 @@ def pages_with(robot: Robot, joints: Collection[int]) -> tuple[Page, ...]:
         for group, sliders in by_group.items()
         if sliders
     ]
-    return (MODES, WALKING, PELVIS, PUSH, LIMBS, *limbs, VIEW, SCENE)
+    return (
+        MODES,
+        fit(WALKING),
+        fit(PELVIS),
+        push,
+        replace(LIMBS, sliders=shares),
+        *limbs,
+        VIEW,
+        SCENE,
+    )

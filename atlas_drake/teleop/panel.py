@@ -12,7 +12,7 @@ from typing import Protocol
 from pydrake.geometry import Meshcat
 
 from atlas_drake.robot import Robot
-from atlas_drake.teleop.controls import SLIDERS, Controls, Slider
+from atlas_drake.teleop.controls import SLIDERS, Controls, Slider, fitted
 from atlas_drake.teleop.paged_controls import PagedControls
 from atlas_drake.teleop.pages import SWITCHES, joint_slider, pages_with
 from atlas_drake.teleop.walking import Direction
@@ -52,6 +52,7 @@ class Panel:
         self._robot = robot
         self._overlays = overlays
         self._joints: dict[int, Slider] = {}
+        self._own = fitted(robot)
         self._controls = PagedControls(meshcat, pages_with(robot, ()))
         self._show_overlays()
 
@@ -62,14 +63,14 @@ class Panel:
         self._switch_overlays()
         return Controls(
             clicks=pressed,
-            sliders={slider.label: controls.value(slider) for slider in SLIDERS},
+            sliders={s.label: controls.value(self._own[s.label]) for s in SLIDERS},
             joints={i: controls.value(slider) for i, slider in self._joints.items()},
             stick=self._stick(),
         )
 
     def set(self, slider: Slider, value: float) -> None:
         """Moves a slider."""
-        self._controls.set(slider, value)
+        self._controls.set(self._own.get(slider.label, slider), value)
 
     def show_joints(self, positions: Mapping[int, float]) -> None:
         """Offers sliders for these joints and no others, new ones at a position."""

@@ -118,7 +118,7 @@ def next_steps(
             stride += _clip(wanted - stride, STRIDE_CHANGE)
             shift = gait.stride * SIDEWAYS_SHARE * direction.left
             turn = gait.turn * direction.turn
-        feet[foot] = step_from(feet[1 - foot], foot, stride, shift, turn)
+        feet[foot] = step_from(feet[1 - foot], foot, gait, stride, shift, turn)
         strides[index] = stride
         steps.append(step_data(index, foot, feet[foot], gait))
     return replace(walker, strides=strides), steps

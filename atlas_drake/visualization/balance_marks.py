@@ -1,7 +1,7 @@
 """Balance on the picture: CoM, DCM, CoP, support polygon, planned paths, swing path.
 
-Drawn from the station's ports while it is switched on. What is planned comes from
-``planned_paths``; contact forces are in ``contact_forces``.
+Drawn from the station's ports while it is switched on. What is planned is in the
+controller's status; contact forces are in ``contact_forces``.
 """
 
 from __future__ import annotations
@@ -17,20 +17,15 @@ from pydrake.systems.framework import Context
 
 from atlas_drake.control.balance.center_of_pressure import centre_of_pressure
 from atlas_drake.control.balance.feedback import dcm, pendulum_frequency
-from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.frozen import NOTHING
+from atlas_drake.messages.controller_status import Plan
 from atlas_drake.robot import Robot
 from atlas_drake.visualization.display import Display
 from atlas_drake.visualization.marks import Marks
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.palette import COM, COP, DCM, SUPPORT, SWING
-from atlas_drake.visualization.planned_paths import (
-    planned_paths,
-    support_of,
-    swing_path,
-)
 from atlas_drake.visualization.ribbons import draw_flat
 from atlas_drake.visualization.timeline import Timeline
 from atlas_drake.visualization.tubes import thinned, tube
@@ -64,7 +59,7 @@ class BalanceMarks(Display):
 
     Input ports:
         state: Of the plant.
-        controller_state: ``ControllerState``
+        controller_status: ``ControllerStatus``
         foot_wrenches: Of contact on both soles, see ``RobotSensors``.
     """
 
@@ -94,8 +89,8 @@ class BalanceMarks(Display):
         self._scratch = self._model.create_context()
         self._state = self.DeclareVectorInputPort("state", self._model.num_states)
         self._wrenches = self.DeclareVectorInputPort("foot_wrenches", 12)
-        self._controller = self.DeclareAbstractInputPort(
-            "controller_state", AbstractValue.Make(NOTHING)
+        self._status = self.DeclareAbstractInputPort(
+            "controller_status", AbstractValue.Make(NOTHING)
         )
         self._pictures = -1
         self._timeline = Timeline(meshcat)
@@ -120,7 +115,7 @@ class BalanceMarks(Display):
                 marks.show([], time)
         if not on:
             return
-        memory = self._remembered(context)
+        plan: Plan = self._status.Eval(context).plan
         terms = self._model.evaluate(self._scratch, self._state.Eval(context))
         ground = min(float(foot.p_WF[2]) for foot in terms.feet)
         omega = pendulum_frequency(float(terms.com[2]) - ground)
@@ -136,25 +131,19 @@ class BalanceMarks(Display):
             elif "cop" in self._drawn:
                 self._timeline.show(f"{PATH}/cop", False, time)
         if "support" in on:
-            self._support.show(_area(support_of(memory), ground), time)
+            self._support.show(_area(plan.support, ground), time)
         self._pictures += 1
         if self._pictures % PATHS_EVERY:
             return
         if "plan" in on:
-            paths = planned_paths(memory, terms.com[:2], omega)
             for name in ("com", "dcm"):
-                points = None
-                if paths is not None:
-                    flat = getattr(paths, name)
+                points, flat = None, getattr(plan.paths, name)
+                if flat is not None:
                     z = np.full(len(flat), ground + LIFT["plan"])
                     points = np.column_stack([flat, z])
                 self._curves[f"plan_{name}"].show(_curve(points), time)
         if "swing" in on:
-            self._curves["swing"].show(_curve(swing_path(memory)), time)
-
-    def _remembered(self, context: Context) -> Any:
-        controller: Any = self._controller.Eval(context)
-        return controller.supervisor.memory
+            self._curves["swing"].show(_curve(plan.paths.swing), time)
 
     def _move_com(self, terms: WholeBodyTerms, ground: float, time: float) -> None:
         """A ball, seen through the body that hides it, and where it is above."""
@@ -208,11 +197,10 @@ class BalanceMarks(Display):
         self._meshcat.SetProperty(target, "renderOrder", order)
 
 
-def _area(support: SupportPolygon | None, ground: float) -> list[tuple[Point, ...]]:
+def _area(corners: np.ndarray | None, ground: float) -> list[tuple[Point, ...]]:
     """The polygon as a mark, if there is one."""
-    if support is None:
+    if corners is None:
         return []
-    corners = support.vertices
     z = np.full(len(corners), ground + LIFT["support"])
     return [_points(np.column_stack([corners, z]), AREA_GRID)]
 

@@ -16,6 +16,7 @@ from pydrake.geometry import Meshcat, Rgba
 from pydrake.math import RigidTransform
 from pydrake.systems.framework import Context
 
+from atlas_drake.frozen import NOTHING
 from atlas_drake.messages import (
     K_EFFORT_MAX,
     AtlasSimInterfaceState,
@@ -24,6 +25,7 @@ from atlas_drake.messages import (
     StepStatus,
     WalkStatus,
 )
+from atlas_drake.messages.behavior_catalog import SHIPPED, BehaviorCatalog
 from atlas_drake.visualization.display import Display
 from atlas_drake.visualization.feedback_words import feedback_words
 from atlas_drake.visualization.marks import Marks
@@ -45,12 +47,20 @@ STROKE = 0.13
 COLOR = Rgba(0.13, 0.17, 0.22, 1.0)
 
 
-def caption_of(report: AtlasSimInterfaceState) -> tuple[str, str]:
-    """Title and note about what the robot is doing."""
+def caption_of(
+    report: AtlasSimInterfaceState, catalog: BehaviorCatalog = SHIPPED
+) -> tuple[str, str]:
+    """Title and note about what the robot is doing.
+
+    Args:
+        report: Of the robot.
+        catalog: Of its behaviors.
+    """
     shares = list(report.k_effort)
     users = sum(share >= K_EFFORT_MAX for share in shares)
     blended = sum(0 < share < K_EFFORT_MAX for share in shares)
-    behavior = Behavior(report.current_behavior)
+    entry = catalog.entry(catalog.find(report.current_behavior))
+    behavior = entry.behavior
     note = f"{users} of {len(shares)} joints under user control"
     if users == 0:
         note = "all joints under behavior control"
@@ -60,7 +70,7 @@ def caption_of(report: AtlasSimInterfaceState) -> tuple[str, str]:
         return "falling", note
     if users == len(shares) or behavior in (Behavior.USER, Behavior.NONE):
         return "user", "all joints under user control"
-    title = behavior.name.replace("_", " ")
+    title = entry.title
     if behavior is Behavior.WALK:
         walk = report.walk_feedback
         if walk.status_flags & WalkStatus.SUBSTATE_STEPPING:
@@ -84,6 +94,7 @@ class CaptionDisplay(Display):
 
     Input ports:
         atlas_sim_interface_state: ``AtlasSimInterfaceState``
+        commands: ``CommandsInForce``
     """
 
     __slots__ = ()
@@ -105,11 +116,15 @@ class CaptionDisplay(Display):
         self._report = self.DeclareAbstractInputPort(
             "atlas_sim_interface_state", AbstractValue.Make(AtlasSimInterfaceState())
         )
+        self._commands = self.DeclareAbstractInputPort(
+            "commands", AbstractValue.Make(NOTHING)
+        )
         self._marks = Marks(meshcat, f"{CAMERA}/caption", self._draw, recorded)
 
     def _publish(self, context: Context) -> None:
         report: Any = self._report.Eval(context)
-        title, note = caption_of(report)
+        commands: Any = self._commands.Eval(context)
+        title, note = caption_of(report, commands.catalog)
         marks = [
             _Line(title, TITLE_HEIGHT, TITLE_Y),
             _Line(note, NOTE_HEIGHT, NOTE_Y),

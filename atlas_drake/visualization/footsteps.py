@@ -17,7 +17,6 @@ from pydrake.geometry import Meshcat, Rgba
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.systems.framework import Context
 
-from atlas_drake.behaviors.base import Event
 from atlas_drake.behaviors.step.queue import footstep_from
 from atlas_drake.frozen import NOTHING
 from atlas_drake.messages import (
@@ -27,6 +26,7 @@ from atlas_drake.messages import (
     Behavior,
 )
 from atlas_drake.messages.commands import BehaviorRequest
+from atlas_drake.messages.event import Event
 from atlas_drake.robot import SoleSize
 from atlas_drake.visualization.display import Display
 from atlas_drake.visualization.marks import Marks
@@ -208,7 +208,7 @@ class FootstepDisplay(Display):
 
     Input ports:
         commands: ``CommandsInForce``
-        controller_state: ``ControllerState``
+        controller_status: ``ControllerStatus``
         atlas_sim_interface_state: ``AtlasSimInterfaceState``
     """
 
@@ -221,17 +221,17 @@ class FootstepDisplay(Display):
         super().__init__(period)
         self._meshcat = meshcat
         self._outline = sole_outline(sole)
-        self._commands, self._controller, self._report = (
+        self._commands, self._status, self._report = (
             self.DeclareAbstractInputPort(name, AbstractValue.Make(NOTHING))
-            for name in ("commands", "controller_state", "atlas_sim_interface_state")
+            for name in ("commands", "controller_status", "atlas_sim_interface_state")
         )
         self._marks = Marks(meshcat, "/atlas_drake/footsteps", self._draw, recorded)
 
     def _publish(self, context: Context) -> None:
         commands: Any = self._commands.Eval(context)
         report: Any = self._report.Eval(context)
-        controller: Any = self._controller.Eval(context)
-        events = controller.supervisor.events
+        status: Any = self._status.Eval(context)
+        events = status.events
         marks = footstep_marks(commands.request, report, events)
         self._marks.show(marks, context.get_time())
 

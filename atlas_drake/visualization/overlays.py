@@ -24,9 +24,8 @@ OVERLAYS = {
 }
 """Names, and what they show."""
 
-LOGGED = ("com", "dcm", "cop", "owner", "effort", "flags", "follow")
-"""Those that a log is enough for: it has neither a behaviour's plan nor its support
-polygon, and of contacts the sums over each foot alone."""
+LOGGED = tuple(name for name in OVERLAYS if name != "forces")
+"""Those that a log is enough for: of contacts it has the sums over each foot alone."""
 _COLORINGS = ("owner", "effort")
 """Of these at most one is on: a link has one colour."""
 

@@ -56,7 +56,7 @@ class VideoDisplay(CollectableSystem):
     Input ports:
         state: Of the plant, configuration first.
         commands: ``CommandsInForce``
-        controller_state: ``ControllerState``
+        controller_status: ``ControllerStatus``
         atlas_sim_interface_state: ``AtlasSimInterfaceState``
 
     Attributes:
@@ -86,9 +86,9 @@ class VideoDisplay(CollectableSystem):
         )
         self._stage = VideoStage(robot, terrain, video.width, video.height)
         self._state = self.DeclareVectorInputPort("state", num_states)
-        self._commands, self._controller, self._report = (
+        self._commands, self._status, self._report = (
             self.DeclareAbstractInputPort(name, AbstractValue.Make(NOTHING))
-            for name in ("commands", "controller_state", "atlas_sim_interface_state")
+            for name in ("commands", "controller_status", "atlas_sim_interface_state")
         )
         self._target: NDArray[np.float64] | None = None
         self._yaw = 0.0
@@ -119,16 +119,18 @@ class VideoDisplay(CollectableSystem):
         q = self._state.Eval(context)[: self._stage.num_positions]
         commands: Any = self._commands.Eval(context)
         report: Any = self._report.Eval(context)
-        controller: Any = self._controller.Eval(context)
+        status: Any = self._status.Eval(context)
         if self._target is None:
             self._yaw = RollPitchYaw(
                 Quaternion(q[:4] / np.linalg.norm(q[:4]))
             ).yaw_angle()
         self._target = follow(self._target, q[4:7], 1.0 / VIDEO_RATE)
-        marks = footstep_marks(commands.request, report, controller.supervisor.events)
+        marks = footstep_marks(commands.request, report, status.events)
         pose = camera_pose(self._target, self._yaw)
         picture = self._stage.picture(q, marks, pose)
-        captioned = with_caption(picture, *caption_of(report), context.get_time())
+        captioned = with_caption(
+            picture, *caption_of(report, commands.catalog), context.get_time()
+        )
         try:
             self._file.add(captioned)
         except VideoError as error:

@@ -159,7 +159,7 @@ def test_a_run_that_stays_upright_succeeds(scenario, tmp_path, capsys, summary_k
     arguments = ["--model", "atlas_v3", "--seed", "7", "--physics-step", "0.002"]
     arguments += ["--headless", "--json", str(file)]
     assert main(["run", scenario(), *arguments]) == 0
-    assert "Success: Atlas is upright after 0.1 s" in capsys.readouterr().out
+    assert "Success: the robot is upright after 0.1 s" in capsys.readouterr().out
     summary = json.loads(file.read_text())
     assert summary.keys() >= summary_keys
     assert summary["success"] is True
@@ -175,7 +175,7 @@ def test_a_run_that_stays_upright_succeeds(scenario, tmp_path, capsys, summary_k
 def test_a_fall_fails_and_ends_the_run(scenario, tmp_path, capsys):
     file = tmp_path / "out.json"
     assert main(["run", scenario(FALL), "--headless", "--json", str(file)]) == 1
-    assert "Failed: Atlas fell at" in capsys.readouterr().out
+    assert "Failed: the robot fell at" in capsys.readouterr().out
     summary = json.loads(file.read_text())
     assert summary["fell"] is True
     assert summary["success"] is False
@@ -408,7 +408,7 @@ def test_a_full_disk_takes_nothing_else_with_it(
     assert main(["run", scenario(), *options]) == 3
     out = capsys.readouterr().out
     assert f"{lost} is lost: No space left on device" in out
-    assert "Success: Atlas is upright after 0.1 s" in out
+    assert "Success: the robot is upright after 0.1 s" in out
     assert all(file.stat().st_size > 1000 for file in files.values())
     if full == "--log":  # Which is noticed, and told, while the run goes on.
         told = f"{lost}: cannot be written: No space left on device; the run"
@@ -478,7 +478,9 @@ def outcome(**changes):
 
 
 def test_verdicts_tell_apart_what_can_happen():
-    assert verdict(outcome()).startswith("Success: Atlas is upright after 17.0 s, 1 st")
+    assert verdict(outcome()).startswith(
+        "Success: the robot is upright after 17.0 s, 1 st"
+    )
     fall = [{"time": 3.2, "kind": "fall", "text": "falling in WALK"}]
     fell = verdict(outcome(success=False, fell=True, events=fall))
     assert "fell at 3.2 s: falling in WALK" in fell
@@ -530,7 +532,7 @@ def test_the_diagram_is_drawn_as_it_is_wired(tmp_path, capsys):
     source = file.read_text()
     for edge in (
         "scheduler -> command_interface",
-        "behavior_controller -> effort_selector",
+        "controller -> effort_selector",
         "effort_selector -> plant",
         "plant -> robot_sensors",
     ):
@@ -542,7 +544,7 @@ def test_the_diagram_is_drawn_as_it_is_wired(tmp_path, capsys):
 def test_the_diagram_becomes_a_picture(tmp_path):
     file = tmp_path / "diagram.svg"
     assert main(["diagram", str(file), "--no-open"]) == 0
-    assert "behavior_controller" in file.read_text()
+    assert "interface_reporter" in file.read_text()
 
 
 @pytest.mark.skipif(shutil.which("dot") is None, reason="Graphviz is not installed")

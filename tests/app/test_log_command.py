@@ -293,10 +293,9 @@ def test_a_replay_is_recorded_with_what_is_to_be_shown(log_file, tmp_path):
     assert b"/balance/dcm" not in animation
 
 
-@pytest.mark.parametrize("name", ["support", "plan", "swing", "forces"])
-def test_what_is_not_in_a_log_cannot_be_shown(name, log_file, capsys):
+def test_what_is_not_in_a_log_cannot_be_shown(log_file, capsys):
     with pytest.raises(SystemExit) as stop:
-        main(["replay", str(log_file), "--show", f"com,{name}"])
+        main(["replay", str(log_file), "--show", "com,forces"])
     assert stop.value.code == 2
     assert "is not in a log, which has com, dcm" in capsys.readouterr().err
 
@@ -307,7 +306,7 @@ def test_what_is_not_in_a_log_cannot_be_shown(name, log_file, capsys):
         ("demo", ["--log", ".mcap", "Foxglove"]),
         ("plot", ["--output", ".html", "exit status"]),
         ("replay", ["--record", "--realtime-rate", "--headless", "--video", "--show"]),
-        ("replay", ["support, plan, swing, forces are not in a log"]),
+        ("replay", ["forces: not in a log"]),
     ],
 )
 def test_help_explains_logs(command, words, capsys):

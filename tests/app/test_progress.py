@@ -4,7 +4,7 @@ import io
 
 from atlas_drake.app import progress
 from atlas_drake.app.progress import Progress, event_line
-from atlas_drake.behaviors.base import Event
+from atlas_drake.messages.event import Event
 
 
 class Terminal(io.StringIO):

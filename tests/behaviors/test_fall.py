@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from atlas_drake.behaviors.fall import FallLimits, sign_of_fall
+from atlas_drake.behaviors.fall import FallLimits, posture_of, sign_of_fall
 from atlas_drake.control.whole_body.model import nominal_com_height
 
 LIMITS = FallLimits(tilt=0.8, height=0.6)
@@ -38,16 +38,18 @@ def lowered(terms, height):
 
 @pytest.mark.parametrize("angle", [0.0, 0.79, -0.79])
 def test_upright_is_no_fall(terms, nominal, angle):
-    assert sign_of_fall(tilted(terms, angle), nominal, LIMITS) == ""
+    assert sign_of_fall(posture_of(tilted(terms, angle)), nominal, LIMITS) == ""
 
 
 @pytest.mark.parametrize("angle", [0.81, -0.81, np.pi])
 def test_a_tilted_pelvis_falls(terms, nominal, angle):
-    text = sign_of_fall(tilted(terms, angle), nominal, LIMITS)
+    text = sign_of_fall(posture_of(tilted(terms, angle)), nominal, LIMITS)
     assert text == f"pelvis tilted by {abs(angle):.2f} rad"
 
 
 def test_the_height_counts_from_the_lower_sole(terms, nominal):
-    assert sign_of_fall(lowered(terms, 0.61 * nominal), nominal, LIMITS) == ""
-    text = sign_of_fall(lowered(terms, 0.59 * nominal), nominal, LIMITS)
+    assert (
+        sign_of_fall(posture_of(lowered(terms, 0.61 * nominal)), nominal, LIMITS) == ""
+    )
+    text = sign_of_fall(posture_of(lowered(terms, 0.59 * nominal)), nominal, LIMITS)
     assert text.startswith(f"centre of mass only {0.59 * nominal:.2f} m")

@@ -8,7 +8,6 @@ import pytest
 
 from atlas_drake.behaviors.walk.gait import (
     COP_INWARD,
-    GaitTiming,
     begun_at,
     landing_sensitivity,
     plan_walk,
@@ -17,6 +16,7 @@ from atlas_drake.behaviors.walk.gait import (
 from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.footstep import LEFT, RIGHT, FootPose, Footstep, outward
 from atlas_drake.control.rotations import rotation_z
+from atlas_drake.robot import GaitTiming
 
 OMEGA = 3.3
 TIMING = GaitTiming()
@@ -60,8 +60,8 @@ def phases(first, steps, swinging):
     sequence = []
     for number, step in enumerate(steps):
         if not (number == 0 and swinging):
-            sequence.append(("transfer", step, TIMING.transfer(step)))
-        sequence.append(("swing", step, TIMING.swing(step)))
+            sequence.append(("transfer", step, TIMING.transfer(step.duration)))
+        sequence.append(("swing", step, TIMING.swing(step.duration)))
     sequence.append(("settle", None, TIMING.settle))
     kind, step, _ = sequence[0]
     sequence[0] = (kind, step, first)
@@ -76,9 +76,9 @@ def with_times(sequence):
 
 def test_a_step_is_all_transfer_and_swing(steps):
     for step in steps:
-        assert TIMING.transfer(step) > 0.0
-        assert TIMING.swing(step) > 0.0
-        total = TIMING.transfer(step) + TIMING.swing(step)
+        assert TIMING.transfer(step.duration) > 0.0
+        assert TIMING.swing(step.duration) > 0.0
+        total = TIMING.transfer(step.duration) + TIMING.swing(step.duration)
         assert total == pytest.approx(step.duration)
 
 
@@ -149,8 +149,8 @@ def test_planning_again_midway_goes_on_with_the_same_plan(feet, steps, cop):
     passed = 0.6 * FIRST
     now = plan.evaluate(passed)
     again = plan_walk(now.cop, FIRST - passed, feet, steps, False, TIMING, OMEGA)
-    into_swing = FIRST + 0.4 * TIMING.swing(steps[0])
-    left = 0.6 * TIMING.swing(steps[0])
+    into_swing = FIRST + 0.4 * TIMING.swing(steps[0].duration)
+    left = 0.6 * TIMING.swing(steps[0].duration)
     there = plan.evaluate(into_swing)
     swinging = plan_walk(there.cop, left, feet, steps, True, TIMING, OMEGA)
     for time in np.linspace(0.0, plan.duration - into_swing, 50):

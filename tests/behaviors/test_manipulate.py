@@ -75,7 +75,7 @@ def parts(model, observe):
     terms = observe().terms
     height = float(terms.com[2] - terms.feet[0].p_WF[2])
     balance = Balance(model.robot, ControlGains())
-    manipulate = Manipulate(balance, PelvisReach(model), height, BodyRates())
+    manipulate = Manipulate(balance, PelvisReach(model.robot), height, BodyRates())
     return manipulate, Stand(balance, height, BodyRates())
 
 

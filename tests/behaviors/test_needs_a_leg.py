@@ -8,7 +8,7 @@ from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.body_reference import BodyRates, capture_body
 from atlas_drake.behaviors.freeze import Freeze
 from atlas_drake.behaviors.manipulate.manipulate import Manipulate
-from atlas_drake.behaviors.stand.stance_guard import LEAST_EFFORT, Holding, StanceGuard
+from atlas_drake.behaviors.stand.stance_guard import Holding, StanceGuard
 from atlas_drake.behaviors.stand.stand import Stand
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.control.pelvis.pelvis_reach import PelvisReach
@@ -31,7 +31,7 @@ def stand(balance):
 
 @pytest.fixture(scope="module")
 def manipulate(balance, model):
-    inner = Manipulate(balance, PelvisReach(model), HEIGHT, BodyRates())
+    inner = Manipulate(balance, PelvisReach(model.robot), HEIGHT, BodyRates())
     return StanceGuard(inner, Freeze(balance), balance)
 
 
@@ -62,8 +62,8 @@ def test_a_share_counts_by_the_effort_it_leaves(robot, stand, observe):
         shares = {"l_leg_hpy": 1.0 - effort / limit, "r_leg_hpy": 1.0}
         return stand.has_a_leg(observe(users=shares))
 
-    assert balances_with(LEAST_EFFORT + 0.1)
-    assert not balances_with(LEAST_EFFORT - 0.1)
+    assert balances_with(robot.file.balance_effort + 0.1)
+    assert not balances_with(robot.file.balance_effort - 0.1)
 
 
 def run(behavior, memory, observations, request=None, leaving=False):

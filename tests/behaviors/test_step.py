@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from atlas_drake import AtlasSimInterfaceCommand, Scenario
-from atlas_drake.behaviors.base import STEPS_LEFT
 from atlas_drake.behaviors.step.memory import StepRules
 from atlas_drake.messages import (
     NO_STEP,
@@ -18,6 +17,7 @@ from atlas_drake.messages import (
     ToeOff,
     Vector3,
 )
+from atlas_drake.messages.event import STEPS_LEFT
 from atlas_drake.scenario.terrain import Block
 
 LEFT, RIGHT = 0, 1

@@ -23,6 +23,7 @@ from atlas_drake.messages import (
     Vector3,
 )
 from atlas_drake.planning.demo_steps import DEMO_STEPS
+from atlas_drake.planning.footholds import Gait
 
 DEFAULT = StepAction(knee_nominal=0.72)
 LEVEL = (0.0, 0.0)
@@ -172,7 +173,7 @@ def stance(ahead, yaw=0.0):
 )
 def test_a_demonstration_steps_with_the_foot_that_is_behind(ahead, yaw, foot):
     feet = stance(ahead, yaw)
-    wanted = demo_step(feet, 3, DEFAULT)
+    wanted = demo_step(feet, 3, DEFAULT, Gait())
     assert (wanted.step.index, wanted.step.foot) == (3, foot)
     assert wanted.step.duration == DEFAULT.step_duration
     apex = DEFAULT.lift_height + DEFAULT.swing_height
@@ -183,8 +184,8 @@ def test_a_demonstration_steps_with_the_foot_that_is_behind(ahead, yaw, foot):
 
 
 def test_a_demonstration_comes_to_an_end():
-    assert demo_step(stance(0.0), DEMO_STEPS, DEFAULT) is not None
-    assert demo_step(stance(0.0), DEMO_STEPS + 1, DEFAULT) is None
+    assert demo_step(stance(0.0), DEMO_STEPS, DEFAULT, Gait()) is not None
+    assert demo_step(stance(0.0), DEMO_STEPS + 1, DEFAULT, Gait()) is None
 
 
 @pytest.mark.parametrize("foot", [0, 1])

@@ -7,7 +7,6 @@ import pytest
 
 from atlas_drake import AtlasSimInterfaceCommand
 from atlas_drake.behaviors.balance import Balance
-from atlas_drake.behaviors.base import STEPS_LEFT
 from atlas_drake.behaviors.body_reference import capture_body
 from atlas_drake.behaviors.step.memory import StepPhase, StepRules
 from atlas_drake.behaviors.step.step import Step
@@ -17,6 +16,7 @@ from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.frozen import replace
 from atlas_drake.messages import AtlasSimInterfaceState, StepStatus, Vector3
+from atlas_drake.messages.event import STEPS_LEFT
 
 LEFT, RIGHT = 0, 1
 RULES = StepRules()
@@ -31,7 +31,7 @@ def balance(robot):
 def step(balance, observe):
     terms = observe().terms
     height = float(terms.com[2] - terms.feet[LEFT].p_WF[2])
-    return Step(balance, height - balance.gains.com_drop)
+    return Step(balance, height - balance.robot.file.com_drop)
 
 
 def request(index=1, foot=LEFT, x=0.15, y=0.14):

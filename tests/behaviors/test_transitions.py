@@ -7,12 +7,17 @@ import numpy as np
 import pytest
 
 from atlas_drake.behaviors.balance import Balance
-from atlas_drake.behaviors.supervisor import Supervisor
-from atlas_drake.behaviors.transitions import (
-    LEGAL_TRANSITIONS,
-    EntryLimits,
+from atlas_drake.behaviors.body_reference import BodyRates
+from atlas_drake.behaviors.entry import (
+    BehaviorTools,
+    Transition,
+    legal_transitions,
     refusal,
 )
+from atlas_drake.behaviors.entry_limits import EntryLimits
+from atlas_drake.behaviors.freeze import Freeze
+from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
+from atlas_drake.behaviors.supervisor import Supervisor
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.errors import ErrorCode
 from atlas_drake.messages import (
@@ -21,8 +26,8 @@ from atlas_drake.messages import (
     AtlasState,
     Behavior,
     BehaviorStatus,
-    behavior_from,
 )
+from atlas_drake.messages.behavior_catalog import SHIPPED
 from atlas_drake.messages.commands import BehaviorRequest
 
 NONE, FREEZE, STAND_PREP, STAND, WALK, STEP, MANIPULATE, USER = Behavior
@@ -69,7 +74,7 @@ class Robot:
 
     def send(self, command):
         self.request = BehaviorRequest(
-            behavior_from(command.behavior), command.snapshot(), self.request.number + 1
+            SHIPPED.find(command.behavior), command.snapshot(), self.request.number + 1
         )
 
     def tick(self, seen):
@@ -105,7 +110,8 @@ def assert_refused(robot, source, target, flags, code):
 
 
 def test_the_table_is_what_is_promised():
-    assert LEGAL_TRANSITIONS == LEGAL
+    names = {s.name: frozenset(t.name for t in targets) for s, targets in LEGAL.items()}
+    assert legal_transitions(SHIPPED_ENTRIES) == names
 
 
 @pytest.mark.parametrize(
@@ -206,7 +212,15 @@ def test_the_dcm_is_that_of_a_pendulum_between_both_soles(model, observe):
         (inside + 1e-4, BehaviorStatus.FAILED_TRANS_COM_VEL),
     ):
         limits = EntryLimits(com_inside=inside, dcm_inside=margin, joint_speed=10.0)
-        assert refusal(FREEZE, STAND, seen, balance, limits) == answer
+        tools = BehaviorTools(
+            model, balance, height, BodyRates(), limits, Freeze(balance)
+        )
+        stand, freeze = (
+            next(entry for entry in SHIPPED_ENTRIES if entry.behavior is behavior)
+            for behavior in (STAND, FREEZE)
+        )
+        asked = Transition(freeze, seen, tools, AtlasSimInterfaceCommand())
+        assert refusal(stand, asked) == (answer, "")
 
 
 def test_joints_that_stay_with_the_user_may_move_as_they_like(make, observe):

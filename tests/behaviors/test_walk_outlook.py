@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from atlas_drake.behaviors.footstep_event import footstep_event, landed_elsewhere
-from atlas_drake.behaviors.walk.gait import GaitTiming
 from atlas_drake.behaviors.walk.memory import Phase, WalkMemory
 from atlas_drake.behaviors.walk.outlook import (
     LOOK_AHEAD,
@@ -21,11 +20,11 @@ from atlas_drake.control.feet.footstep import (
     RIGHT,
     FootPose,
     Footstep,
-    StepLimits,
     StepSlack,
     outward,
 )
 from atlas_drake.control.rotations import rotation_z
+from atlas_drake.robot import GaitTiming, StepLimits
 
 LIMITS, SLACK, TIMING = StepLimits(), StepSlack(), GaitTiming()
 HALF_WIDTH = 0.12
@@ -249,7 +248,7 @@ def test_a_landing_tells_how_far_it_is_off_in_place_and_heading():
 
 def test_the_time_to_touchdown_counts_through_the_phases_of_a_step():
     steps = [step(1, duration=0.8), step(2, duration=1.0)]
-    swing = TIMING.swing(steps[0])
+    swing = TIMING.swing(steps[0].duration)
     shift = memory_of(steps, elapsed=0.3)
     assert time_to_touchdown(shift, steps, TIMING) == pytest.approx(0.5 + swing)
     # At the end of a transfer as at the beginning of the swing.

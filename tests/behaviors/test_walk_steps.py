@@ -13,7 +13,6 @@ from atlas_drake.control.feet.footstep import (
     UP,
     FootPose,
     Footstep,
-    StepLimits,
     cleared,
     kept_brisk,
     laid_out,
@@ -22,10 +21,11 @@ from atlas_drake.control.feet.footstep import (
 )
 from atlas_drake.control.rotations import rotation_z
 from atlas_drake.messages import AtlasBehaviorStepData, AtlasBehaviorWalkParams
-from atlas_drake.planning.demo_steps import DEMO_LENGTH, DEMO_STEPS, demo_steps
-from atlas_drake.planning.footholds import HALF_WIDTH
+from atlas_drake.planning.demo_steps import DEMO_STEPS, demo_steps
+from atlas_drake.planning.footholds import Gait
+from atlas_drake.robot import StepLimits
 
-LIMITS = StepLimits()
+LIMITS, GAIT = StepLimits(), Gait()
 GROUND = 1.0
 """Height of the stance foot [m]."""
 STANCE = FootPose(np.array([0.2, -0.1, GROUND]), np.eye(3))
@@ -137,7 +137,7 @@ def feet(x=0.0, y=0.0, yaw=0.0, width=0.3):
 
 @pytest.mark.parametrize("yaw", [0.0, 0.7, -2.5])
 def test_the_demonstration_walks_straight_ahead_and_ends_side_by_side(yaw):
-    steps = demo_steps(feet(1.0, 2.0, yaw), 1, LEFT)
+    steps = demo_steps(feet(1.0, 2.0, yaw), 1, LEFT, GAIT)
     assert [s.index for s in steps] == list(range(1, DEMO_STEPS + 1))
     assert [s.foot for s in steps] == [LEFT, RIGHT] * 12 + [LEFT]
     # In the frame in which it walks along x from the middle of the feet.
@@ -145,10 +145,10 @@ def test_the_demonstration_walks_straight_ahead_and_ends_side_by_side(yaw):
     ahead = np.array([place[0] for place in places])
     lengths = np.diff(ahead)
     np.testing.assert_allclose(lengths[:-1], ahead[0], atol=1e-9)
-    assert ahead[0] == pytest.approx(DEMO_LENGTH)
+    assert ahead[0] == pytest.approx(GAIT.stride)
     assert lengths[-1] == pytest.approx(0.0)
     sides = [outward(s.foot) * p[1] for s, p in zip(steps, places, strict=True)]
-    np.testing.assert_allclose(sides, HALF_WIDTH)
+    np.testing.assert_allclose(sides, GAIT.half_width)
     for s in steps:
         assert s.yaw == pytest.approx(yaw)
         # Wherever the ground is.
@@ -158,17 +158,17 @@ def test_the_demonstration_walks_straight_ahead_and_ends_side_by_side(yaw):
 
 def test_a_demonstration_that_takes_over_goes_on_with_the_other_foot():
     params = AtlasBehaviorWalkParams(use_demo_walk=True)
-    steps = steps_asked_for((), params, feet(), 7, last_foot=LEFT)
+    steps = steps_asked_for((), params, feet(), 7, GAIT, last_foot=LEFT)
     assert (steps[0].index, steps[0].foot) == (7, RIGHT)
     assert steps[-1].index == DEMO_STEPS
-    assert steps_asked_for((), params, feet(), DEMO_STEPS + 1, LEFT) == ()
+    assert steps_asked_for((), params, feet(), DEMO_STEPS + 1, GAIT, LEFT) == ()
 
 
 def test_a_demonstration_looks_where_both_feet_look_in_the_mean():
     left, right = feet(yaw=0.4)[LEFT], feet(yaw=0.2)[RIGHT]
-    assert demo_steps((left, right), 1, LEFT)[0].yaw == pytest.approx(0.3)
+    assert demo_steps((left, right), 1, LEFT, GAIT)[0].yaw == pytest.approx(0.3)
     params = AtlasBehaviorWalkParams(use_demo_walk=True)
-    (first, *_) = steps_asked_for((), params, feet(), 3, last_foot=RIGHT)
+    (first, *_) = steps_asked_for((), params, feet(), 3, GAIT, last_foot=RIGHT)
     assert first.foot == LEFT
 
 
@@ -176,7 +176,7 @@ def test_a_demonstration_ignores_the_queue():
     sent = AtlasBehaviorStepData(step_index=1, foot_index=RIGHT, duration=2.0)
     params = AtlasBehaviorWalkParams(use_demo_walk=True)
     params.step_queue[0] = sent
-    steps = steps_asked_for((), params, feet(), 1)
+    steps = steps_asked_for((), params, feet(), 1, GAIT)
     assert steps[0].foot == LEFT
     assert steps[0].duration < 1.0
 
@@ -185,5 +185,5 @@ def test_a_demonstration_ignores_the_queue():
 def test_steps_know_whether_their_height_is_relative(relative):
     params = AtlasBehaviorWalkParams(use_relative_step_height=relative)
     params.step_queue[0] = AtlasBehaviorStepData(step_index=1, duration=0.63)
-    (taken,) = steps_asked_for((), params, feet(), 1)
+    (taken,) = steps_asked_for((), params, feet(), 1, GAIT)
     assert taken.relative is relative

@@ -13,12 +13,12 @@ from atlas_drake.control.feet.footstep import (
     RIGHT,
     FootPose,
     Footstep,
-    StepLimits,
     landing_error,
     outward,
     saturate,
 )
 from atlas_drake.control.rotations import rotation_z, wrap_angle
+from atlas_drake.robot import StepLimits
 
 LIMITS = StepLimits()
 FAR = st.floats(-2.0, 2.0)

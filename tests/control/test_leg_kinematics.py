@@ -1,19 +1,15 @@
 """The legs' closed form against Drake's kinematics, on every robot."""
 
-import dataclasses
-
 import numpy as np
 import pytest
 
-from atlas_drake.control.feet.leg_kinematics import leg_chains, solve_leg
-
-KNEE = 3
-"""Index of the knee within a leg."""
+from atlas_drake.control.feet.leg_kinematics import solve_leg
+from atlas_drake.robot import KNEE
 
 
 @pytest.fixture(scope="module")
 def legs(model):
-    return leg_chains(model.plant, model.robot)
+    return model.robot.legs
 
 
 def evaluate(model, random_state, legs, seed):
@@ -61,16 +57,3 @@ def test_what_is_too_far_or_above_the_hip_has_no_angles(legs):
     assert solve_leg(legs[0], reach, np.eye(3)) is None
     assert solve_leg(legs[0], np.array([0.0, 0.09, 0.5]), np.eye(3)) is None
     assert solve_leg(legs[0], np.array([0.0, 0.09, -0.85]), np.eye(3)) is not None
-
-
-def test_another_kind_of_leg_is_refused(model):
-    robot = model.robot
-    joints = list(robot.file.joints)
-    # The knee counted as an arm's: five joints are no leg of this kind.
-    place = robot.joint_index("l_leg_kny")
-    joints[place] = dataclasses.replace(joints[place], limb="l_arm")
-    odd = dataclasses.replace(
-        robot, file=dataclasses.replace(robot.file, joints=joints)
-    )
-    with pytest.raises(ValueError, match="l_leg"):
-        leg_chains(model.plant, odd)

@@ -5,8 +5,6 @@ import pytest
 
 from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.feet.leg_reach import (
-    FOLDED_FLEXION,
-    SHORTEST_FLEXION,
     _knee_ahead,
     highest_com,
     highest_sole,
@@ -31,19 +29,19 @@ def test_leg_length_is_the_robots(model, knee):
         for name in ("l_leg_hpy", "l_leg_aky")
     )
     length = np.linalg.norm(hip.translation() - ankle.translation())
-    assert leg_length(legs, knee) == pytest.approx(length)
-    assert knee_for_length(legs, length) == pytest.approx(knee)
+    assert leg_length(legs[0], knee) == pytest.approx(length)
+    assert knee_for_length(legs[0], length) == pytest.approx(knee)
 
 
 def test_hips_are_where_the_robot_has_them(model, standing):
     legs = model.robot.legs
     hips = standing.com + hips_from_com(standing, legs)
-    knee = model.robot.stand_prep[legs.knees[0]]
-    for hip, foot, p_FA in zip(hips, standing.feet, legs.p_FA, strict=True):
-        ankle = foot.p_WF + foot.R_WF @ p_FA
+    knee = model.robot.stand_prep[legs[0].knee]
+    for hip, foot, leg in zip(hips, standing.feet, legs, strict=True):
+        ankle = foot.p_WF + foot.R_WF @ leg.p_FA
         # But for the hip pitch joint's own small swing about the roll joint.
         length = np.linalg.norm(hip - ankle)
-        assert length == pytest.approx(leg_length(legs, knee), abs=0.005)
+        assert length == pytest.approx(leg_length(leg, knee), abs=0.005)
 
 
 def test_the_highest_body_has_a_leg_all_but_straight(model, standing):
@@ -52,9 +50,9 @@ def test_the_highest_body_has_a_leg_all_but_straight(model, standing):
     left, right = feet(standing)
     high = highest_com(legs, hips, com, [(0, left), (1, right)])
     assert high > standing.com[2]
-    ankle = left.p_WF + left.R_WF @ legs.p_FA[0]
+    ankle = left.p_WF + left.R_WF @ legs[0].p_FA
     hip = np.append(com, high) + hips[0]
-    longest = leg_length(legs, legs.straight + SHORTEST_FLEXION)
+    longest = leg_length(legs[0], legs[0].straight + legs[0].least_flexion)
     assert np.linalg.norm(hip - ankle) == pytest.approx(longest)
     # A foothold lower down, or farther off, brings the body down.
     lower = FootPose(left.p_WF - np.array([0.0, 0.0, 0.1]), left.R_WF)
@@ -90,7 +88,7 @@ def test_a_bent_knee_is_as_far_ahead_as_the_robots(model, lean):
     body = plant.GetJointByName("l_leg_kny").child_body()
     knee = plant.EvalBodyPoseInWorld(context, body).translation()
     hips = hips_from_com(terms, legs)
-    found = _knee_ahead(legs, hips, terms.com, 0, feet(terms)[0])
+    found = _knee_ahead(legs[0], hips[0], terms.com, feet(terms)[0])
     # But for the hip pitch joint's own small swing about the roll joint.
     assert found == pytest.approx(knee[0] - terms.com[0], abs=0.01)
 
@@ -101,7 +99,9 @@ def test_a_leg_lifts_its_sole_as_far_as_it_folds(model, standing):
     height = float(standing.com[2])
     top = highest_sole(legs, hips, height, 0)
     # From hip to ankle, with the sole level and straight below the hip.
-    left = height + hips[0, 2] - (top + legs.p_FA[0, 2])
-    assert left == pytest.approx(leg_length(legs, legs.straight + FOLDED_FLEXION))
+    left = height + hips[0, 2] - (top + legs[0].p_FA[2])
+    assert left == pytest.approx(
+        leg_length(legs[0], legs[0].straight + legs[0].most_flexion)
+    )
     assert 0.2 < top < 0.4
     assert highest_sole(legs, hips, height - 0.1, 0) == pytest.approx(top - 0.1)

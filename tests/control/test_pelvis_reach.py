@@ -12,9 +12,10 @@ from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.feet.sole import sole_corners
 from atlas_drake.control.pelvis.pelvis_pose import PelvisPose, make_stance
-from atlas_drake.control.pelvis.pelvis_reach import PelvisLimits, PelvisReach
+from atlas_drake.control.pelvis.pelvis_reach import PelvisReach, PelvisReserves
+from atlas_drake.robot import PelvisRange
 
-LIMITS = PelvisLimits()
+RANGE, RESERVES = PelvisRange(), PelvisReserves()
 HOME = PelvisPose(0.89)
 COORDINATES = PelvisPose._fields
 
@@ -45,7 +46,7 @@ class Case:
 
 @pytest.fixture(scope="module")
 def case(model, standing):
-    reach = PelvisReach(model)
+    reach = PelvisReach(model.robot)
     feet = [FootPose(foot.p_WF, foot.R_WF) for foot in standing.feet]
     stance = stance_of(model.robot, feet)
     return Case(reach, stance, reach.upper_body(standing, stance))
@@ -70,7 +71,7 @@ def test_each_number_is_granted_as_far_as_it_goes_and_no_other_is_moved(
     # A little further on it is either beyond the box or beyond the legs.
     further = granted._replace(**{name: getattr(granted, name) + sign * 0.003})
     box = {"com_v0": "com", "com_v1": "com"}.get(name, name)
-    low, high = getattr(LIMITS, box)
+    low, high = getattr(RANGE, box)
     assert not (low <= getattr(further, name) <= high and case.allows(further))
 
 
@@ -85,7 +86,7 @@ def test_whatever_is_wished_what_is_granted_is_allowed_and_stable(case, wish):
     assert case.allows(granted)
     assert case.clamp(**granted._asdict()) == granted
     outside = case.stance.support.distance_outside(case.stance.com(granted))
-    assert outside <= -LIMITS.com_margin + 1e-9
+    assert outside <= -RESERVES.com_margin + 1e-9
 
 
 def test_a_mild_wish_is_granted_to_the_letter(case):
@@ -100,7 +101,7 @@ def test_left_and_right_are_alike(case):
 
 
 def test_weak_knees_stand_higher(model, case):
-    weak = PelvisReach(model, dataclasses.replace(LIMITS, effort_share=0.4))
+    weak = PelvisReach(model.robot, dataclasses.replace(RESERVES, effort_share=0.4))
     low = weak.clamp(HOME._replace(height=0.3), HOME, case.stance, case.upper)
     assert low.height > case.clamp(height=0.3).height + 0.02
 
@@ -108,7 +109,7 @@ def test_weak_knees_stand_higher(model, case):
 def test_the_hips_turn_no_further_than_their_stops(model, case):
     stop = model.robot.position_lower[model.robot.joint_index("l_leg_hpz")]
     yaw = case.clamp(yaw=1.0).yaw
-    assert yaw == pytest.approx(-stop - LIMITS.joint_margin, abs=2e-3)
+    assert yaw == pytest.approx(-stop - RESERVES.joint_margin, abs=2e-3)
 
 
 def test_feet_far_apart_bring_home_down(model, standing, case):
@@ -118,7 +119,7 @@ def test_feet_far_apart_bring_home_down(model, standing, case):
     assert not case.reach.allows(HOME, stance, case.upper)
     home = case.reach.attainable(HOME, stance, case.upper)
     assert case.reach.allows(home, stance, case.upper)
-    assert LIMITS.height[0] < home.height < HOME.height
+    assert RANGE.height[0] < home.height < HOME.height
 
 
 def test_the_upper_body_leans_with_the_pelvis(model, case, standing):

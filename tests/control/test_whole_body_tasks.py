@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from atlas_drake.control.gains import ControlGains, PdGains
+from atlas_drake.control.gains import ContactModel, ControlGains, PdGains
 from atlas_drake.control.rotations import rotation_about
 from atlas_drake.control.whole_body import (
     ComTask,
@@ -284,6 +284,19 @@ def test_a_leaning_hand_takes_no_part_in_the_gravity_compensation(robot, qp, ter
     for foot in robot.file.feet:
         wrench = solution.contact_wrenches[foot.sole_frame]
         assert wrench[5] == pytest.approx(0.5 * robot.mass * GRAVITY)
+
+
+def test_the_robots_file_says_where_a_hand_can_carry_load(robot, terms):
+    for entry in robot.file.contacts:
+        patch = ContactPatch.of_entry(robot.contact(entry.name), ContactModel())
+        F = terms.frame(entry.frame)
+        # A push along the normal at the patch's center is what it can take best.
+        normal = patch.R_FC[:, 2]
+        wrench = np.concatenate([np.cross(patch.p_FC, normal), normal])
+        assert (patch.cone[:-1] @ wrench < 0.0).all()
+        assert patch.cone[-1] @ wrench == pytest.approx(1.0)
+        assert F.J_WF.shape == (6, 6 + robot.num_joints)
+    assert {"l_hand", "r_hand"} <= {entry.frame for entry in robot.file.contacts}
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from atlas_drake.behaviors.base import Event
 from atlas_drake.control.feet.sole import sole_corners
 from atlas_drake.frozen import replace
 from atlas_drake.logs import png_page
@@ -15,6 +14,7 @@ from atlas_drake.logs.log import Log
 from atlas_drake.logs.notes import note_from_event
 from atlas_drake.logs.panels import Band, Heat, Line, Marker, Span, thinned
 from atlas_drake.logs.support import double_supports, feet_of, footprints, runs
+from atlas_drake.messages.event import Event
 
 TITLES = {
     "Active behaviour": "",

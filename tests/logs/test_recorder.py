@@ -49,7 +49,10 @@ def test_a_row_has_what_the_ports_said(tmp_path, scenario):
         before["imu"], before["report"] = sim.imu, sim.atlas_sim_interface_state
         # The control tick, after which the physics is a step further.
         sim.simulator.AdvancePendingEvents()
-        after = sim.output("controller_state"), sim.output("commands")
+        after = [
+            sim.output(name)
+            for name in ("controller_status", "behavior_effort", "commands")
+        ]
         seen.append((before, *after))
     sim.advance_to(PERIOD * 12)
     sim.close()
@@ -57,7 +60,7 @@ def test_a_row_has_what_the_ports_said(tmp_path, scenario):
     assert len(log) == 12
     num_q = sim.plant.num_positions()
     indices = sim.robot.indices(sim.plant)
-    for row, (before, controller, commands) in enumerate(seen):
+    for row, (before, status, effort, commands) in enumerate(seen):
         report, imu = before["report"], before["imu"]
         left, right = report.foot_pos_est
         measured = before["behavior_state"]
@@ -66,13 +69,14 @@ def test_a_row_has_what_the_ports_said(tmp_path, scenario):
             "state.v": before["state"][num_q:],
             "joints.position": measured[indices.q],
             "joints.velocity": measured[num_q + indices.v],
-            "joints.behavior_effort": controller.effort,
+            "joints.behavior_effort": effort,
             "joints.k_effort": commands.k_effort,
             "joints.position_setpoint": commands.joints.position,
             "gains.kp_velocity": commands.joints.kp_velocity,
             "gains.kp_position": commands.joints.kp_position,
-            "behavior.current": controller.supervisor.current,
-            "controller.unsolved": controller.unsolved,
+            "behavior.current": status.current_behavior,
+            "controller.unsolved": status.unsolved,
+            "balance.dcm_reference": status.plan.dcm_reference,
             "pelvis.position": report.pos_est.position.to_array(),
             "pelvis.velocity": report.pos_est.velocity.to_array(),
             "feet.left_position": left.position.to_array(),

@@ -49,7 +49,7 @@ FEEDBACK = (
     "k_effort",
 )
 """What of a report changes in control ticks alone."""
-NAMES = ("commands", "controller_state", "atlas_sim_interface_state")
+NAMES = ("commands", "controller_status", "atlas_sim_interface_state")
 
 
 @pytest.fixture(scope="module")
@@ -107,12 +107,19 @@ def test_footsteps_and_caption_are_those_of_the_run(tmp_path, scenario):
     context.SetTime(log.time[-1])
     again = [player.GetOutputPort(name).Eval(context) for name in NAMES]
 
-    def seen(commands, controller, report):
-        events = controller.supervisor.events
+    def seen(commands, status, report):
+        events = status.events
         return footstep_marks(commands.request, report, events), caption_of(report)
 
     marks, caption = seen(*again)
     assert (marks, caption) == seen(*live)
+    was, is_now = live[1].plan, again[1].plan
+    for name in ("support", "dcm_reference", "cop_reference"):
+        np.testing.assert_allclose(getattr(is_now, name), getattr(was, name))
+    # Paths are kept every 0.1 s; where they end moves little meanwhile.
+    for name in ("com", "dcm", "cop"):
+        end, ended = getattr(is_now.paths, name)[-1], getattr(was.paths, name)[-1]
+        np.testing.assert_allclose(end, ended, atol=0.01)
     for name in FEEDBACK:
         assert getattr(again[2], name) == getattr(live[2], name), name
     assert len(marks) >= 4
@@ -133,7 +140,7 @@ def test_what_a_log_is_enough_for_is_shown(log):
     for name in ("owner", "effort"):
         overlays.switch(name, True)
         simulator.AdvanceTo(simulator.get_context().get_time() + 0.1)
-    for mark in ("com_ball", "dcm", "cop"):
+    for mark in ("com_ball", "dcm", "cop", "support/0"):
         assert meshcat.HasPath(f"{BALANCE}/{mark}")
     view = simulator.get_system()
     shown = {name for name in DISPLAYS if view.HasSubsystemNamed(name)}
@@ -212,7 +219,7 @@ def test_other_behaviours_look_as_in_the_run(behavior, tmp_path):
     again = [player.GetOutputPort(name).Eval(context) for name in NAMES]
     looks = [
         (
-            footstep_marks(c.request, report, state.supervisor.events),
+            footstep_marks(c.request, report, state.events),
             caption_of(report),
             feedback_words(report),
         )

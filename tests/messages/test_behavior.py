@@ -11,8 +11,8 @@ from atlas_drake.messages import (
     AtlasSimInterfaceCommand,
     AtlasSimInterfaceState,
     Behavior,
-    behavior_from,
 )
+from atlas_drake.messages.behavior_catalog import SHIPPED
 
 NUMBERS = {
     "NONE": 0,
@@ -48,14 +48,14 @@ def test_messages_have_the_behaviors_as_constants(kind, name, number):
 
 @pytest.mark.parametrize("value", [2, np.int64(2), np.uint8(2), Behavior.STAND_PREP])
 def test_behavior_by_number(value):
-    assert behavior_from(value) is Behavior.STAND_PREP
+    assert SHIPPED.find(value) is Behavior.STAND_PREP
 
 
 @pytest.mark.parametrize(
     "name", ["STAND_PREP", "stand_prep", "Stand_Prep", "stand-prep", " stand prep "]
 )
 def test_behavior_by_name(name):
-    assert behavior_from(name) is Behavior.STAND_PREP
+    assert SHIPPED.find(name) is Behavior.STAND_PREP
 
 
 @pytest.mark.parametrize(
@@ -63,7 +63,7 @@ def test_behavior_by_name(name):
 )
 def test_unknown_behavior(value):
     with pytest.raises(InvalidMessageError) as caught:
-        behavior_from(value, "desired")
+        SHIPPED.find(value, "desired")
     assert caught.value.error_code is ErrorCode.NO_SUCH_BEHAVIOR
     assert caught.value.field == "desired"
     assert all(name in str(caught.value) for name in NUMBERS)
@@ -71,4 +71,4 @@ def test_unknown_behavior(value):
 
 def test_misspelt_behavior_gets_a_suggestion():
     with pytest.raises(InvalidMessageError, match="Did you mean 'MANIPULATE'"):
-        behavior_from("manipulat")
+        SHIPPED.find("manipulat")

@@ -7,7 +7,6 @@ import logging
 import numpy as np
 import pytest
 
-from atlas_drake.behaviors.supervisor import SupervisorState
 from atlas_drake.errors import ErrorCode
 from atlas_drake.frozen import NOTHING
 from atlas_drake.messages import (
@@ -25,6 +24,7 @@ from atlas_drake.messages.commands import (
     latch,
     log_refusals,
 )
+from atlas_drake.messages.controller_status import ControllerStatus
 from atlas_drake.robot import load_robot
 from atlas_drake.simulation.run_log import RunLog
 
@@ -465,7 +465,7 @@ def test_two_streamed_faults_that_change_are_logged_once_each(robot, start, capl
         worse = AtlasCommand(Header(1.0 + tick), velocity=[0.0] * (tick % 20))
         before, force = force, sent(force, robot, worse, time=time)
         log_refusals(before, force)
-        log.collect((), 0, force, SupervisorState(Behavior.STAND, Behavior.STAND))
+        log.collect((), 0, force, ControllerStatus())
     assert force.refused > 900
     assert len(caplog.records) == 2
     assert len(log.events) > 900  # Events are a record, and leave none out.

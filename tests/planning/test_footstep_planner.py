@@ -25,15 +25,15 @@ from atlas_drake import (
 from atlas_drake.behaviors.step.queue import footstep_from
 from atlas_drake.control.feet.footstep import (
     FootPose,
-    StepLimits,
     kept_brisk,
     outward,
     saturate,
 )
 from atlas_drake.control.rotations import mean_yaw, rotation_z, wrap_angle
-from atlas_drake.planning.footholds import HALF_WIDTH
+from atlas_drake.robot import StepLimits
 
 LIMITS = StepLimits()
+HALF_WIDTH = Gait().half_width
 PLACES = st.floats(-4.0, 4.0)
 ANGLES = st.floats(-math.pi, math.pi)
 FASTEST = Gait(stride=0.35, turn=0.25, duration=1.42)

@@ -50,7 +50,8 @@ def remembered(diagram, context):
         for name in ("effort", "extremes", "imu", "atlas_state", "sent")
     }
     report = diagram.GetOutputPort("atlas_sim_interface_state").Eval(context)
-    controller = diagram.GetOutputPort("controller_state").Eval(context)
+    status = diagram.GetOutputPort("controller_status").Eval(context)
+    efforts = diagram.GetOutputPort("behavior_effort").Eval(context)
     return [
         context.get_time(),
         np.concatenate(numbers).tobytes(),
@@ -60,9 +61,11 @@ def remembered(diagram, context):
         outputs["atlas_state"],
         outputs["sent"],
         report,
-        controller.effort.tobytes(),
-        controller.supervisor.body.joints.tobytes(),
-        controller.supervisor.event_count,
+        efforts.tobytes(),
+        status.plan.dcm_reference.tobytes(),
+        status.plan.support.tobytes(),
+        status.events,
+        status.unsolved,
     ]
 
 

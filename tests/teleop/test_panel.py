@@ -3,6 +3,7 @@
 import pytest
 from pydrake.geometry import Meshcat
 
+from atlas_drake.robot import load_robot
 from atlas_drake.teleop.controls import (
     PAGE_TURNS,
     PUSH_IMPULSE,
@@ -135,8 +136,8 @@ def test_no_key_does_two_things():
 
 def test_the_legend_names_every_key():
     for action in Action:
-        assert f" {action.key.cap} " in legend().replace("\n", " ")
-    assert max(map(len, legend().splitlines())) <= 88
+        assert f" {action.key.cap} " in legend(load_robot()).replace("\n", " ")
+    assert max(map(len, legend(load_robot()).splitlines())) <= 88
 
 
 def test_the_sliders_begin_where_they_should(panel):

@@ -10,12 +10,12 @@ from atlas_drake.control.feet.footstep import (
     LEFT,
     RIGHT,
     FootPose,
-    StepLimits,
     saturate,
 )
 from atlas_drake.control.rotations import rotation_z
 from atlas_drake.messages import Behavior
-from atlas_drake.planning.footholds import HALF_WIDTH, Gait, foothold
+from atlas_drake.planning.footholds import Gait, foothold
+from atlas_drake.robot import StepLimits
 from atlas_drake.teleop.walking import (
     STRIDE_CHANGE,
     Direction,
@@ -79,7 +79,7 @@ def test_forward_is_a_stride_per_step(standing):
     gains = [b - a for a, b in pairwise(x)]
     assert x[0] == pytest.approx(STRIDE_CHANGE)
     assert gains == pytest.approx([GAIT.stride] * 8)
-    assert {abs(step.pose.position.y) for step in taken} == {HALF_WIDTH}
+    assert {abs(step.pose.position.y) for step in taken} == {GAIT.half_width}
 
 
 def test_backward_is_the_other_way_and_slower(standing):

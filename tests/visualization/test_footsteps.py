@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 
-from atlas_drake.behaviors.base import Event
 from atlas_drake.messages import (
     AtlasBehaviorStepData,
     AtlasSimInterfaceCommand,
@@ -13,6 +12,7 @@ from atlas_drake.messages import (
     Behavior,
 )
 from atlas_drake.messages.commands import BehaviorRequest
+from atlas_drake.messages.event import Event
 from atlas_drake.robot import SoleSize
 from atlas_drake.visualization.footsteps import (
     KEPT,

@@ -14,6 +14,7 @@ from atlas_drake.messages import (
     StepStatus,
     WalkStatus,
 )
+from atlas_drake.messages.controller_status import PlannedPaths
 from atlas_drake.visualization.balance_marks import PATH as BALANCE
 from atlas_drake.visualization.contact_forces import (
     PATH as FORCES,
@@ -39,11 +40,6 @@ from atlas_drake.visualization.palette import (
     SHARED_RGB,
     SPENT_RGB,
     USER_RGB,
-)
-from atlas_drake.visualization.planned_paths import (
-    planned_paths,
-    support_of,
-    swing_path,
 )
 from atlas_drake.visualization.stroke_font import _GLYPHS
 from atlas_drake.visualization.tubes import SIDES, thinned, tube
@@ -81,7 +77,7 @@ def test_overlays_are_known_by_name():
         overlays_from("swings")
     assert "effort" not in overlays_from("all", LOGGED)
     with pytest.raises(ScenarioError, match="not in a log"):
-        overlays_from("com,plan", LOGGED)
+        overlays_from("com,forces", LOGGED)
 
 
 def test_of_the_colourings_the_later_one_counts():
@@ -229,29 +225,27 @@ def test_the_font_has_every_letter_of_every_word():
 def test_a_walk_has_a_plan_and_a_swing():
     sim = walking()
     sim.advance_to(SWINGING)
-    memory = sim.output("controller_state").supervisor.memory
-    assert memory.swinging
-    com = np.array(sim.pelvis_pose.translation()[:2])
-    paths = planned_paths(memory, com, memory.omega)
-    assert len(paths.com) == len(paths.dcm) > 10
-    np.testing.assert_array_equal(paths.com[0], com)
+    plan = sim.output("controller_status").plan
+    paths = plan.paths
+    assert len(paths.com) == len(paths.dcm) == len(paths.cop) > 10
+    np.testing.assert_allclose(paths.dcm[0], plan.dcm_reference, atol=0.01)
     # Both come to rest over the same point.
     np.testing.assert_allclose(paths.com[-1], paths.dcm[-1], atol=0.05)
-    path = swing_path(memory)
-    np.testing.assert_array_equal(path[0], memory.swing.start.p_WF)
-    np.testing.assert_allclose(path[-1][:2], memory.step.p_WF[:2], atol=0.005)
-    assert path[:, 2].max() > 0.05
-    assert support_of(memory) is memory.support
+    step = plan.footsteps[0]
+    foot = sim.atlas_sim_interface_state.foot_pos_est[step.foot].position.to_array()
+    assert np.linalg.norm(paths.swing - foot, axis=1).min() < 0.03
+    np.testing.assert_allclose(paths.swing[-1][:2], step.p_WF[:2], atol=0.005)
+    assert paths.swing[:, 2].max() > 0.05
+    assert plan.support.shape[1] == 2
 
 
-def test_standing_has_a_support_and_no_plan():
+def test_standing_has_a_support_and_no_path():
     sim = AtlasSimulation()
     sim.advance_to(0.1)
-    memory = sim.output("controller_state").supervisor.memory
-    assert support_of(memory).vertices.shape[1] == 2
-    assert planned_paths(memory, np.zeros(2), 3.3) is None
-    assert swing_path(memory) is None
-    assert support_of(None) is None
+    plan = sim.output("controller_status").plan
+    assert plan.support.shape[1] == 2
+    assert plan.paths == PlannedPaths()
+    np.testing.assert_array_equal(plan.dcm_reference, plan.cop_reference)
 
 
 @pytest.mark.slow

@@ -34,6 +34,7 @@ from atlas_drake.messages import (
     AtlasSimInterfaceCommand,
     AtlasSimInterfaceState,
 )
+from atlas_drake.messages.controller_status import Plan
 
 FOOT_SLIP = 0.002
 """A sole that moved this far since it was noted is noted anew [m]. Small, because all
@@ -191,6 +192,17 @@ class Manipulate:
             demo_share=memory.demo_share,
         )
         return self._pursue(resumed, seen)
+
+    def plan(self, memory: ManipulateMemory, com: np.ndarray, omega: float) -> Plan:
+        """The reference of the center of mass on its way to the pose asked for."""
+        reference = memory.dcm_reference(omega)
+        return Plan(
+            support=memory.stance.support.vertices,
+            omega=omega,
+            com_reference=memory.motion.com.position,
+            dcm_reference=reference.dcm,
+            cop_reference=reference.cop,
+        )
 
     def report(self, memory: ManipulateMemory, state: AtlasSimInterfaceState) -> None:
         """The poses pursued, commanded at this moment, and sensed."""

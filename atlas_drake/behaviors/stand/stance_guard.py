@@ -1,9 +1,10 @@
 """What a standing behaviour does while the user leaves it no leg to balance with.
 
 A leg to balance with is one of whose hip pitch and ankle pitch both the behaviour
-commands at least 15 N·m. Without one the behaviour holds its pose, as FREEZE does.
-Balancing all the same would move the centre of mass by what trunk and arms can do, lean
-further and further, and fall. With a leg given back it takes up what it was about.
+commands at least the ``balance_effort`` of the robot's file. Without one the behaviour
+holds its pose, as FREEZE does. Balancing all the same would move the centre of mass by
+what trunk and arms can do, lean further and further, and fall. With a leg given back it
+takes up what it was about.
 """
 
 from __future__ import annotations
@@ -14,21 +15,14 @@ from typing import Any, Protocol
 import numpy as np
 
 from atlas_drake.behaviors.balance import Balance
-from atlas_drake.behaviors.base import Behavior, Event, Observation, Outcome
+from atlas_drake.behaviors.base import BehaviorProtocol, Observation, Outcome
 from atlas_drake.behaviors.body_reference import BodyReference
 from atlas_drake.behaviors.freeze import Freeze, FreezeMemory
-from atlas_drake.control.feet.leg_kinematics import LEGS
 from atlas_drake.frozen import replace
 from atlas_drake.messages import AtlasSimInterfaceCommand, AtlasSimInterfaceState
+from atlas_drake.messages.controller_status import Plan
+from atlas_drake.messages.event import Event
 from atlas_drake.robot import ANKLE_PITCH, HIP_PITCH
-
-LEAST_EFFORT = 15.0
-"""What the behaviour must be able to give a joint to balance with it [N·m]."""
-
-_WARNING = (
-    "no leg to balance with: only the pose is held. It takes hip and ankle pitch"
-    f" (hpy, aky) of one leg, and {LEAST_EFFORT:.0f} N·m of each"
-)
 
 
 @dataclass(frozen=True)
@@ -46,7 +40,7 @@ class Holding:
     warned: bool = False
 
 
-class StandingBehavior(Behavior, Protocol):
+class StandingBehavior(BehaviorProtocol, Protocol):
     """A behaviour that can be interrupted while its pose is held."""
 
     def idle(self, memory: Any, seen: Observation) -> Any:
@@ -75,7 +69,17 @@ class StanceGuard:
         self._freeze = freeze
         robot = balance.robot
         self._pitch = np.array(
-            [np.flatnonzero(robot.limb(leg))[[HIP_PITCH, ANKLE_PITCH]] for leg in LEGS]
+            [leg.joints[[HIP_PITCH, ANKLE_PITCH]] for leg in robot.legs]
+        )
+        self._least_effort = robot.file.balance_effort
+        names = [
+            " and ".join(robot.joint_names[joint] for joint in leg)
+            for leg in self._pitch
+        ]
+        self._warning = (
+            "no leg to balance with: only the pose is held. It takes hip and ankle "
+            f"pitch of one leg, {' or '.join(names)}, and {self._least_effort:.0f} N·m "
+            "of each"
         )
         self._limit = robot.effort_limit[self._pitch]
 
@@ -114,8 +118,14 @@ class StanceGuard:
                 warned=memory.warned or warn,
             ),
             finished=leaving,
-            events=(Event(seen.time, "warning", _WARNING),) if warn else (),
+            events=(Event(seen.time, "warning", self._warning),) if warn else (),
         )
+
+    def plan(self, memory: Any, com: np.ndarray, omega: float) -> Plan:
+        """The behavior's plan; none while only the pose is held."""
+        if isinstance(memory, Holding):
+            return Plan()
+        return self.behavior.plan(memory, com, omega)
 
     def report(self, memory: Any, state: AtlasSimInterfaceState) -> None:
         """What the behaviour has to say."""
@@ -131,4 +141,4 @@ class StanceGuard:
         whoever holds the joints.
         """
         left_over = (1.0 - seen.user_share[self._pitch]) * self._limit
-        return any(min(leg) >= LEAST_EFFORT for leg in left_over.tolist())
+        return any(min(leg) >= self._least_effort for leg in left_over.tolist())

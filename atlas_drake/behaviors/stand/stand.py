@@ -28,6 +28,7 @@ from atlas_drake.control.feet.leg_reach import highest_com, hips_from_com
 from atlas_drake.control.rotations import mean_yaw
 from atlas_drake.frozen import replace
 from atlas_drake.messages import AtlasSimInterfaceCommand, AtlasSimInterfaceState
+from atlas_drake.messages.controller_status import Plan
 
 COM_SPEED = 0.08
 """How fast the reference of the centre of mass moves to the feet's middle [m/s]."""
@@ -55,10 +56,6 @@ class StandMemory:
     yaw: float
     com: np.ndarray
     height: float
-
-    def dcm_reference(self, _omega: float) -> DcmReference:
-        """Where DCM and CoP shall be: over the reference of the centre of mass."""
-        return DcmReference(dcm=self.com, cop=self.com)
 
 
 class Stand:
@@ -98,12 +95,7 @@ class Stand:
             memory = replace(memory, com=com)
         body = advance_body(
             body,
-            BodyTarget(
-                height=memory.height,
-                yaw=memory.yaw,
-                joints=self._balance.robot.stand_prep,
-                pelvis_tilt=_UPRIGHT,
-            ),
+            self.target(memory, request, leaving),
             self._rates,
             seen.dt,
             seen.terms.q,
@@ -119,6 +111,23 @@ class Stand:
         )
         return Outcome(memory=memory, body=body, command=command)
 
+    def target(
+        self, memory: StandMemory, request: AtlasSimInterfaceCommand, leaving: bool
+    ) -> BodyTarget:
+        """Where trunk and posture go: upright, in the stand-prep pose.
+
+        Args:
+            memory: Where the robot stands.
+            request: The command in force.
+            leaving: Whether another behavior is to follow.
+        """
+        return BodyTarget(
+            height=memory.height,
+            yaw=memory.yaw,
+            joints=self._balance.robot.stand_prep,
+            pelvis_tilt=_UPRIGHT,
+        )
+
     def idle(self, memory: StandMemory, seen: Observation) -> StandMemory:
         """Nothing moves on while the pose is held."""
         return memory
@@ -132,6 +141,16 @@ class Stand:
     ) -> StandMemory:
         """Begins anew: the feet may have moved."""
         return self.enter(seen, body, request)
+
+    def plan(self, memory: StandMemory, com: np.ndarray, omega: float) -> Plan:
+        """The reference of the center of mass, where DCM and CoP shall rest, too."""
+        return Plan(
+            support=memory.support.vertices,
+            omega=omega,
+            com_reference=memory.com,
+            dcm_reference=memory.com,
+            cop_reference=memory.com,
+        )
 
     def report(self, memory: StandMemory, state: AtlasSimInterfaceState) -> None:
         """There is nothing to report beyond the behaviour's name."""

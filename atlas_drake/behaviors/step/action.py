@@ -24,6 +24,7 @@ from atlas_drake.messages import (
     Vector3,
 )
 from atlas_drake.planning.demo_steps import demo_steps
+from atlas_drake.planning.footholds import Gait
 
 LEAST_SWAY_DURATION = 0.2
 """A sway duration below this is ignored [s]."""
@@ -150,7 +151,7 @@ def desired_step(
 
 
 def demo_step(
-    feet: tuple[FootPose, FootPose], index: int, default: StepAction
+    feet: tuple[FootPose, FootPose], index: int, default: StepAction, gait: Gait
 ) -> DesiredStep | None:
     """A step ahead with the foot that is behind; None after the demonstration's last.
 
@@ -158,11 +159,12 @@ def demo_step(
         feet: Where the left and the right sole are.
         index: Of the step.
         default: How it is taken.
+        gait: How far apart footprints are.
     """
     yaw = mean_yaw(feet[0].yaw, feet[1].yaw)
     ahead = np.array([math.cos(yaw), math.sin(yaw)])
     behind = float(ahead @ (feet[1].p_WF[:2] - feet[0].p_WF[:2])) < -SIDE_BY_SIDE
-    steps = demo_steps(feet, index, RIGHT if behind else LEFT)
+    steps = demo_steps(feet, index, RIGHT if behind else LEFT, gait)
     if not steps:
         return None
     step = replace(

@@ -16,7 +16,6 @@ from atlas_drake.behaviors.step.action import DesiredStep, StepAction
 from atlas_drake.control.feet.footstep import (
     FootPose,
     Footstep,
-    StepLimits,
     laid_out,
     saturate,
 )
@@ -33,6 +32,7 @@ from atlas_drake.control.rotations import rotation_z
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.frozen import replace
 from atlas_drake.messages import ToeOff
+from atlas_drake.robot import StepLimits
 
 
 @dataclass(frozen=True)
@@ -59,8 +59,6 @@ class PostureRules:
     """How far the hips stay behind the centre of mass per lean [m/rad]."""
     smallest_share: float = 0.3
     """A step is shortened to this share of its length at most [-]."""
-    easy_width: float = 0.24
-    """Distance between the feet sideways that costs no reach [m]."""
 
 
 @dataclass(frozen=True)
@@ -94,7 +92,6 @@ class StepPlanner:
         self,
         balance: Balance,
         nominal_height: float,
-        limits: StepLimits,
         rules: PostureRules | None = None,
     ):
         """Stands with the centre of mass ``nominal_height`` [m] above the soles."""
@@ -102,21 +99,23 @@ class StepPlanner:
         self.legs = robot.legs
         self.half_length = 0.5 * robot.file.sole.length
         self._nominal_height = nominal_height
-        self._limits = limits
+        self._limits: StepLimits = robot.file.step_limits
+        # Feet this far apart sideways cost no reach.
+        self._easy_width = robot.file.stance_width
         self._rules = rules or PostureRules()
-        knee = self.legs.knees[0]
-        upright = leg_length(self.legs, robot.stand_prep[knee])
-        self._nominal_leg = upright - balance.gains.com_drop
+        knee = self.legs[0].knee
+        upright = leg_length(self.legs[0], robot.stand_prep[knee])
+        self._nominal_leg = upright - robot.file.com_drop
         self._lever = float(robot.effort_limit[knee]) / balance.weight
 
     @property
     def nominal_knee(self) -> float:
         """Flexion of the knees at the nominal height [rad]."""
-        return knee_for_length(self.legs, self._nominal_leg)
+        return knee_for_length(self.legs[0], self._nominal_leg)
 
     def height(self, action: StepAction) -> float:
         """Of the centre of mass above the standing sole [m]."""
-        bent = leg_length(self.legs, action.knee_nominal)
+        bent = leg_length(self.legs[0], action.knee_nominal)
         return self._nominal_height + bent - self._nominal_leg
 
     def plan(
@@ -225,7 +224,7 @@ class StepPlanner:
         """The step drawn nearer to the place beside the stance foot."""
         R_WS = rotation_z(stance.yaw)
         p_SF = R_WS.T @ (step.p_WF - stance.p_WF)
-        beside = min(abs(float(p_SF[1])), self._rules.easy_width)
+        beside = min(abs(float(p_SF[1])), self._easy_width)
         beside = math.copysign(beside, p_SF[1])
         p_SF = np.array([share * p_SF[0], beside + share * (p_SF[1] - beside), p_SF[2]])
         nearer = replace(step, p_WF=stance.p_WF + R_WS @ p_SF)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from atlas_drake.behaviors.balance import Balance
-from atlas_drake.behaviors.base import STEPS_LEFT, Event, Observation, Outcome
+from atlas_drake.behaviors.base import Observation, Outcome
 from atlas_drake.behaviors.body_reference import (
     BodyRates,
     BodyReference,
@@ -32,11 +32,12 @@ from atlas_drake.behaviors.step.action import (
 from atlas_drake.behaviors.step.balance import StepBalance
 from atlas_drake.behaviors.step.memory import StepMemory, StepPhase, StepRules
 from atlas_drake.behaviors.step.plan import StepPlanner
+from atlas_drake.behaviors.step.preview import step_plan
 from atlas_drake.behaviors.step.queue import step_data_from
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.balance.weight_shift import ComSway, plan_sway, sway_duration
-from atlas_drake.control.feet.footstep import FootPose, StepLimits, laid_out
+from atlas_drake.control.feet.footstep import FootPose, laid_out
 from atlas_drake.control.feet.leg_reach import hips_from_com
 from atlas_drake.control.feet.step_swing import StepSwingProfile, plan_step_swing
 from atlas_drake.control.feet.toe_off import on_toes
@@ -48,19 +49,10 @@ from atlas_drake.messages import (
     StepStatus,
     ToeOff,
 )
+from atlas_drake.messages.controller_status import Plan
+from atlas_drake.messages.event import STEPS_LEFT, Event
+from atlas_drake.planning.footholds import Gait
 
-STEP_LIMITS = StepLimits(
-    forward=0.42,
-    backward=0.36,
-    max_width=0.45,
-    rise=0.20,
-    tilt=0.25,
-    min_duration=0.1,
-    max_duration=20.0,
-    min_swing_height=0.0,
-    max_swing_height=0.60,
-)
-"""Wider than a walk's: there is time."""
 LEAST_CLEARANCE = 0.04
 """A foot is lifted this high above its footholds even by a leg short of room [m]."""
 STEP_RATES = BodyRates(yaw=0.5)
@@ -75,7 +67,6 @@ class Step:
         nominal_height: float,
         rates: BodyRates = STEP_RATES,
         *,
-        limits: StepLimits = STEP_LIMITS,
         profile: StepSwingProfile | None = None,
         rules: StepRules | None = None,
     ):
@@ -85,10 +76,11 @@ class Step:
         self._rates = rates
         self._profile = profile or StepSwingProfile()
         self._rules = rules or StepRules()
-        self._limits = limits
-        self._planner = StepPlanner(balance, nominal_height, limits)
+        self._limits = balance.robot.file.step_limits
+        self._planner = StepPlanner(balance, nominal_height)
         self._stance = StepBalance(balance, nominal_height, self._planner, self._rules)
         self._legs = self._planner.legs
+        self._gait = Gait.of(balance.robot)
         self._default = StepAction(knee_nominal=self._planner.nominal_knee)
 
     def enter(
@@ -151,6 +143,10 @@ class Step:
             events=(*events, *landing, *left),
         )
 
+    def plan(self, memory: StepMemory, com: np.ndarray, omega: float) -> Plan:
+        """The weight shift or the swing at hand."""
+        return step_plan(memory, omega)
+
     def report(self, memory: StepMemory, state: AtlasSimInterfaceState) -> None:
         """Indices and timing; the step as it is really taken."""
         feedback = state.step_feedback
@@ -184,7 +180,7 @@ class Step:
         """The step in force that has not begun, if any."""
         params = request.step_params
         if params.use_demo_walk:
-            wanted = demo_step(memory.feet, memory.index + 1, self._default)
+            wanted = demo_step(memory.feet, memory.index + 1, self._default, self._gait)
         else:
             feet_z = (float(memory.feet[0].p_WF[2]), float(memory.feet[1].p_WF[2]))
             wanted = desired_step(params, feet_z, self._default)

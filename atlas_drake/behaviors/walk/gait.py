@@ -1,4 +1,4 @@
-"""Timing of the walk and the DCM plan that follows from it.
+"""The DCM plan of a walk, which follows from its steps and their timing.
 
 From feet on the ground and steps to come to a ``DcmPlan``. Pure functions; the
 phases of the walk themselves are in ``walk``.
@@ -7,7 +7,6 @@ phases of the walk themselves are in ``walk``.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,29 +15,7 @@ from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.footstep import FootPose, Footstep, outward
 from atlas_drake.control.rotations import rotation_z
 from atlas_drake.frozen import replace
-
-
-@dataclass(frozen=True)
-class GaitTiming:
-    """Durations of the phases that a step's own duration does not give."""
-
-    first_shift: float = 0.80
-    """Weight shift before the first lift-off [s]."""
-    transfer_share: float = 0.32
-    """Share of a step's duration in double support [-]."""
-    settle: float = 0.70
-    """Shift to the middle of the feet after the last step [s]."""
-    rest: float = 0.50
-    """Time at rest before STAND takes over [s]."""
-
-    def transfer(self, step: Footstep) -> float:
-        """Double support before this step's lift-off [s]."""
-        return self.transfer_share * step.duration
-
-    def swing(self, step: Footstep) -> float:
-        """Single support of this step [s]."""
-        return (1.0 - self.transfer_share) * step.duration
-
+from atlas_drake.robot import GaitTiming
 
 COP_INWARD = 0.010
 """The CoP's reference lies this far from the stance sole's middle to the inside [m]."""
@@ -79,9 +56,9 @@ def plan_walk(
         target = stance_cop(poses[stance], stance)
         first = number == 0
         if not (first and swinging):
-            duration = first_phase if first else timing.transfer(step)
+            duration = first_phase if first else timing.transfer(step.duration)
             segments.append(CopSegment(duration, cop, target))
-        duration = first_phase if first and swinging else timing.swing(step)
+        duration = first_phase if first and swinging else timing.swing(step.duration)
         start = cop if first and swinging else target
         segments.append(CopSegment(duration, start, target))
         cop = target

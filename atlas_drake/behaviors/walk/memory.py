@@ -40,8 +40,9 @@ class WalkRules:
     """DCM error with which a foot may lift off [m]."""
     longest_wait: float = 0.25
     """Time that lift-off waits at most for that [s]."""
-    straight_knee: float = 0.25
-    """A leg whose knee is bent by less does not wait any longer [rad]."""
+    straight_flexion: float = 0.12
+    """A leg whose knee is bent by less, counted from the straight leg, does not wait
+    any longer [rad]."""
     frozen_end: float = 0.06
     """Last part of a swing in which the landing place stays put [s]."""
     rest_speed: float = 0.08
@@ -135,7 +136,7 @@ class WalkMemory:
         assert self.swing is not None
         return self.swing
 
-    def dcm_reference(self, _omega: float) -> DcmReference:
+    def dcm_reference(self) -> DcmReference:
         """The plan at this moment; where it waits, the DCM rests over the CoP."""
         reference = self.plan.evaluate(self.plan_time)
         if self.waiting:

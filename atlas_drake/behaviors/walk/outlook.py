@@ -11,15 +11,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from atlas_drake.behaviors.base import Event
 from atlas_drake.behaviors.footstep_event import out_of_reach, pace_changed
-from atlas_drake.behaviors.walk.gait import GaitTiming
 from atlas_drake.behaviors.walk.memory import Phase, WalkMemory
 from atlas_drake.behaviors.walk.steps import feet_to_come
 from atlas_drake.control.feet.footstep import (
     FootPose,
     Footstep,
-    StepLimits,
     StepSlack,
     cleared,
     heading_error,
@@ -30,6 +27,8 @@ from atlas_drake.control.feet.footstep import (
 )
 from atlas_drake.frozen import replace
 from atlas_drake.messages import NUM_REQUIRED_WALK_STEPS
+from atlas_drake.messages.event import Event
+from atlas_drake.robot import GaitTiming, StepLimits
 
 LOOK_AHEAD = NUM_REQUIRED_WALK_STEPS
 """Steps that enter the plan."""
@@ -173,4 +172,4 @@ def time_to_touchdown(
         return left
     if memory.phase is Phase.SETTLE or not coming:
         return 0.0
-    return left + timing.swing(coming[0])
+    return left + timing.swing(coming[0].duration)

@@ -16,6 +16,7 @@ from atlas_drake.control.feet.footstep import (
 )
 from atlas_drake.messages import AtlasBehaviorWalkParams
 from atlas_drake.planning.demo_steps import demo_steps
+from atlas_drake.planning.footholds import Gait
 
 
 def steps_asked_for(
@@ -23,6 +24,7 @@ def steps_asked_for(
     params: AtlasBehaviorWalkParams,
     feet: Sequence[FootPose],
     first_open: int,
+    gait: Gait,
     last_foot: int | None = None,
 ) -> tuple[Footstep, ...]:
     """Steps to come after a message.
@@ -32,11 +34,12 @@ def steps_asked_for(
         params: Of the message.
         feet: Where the soles are, one in the air where it will land.
         first_open: Lowest index that has not begun.
+        gait: Of a demonstration.
         last_foot: The foot that steps now or has stepped last, if any.
     """
     if params.use_demo_walk:
         foot = LEFT if last_foot is None else 1 - last_foot
-        return demo_steps(feet, first_open, foot)
+        return demo_steps(feet, first_open, foot, gait)
     return merge(
         pending, params.step_queue, first_open, params.use_relative_step_height
     )

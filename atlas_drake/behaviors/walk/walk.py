@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from atlas_drake.behaviors.balance import FULL_LOAD, Balance, FootCommand
-from atlas_drake.behaviors.base import STEPS_LEFT, Event, Observation, Outcome
+from atlas_drake.behaviors.base import Observation, Outcome
 from atlas_drake.behaviors.body_reference import (
     BodyRates,
     BodyReference,
@@ -21,7 +21,6 @@ from atlas_drake.behaviors.body_reference import (
 from atlas_drake.behaviors.footstep_event import footstep_event
 from atlas_drake.behaviors.step.queue import replaced, step_data_from
 from atlas_drake.behaviors.walk.gait import (
-    GaitTiming,
     begun_at,
     landing_sensitivity,
     plan_walk,
@@ -36,13 +35,13 @@ from atlas_drake.behaviors.walk.outlook import (
     time_to_touchdown,
     warnings_about,
 )
+from atlas_drake.behaviors.walk.preview import walk_plan
 from atlas_drake.behaviors.walk.steps import feet_to_come, steps_asked_for
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.step_adjustment import StepAdjustmentLimits, step_shift
 from atlas_drake.control.feet.footstep import (
     LEFT,
     Footstep,
-    StepLimits,
     StepSlack,
     saturate,
 )
@@ -59,6 +58,9 @@ from atlas_drake.messages import (
     AtlasSimInterfaceCommand,
     AtlasSimInterfaceState,
 )
+from atlas_drake.messages.controller_status import Plan
+from atlas_drake.messages.event import STEPS_LEFT, Event
+from atlas_drake.planning.footholds import Gait
 
 _UPRIGHT = np.zeros(2)
 REACH = 0.04
@@ -74,8 +76,6 @@ class Walk:
         nominal_height: float,
         rates: BodyRates,
         *,
-        timing: GaitTiming | None = None,
-        limits: StepLimits | None = None,
         slack: StepSlack | None = None,
         adjustment: StepAdjustmentLimits | None = None,
         profile: SwingProfile | None = None,
@@ -85,15 +85,18 @@ class Walk:
         self._balance = balance
         self._nominal_height = nominal_height
         self._rates = rates
-        self._timing = timing or GaitTiming()
-        self._limits = limits or StepLimits()
+        self._timing = balance.robot.file.gait_timing
+        self._limits = balance.robot.file.walk_limits
         self._slack = slack or StepSlack()
         self._loose_limits = self._slack.loosen(self._limits)
         self._adjustment = adjustment or StepAdjustmentLimits()
         self._profile = profile or SwingProfile()
         self._rules = rules or WalkRules()
-        self._knees = [
-            balance.robot.joint_index(f"{side}_leg_kny") for side in ("l", "r")
+        self._gait = Gait.of(balance.robot)
+        legs = balance.robot.legs
+        self._knees = [leg.knee for leg in legs]
+        self._straight_knees = [
+            leg.straight + self._rules.straight_flexion for leg in legs
         ]
         self._touchdown_force = self._rules.touchdown_force * balance.weight
 
@@ -106,7 +109,7 @@ class Walk:
         """Begins to shift the weight to the first stance foot."""
         feet = (seen.foot_pose(0), seen.foot_pose(1))
         params = request.walk_params
-        pending = steps_asked_for((), params, feet, first_open=1)
+        pending = steps_asked_for((), params, feet, 1, self._gait)
         first = pending[0].index if pending else 1
         omega = feedback.pendulum_frequency(self._nominal_height)
         memory = WalkMemory(
@@ -173,7 +176,7 @@ class Walk:
         command = self._balance.command(
             seen,
             body,
-            memory.dcm_reference(memory.omega),
+            memory.dcm_reference(),
             memory.omega,
             memory.support,
             self._feet(memory, seen, swing_reference),
@@ -196,6 +199,10 @@ class Walk:
             status_flags=self._flags(memory, leaving),
             events=events,
         )
+
+    def plan(self, memory: WalkMemory, com: np.ndarray, omega: float) -> Plan:
+        """DCM plan, footsteps to come and the swing at hand."""
+        return walk_plan(memory, com)
 
     def report(self, memory: WalkMemory, state: AtlasSimInterfaceState) -> None:
         """Steps and timing; the steps as they will really be taken."""
@@ -224,6 +231,7 @@ class Walk:
             params,
             feet_to_come(memory),
             memory.next_index,
+            self._gait,
             memory.last_foot,
         )
         # A step that was sent anew is another one, which nothing was told of yet.
@@ -311,7 +319,7 @@ class Walk:
         """
         foot = memory.unloading
         return foot is not None and (
-            float(seen.terms.q[self._knees[foot]]) < self._rules.straight_knee
+            float(seen.terms.q[self._knees[foot]]) < self._straight_knees[foot]
         )
 
     def _lift_off(self, memory: WalkMemory, seen: Observation) -> WalkMemory:
@@ -320,7 +328,7 @@ class Walk:
         sent = next(s for s in memory.pending if s.index == step.index)
         # A tick that the transfer was too long is taken off the swing.
         late = min(max(memory.elapsed - memory.duration, 0.0), seen.dt)
-        duration = self._timing.swing(step) - late
+        duration = self._timing.swing(step.duration) - late
         memory = replace(
             memory,
             phase=Phase.SWING,
@@ -364,7 +372,7 @@ class Walk:
         if not coming:
             return self._settle(memory, cop), (event,)
         # The next touchdown is due a step's duration after this one was.
-        transfer = self._timing.transfer(coming[0])
+        transfer = self._timing.transfer(coming[0].duration)
         change = self._rules.transfer_change * transfer
         transfer += min(max(early, -change), change)
         memory = replace(memory, duration=transfer)

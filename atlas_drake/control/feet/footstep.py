@@ -18,6 +18,7 @@ from atlas_drake.control.rotations import (
     yaw_of,
 )
 from atlas_drake.frozen import replace
+from atlas_drake.robot import StepLimits
 
 LEFT, RIGHT = 0, 1
 UP = np.array([0.0, 0.0, 1.0])
@@ -70,50 +71,6 @@ class Footstep:
     def pose(self) -> FootPose:
         """The landing pose, once the height is one in W."""
         return FootPose(self.p_WF, rotation_with_normal(self.yaw, self.normal))
-
-
-@dataclass(frozen=True)
-class StepLimits:
-    """What one step can be, relative to the foot that stays on the ground.
-
-    Lateral distances count away from the stance foot, turns likewise: a left foot
-    turns its toes to the left.
-    """
-
-    forward: float = 0.42
-    """[m]"""
-    backward: float = 0.32
-    """[m]"""
-    min_width: float = 0.18
-    """Nearest the feet come to each other sideways, centre to centre [m]."""
-    max_width: float = 0.50
-    """[m]"""
-    rise: float = 0.10
-    """Largest step up or down [m]."""
-    meant_rise: float = 0.40
-    """Heights farther than this from the stance foot are treated as not given [m]: on
-    level ground a step may have the height of the pelvis."""
-    tilt: float = 0.30
-    """Steepest ground to step on [rad]."""
-    toe_out: float = 0.5
-    """[rad]"""
-    toe_in: float = 0.25
-    """[rad]"""
-    min_duration: float = 0.60
-    """[s]"""
-    max_duration: float = 3.0
-    """Of a step from and to a place near the other foot [s]."""
-    near: float = 0.40
-    """Feet no farther apart than this give a step all the time it wants [m]."""
-    far: float = 0.60
-    """Feet this far apart or farther ... [m]"""
-    far_duration: float = 1.0
-    """... give it this much: in more, the centre of mass would have to come over the
-    standing foot before the other leg is long enough to let it [s]."""
-    min_swing_height: float = 0.03
-    """[m]"""
-    max_swing_height: float = 0.30
-    """[m]"""
 
 
 @dataclass(frozen=True)

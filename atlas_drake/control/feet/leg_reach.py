@@ -6,46 +6,41 @@ Geometry of hip, knee and ankle alone; which footholds count, the caller says.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
 from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
-from atlas_drake.robot import LegLengths
+from atlas_drake.robot import Leg
 
-SHORTEST_FLEXION = 0.30
-"""Knees stay bent by this much, counted from the straight leg [rad]: near it they
-lose their grip on the height."""
-FOLDED_FLEXION = 1.9
-"""Flexion of the knee, counted from the straight leg, to which a leg folds with its
-sole level [rad]: beyond, the ankle comes to its stop and the leg lifts the body."""
 DEEPEST_SQUAT = 0.40
 """Range below the highest position in which the lowest is looked for [m]."""
 HALVINGS = 9
 """Of that range: it is found to within a millimetre."""
 
 
-def leg_length(legs: LegLengths, knee: float) -> float:
+def leg_length(leg: Leg, knee: float) -> float:
     """Distance from hip to ankle [m] with the knee joint at ``knee`` [rad]."""
-    a, b = legs.thigh, legs.shank
-    return math.sqrt(a * a + b * b + 2.0 * a * b * math.cos(knee - legs.straight))
+    a, b = leg.thigh_length, leg.shank_length
+    return math.sqrt(a * a + b * b + 2.0 * a * b * math.cos(knee - leg.straight))
 
 
-def knee_for_length(legs: LegLengths, length: float) -> float:
+def knee_for_length(leg: Leg, length: float) -> float:
     """Position of the bent knee joint [rad] for a distance from hip to ankle [m]."""
-    a, b = legs.thigh, legs.shank
+    a, b = leg.thigh_length, leg.shank_length
     cosine = (length * length - a * a - b * b) / (2.0 * a * b)
-    return legs.straight + math.acos(min(max(cosine, -1.0), 1.0))
+    return leg.straight + math.acos(min(max(cosine, -1.0), 1.0))
 
 
-def hips_from_com(terms: WholeBodyTerms, legs: LegLengths) -> np.ndarray:
+def hips_from_com(terms: WholeBodyTerms, legs: Sequence[Leg]) -> np.ndarray:
     """Where the hips are now, seen from the centre of mass, in W [m], shape (2, 3)."""
-    return terms.p_WP + legs.p_PH @ terms.R_WP.T - terms.com
+    p_PT = np.array([leg.p_PT for leg in legs])
+    return terms.p_WP + p_PT @ terms.R_WP.T - terms.com
 
 
 def highest_com(
-    legs: LegLengths,
+    legs: Sequence[Leg],
     hips: np.ndarray,
     com: np.ndarray,
     footholds: Iterable[tuple[int, FootPose]],
@@ -53,37 +48,41 @@ def highest_com(
     """Greatest height of the centre of mass in W [m] with which all legs reach.
 
     Args:
-        legs: Their lengths.
+        legs: Left and right leg.
         hips: The hips as seen from the centre of mass, in W [m], shape (2, 3).
         com: Centre of mass, horizontal in W [m], shape (2,).
         footholds: Feet that shall reach, with the poses of their soles.
     """
-    longest = leg_length(legs, legs.straight + SHORTEST_FLEXION)
     heights = []
     for foot, pose in footholds:
-        ankle = pose.p_WF + pose.R_WF @ legs.p_FA[foot]
+        leg = legs[foot]
+        longest = leg_length(leg, leg.straight + leg.least_flexion)
+        ankle = pose.p_WF + pose.R_WF @ leg.p_FA
         aside = com + hips[foot, :2] - ankle[:2]
         rise = math.sqrt(max(longest * longest - float(aside @ aside), 0.0))
         heights.append(float(ankle[2]) + rise - float(hips[foot, 2]))
     return min(heights)
 
 
-def highest_sole(legs: LegLengths, hips: np.ndarray, height: float, foot: int) -> float:
+def highest_sole(
+    legs: Sequence[Leg], hips: np.ndarray, height: float, foot: int
+) -> float:
     """Height in W [m] to which a leg that folds can lift its sole, kept level.
 
     Args:
-        legs: Their lengths.
+        legs: Left and right leg.
         hips: The hips as seen from the centre of mass, in W [m], shape (2, 3).
         height: Of the centre of mass in W [m].
         foot: The one that is lifted.
     """
-    folded = leg_length(legs, legs.straight + FOLDED_FLEXION)
+    leg = legs[foot]
+    folded = leg_length(leg, leg.straight + leg.most_flexion)
     ankle = float(height + hips[foot, 2]) - folded
-    return ankle - float(legs.p_FA[foot, 2])
+    return ankle - float(leg.p_FA[2])
 
 
 def lowest_com(
-    legs: LegLengths,
+    legs: Sequence[Leg],
     hips: np.ndarray,
     com: np.ndarray,
     foot: int,
@@ -93,7 +92,7 @@ def lowest_com(
     """Least height of the centre of mass in W [m] that the standing knee can carry.
 
     Args:
-        legs: Their lengths.
+        legs: Left and right leg.
         hips: The hips as seen from the centre of mass, in W [m], shape (2, 3).
         com: Centre of mass, horizontal in W [m], shape (2,).
         foot: The one that carries the robot alone.
@@ -104,25 +103,24 @@ def lowest_com(
     low = high - DEEPEST_SQUAT
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
-        if _knee_ahead(legs, hips, np.append(com, middle), foot, pose) > lever:
+        if _knee_ahead(legs[foot], hips[foot], np.append(com, middle), pose) > lever:
             low = middle
         else:
             high = middle
     return high
 
 
-def _knee_ahead(
-    legs: LegLengths, hips: np.ndarray, com: np.ndarray, foot: int, pose: FootPose
-) -> float:
+def _knee_ahead(leg: Leg, hip: np.ndarray, com: np.ndarray, pose: FootPose) -> float:
     """How far the knee of a leg that stands lies ahead of the centre of mass [m]."""
     forward = np.array([math.cos(pose.yaw), math.sin(pose.yaw), 0.0])
-    ankle = pose.p_WF + pose.R_WF @ legs.p_FA[foot]
-    leg = com + hips[foot] - ankle
-    length = math.sqrt(leg @ leg)
-    along = leg / length
+    ankle = pose.p_WF + pose.R_WF @ leg.p_FA
+    to_hip = com + hip - ankle
+    length = math.sqrt(to_hip @ to_hip)
+    along = to_hip / length
     # The knee lies off the line from ankle to hip, on its front side.
-    up = (legs.shank**2 - legs.thigh**2 + length**2) / (2.0 * length)
-    off = math.sqrt(max(legs.shank**2 - up**2, 0.0))
+    thigh, shank = leg.thigh_length, leg.shank_length
+    up = (shank**2 - thigh**2 + length**2) / (2.0 * length)
+    off = math.sqrt(max(shank**2 - up**2, 0.0))
     ahead = float(forward @ along)
     front = math.sqrt(1.0 - ahead * ahead)
     return float(forward @ (ankle - com)) + up * ahead + off * front

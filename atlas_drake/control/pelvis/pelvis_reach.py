@@ -10,15 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from atlas_drake.control.feet.leg_kinematics import (
-    LegChain,
-    LegPose,
-    leg_chains,
-    solve_leg,
-)
+from atlas_drake.control.feet.leg_kinematics import LegPose, solve_leg
 from atlas_drake.control.pelvis.pelvis_pose import PelvisPose, Stance
-from atlas_drake.control.whole_body.model import GRAVITY, WholeBodyModel
+from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
+from atlas_drake.robot import KNEE, Leg, Robot
 
 LEGS_COM = 0.5
 """Where the legs' own centre of mass lies on the way from ankles to pelvis [-]."""
@@ -29,30 +25,18 @@ _HEIGHT_SEARCH = 0.01
 
 
 @dataclass(frozen=True)
-class PelvisLimits:
-    """Poses that may be asked for, whatever the legs could do beyond.
+class PelvisReserves:
+    """What is kept for balance of what the legs, their motors and the feet allow.
 
-    What the legs, their motors and the feet allow in a pose is computed; these are
-    the limits of everything else, and the reserves kept for balance. Measured on both
-    robots in simulation: docs/control.md.
+    Measured on both robots in simulation: docs/control.md.
     """
 
-    height: tuple[float, float] = (0.55, 0.95)
-    """[m]"""
-    yaw: tuple[float, float] = (-0.6, 0.6)
-    """[rad]"""
-    pitch: tuple[float, float] = (-0.3, 0.5)
-    """[rad]"""
-    roll: tuple[float, float] = (-0.3, 0.3)
-    """[rad]"""
-    com: tuple[float, float] = (-0.5, 0.5)
-    """Along either axis [m]; the support polygon decides."""
     com_margin: float = 0.04
     """Of the centre of mass inside the polygon of possible CoPs [m]."""
     joint_margin: float = 0.05
     """Of leg joints from their end stops [rad]."""
-    straightest_knee: float = 0.25
-    """Knees stay bent by this much [rad]; the leg is straight at 0.13."""
+    least_flexion: float = 0.12
+    """Knees stay bent by this much, counted from the straight leg [rad]."""
     effort_share: float = 0.8
     """Share of a leg joint's effort that standing still may take [-]."""
 
@@ -71,23 +55,24 @@ class UpperBody:
 class PelvisReach:
     """Judges poses of one robot. Holds constants only."""
 
-    def __init__(self, model: WholeBodyModel, limits: PelvisLimits | None = None):
-        """Reads the legs from ``model``."""
-        robot, plant = model.robot, model.plant
-        self.limits = limits or PelvisLimits()
-        self._legs: tuple[LegChain, ...] = leg_chains(plant, robot)
+    def __init__(self, robot: Robot, reserves: PelvisReserves | None = None):
+        """Judges within the range of poses of ``robot``."""
+        self.range = robot.file.pelvis_range
+        self.reserves = reserves or PelvisReserves()
+        self._legs: tuple[Leg, Leg] = robot.legs
         self._weight = robot.mass * GRAVITY
         legs_mass = sum(float(leg.mass_beyond[0]) for leg in self._legs)
         self._legs_share = legs_mass / robot.mass
-        margin = self.limits.joint_margin
+        margin = self.reserves.joint_margin
         self._lower, self._upper, self._effort = [], [], []
         for leg in self._legs:
             lower = robot.position_lower[leg.joints] + margin
-            lower[3] = max(lower[3], self.limits.straightest_knee)
+            straightest = leg.straight + self.reserves.least_flexion
+            lower[KNEE] = max(lower[KNEE], straightest)
             self._lower.append(lower)
             self._upper.append(robot.position_upper[leg.joints] - margin)
             self._effort.append(
-                self.limits.effort_share * robot.effort_limit[leg.joints]
+                self.reserves.effort_share * robot.effort_limit[leg.joints]
             )
 
     def upper_body(self, terms: WholeBodyTerms, stance: Stance) -> UpperBody:
@@ -100,7 +85,7 @@ class PelvisReach:
     def allows(self, pose: PelvisPose, stance: Stance, upper: UpperBody) -> bool:
         """Whether the robot can stand like that."""
         com = stance.com(pose)
-        if stance.support.distance_outside(com) > -self.limits.com_margin:
+        if stance.support.distance_outside(com) > -self.reserves.com_margin:
             return False
         R_WP = stance.R_WP(pose)
         p_WP = self.pelvis_position(pose, stance, upper)
@@ -158,7 +143,7 @@ class PelvisReach:
         ``home`` itself if no height will do.
         """
         height = home.height
-        while height >= self.limits.height[0]:
+        while height >= self.range.height[0]:
             lowered = home._replace(height=height)
             if self.allows(lowered, stance, upper):
                 return lowered
@@ -166,14 +151,14 @@ class PelvisReach:
         return home
 
     def _boxed(self, wish: PelvisPose) -> PelvisPose:
-        limits = self.limits
+        allowed = self.range
         bounds = (
-            limits.height,
-            limits.yaw,
-            limits.pitch,
-            limits.roll,
-            limits.com,
-            limits.com,
+            allowed.height,
+            allowed.yaw,
+            allowed.pitch,
+            allowed.roll,
+            allowed.com,
+            allowed.com,
         )
         return PelvisPose(
             *(

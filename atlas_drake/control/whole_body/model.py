@@ -9,13 +9,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from pydrake.math import RigidTransform
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import Frame, FrameIndex, JacobianWrtVariable
 from pydrake.systems.framework import Context
 
 from atlas_drake.control.whole_body.terms import FrameTerms, WholeBodyTerms
-from atlas_drake.errors import RobotDescriptionError, did_you_mean
+from atlas_drake.errors import RobotDescriptionError, did_you_mean, shown
 from atlas_drake.robot import Robot
 
 GRAVITY = 9.81
@@ -63,16 +62,6 @@ class WholeBodyModel:
     def create_context(self) -> Context:
         """A scratch context for ``evaluate``."""
         return self._plant.CreateDefaultContext()
-
-    def soles(self, context: Context, state: np.ndarray) -> list[RigidTransform]:
-        """Poses of the left and the right sole alone, at a fraction of the cost.
-
-        Args:
-            context: As for ``evaluate``.
-            state: Likewise.
-        """
-        self._plant.SetPositionsAndVelocities(context, state)
-        return [sole.CalcPoseInWorld(context) for sole in self._soles]
 
     def evaluate(self, context: Context, state: np.ndarray) -> WholeBodyTerms:
         """Computes all terms at one state of the robot.
@@ -145,8 +134,10 @@ class WholeBodyModel:
                 plant.get_frame(FrameIndex(i)).name() for i in range(plant.num_frames())
             ]
             raise RobotDescriptionError(
-                f"robot '{self.robot.name}' has no frame {name!r}."
-                + did_you_mean(name, known)
+                "frame",
+                name,
+                f"robot '{self.robot.name}' has no frame {shown(name)}."
+                + did_you_mean(name, known),
             )
         return plant.GetFrameByName(name)
 
@@ -178,11 +169,15 @@ class WholeBodyModel:
         )
 
 
+def mean_sole_height(terms: WholeBodyTerms) -> float:
+    """Height of the middle between both soles in W [m]."""
+    return 0.5 * float(terms.feet[0].p_WF[2] + terms.feet[1].p_WF[2])
+
+
 def nominal_com_height(model: WholeBodyModel) -> float:
     """Height of the CoM above the soles in the stand-prep pose [m]."""
     context = model.create_context()
     state: Any = model.plant.GetPositionsAndVelocities(context)
     state[model.robot.indices(model.plant).q] = model.robot.stand_prep
     terms = model.evaluate(context, state)
-    soles = 0.5 * (terms.feet[0].p_WF[2] + terms.feet[1].p_WF[2])
-    return float(terms.com[2] - soles)
+    return float(terms.com[2]) - mean_sole_height(terms)

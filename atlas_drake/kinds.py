@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from atlas_drake.errors import ScenarioError, did_you_mean, shown
-from atlas_drake.messages.numeric import is_number, is_whole, plain_number
+from atlas_drake.numeric import is_number, is_whole, plain_number
 
 _NAMES = {
     float: "a number",

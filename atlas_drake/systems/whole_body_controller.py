@@ -1,4 +1,6 @@
-"""Behaviours and whole-body QP, at the control rate.
+"""Behaviors and whole-body QP, at the control rate: the controller that is shipped.
+
+It plugs into the station's controller socket like any other.
 
 The update is an unrestricted one: Drake runs these before the discrete updates of the
 same instant, so that the plant's step that begins at a control tick already has that
@@ -6,12 +8,11 @@ tick's efforts. There is no latency but the hold over the control period.
 """
 
 import time
-from collections.abc import MutableSequence
+from collections.abc import Iterable, MutableSequence
 from dataclasses import dataclass
 
 import numpy as np
 from pydrake.common.value import AbstractValue
-from pydrake.math import RigidTransform
 from pydrake.systems.framework import (
     BasicVector,
     Context,
@@ -19,51 +20,54 @@ from pydrake.systems.framework import (
 )
 
 from atlas_drake.behaviors.base import Observation
+from atlas_drake.behaviors.entry import BehaviorEntry
+from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.behaviors.supervisor import Supervisor, SupervisorState
+from atlas_drake.control.balance.feedback import pendulum_frequency
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.control.joints.blend import behavior_share, effort_bounds
 from atlas_drake.control.joints.damping import limp_effort
 from atlas_drake.control.whole_body.command import WholeBodyCommand
 from atlas_drake.control.whole_body.constraints import EffortBounds
-from atlas_drake.control.whole_body.model import WholeBodyModel, nominal_com_height
+from atlas_drake.control.whole_body.model import (
+    WholeBodyModel,
+    mean_sole_height,
+    nominal_com_height,
+)
 from atlas_drake.control.whole_body.qp import WholeBodyQp, WholeBodySolution
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
-from atlas_drake.errors import ErrorCode
 from atlas_drake.frozen import NOTHING, Frozen
-from atlas_drake.messages import (
-    K_EFFORT_MAX,
-    AtlasSimInterfaceState,
-    Behavior,
-    BehaviorStatus,
-    Pose,
-    Quaternion,
-    Vector3,
-)
+from atlas_drake.messages import K_EFFORT_MAX, AtlasSimInterfaceState, Behavior
 from atlas_drake.messages.commands import CommandsInForce
+from atlas_drake.messages.controller_status import REPORTED, ControllerStatus
 from atlas_drake.robot import Robot
 from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.systems.scratch import declare_scratch_context
 
 
 @dataclass(frozen=True)
-class ControllerState(Frozen):
-    """What the controller remembers.
+class ControllerMemory(Frozen):
+    """What the controller remembers from one tick to the next.
 
     Attributes:
-        supervisor: Of the behaviours.
-        effort: The behaviour's effort per joint [N·m], shape (n,).
-        solution: Of the last QP; None before the first one.
-        unsolved: Ticks whose QP had no solution.
+        supervisor: State of the behaviors.
+        effort: The behavior's effort per joint [N·m], shape (n,).
+        com: Center of mass at the last tick, horizontal in W [m], shape (2,).
+        omega: Natural frequency of the pendulum then [1/s].
+        solution: Of the last QP; None where there was none.
+        unsolved: Number of ticks whose QP had no solution.
     """
 
     supervisor: SupervisorState
     effort: np.ndarray
+    com: np.ndarray
+    omega: float = 1.0
     solution: WholeBodySolution | None = None
     unsolved: int = 0
 
 
-class BehaviorController(CollectableSystem):
-    """State, user efforts and the behaviour request in, behaviour efforts out.
+class WholeBodyController(CollectableSystem):
+    """State, user efforts and the behavior request in, behavior efforts out.
 
     Input ports:
         state: Measured positions and velocities, in plant order.
@@ -73,8 +77,7 @@ class BehaviorController(CollectableSystem):
 
     Output ports:
         behavior_effort: [N·m], shape (n,).
-        controller_state: ``ControllerState``, for whoever watches.
-        atlas_sim_interface_state: ``AtlasSimInterfaceState``
+        controller_status: ``ControllerStatus``
     """
 
     __slots__ = ()
@@ -85,8 +88,17 @@ class BehaviorController(CollectableSystem):
         gains: ControlGains,
         period: float,
         initial_behavior: Behavior,
+        entries: Iterable[BehaviorEntry] = SHIPPED_ENTRIES,
     ):
-        """Runs every ``period`` [s]."""
+        """Makes the behaviors.
+
+        Args:
+            robot: To be controlled.
+            gains: Of the tasks that all behaviors share.
+            period: Between two control ticks [s].
+            initial_behavior: Active at the start.
+            entries: Of the behaviors.
+        """
         super().__init__()
         n = robot.num_joints
         self._robot = robot
@@ -94,15 +106,16 @@ class BehaviorController(CollectableSystem):
         self._limit = limit = robot.effort_limit
         self._own_bounds = EffortBounds(-limit, limit, np.zeros(n, dtype=bool))
         self._model = WholeBodyModel(robot)
-        self._pelvis = robot.indices(self._model.plant).pelvis
         self._qp = WholeBodyQp(robot, gains)
-        height = nominal_com_height(self._model) - gains.com_drop
-        self._supervisor = Supervisor(self._model, gains, height)
+        height = nominal_com_height(self._model) - robot.file.com_drop
+        self._supervisor = Supervisor(self._model, gains, height, entries)
         self.tick_seconds: MutableSequence[float] | None = None
         """Wall-clock time of each tick, kept only when set to a list: a measurement of
         the machine, no part of the Context."""
 
-        start = ControllerState(self._supervisor.start(initial_behavior), np.zeros(n))
+        start = ControllerMemory(
+            self._supervisor.start(initial_behavior), np.zeros(n), np.zeros(2)
+        )
         self._state_input = self.DeclareVectorInputPort("state", self._model.num_states)
         self._load_input = self.DeclareVectorInputPort("foot_loads", 2)
         self._user_input = self.DeclareAbstractInputPort(
@@ -120,30 +133,25 @@ class BehaviorController(CollectableSystem):
             prerequisites_of_calc={self.xa_ticket()},
         )
         self.DeclareAbstractOutputPort(
-            "controller_state",
-            lambda: AbstractValue.Make(start),
-            lambda context, out: out.set_value(self._remembered(context)),
+            "controller_status",
+            lambda: AbstractValue.Make(ControllerStatus()),
+            self._calc_status,
             prerequisites_of_calc={self.xa_ticket()},
-        )
-        self.DeclareAbstractOutputPort(
-            "atlas_sim_interface_state",
-            lambda: AbstractValue.Make(AtlasSimInterfaceState()),
-            self._calc_report,
         )
         self.DeclarePeriodicUnrestrictedUpdateEvent(period, 0.0, self._update)
 
     def reset(self, context: Context, behavior: Behavior) -> None:
         """Begins anew with ``behavior``; the log of events and its count are kept."""
         before = self._remembered(context)
-        supervisor = self._supervisor.restart(
-            before.supervisor, behavior, context.get_time()
-        )
-        after = ControllerState(
-            supervisor, np.zeros(self._robot.num_joints), unsolved=before.unsolved
+        after = ControllerMemory(
+            self._supervisor.restart(before.supervisor, behavior),
+            np.zeros(self._robot.num_joints),
+            before.com,
+            unsolved=before.unsolved,
         )
         context.get_mutable_abstract_state(self._memory).set_value(after)
 
-    def _remembered(self, context: Context) -> ControllerState:
+    def _remembered(self, context: Context) -> ControllerMemory:
         return context.get_abstract_state(self._memory).get_value()
 
     def _update(self, context: Context, state: State) -> None:
@@ -153,7 +161,7 @@ class BehaviorController(CollectableSystem):
         if self.tick_seconds is not None:
             self.tick_seconds.append(time.perf_counter() - begin)
 
-    def _tick(self, context: Context, before: ControllerState) -> ControllerState:
+    def _tick(self, context: Context, before: ControllerMemory) -> ControllerMemory:
         terms = self._model.evaluate(
             self._scratch.Eval(context), self._state_input.Eval(context)
         )
@@ -169,21 +177,24 @@ class BehaviorController(CollectableSystem):
         supervisor, command = self._supervisor.update(
             before.supervisor, seen, commands.requests
         )
+        com = terms.com[:2].copy()
+        omega = pendulum_frequency(float(terms.com[2]) - mean_sole_height(terms))
         if command is None:
             effort = (
                 limp_effort(terms.v, self._limit)
                 if supervisor.limp
                 else np.zeros(self._robot.num_joints)
             )
-            return ControllerState(supervisor, effort, unsolved=before.unsolved)
+            return ControllerMemory(
+                supervisor, effort, com, omega, unsolved=before.unsolved
+            )
         if share.any():
             solution, effort = self._solve_shared(context, terms, command, share)
         else:
             solution = self._qp.solve(terms, command, self._own_bounds)
             effort = solution.effort
-        return ControllerState(
-            supervisor, effort, solution, before.unsolved + (not solution.found)
-        )
+        unsolved = before.unsolved + (not solution.found)
+        return ControllerMemory(supervisor, effort, com, omega, solution, unsolved)
 
     def _solve_shared(
         self,
@@ -205,33 +216,17 @@ class BehaviorController(CollectableSystem):
     def _calc_effort(self, context: Context, output: BasicVector) -> None:
         output.SetFromVector(self._remembered(context).effort)
 
-    def _calc_report(self, context: Context, output: AbstractValue) -> None:
+    def _calc_status(self, context: Context, output: AbstractValue) -> None:
         memory = self._remembered(context)
-        commands = self._command_input.Eval(context)
-        state = self._state_input.Eval(context)
-        message = AtlasSimInterfaceState()
-        message.header.stamp = context.get_time()
-        self._supervisor.report(memory.supervisor, message)
-        last = commands.messages[-1].message if commands.messages else None
-        if last is not commands.request.command:
-            # Another message than the one that the behaviours heard.
-            message.error_code = commands.error_code
-        if commands.error_code is ErrorCode.NO_SUCH_BEHAVIOR:
-            message.behavior_feedback.status_flags |= (
-                BehaviorStatus.FAILED_TRANS_UNKNOWN_BEHAVIOR
+        report = AtlasSimInterfaceState()
+        self._supervisor.report(memory.supervisor, report)
+        output.set_value(
+            ControllerStatus(
+                **{name: getattr(report, name) for name in REPORTED},
+                events=memory.supervisor.events,
+                event_count=memory.supervisor.event_count,
+                solved=None if memory.solution is None else memory.solution.found,
+                unsolved=memory.unsolved,
+                plan=self._supervisor.plan(memory.supervisor, memory.com, memory.omega),
             )
-        message.f_out = memory.effort.tolist()
-        message.k_effort = commands.k_effort.astype(int).tolist()
-        message.pos_est.position = Vector3.from_array(state[self._pelvis.position])
-        message.pos_est.velocity = Vector3.from_array(state[self._pelvis.velocity])
-        soles = self._model.soles(self._scratch.Eval(context), state)
-        message.foot_pos_est = [_pose(X_WF) for X_WF in soles]
-        output.set_value(message)
-
-
-def _pose(X_WF: RigidTransform) -> Pose:
-    quaternion = X_WF.rotation().ToQuaternion()
-    return Pose(
-        position=Vector3.from_array(X_WF.translation()),
-        orientation=Quaternion.from_wxyz(quaternion.wxyz()),
-    )
+        )

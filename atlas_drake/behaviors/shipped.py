@@ -1,0 +1,95 @@
+"""The entries of the behaviors that are shipped, made as anybody makes one."""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+
+from atlas_drake.behaviors.entry import BehaviorEntry, BehaviorTools, Transition
+from atlas_drake.behaviors.idle import Idle
+from atlas_drake.behaviors.manipulate.manipulate import Manipulate
+from atlas_drake.behaviors.stand.stand import Stand
+from atlas_drake.behaviors.step.step import Step
+from atlas_drake.behaviors.walk.walk import Walk
+from atlas_drake.control.balance import feedback
+from atlas_drake.control.pelvis.pelvis_reach import PelvisReach
+from atlas_drake.control.whole_body.model import mean_sole_height
+from atlas_drake.messages import Behavior, BehaviorStatus
+from atlas_drake.messages.behavior_catalog import SHIPPED
+
+
+def at_rest_over_the_feet(asked: Transition) -> BehaviorStatus:
+    """STAND takes over a robot that does not fall and whose joints are not too fast."""
+    if asked.source.balanced:
+        return BehaviorStatus.OK
+    seen, limits = asked.seen, asked.tools.entry_limits
+    terms = seen.terms
+    support = asked.tools.balance.support(seen.foot_pose(0), seen.foot_pose(1))
+    if support.distance_outside(terms.com[:2]) > -limits.com_inside:
+        return BehaviorStatus.FAILED_TRANS_COM_POS
+    omega = feedback.pendulum_frequency(float(terms.com[2]) - mean_sole_height(terms))
+    dcm = feedback.dcm(terms, omega)
+    if support.distance_outside(dcm) > -limits.dcm_inside:
+        return BehaviorStatus.FAILED_TRANS_COM_VEL
+    if float(np.abs(terms.v[~seen.user_held]).max(initial=0.0)) > limits.joint_speed:
+        return BehaviorStatus.FAILED_TRANS_VEL
+    return BehaviorStatus.OK
+
+
+def _stand(tools: BehaviorTools, _config: Any) -> Any:
+    return tools.guarded(Stand(tools.balance, tools.nominal_height, tools.rates))
+
+
+def _manipulate(tools: BehaviorTools, _config: Any) -> Any:
+    reach = PelvisReach(tools.robot)
+    return tools.guarded(
+        Manipulate(tools.balance, reach, tools.nominal_height, tools.rates)
+    )
+
+
+def _entry(behavior: Behavior, **how: Any) -> BehaviorEntry:
+    """The entry of a behavior of the original interface."""
+    interface = SHIPPED.entry(behavior)
+    seen = {field.name: getattr(interface, field.name) for field in fields(interface)}
+    return BehaviorEntry(**{**seen, "follows": (), **how})
+
+
+_UNBALANCED = {
+    "leads_to": ("STAND_PREP", "STAND"),
+    "balanced": False,
+    "ends_in_order": False,
+}
+_ANY_TIME = {**_UNBALANCED, "at_any_time": True, "upright": False}
+"""Safety comes first: such behaviors may be asked for at any moment."""
+
+SHIPPED_ENTRIES = (
+    _entry(Behavior.NONE, make=lambda _tools, _config: Idle(), **_ANY_TIME),
+    _entry(Behavior.FREEZE, make=lambda tools, _config: tools.freeze, **_ANY_TIME),
+    _entry(Behavior.STAND_PREP, make=_stand, **_UNBALANCED),
+    _entry(
+        Behavior.STAND,
+        make=_stand,
+        conditions=(at_rest_over_the_feet,),
+        leads_to=("STAND_PREP", "WALK", "STEP", "MANIPULATE"),
+        ends_in_order=False,
+    ),
+    _entry(
+        Behavior.WALK,
+        make=lambda tools, _config: Walk(
+            tools.balance, tools.nominal_height, tools.rates
+        ),
+        lifts_feet=True,
+        feedback="walk_feedback",
+    ),
+    _entry(
+        Behavior.STEP,
+        make=lambda tools, _config: Step(tools.balance, tools.nominal_height),
+        lifts_feet=True,
+        feedback="step_feedback",
+    ),
+    _entry(Behavior.MANIPULATE, make=_manipulate),
+    _entry(Behavior.USER, make=lambda _tools, _config: Idle(), **_ANY_TIME),
+)
+"""In the order of their numbers."""

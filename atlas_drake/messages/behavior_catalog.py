@@ -1,0 +1,288 @@
+"""The behaviors that a robot can be asked for, as commands and viewers see them.
+
+Name, number and parameters; caption, color and description. What a behavior does, and
+when it may begin, is in ``behaviors``.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from atlas_drake.errors import (
+    AtlasError,
+    ErrorCode,
+    InvalidMessageError,
+    did_you_mean,
+    shown,
+)
+from atlas_drake.frozen import Frozen
+from atlas_drake.messages.atlas_sim_interface_command import AtlasSimInterfaceCommand
+from atlas_drake.messages.behavior import Behavior
+from atlas_drake.messages.behavior_params import (
+    AtlasBehaviorManipulateParams,
+    AtlasBehaviorStandParams,
+    AtlasBehaviorStepParams,
+    AtlasBehaviorWalkParams,
+)
+from atlas_drake.messages.behavior_validation import (
+    check_manipulate_params,
+    check_step_params,
+    check_walk_params,
+)
+from atlas_drake.messages.checks import check_kind
+from atlas_drake.numeric import is_whole
+
+FIRST_NUMBER = 100
+"""Lowest number that a behavior of one's own may have; those below are the original
+interface's."""
+_NAME = re.compile(r"[A-Z][A-Z0-9_]*")
+_COLOR = re.compile(r"#[0-9a-fA-F]{6}")
+
+
+class BehaviorError(AtlasError):
+    """A behavior that cannot be registered."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class BehaviorInterface(Frozen):
+    """A behavior as commands and viewers see it.
+
+    Attributes:
+        name: In capitals, such as ``BOW``; commands ask for it by name or number.
+        number: Value of ``AtlasSimInterfaceCommand.behavior``; ``FIRST_NUMBER`` or more
+            for a behavior of one's own.
+        params: Dataclass of its parameters, all with defaults; None if it has none.
+        check: Called with parameters and the path of their field before they are
+            applied; raises ``InvalidMessageError`` for what it cannot take.
+        caption: Of the picture while it is active; empty means its name.
+        color: In figures, such as ``#7cb342``.
+        description: What the behavior does, in one sentence.
+        params_field: Field of the command that holds the parameters.
+    """
+
+    name: str
+    number: int
+    params: type | None = None
+    check: Callable[[Any, str], None] | None = None
+    caption: str = ""
+    color: str = "#8d6e63"
+    description: str = ""
+    params_field: str = "params"
+
+    @cached_property
+    def behavior(self) -> Behavior:
+        """The value that reports, requests and ``current_behavior`` have."""
+        return Behavior.named(self.number, self.name)
+
+    @property
+    def title(self) -> str:
+        """Its caption, or else its name without underscores."""
+        return self.caption or self.name.replace("_", " ")
+
+
+@dataclass(frozen=True)
+class BehaviorCatalog(Frozen):
+    """All behaviors of a controller.
+
+    Attributes:
+        entries: In the order in which they are shown.
+    """
+
+    entries: tuple[BehaviorInterface, ...]
+
+    def __post_init__(self) -> None:
+        """Check that names and numbers are sound, and each there once.
+
+        Raises:
+            BehaviorError: If they are not.
+        """
+        names: dict[str, BehaviorInterface] = {}
+        numbers: dict[int, BehaviorInterface] = {}
+        for entry in self.entries:
+            _check_sound(entry)
+            for known, key in ((names, entry.name), (numbers, entry.number)):
+                if key in known:
+                    raise BehaviorError(
+                        f"behavior {entry.name} ({entry.number}): "
+                        f"{known[key].name} ({known[key].number}) "  # type: ignore[index]
+                        "is registered already; choose another name and number"
+                    )
+                known[key] = entry  # type: ignore[index]
+
+    def __iter__(self) -> Iterator[BehaviorInterface]:
+        return iter(self.entries)
+
+    @cached_property
+    def _by_behavior(self) -> dict[Behavior, BehaviorInterface]:
+        return {entry.behavior: entry for entry in self.entries}
+
+    @cached_property
+    def _by_key(self) -> dict[str | int, BehaviorInterface]:
+        names = {entry.name: entry for entry in self.entries}
+        return names | {entry.number: entry for entry in self.entries}
+
+    def entry(self, behavior: Behavior) -> BehaviorInterface:
+        """The entry of a behavior of this catalog."""
+        return self._by_behavior[behavior]
+
+    def find(self, value: object, field: str = "behavior") -> Behavior:
+        """Find the behavior that a message asks for.
+
+        Args:
+            value: A ``Behavior``, its number, or its name in any case; hyphens and
+                spaces in a name count as underscores.
+            field: Path of the value in its message, for the error.
+
+        Raises:
+            InvalidMessageError: If there is no such behavior; code NO_SUCH_BEHAVIOR.
+        """
+        hint = ""
+        if isinstance(value, str):
+            name = value.strip().upper().replace("-", "_").replace(" ", "_")
+            if name in self._by_key:
+                return self._by_key[name].behavior
+            hint = did_you_mean(name, [entry.name for entry in self.entries])
+        elif is_whole(value) and int(value) in self._by_key:
+            return self._by_key[int(value)].behavior
+        known = ", ".join(f"{entry.name} ({entry.number})" for entry in self.entries)
+        raise InvalidMessageError(
+            field,
+            value,
+            f"there is no behavior {shown(value)}.{hint} Known are {known}.",
+            ErrorCode.NO_SUCH_BEHAVIOR,
+        )
+
+    def check_params(self, message: AtlasSimInterfaceCommand) -> Behavior:
+        """Check which behavior a message asks for, and all its parameters.
+
+        Raises:
+            InvalidMessageError: If anything in them cannot be applied; it names the
+                field.
+        """
+        behavior = self.find(message.behavior)
+        asked = self.entry(behavior)
+        for entry in self.entries:
+            # The fields of the original interface are checked whoever is asked for.
+            if entry.params is None or entry.params_field == "params":
+                continue
+            _check(entry, getattr(message, entry.params_field))
+        if message.params is not None:
+            if asked.params is None or asked.params_field != "params":
+                where = (
+                    f"reads {asked.params_field}"
+                    if asked.params
+                    else "has no parameters"
+                )
+                raise InvalidMessageError(
+                    "params",
+                    message.params,
+                    f"is for behaviors of one's own; {asked.name} {where}",
+                )
+            _check(asked, message.params)
+        return behavior
+
+    def params_of(self, behavior: Behavior, message: AtlasSimInterfaceCommand) -> Any:
+        """The parameters that a behavior reads of a message; defaults if it has none.
+
+        Args:
+            behavior: That reads.
+            message: Checked.
+        """
+        entry = self.entry(behavior)
+        if entry.params is None:
+            return None
+        given = getattr(message, entry.params_field)
+        return entry.params() if given is None else given
+
+
+def _check(entry: BehaviorInterface, params: object) -> None:
+    assert entry.params is not None
+    check_kind(params, entry.params, entry.params_field)
+    if entry.check is None:
+        return
+    try:
+        entry.check(params, entry.params_field)
+    except InvalidMessageError:
+        raise
+    except Exception as error:
+        # A check that fails by itself must not end the simulation.
+        raise InvalidMessageError(
+            entry.params_field,
+            params,
+            f"the check of {entry.name} failed with {type(error).__name__}: {error}",
+        ) from error
+
+
+def _check_sound(entry: BehaviorInterface) -> None:
+    """Refuses an entry that could not be used.
+
+    Raises:
+        BehaviorError: It names the entry and what is wrong.
+    """
+    if not isinstance(entry, BehaviorInterface):
+        raise BehaviorError(
+            f"behaviors must be BehaviorEntry values, has {shown(entry)}"
+        )
+    label = f"behavior {entry.name!r}"
+    if not (isinstance(entry.name, str) and _NAME.fullmatch(entry.name)):
+        raise BehaviorError(f"{label}: a name has capitals, digits and underscores")
+    shipped = entry.name in Behavior.__members__
+    if shipped and Behavior[entry.name] != entry.number:
+        raise BehaviorError(f"{label} is one of the original interface")
+    if not is_whole(entry.number) or (entry.number < FIRST_NUMBER and not shipped):
+        raise BehaviorError(
+            f"{label}: its number must be a whole number from {FIRST_NUMBER} on, is "
+            f"{shown(entry.number)}"
+        )
+    if not (isinstance(entry.color, str) and _COLOR.fullmatch(entry.color)):
+        raise BehaviorError(
+            f"{label}: its color must be such as '#7cb342', is {shown(entry.color)}"
+        )
+    if entry.params is not None and not (
+        isinstance(entry.params, type) and dataclasses.is_dataclass(entry.params)
+    ):
+        raise BehaviorError(
+            f"{label}: params must be a dataclass, is {shown(entry.params)}"
+        )
+
+
+def _shipped() -> Iterable[BehaviorInterface]:
+    """The behaviors of the original interface."""
+    for behavior, color, description in (
+        (Behavior.NONE, "#9e9e9e", "No behavior, controls disabled."),
+        (Behavior.FREEZE, "#4fc3d9", "Safety: hold still."),
+        (Behavior.STAND_PREP, "#b39ddb", "Go to the pose from which STAND can begin."),
+        (Behavior.STAND, "#7cb342", "Balance on both feet."),
+        (Behavior.WALK, "#42a5f5", "Walk dynamically over a queue of steps."),
+        (Behavior.STEP, "#26a69a", "Take one quasi-static step at a time."),
+        (Behavior.MANIPULATE, "#ec407a", "Balance with a servoed pelvis."),
+        (Behavior.USER, "#ffb74d", "All joints return to the user at once."),
+    ):
+        params = _PARAMS.get(behavior)
+        given = {} if params is None else {"params": params[0], "check": params[1]}
+        yield BehaviorInterface(
+            name=behavior.name,
+            number=behavior.value,
+            color=color,
+            description=description,
+            params_field=f"{behavior.name.lower()}_params",
+            **given,  # type: ignore[arg-type]
+        )
+
+
+_PARAMS: dict[Behavior, tuple[type, Callable[[Any, str], None] | None]] = {
+    Behavior.WALK: (AtlasBehaviorWalkParams, lambda p, _field: check_walk_params(p)),
+    Behavior.STEP: (AtlasBehaviorStepParams, lambda p, _field: check_step_params(p)),
+    Behavior.STAND: (AtlasBehaviorStandParams, None),
+    Behavior.MANIPULATE: (
+        AtlasBehaviorManipulateParams,
+        lambda p, _field: check_manipulate_params(p),
+    ),
+}
+SHIPPED = BehaviorCatalog(tuple(_shipped()))
+"""The behaviors of the original interface."""

@@ -1,0 +1,164 @@
+"""What a controller tells of itself: the one value that others read of it.
+
+Viewers, logs, replay, the summary and ``AtlasSimInterfaceState`` are made from it.
+Efforts are a port of their own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from atlas_drake.errors import ErrorCode
+from atlas_drake.frozen import Frozen
+from atlas_drake.messages.atlas_sim_interface_state import AtlasSimInterfaceState
+from atlas_drake.messages.behavior import Behavior
+from atlas_drake.messages.behavior_feedback import (
+    AtlasBehaviorFeedback,
+    AtlasBehaviorManipulateFeedback,
+    AtlasBehaviorStandFeedback,
+    AtlasBehaviorStepFeedback,
+    AtlasBehaviorWalkFeedback,
+)
+from atlas_drake.messages.event import Event
+
+
+@dataclass(frozen=True)
+class PlannedPaths(Frozen):
+    """Motion that is planned from now on, as points in W [m]; each may be None.
+
+    Attributes:
+        com: Of the center of mass, horizontal, shape (k, 2).
+        dcm: Of the divergent component of motion, shape (k, 2).
+        cop: Of the center of pressure, shape (k, 2).
+        swing: Of the sole in the air, from lift-off to touchdown, shape (k, 3).
+    """
+
+    com: np.ndarray | None = None
+    dcm: np.ndarray | None = None
+    cop: np.ndarray | None = None
+    swing: np.ndarray | None = None
+
+
+@dataclass(frozen=True)
+class PlannedStep(Frozen):
+    """A footstep to come.
+
+    Attributes:
+        foot: 0 for the left one, 1 for the right one.
+        p_WF: Middle of the sole in W [m], shape (3,).
+        yaw: Heading of the sole [rad].
+    """
+
+    foot: int
+    p_WF: np.ndarray
+    yaw: float
+
+
+@dataclass(frozen=True)
+class Plan(Frozen):
+    """What a controller intends now; every field may be left out.
+
+    Attributes:
+        support: Corners of the region for the CoP, counter-clockwise in W [m], shape
+            (k, 2) with k at most ``LARGEST_SUPPORT``.
+        omega: Natural frequency of the pendulum that the DCM refers to [1/s].
+        com_reference: Of the center of mass, horizontal in W [m], shape (2,).
+        dcm_reference: Of the DCM in W [m], shape (2,).
+        cop_reference: Of the CoP in W [m], shape (2,).
+        footsteps: To come, the next one first.
+        preview: Computes ``paths``. It is called only if somebody looks at them, as
+            paths often cost more than a control tick.
+    """
+
+    support: np.ndarray | None = None
+    omega: float | None = None
+    com_reference: np.ndarray | None = None
+    dcm_reference: np.ndarray | None = None
+    cop_reference: np.ndarray | None = None
+    footsteps: tuple[PlannedStep, ...] = ()
+    preview: Callable[[], PlannedPaths] | None = None
+
+    @cached_property
+    def paths(self) -> PlannedPaths:
+        """The motion that is planned from now on."""
+        return PlannedPaths() if self.preview is None else self.preview()
+
+
+LARGEST_SUPPORT = 8
+"""Corners that the support polygon of two rectangular soles has at most."""
+
+
+@dataclass(frozen=True)
+class ControllerStatus(Frozen):
+    """What a controller tells of itself; every field has a default.
+
+    The time that a tick took is not here: it is a fact about the machine, and the
+    Context holds only what is the same in every run. A controller that wants it in
+    summary and log appends it to its attribute ``tick_seconds``, see
+    ``diagrams.controller_socket``.
+
+    Attributes:
+        current_behavior: The active behavior.
+        desired_behavior: The behavior asked for; leads the active one while a
+            transition takes time.
+        error_code: Of the last command.
+        behavior_feedback: How the last transition went.
+        stand_feedback: How STAND goes.
+        step_feedback: How STEP goes.
+        walk_feedback: How WALK goes.
+        manipulate_feedback: How MANIPULATE goes.
+        events: The latest events. Older ones are dropped; those of the last
+            ``recent.READ_WITHIN`` seconds must be there.
+        event_count: Number of events since the diagram was built.
+        solved: Whether the last tick's optimization had a solution; None if the
+            controller has none.
+        unsolved: Number of ticks without a solution.
+        plan: What the controller intends.
+    """
+
+    current_behavior: Behavior = Behavior.NONE
+    desired_behavior: Behavior = Behavior.NONE
+    error_code: ErrorCode = ErrorCode.NO_ERRORS
+    behavior_feedback: AtlasBehaviorFeedback = field(
+        default_factory=AtlasBehaviorFeedback
+    )
+    stand_feedback: AtlasBehaviorStandFeedback = field(
+        default_factory=AtlasBehaviorStandFeedback
+    )
+    step_feedback: AtlasBehaviorStepFeedback = field(
+        default_factory=AtlasBehaviorStepFeedback
+    )
+    walk_feedback: AtlasBehaviorWalkFeedback = field(
+        default_factory=AtlasBehaviorWalkFeedback
+    )
+    manipulate_feedback: AtlasBehaviorManipulateFeedback = field(
+        default_factory=AtlasBehaviorManipulateFeedback
+    )
+    events: tuple[Event, ...] = ()
+    event_count: int = 0
+    solved: bool | None = None
+    unsolved: int = 0
+    plan: Plan = field(default_factory=Plan)
+
+
+REPORTED = (
+    "error_code",
+    "current_behavior",
+    "desired_behavior",
+    "behavior_feedback",
+    "stand_feedback",
+    "step_feedback",
+    "walk_feedback",
+    "manipulate_feedback",
+)
+"""Fields of ``ControllerStatus`` that ``AtlasSimInterfaceState`` has, too."""
+
+
+def fill_in(state: AtlasSimInterfaceState, status: ControllerStatus) -> None:
+    """Puts what both have in common from a status into a state message."""
+    for name in REPORTED:
+        setattr(state, name, getattr(status, name))

@@ -1,0 +1,56 @@
+"""Robots: everything that is a robot's own, read from its YAML file and its URDF.
+
+Nothing here knows a particular robot. What a file holds is in ``file``, the layout that
+its legs must have in ``leg``. No control law and no state.
+"""
+
+from atlas_drake.robot.file import (
+    LEGS,
+    LIMBS,
+    ContactEntry,
+    FootEntry,
+    GaitTiming,
+    JointEntry,
+    PelvisRange,
+    RobotFile,
+    SoleSize,
+    StepLimits,
+    UsualSteps,
+)
+from atlas_drake.robot.leg import ANKLE_PITCH, HIP_PITCH, KNEE, Leg
+from atlas_drake.robot.load import (
+    DEFAULT_ROBOT,
+    MODELS_FOLDER,
+    available_robots,
+    find_robot,
+    load_robot,
+    model_beside,
+)
+from atlas_drake.robot.robot import PelvisParts, PlantIndices, Robot
+
+__all__ = [
+    "ANKLE_PITCH",
+    "DEFAULT_ROBOT",
+    "HIP_PITCH",
+    "KNEE",
+    "LEGS",
+    "LIMBS",
+    "MODELS_FOLDER",
+    "ContactEntry",
+    "FootEntry",
+    "GaitTiming",
+    "JointEntry",
+    "Leg",
+    "PelvisParts",
+    "PelvisRange",
+    "PlantIndices",
+    "Robot",
+    "RobotFile",
+    "SoleSize",
+    "StepLimits",
+    "UsualSteps",
+    "available_robots",
+    "find_robot",
+    "load_robot",
+    "model_beside",
+]

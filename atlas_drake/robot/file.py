@@ -1,0 +1,379 @@
+"""What stands in a robot's YAML file: everything that is the robot's own.
+
+The schema, its defaults, which are Atlas' values, and the checks of the file by itself.
+Whether file and URDF belong together is checked in ``load``.
+"""
+
+# Annotations stay types, not strings: Drake's YAML loader reads them.
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from atlas_drake.errors import RobotDescriptionError, shown
+
+LEGS = ("l_leg", "r_leg")
+"""Limbs in the order of foot indices."""
+LIMBS = ("back", "neck", *LEGS, "l_arm", "r_arm")
+
+
+@dataclass
+class JointEntry:
+    """One actuated joint, in message order."""
+
+    name: str = ""
+    """Name in the URDF."""
+    alias: str = ""
+    """Second name by which users may ask for the joint; Atlas' joints have those of
+    its first version."""
+    limb: str = ""
+    """What the joint is part of: back, neck, l_leg, r_leg, l_arm or r_arm."""
+    kp: float = 0.0
+    """Default position gain in force before any command [N·m/rad]."""
+    kd: float = 0.0
+    """Default derivative gain in force before any command [N·m·s/rad]."""
+    stand_prep: float = 0.0
+    """Position in the pose from which STAND can begin [rad]."""
+
+
+@dataclass
+class FootEntry:
+    """One foot: its body and the frame in which footsteps are commanded."""
+
+    body: str = ""
+    """Name in the URDF."""
+    sole_frame: str = ""
+    """Centre of the sole on its bottom plane, x ahead, z along the normal."""
+
+
+@dataclass
+class SoleSize:
+    """Contact rectangle of each sole."""
+
+    length: float = 0.0
+    """Along the sole's x [m]."""
+    width: float = 0.0
+    """Along the sole's y [m]."""
+
+
+@dataclass
+class ContactEntry:
+    """A surface of the robot, beside the soles, that can carry load."""
+
+    name: str = ""
+    """By which tasks and behaviors ask for the contact."""
+    frame: str = ""
+    """Frame or body F of the URDF that the surface belongs to."""
+    p_FC: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
+    """Centre of the surface in F [m]."""
+    rpy_FC: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
+    """Roll, pitch and yaw of the contact frame C in F [rad]; z of C points from the
+    touched object into the robot, as a sole's does."""
+    length: float = 0.0
+    """Of the contact rectangle along x of C [m]."""
+    width: float = 0.0
+    """Of the contact rectangle along y of C [m]."""
+
+
+@dataclass
+class StepLimits:
+    """What one step can be, relative to the foot that stays on the ground.
+
+    Lateral distances count away from the stance foot, turns likewise: a left foot
+    turns its toes to the left.
+    """
+
+    forward: float = 0.42
+    """Longest step ahead [m]."""
+    backward: float = 0.32
+    """Longest step back [m]."""
+    min_width: float = 0.18
+    """Nearest the feet come to each other sideways, centre to centre [m]."""
+    max_width: float = 0.50
+    """Farthest that the feet go from each other sideways, centre to centre [m]."""
+    rise: float = 0.10
+    """Largest step up or down [m]."""
+    meant_rise: float = 0.40
+    """Heights farther than this from the stance foot are treated as not given [m]: on
+    level ground a step may have the height of the pelvis."""
+    tilt: float = 0.30
+    """Steepest ground to step on [rad]."""
+    toe_out: float = 0.5
+    """Largest turn outward [rad]."""
+    toe_in: float = 0.25
+    """Largest turn inward [rad]."""
+    min_duration: float = 0.60
+    """Shortest step [s]."""
+    max_duration: float = 3.0
+    """Longest step from and to a place near the other foot [s]."""
+    near: float = 0.40
+    """Feet no farther apart than this give a step all the time it wants [m]."""
+    far: float = 0.60
+    """Feet this far apart or farther give a step ``far_duration`` at most [m]."""
+    far_duration: float = 1.0
+    """Longest step with the feet far apart [s]: in more time the centre of mass would
+    have to come over the stance foot before the other leg is long enough."""
+    min_swing_height: float = 0.03
+    """Lowest apex of a swing above the middle of its ends [m]."""
+    max_swing_height: float = 0.30
+    """Highest apex of a swing above the middle of its ends [m]."""
+
+
+def quasi_static_limits() -> StepLimits:
+    """Returns the default limits of STEP, wider than a walk's: there is time."""
+    return StepLimits(
+        forward=0.42,
+        backward=0.36,
+        max_width=0.45,
+        rise=0.20,
+        tilt=0.25,
+        min_duration=0.1,
+        max_duration=20.0,
+        min_swing_height=0.0,
+        max_swing_height=0.60,
+    )
+
+
+@dataclass
+class GaitTiming:
+    """Durations of a walk's phases that a step's own duration does not give."""
+
+    first_shift: float = 0.80
+    """Weight shift before the first lift-off [s]."""
+    transfer_share: float = 0.32
+    """Share of a step's duration in double support [-]."""
+    settle: float = 0.70
+    """Shift to the middle of the feet after the last step [s]."""
+    rest: float = 0.50
+    """Time at rest before STAND takes over [s]."""
+
+    def transfer(self, duration: float) -> float:
+        """Double support before the lift-off of a step of this duration [s]."""
+        return self.transfer_share * duration
+
+    def swing(self, duration: float) -> float:
+        """Single support of a step of this duration [s]."""
+        return (1.0 - self.transfer_share) * duration
+
+
+@dataclass
+class UsualSteps:
+    """Steps of a walk for which nothing else is asked: demonstrations and planners."""
+
+    stride: float = 0.20
+    """From one footprint to the next [m]."""
+    turn: float = 0.15
+    """Turn of each step on a bend or on the spot [rad]."""
+    duration: float = 0.63
+    """Duration of each step [s]."""
+    swing_height: float = 0.10
+    """Apex of each swing above the middle of its ends [m]."""
+
+
+@dataclass
+class PelvisRange:
+    """Poses of the pelvis that MANIPULATE may be asked for.
+
+    What legs, motors and feet allow in a pose is computed; these are the limits of
+    everything else. Each is a least and a greatest value.
+    """
+
+    height: list[float] = field(default_factory=lambda: [0.55, 0.95])
+    """Of the pelvis' origin above the mean of the soles [m]."""
+    yaw: list[float] = field(default_factory=lambda: [-0.6, 0.6])
+    """Of the pelvis, from the mean heading of the feet, to the left [rad]."""
+    pitch: list[float] = field(default_factory=lambda: [-0.3, 0.5])
+    """Of the pelvis, forward and down [rad]."""
+    roll: list[float] = field(default_factory=lambda: [-0.3, 0.3])
+    """Of the pelvis, to the right [rad]."""
+    com: list[float] = field(default_factory=lambda: [-0.5, 0.5])
+    """Of the centre of mass along either axis [m]; the support polygon decides."""
+
+
+@dataclass
+class RobotFile:
+    """The schema of a robot's YAML file."""
+
+    urdf: str = ""
+    """URDF file, relative to this one."""
+    pelvis: str = ""
+    """Body at the top of both legs, free in the world."""
+    chest: str = ""
+    """Body that balance keeps upright; the pelvis itself for a robot without a back."""
+    hands: list[str] = field(default_factory=list)
+    """Bodies of the left and the right hand; none for a robot without hands."""
+    imu_frame: str = ""
+    """Frame of the inertial sensor; the pelvis' where nothing is given."""
+    feet: list[FootEntry] = field(default_factory=list)
+    """Left foot, right foot: the order of foot_index."""
+    sole: SoleSize = field(default_factory=SoleSize)
+    """Contact rectangle of each sole."""
+    contacts: list[ContactEntry] = field(default_factory=list)
+    """Further surfaces that can carry load, such as hands."""
+    pushed: list[str] = field(default_factory=list)
+    """Bodies that teleoperation offers to push; pelvis, chest and hands where nothing
+    is given."""
+    joints: list[JointEntry] = field(default_factory=list)
+    """Every actuated joint in the order of the messages' arrays."""
+    com_drop: float = 0.02
+    """Standing and walking are this much lower than the stand-prep pose [m]: the bent
+    knees give the trailing leg its reach."""
+    stance_width: float = 0.24
+    """Distance between the soles' middles of feet side by side [m]."""
+    least_knee_flexion: float = 0.30
+    """Knees stay bent by this much, counted from the straight leg [rad]: near it they
+    lose their grip on the height."""
+    most_knee_flexion: float = 1.9
+    """Flexion of the knee, counted from the straight leg, to which a leg folds with its
+    sole level [rad]: beyond, the ankle comes to its stop and the leg lifts the body."""
+    balance_effort: float = 15.0
+    """What a behavior must be able to give hip pitch and ankle pitch of a leg to
+    balance with it [N·m]."""
+    walk_limits: StepLimits = field(default_factory=StepLimits)
+    """What one step of a walk can be."""
+    step_limits: StepLimits = field(default_factory=quasi_static_limits)
+    """What one step of STEP can be."""
+    gait_timing: GaitTiming = field(default_factory=GaitTiming)
+    """Durations of a walk's phases."""
+    usual_steps: UsualSteps = field(default_factory=UsualSteps)
+    """Steps of a walk for which nothing else is asked."""
+    pelvis_range: PelvisRange = field(default_factory=PelvisRange)
+    """Poses of the pelvis that MANIPULATE may be asked for."""
+
+
+def check_file(file: RobotFile) -> None:
+    """Checks the file by itself; kinds of values are right already.
+
+    Raises:
+        RobotDescriptionError: Naming the first field that cannot be used.
+    """
+    for name in ("urdf", "pelvis", "chest"):
+        if not getattr(file, name):
+            raise _wrong(name, "", f"is missing; {_MEANING[name]}")
+    if len(file.hands) not in (0, 2):
+        raise _wrong("hands", file.hands, "must be the left and the right hand, or []")
+    if len(file.feet) != 2:
+        raise _wrong("feet", file.feet, "must be two: the left and the right foot")
+    for index, foot in enumerate(file.feet):
+        for name, value in vars(foot).items():
+            if not value:
+                raise _wrong(f"feet[{index}].{name}", value, "is missing")
+    for name, value in vars(file.sole).items():
+        _check_least(f"sole.{name}", value, above=0.0)
+    _check_joints(file.joints)
+    _check_contacts(file.contacts)
+    _check_least("com_drop", file.com_drop)
+    _check_least("stance_width", file.stance_width, above=0.0)
+    _check_least("balance_effort", file.balance_effort)
+    _check_order("", file, ("least_knee_flexion", "most_knee_flexion"))
+    for name, value in vars(file.gait_timing).items():
+        _check_least(f"gait_timing.{name}", value)
+    share = file.gait_timing.transfer_share
+    if not 0.0 < share < 1.0:
+        raise _wrong("gait_timing.transfer_share", share, "must be between 0 and 1")
+    for name in ("walk_limits", "step_limits"):
+        _check_limits(name, getattr(file, name))
+    _check_usual(file)
+    for name, bounds in vars(file.pelvis_range).items():
+        where = f"pelvis_range.{name}"
+        ordered = len(bounds) == 2 and all(map(math.isfinite, bounds))
+        if not ordered or bounds[0] > bounds[1]:
+            raise _wrong(where, bounds, "must be a least and a greatest value")
+
+
+_MEANING = {
+    "urdf": "name the robot's URDF file, relative to this one",
+    "pelvis": "name the body at the top of both legs",
+    "chest": "name the body that balance keeps upright, or the pelvis",
+}
+
+
+def _wrong(name: str, value: object, problem: str) -> RobotDescriptionError:
+    if value != "":
+        problem = f"is {shown(value)}; {problem}"
+    return RobotDescriptionError(name, value, problem)
+
+
+def _check_least(name: str, value: float, above: float | None = None) -> None:
+    if above is None and not 0.0 <= value < math.inf:
+        raise _wrong(name, value, "must be 0 or more")
+    if above is not None and not above < value < math.inf:
+        raise _wrong(name, value, f"must be more than {above:g}")
+
+
+def _check_order(path: str, owner: object, names: Sequence[str]) -> None:
+    """Checks that fields, none of them negative, do not become smaller in order."""
+    for name in names:
+        _check_least(path + name, getattr(owner, name))
+    for low, high in itertools.pairwise(names):
+        least = getattr(owner, low)
+        if getattr(owner, high) < least:
+            value = getattr(owner, high)
+            raise _wrong(path + high, value, f"must be at least {low} ({least:g})")
+
+
+def _check_joints(joints: Sequence[JointEntry]) -> None:
+    known: set[str] = set()
+    for index, joint in enumerate(joints):
+        where = f"joints[{index}]"
+        if not joint.name:
+            raise _wrong(f"{where}.name", "", "is missing; give the URDF's name")
+        for name in (joint.name, joint.alias):
+            if name and name in known:
+                raise _wrong(f"{where}.name", name, "an earlier joint has that name")
+            known.add(name)
+        if joint.limb not in LIMBS:
+            wanted = f"must be one of {', '.join(LIMBS)} (joint {joint.name})"
+            raise _wrong(f"{where}.limb", joint.limb or None, wanted)
+        for name in ("kp", "kd"):
+            _check_least(f"{where}.{name}", getattr(joint, name))
+        if not math.isfinite(joint.stand_prep):
+            raise _wrong(f"{where}.stand_prep", joint.stand_prep, "must be finite")
+
+
+def _check_contacts(contacts: Sequence[ContactEntry]) -> None:
+    for index, contact in enumerate(contacts):
+        where = f"contacts[{index}]"
+        for name in ("name", "frame"):
+            if not getattr(contact, name):
+                raise _wrong(f"{where}.{name}", "", "is missing")
+        if any(contact.name == other.name for other in contacts[:index]):
+            raise _wrong(f"{where}.name", contact.name, "an earlier contact has it")
+        for name in ("p_FC", "rpy_FC"):
+            vector = getattr(contact, name)
+            if len(vector) != 3 or not all(map(math.isfinite, vector)):
+                raise _wrong(f"{where}.{name}", vector, "must be three numbers")
+        for name in ("length", "width"):
+            _check_least(f"{where}.{name}", getattr(contact, name), above=0.0)
+
+
+def _check_limits(path: str, limits: StepLimits) -> None:
+    for name, value in vars(limits).items():
+        _check_least(f"{path}.{name}", value)
+    for pair in (
+        ("min_width", "max_width"),
+        ("min_duration", "far_duration", "max_duration"),
+        ("near", "far"),
+        ("min_swing_height", "max_swing_height"),
+    ):
+        _check_order(f"{path}.", limits, pair)
+    _check_least(f"{path}.min_duration", limits.min_duration, above=0.0)
+    if limits.near == limits.far:
+        raise _wrong(f"{path}.far", limits.far, "must be more than near")
+
+
+def _check_usual(file: RobotFile) -> None:
+    usual, limits = file.usual_steps, file.walk_limits
+    for name, value, most in (
+        ("stride", usual.stride, limits.forward),
+        ("turn", usual.turn, limits.toe_in),
+        ("duration", usual.duration, limits.max_duration),
+        ("swing_height", usual.swing_height, limits.max_swing_height),
+    ):
+        _check_least(f"usual_steps.{name}", value, above=0.0)
+        if value > most:
+            wanted = f"must be at most {most:g}, which walk_limits allow"
+            raise _wrong(f"usual_steps.{name}", value, wanted)
+    if not limits.min_width <= file.stance_width <= limits.max_width:
+        wanted = f"walk_limits allow {limits.min_width:g} to {limits.max_width:g}"
+        raise _wrong("stance_width", file.stance_width, wanted)

@@ -1,0 +1,183 @@
+"""Checks that a robot's file and its URDF belong together, and that it can stand.
+
+Each raises a RobotDescriptionError that names the first field that cannot be used. The
+file by itself is checked in ``file``, the layout of the legs in ``leg``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+from pydrake.multibody.tree import RevoluteJoint
+
+from atlas_drake.errors import RobotDescriptionError, did_you_mean, shown
+from atlas_drake.robot.file import RobotFile
+
+LEAST_COM_HEIGHT = 0.35
+"""Height of the centre of mass above the soles of a robot that stands, at least [m]:
+the feedback of balance takes a shorter pendulum for a longer one."""
+_LEVEL, _TILT = 0.01, 0.1
+"""How exactly the stand-prep pose has the soles on one level [m], and flat [rad]."""
+
+
+def check_names(plant: Any, instance: Any, file: RobotFile) -> None:
+    """Checks that the URDF has every body and frame that the file names."""
+    named: list[tuple[str, str]] = [("pelvis", file.pelvis)]
+    for index, foot in enumerate(file.feet):
+        named.append((f"feet[{index}].body", foot.body))
+    named += [(f"hands[{index}]", hand) for index, hand in enumerate(file.hands)]
+    named += [(f"pushed[{index}]", body) for index, body in enumerate(file.pushed)]
+    for field, name in named:
+        if not plant.HasBodyNamed(name):
+            known = [
+                plant.get_body(index).name() for index in plant.GetBodyIndices(instance)
+            ]
+            raise _missing(field, name, "body", known)
+    frames = [("chest", file.chest), ("imu_frame", file.imu_frame)]
+    for index, foot in enumerate(file.feet):
+        frames.append((f"feet[{index}].sole_frame", foot.sole_frame))
+    for index, contact in enumerate(file.contacts):
+        frames.append((f"contacts[{index}].frame", contact.frame))
+    for field, name in frames:
+        if not plant.HasFrameNamed(name):
+            known = [
+                plant.get_frame(index).name()
+                for index in plant.GetFrameIndices(instance)
+            ]
+            raise _missing(field, name, "frame", known)
+
+
+def _missing(
+    field: str, name: str, kind: str, known: Iterable[str]
+) -> RobotDescriptionError:
+    known = [word for word in known if word]
+    hint = did_you_mean(name, known) or f" It has {', '.join(known)}."
+    return RobotDescriptionError(
+        field, name, f"the URDF has no {kind} {shown(name)}.{hint}"
+    )
+
+
+def check_base(plant: Any, instance: Any, file: RobotFile) -> Any:
+    """Checks that the pelvis, and nothing else, is free in the world; returns it."""
+    pelvis = plant.GetBodyByName(file.pelvis)
+    free = sorted(
+        plant.get_body(index).name() for index in plant.GetFloatingBaseBodies()
+    )
+    if free != [file.pelvis]:
+        raise RobotDescriptionError(
+            "pelvis",
+            file.pelvis,
+            f"the URDF's bodies that are free in the world are {', '.join(free)}; the "
+            f"pelvis, {file.pelvis}, must be the root, and the only one",
+        )
+    return pelvis
+
+
+def check_joints(plant: Any, names: tuple[str, ...], urdf: str) -> dict[str, Any]:
+    """Checks that file and URDF have the same joints; returns their actuators."""
+    actuators = {
+        plant.get_joint_actuator(index).joint().name(): plant.get_joint_actuator(index)
+        for index in plant.GetJointActuatorIndices()
+    }
+    if sorted(names) != sorted(actuators):
+        odd = sorted(set(names) ^ set(actuators))
+        raise RobotDescriptionError(
+            "joints",
+            odd,
+            f"the file and {urdf} name different actuated joints: {', '.join(odd)}; "
+            "list each joint that has a <transmission>, and no other",
+        )
+    for index in plant.GetJointIndices():
+        joint = plant.get_joint(index)
+        moves = joint.num_velocities() in range(1, 6)
+        if moves and joint.name() not in actuators:
+            raise RobotDescriptionError(
+                "joints",
+                joint.name(),
+                f"joint {joint.name()} of {urdf} moves without an actuator; give it a "
+                "<transmission>, or make it fixed",
+            )
+        if moves and not isinstance(joint, RevoluteJoint):
+            raise RobotDescriptionError(
+                "joints",
+                joint.name(),
+                f"joint {joint.name()} of {urdf} is {joint.type_name()}; must be "
+                "revolute: everything is commanded as an angle",
+            )
+    return actuators
+
+
+def check_limits(
+    names: tuple[str, ...],
+    lower: np.ndarray,
+    upper: np.ndarray,
+    velocity: np.ndarray,
+    effort: np.ndarray,
+) -> None:
+    """Checks that every joint has finite limits, given with shape (n,) each."""
+    for what, values, low in (
+        ("lower position limit", lower, -np.inf),
+        ("upper position limit", upper, -np.inf),
+        ("velocity limit", velocity, 0.0),
+        ("effort limit", effort, 0.0),
+    ):
+        for name, value in zip(names, values.tolist(), strict=True):
+            if not (np.isfinite(value) and value > low):
+                raise RobotDescriptionError(
+                    "joints",
+                    value,
+                    f"joint {name} has the {what} {value}; the URDF must give a finite "
+                    f"one{'' if low < 0.0 else ' above 0'}",
+                )
+
+
+def check_pose(file: RobotFile, lower: np.ndarray, upper: np.ndarray) -> None:
+    """Checks that the stand-prep pose keeps the limits of position."""
+    for index, joint in enumerate(file.joints):
+        if not lower[index] <= joint.stand_prep <= upper[index]:
+            raise RobotDescriptionError(
+                f"joints[{index}].stand_prep",
+                joint.stand_prep,
+                f"is {joint.stand_prep:g}; joint {joint.name} goes from "
+                f"{lower[index]:g} to {upper[index]:g} rad",
+            )
+
+
+def check_stance(plant: Any, instance: Any, file: RobotFile) -> None:
+    """Checks that the robot can stand on both feet in its stand-prep pose."""
+    context = plant.CreateDefaultContext()
+    for joint in file.joints:
+        plant.GetJointByName(joint.name).set_angle(context, joint.stand_prep)
+    soles = [
+        plant.GetFrameByName(foot.sole_frame).CalcPoseInWorld(context)
+        for foot in file.feet
+    ]
+    left, right = (np.array(sole.translation()) for sole in soles)
+    com = np.array(plant.CalcCenterOfMassPositionInWorld(context, [instance]))
+    middle = 0.5 * (left + right)
+    if left[1] <= right[1]:
+        raise RobotDescriptionError(
+            "feet",
+            file.feet[0].body,
+            "the first foot is not to the left of the second one; exchange them",
+        )
+
+    def wrong(found: str, wanted: str, value: float) -> RobotDescriptionError:
+        problem = f"in this pose, with the pelvis upright, {found}; {wanted}"
+        return RobotDescriptionError("joints[].stand_prep", value, problem)
+
+    tilt = max(float(np.arccos(sole.rotation().matrix()[2, 2])) for sole in soles)
+    apart = float(abs(left[2] - right[2]))
+    if apart > _LEVEL or tilt > _TILT:
+        found = f"the soles differ by {apart:.3f} m in height, tilted by {tilt:.2f} rad"
+        raise wrong(found, "they must be flat and on one level", tilt)
+    ahead = float(com[0] - middle[0])
+    if abs(ahead) > 0.5 * file.sole.length:
+        found = f"the centre of mass is {ahead:.3f} m ahead of the middle of the soles"
+        raise wrong(found, "it must be above them", ahead)
+    height = float(com[2] - middle[2])
+    if height < LEAST_COM_HEIGHT:
+        found = f"the centre of mass is {height:.2f} m above the soles"
+        raise wrong(found, f"the controller needs {LEAST_COM_HEIGHT} m", height)

@@ -1,0 +1,185 @@
+"""Reads a robot: one that comes with the package by name, any other by its path.
+
+Every error that a robot's files give rise to leaves here with the file's name. What is
+checked is in ``file``, ``fit`` and ``leg``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydrake.common.yaml import yaml_load, yaml_load_typed
+from pydrake.geometry import SceneGraph
+from pydrake.multibody.plant import MultibodyPlant
+
+from atlas_drake.errors import (
+    RobotDescriptionError,
+    ScenarioError,
+    did_you_mean,
+    shown,
+)
+from atlas_drake.kinds import check_kinds, make_plain
+from atlas_drake.robot.file import RobotFile, check_file
+from atlas_drake.robot.fit import (
+    check_base,
+    check_joints,
+    check_limits,
+    check_names,
+    check_pose,
+    check_stance,
+)
+from atlas_drake.robot.leg import read_legs
+from atlas_drake.robot.robot import Robot, add_urdf
+
+MODELS_FOLDER = Path(__file__).parent.parent / "models"
+DEFAULT_ROBOT = "atlas"
+_ENDINGS = (".yaml", ".yml")
+
+
+def available_robots() -> list[str]:
+    """Names of the robots that come with the package, the default first."""
+    names = sorted(path.stem for path in MODELS_FOLDER.glob("*.yaml"))
+    return sorted(names, key=lambda name: name != DEFAULT_ROBOT)
+
+
+def find_robot(model: str | Path) -> Path:
+    """Returns the YAML file of a robot, absolute.
+
+    Args:
+        model: A name from ``available_robots``, or the path of a YAML file, relative
+            to the working folder.
+
+    Raises:
+        RobotDescriptionError: If there is no such robot.
+    """
+    if str(model) in available_robots():
+        return MODELS_FOLDER / f"{model}.yaml"
+    path = Path(model).expanduser()
+    names = available_robots()
+    if path.suffix not in _ENDINGS:
+        raise RobotDescriptionError(
+            "model",
+            str(model),
+            f"there is no robot {shown(str(model))};{did_you_mean(str(model), names)} "
+            f"must be one of {', '.join(names)}, or the path of a robot's file "
+            f"({' or '.join('*' + ending for ending in _ENDINGS)})",
+        )
+    path = path.absolute()
+    if not path.is_file():
+        raise RobotDescriptionError(
+            "model",
+            str(model),
+            f"there is no file {path}; give the path of a robot's YAML file, or one of "
+            f"{', '.join(names)}",
+        )
+    return path
+
+
+def model_beside(model: str, folder: Path) -> str:
+    """Returns a robot's name as it is, and its path made absolute from ``folder``."""
+    if model in available_robots() or Path(model).suffix not in _ENDINGS:
+        return model
+    return str((folder / Path(model).expanduser()).absolute())
+
+
+def load_robot(model: str | Path = DEFAULT_ROBOT) -> Robot:
+    """Reads one robot.
+
+    Args:
+        model: As for ``find_robot``.
+
+    Raises:
+        RobotDescriptionError: If there is no such robot, its description or its URDF
+            is faulty, they do not belong together, or the controller cannot use it.
+    """
+    path = find_robot(model)
+    try:
+        return _load(path, str(model) if str(model) in available_robots() else None)
+    except (RobotDescriptionError, ScenarioError) as error:
+        raise RobotDescriptionError(
+            error.field, error.value, f"{error.problem} (in {path})"
+        ) from None
+
+
+def _load(path: Path, name: str | None) -> Robot:
+    file = _read_file(path)
+    robot_name = name or path.stem
+    plant = _parse(path.parent / file.urdf, robot_name)
+    instance = plant.GetModelInstanceByName(robot_name)
+    check_names(plant, instance, file)
+    pelvis = check_base(plant, instance, file)
+    names = tuple(joint.name for joint in file.joints)
+    actuators = check_joints(plant, names, file.urdf)
+    joints = [plant.GetJointByName(joint) for joint in names]
+    lower = np.array([joint.position_lower_limits()[0] for joint in joints])
+    upper = np.array([joint.position_upper_limits()[0] for joint in joints])
+    velocity = np.array([joint.velocity_upper_limits()[0] for joint in joints])
+    effort = np.array([actuators[joint].effort_limit() for joint in names])
+    check_limits(names, lower, upper, velocity, effort)
+    check_pose(file, lower, upper)
+    legs = read_legs(plant, pelvis, file)
+    check_stance(plant, instance, file)
+    return Robot(
+        name=robot_name,
+        path=path,
+        model=name or str(path),
+        file=file,
+        joint_names=names,
+        position_lower=lower,
+        position_upper=upper,
+        velocity_limit=velocity,
+        effort_limit=effort,
+        mass=plant.CalcTotalMass(plant.CreateDefaultContext()),
+        body_names=tuple(
+            plant.get_body(index).name() for index in plant.GetBodyIndices(instance)
+        ),
+        moved_links=tuple(str(joint.child_body().name()) for joint in joints),
+        legs=legs,
+    )
+
+
+def _read_file(path: Path) -> RobotFile:
+    """The YAML file, checked by itself."""
+    try:
+        text = path.read_text()
+        raw = yaml_load(data=text) if text.strip() else None
+    except Exception as error:
+        # The parser raises many kinds of exception for what is always a faulty file.
+        raise RobotDescriptionError(
+            "file", str(path), f"cannot be read: {error}"
+        ) from error
+    if not isinstance(raw, Mapping):
+        raise RobotDescriptionError(
+            "file", raw, "must have fields of a robot, such as urdf: robot.urdf"
+        )
+    check_kinds(raw, RobotFile, from_text=True)
+    file: RobotFile = yaml_load_typed(schema=RobotFile, data=text, defaults=RobotFile())
+    make_plain(file)
+    check_file(file)
+    file.imu_frame = file.imu_frame or file.pelvis
+    file.pushed = file.pushed or list(
+        dict.fromkeys([file.pelvis, file.chest, *file.hands])
+    )
+    return file
+
+
+def _parse(urdf: Path, name: str) -> Any:
+    """A finalized plant of the robot alone; meshes are looked for, too."""
+    if not urdf.is_file():
+        raise RobotDescriptionError(
+            "urdf", str(urdf), f"there is no file {urdf}; give its path from this file"
+        )
+    plant = MultibodyPlant(time_step=0.0)
+    scene_graph = SceneGraph()
+    plant.RegisterAsSourceForSceneGraph(scene_graph)
+    try:
+        add_urdf(plant, urdf, name)
+    except RuntimeError as error:
+        raise RobotDescriptionError(
+            "urdf", str(urdf), f"Drake cannot read it: {error}"
+        ) from error
+    plant.Finalize()
+    return plant

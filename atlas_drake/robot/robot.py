@@ -1,0 +1,210 @@
+"""A robot as it was read: joints, limits, legs, and its place in a plant.
+
+The one place that converts between message order and a plant's order. Made by ``load``;
+holds no control law and no state.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from pydrake.multibody.parsing import Parser
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.tree import ModelInstanceIndex
+
+from atlas_drake.errors import RobotDescriptionError, shown
+from atlas_drake.robot.file import ContactEntry, RobotFile
+from atlas_drake.robot.leg import Leg
+
+
+@dataclass(frozen=True)
+class PelvisParts:
+    """Parts of a plant's state [q; v] that are the free pelvis'.
+
+    Attributes:
+        orientation: Quaternion, w first.
+        position: In W [m].
+        angular_velocity: In W [rad/s].
+        velocity: In W [m/s].
+    """
+
+    orientation: slice
+    position: slice
+    angular_velocity: slice
+    velocity: slice
+
+
+@dataclass(frozen=True)
+class PlantIndices:
+    """Where a plant keeps each joint, in message order.
+
+    Attributes:
+        q: Index of each joint into the plant's positions, shape (n,).
+        v: Index of each joint into the plant's velocities, shape (n,).
+        actuation: Index of each joint into the actuation vector, shape (n,).
+        generalized: The six base velocities, then ``v``: shape (6 + n,).
+        pelvis: The free pelvis, in the state.
+    """
+
+    q: np.ndarray
+    v: np.ndarray
+    actuation: np.ndarray
+    generalized: np.ndarray
+    pelvis: PelvisParts
+
+
+@dataclass(frozen=True)
+class Robot:
+    """One robot, read from its YAML description and its URDF.
+
+    All joint arrays are in message order and have shape (n,).
+
+    Attributes:
+        name: Name of the robot, and of its model instance in a plant.
+        path: Its YAML file, absolute.
+        model: What ``load_robot`` takes: the name of a robot that comes with the
+            package, else the path.
+        file: The description as read; what may be left out is filled in.
+        joint_names: Names in message order.
+        position_lower: Lower position limits [rad].
+        position_upper: Upper position limits [rad].
+        velocity_limit: Velocity limits [rad/s].
+        effort_limit: Effort limits [N·m].
+        mass: Total mass [kg].
+        body_names: Names of all links.
+        moved_links: Name of the link that each joint moves.
+        legs: Left and right leg.
+    """
+
+    name: str
+    path: Path
+    model: str
+    file: RobotFile
+    joint_names: tuple[str, ...]
+    position_lower: np.ndarray
+    position_upper: np.ndarray
+    velocity_limit: np.ndarray
+    effort_limit: np.ndarray
+    mass: float
+    body_names: tuple[str, ...]
+    moved_links: tuple[str, ...]
+    legs: tuple[Leg, Leg]
+
+    @property
+    def num_joints(self) -> int:
+        """Number of actuated joints, which is the length of message arrays."""
+        return len(self.joint_names)
+
+    @cached_property
+    def stand_prep(self) -> np.ndarray:
+        """Joint positions of the stand-prep pose [rad], shape (n,)."""
+        return np.array([joint.stand_prep for joint in self.file.joints])
+
+    @cached_property
+    def default_kp(self) -> np.ndarray:
+        """Default position gains [N·m/rad], shape (n,)."""
+        return np.array([joint.kp for joint in self.file.joints])
+
+    @cached_property
+    def default_kd(self) -> np.ndarray:
+        """Default derivative gains [N·m·s/rad], shape (n,)."""
+        return np.array([joint.kd for joint in self.file.joints])
+
+    @cached_property
+    def kp_velocity_limit(self) -> np.ndarray:
+        """Largest velocity gain that counts, as in the original [N·m·s/rad]."""
+        return 50.0 * self.effort_limit / self.velocity_limit
+
+    def limb(self, *names: str) -> np.ndarray:
+        """Which joints belong to any of the limbs named, bool, shape (n,)."""
+        return np.array([joint.limb in names for joint in self.file.joints])
+
+    def joint_index(self, name: str) -> int:
+        """Index of a joint in the messages' arrays, by name or by v1 alias.
+
+        Raises:
+            RobotDescriptionError: If the robot has no such joint.
+        """
+        for index, joint in enumerate(self.file.joints):
+            # A joint without an alias has an empty one, which names nothing.
+            if name and name in (joint.name, joint.alias):
+                return index
+        raise RobotDescriptionError(
+            "joint",
+            name,
+            f"robot '{self.name}' has no joint '{name}'; it has "
+            + ", ".join(self.joint_names),
+        )
+
+    def contact(self, name: str) -> ContactEntry:
+        """The surface beside the soles that the robot's file calls so.
+
+        Raises:
+            RobotDescriptionError: If the file has no such contact.
+        """
+        for entry in self.file.contacts:
+            if entry.name == name:
+                return entry
+        known = ", ".join(entry.name for entry in self.file.contacts) or "none"
+        problem = f"robot '{self.name}' has no contact {shown(name)}; it has {known}"
+        raise RobotDescriptionError("contact", name, problem)
+
+    @cached_property
+    def urdf(self) -> Path:
+        """The URDF file."""
+        return self.path.parent / self.file.urdf
+
+    def make_plant(self) -> MultibodyPlant:
+        """A finalized plant of the robot alone, for models: no geometry, no ground."""
+        plant = MultibodyPlant(time_step=0.0)
+        self.add_to(plant)
+        plant.Finalize()
+        return plant
+
+    def add_to(self, plant: MultibodyPlant) -> ModelInstanceIndex:
+        """Parses the robot into ``plant`` (before Finalize)."""
+        return add_urdf(plant, self.urdf, self.name)
+
+    def indices(self, plant: MultibodyPlant) -> PlantIndices:
+        """Where the finalized ``plant`` keeps this robot's joints."""
+        robot = plant.GetModelInstanceByName(self.name)
+        joints = [plant.GetJointByName(name, robot) for name in self.joint_names]
+        starts = {
+            actuator.joint().name(): actuator.input_start()
+            for actuator in (
+                plant.get_joint_actuator(index)
+                for index in plant.GetJointActuatorIndices(robot)
+            )
+        }
+        v = np.array([joint.velocity_start() for joint in joints])
+        base = plant.GetBodyByName(self.file.pelvis, robot)
+        base_q = base.floating_positions_start()
+        base_v = base.floating_velocities_start_in_v()
+        in_state = plant.num_positions() + base_v
+        return PlantIndices(
+            q=np.array([joint.position_start() for joint in joints]),
+            v=v,
+            actuation=np.array([starts[name] for name in self.joint_names]),
+            generalized=np.concatenate([np.arange(base_v, base_v + 6), v]),
+            pelvis=PelvisParts(
+                orientation=slice(base_q, base_q + 4),
+                position=slice(base_q + 4, base_q + 7),
+                angular_velocity=slice(in_state, in_state + 3),
+                velocity=slice(in_state + 3, in_state + 6),
+            ),
+        )
+
+
+def add_urdf(plant: MultibodyPlant, urdf: Path, name: str) -> ModelInstanceIndex:
+    """Parses a URDF file into ``plant`` as a model instance of this name.
+
+    Raises:
+        RuntimeError: From Drake, if the file or a mesh is missing or faulty.
+    """
+    instance = Parser(plant).AddModels(str(urdf))[0]
+    if plant.GetModelInstanceName(instance) != name:
+        plant.RenameModelInstance(instance, name)
+    return instance

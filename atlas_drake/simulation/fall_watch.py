@@ -1,0 +1,56 @@
+"""Notices a fall from outside, whichever controller the robot has.
+
+A controller may notice it, too, and earlier; then its event counts.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.systems.framework import Context
+
+from atlas_drake.behaviors.fall import FallLimits, Posture, sign_of_fall
+from atlas_drake.robot import Robot
+
+
+class FallWatch:
+    """Looks at the true state of a robot."""
+
+    def __init__(
+        self, robot: Robot, plant: MultibodyPlant, limits: FallLimits | None = None
+    ) -> None:
+        """Watches ``robot`` in ``plant``."""
+        self._plant: Any = plant
+        self._limits = limits or FallLimits()
+        self._pelvis = plant.GetBodyByName(robot.file.pelvis)
+        self._soles = [plant.GetFrameByName(f.sole_frame) for f in robot.file.feet]
+        self._instances = [self._pelvis.model_instance()]
+        self._nominal_height = self._standing_height(robot)
+
+    def sign(self, context: Context) -> str:
+        """What in the posture is that of a falling robot; empty if nothing is.
+
+        Args:
+            context: Of the plant.
+        """
+        X_WP = self._plant.EvalBodyPoseInWorld(context, self._pelvis)
+        posture = Posture(
+            upright=float(X_WP.rotation().matrix()[2, 2]),
+            com_height=self._com_height(context),
+        )
+        return sign_of_fall(posture, self._nominal_height, self._limits)
+
+    def _com_height(self, context: Context) -> float:
+        """Height of the center of mass above the lower sole [m]."""
+        com = self._plant.CalcCenterOfMassPositionInWorld(context, self._instances)
+        soles = [sole.CalcPoseInWorld(context).translation()[2] for sole in self._soles]
+        return float(com[2] - min(soles))
+
+    def _standing_height(self, robot: Robot) -> float:
+        """The same of a robot in the stand-prep pose [m]."""
+        context = self._plant.CreateDefaultContext()
+        q = self._plant.GetPositions(context)
+        q[robot.indices(self._plant).q] = robot.stand_prep
+        self._plant.SetPositions(context, q)
+        return self._com_height(context)

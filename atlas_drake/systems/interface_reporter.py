@@ -1,0 +1,109 @@
+"""The state message of the control interface, whoever controls the robot.
+
+What a controller tells of itself is in its status; efforts, shares and poses are read
+from ports.
+"""
+
+from typing import Any
+
+import numpy as np
+from pydrake.common.value import AbstractValue
+from pydrake.math import RigidTransform
+from pydrake.systems.framework import Context
+
+from atlas_drake.errors import ErrorCode
+from atlas_drake.frozen import NOTHING
+from atlas_drake.messages import (
+    AtlasBehaviorFeedback,
+    AtlasSimInterfaceState,
+    BehaviorStatus,
+    Pose,
+    Quaternion,
+    Vector3,
+)
+from atlas_drake.messages.commands import CommandsInForce
+from atlas_drake.messages.controller_status import ControllerStatus, fill_in
+from atlas_drake.robot import Robot
+from atlas_drake.systems.collectable_system import CollectableSystem
+from atlas_drake.systems.scratch import declare_scratch_context
+
+
+class InterfaceReporter(CollectableSystem):
+    """Status, efforts, commands and measured state in, the interface's message out.
+
+    Input ports:
+        state: Measured positions and velocities, in plant order.
+        behavior_effort: Of the controller [N·m], shape (n,).
+        controller_status: ``ControllerStatus``
+        commands: ``CommandsInForce``
+
+    Output ports:
+        atlas_sim_interface_state: ``AtlasSimInterfaceState``
+    """
+
+    __slots__ = ()
+
+    def __init__(self, robot: Robot):
+        """Reports on ``robot``."""
+        super().__init__()
+        self._plant: Any = robot.make_plant()
+        self._pelvis = robot.indices(self._plant).pelvis
+        self._soles = [
+            self._plant.GetFrameByName(foot.sole_frame).index()
+            for foot in robot.file.feet
+        ]
+        self._state = self.DeclareVectorInputPort(
+            "state", self._plant.num_multibody_states()
+        )
+        self._effort = self.DeclareVectorInputPort("behavior_effort", robot.num_joints)
+        self._status, self._commands = (
+            self.DeclareAbstractInputPort(name, AbstractValue.Make(NOTHING))
+            for name in ("controller_status", "commands")
+        )
+        self._scratch = declare_scratch_context(self, self._plant.CreateDefaultContext)
+        self.DeclareAbstractOutputPort(
+            "atlas_sim_interface_state",
+            lambda: AbstractValue.Make(AtlasSimInterfaceState()),
+            self._calc_report,
+        )
+
+    def _calc_report(self, context: Context, output: AbstractValue) -> None:
+        status: ControllerStatus = self._status.Eval(context)
+        commands: CommandsInForce = self._commands.Eval(context)
+        state = self._state.Eval(context)
+        message = AtlasSimInterfaceState()
+        message.header.stamp = context.get_time()
+        fill_in(message, status)
+        last = commands.messages[-1].message if commands.messages else None
+        if last is not commands.request.command:
+            # Another message than the one that the controller heard.
+            message.error_code = commands.error_code
+        if commands.error_code is ErrorCode.NO_SUCH_BEHAVIOR:
+            before = status.behavior_feedback
+            message.behavior_feedback = AtlasBehaviorFeedback(
+                before.status_flags | BehaviorStatus.FAILED_TRANS_UNKNOWN_BEHAVIOR,
+                before.trans_from,
+                before.trans_to,
+            )
+        message.f_out = self._effort.Eval(context).tolist()
+        message.k_effort = commands.k_effort.astype(int).tolist()
+        message.pos_est.position = Vector3.from_array(state[self._pelvis.position])
+        message.pos_est.velocity = Vector3.from_array(state[self._pelvis.velocity])
+        message.foot_pos_est = self._sole_poses(context, state)
+        output.set_value(message)
+
+    def _sole_poses(self, context: Context, state: np.ndarray) -> list[Pose]:
+        scratch = self._scratch.Eval(context)
+        self._plant.SetPositionsAndVelocities(scratch, state)
+        return [
+            _pose(self._plant.get_frame(index).CalcPoseInWorld(scratch))
+            for index in self._soles
+        ]
+
+
+def _pose(X_WF: RigidTransform) -> Pose:
+    quaternion = X_WF.rotation().ToQuaternion()
+    return Pose(
+        position=Vector3.from_array(X_WF.translation()),
+        orientation=Quaternion.from_wxyz(quaternion.wxyz()),
+    )

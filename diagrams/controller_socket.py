@@ -1,0 +1,170 @@
+"""The socket for a controller: which ports it may have, and how they are connected.
+
+Any Drake System fits that has the output port ``behavior_effort``. The station connects
+whichever of the other ports it has, by name:
+
+===================== ======== ======================================================
+port                           value
+===================== ======== ======================================================
+``behavior_effort``   output   joint efforts [N·m], shape (n,), message order; required
+``controller_status`` output   ``ControllerStatus``: behaviors, events, plan
+``state``             input    measured (or estimated) q and v, in plant order
+``foot_loads``        input    normal forces on left and right foot [N], shape (2,)
+``user_forecast``     input    ``UserForecast``, the user's law during the next tick
+``commands``          input    ``CommandsInForce``, k_effort and requests among them
+``imu``               input    ``Imu``
+===================== ======== ======================================================
+
+Two things that are no ports are used if they are there: a method
+``reset(context, behavior)``, called when the robot is put back on its feet (without it
+the controller gets its default state again), and an attribute ``tick_seconds``, a list
+to which the controller appends the wall time of each tick [s].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TypeAlias
+
+from pydrake.common.value import AbstractValue
+from pydrake.systems.framework import (
+    DiagramBuilder,
+    OutputPort,
+    PortDataType,
+    System,
+)
+from pydrake.systems.primitives import ConstantValueSource
+
+from atlas_drake.errors import AtlasError, did_you_mean, shown
+from atlas_drake.messages.controller_status import ControllerStatus
+from atlas_drake.robot import Robot
+
+ControllerSource: TypeAlias = System | Callable[..., System]
+"""A controller, or what makes one: a callable (robot, config) -> System."""
+EFFORT, STATUS = "behavior_effort", "controller_status"
+CONTROLLER = "controller"
+"""Name of the controller in the station."""
+
+
+class ControllerError(AtlasError):
+    """A controller that does not fit the station's socket."""
+
+
+@dataclass(frozen=True)
+class ControllerSocket:
+    """A controller in a station that is being built.
+
+    Attributes:
+        system: The controller.
+        effort: Its efforts.
+        status: Its status, or a blank one where it has none.
+    """
+
+    system: System
+    effort: OutputPort
+    status: OutputPort
+
+    def connect_inputs(self, builder: DiagramBuilder, **sources: OutputPort) -> None:
+        """Connects every input port that the controller has.
+
+        Args:
+            builder: Of the station.
+            sources: Ports of the station by the name of the input.
+
+        Raises:
+            ControllerError: If the controller has an input that nothing can feed, or
+                one of another size or type.
+        """
+        for index in range(self.system.num_input_ports()):
+            port = self.system.get_input_port(index)
+            name = port.get_name()
+            if name not in sources:
+                raise ControllerError(
+                    f"{_named(self.system)} has an input port {name!r}, which no port "
+                    f"of the station feeds.{did_you_mean(name, sources)} Known are "
+                    + ", ".join(sources)
+                )
+            source = sources[name]
+            if port.get_data_type() != source.get_data_type() or (
+                port.get_data_type() == PortDataType.kVectorValued
+                and port.size() != source.size()
+            ):
+                raise ControllerError(
+                    f"{_named(self.system)} has an input port {name!r} that is "
+                    f"{_kind(port)}; the station's is {_kind(source)}"
+                )
+            builder.Connect(source, port)
+
+
+def make_controller(source: ControllerSource, *arguments: object) -> System:
+    """Makes the controller of a station.
+
+    Args:
+        source: A System, or a callable that returns one.
+        arguments: Of the callable: robot and station configuration.
+
+    Raises:
+        ControllerError: If it is neither, or returns something else.
+    """
+    made = source
+    if not isinstance(source, System):
+        if not callable(source):
+            raise ControllerError(
+                "controller must be a System or a callable (robot, config) -> System, "
+                f"is {shown(source)}"
+            )
+        made = source(*arguments)
+    if not isinstance(made, System):
+        raise ControllerError(
+            "the callable given as controller must return a System, returned "
+            f"{shown(made)}"
+        )
+    return made
+
+
+def add_controller(
+    builder: DiagramBuilder, controller: System, robot: Robot
+) -> ControllerSocket:
+    """Adds a controller to a station, under the name ``controller``.
+
+    Args:
+        builder: Of the station.
+        controller: That decides the efforts of the behaviors.
+        robot: Whose joints it moves.
+
+    Raises:
+        ControllerError: If it lacks the port for efforts, or the port has another size.
+    """
+    if not controller.HasOutputPort(EFFORT):
+        raise ControllerError(
+            f"{_named(controller)} has no output port {EFFORT!r}, which gives the "
+            f"joint efforts [N·m], shape ({robot.num_joints},)"
+        )
+    effort = controller.GetOutputPort(EFFORT)
+    if (
+        effort.get_data_type() != PortDataType.kVectorValued
+        or effort.size() != robot.num_joints
+    ):
+        raise ControllerError(
+            f"{_named(controller)} has an output port {EFFORT!r} that is "
+            f"{_kind(effort)}; {robot.name} needs a vector of size {robot.num_joints}"
+        )
+    builder.AddNamedSystem(CONTROLLER, controller)
+    if controller.HasOutputPort(STATUS):
+        status = controller.GetOutputPort(STATUS)
+    else:
+        blank = ConstantValueSource(AbstractValue.Make(ControllerStatus()))
+        status = builder.AddNamedSystem("no_status", blank).get_output_port()
+    return ControllerSocket(controller, effort, status)
+
+
+def _named(system: System) -> str:
+    name = system.get_name()
+    return f"the controller {name!r}" if name else f"the {type(system).__name__}"
+
+
+def _kind(port: object) -> str:
+    if port.get_data_type() == PortDataType.kVectorValued:  # type: ignore[attr-defined]
+        return f"a vector of size {port.size()}"  # type: ignore[attr-defined]
+    return "abstract-valued"

@@ -1,0 +1,107 @@
+"""A behavior of your own: BOW, which bends the trunk forward while Atlas balances.
+
+    python examples/extending/own_behavior.py
+
+One class and one entry. From then on it is asked for by name, refused where it cannot
+begin, logged, drawn and captioned like those that are shipped.
+"""
+
+import argparse
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from atlas_drake import (
+    AtlasSimInterfaceCommand,
+    AtlasSimulation,
+    InvalidMessageError,
+)
+from atlas_drake.behaviors.entry import BehaviorEntry
+from atlas_drake.behaviors.stand.stand import Stand
+from atlas_drake.messages.checks import check_number
+
+DEEPEST = 0.6  # that the back bends [rad]
+
+
+@dataclass
+class BowParams:
+    """What a command says about it."""
+
+    depth: float = 0.4  # of the bow [rad]
+
+
+@dataclass(frozen=True)
+class BowConfig:
+    """What the behavior keeps to."""
+
+    lowering: float = 0.05  # of the center of mass in a bow of 1 rad [m]
+
+
+def check_bow(params, field):
+    """Refuses a bow that no back can make."""
+    if check_number(params.depth, f"{field}.depth", 0.0) > DEEPEST:
+        raise InvalidMessageError(
+            f"{field}.depth", params.depth, f"must be at most {DEEPEST} rad"
+        )
+
+
+class Bow(Stand):
+    """STAND with the back bent: balance and feet are as there."""
+
+    def __init__(self, tools, config):
+        super().__init__(tools.balance, tools.nominal_height, tools.rates)
+        self._robot, self._config = tools.robot, config
+        self._back = tools.robot.joint_names.index("back_bky")
+
+    def target(self, memory, request, leaving):
+        """Where trunk and posture go; back upright once STAND is asked for."""
+        depth = 0.0 if leaving else (request.params or BowParams()).depth
+        upright = super().target(memory, request, leaving)
+        joints = self._robot.stand_prep.copy()
+        joints[self._back] += depth
+        return replace(
+            upright,
+            chest_tilt=np.array([0.0, depth]),
+            joints=joints,
+            height=upright.height - self._config.lowering * depth,
+        )
+
+    def update(self, memory, seen, body, request, leaving):
+        """One tick; the behavior is over when the chest is upright again."""
+        outcome = super().update(memory, seen, body, request, leaving)
+        bent = bool(outcome.body.chest_tilt[1] > 0.01)
+        return replace(outcome, finished=leaving and not bent)
+
+
+BOW = BehaviorEntry(
+    name="BOW",
+    number=100,
+    make=Bow,
+    config=BowConfig(),
+    params=BowParams,
+    check=check_bow,
+    caption="bowing",
+    color="#795548",
+    description="Bend the trunk forward while balancing.",
+)
+
+
+def main():
+    """Bows, and stands up again."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--depth", type=float, default=0.4, help="of the bow [rad]")
+    options = parser.parse_args()
+    sim = AtlasSimulation(behaviors=[BOW], on_event=lambda event: print(event.text))
+    command = AtlasSimInterfaceCommand(behavior="BOW")
+    command.params = BowParams(depth=options.depth)
+    sim.publish(command)
+    sim.advance(3.0)
+    bend = sim.atlas_state.position[sim.robot.joint_names.index("back_bky")]
+    print(f"{sim.current_behavior}: the back is bent by {bend:.2f} rad.")
+    sim.publish(AtlasSimInterfaceCommand(behavior="STAND"))
+    sim.wait_until(lambda sim: sim.current_behavior.name == "STAND")
+    print("It fell." if sim.has_fallen else "It stands again.")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,193 @@
+"""Behaviors of one's own, registered beside those that are shipped."""
+
+import copy
+import pickle
+import runpy
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from atlas_drake import (
+    AtlasSimInterfaceCommand,
+    AtlasSimulation,
+    Behavior,
+    ErrorCode,
+    InvalidMessageError,
+    Scenario,
+    read_log,
+)
+from atlas_drake.behaviors.entry import BehaviorEntry
+from atlas_drake.behaviors.idle import Idle
+from atlas_drake.logs.figures import make_page
+from atlas_drake.logs.log_player import LogPlayer
+from atlas_drake.messages.behavior_catalog import BehaviorError
+from atlas_drake.visualization.caption import caption_of
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "extending" / "own_behavior.py"
+COARSE = Scenario(physics_step=0.002, control_period=0.004)
+
+
+@pytest.fixture(scope="module")
+def example():
+    return runpy.run_path(str(EXAMPLE))
+
+
+@pytest.fixture(scope="module")
+def bow(example):
+    return example["BOW"]
+
+
+def asked(behavior, params=None):
+    command = AtlasSimInterfaceCommand(behavior=behavior)
+    command.params = params
+    return command
+
+
+def test_it_is_asked_for_by_name_runs_and_ends(example, bow, tmp_path):
+    path = tmp_path / "run.npz"
+    back = None
+    with AtlasSimulation(COARSE, behaviors=[bow], log=path) as sim:
+        back = sim.robot.joint_names.index("back_bky")
+        upright = sim.atlas_state.position[back]
+        sim.publish(asked("bow", example["BowParams"](depth=0.3)))
+        sim.advance(2.0)
+        assert sim.current_behavior == 100
+        assert sim.current_behavior.name == "BOW"
+        assert sim.atlas_sim_interface_state.current_behavior is sim.current_behavior
+        assert caption_of(sim.atlas_sim_interface_state, sim.behaviors)[0] == "bowing"
+        assert sim.atlas_state.position[back] - upright > 0.15
+        sim.publish(asked("STAND"))
+        sim.wait_until(lambda sim: sim.current_behavior is Behavior.STAND)
+        assert not sim.has_fallen
+        assert [e.text for e in sim.events] == ["STAND -> BOW", "BOW -> STAND"]
+        assert sim.summary()["final_behavior"] == "STAND"
+    log = read_log(path)
+    row = len(log) // 2
+    assert log.behavior(int(log["behavior.current"][row])).name == "BOW"
+    assert log.commands[0].message.params == {"depth": 0.3}
+    modes = make_page(log).panels[0]
+    assert {item.label: item.color for item in modes.items}["BOW"] == bow.color
+    player = LogPlayer(log)
+    context = player.CreateDefaultContext()
+    context.SetTime(log.time[row])
+    report = player.GetOutputPort("atlas_sim_interface_state").Eval(context)
+    catalog = player.GetOutputPort("commands").Eval(context).catalog
+    assert caption_of(report, catalog)[0] == "bowing"
+
+
+@pytest.mark.parametrize(
+    ("params", "words"),
+    [
+        ({"depth": 2.0}, r"params\.depth: must be at most 0\.6 rad"),
+        ({"depth": "deep"}, r"params\.depth"),
+        ({"depth": float("nan")}, r"params\.depth"),
+    ],
+)
+def test_its_own_check_refuses(example, bow, params, words):
+    sim = AtlasSimulation(COARSE, behaviors=[bow])
+    with pytest.raises(InvalidMessageError, match=words):
+        sim.publish(asked("BOW", example["BowParams"](**params)))
+    sim.advance(0.02)
+    assert sim.current_behavior is Behavior.STAND
+    sim.publish(asked("BOW"))
+    sim.advance(0.02)
+    assert sim.current_behavior.name == "BOW"
+
+
+def test_parameters_of_another_kind_are_refused(bow):
+    sim = AtlasSimulation(COARSE, behaviors=[bow])
+    with pytest.raises(InvalidMessageError, match="BowParams"):
+        sim.publish(asked("BOW", {"depth": 0.1}))
+    with pytest.raises(InvalidMessageError, match="WALK reads walk_params"):
+        sim.publish(asked("WALK", bow.params()))
+    with pytest.raises(InvalidMessageError, match="USER has no parameters"):
+        sim.publish(asked("USER", bow.params()))
+
+
+def test_a_check_that_fails_itself_is_a_refusal(bow):
+    def broken(params, field):
+        raise ZeroDivisionError("oh")
+
+    sim = AtlasSimulation(COARSE, behaviors=[replace(bow, check=broken)])
+    with pytest.raises(InvalidMessageError, match="check of BOW failed with ZeroDiv"):
+        sim.publish(asked("BOW", bow.params()))
+    sim.advance(0.02)
+
+
+def test_parameters_are_copied_when_they_are_sent(example, bow):
+    sim = AtlasSimulation(COARSE, behaviors=[bow])
+    params = example["BowParams"](depth=0.1)
+    sim.publish(asked("BOW", params))
+    params.depth = 5.0
+    assert sim.output("commands").request.command.params.depth == 0.1
+    params.depth = 0.2
+    sim.publish(asked("BOW", params))
+    assert sim.output("commands").request.command.params.depth == 0.2
+
+
+def test_it_begins_only_where_its_conditions_are_met(bow):
+    picky = replace(bow, conditions=(lambda asked: "the audience is missing",))
+    sim = AtlasSimulation(COARSE, behaviors=[picky])
+    sim.publish(asked("BOW"))
+    sim.advance(0.02)
+    assert sim.current_behavior is Behavior.STAND
+    report = sim.atlas_sim_interface_state
+    assert report.error_code is ErrorCode.FAILED_TO_START_BEHAVIOR
+    assert "the audience is missing" in sim.events[-1].text
+
+
+def test_it_may_follow_only_what_its_entry_says(bow):
+    sim = AtlasSimulation(COARSE, behaviors=[bow])
+    sim.publish(asked("MANIPULATE"))
+    sim.advance(0.02)
+    sim.publish(asked("BOW"))
+    sim.advance(0.02)
+    assert sim.current_behavior is Behavior.MANIPULATE
+    assert "MANIPULATE -> BOW refused" in sim.events[-1].text
+
+
+def test_without_registration_it_is_unknown(bow):
+    with pytest.raises(InvalidMessageError, match="no behavior 'BOW'"):
+        AtlasSimulation(COARSE).publish(asked("BOW"))
+    sim = AtlasSimulation(COARSE, behaviors=[bow])
+    with pytest.raises(InvalidMessageError, match=r"Did you mean 'BOW'.*BOW \(100\)"):
+        sim.publish(asked("BOWW"))
+
+
+def idle(**changes):
+    made = {"name": "REST", "number": 101, "make": lambda _tools, _config: Idle()}
+    return BehaviorEntry(**{**made, **changes})
+
+
+@pytest.mark.parametrize(
+    ("entry", "words"),
+    [
+        (idle(name="rest"), "a name has capitals"),
+        (idle(number=8), "from 100 on, is 8"),
+        (idle(name="WALK"), "is one of the original interface"),
+        (idle(name="WALK", number=4), "registered already"),
+        (idle(number=100), r"REST \(100\): BOW \(100\) is registered already"),
+        (idle(color="red"), "its color must be such as"),
+        (idle(params=3), "params must be a dataclass"),
+        (Idle, "must be BehaviorEntry values"),
+    ],
+)
+def test_an_entry_that_cannot_be_used_is_refused(bow, entry, words):
+    with pytest.raises(BehaviorError, match=words):
+        AtlasSimulation(COARSE, behaviors=[bow, entry])
+
+
+def test_a_behavior_beside_the_members_is_one_all_the_same():
+    bow = Behavior.named(100, "BOW")
+    for twin in (copy.deepcopy(bow), pickle.loads(pickle.dumps(bow)), Behavior(bow)):
+        assert twin == bow == 100
+        assert (twin.name, twin.value, str(twin), hash(twin)) == (
+            "BOW",
+            100,
+            "BOW",
+            hash(bow),
+        )
+    assert bow not in list(Behavior)
+    assert pickle.loads(pickle.dumps(Behavior.WALK)) is Behavior.WALK
+    assert Behavior.named(4, "WALK") is Behavior.WALK

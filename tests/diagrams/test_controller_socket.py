@@ -1,0 +1,207 @@
+"""The socket for a controller of somebody else's."""
+
+import runpy
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pydrake.common.value import AbstractValue
+from pydrake.systems.framework import LeafSystem
+
+from atlas_drake import AtlasCommand, AtlasSimulation, Behavior, Scenario, read_log
+from atlas_drake.control.gains import ControlGains
+from atlas_drake.diagrams.atlas_station import make_atlas_station
+from atlas_drake.diagrams.controller_socket import ControllerError
+from atlas_drake.messages.controller_status import (
+    ControllerStatus,
+    Plan,
+    PlannedPaths,
+    PlannedStep,
+)
+from atlas_drake.messages.event import Event
+from atlas_drake.systems.whole_body_controller import WholeBodyController
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "extending" / "own_controller.py"
+COARSE = {"physics_step": 0.002, "control_period": 0.004}
+SQUARE = np.array([[0.1, 0.1], [-0.1, 0.1], [-0.1, -0.1], [0.1, -0.1]])
+PATHS = PlannedPaths(com=np.array([[0.0, 0.0], [0.3, 0.1]]))
+
+
+@pytest.fixture(scope="module")
+def gravity_pd():
+    return runpy.run_path(str(EXAMPLE))["GravityCompensatedPd"]
+
+
+def sized(size, name="behavior_effort"):
+    """A System with one output port."""
+    system = LeafSystem()
+    system.DeclareVectorOutputPort(name, size, lambda _context, out: out.SetZero())
+    return system
+
+
+class Talkative(LeafSystem):
+    """Gives no effort, and tells much of itself."""
+
+    def __init__(self, robot, config):
+        super().__init__()
+        self.tick_seconds = []
+        self.resets = []
+        self._period = config.control_period
+        self._ticks = self.DeclareDiscreteState(1)
+        self.DeclarePeriodicDiscreteUpdateEvent(config.control_period, 0.0, self._tick)
+        self.DeclareVectorOutputPort(
+            "behavior_effort", robot.num_joints, lambda _context, out: out.SetZero()
+        )
+        self.DeclareAbstractOutputPort(
+            "controller_status",
+            lambda: AbstractValue.Make(ControllerStatus()),
+            self._tell,
+        )
+
+    def reset(self, context, behavior):
+        self.resets.append(behavior)
+
+    def _tick(self, context, discrete):
+        discrete.set_value(context.get_discrete_state_vector().value() + 1)
+        self.tick_seconds.append(0.001)
+
+    def _tell(self, context, out):
+        ticks = int(context.get_discrete_state_vector().value()[0])
+        out.set_value(
+            ControllerStatus(
+                current_behavior=Behavior.FREEZE,
+                events=(Event(0.0, "warning", "hello"),),
+                event_count=1,
+                solved=True,
+                unsolved=ticks,
+                plan=Plan(
+                    support=SQUARE,
+                    footsteps=(PlannedStep(0, np.array([0.3, 0.1, 0.0]), 0.2),),
+                    preview=lambda: PATHS,
+                ),
+            )
+        )
+
+
+def test_a_controller_without_status_holds_the_robot(gravity_pd, tmp_path):
+    path = tmp_path / "run.npz"
+    with AtlasSimulation(Scenario(**COARSE), controller=gravity_pd, log=path) as sim:
+        sim.advance(1.0)
+        effort = sim.output("behavior_effort")
+        report = sim.atlas_sim_interface_state
+        assert not sim.has_fallen
+        assert sim.pelvis_pose.translation()[2] > 0.8
+        assert report.current_behavior is Behavior.NONE
+        np.testing.assert_array_equal(report.f_out, effort)
+        assert np.linalg.norm(report.foot_pos_est[0].position.to_array()) > 0.05
+        assert len(sim.tick_seconds) == 0
+        assert sim.summary()["controller_tick_ms"]["median"] is None
+    log = read_log(path)
+    assert np.abs(log["joints.behavior_effort"][-1]).max() > 10.0
+    assert np.isnan(log["balance.dcm_reference"]).all()
+    assert np.isfinite(log["balance.dcm"]).all()
+
+
+def test_efforts_are_blended_as_those_of_ours(gravity_pd):
+    sim = AtlasSimulation(Scenario(**COARSE), controller=gravity_pd)
+    command = AtlasCommand()
+    command.position = sim.robot.stand_prep
+    command.kp_position = sim.robot.default_kp
+    command.kd_position = sim.robot.default_kd
+    command.k_effort = [51] * sim.robot.num_joints
+    sim.publish(command)
+    sim.advance(0.1)
+    blend = 0.2 * sim.output("user_effort") + 0.8 * sim.output("behavior_effort")
+    np.testing.assert_allclose(sim.output("effort"), blend, atol=1e-9)
+
+
+def test_a_fall_is_noticed_from_outside_and_ends_with_a_reset():
+    limp = Scenario(**COARSE)
+    sim = AtlasSimulation(limp, controller=lambda robot, _: sized(robot.num_joints))
+    sim.advance(1.5)
+    assert sim.has_fallen
+    assert [e.kind for e in sim.events] == ["fall"]
+    assert sim.summary()["fell"]
+    sim.reset()
+    assert not sim.has_fallen
+    assert sim.events[-1].kind == "reset"
+
+
+def test_what_a_controller_tells_is_shown_logged_and_summed_up(tmp_path):
+    path = tmp_path / "run.npz"
+    with AtlasSimulation(Scenario(**COARSE), controller=Talkative, log=path) as sim:
+        sim.advance(0.1)
+        assert sim.current_behavior is Behavior.FREEZE
+        assert sim.atlas_sim_interface_state.current_behavior is Behavior.FREEZE
+        assert [e.text for e in sim.events] == ["hello"]
+        assert sim.summary()["controller_tick_ms"]["median"] == pytest.approx(1.0)
+        sim.reset()
+        assert sim.station.GetSubsystemByName("controller").resets == [Behavior.STAND]
+    log = read_log(path)
+    assert log["controller.unsolved"][-1] > 20
+    np.testing.assert_allclose(log["balance.support"][-1][:8], SQUARE.ravel())
+
+
+def test_a_controller_without_reset_gets_its_default_state():
+    class Forgetful(Talkative):
+        def __getattribute__(self, name):
+            if name == "reset":
+                raise AttributeError(name)
+            return super().__getattribute__(name)
+
+    sim = AtlasSimulation(Scenario(**COARSE), controller=Forgetful)
+    sim.advance(0.1)
+    assert sim.output("controller_status").unsolved > 20
+    sim.reset()
+    assert sim.output("controller_status").unsolved < 3
+
+
+def test_ours_through_the_socket_is_ours():
+    def ours(robot, config):
+        return WholeBodyController(
+            robot, ControlGains(), config.control_period, config.initial_behavior
+        )
+
+    states = []
+    for controller in (None, ours):
+        sim = AtlasSimulation(Scenario(**COARSE), controller=controller)
+        sim.advance(0.2)
+        states.append(sim.output("state").tobytes())
+    assert states[0] == states[1]
+
+
+def with_input(name, size):
+    system = sized(28)
+    system.DeclareVectorInputPort(name, size)
+    return system
+
+
+@pytest.mark.parametrize(
+    ("controller", "words"),
+    [
+        (3, "controller must be a System or a callable"),
+        (lambda robot, config: None, "must return a System, returned None"),
+        (sized(28, "torque"), "no output port 'behavior_effort'"),
+        (sized(3), "a vector of size 3; atlas needs a vector of size 28"),
+        (with_input("stat", 69), "input port 'stat'.* Did you mean 'state'"),
+        (with_input("state", 7), "input port 'state' that is a vector of size 7"),
+        (with_input("commands", 7), "the station's is abstract-valued"),
+    ],
+)
+def test_a_controller_that_does_not_fit_is_refused(controller, words):
+    with pytest.raises(ControllerError, match=words):
+        make_atlas_station(controller=controller)
+
+
+def test_systems_are_added_through_extend():
+    def extend(builder, station):
+        log = LeafSystem()
+        log.DeclareVectorInputPort("effort", 28)
+        log.DeclareVectorOutputPort("twice", 28, lambda _context, out: out.SetZero())
+        builder.AddNamedSystem("mine", log)
+        builder.Connect(station.GetOutputPort("effort"), log.GetInputPort("effort"))
+        builder.ExportOutput(log.GetOutputPort("twice"), "twice")
+
+    sim = AtlasSimulation(Scenario(**COARSE), extend=extend)
+    assert sim.diagram.HasSubsystemNamed("mine")
+    assert sim.output("twice").shape == (28,)

@@ -1,0 +1,140 @@
+"""A robot that is not Atlas: what is read of it, and what is refused."""
+
+import numpy as np
+import pytest
+
+from atlas_drake import Gait
+from atlas_drake.control.feet.leg_kinematics import solve_leg
+from atlas_drake.control.whole_body.model import WholeBodyModel
+from atlas_drake.errors import InvalidMessageError, RobotDescriptionError
+from atlas_drake.messages import AtlasCommand, validate_atlas_command
+from atlas_drake.robot import load_robot
+
+
+def test_it_is_another_robot(heron):
+    atlas = load_robot()
+    assert heron.num_joints == 15
+    assert heron.mass == pytest.approx(43.2)
+    assert not set(heron.joint_names) & set(atlas.joint_names)
+    leg = heron.legs[0]
+    assert (leg.thigh_length, leg.shank_length) == pytest.approx((0.32, 0.32))
+    assert leg.straight == 0.0
+    assert heron.joint_names[leg.knee] == "left_knee"
+    # All that moves with the hip is on the leg: its six bodies.
+    assert leg.mass_beyond[0] == pytest.approx(8.8)
+    assert leg.mass_beyond[-1] == pytest.approx(1.0)
+    assert heron.contact("left fist").frame == "left_fist"
+    with pytest.raises(RobotDescriptionError, match="left fist, right fist"):
+        heron.contact("nose")
+
+
+@pytest.mark.parametrize("foot", [0, 1])
+def test_its_legs_have_the_closed_form(heron, foot):
+    model = WholeBodyModel(heron)
+    random = np.random.default_rng(foot)
+    state = np.zeros(model.num_states)
+    state[0] = 1.0
+    leg = heron.legs[foot]
+    for _ in range(10):
+        low, high = heron.position_lower, heron.position_upper
+        q = random.uniform(0.6 * low, 0.6 * high)
+        q[leg.knee] = random.uniform(0.2, 1.5)
+        state[heron.indices(model.plant).q] = q
+        terms = model.evaluate(model.create_context(), state)
+        sole = terms.feet[foot]
+        held = solve_leg(leg, sole.p_WF - terms.p_WP, sole.R_WF)
+        np.testing.assert_allclose(held.angles, q[leg.joints], atol=1e-9)
+
+
+SHANK = '<child link="left_shank" />\n    <origin xyz="0 0 -0.32"'
+LAYOUTS = {
+    "the hip's axes in another order": (
+        '<origin xyz="0 0.09 0" />\n    <axis xyz="0 0 1" />',
+        '<origin xyz="0 0.09 0" />\n    <axis xyz="1 0 0" />',
+        r"left_hip_yaw, the hip z, turns about \[1\. 0\. 0\.\]",
+    ),
+    "a knee to the side": (
+        SHANK,
+        SHANK.replace("0 0 -", "0 0.02 -"),
+        "left_knee lies beside the plane of left_hip_yaw",
+    ),
+    "hip joints apart": (
+        'link="right_hip_roll_link" />\n    <origin xyz="0 0 0"',
+        'link="right_hip_roll_link" />\n    <origin xyz="0.05 0 0"',
+        "right_hip_roll does not meet right_hip_yaw in one point",
+    ),
+    "a shin bent at zero": (
+        SHANK,
+        f'{SHANK} rpy="0 0.2 0"',
+        "left_knee is not parallel to the pelvis",
+    ),
+    "toes that look inward": (
+        'link="left_foot" xyz="0.03 0 -0.07" rpy="0 0 0"',
+        'link="left_foot" xyz="0.03 0 -0.07" rpy="0 0 -0.1"',
+        "left_sole is not parallel to the pelvis",
+    ),
+}
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_legs_of_another_layout_are_refused(copied, layout):
+    old, new, message = LAYOUTS[layout]
+    path = copied((old, new))
+    with pytest.raises(RobotDescriptionError, match=message) as caught:
+        load_robot(path)
+    assert str(path) in str(caught.value)
+    assert "hip z, hip x, hip y, knee y, ankle y, ankle x" in str(caught.value)
+
+
+UNUSABLE = {
+    "no limit of speed": (' velocity="8"', "", "waist_yaw has the velocity limit inf"),
+    "a motor without effort": ('effort="80" vel', 'effort="0" vel', "actuated joints"),
+    "a slider": (
+        '"waist_yaw" type="revolute"',
+        '"waist_yaw" type="prismatic"',
+        "joint waist_yaw of heron.urdf is prismatic; must be revolute",
+    ),
+    "a loose part": (
+        "</robot>",
+        '<link name="ball"><inertial><mass value="1" /><inertia ixx="1" iyy="1" '
+        'izz="1" ixy="0" ixz="0" iyz="0" /></inertial></link></robot>',
+        "free in the world are ball, hips; the pelvis, hips, must",
+    ),
+    "an idle joint": (
+        '<transmission name="waist_yaw_transmission">\n'
+        "    <type>transmission_interface/SimpleTransmission</type>\n"
+        '    <joint name="waist_yaw" />\n    <actuator name="waist_yaw" />\n'
+        "  </transmission>",
+        "",
+        "different actuated joints: waist_yaw; list each joint that has",
+    ),
+}
+
+
+@pytest.mark.parametrize("fault", UNUSABLE)
+def test_joints_that_cannot_be_commanded_are_refused(copied, fault):
+    old, new, message = UNUSABLE[fault]
+    with pytest.raises(RobotDescriptionError, match=message):
+        load_robot(copied((old, new)))
+
+
+def test_messages_are_as_long_as_the_robot_has_joints(heron):
+    message = AtlasCommand()
+    message.position = heron.stand_prep
+    validate_atlas_command(message, heron.joint_names)
+    message.position = load_robot().stand_prep
+    with pytest.raises(InvalidMessageError, match="must have 15 elements"):
+        validate_atlas_command(message, heron.joint_names)
+
+
+def test_its_gait_keeps_its_own_limits(heron):
+    usual = Gait.of(heron)
+    assert (usual.stride, usual.turn, usual.half_width) == (0.14, 0.15, 0.09)
+    assert Gait.of(heron, stride=0.2).duration == usual.duration
+    with pytest.raises(ValueError, match=r"gait.stride is 0.3, and not between"):
+        Gait.of(heron, stride=0.3)
+    widest = Gait.nearest(heron, stride=0.9, duration=9.0, turn=2.0, swing_height=1.0)
+    assert 0.2 < widest.stride < 0.3
+    assert widest.swing_height == 0.2
+    assert widest.duration < 3.0
+    assert Gait.nearest(heron) == usual

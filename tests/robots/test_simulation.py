@@ -1,0 +1,183 @@
+"""A robot that is not Atlas, simulated, recorded, replayed and steered."""
+
+import json
+
+import numpy as np
+import pytest
+
+from atlas_drake import (
+    AtlasSimInterfaceCommand,
+    AtlasSimulation,
+    Behavior,
+    Gait,
+    Scenario,
+    StepStream,
+    load_scenario,
+    steps_ahead,
+)
+from atlas_drake.app.main import main
+from atlas_drake.diagrams.replay import make_replay
+from atlas_drake.errors import ScenarioError
+from atlas_drake.logs import LogError, read_log
+from atlas_drake.messages import BehaviorStatus
+from atlas_drake.teleop.commander import Commander
+from atlas_drake.teleop.controls import SLIDERS, Action, Controls, fitted
+from atlas_drake.teleop.pages import pages_with
+
+from .conftest import HERON
+
+SHORT = "duration: 0.1\nphysics_step: 0.002\ncontrol_period: 0.004\n"
+
+
+def simulate(**changes):
+    changes = {"model": str(HERON)} | changes
+    return AtlasSimulation(
+        Scenario(physics_step=0.002, control_period=0.004, **changes)
+    )
+
+
+def test_a_scenario_names_its_robot_beside_itself(copied, tmp_path, monkeypatch):
+    path = copied()
+    scenario = tmp_path / "scenario.yaml"
+    scenario.write_text(SHORT + "model: heron/heron.yaml\n")
+    # Wherever the program is run.
+    assert load_scenario(scenario).model == str(path)
+    # In Python the working folder counts.
+    monkeypatch.chdir(path.parent)
+    sim = simulate(model="heron.yaml")
+    assert sim.robot.name == "heron"
+    assert sim.scenario.model == str(path)
+    assert sim.summary()["model"] == str(path)
+    path.rename(path.parent / "gone.yaml")
+    with pytest.raises(ScenarioError, match=r"model: there is no file .*heron.yaml"):
+        load_scenario(scenario)
+    with pytest.raises(ScenarioError, match="model: there is no file"):
+        Scenario(model="heron.yaml").validate()
+
+
+def test_the_command_line_takes_a_path(copied, tmp_path, monkeypatch, capsys):
+    path = copied()
+    scenario, summary = tmp_path / "scenario.yaml", tmp_path / "summary.json"
+    scenario.write_text(SHORT)
+    monkeypatch.chdir(tmp_path)
+    options = ["--model", "heron/heron.yaml", "--headless", "--json", str(summary)]
+    assert main(["run", str(scenario), *options]) == 0
+    assert json.loads(summary.read_text())["model"] == str(path)
+    (path.parent / "heron.urdf").unlink()
+    assert main(["run", str(scenario), *options]) == 2
+    error = capsys.readouterr().err
+    assert "urdf: there is no file" in error
+    assert str(path) in error
+
+
+def test_the_tutorial_is_for_robots_with_atlas_joints(tmp_path):
+    kept = tmp_path / "kept.npz"
+    kept.write_text("an earlier run")
+    scenario = Scenario(model=str(HERON), programme="tutorial")
+    with pytest.raises(ScenarioError, match="'heron' has no back_bkz; choose prog"):
+        AtlasSimulation(scenario, log=kept)
+    assert kept.read_text() == "an earlier run"
+
+
+@pytest.mark.parametrize("ending", ["npz", "mcap"])
+def test_a_log_knows_where_its_robot_is(copied, tmp_path, ending):
+    path = copied()
+    if ending == "mcap":
+        pytest.importorskip("mcap")
+    file = tmp_path / f"run.{ending}"
+    scenario = Scenario(model=str(path), physics_step=0.002, control_period=0.004)
+    with AtlasSimulation(scenario, log=file) as sim:
+        sim.advance(0.05)
+    log = read_log(file)
+    assert log.header.model == log.scenario.model == str(path)
+    assert log["joints.effort"].shape[1] == log.robot.num_joints == 15
+    # It has no hands, so nothing is measured at them.
+    assert not log["hands.left_force"].any()
+    make_replay(log)
+
+    path.write_text(path.read_text().replace("name: waist_yaw", "name: waist"))
+    urdf = path.parent / "heron.urdf"
+    urdf.write_text(urdf.read_text().replace('"waist_yaw"', '"waist"'))
+    with pytest.raises(LogError, match=r"heron.yaml, has other joints than when"):
+        make_replay(read_log(file))
+    path.unlink()
+    with pytest.raises(LogError, match=r"robot cannot be loaded: .*no file .*heron.y"):
+        make_replay(read_log(file))
+
+
+def test_the_panel_fits_the_robot(heron):
+    own = fitted(heron)
+    titles = {page.title: page for page in pages_with(heron, ())}
+    shown = {slider.label for page in titles.values() for slider in page.sliders}
+    assert own["stride [m]"].value == 0.14
+    assert own["pelvis height [m]"][1:3] == (0.45, 0.68)
+    assert "1 trunk, 2 hips" in titles["push"].note
+    assert "k_effort neck" not in shown
+    assert "k_effort back" in shown
+    for slider in own.values():
+        assert slider.low <= slider.value <= slider.high
+
+
+def test_steering_commands_the_robot(heron):
+    sim = simulate()
+    commander = Commander(heron, sim.atlas_sim_interface_state)
+    sliders = {slider.label: slider.value for slider in SLIDERS}
+    sliders |= {label: slider.value for label, slider in fitted(heron).items()}
+
+    def press(*actions):
+        controls = Controls(actions, sliders)
+        report = sim.atlas_sim_interface_state
+        orders = commander.look(controls, report, sim.atlas_state, 0.04)
+        for command in (orders.atlas_command, orders.sim_command):
+            if command is not None:
+                sim.publish(command)
+        sliders.update({s.label: value for s, value in orders.sliders.items()})
+        sim.advance(0.04)
+        return orders
+
+    press()
+    assert press(Action.PUSH).push.body == "hips"
+    press(Action.FORWARD)
+    assert sim.current_behavior is Behavior.WALK
+    press(Action.USER)
+    assert sim.current_behavior is Behavior.USER
+    assert set(sim.atlas_sim_interface_state.k_effort) == {255}
+    # A second look finds nothing to put right.
+    assert press().atlas_command is None
+
+
+@pytest.mark.slow
+def test_it_stands_squats_and_walks():
+    sim = simulate()
+    sim.advance(1.0)
+    stood = sim.atlas_sim_interface_state.pos_est.position
+    assert stood.z == pytest.approx(0.66, abs=0.01)
+    stream = StepStream(
+        steps_ahead(sim.atlas_sim_interface_state, 0.42, Gait.of(sim.robot))
+    )
+    while not stream.is_over(sim.atlas_sim_interface_state):
+        command = stream.next_command(sim.atlas_sim_interface_state)
+        if command is not None:
+            sim.publish(command)
+        sim.advance(0.1)
+        assert sim.time < 8.0
+    assert len(sim.footsteps) == 4
+    assert max(step["error_m"] for step in sim.footsteps) < 0.005
+    walked = sim.atlas_sim_interface_state.pos_est.position
+    assert walked.x - stood.x == pytest.approx(0.42, abs=0.02)
+
+    squat = AtlasSimInterfaceCommand()
+    squat.behavior = squat.MANIPULATE
+    squat.manipulate_params.use_desired = True
+    squat.manipulate_params.desired.pelvis_height = 0.3
+    sim.publish(squat)
+    sim.advance(3.0)
+    # As low as its file allows, which Atlas' would not.
+    assert sim.pelvis_pose.translation()[2] == pytest.approx(0.45, abs=0.01)
+    summary = sim.summary()
+    assert summary["success"]
+    status = sim.atlas_sim_interface_state.behavior_feedback.status_flags
+    assert not status & BehaviorStatus.ERROR_FALLING
+    # Torques far from their limits: nothing was thrown.
+    assert max(summary["peak_effort_fraction"].values()) < 0.7
+    assert np.isfinite(sim.atlas_state.effort).all()
