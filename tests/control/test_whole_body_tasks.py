@@ -24,7 +24,7 @@ from atlas_drake.control.whole_body import (
     WholeBodyCommand,
     WholeBodyQp,
 )
-from atlas_drake.control.whole_body.elimination import inverse_inertia
+from atlas_drake.control.whole_body.inertia import inverse_inertia
 from atlas_drake.control.whole_body.model import GRAVITY
 
 HAND = "l_hand"
@@ -224,6 +224,31 @@ def test_the_inverse_of_the_robots_inertia(terms):
 def test_rows_beyond_a_tasks_frame_names_are_refused_by_name(robot, qp, bounds, terms):
     with pytest.raises(ValueError, match="no frame 'tail'"):
         qp.solve(terms, still(robot, PositionTask("tail", np.zeros(3), 1.0)), bounds)
+
+
+def test_solving_in_turns_gives_the_bits_of_each_alone(
+    model, robot, qp, bounds, random_state
+):
+    states = [random_state(seed) for seed in (5, 6)]
+    command = still(
+        robot,
+        PositionTask(HAND, np.ones(3), 10.0),
+        OrientationTask("head", np.ones(3), 1.0),
+        ComTask(np.zeros(3), 1.0),
+        contacts=soles(robot),
+    )
+
+    def bits(terms):
+        solution = qp.solve(terms, command, bounds)
+        wrenches = list(solution.contact_wrenches.values())
+        return solution.effort.tobytes() + np.array(wrenches).tobytes()
+
+    alone = [bits(model.evaluate(model.create_context(), state)) for state in states]
+    # One scratch context for both: hand and head are computed after it moved on.
+    shared = model.create_context()
+    terms = [model.evaluate(shared, state) for state in states]
+    assert [bits(each) for each in terms] == alone
+    assert alone[0] != alone[1]
 
 
 # ---- contacts ----------------------------------------------------------------
