@@ -27,8 +27,8 @@ class QpWeights:
     com: float = 30.0
     """Centre of mass, horizontal, through the contact forces [1/(m/s²)²]."""
     com_height: float = 60.0
-    """Likewise its height [1/(m/s²)²]. Below the weight of the moment: where a knee
-    is at its limit, the robot gives up height before balance."""
+    """Height of the center of mass [1/(m/s²)²]. Below the weight of the moment: where a
+    knee is at its limit, the robot gives up height before balance."""
     moment: float = 70.0
     """Moment of the contact forces about the enhanced centroidal moment pivot (eCMP):
     their sum passes through the center of pressure that balance asks for
