@@ -179,12 +179,12 @@ class Harness(CollectableSystem):
         damping = np.repeat(
             [gains.rotational_damping, 2.0 * gains.damping_ratio * w * self._mass], 3
         )
-        acceleration, mobility = self._free_motion(context, scratch, others)
+        acceleration, inverse_mass = self._free_motion(context, scratch, others)
         pull = implicit_pull(
             strength * static,
             strength * damping,
             V_WP.get_coeffs() + self._dt * acceleration,
-            self._dt * mobility,
+            self._dt * inverse_mass,
         )
         force = ExternallyAppliedSpatialForce()
         force.body_index = self._pelvis

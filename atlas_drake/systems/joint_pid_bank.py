@@ -16,7 +16,7 @@ from pydrake.systems.framework import (
 )
 
 from atlas_drake.control.joints.blend import UserForecast, forecast_user_effort
-from atlas_drake.control.joints.constrained_inertia import JointMobility
+from atlas_drake.control.joints.constrained_inverse_mass import ConstrainedInverseMass
 from atlas_drake.control.joints.joint_pid import (
     PidState,
     StepModel,
@@ -124,7 +124,7 @@ class JointPidBank(CollectableSystem):
         self._v = num_positions + indices.v
         self._dt = physics_step
         self._control_period = control_period
-        self._mobility = JointMobility(robot)
+        self._inverse_mass = ConstrainedInverseMass(robot)
         self._num_positions = num_positions
         num_states = num_positions + len(indices.generalized)
         self._state_input = self.DeclareVectorInputPort("state", num_states)
@@ -155,7 +155,7 @@ class JointPidBank(CollectableSystem):
             self._calc_effort,
             prerequisites_of_calc={self._step.ticket()},
         )
-        self._scratch = declare_scratch_context(self, self._mobility.create_context)
+        self._scratch = declare_scratch_context(self, self._inverse_mass.create_context)
         self._prepared = self.DeclareAbstractState(AbstractValue.Make(NOTHING))
         self.DeclarePeriodicDiscreteUpdateEvent(physics_step, 0.0, self._update)
         self.DeclarePeriodicUnrestrictedUpdateEvent(
@@ -250,7 +250,7 @@ class JointPidBank(CollectableSystem):
         robot = self._robot
         state = self._state_input.Eval(context)
         planted = self._planted(context)
-        mobility = self._mobility.evaluate(
+        inverse_mass = self._inverse_mass.evaluate(
             self._scratch.Eval(context), state[: self._num_positions], planted
         )
         command = replace(
@@ -270,7 +270,7 @@ class JointPidBank(CollectableSystem):
             active=share > 0.0,
             offset=static_effort(command, self._nothing, self._nothing),
             integrates=bool(command.i_effort_min.any() or command.i_effort_max.any()),
-            model=step_model(damping, share, mobility, self._dt),
+            model=step_model(damping, share, inverse_mass, self._dt),
         )
 
     def _planted(self, context: Context) -> tuple[bool, bool]:

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydrake.multibody.plant import MultibodyPlant
 
-from atlas_drake.control.joints.constrained_inertia import JointMobility
+from atlas_drake.control.joints.constrained_inverse_mass import ConstrainedInverseMass
 from atlas_drake.control.joints.joint_pid import (
     JointCommand,
     PidState,
@@ -153,8 +153,8 @@ def coupled(random, dt=0.002):
     root = random.normal(size=(10, 10))
     share = np.array([0.0, 0.0, 0.01, 0.2, 0.7, 1.0, 1.0, 1.0, 1.0, 1.0])
     damping = np.array([0.0, 9.0, 5.0, 50.0, 500.0, 0.0, 1e-6, 2.0, 50.0, 500.0])
-    mobility = 10.0 * (root @ root.T + np.eye(10))
-    return share, damping, step_model(damping, share, mobility, dt)
+    inverse_mass = 10.0 * (root @ root.T + np.eye(10))
+    return share, damping, step_model(damping, share, inverse_mass, dt)
 
 
 @pytest.mark.parametrize("scale", [0.01, 3.0, 100.0, 1e6])
@@ -220,13 +220,13 @@ def test_the_behaviors_own_joints_are_not_the_laws_to_limit():
 def test_the_law_holds_for_the_velocity_at_the_steps_end(random, random_command):
     # Joints that move each other, the behaviour's share, and what no motor does.
     root = random.normal(size=(10, 10))
-    mobility = root @ root.T + np.eye(10)
+    inverse_mass = root @ root.T + np.eye(10)
     share, dt = random.uniform(0.1, 1.0, 10), 0.01
     damping = random_command.kd_position + random_command.kp_velocity
-    model = step_model(damping, share, mobility, dt)
+    model = step_model(damping, share, inverse_mass, dt)
     q, v, drift, others, integral = random.normal(size=(5, 10))
     effort = effort_of(random_command, integral, q, v, drift, model, others)
-    next_v = v + drift + dt * mobility @ (others + share * effort)
+    next_v = v + drift + dt * inverse_mass @ (others + share * effort)
     np.testing.assert_allclose(effort, written_law(random_command, integral, q, next_v))
 
 
@@ -259,8 +259,8 @@ def test_a_jolt_enters_the_drift_by_its_share_of_time_alone(dt):
 
 def test_the_behaviors_efforts_are_known_at_once(random):
     # A motor that the behaviour has moves its neighbours in this very step.
-    mobility = np.eye(10) + 0.1
-    model = step_model(np.zeros(10), np.ones(10), mobility, 0.001)
+    inverse_mass = np.eye(10) + 0.1
+    model = step_model(np.zeros(10), np.ones(10), inverse_mass, 0.001)
     v, before, others = random.normal(size=(3, 10))
     expected = model.response @ before
     state = PidState(np.zeros(10), v - expected, before, expected)
@@ -374,8 +374,8 @@ def tutorial_inertia(tutorial_robot):
     plant.Finalize()
     q = plant.GetPositions(plant.CreateDefaultContext())
     q[tutorial_robot.indices(plant).q] = tutorial_robot.stand_prep
-    mobility = JointMobility(tutorial_robot)
-    found = mobility.evaluate(mobility.create_context(), q, (False, False))
+    inverse_mass = ConstrainedInverseMass(tutorial_robot)
+    found = inverse_mass.evaluate(inverse_mass.create_context(), q, (False, False))
     return 1.0 / np.diag(found)
 
 

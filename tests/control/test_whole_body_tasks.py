@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from atlas_drake.control.gains import ControlGains, PdGains
+from atlas_drake.control.gains import ContactModel, ControlGains, PdGains
 from atlas_drake.control.rotations import rotation_about
 from atlas_drake.control.whole_body import (
     ComTask,
@@ -24,7 +24,7 @@ from atlas_drake.control.whole_body import (
     WholeBodyCommand,
     WholeBodyQp,
 )
-from atlas_drake.control.whole_body.elimination import inverse_inertia
+from atlas_drake.control.whole_body.inertia import inverse_inertia
 from atlas_drake.control.whole_body.model import GRAVITY
 
 HAND = "l_hand"
@@ -226,6 +226,31 @@ def test_rows_beyond_a_tasks_frame_names_are_refused_by_name(robot, qp, bounds, 
         qp.solve(terms, still(robot, PositionTask("tail", np.zeros(3), 1.0)), bounds)
 
 
+def test_solving_in_turns_gives_the_bits_of_each_alone(
+    model, robot, qp, bounds, random_state
+):
+    states = [random_state(seed) for seed in (5, 6)]
+    command = still(
+        robot,
+        PositionTask(HAND, np.ones(3), 10.0),
+        OrientationTask("head", np.ones(3), 1.0),
+        ComTask(np.zeros(3), 1.0),
+        contacts=soles(robot),
+    )
+
+    def bits(terms):
+        solution = qp.solve(terms, command, bounds)
+        wrenches = list(solution.contact_wrenches.values())
+        return solution.effort.tobytes() + np.array(wrenches).tobytes()
+
+    alone = [bits(model.evaluate(model.create_context(), state)) for state in states]
+    # One scratch context for both: hand and head are computed after it moved on.
+    shared = model.create_context()
+    terms = [model.evaluate(shared, state) for state in states]
+    assert [bits(each) for each in terms] == alone
+    assert alone[0] != alone[1]
+
+
 # ---- contacts ----------------------------------------------------------------
 
 
@@ -284,6 +309,19 @@ def test_a_leaning_hand_takes_no_part_in_the_gravity_compensation(robot, qp, ter
     for foot in robot.file.feet:
         wrench = solution.contact_wrenches[foot.sole_frame]
         assert wrench[5] == pytest.approx(0.5 * robot.mass * GRAVITY)
+
+
+def test_the_robots_file_says_where_a_hand_can_carry_load(robot, terms):
+    for entry in robot.file.contacts:
+        patch = ContactPatch.of_entry(robot.contact(entry.name), ContactModel())
+        F = terms.frame(entry.frame)
+        # A push along the normal at the patch's center is what it can take best.
+        normal = patch.R_FC[:, 2]
+        wrench = np.concatenate([np.cross(patch.p_FC, normal), normal])
+        assert (patch.cone[:-1] @ wrench < 0.0).all()
+        assert patch.cone[-1] @ wrench == pytest.approx(1.0)
+        assert F.J_WF.shape == (6, 6 + robot.num_joints)
+    assert {"l_hand", "r_hand"} <= {entry.frame for entry in robot.file.contacts}
 
 
 @pytest.mark.parametrize(

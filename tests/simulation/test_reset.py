@@ -15,7 +15,7 @@ from atlas_drake import (
     ScenarioError,
     Start,
 )
-from atlas_drake.control.joints.constrained_inertia import JointMobility
+from atlas_drake.control.joints.constrained_inverse_mass import ConstrainedInverseMass
 from atlas_drake.control.joints.damping import LIMP_DAMPING, limp_effort
 from atlas_drake.robot import load_robot
 
@@ -66,13 +66,13 @@ def test_limp_joints_are_only_braked():
 @pytest.mark.parametrize("name", ["atlas", "atlas_v3"])
 def test_limp_damping_is_too_weak_to_shake_a_joint(name):
     robot = load_robot(name)
-    mobility = JointMobility(robot)
-    context = mobility.create_context()
+    inverse_mass = ConstrainedInverseMass(robot)
+    context = inverse_mass.create_context()
     plant = MultibodyPlant(time_step=0.0)
     robot.add_to(plant)
     plant.Finalize()
     q = plant.GetPositions(plant.CreateDefaultContext())
-    inertia = 1.0 / np.diag(mobility.evaluate(context, q, (False, False)))
+    inertia = 1.0 / np.diag(inverse_mass.evaluate(context, q, (False, False)))
     damping = LIMP_DAMPING * robot.effort_limit
     # Held over a control tick, it would overshoot from inertia / period on.
     assert (damping * Scenario().control_period < 0.6 * inertia).all()

@@ -7,7 +7,7 @@ import pytest
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.analysis import Simulator
 
-from atlas_drake.control.joints.constrained_inertia import JointMobility
+from atlas_drake.control.joints.constrained_inverse_mass import ConstrainedInverseMass
 from atlas_drake.messages import Behavior
 from atlas_drake.messages.commands import commands_at_start
 from atlas_drake.systems.joint_pid_bank import JointPidBank
@@ -193,9 +193,11 @@ def test_the_law_knows_how_the_behaviors_share_moves_the_joints(bench):
         )
         # User and behaviour together move the joints by this, in a step.
         total = share * bench.effort + (1.0 - share) * own
-        mobility = JointMobility(bench.robot)
-        response = PHYSICS_STEP * mobility.evaluate(
-            mobility.create_context(), bench.state[: bench.num_positions], (False,) * 2
+        inverse_mass = ConstrainedInverseMass(bench.robot)
+        response = PHYSICS_STEP * inverse_mass.evaluate(
+            inverse_mass.create_context(),
+            bench.state[: bench.num_positions],
+            (False,) * 2,
         )
         expected = -own - 20.0 * (response @ total)
         np.testing.assert_allclose(bench.effort, expected, rtol=1e-6, atol=1e-6)

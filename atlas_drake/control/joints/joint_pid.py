@@ -93,17 +93,17 @@ class StepModel:
 
 
 def step_model(
-    damping: np.ndarray, share: np.ndarray, mobility: np.ndarray, dt: float
+    damping: np.ndarray, share: np.ndarray, inverse_mass: np.ndarray, dt: float
 ) -> StepModel:
     """What ``user_effort`` needs to know of the robot.
 
     Args:
         damping: All gains on velocity together d [N·m·s/rad], shape (n,).
         share: The user's share k of each joint, 0 to 1.
-        mobility: Λ, accelerations per effort [rad/s² per N·m], shape (n, n).
+        inverse_mass: Λ, accelerations per effort [rad/s² per N·m], shape (n, n).
         dt: The step h [s].
     """
-    response = dt * mobility
+    response = dt * inverse_mass
     coupling = damping[:, None] * (response * share)
     coupling.reshape(-1)[:: len(damping) + 1] += 1.0
     gain = np.linalg.inv(coupling)
@@ -153,7 +153,7 @@ def user_effort(
 
     When joints move steadily v⁺ is v, and this is the law itself: set-points and
     gravity droop are those of the gains, whatever the step. The scalar loop is stable
-    for any damping as long as Λ is not below 3/4 of the true mobility.
+    for any damping as long as Λ is not below 3/4 of the true inverse mass matrix.
 
     A motor gives the blend of both efforts within its limit. Where that limit cuts, v⁺
     is another one for all joints, and ``_saturated`` finds it.

@@ -10,7 +10,10 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from pydrake.math import VectorToSkewSymmetric
+from pydrake.math import RollPitchYaw, RotationMatrix, VectorToSkewSymmetric
+
+from atlas_drake.control.gains import ContactModel
+from atlas_drake.robot import ContactEntry
 
 WRENCH = 6
 """Size of a wrench [moment; force]."""
@@ -73,6 +76,23 @@ class ContactPatch:
         (rear, front), (right, left) = x, y
         corners = [[front, left], [rear, left], [rear, right], [front, right]]
         return cls(np.array(corners), friction, yaw_moment_arm)
+
+    @classmethod
+    def of_entry(cls, entry: ContactEntry, contact: ContactModel) -> ContactPatch:
+        """Makes the patch of a contact that the robot's file describes.
+
+        Args:
+            entry: The contact, as ``robot.contact(name)`` gives it.
+            contact: Friction that the controller assumes.
+        """
+        x, y = 0.5 * entry.length, 0.5 * entry.width
+        return cls(
+            corners=np.array([[x, y], [-x, y], [-x, -y], [x, -y]]),
+            friction=contact.friction,
+            yaw_moment_arm=contact.yaw_moment_arm,
+            R_FC=RotationMatrix(RollPitchYaw(entry.rpy_FC)).matrix(),
+            p_FC=np.array(entry.p_FC),
+        )
 
     @cached_property
     def cone(self) -> np.ndarray:

@@ -14,7 +14,7 @@ from pydrake.multibody.tree import Frame, FrameIndex, JacobianWrtVariable
 from pydrake.systems.framework import Context
 
 from atlas_drake.control.whole_body.terms import FrameTerms, WholeBodyTerms
-from atlas_drake.errors import RobotDescriptionError, did_you_mean
+from atlas_drake.errors import RobotDescriptionError, did_you_mean, shown
 from atlas_drake.robot import Robot
 
 GRAVITY = 9.81
@@ -79,9 +79,10 @@ class WholeBodyModel:
         v = velocity.take(order)
 
         # Drake's matrices come column by column: their transposes are read in order.
+        # Any mode but the default one spares a copy of the result.
         size = len(order)
         M = np.empty((size, size))
-        plant.CalcMassMatrix(context).T.take(self._square, out=M)
+        plant.CalcMassMatrix(context).T.take(self._square, out=M, mode="clip")
         h = plant.CalcBiasTerm(context).take(order)
         # Gravity is a uniform acceleration, so its generalized force is the column
         # sum that the mass matrix already holds for the pelvis' vertical motion.
@@ -101,10 +102,11 @@ class WholeBodyModel:
         for frame, part in zip(self._tracked, _PARTS, strict=True):
             J[part], bias[part] = self._differential(context, frame)
         V = J @ v
-        left, right, chest = [
+        tracked = [
             self._frame_terms(context, frame, V[part], J[part], bias[part])
             for frame, part in zip(self._tracked, _PARTS, strict=True)
         ]
+        left, right, chest = tracked
         X_WP = plant.EvalBodyPoseInWorld(context, self._pelvis)
         R_WP, p_WP = X_WP.rotation().matrix(), X_WP.translation()
         pelvis = FrameTerms(p_WP, R_WP, v[:6], self._pelvis_jacobian, _NO_BIAS)
@@ -122,7 +124,7 @@ class WholeBodyModel:
             com=plant.CalcCenterOfMassPositionInWorld(context),
             com_velocity=(M[3:6] @ v) / self.robot.mass,
             feet=(left, right),
-            frames=dict(zip(self._names, (left, right, chest, pelvis), strict=True)),
+            frames=dict(zip(self._names, [*tracked, pelvis], strict=True)),
             compute_frame=compute_frame,
         )
 
@@ -136,7 +138,7 @@ class WholeBodyModel:
             raise RobotDescriptionError(
                 "frame",
                 name,
-                f"robot '{self.robot.name}' has no frame {name!r}."
+                f"robot '{self.robot.name}' has no frame {shown(name)}."
                 + did_you_mean(name, known),
             )
         return plant.GetFrameByName(name)

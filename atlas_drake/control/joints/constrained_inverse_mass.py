@@ -1,4 +1,4 @@
-"""How far each joint gives way to efforts: what the joint PID's damping relies on.
+"""The constrained inverse mass matrix: what the joint PID's damping relies on.
 
 A model evaluation only; the law that uses it is ``joint_pid``.
 """
@@ -15,10 +15,10 @@ from pydrake.systems.framework import Context
 from atlas_drake.robot import Robot
 
 REGULARIZATION = 1e-6
-"""Mobility [1/kg; 1/(kg·m²)] below which a constraint counts as dependent."""
+"""Inverse mass [1/kg; 1/(kg·m²)] below which a constraint counts as dependent."""
 
 
-class JointMobility:
+class ConstrainedInverseMass:
     """The joints' block of M⁻¹, the pelvis free. Holds no state."""
 
     def __init__(self, robot: Robot):
@@ -51,7 +51,7 @@ class JointMobility:
         """
         plant = self._plant
         plant.SetPositions(context, positions)
-        mobility = np.linalg.inv(plant.CalcMassMatrix(context))
+        inverse_mass = np.linalg.inv(plant.CalcMassMatrix(context))
         world = plant.world_frame()
         soles = [sole for sole, held in zip(self._soles, planted, strict=True) if held]
         if soles:
@@ -68,9 +68,9 @@ class JointMobility:
                     for sole in soles
                 ]
             )
-            to_soles = J @ mobility
+            to_soles = J @ inverse_mass
             # Both feet on the ground and a straight knee leave less than twelve
             # independent constraints.
             held = to_soles @ J.T + REGULARIZATION * np.eye(len(J))
-            mobility = mobility - to_soles.T @ np.linalg.solve(held, to_soles)
-        return mobility[self._block]
+            inverse_mass = inverse_mass - to_soles.T @ np.linalg.solve(held, to_soles)
+        return inverse_mass[self._block]

@@ -1,11 +1,11 @@
-"""The joints' mobility, and the whole robot under the law that relies on it."""
+"""The constrained inverse mass matrix, and the robot under the law that uses it."""
 
 import dataclasses
 
 import numpy as np
 import pytest
 
-from atlas_drake.control.joints.constrained_inertia import JointMobility
+from atlas_drake.control.joints.constrained_inverse_mass import ConstrainedInverseMass
 from atlas_drake.control.joints.joint_pid import (
     JointCommand,
     PidState,
@@ -27,17 +27,19 @@ FOOTHOLDS = {"air": IN_AIR, "left": (True, False), "both": (True, True)}
 
 
 @pytest.fixture(scope="module")
-def mobility(robot):
-    return JointMobility(robot)
+def inverse_mass(robot):
+    return ConstrainedInverseMass(robot)
 
 
-def test_it_is_the_acceleration_that_efforts_give(model, mobility, random_state):
-    context = mobility.create_context()
+def test_it_is_the_acceleration_that_efforts_give(model, inverse_mass, random_state):
+    context = inverse_mass.create_context()
     for seed in range(5):
         state = random_state(seed)
         state[model.plant.num_positions() :] = 0.0
         terms = model.evaluate(model.create_context(), state)
-        found = mobility.evaluate(context, state[: model.plant.num_positions()], IN_AIR)
+        found = inverse_mass.evaluate(
+            context, state[: model.plant.num_positions()], IN_AIR
+        )
         for joint in range(0, model.robot.num_joints, 5):
             force = np.zeros(6 + model.robot.num_joints)
             force[6 + joint] = 1.0
@@ -45,24 +47,24 @@ def test_it_is_the_acceleration_that_efforts_give(model, mobility, random_state)
             np.testing.assert_allclose(found[:, joint], expected, rtol=1e-6, atol=1e-8)
 
 
-def test_it_is_symmetric_and_positive(model, mobility, random_state):
+def test_it_is_symmetric_and_positive(model, inverse_mass, random_state):
     q = random_state(7)[: model.plant.num_positions()]
-    found = mobility.evaluate(mobility.create_context(), q, IN_AIR)
+    found = inverse_mass.evaluate(inverse_mass.create_context(), q, IN_AIR)
     np.testing.assert_allclose(found, found.T, rtol=1e-8, atol=1e-8)
     assert np.linalg.eigvalsh(0.5 * (found + found.T))[0] > 0.0
 
 
-def test_it_does_not_depend_on_where_the_robot_is(model, mobility, random_state):
+def test_it_does_not_depend_on_where_the_robot_is(model, inverse_mass, random_state):
     q, other = (random_state(3)[: model.plant.num_positions()] for _ in range(2))
     other[:7] = random_state(4)[:7]
-    context = mobility.create_context()
-    first = mobility.evaluate(context, q, IN_AIR)
+    context = inverse_mass.create_context()
+    first = inverse_mass.evaluate(context, q, IN_AIR)
     np.testing.assert_allclose(
-        mobility.evaluate(context, other, IN_AIR), first, rtol=1e-6
+        inverse_mass.evaluate(context, other, IN_AIR), first, rtol=1e-6
     )
     # A used context is as good as a new one, to the bit.
-    fresh = mobility.evaluate(mobility.create_context(), q, IN_AIR)
-    assert mobility.evaluate(context, q, IN_AIR).tobytes() == fresh.tobytes()
+    fresh = inverse_mass.evaluate(inverse_mass.create_context(), q, IN_AIR)
+    assert inverse_mass.evaluate(context, q, IN_AIR).tobytes() == fresh.tobytes()
 
 
 def constrained(terms, planted):
@@ -85,16 +87,16 @@ def bent_knees(model):
 
 
 @pytest.mark.parametrize("planted", [(True, False), (False, True), (True, True)])
-def test_a_planted_sole_stays_where_it_is(model, mobility, planted):
+def test_a_planted_sole_stays_where_it_is(model, inverse_mass, planted):
     state = bent_knees(model)
     terms = model.evaluate(model.create_context(), state)
-    found = mobility.evaluate(
-        mobility.create_context(), state[: model.plant.num_positions()], planted
+    found = inverse_mass.evaluate(
+        inverse_mass.create_context(), state[: model.plant.num_positions()], planted
     )
     expected = constrained(terms, planted)[6:, 6:]
     np.testing.assert_allclose(found, expected, atol=2e-4 * np.abs(found).max())
-    free = mobility.evaluate(
-        mobility.create_context(), state[: model.plant.num_positions()], IN_AIR
+    free = inverse_mass.evaluate(
+        inverse_mass.create_context(), state[: model.plant.num_positions()], IN_AIR
     )
     # The legs that stand give way less, and no joint more.
     assert (np.diag(found) <= np.diag(free) * (1.0 + 1e-6)).all()
@@ -108,7 +110,7 @@ def step_matrix(kp, kd, assumed, true, dt):
     """One step of all joints under the law, linear in what they are and remember.
 
     That is [q; v; last v; last effort; expected]. Column by column from the law itself.
-    ``assumed`` is the mobility that it relies on, ``true`` the one that the joints
+    ``assumed`` is the inverse_mass that it relies on, ``true`` the one that the joints
     have; both frozen at a pose.
     """
     n = len(kp)
@@ -153,7 +155,7 @@ def grows(step):
 @pytest.mark.parametrize("dt", PHYSICS_STEPS)
 @pytest.mark.parametrize("extra_damping", [0.0, 50.0])
 def test_the_whole_robot_is_stable_under_the_law(
-    model, robot, mobility, planted, dt, extra_damping
+    model, robot, inverse_mass, planted, dt, extra_damping
 ):
     state = bent_knees(model)
     if not any(planted):
@@ -164,8 +166,8 @@ def test_the_whole_robot_is_stable_under_the_law(
     step = step_matrix(
         robot.default_kp,
         robot.default_kd + extra_damping,
-        mobility.evaluate(
-            mobility.create_context(), state[: model.plant.num_positions()], planted
+        inverse_mass.evaluate(
+            inverse_mass.create_context(), state[: model.plant.num_positions()], planted
         ),
         constrained(terms, planted)[6:, 6:],
         dt,
@@ -173,10 +175,10 @@ def test_the_whole_robot_is_stable_under_the_law(
     assert not grows(step)
 
 
-def test_a_robot_far_lighter_than_assumed_is_not(robot, mobility, model):
-    # That the test above can fail: the law relies on the mobility it is given.
+def test_a_robot_far_lighter_than_assumed_is_not(robot, inverse_mass, model):
+    # That the test above can fail: the law relies on the inverse_mass it is given.
     q = np.zeros(model.plant.num_positions())
     q[0] = 1.0
-    assumed = mobility.evaluate(mobility.create_context(), q, IN_AIR)
+    assumed = inverse_mass.evaluate(inverse_mass.create_context(), q, IN_AIR)
     kd = np.full(robot.num_joints, 50.0)
     assert grows(step_matrix(robot.default_kp, kd, assumed, 2.0 * assumed, 0.001))
