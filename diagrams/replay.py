@@ -5,6 +5,7 @@ A diagram without physics: the robot is put where the log says it was.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from pydrake.geometry import Meshcat, SceneGraph
@@ -15,6 +16,8 @@ from pydrake.systems.rendering import MultibodyPositionToGeometryPose
 from atlas_drake.diagrams.atlas_station import add_scenery
 from atlas_drake.logs.log import Log
 from atlas_drake.logs.log_player import LogPlayer
+from atlas_drake.scenario.models import world_of
+from atlas_drake.scenario.world import WorldMaker, add_world
 from atlas_drake.visualization.overlays import Overlays
 
 if TYPE_CHECKING:
@@ -28,6 +31,7 @@ def make_replay(
     video: Video | None = None,
     *,
     recorded: bool = False,
+    world: Sequence[WorldMaker] = (),
 ) -> Diagram:
     """Builds a diagram that shows a log as the run was shown.
 
@@ -37,6 +41,8 @@ def make_replay(
         overlays: What is shown besides, of ``LOGGED``.
         video: What to film it into; None films nothing.
         recorded: Whether Meshcat records, see ``add_meshcat_view``.
+        world: The callables that the run had. A log knows how the models of the
+            scenario look, of others only how they moved.
 
     Raises:
         LogError: If the log lacks what is to be shown, or has a scenario that is
@@ -44,7 +50,8 @@ def make_replay(
         VideoError: If the video cannot be made.
     """
     builder = DiagramBuilder()
-    builder.AddNamedSystem("station", _make_station(log))
+    world = (*world_of(log.scenario.models), *world)
+    builder.AddNamedSystem("station", _make_station(log, world))
     station: Any = builder.GetSubsystemByName("station")
     # What displays need loads only where there is one.
     if meshcat is not None:
@@ -56,32 +63,32 @@ def make_replay(
     if video is not None:
         from atlas_drake.visualization.video_display import add_video
 
-        add_video(builder, station, log.robot, log.scenario.terrain, video)
+        add_video(builder, station, log.robot, log.scenario.terrain, video, world)
     diagram = builder.Build()
     diagram.set_name("replay")
     return diagram
 
 
-def _make_station(log: Log) -> Diagram:
+def _make_station(log: Log, world: Sequence[WorldMaker]) -> Diagram:
     """What looks like a station from outside, with a log in place of physics."""
     builder = DiagramBuilder()
-    player = builder.AddNamedSystem("log_player", LogPlayer(log))
     scene_graph = builder.AddNamedSystem("scene_graph", SceneGraph())
     plant = MultibodyPlant(time_step=0.0)
     source = plant.RegisterAsSourceForSceneGraph(scene_graph)
     log.robot.add_to(plant)
     scenario = log.scenario
     add_scenery(plant, scenario.terrain, scenario.ground_friction)
+    add_world(plant, world)
     plant.Finalize()
+    player = builder.AddNamedSystem("log_player", LogPlayer(log, plant))
     poses = builder.AddNamedSystem(
         "poses", MultibodyPositionToGeometryPose(plant, input_multibody_state=True)
     )
-    builder.Connect(player.GetOutputPort("state"), poses.get_input_port())
+    builder.Connect(player.GetOutputPort("plant_state"), poses.get_input_port())
     builder.Connect(poses.get_output_port(), scene_graph.get_source_pose_port(source))
     for index in range(player.num_output_ports()):
         port = player.get_output_port(index)
         builder.ExportOutput(port, port.get_name())
-    builder.ExportOutput(player.GetOutputPort("state"), "plant_state")
     builder.ExportOutput(scene_graph.get_query_output_port(), "query_object")
     station = builder.Build()
     station.set_name("ReplayStation")

@@ -10,6 +10,7 @@ from collections.abc import Iterable
 
 from atlas_drake.logs.layout import SIDES, WXYZ, XY, XYZ, Channel, Layout
 from atlas_drake.logs.report_channels import REPORT_CHANNELS
+from atlas_drake.logs.world_state import WorldCoordinates
 from atlas_drake.messages.controller_status import LARGEST_SUPPORT
 from atlas_drake.robot import Robot
 
@@ -24,14 +25,18 @@ GAINS = {
 
 
 def robot_layout(
-    robot: Robot, positions: Iterable[str], velocities: Iterable[str]
+    robot: Robot,
+    positions: Iterable[str],
+    velocities: Iterable[str],
+    world: WorldCoordinates,
 ) -> Layout:
     """What is kept of one robot.
 
     Args:
         robot: Whose joints name the elements.
-        positions: Names of the plant's positions.
-        velocities: Names of the plant's velocities.
+        positions: Names of its positions.
+        velocities: Names of its velocities.
+        world: What else can move.
     """
     return Layout(
         [
@@ -48,8 +53,15 @@ def robot_layout(
             Channel("controller.unsolved", kind="i8", about="QPs without a solution"),
             Channel("state.q", labels=tuple(positions), about="true positions"),
             Channel("state.v", labels=tuple(velocities), about="true velocities"),
+            *_world(world),
         ]
     )
+
+
+def _world(world: WorldCoordinates) -> Iterable[Channel]:
+    if world.q:
+        yield Channel("world.q", labels=tuple(world.q), about="of other models")
+        yield Channel("world.v", labels=tuple(world.v), about="of other models")
 
 
 def _joints(names: tuple[str, ...]) -> Iterable[Channel]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 from pydrake.common.value import AbstractValue
+from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context
 
 from atlas_drake.frozen import replace
@@ -15,6 +16,7 @@ from atlas_drake.logs.log import Log
 from atlas_drake.logs.notes import PATHS, LogError, Note, paths_from_note
 from atlas_drake.logs.report_channels import REPORT_CHANNELS, report_from
 from atlas_drake.logs.samples import polygon_from
+from atlas_drake.logs.world_state import PlantState
 from atlas_drake.messages import (
     AtlasSimInterfaceCommand,
     AtlasSimInterfaceState,
@@ -46,7 +48,8 @@ class LogPlayer(CollectableSystem):
     """The log's row at the Context's time, as the ports that displays read.
 
     Output ports:
-        state: Of the plant, the true one.
+        state: Of the robot, the true one.
+        plant_state: Of the whole plant.
         effort: Of the motors [N·m], shape (n,).
         foot_wrenches: See ``RobotSensors``, shape (12,).
         commands: ``CommandsInForce``, as far as displays need it: the request, and
@@ -58,8 +61,12 @@ class LogPlayer(CollectableSystem):
 
     __slots__ = ()
 
-    def __init__(self, log: Log):
+    def __init__(self, log: Log, plant: MultibodyPlant | None = None):
         """Plays ``log``; beyond its ends the first or the last row stands.
+
+        Args:
+            log: Of the run.
+            plant: Where it is shown, with robot and world; None is the robot alone.
 
         Raises:
             LogError: If the log lacks what is to be shown.
@@ -83,6 +90,16 @@ class LogPlayer(CollectableSystem):
                 ),
                 now,
             )
+        labels = {entry.name: entry.labels for entry in log.header.layout.channels}
+        plant_state = PlantState(plant or log.robot.make_plant(), log.robot, labels)
+        self.DeclareVectorOutputPort(
+            "plant_state",
+            plant_state.size,
+            lambda context, out: out.SetFromVector(
+                plant_state.at(log.arrays, self.row(context))
+            ),
+            now,
+        )
         for name, blank, calc in (
             ("commands", start, self._commands),
             ("controller_status", ControllerStatus(), self._status),

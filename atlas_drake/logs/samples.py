@@ -5,7 +5,7 @@ When rows are sampled and written is the business of ``recorder``.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -17,9 +17,11 @@ from atlas_drake.control.balance.feedback import pendulum_frequency
 from atlas_drake.logs.channels import GAINS, robot_layout
 from atlas_drake.logs.layout import SIDES
 from atlas_drake.logs.report_channels import reported
+from atlas_drake.logs.world_state import world_coordinates
 from atlas_drake.messages import AtlasSimInterfaceState
 from atlas_drake.messages.controller_status import LARGEST_SUPPORT
 from atlas_drake.robot import Robot
+from atlas_drake.scenario.world import WorldMaker
 from atlas_drake.systems.robot_sensors import contact_wrenches, shift_wrench
 
 
@@ -31,13 +33,15 @@ class RowSampler:
         port_sizes: Lengths of the vector-valued ports that rows are made of, by name.
     """
 
-    def __init__(self, robot: Robot):
-        """Takes the robot; its coordinates lie here as in the station's plant."""
+    def __init__(self, robot: Robot, world: Sequence[WorldMaker] = ()):
+        """Takes the robot, and what adds to its plant; all coordinates lie as there."""
         self._plant = plant = robot.make_plant()
+        self._world = world_coordinates(robot, world)
         self.layout = robot_layout(
             robot,
             plant.GetPositionNames(add_model_instance_prefix=False),
             plant.GetVelocityNames(add_model_instance_prefix=False),
+            self._world,
         )
         num_states, num_joints = plant.num_multibody_states(), robot.num_joints
         self.port_sizes = {
@@ -48,6 +52,8 @@ class RowSampler:
             "user_effort": num_joints,
             "behavior_effort": num_joints,
         }
+        if self._world.q:
+            self.port_sizes["plant_state"] = self._world.num_states
         self._indices = robot.indices(plant)
         self._num_q = plant.num_positions()
         self._hands = [plant.GetBodyByName(name) for name in robot.file.hands]
@@ -111,6 +117,7 @@ class RowSampler:
             ],
             "state.q": ports["state"][: self._num_q],
             "state.v": ports["state"][self._num_q :],
+            **self._world.channels(ports),
         }
 
     def _balance(self, scratch: Context, ports: Mapping[str, Any]) -> dict[str, Any]:

@@ -15,12 +15,14 @@ from atlas_drake.logs.samples import RowSampler
 from atlas_drake.messages.behavior_catalog import BehaviorInterface
 from atlas_drake.robot import Robot
 from atlas_drake.scenario import Scenario
+from atlas_drake.scenario.world import WorldMaker
 
 
 def start_recorder(
     path: Path,
     scenario: Scenario,
     robot: Robot,
+    world: Sequence[WorldMaker],
     tick_seconds: Sequence[float],
     behaviors: Sequence[BehaviorInterface] = (),
 ) -> LogRecorder:
@@ -30,13 +32,14 @@ def start_recorder(
         path: Of the file; its ending says in which format.
         scenario: That is simulated.
         robot: In the scenario.
+        world: What is in the plant beside the robot.
         tick_seconds: Wall times of the controller's ticks, which it appends to.
         behaviors: Of one's own, beside the shipped ones.
 
     Raises:
         LogError: If the file cannot be written.
     """
-    sampler = RowSampler(robot)
+    sampler = RowSampler(robot, world)
     period = scenario.control_period
     text = yaml_dump(as_plain(scenario))
     header = Header(robot.model, period, text, sampler.layout, tuple(behaviors))

@@ -171,7 +171,8 @@ class AtlasSimulation:
         self._programme = scheduled_programme(self.scenario, self.robot)
         self._tick_seconds = array("d")
         self._turns = Turns()
-        self._recorder = None if log is None else self._start_log(Path(log))
+        world = (*world_of(self.scenario.models), *world)
+        self._recorder = None if log is None else self._start_log(Path(log), world)
         log_event = None if self._recorder is None else self._recorder.event
         self._listeners = (log_event, on_event)
         self._meshcat = meshcat
@@ -219,7 +220,7 @@ class AtlasSimulation:
             controller=controller,
             behaviors=self._own_behaviors,
             extend=extend,
-            world=(*world_of(self.scenario.models), *world),
+            world=world,
         )
         self._film: VideoDisplay | None = None
         if self.diagram.HasSubsystemNamed("video"):
@@ -270,7 +271,7 @@ class AtlasSimulation:
 
     # ---- log -----------------------------------------------------------------
 
-    def _start_log(self, path: Path) -> LogRecorder:
+    def _start_log(self, path: Path, world: Sequence[WorldMaker]) -> LogRecorder:
         # What logs need loads only where there is one.
         from atlas_drake.logs.start import start_recorder
 
@@ -278,6 +279,7 @@ class AtlasSimulation:
             path,
             self.scenario,
             self.robot,
+            world,
             self._tick_seconds,
             self._own_behaviors,
         )

@@ -1,5 +1,7 @@
 """Models beside the robot: contacts, states, resets, harness, estimator and noise."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 from pydrake.geometry import Box, Sphere
@@ -12,11 +14,14 @@ from pydrake.multibody.tree import (
     UnitInertia,
 )
 
-from atlas_drake import AtlasSimulation, Scenario, Start
+from atlas_drake import AtlasSimulation, Scenario, Start, load_scenario, read_log
+from atlas_drake.diagrams.replay import make_replay
 from atlas_drake.diagrams.standing import place_robot
+from atlas_drake.robot import load_robot
 from atlas_drake.scenario import Jitter
 from atlas_drake.scenario.world import WorldError
 
+EXAMPLES = Path(__file__).parents[2] / "examples/scenarios"
 FRICTION = CoulombFriction(0.5, 0.5)
 COARSE = {"physics_step": 0.002, "control_period": 0.004}
 
@@ -143,3 +148,66 @@ def test_what_the_feet_stand_on_counts_in_their_wrenches():
 def test_a_world_that_cannot_be_added_is_refused(world, problem):
     with pytest.raises(WorldError, match=problem):
         AtlasSimulation(Scenario(), world=world)
+
+
+def test_a_log_holds_how_the_world_moved_and_replay_shows_it(tmp_path):
+    file = tmp_path / "run.npz"
+    scenario = load_scenario(EXAMPLES / "ball.yaml")
+    with AtlasSimulation(scenario, world=[ball_beside], log=file) as sim:
+        sim.advance(0.3)
+        last = sim.output("plant_state").copy()
+        names = sim.plant.GetPositionNames()
+    log = read_log(file)
+    assert log["world.q"].shape[1] == 14
+    assert log["world.v"].shape[1] == 12
+    channel = next(c for c in log.header.layout.channels if c.name == "world.q")
+    for label, value in zip(channel.labels, log["world.q"][-1], strict=True):
+        assert value == pytest.approx(last[names.index(label)], abs=0.02)
+
+    def shown(world):
+        diagram = make_replay(log, world=world)
+        context = diagram.CreateDefaultContext()
+        context.SetTime(log.time[-1])
+        station = diagram.GetSubsystemByName("station")
+        query = station.GetOutputPort("query_object").Eval(
+            station.GetMyContextFromRoot(context)
+        )
+        inspector = query.inspector()
+        return {
+            inspector.GetName(frame): query.GetPoseInWorld(frame).translation()
+            for frame in inspector.GetAllFrameIds()
+        }
+
+    for world in ([], [ball_beside]):
+        poses = shown(world)
+        column = channel.labels.index(next(n for n in channel.labels if "ball_x" in n))
+        assert poses["ball::ball"][0] == log["world.q"][-1][column]
+        assert poses["ball::ball"][0] < 1.3
+        assert ("beside::ball" in poses) == bool(world)
+    assert poses["beside::ball"][2] < 0.9
+
+
+def ball_beside(plant):
+    added = body(plant, "beside", Sphere(0.1), 3.0, link="ball")
+    plant.SetDefaultFloatingBaseBodyPose(added, RigidTransform([0.0, 2.0, 1.0]))
+
+
+def test_a_video_shows_the_world():
+    pytest.importorskip("PIL")
+    from atlas_drake.visualization.video_camera import camera_pose
+    from atlas_drake.visualization.video_stage import VideoStage
+
+    robot = load_robot()
+    pictures = []
+    for world in ([], [ball]):
+        stage = VideoStage(robot, (), 96, 64, world)
+        plant = robot.make_plant() if not world else stage._plant
+        q = plant.GetPositions(plant.CreateDefaultContext())
+        if world:
+            q[-3:] = [0.8, 0.0, 1.0]
+        assert stage.num_positions == q.size
+        pose = camera_pose(np.array([0.0, 0.0, 0.9]), 0.0)
+        pictures.append(stage.picture(q, (), pose).astype(int))
+    red = [np.sum((p[:, :, 0] > 120) & (p[:, :, 1] < 60)) for p in pictures]
+    assert red[0] == 0
+    assert red[1] > 5
