@@ -76,6 +76,10 @@ def typed(
     if _is_structure(kind):
         return _structure(value, kind, path, default, bounds, from_text)
     origin, arguments = typing.get_origin(kind), typing.get_args(kind)
+    if origin is dict:
+        if not isinstance(value, Mapping) or not all(isinstance(k, str) for k in value):
+            raise _wrong(path, value, "a mapping of words")
+        return dict(value)
     if origin in (list, tuple):
         if isinstance(value, str) or not isinstance(value, (Sequence, np.ndarray)):
             raise _wrong(path, value, "a list")

@@ -35,6 +35,9 @@ class ControllerConfig:
     walk: WalkConfig = field(default_factory=WalkConfig)
     step: StepConfig = field(default_factory=StepConfig)
     manipulate: ManipulateConfig = field(default_factory=ManipulateConfig)
+    behaviors: dict[str, Any] = field(default_factory=dict)
+    """Configurations of registered behaviors by name, such as ``BOW: {depth: 0.3}``;
+    checked against the configuration dataclass of the behavior's entry."""
 
     @property
     def of_behaviors(self) -> dict[str, Any]:

@@ -5,8 +5,8 @@ Those that are shipped are in ``shipped``; one of your own is made the same way.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
 from atlas_drake.behaviors.balance import Balance
@@ -16,6 +16,8 @@ from atlas_drake.behaviors.entry_limits import EntryLimits
 from atlas_drake.behaviors.freeze import Freeze
 from atlas_drake.behaviors.stand.stance_guard import StanceGuard, StandingBehavior
 from atlas_drake.control.whole_body.model import WholeBodyModel
+from atlas_drake.errors import ScenarioError, did_you_mean
+from atlas_drake.kinds import typed
 from atlas_drake.messages import AtlasSimInterfaceCommand, BehaviorStatus
 from atlas_drake.messages.behavior_catalog import BehaviorInterface
 from atlas_drake.robot import Robot
@@ -117,6 +119,36 @@ class BehaviorEntry(BehaviorInterface):
             or self.name in source.leads_to
             or source.name in self.follows
         )
+
+
+def configured(
+    entries: Iterable[BehaviorEntry], settings: Mapping[str, Any]
+) -> tuple[BehaviorEntry, ...]:
+    """Return the entries with the configurations that a scenario gives them.
+
+    Args:
+        entries: Of registered behaviors.
+        settings: Some fields of configurations, as from YAML, by name of the behavior.
+
+    Raises:
+        ScenarioError: Naming the first field that cannot be used.
+    """
+    made = tuple(entries)
+    if not settings:
+        return made
+    own = {entry.name: entry for entry in made}
+    for name, fields in settings.items():
+        path = f"controller.behaviors.{name}"
+        if name not in own:
+            hint = did_you_mean(name, own) or f" There are {', '.join(own) or 'none'}."
+            problem = f"no behavior {name} is registered.{hint}"
+            raise ScenarioError(path, fields, problem)
+        config = own[name].config
+        if config is None:
+            raise ScenarioError(path, fields, f"{name} has no configuration")
+        config = typed(fields, type(config), path, default=config, from_text=True)
+        own[name] = replace(own[name], config=config)
+    return tuple(own[entry.name] for entry in made)
 
 
 def legal_transitions(

@@ -3,7 +3,7 @@
 import copy
 import pickle
 import runpy
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import pytest
@@ -15,13 +15,16 @@ from atlas_drake import (
     ErrorCode,
     InvalidMessageError,
     Scenario,
+    ScenarioError,
     read_log,
 )
 from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.behaviors.idle import Idle
+from atlas_drake.bounds import Share
 from atlas_drake.logs.figures import make_page
 from atlas_drake.logs.log_player import LogPlayer
 from atlas_drake.messages.behavior_catalog import BehaviorError
+from atlas_drake.scenario import with_settings
 from atlas_drake.visualization.caption import caption_of
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "extending" / "own_behavior.py"
@@ -176,6 +179,29 @@ def idle(**changes):
 def test_an_entry_that_cannot_be_used_is_refused(bow, entry, words):
     with pytest.raises(BehaviorError, match=words):
         AtlasSimulation(COARSE, behaviors=[bow, entry])
+
+
+@dataclass(frozen=True)
+class RestConfig:
+    depth: Share = 0.1
+    name: str = "rest"
+
+
+def test_its_configuration_comes_from_the_scenario():
+    told = []
+    entry = idle(make=lambda _tools, config: told.append(config) or Idle())
+    entry = replace(entry, config=RestConfig())
+    scenario = with_settings(COARSE, ["controller.behaviors.REST.depth=0.4"])
+    AtlasSimulation(scenario, behaviors=[entry])
+    assert told == [RestConfig(depth=0.4)]
+    for setting, words in (
+        ("REST.depth=2", "from 0 to 1"),
+        ("REST.deph=0.2", "Did you mean 'depth'"),
+        ("RST.depth=0.2", "Did you mean 'REST'"),
+    ):
+        scenario = with_settings(COARSE, [f"controller.behaviors.{setting}"])
+        with pytest.raises(ScenarioError, match=words):
+            AtlasSimulation(scenario, behaviors=[entry])
 
 
 def test_a_behavior_beside_the_members_is_one_all_the_same():
