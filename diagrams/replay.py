@@ -50,6 +50,7 @@ def make_replay(
         VideoError: If the video cannot be made.
     """
     builder = DiagramBuilder()
+    robot = log.robot  # Of what is missing it is the first to be told of.
     world = (*world_of(log.scenario.models), *world)
     builder.AddNamedSystem("station", _make_station(log, world))
     station: Any = builder.GetSubsystemByName("station")
@@ -57,13 +58,11 @@ def make_replay(
     if meshcat is not None:
         from atlas_drake.visualization.meshcat_view import add_meshcat_view
 
-        add_meshcat_view(
-            builder, station, log.robot, meshcat, overlays, recorded=recorded
-        )
+        add_meshcat_view(builder, station, robot, meshcat, overlays, recorded=recorded)
     if video is not None:
         from atlas_drake.visualization.video_display import add_video
 
-        add_video(builder, station, log.robot, log.scenario.terrain, video, world)
+        add_video(builder, station, robot, log.scenario.terrain, video, world)
     diagram = builder.Build()
     diagram.set_name("replay")
     return diagram
