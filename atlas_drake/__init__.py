@@ -1,4 +1,4 @@
-"""An open humanoid control sandbox: Atlas under user and behaviour control, on Drake.
+"""An open humanoid control sandbox: Atlas under user and behavior control, on Drake.
 
 Messages are imported at once; the simulation, which needs Drake, when it is asked for.
 """

@@ -20,13 +20,13 @@ class ErrorCode(IntEnum):
     INVALID_INDEX = -3
     """A joint, foot or step that does not exist, or steps out of order."""
     FAILED_TO_START_BEHAVIOR = -4
-    """The behaviour cannot begin now; the status flags say why."""
+    """The behavior cannot begin now; the status flags say why."""
     NO_ACTIVE_BEHAVIOR = -5
-    """There is no behaviour to do it. Never reported here: one is always active."""
+    """There is no behavior to do it. Never reported here: one is always active."""
     NO_SUCH_BEHAVIOR = -6
-    """A name or number that no behaviour has."""
+    """A name or number that no behavior has."""
     BEHAVIOR_NOT_IMPLEMENTED = -7
-    """A behaviour that this library lacks. Never reported here: it has all of them."""
+    """A behavior that this library lacks. Never reported here: it has all of them."""
     TIME_RAN_BACKWARD = -8
     """The message is stamped earlier than the one before."""
 

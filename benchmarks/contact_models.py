@@ -1,7 +1,7 @@
 """Which of Drake's contact approximations the robots should stand on.
 
 Each does the same as the others from the same seeds, in turns: the walk and the
-tutorial of the neighbours, standing with swinging arms, pushes (`contact_trials`).
+tutorial of the neighbors, standing with swinging arms, pushes (`contact_trials`).
 Speed is measured in one process, in turns as well.
 """
 

@@ -58,7 +58,7 @@ class ContactProbe:
         sim.simulator.set_monitor(self._look)
 
     def sole_places(self) -> np.ndarray:
-        """Where both soles' centres are in W [m], shape (2, 3)."""
+        """Where both soles' centers are in W [m], shape (2, 3)."""
         return self._places(self._sim.context)
 
     def ratios(self) -> np.ndarray:

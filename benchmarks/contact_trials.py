@@ -1,6 +1,6 @@
 """What the robots do to compare contact approximations: one run each, its figures.
 
-Walk and tutorial are those of the neighbours; which runs there are, and what is made
+Walk and tutorial are those of the neighbors; which runs there are, and what is made
 of their figures, is in `contact_models`.
 """
 

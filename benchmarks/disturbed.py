@@ -36,7 +36,7 @@ class Physics:
     Attributes:
         contact: Drake's name of how contact is solved.
         step: Of plant and joint controllers [s].
-        period: Of the behaviours [s].
+        period: Of the behaviors [s].
     """
 
     contact: str = plant_config().discrete_contact_approximation

@@ -1,6 +1,6 @@
 """From where STAND can take over: what its entry conditions are measured by.
 
-The robot begins in STAND, with its centre of mass aside, moving, or its arms flung, and
+The robot begins in STAND, with its center of mass aside, moving, or its arms flung, and
 is left to itself. What it survives is more than what the conditions let in.
 """
 
@@ -35,8 +35,8 @@ WATCHED = 2.0
 REPLICATES = 2
 """Starts with other small disturbances, all of which must be survived."""
 KINDS = {
-    "position": ("centre of mass aside", 0.03, 0.18, "m"),
-    "velocity": ("centre of mass moving", 0.1, 0.8, "m/s"),
+    "position": ("center of mass aside", 0.03, 0.18, "m"),
+    "velocity": ("center of mass moving", 0.1, 0.8, "m/s"),
     "joints": ("arm joints moving", 4.0, 16.0, "rad/s"),
 }
 """By kind: what it is, increment, largest value tried, unit."""

@@ -1,6 +1,6 @@
 """How smoothly joints change hands in the tutorial: the largest jump of each effort.
 
-At every instant at which shares of control or the behaviour change, efforts are
+At every instant at which shares of control or the behavior change, efforts are
 compared with those of the control tick before.
 """
 
@@ -28,9 +28,9 @@ def hand_overs(
     """Every hand-over of the tutorial.
 
     Returns:
-        For each its ``time`` [s], the behaviours ``before`` and ``after``, how many
+        For each its ``time`` [s], the behaviors ``before`` and ``after``, how many
         joints ``changed`` hands, and the joint with the largest jump as a share of its
-        limit: among those that are ``the behaviour's`` after it, and ``the user's``.
+        limit: among those that are ``the behavior's`` after it, and ``the user's``.
     """
     sim = AtlasSimulation(
         Scenario(model=model, programme="tutorial", physics_step=physics_step)
@@ -59,7 +59,7 @@ def hand_overs(
                     "after": now[2].name,
                     "changed": int(changed.sum()),
                 }
-                owners = (("the behaviour's", now[1] == 0), ("the user's", now[1] > 0))
+                owners = (("the behavior's", now[1] == 0), ("the user's", now[1] > 0))
                 for owner, joints in owners:
                     if joints.any():
                         worst = int(np.argmax(np.where(joints, jump, -1.0)))
@@ -81,14 +81,14 @@ def main() -> int:
     for entry in found:
         text = f"{entry['before']} -> {entry['after']}, {entry['changed']} joints"
         print(f"{entry['time']:6.2f} s  {text}")
-        for owner in ("the behaviour's", "the user's"):
+        for owner in ("the behavior's", "the user's"):
             if owner in entry:
                 name, jump = entry[owner]
                 print(f"          {owner:16} {100 * jump:6.1f} %  {name}")
-        worst = max(worst, entry.get("the behaviour's", ("", 0.0))[1])
+        worst = max(worst, entry.get("the behavior's", ("", 0.0))[1])
     met = worst <= GOAL
     print(
-        f"largest jump of a behaviour's joint: {100 * worst:.1f} % of its limit, goal "
+        f"largest jump of a behavior's joint: {100 * worst:.1f} % of its limit, goal "
         f"<= {100 * GOAL:.0f} %: {'met' if met else 'NOT MET'}"
     )
     write_figures(options.json, {"hand_overs": found})

@@ -1,6 +1,6 @@
 """Ten minutes of changing one's mind: random but legal mode switching, without a fall.
 
-Behaviours, shares of control and set-points are drawn anew every few seconds. What a
+Behaviors, shares of control and set-points are drawn anew every few seconds. What a
 script may ask for and no robot survives is left out: NONE, taking a leg while it
 balances, and anything but STAND in the middle of a step.
 """
@@ -36,7 +36,7 @@ MINUTES = 10.0
 PAUSE = (0.4, 3.0)
 """Time between two changes of mind [s]."""
 USER_LIMBS = ("l_arm", "r_arm", "neck")
-"""Limbs that the user takes and gives back while the behaviour balances."""
+"""Limbs that the user takes and gives back while the behavior balances."""
 USER_KP, USER_KP_VELOCITY = 200.0, 20.0
 """Of the limbs that the user takes [N·m/rad], [N·m·s/rad]."""
 REACH = 0.5
@@ -87,7 +87,7 @@ class Mind:
         self._limbs(lambda: int(self.random.integers(1, K_EFFORT_MAX)))
 
     def give_back(self) -> None:
-        """Returns every joint to the behaviour."""
+        """Returns every joint to the behavior."""
         command = AtlasCommand()
         command.k_effort = [0] * self.sim.robot.num_joints
         self.sim.publish(command)
@@ -107,7 +107,7 @@ class Mind:
         command.k_effort = k_effort
         self.sim.publish(command)
 
-    # ---- behaviours ----------------------------------------------------------
+    # ---- behaviors ----------------------------------------------------------
 
     def _ask(self, behavior: Behavior) -> AtlasSimInterfaceCommand:
         return AtlasSimInterfaceCommand(behavior=behavior)

@@ -27,7 +27,7 @@ from atlas_drake.robot import load_robot
 INFINITE = 1e20
 """Bounds beyond this bound nothing."""
 EVERY = 10
-"""One program in so many is kept: neighbours are much alike."""
+"""One program in so many is kept: neighbors are much alike."""
 WALKING = 4.0
 """How long the robot's programs are recorded [s]."""
 SOFT_TOLERANCE = 1e-4

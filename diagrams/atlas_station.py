@@ -1,4 +1,4 @@
-"""AtlasStation: the robot with its joint controllers and behaviours.
+"""AtlasStation: the robot with its joint controllers and behaviors.
 
 Two command ports in, state ports out, as the simulator's plugin was to the original.
 Wiring only.
@@ -57,14 +57,14 @@ class StationConfig:
 
     Attributes:
         physics_step: Step of the plant and of the joint controllers [s].
-        control_period: Step of the behaviours [s], a multiple of ``physics_step``.
+        control_period: Step of the behaviors [s], a multiple of ``physics_step``.
         ground_friction: Coefficient of the ground.
         terrain: Boxes on the ground.
         noise: Of the sensors.
         seed: Of that noise.
-        initial_behavior: The behaviour active at the start.
+        initial_behavior: The behavior active at the start.
         harnessed: Whether there is a harness that can hold the pelvis.
-        estimated: Whether the behaviours see an estimate in place of the true state.
+        estimated: Whether the behaviors see an estimate in place of the true state.
         controller: Numbers of the controller.
         estimator: Numbers of the state estimator.
         plant: How contact is solved; see ``Scenario.plant``.
@@ -127,7 +127,7 @@ def make_atlas_station(
         behavior_effort: Of the controller [N·m], shape (n,), message order.
         effort: What the motors do [N·m], shape (n,), message order.
         user_effort: Of the joint controllers [N·m], shape (n,), message order.
-        behavior_state: What the behaviours see of the state.
+        behavior_state: What the behaviors see of the state.
         foot_wrenches: See ``RobotSensors``.
         extremes: Of the run so far, see ``RunStatistics``.
         state: Positions and velocities of the robot.

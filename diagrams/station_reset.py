@@ -46,12 +46,12 @@ def begin_run(
 
 
 def reset_station(station: Diagram, root: Context, behavior: Behavior) -> None:
-    """Lets joint controllers, sensors, commands and behaviours begin anew.
+    """Lets joint controllers, sensors, commands and behaviors begin anew.
 
     Args:
         station: An AtlasStation.
         root: Context of the diagram that holds it.
-        behavior: The behaviour to begin with.
+        behavior: The behavior to begin with.
     """
     for names, arguments in ((_FORGET, ()), (_BEGIN, (behavior,))):
         for name in names:

@@ -3,7 +3,7 @@
     python docs/make_api.py [--output FOLDER]
 
 HTML with a search, from the docstrings; ``make docs`` runs it. The pages of messages
-and behaviours, which GitHub shows as they are, come from ``make_reference.py``.
+and behaviors, which GitHub shows as they are, come from ``make_reference.py``.
 """
 
 # ruff: noqa: T201

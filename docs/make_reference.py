@@ -2,7 +2,7 @@
 
     python docs/make_reference.py [--output FOLDER]
 
-One page per message and per behaviour, the transition table, flags and error codes, and
+One page per message and per behavior, the transition table, flags and error codes, and
 an index of what else is public: Markdown, which GitHub shows as it is. The pages of all
 functions are pdoc's, see ``make_api.py``.
 """
@@ -106,7 +106,7 @@ def message_page(name: str, cls: type) -> str:
 
 
 def behavior_page(behavior: Behavior, implementation: base.BehaviorProtocol) -> str:
-    """What a behaviour does, when it can begin, what it reads, says and keeps to."""
+    """What a behavior does, when it can begin, what it reads, says and keeps to."""
     guard = None
     if isinstance(implementation, stance_guard.StanceGuard):
         guard = stance_guard.__doc__
@@ -171,7 +171,7 @@ def transitions_page() -> str:
         _drawing(),
         "Any other change is refused with FAILED_TRANS_ILLEGAL_BEHAVIOR and"
         " FAILED_TO_START_BEHAVIOR; what was active goes on.",
-        "## When a behaviour that balances can begin",
+        "## When a behavior that balances can begin",
         source_docs.head(entry_limits.EntryLimits.__doc__),
         _numbers(entry_limits.EntryLimits),
         "## When the robot counts as falling",
@@ -272,14 +272,14 @@ def index_page(pages: list[str]) -> str:
     """Links to all pages."""
     own = [p for p in pages if "/" not in p and p[0].isupper()]
     told = all_messages()
-    lines = ["# Reference", "Every message and every behaviour, from the code itself."]
+    lines = ["# Reference", "Every message and every behavior, from the code itself."]
     lines += [
-        "- [Transitions](transitions.md): which behaviour may follow which\n"
+        "- [Transitions](transitions.md): which behavior may follow which\n"
         "- [Flags and error codes](flags.md)\n"
         "- [A robot's file](robot.md): every field, with unit and default\n"
         "- [Fields of a scenario](scenario.md), among them every number of the "
         "controller",
-        "## Behaviours",
+        "## Behaviors",
         "\n".join(
             f"- [{Path(p).stem}]({p})" for p in pages if p.startswith("behaviors/")
         ),

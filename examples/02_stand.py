@@ -1,4 +1,4 @@
-"""Behaviour mode: STAND balances, also when Atlas is pushed."""
+"""Behavior mode: STAND balances, also when Atlas is pushed."""
 
 import argparse
 import signal
@@ -20,13 +20,13 @@ if meshcat is not None:
 
 command = AtlasSimInterfaceCommand()
 command.behavior = command.STAND
-command.k_effort = [0] * sim.robot.num_joints  # 0: all joints are the behaviour's
+command.k_effort = [0] * sim.robot.num_joints  # 0: all joints are the behavior's
 sim.publish(command)
 sim.advance(1.0)
 
 
 def report(what: str) -> None:
-    """Prints the behaviour and where the pelvis is."""
+    """Prints the behavior and where the pelvis is."""
     state = sim.atlas_sim_interface_state
     at = state.pos_est.position
     name = Behavior(state.current_behavior).name

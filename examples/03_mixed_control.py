@@ -1,6 +1,6 @@
 """Mixed control: STAND balances while the arms and the neck are yours.
 
-Each joint is shared by itself: k_effort is 0 where the behaviour decides, 255 where
+Each joint is shared by itself: k_effort is 0 where the behavior decides, 255 where
 you do.
 """
 
@@ -52,6 +52,6 @@ command.k_effort = [0] * n
 sim.publish(command)
 sim.advance(2.0)
 elbow = sim.atlas_state.position[AtlasState.l_arm_ely]
-print(f"Back under the behaviour the elbow is at {elbow:.3f} rad.")
+print(f"Back under the behavior the elbow is at {elbow:.3f} rad.")
 print("Atlas fell." if sim.has_fallen else "Atlas still stands.")
 sys.exit(sim.has_fallen)

@@ -1,4 +1,4 @@
-"""The tutorial: from user control to behaviours, both at once, and back again."""
+"""The tutorial: from user control to behaviors, both at once, and back again."""
 
 import argparse
 import signal
@@ -65,7 +65,7 @@ say("[USER] Going to stand prep position...")
 sim.publish(stand_prep)
 sim.advance(2.0)
 
-# Step 2: let the behaviour get ready while the user keeps all joints, then stand.
+# Step 2: let the behavior get ready while the user keeps all joints, then stand.
 stand = AtlasSimInterfaceCommand()
 stand.behavior = stand.STAND_PREP
 stand.k_effort = [255] * n
@@ -78,7 +78,7 @@ say("[BDI] Standing...")
 sim.publish(stand)
 sim.advance(2.0)
 
-# Step 3: take five joints back and move them; the behaviour keeps the balance.
+# Step 3: take five joints back and move them; the behavior keeps the balance.
 arms = posture()
 arms.k_effort = [0] * n
 for joint, position in (

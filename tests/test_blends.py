@@ -1,4 +1,4 @@
-"""Any mixture of user and behaviour joints: nobody is thrown about."""
+"""Any mixture of user and behavior joints: nobody is thrown about."""
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ STEP = 0.5
 
 
 def robot_in(behavior, **scenario):
-    """A robot that has been in a behaviour for a second."""
+    """A robot that has been in a behavior for a second."""
     sim = AtlasSimulation(Scenario(**scenario))
     if behavior != "STAND":
         sim.publish(AtlasSimInterfaceCommand(behavior=behavior))

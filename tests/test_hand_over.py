@@ -19,5 +19,5 @@ def test_no_hand_over_of_the_tutorial_is_a_jump():
     # Taken by the user, given back, some joints and all of them.
     assert {entry["changed"] for entry in found} >= {5, 28}
     for entry in found:
-        name, jump = entry.get("the behaviour's", ("", 0.0))
+        name, jump = entry.get("the behavior's", ("", 0.0))
         assert jump <= GOAL, (entry["time"], name)

@@ -134,7 +134,7 @@ ON_ITS_WAY = {
     Behavior.STEP: "STAND",
     Behavior.MANIPULATE: "STAND",
 }
-"""Behaviours that begin in another one."""
+"""Behaviors that begin in another one."""
 
 
 def steps_ahead(sim, command):
@@ -153,7 +153,7 @@ def steps_ahead(sim, command):
 
 @functools.cache
 def robot_in(behavior):
-    """A robot in that behaviour, the same for all messages of a test."""
+    """A robot in that behavior, the same for all messages of a test."""
     sim = AtlasSimulation(Scenario(physics_step=0.002))
     sim.advance(0.1)
     if behavior is not Behavior.STAND:
@@ -304,7 +304,7 @@ def test_what_is_no_command_on_a_port_is_refused_once_and_the_log_goes_on(
 
 
 def test_numbers_of_every_kind_are_numbers(logged):
-    """Python's own from then on, so that behaviours can calculate with them."""
+    """Python's own from then on, so that behaviors can calculate with them."""
     sim, _ = logged
     command = AtlasSimInterfaceCommand(behavior=np.int64(Behavior.MANIPULATE))
     command.manipulate_params.use_desired = np.True_

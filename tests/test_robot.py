@@ -302,7 +302,7 @@ FAULTS = {
     "leaning back": (
         [("prep: -0.2333", "prep: -0.5333"), ("prep: -0.2762", "prep: 0.0238")],
         [],
-        r"stand_prep: .*centre of mass is -0\.18\d m ahead",
+        r"stand_prep: .*center of mass is -0\.18\d m ahead",
     ),
     "limits crossed": (
         [("imu_frame", "walk_limits: {min_width: 0.6}\nimu_frame")],

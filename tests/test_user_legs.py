@@ -1,4 +1,4 @@
-"""Legs under user control: what the behaviours make of what is left to them."""
+"""Legs under user control: what the behaviors make of what is left to them."""
 
 import numpy as np
 import pytest

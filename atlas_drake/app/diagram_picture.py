@@ -28,7 +28,7 @@ _STYLE = """
 """
 _MEASURING = (MultibodyPlant, RobotSensors)
 _OURS, _DRAKE = "#dbe8f6", "#e9e9e9"
-"""Colours of our own systems and of Drake's."""
+"""Colors of our own systems and of Drake's."""
 
 
 class PictureError(AtlasError):

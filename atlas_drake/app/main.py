@@ -131,7 +131,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="atlas-drake",
         description="Simulate the humanoid robot Atlas, under your own joint commands "
-        "and under behaviours that stand and walk.",
+        "and under behaviors that stand and walk.",
         epilog="Begin with `atlas-drake demo`: it opens a 3D view in the browser and "
         "shows Atlas standing, moving its arms and walking. "
         "`atlas-drake COMMAND --help` lists the options of a command.",
@@ -172,7 +172,7 @@ def _parser() -> argparse.ArgumentParser:
     plot = commands.add_parser(
         "plot",
         help="draw a page of figures of a log",
-        description="Draw behaviours and k_effort over time, joints and their "
+        description="Draw behaviors and k_effort over time, joints and their "
         "set-points, efforts against their limits, balance from above and over time, "
         "feet, and the controller's tick times. Logs come from --log of `demo` and "
         "`run`.",
@@ -210,7 +210,7 @@ def _parser() -> argparse.ArgumentParser:
     teleop = commands.add_parser(
         "teleop",
         help="steer Atlas yourself, with keys and sliders in the browser",
-        description="Steer Atlas in the 3D view: keys for behaviours and walking, "
+        description="Steer Atlas in the 3D view: keys for behaviors and walking, "
         "sliders for the gait, the pelvis and your share of each limb, pushes. "
         "Ctrl-C ends it.",
         epilog="exit status: 0 stopped by Ctrl-C or after --duration, 1 the simulation "

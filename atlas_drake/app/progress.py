@@ -52,7 +52,7 @@ class Progress:
 
         Args:
             sim_time: Simulated time [s].
-            behavior: Name of the behaviour that is active.
+            behavior: Name of the behavior that is active.
         """
         now = time.perf_counter()
         self._times.append((now, sim_time))

@@ -1,7 +1,7 @@
 """Turns references of DCM, feet and body into the QP's command.
 
-The one place where behaviours meet the feedback laws of ``control``. It decides
-nothing: where to put feet and centre of mass is each behaviour's business.
+The one place where behaviors meet the feedback laws of ``control``. It decides
+nothing: where to put feet and center of mass is each behavior's business.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
-"""What all behaviours have in common: their inputs, outputs and protocol.
+"""What all behaviors have in common: their inputs, outputs and protocol.
 
-Behaviours are pure: everything they remember is a frozen value that they are given
+Behaviors are pure: everything they remember is a frozen value that they are given
 and hand back, so that the Context of a diagram can own it.
 """
 
@@ -23,7 +23,7 @@ from atlas_drake.messages.event import Event
 
 @dataclass(frozen=True)
 class Observation:
-    """What a behaviour sees in one tick; n joints in message order.
+    """What a behavior sees in one tick; n joints in message order.
 
     Attributes:
         time: [s]
@@ -52,14 +52,14 @@ class Observation:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a behaviour answers in one tick.
+    """What a behavior answers in one tick.
 
     Attributes:
         memory: What it wants to remember until the next tick; frozen.
         body: The body reference moved on by one tick.
         command: For the whole-body QP; None for no effort at all.
-        finished: True when the behaviour is over and STAND shall follow.
-        status_flags: The behaviour's own feedback flags, which the supervisor latches.
+        finished: True when the behavior is over and STAND shall follow.
+        status_flags: The behavior's own feedback flags, which the supervisor latches.
         events: For the log.
     """
 
@@ -72,7 +72,7 @@ class Outcome:
 
 
 class BehaviorProtocol(Protocol):
-    """One behaviour. Objects hold constants only."""
+    """One behavior. Objects hold constants only."""
 
     def enter(
         self,
@@ -80,7 +80,7 @@ class BehaviorProtocol(Protocol):
         body: BodyReference,
         request: AtlasSimInterfaceCommand,
     ) -> Any:
-        """The memory with which the behaviour starts."""
+        """The memory with which the behavior starts."""
 
     def update(
         self,
@@ -93,7 +93,7 @@ class BehaviorProtocol(Protocol):
         """One tick; ``leaving`` asks it to come to an end in good order."""
 
     def report(self, memory: Any, state: AtlasSimInterfaceState) -> None:
-        """Fills in the behaviour's own part of the state message, but its flags."""
+        """Fills in the behavior's own part of the state message, but its flags."""
 
     def plan(self, memory: Any, com: np.ndarray, omega: float) -> Plan:
         """What the behavior intends, for viewers and logs.

@@ -1,8 +1,8 @@
-"""Reference of trunk and posture, shared and handed on by all behaviours.
+"""Reference of trunk and posture, shared and handed on by all behaviors.
 
 It starts from wherever the robot is and moves to the nominal posture at limited
-speed, so that no hand-over from the user, or between behaviours, is a jump. Where
-feet and centre of mass go is each behaviour's own business.
+speed, so that no hand-over from the user, or between behaviors, is a jump. Where
+feet and center of mass go is each behavior's own business.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class BodyReference:
     """Trunk and posture; n joints in message order.
 
     Attributes:
-        height: Of the centre of mass in W [m].
+        height: Of the center of mass in W [m].
         height_rate: [m/s]
         yaw: Heading of pelvis and chest [rad].
         yaw_rate: [rad/s]
@@ -70,7 +70,7 @@ class BodyTarget:
     """Where the reference shall go.
 
     Attributes:
-        height: Of the centre of mass in W [m].
+        height: Of the center of mass in W [m].
         yaw: [rad]
         joints: Posture [rad], shape (n,).
         pelvis_tilt: Roll and pitch of the pelvis [rad], shape (2,).

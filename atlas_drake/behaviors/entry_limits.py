@@ -17,4 +17,4 @@ class EntryLimits:
     dcm_inside: float = 0.03
     """And the DCM this far, which is where it would come to rest by itself [m]."""
     joint_speed: float = 4.0
-    """Fastest joint that the behaviour would have to catch [rad/s]."""
+    """Fastest joint that the behavior would have to catch [rad/s]."""

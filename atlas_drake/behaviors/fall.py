@@ -54,5 +54,5 @@ def sign_of_fall(posture: Posture, nominal_height: float, limits: FallLimits) ->
     if tilt >= limits.tilt:
         return f"pelvis tilted by {tilt:.2f} rad"
     if posture.com_height <= limits.height * nominal_height:
-        return f"centre of mass only {posture.com_height:.2f} m above the lower sole"
+        return f"center of mass only {posture.com_height:.2f} m above the lower sole"
     return ""

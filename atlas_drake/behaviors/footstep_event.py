@@ -1,4 +1,4 @@
-"""Events about a step, the same for every behaviour that steps."""
+"""Events about a step, the same for every behavior that steps."""
 
 from __future__ import annotations
 

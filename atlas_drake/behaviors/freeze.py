@@ -84,4 +84,4 @@ class Freeze:
         return Plan()
 
     def report(self, memory: FreezeMemory, state: AtlasSimInterfaceState) -> None:
-        """There is nothing to report beyond the behaviour's name."""
+        """There is nothing to report beyond the behavior's name."""

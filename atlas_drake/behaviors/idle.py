@@ -1,4 +1,4 @@
-"""NONE and USER: no behaviour acts.
+"""NONE and USER: no behavior acts.
 
 In USER every joint is the user's; in NONE joints that the user does not hold get no
 effort at all.
@@ -41,4 +41,4 @@ class Idle:
         return Plan()
 
     def report(self, memory: None, state: AtlasSimInterfaceState) -> None:
-        """There is nothing to report beyond the behaviour's name."""
+        """There is nothing to report beyond the behavior's name."""

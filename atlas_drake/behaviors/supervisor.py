@@ -1,4 +1,4 @@
-"""Runs the active behaviour and changes it on request, by itself, or after a fall.
+"""Runs the active behavior and changes it on request, by itself, or after a fall.
 
 The supervisor's state is one frozen value; the objects here hold constants only.
 What a behavior is, and which may follow which, is in its ``entry``.
@@ -47,24 +47,24 @@ dropped."""
 
 @dataclass(frozen=True)
 class SupervisorState:
-    """Everything the behaviours remember from one tick to the next.
+    """Everything the behaviors remember from one tick to the next.
 
     Attributes:
-        current: Active behaviour.
-        desired: Behaviour asked for; leads ``current`` while a change takes time.
-        memory: The active behaviour's own; None before its first tick.
+        current: Active behavior.
+        desired: Behavior asked for; leads ``current`` while a change takes time.
+        memory: The active behavior's own; None before its first tick.
         entered: Whether it has had that tick.
         body: Reference of trunk and posture; None before the first tick.
         request_number: Of the last request acted upon.
-        heard: The last command that was the active behaviour's business: the one that
+        heard: The last command that was the active behavior's business: the one that
             it began with, or one of its own kind since; None before the first tick.
         status: Flags of the last transition.
-        trans_from: Behaviour that the last transition left.
-        trans_to: Behaviour that the last transition was to.
-        behavior_flags: The active behaviour's own flags, latched.
+        trans_from: Behavior that the last transition left.
+        trans_to: Behavior that the last transition was to.
+        behavior_flags: The active behavior's own flags, latched.
         error_code: Of the last request.
         warned: Whether the user was told that steps on legs of theirs are risky.
-        falling: Whether a fall was noticed, and no behaviour begun since in another
+        falling: Whether a fall was noticed, and no behavior begun since in another
             posture than that of a fall.
         events: The latest events.
         event_count: How many there have been.
@@ -88,8 +88,8 @@ class SupervisorState:
     event_count: int = 0
 
     @property
-    def limp(self) -> bool:
-        """Whether a behaviour has the robot and lets it sag, as it falls."""
+    def in_damping_mode(self) -> bool:
+        """Whether a behavior has the robot and lets it sag, as it falls."""
         return self.falling and self.current not in (Behavior.NONE, Behavior.USER)
 
 
@@ -160,7 +160,7 @@ class Supervisor:
 
         Returns:
             The next state, and the command for the whole-body QP; None when no
-            behaviour acts.
+            behavior acts.
         """
         if state.body is None:
             state = replace(
@@ -171,7 +171,7 @@ class Supervisor:
             for request in requests:
                 if request.number > state.request_number:
                     state = self._take_request(state, seen, request)
-        if state.limp:
+        if state.in_damping_mode:
             # There is nothing left to do, nor to tell of.
             return replace(state, body=capture_body(seen.terms)), None
         command = state.heard
@@ -209,7 +209,7 @@ class Supervisor:
         return state, None if state.falling else outcome.command
 
     def report(self, state: SupervisorState, message: AtlasSimInterfaceState) -> None:
-        """Fills in what the behaviours have to say."""
+        """Fills in what the behaviors have to say."""
         message.error_code = state.error_code
         message.current_behavior = state.current
         message.desired_behavior = state.desired
@@ -233,7 +233,7 @@ class Supervisor:
             com: Center of mass at that tick, horizontal in W [m], shape (2,).
             omega: Natural frequency of the pendulum there [1/s].
         """
-        if state.memory is None or state.limp:
+        if state.memory is None or state.in_damping_mode:
             return Plan()
         return self.behaviors[state.current].plan(state.memory, com, omega)
 
@@ -246,13 +246,15 @@ class Supervisor:
             state, request_number=request.number, error_code=ErrorCode.NO_ERRORS
         )
         target = request.behavior
-        if target is state.current and not state.limp:
+        if target is state.current and not state.in_damping_mode:
             # More of the same, such as further steps, or second thoughts about
             # leaving.
             status = state.status & ~BehaviorStatus.TRANSITION_IN_PROGRESS
             return replace(state, desired=target, status=status, heard=request.command)
-        # Of a limp robot no behaviour has a hold, whichever is active.
-        source = self._entries[Behavior.FREEZE if state.limp else state.current]
+        # In damping mode no behavior has the robot, whichever is active.
+        source = self._entries[
+            Behavior.FREEZE if state.in_damping_mode else state.current
+        ]
         asked = Transition(source, seen, self._tools, request.command)
         entry = self._entries[target]
         why, reason = refusal(entry, asked)
@@ -290,7 +292,7 @@ class Supervisor:
         target: Behavior,
         status: BehaviorStatus,
     ) -> SupervisorState:
-        """Makes ``target`` the active behaviour; it is entered at its first tick."""
+        """Makes ``target`` the active behavior; it is entered at its first tick."""
         auto = " (by itself)" if status is BehaviorStatus.WARNING_AUTO_TRANS else ""
         text = f"{state.current.name} -> {target.name}{auto}"
         state = replace(
@@ -357,7 +359,7 @@ class Supervisor:
 
 
 _SUBSTATES = 7
-"""Bits of a behaviour's flags that say where it is now, and so do not latch."""
+"""Bits of a behavior's flags that say where it is now, and so do not latch."""
 
 
 def _latch(before: int, now: int) -> int:

@@ -27,7 +27,7 @@ class QpWeights:
     """Weights of the QP's cost, per squared unit of the task's acceleration."""
 
     com: float = 30.0
-    """Centre of mass, horizontal, through the contact forces [1/(m/s²)²]."""
+    """Center of mass, horizontal, through the contact forces [1/(m/s²)²]."""
     com_height: float = 60.0
     """Height of the center of mass [1/(m/s²)²]. Below the weight of the moment: where a
     knee is at its limit, the robot gives up height before balance."""
@@ -63,7 +63,7 @@ class ContactModel:
     friction: Positive = 0.5
     """Coefficient that the QP keeps to; below the grounds it is meant for."""
     length_margin: float = 0.015
-    """Strip at toe and heel that the centre of pressure stays out of [m]."""
+    """Strip at toe and heel that the center of pressure stays out of [m]."""
     width_margin: float = 0.010
     """Strip at both sides that it stays out of [m]."""
     yaw_moment_arm: float = 0.05
@@ -91,7 +91,7 @@ class ControlGains:
     joint_limits: JointLimitGains = field(default_factory=JointLimitGains)
     com_height: PdGains = PdGains(kp=40.0, kd=12.0)
     dcm_gain: float = 2.0
-    """Centre of pressure moves this many times the DCM's error, beyond it [-]."""
+    """Center of pressure moves this many times the DCM's error, beyond it [-]."""
     orientation: PdGains = PdGains(kp=100.0, kd=20.0)
     """Pelvis and chest."""
     stance_foot_damping: float = 10.0

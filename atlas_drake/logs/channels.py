@@ -45,7 +45,7 @@ def robot_layout(
             Channel(
                 "behavior.request_number",
                 kind="i8",
-                about="behaviour commands accepted so far",
+                about="behavior commands accepted so far",
             ),
             *_joints(robot.joint_names),
             *_body(),
@@ -70,7 +70,7 @@ def _joints(names: tuple[str, ...]) -> Iterable[Channel]:
         ("velocity", "rad/s", "measured"),
         ("effort", "N·m", "applied by the motors"),
         ("user_effort", "N·m", "of the joint controllers, before the limit"),
-        ("behavior_effort", "N·m", "of the behaviour"),
+        ("behavior_effort", "N·m", "of the behavior"),
         ("position_setpoint", "rad", "in force for the user's share"),
         ("velocity_setpoint", "rad/s", "in force for the user's share"),
         ("effort_setpoint", "N·m", "in force for the user's share"),
@@ -92,12 +92,12 @@ def _body() -> Iterable[Channel]:
             f"feet.{side}_force",
             "N",
             XYZ,
-            about="of contact at the sole's centre, in W, of the tick before",
+            about="of contact at the sole's center, in W, of the tick before",
         )
     for side in SIDES:
         yield Channel(f"hands.{side}_torque", "N·m", XYZ, about="of contact, in W")
         yield Channel(f"hands.{side}_force", "N", XYZ, about="of contact, in W")
-    yield Channel("balance.com", "m", XYZ, about="centre of mass, in W")
+    yield Channel("balance.com", "m", XYZ, about="center of mass, in W")
     yield Channel("balance.com_velocity", "m/s", XYZ)
     yield Channel("balance.dcm", "m", XY, about="divergent component of motion")
     yield Channel("balance.cop", "m", XY, about="measured; NaN without load")

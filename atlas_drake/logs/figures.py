@@ -86,7 +86,7 @@ def _modes(log: Log) -> Panel:
         entry = log.header.catalog.entry(log.behavior(number))
         spans += _spans(log, current == number, entry.color, entry.name)
     spans.sort(key=lambda span: span.start)
-    return Panel("Active behaviour", "", tuple(spans), x_label="")
+    return Panel("Active behavior", "", tuple(spans), x_label="")
 
 
 def _solved(log: Log) -> Panel:

@@ -37,7 +37,7 @@ GAP_BETWEEN_COLUMNS = 0.09
 SMALL_STEP = 1e-3
 """Changes of a band's edges below this are not drawn, in units of y."""
 BAR_WIDTH = 10
-"""Of colour scales [pixel]."""
+"""Of color scales [pixel]."""
 POLICY = (
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
     "img-src data: blob:; font-src data:"

@@ -34,7 +34,7 @@ def share_panel(log: Log) -> Panel:
         low=0.0,
         high=float(K_EFFORT_MAX),
         colors=SHARE_COLORS,
-        label="0: behaviour, 255: user",
+        label="0: behavior, 255: user",
     )
     return Panel("Share of the user (k_effort)", "", (heat,))
 

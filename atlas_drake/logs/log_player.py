@@ -187,7 +187,7 @@ def _check_complete(log: Log) -> None:
 
 
 def _requests(log: Log) -> dict[int, BehaviorRequest]:
-    """The behaviour commands that were accepted, by their number."""
+    """The behavior commands that were accepted, by their number."""
     requests = {}
     numbers, times = log["behavior.request_number"], log.time
     for command in log.commands:

@@ -80,10 +80,10 @@ class Heat:
         x: Shape (columns,), increasing.
         names: Of the rows, from the top.
         values: Shape (rows, columns).
-        low: Value of the first colour.
-        high: Value of the last colour.
+        low: Value of the first color.
+        high: Value of the last color.
         colors: From low to high, evenly spaced.
-        label: Of the colour scale, with its unit.
+        label: Of the color scale, with its unit.
     """
 
     x: np.ndarray

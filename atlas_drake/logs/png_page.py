@@ -33,7 +33,7 @@ LEFT, MIDDLE, RIGHT = 0.95, 1.35, 0.75
 """Beside and between the columns [inch]."""
 DPI = 100
 SWATCH = 10
-"""Of each colour in the strip that shapes the palette [pixel]."""
+"""Of each color in the strip that shapes the palette [pixel]."""
 COLORS = 256
 """Of the palette: a third of the file's size, and nothing that one could see."""
 COLUMNS = 1200
@@ -78,10 +78,10 @@ def write_png(page: Page, path: Path) -> None:
 
 
 def _with_palette(picture: Image.Image, page: Page) -> Image.Image:
-    """The picture in few colours, among them those of thin lines.
+    """The picture in few colors, among them those of thin lines.
 
     The palette is that of what is frequent, which the lines are made to be by a strip
-    of their colours below the picture.
+    of their colors below the picture.
     """
     colors = sorted(
         {item.color for panel in page.panels for item in panel.items if _thin(item)}

@@ -137,8 +137,8 @@ _FLAGS = {
     "manipulate": "none are defined",
 }
 REPORT_CHANNELS = (
-    _number("behavior.current", "current_behavior", "active behaviour"),
-    _number("behavior.desired", "desired_behavior", "behaviour asked for"),
+    _number("behavior.current", "current_behavior", "active behavior"),
+    _number("behavior.desired", "desired_behavior", "behavior asked for"),
     _number("behavior.error_code", "error_code", "of the last command"),
     _number(
         "behavior.status_flags",
@@ -146,12 +146,12 @@ REPORT_CHANNELS = (
         "bits of BehaviorStatus",
     ),
     _number(
-        "behavior.trans_from", "behavior_feedback.trans_from", "behaviour left last"
+        "behavior.trans_from", "behavior_feedback.trans_from", "behavior left last"
     ),
     _number(
         "behavior.trans_to",
         "behavior_feedback.trans_to",
-        "behaviour entered or refused last",
+        "behavior entered or refused last",
     ),
     *(
         _number(f"{topic}.status_flags", f"{topic}_feedback.status_flags", about)

@@ -12,7 +12,7 @@ import numpy as np
 from pydrake.multibody.plant import ContactResults
 from pydrake.systems.framework import Context
 
-from atlas_drake.control.balance.center_of_pressure import centre_of_pressure
+from atlas_drake.control.balance.center_of_pressure import center_of_pressure
 from atlas_drake.control.balance.feedback import pendulum_frequency
 from atlas_drake.logs.channels import GAINS, robot_layout
 from atlas_drake.logs.layout import SIDES
@@ -92,7 +92,7 @@ class RowSampler:
             values[f"feet.{side}_torque"] = wrenches[6 * foot : 6 * foot + 3]
             values[f"feet.{side}_force"] = wrenches[6 * foot + 3 : 6 * foot + 6]
         soles = [values[f"feet.{side}_position"] for side in SIDES]
-        cop = centre_of_pressure(soles, wrenches)
+        cop = center_of_pressure(soles, wrenches)
         if cop is not None:
             values["balance.cop"] = cop[:2]
         row = np.full(self.layout.width, np.nan)
@@ -121,7 +121,7 @@ class RowSampler:
         }
 
     def _balance(self, scratch: Context, ports: Mapping[str, Any]) -> dict[str, Any]:
-        """Centre of mass and DCM as the controller believes them, and their plan."""
+        """Center of mass and DCM as the controller believes them, and their plan."""
         plant: Any = self._plant
         plant.SetPositionsAndVelocities(scratch, ports["behavior_state"])
         com = plant.CalcCenterOfMassPositionInWorld(scratch)

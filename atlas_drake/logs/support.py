@@ -63,9 +63,9 @@ def feet_of(log: Log) -> Feet:
         # The first two columns of the rotation matrix, horizontal part.
         along = np.array([1 - 2 * (y * y + z * z), 2 * (x * y + w * z)]).T
         across = np.array([2 * (x * y - w * z), 1 - 2 * (x * x + z * z)]).T
-        centre = log[f"feet.{side}_position"][:, None, :2]
+        center = log[f"feet.{side}_position"][:, None, :2]
         corners.append(
-            centre
+            center
             + local[None, :, :1] * along[:, None]
             + local[None, :, 1:] * across[:, None]
         )

@@ -30,15 +30,15 @@ class BehaviorStatus(IntFlag):
     FAILED_TRANS_ILLEGAL_BEHAVIOR = 8
     """It may not follow the active one."""
     FAILED_TRANS_COM_POS = 16
-    """The centre of mass is not over the feet, or the robot falls or lies."""
+    """The center of mass is not over the feet, or the robot falls or lies."""
     FAILED_TRANS_COM_VEL = 32
-    """The centre of mass moves too fast."""
+    """The center of mass moves too fast."""
     FAILED_TRANS_VEL = 64
     """A joint moves too fast."""
     WARNING_AUTO_TRANS = 128
     """The behavior ended by itself, and STAND followed."""
     ERROR_FALLING = 256
-    """The robot falls or lies on the ground; its motors are limp."""
+    """The robot falls or lies on the ground; its motors only damp its joints."""
 
 
 class WalkStatus(IntFlag):

@@ -49,7 +49,7 @@ class Received(Frozen):
 
 @dataclass(frozen=True)
 class BehaviorRequest(Frozen):
-    """The behaviour command in force.
+    """The behavior command in force.
 
     Attributes:
         behavior: Asked for.
@@ -101,7 +101,7 @@ class CommandsInForce(Frozen):
     Attributes:
         joints: For the PID bank, and who has which joint.
         catalog: The behaviors that can be asked for.
-        requests: The latest for the behaviour controller, oldest first.
+        requests: The latest for the behavior controller, oldest first.
         error_code: Of the last message; NO_ERRORS once one is accepted.
         refusals: The latest refused messages, oldest first.
         refused: How many there were in all.
@@ -109,9 +109,9 @@ class CommandsInForce(Frozen):
         received: How many there were in all.
         atlas_command: The joint command last taken from the port, for ``is_new``;
             NOTHING at first.
-        sim_command: Likewise of behaviour commands.
+        sim_command: Likewise of behavior commands.
         atlas_stamp: Time stamp of the last accepted joint command [s].
-        sim_stamp: Time stamp of the last accepted behaviour command [s].
+        sim_stamp: Time stamp of the last accepted behavior command [s].
     """
 
     joints: JointCommand
@@ -155,7 +155,7 @@ SERVO_FIELDS = (
     "kp_velocity",
     "k_effort",
 )
-"""Joint arrays that a behaviour command has too; the later message counts."""
+"""Joint arrays that a behavior command has too; the later message counts."""
 
 KEPT = 50
 """How many messages, requests and refusals are kept; none younger than READ_WITHIN is
@@ -168,7 +168,7 @@ def commands_at_start(
     """What is in force before any command.
 
     The joints' set-points are the stand-prep pose with the robot's default gains.
-    In behaviour USER all joints are the user's, else the behaviour's.
+    In behavior USER all joints are the user's, else the behavior's.
     """
     zero = np.zeros(robot.num_joints)
     user = behavior in (Behavior.USER, Behavior.NONE)
@@ -237,7 +237,7 @@ def _take(
     """Applies the message of one port, whatever it is, or notes why not."""
     seen = message
     if any(message is request.command for request in force.requests):
-        # Behaviours tell requests apart by their objects.
+        # Behaviors tell requests apart by their objects.
         message = message.mutable_copy().snapshot()
     noted = replace(
         force,

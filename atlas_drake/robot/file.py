@@ -44,7 +44,7 @@ class FootEntry:
     body: str = ""
     """Name in the URDF."""
     sole_frame: str = ""
-    """Centre of the sole on its bottom plane, x ahead, z along the normal."""
+    """Center of the sole on its bottom plane, x ahead, z along the normal."""
 
 
 @dataclass
@@ -66,7 +66,7 @@ class ContactEntry:
     frame: str = ""
     """Frame or body F of the URDF that the surface belongs to."""
     p_FC: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
-    """Centre of the surface in F [m]."""
+    """Center of the surface in F [m]."""
     rpy_FC: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
     """Roll, pitch and yaw of the contact frame C in F [rad]; z of C points from the
     touched object into the robot, as a sole's does."""
@@ -89,9 +89,9 @@ class StepLimits:
     backward: float = 0.32
     """Longest step back [m]."""
     min_width: float = 0.18
-    """Nearest the feet come to each other sideways, centre to centre [m]."""
+    """Nearest the feet come to each other sideways, center to center [m]."""
     max_width: float = 0.50
-    """Farthest that the feet go from each other sideways, centre to centre [m]."""
+    """Farthest that the feet go from each other sideways, center to center [m]."""
     rise: float = 0.10
     """Largest step up or down [m]."""
     meant_rise: float = 0.40
@@ -112,7 +112,7 @@ class StepLimits:
     far: float = 0.60
     """Feet this far apart or farther give a step ``far_duration`` at most [m]."""
     far_duration: float = 1.0
-    """Longest step with the feet far apart [s]: in more time the centre of mass would
+    """Longest step with the feet far apart [s]: in more time the center of mass would
     have to come over the stance foot before the other leg is long enough."""
     min_swing_height: float = 0.03
     """Lowest apex of a swing above the middle of its ends [m]."""
@@ -190,7 +190,7 @@ class PelvisRange:
     roll: list[float] = field(default_factory=lambda: [-0.3, 0.3])
     """Of the pelvis, to the right [rad]."""
     com: list[float] = field(default_factory=lambda: [-0.5, 0.5])
-    """Of the centre of mass along either axis [m]; the support polygon decides."""
+    """Of the center of mass along either axis [m]; the support polygon decides."""
 
 
 @dataclass

@@ -16,7 +16,7 @@ from atlas_drake.errors import RobotDescriptionError, did_you_mean, shown
 from atlas_drake.robot.file import RobotFile
 
 LEAST_COM_HEIGHT = 0.35
-"""Height of the centre of mass above the soles of a robot that stands, at least [m]:
+"""Height of the center of mass above the soles of a robot that stands, at least [m]:
 the feedback of balance takes a shorter pendulum for a longer one."""
 _LEVEL, _TILT = 0.01, 0.1
 """How exactly the stand-prep pose has the soles on one level [m], and flat [rad]."""
@@ -175,9 +175,9 @@ def check_stance(plant: Any, instance: Any, file: RobotFile) -> None:
         raise wrong(found, "they must be flat and on one level", tilt)
     ahead = float(com[0] - middle[0])
     if abs(ahead) > 0.5 * file.sole.length:
-        found = f"the centre of mass is {ahead:.3f} m ahead of the middle of the soles"
+        found = f"the center of mass is {ahead:.3f} m ahead of the middle of the soles"
         raise wrong(found, "it must be above them", ahead)
     height = float(com[2] - middle[2])
     if height < LEAST_COM_HEIGHT:
-        found = f"the centre of mass is {height:.2f} m above the soles"
+        found = f"the center of mass is {height:.2f} m above the soles"
         raise wrong(found, f"the controller needs {LEAST_COM_HEIGHT} m", height)

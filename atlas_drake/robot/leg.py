@@ -3,7 +3,7 @@
 The closed-form laws of the controller need a leg of six joints, from the pelvis down
 hip z, hip x, hip y, knee y, ankle y, ankle x. With all joints at zero every joint's
 frame and the sole's are parallel to the pelvis', hip z and hip x meet in the hip's
-centre, ankle y and ankle x in the ankle, and all six lie in one plane x-z. Positive
+center, ankle y and ankle x in the ankle, and all six lie in one plane x-z. Positive
 angles bend the knee backward. What follows from the lengths is computed in
 ``control.feet``.
 """
@@ -35,8 +35,8 @@ class Leg:
 
     Attributes:
         joints: Indices of the six joints in message order, shape (6,).
-        p_PH: Hip centre, where hip z and hip x meet, in the pelvis frame [m].
-        hip: Hip y axis from the hip centre, in the leg's plane (x, z) [m].
+        p_PH: Hip center, where hip z and hip x meet, in the pelvis frame [m].
+        hip: Hip y axis from the hip center, in the leg's plane (x, z) [m].
         thigh: Knee from the hip y axis at zero angles, likewise [m].
         shank: Ankle from the knee, likewise [m].
         p_FA: Ankle, where its axes meet, in the sole frame [m].

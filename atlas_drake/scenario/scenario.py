@@ -47,7 +47,7 @@ LONGEST_PERIOD = 0.02
 PROGRAMMES = ("none", "tutorial", "tutorial_literal")
 STATES = ("true", "estimated")
 IN_THE_AIR = (Behavior.USER, Behavior.FREEZE)
-"""Behaviours that a robot without ground under its feet can begin with."""
+"""Behaviors that a robot without ground under its feet can begin with."""
 
 
 @dataclass
@@ -83,7 +83,7 @@ class Start:
     itself [s]; null for not by itself."""
 
     def validate(self, behavior: Behavior) -> None:
-        """Checks every field against each other and the behaviour to begin with.
+        """Checks every field against each other and the behavior to begin with.
 
         Args:
             behavior: The one to begin with.
@@ -134,7 +134,7 @@ class Scenario:
     duration: float = 10.0
     """Length of the run on the command line [s]."""
     initial_behavior: str = "STAND"
-    """Behaviour active at the start; USER gives all joints to the user."""
+    """Behavior active at the start; USER gives all joints to the user."""
     physics_step: float = 0.001
     """Step of plant and joint controllers [s], within PHYSICS_STEPS. Stands here rather
     than in ``plant`` because joint controllers and sensors share the step."""
@@ -169,7 +169,7 @@ class Scenario:
     noise: str = "none"
     """Sensor noise, a name from NOISE_MODELS."""
     state: str | bool = "true"
-    """What the behaviours see, one of STATES: the true state with the noise of the
+    """What the behaviors see, one of STATES: the true state with the noise of the
     sensors, or what an estimator makes of IMU, joints and loads on the feet. A bare
     ``true``, which YAML takes for a truth value, means the word."""
     seed: int = 0
@@ -260,7 +260,7 @@ class Scenario:
         return self
 
     def behavior(self) -> Behavior:
-        """The initial behaviour.
+        """The initial behavior.
 
         Raises:
             ScenarioError: If it cannot be started in.
@@ -294,14 +294,14 @@ def check_seed(value: object) -> int:
 
 
 def starting_behavior(value: object, name: str) -> Behavior:
-    """A behaviour that the robot can begin with.
+    """A behavior that the robot can begin with.
 
     Args:
-        value: Its name in any case, its number, or the behaviour itself.
+        value: Its name in any case, its number, or the behavior itself.
         name: Of the field it comes from, for the error.
 
     Raises:
-        InvalidMessageError: If there is no such behaviour, or none can begin with it.
+        InvalidMessageError: If there is no such behavior, or none can begin with it.
     """
     behavior = SHIPPED.find(value, name)
     allowed = (Behavior.STAND, Behavior.STAND_PREP, Behavior.USER, Behavior.FREEZE)

@@ -88,7 +88,7 @@ CLEARANCE = 0.10
 
 
 class AtlasSimulation:
-    """A simulated Atlas with joint controllers and behaviours.
+    """A simulated Atlas with joint controllers and behaviors.
 
     Attributes:
         scenario: What is simulated.
@@ -559,7 +559,7 @@ class AtlasSimulation:
                 the scenario has one and ``pose.harnessed`` says so.
 
         Raises:
-            InvalidMessageError: If the robot cannot begin with that behaviour.
+            InvalidMessageError: If the robot cannot begin with that behavior.
             ScenarioError: If it cannot begin in that pose or with that seed, or while a
                 log or a video is written, which hold one run.
         """
@@ -673,7 +673,7 @@ class AtlasSimulation:
 
     @property
     def atlas_sim_interface_state(self) -> AtlasSimInterfaceState:
-        """The latest state of the behaviours."""
+        """The latest state of the behaviors."""
         return self.output("atlas_sim_interface_state")
 
     @property
@@ -683,7 +683,7 @@ class AtlasSimulation:
 
     @property
     def current_behavior(self) -> Behavior:
-        """The active behaviour."""
+        """The active behavior."""
         return self.output("controller_status").current_behavior
 
     @property

@@ -1,4 +1,4 @@
-"""The tutorial's programme: switching Atlas between user and behaviour control.
+"""The tutorial's programme: switching Atlas between user and behavior control.
 
 The commands and their times, message by message. How they are delivered is the
 scheduler's business; what the robot makes of them, the station's.
@@ -51,7 +51,7 @@ USER_TARGETS = {
     "r_arm_ely": 2.1,
     "r_arm_wrx": -0.1,
 }
-"""Joints that the user takes while the behaviour stands and walks, and where to
+"""Joints that the user takes while the behavior stands and walks, and where to
 [rad]."""
 
 NUM_STEPS = 4

@@ -60,7 +60,7 @@ class SchedulerState(Frozen):
         atlas_command: On the output port; NOTHING at first.
         sim_command: Likewise.
         seen_atlas: What ``is_new`` has seen of other commanders' joint commands.
-        seen_sim: Likewise of behaviour commands.
+        seen_sim: Likewise of behavior commands.
     """
 
     sent: int = 0

@@ -1,6 +1,6 @@
-"""Blends the user's and the behaviour's efforts, joint by joint.
+"""Blends the user's and the behavior's efforts, joint by joint.
 
-effort = k·user + (1 - k)·behaviour with k = k_effort/255, within the effort limits.
+effort = k·user + (1 - k)·behavior with k = k_effort/255, within the effort limits.
 """
 
 import numpy as np
@@ -63,6 +63,6 @@ class EffortSelector(CollectableSystem):
 def blend(
     user: np.ndarray, behavior: np.ndarray, share: np.ndarray, limit: np.ndarray
 ) -> np.ndarray:
-    """k·user + (1 - k)·behaviour within ±limit [N·m], shape (n,)."""
+    """k·user + (1 - k)·behavior within ±limit [N·m], shape (n,)."""
     effort = behavior + share * (user - behavior)
     return np.minimum(np.maximum(effort, -limit), limit)

@@ -41,7 +41,7 @@ PREPARATION_TICKS = 5
 PLANTED_SHARE = 0.1
 """A sole that carries this share of the robot's weight is held by the ground [-]."""
 PLANTED_LEVER = 0.8
-"""As long as its centre of pressure is within this share of its half width [-]."""
+"""As long as its center of pressure is within this share of its half width [-]."""
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class PreparedLaw(Frozen):
         q: Joint positions that it was prepared at [rad].
         planted: Which soles the ground held.
         command: ``source`` with set-points within the joints' limits.
-        rest: 1 - k, the behaviour's share of each joint.
+        rest: 1 - k, the behavior's share of each joint.
         active: Where k > 0.
         offset: The static effort at joint positions zero, without integral [N·m].
         integrates: Whether any joint has an integral term.
@@ -89,13 +89,13 @@ class JointPidBank(CollectableSystem):
     Input ports:
         state: Positions and velocities of the robot, in plant order.
         joint_command: ``JointCommand``
-        behavior_effort: What the behaviour gives to its share [N·m], shape (n,).
+        behavior_effort: What the behavior gives to its share [N·m], shape (n,).
         foot_wrenches: Of the ground on the soles [N·m; N], shape (12,).
 
     Output ports:
         user_effort: Efforts of the user's control law [N·m], shape (n,), message
             order; 0 for joints with share 0. They are not limited: the effort limit
-            applies to their blend with the behaviour's efforts.
+            applies to their blend with the behavior's efforts.
         user_forecast: ``UserForecast`` for the coming control tick.
 
     State: what ``PidState`` holds, updated at every physics step; the prepared law,
@@ -283,7 +283,7 @@ class JointPidBank(CollectableSystem):
         if load < PLANTED_SHARE * self._robot.mass * GRAVITY:
             return False
         sole = self._robot.file.sole
-        # The lever of the load about the sole's centre, whatever the foot's heading.
+        # The lever of the load about the sole's center, whatever the foot's heading.
         lever = np.hypot(wrench[0], wrench[1]) / load
         return bool(lever < PLANTED_LEVER * 0.5 * min(sole.length, sole.width))
 

@@ -44,7 +44,7 @@ class RobotSensors(NoisySystem):
             and on the joints, if the noise model has any.
         foot_loads: Vertical forces of contact on the left and the right foot [N],
             shape (2,), as they were one control tick ago.
-        foot_wrenches: Of contact on both feet, in W at the sole's centre [N·m; N],
+        foot_wrenches: Of contact on both feet, in W at the sole's center [N·m; N],
             shape (12,), of the same instant.
         atlas_state: ``AtlasState``
         imu: ``Imu``
@@ -177,8 +177,8 @@ class RobotSensors(NoisySystem):
         scratch = self._at_state(context)
         for foot, sole in enumerate(self._soles):
             frame = self._plant.get_frame(sole)
-            centre = frame.CalcPoseInWorld(scratch).translation()
-            shift_wrench(wrenches[6 * foot : 6 * foot + 6], centre)
+            center = frame.CalcPoseInWorld(scratch).translation()
+            shift_wrench(wrenches[6 * foot : 6 * foot + 6], center)
         output.SetFromVector(wrenches)
 
     def _calc_imu(self, context: Context, output: AbstractValue) -> None:

@@ -26,7 +26,7 @@ from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.behaviors.supervisor import Supervisor, SupervisorState
 from atlas_drake.control.balance.feedback import pendulum_frequency
 from atlas_drake.control.joints.blend import behavior_share, effort_bounds
-from atlas_drake.control.joints.damping import limp_effort
+from atlas_drake.control.joints.damping import damping_effort
 from atlas_drake.control.whole_body.command import WholeBodyCommand
 from atlas_drake.control.whole_body.constraints import EffortBounds
 from atlas_drake.control.whole_body.model import (
@@ -181,8 +181,8 @@ class WholeBodyController(CollectableSystem):
         omega = pendulum_frequency(float(terms.com[2]) - mean_sole_height(terms))
         if command is None:
             effort = (
-                limp_effort(terms.v, self._limit)
-                if supervisor.limp
+                damping_effort(terms.v, self._limit)
+                if supervisor.in_damping_mode
                 else np.zeros(self._robot.num_joints)
             )
             return ControllerMemory(
@@ -203,7 +203,7 @@ class WholeBodyController(CollectableSystem):
         command: WholeBodyCommand,
         share: np.ndarray,
     ) -> tuple[WholeBodySolution, np.ndarray]:
-        """The QP's answer where the user has a share; the behaviour's part of it."""
+        """The QP's answer where the user has a share; the behavior's part of it."""
         user = self._user_input.Eval(context)
         solution = self._qp.solve(
             terms, command, effort_bounds(share, user, self._limit)

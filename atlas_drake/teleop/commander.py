@@ -124,7 +124,7 @@ class Commander:
 
         Args:
             controls: The panel.
-            report: The latest one of the behaviours.
+            report: The latest one of the behaviors.
             state: The latest one of the joints.
             dt: Time that passes until the next look [s].
         """
@@ -236,7 +236,7 @@ class Commander:
         orders.atlas_command = message or orders.atlas_command
         self._show_shares(shares, orders)
 
-    # ---- behaviours ----------------------------------------------------------
+    # ---- behaviors ----------------------------------------------------------
 
     def _ask_for(
         self,

@@ -261,7 +261,7 @@ Keys work where the 3D view has the focus; every key is a button there too.
 overlays, scene. Every key works on every page, and while the panel is folded.
 
 The robot goes on as told until another key; a gamepad's sticks steer it as long as they
-are held. Sliders set the stride and, per limb, k_effort: 0 is the behaviour, 255 you.
+are held. Sliders set the stride and, per limb, k_effort: 0 is the behavior, 255 you.
 A limb that is yours gets a page with a slider for each joint. A push goes ahead at
 0 deg and to the robot's left at 90 deg; bodies are
 {bodies}."""

@@ -1,4 +1,4 @@
-"""When to walk, to go on and to stop: behaviour commands from a wished direction.
+"""When to walk, to go on and to stop: behavior commands from a wished direction.
 
 Pure: memory and report in, memory and perhaps a message out. Where the feet go is in
 ``walking``.
@@ -62,7 +62,7 @@ def drive(
 ) -> tuple[Drive, AtlasSimInterfaceCommand | None]:
     """What to send now, if anything.
 
-    From any behaviour but WALK the way to WALK leads through STAND.
+    From any behavior but WALK the way to WALK leads through STAND.
 
     Args:
         memory: Of the driving so far.

@@ -15,7 +15,7 @@ from pydrake.geometry import Cylinder, Meshcat, Rgba, Sphere
 from pydrake.math import RigidTransform
 from pydrake.systems.framework import Context
 
-from atlas_drake.control.balance.center_of_pressure import centre_of_pressure
+from atlas_drake.control.balance.center_of_pressure import center_of_pressure
 from atlas_drake.control.balance.feedback import dcm, pendulum_frequency
 from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
@@ -32,7 +32,7 @@ from atlas_drake.visualization.tubes import thinned, tube
 
 PATH = "/atlas_drake/balance"
 BALL, PLUMB_LINE = 0.03, 0.003
-"""Radii of the centre of mass and of the line down to the ground [m]."""
+"""Radii of the center of mass and of the line down to the ground [m]."""
 DISC = {"com": 0.018, "dcm": 0.022, "cop": 0.014}
 """Radii of the discs on the ground [m]."""
 DISC_HEIGHT = 0.004
@@ -41,7 +41,7 @@ LIFT = {"support": 0.006, "plan": 0.010, "com": 0.012, "dcm": 0.014, "cop": 0.01
 TUBE = 0.005
 """Radius of the paths [m]."""
 LOWEST = 0.1
-"""The centre of mass of a robot on the ground counts as this high at least [m]."""
+"""The center of mass of a robot on the ground counts as this high at least [m]."""
 PATHS_EVERY = 4
 """Pictures between looks at the paths, which are dear to compute and slow to change."""
 AREA_GRID, CURVE_GRID, BEND = 0.002, 0.001, 0.002
@@ -125,7 +125,7 @@ class BalanceMarks(Display):
             self._move_disc("dcm", dcm(terms, omega), ground, time)
         if "cop" in on:
             soles = [foot.p_WF for foot in terms.feet]
-            p_WC = centre_of_pressure(soles, self._wrenches.Eval(context))
+            p_WC = center_of_pressure(soles, self._wrenches.Eval(context))
             if p_WC is not None:
                 self._move_disc("cop", p_WC[:2], float(p_WC[2]), time)
             elif "cop" in self._drawn:

@@ -1,4 +1,4 @@
-"""Links coloured by who has the joint that moves them, or by how hard it works.
+"""Links colored by who has the joint that moves them, or by how hard it works.
 
 The pelvis, which no joint moves, keeps its looks.
 """
@@ -39,17 +39,17 @@ from atlas_drake.visualization.palette import (
 from atlas_drake.visualization.timeline import Timeline
 
 SHADES = 20
-"""Steps of a colour scale: what looks the same is not sent again."""
+"""Steps of a color scale: what looks the same is not sent again."""
 GAMMA = 2.2
-"""Meshcat takes the colours of materials as intensities of light."""
-COVER = "_coloured"
+"""Meshcat takes the colors of materials as intensities of light."""
+COVER = "_colored"
 """What the path of a link's copy ends in."""
 
 Color = tuple[float, float, float]
 
 
 def owner_colors(k_effort: np.ndarray) -> list[Color]:
-    """From the behaviour's colour over that of shared joints to the user's.
+    """From the behavior's color over that of shared joints to the user's.
 
     Args:
         k_effort: User's share per joint, 0 to 255, shape (n,).
@@ -59,13 +59,13 @@ def owner_colors(k_effort: np.ndarray) -> list[Color]:
 
 
 def effort_colors(effort: np.ndarray, limit: np.ndarray) -> list[Color]:
-    """Over three colours, by the share of the limit [N·m], shapes (n,)."""
+    """Over three colors, by the share of the limit [N·m], shapes (n,)."""
     shares = np.minimum(np.abs(effort) / limit, 1.0)
     return [_between((IDLE_RGB, BUSY_RGB, SPENT_RGB), share) for share in shares]
 
 
 def _between(colors: Sequence[Color], share: float) -> Color:
-    """A colour on a scale, in as many shades as there are."""
+    """A color on a scale, in as many shades as there are."""
     place = round(SHADES * float(share)) / SHADES * (len(colors) - 1)
     first = min(int(place), len(colors) - 2)
     into = place - first
@@ -77,11 +77,11 @@ def _between(colors: Sequence[Color], share: float) -> Color:
 
 
 class ControlColors(Display):
-    """Colours the links while one of the two colourings is switched on.
+    """Colors the links while one of the two colorings is switched on.
 
-    A link that is coloured is hidden behind a copy of one material. Browsers load the
+    A link that is colored is hidden behind a copy of one material. Browsers load the
     link itself when they come to it, too late for a recording to reach its materials;
-    and once uncovered it has its own colours again.
+    and once uncovered it has its own colors again.
 
     Input ports:
         query_object: Of the scene graph.

@@ -81,8 +81,8 @@ def footstep_marks(
     """What there is to draw.
 
     Args:
-        request: The behaviour command in force.
-        report: Of the behaviours.
+        request: The behavior command in force.
+        report: Of the behaviors.
         events: The latest events; those about footsteps count.
     """
     marks = []
@@ -171,9 +171,9 @@ def sole_outline(sole: SoleSize) -> NDArray[np.float64]:
     corners = [(1, 1, 0.0), (-1, 1, 0.5), (-1, -1, 1.0), (1, -1, 1.5)]
     for sign_x, sign_y, begin in corners:
         radius = half[1] * (TOE_ROUNDING if sign_x > 0 else HEEL_ROUNDING)
-        centre = np.array([sign_x, sign_y]) * (half - radius)
+        center = np.array([sign_x, sign_y]) * (half - radius)
         for angle in np.pi * np.linspace(begin, begin + 0.5, CORNER_POINTS):
-            points.append(centre + radius * np.array([np.cos(angle), np.sin(angle)]))
+            points.append(center + radius * np.array([np.cos(angle), np.sin(angle)]))
     outline = np.zeros((3, len(points)), order="F")
     outline[:2] = np.array(points).T
     return outline

@@ -1,4 +1,4 @@
-"""Triangles of the robot's meshes, which browsers read too late to colour them.
+"""Triangles of the robot's meshes, which browsers read too late to color them.
 
 Reads what ``models/generator`` writes: one node at the origin, data within the file.
 """

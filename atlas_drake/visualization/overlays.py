@@ -10,15 +10,15 @@ from collections.abc import Collection, Iterable
 from atlas_drake.errors import ScenarioError, did_you_mean
 
 OVERLAYS = {
-    "com": "centre of mass, and its projection on the ground",
+    "com": "center of mass, and its projection on the ground",
     "dcm": "divergent component of motion",
-    "cop": "centre of pressure",
+    "cop": "center of pressure",
     "support": "support polygon of the feet on the ground",
     "plan": "planned paths of CoM and DCM",
     "swing": "path of the foot in the air",
     "forces": "contact forces where the feet touch",
-    "owner": "links coloured by who has their joint",
-    "effort": "links coloured by their joint's share of its effort limit",
+    "owner": "links colored by who has their joint",
+    "effort": "links colored by their joint's share of its effort limit",
     "flags": "feedback flags in words",
     "follow": "the camera goes along with the robot; off, the mouse turns it",
 }
@@ -27,7 +27,7 @@ OVERLAYS = {
 LOGGED = tuple(name for name in OVERLAYS if name != "forces")
 """Those that a log is enough for: of contacts it has the sums over each foot alone."""
 _COLORINGS = ("owner", "effort")
-"""Of these at most one is on: a link has one colour."""
+"""Of these at most one is on: a link has one color."""
 
 
 class Overlays:
@@ -61,7 +61,7 @@ class Overlays:
         return name in self._on
 
     def switch(self, name: str, on: bool) -> None:
-        """Shows one or hides it; of the two colourings the later one counts.
+        """Shows one or hides it; of the two colorings the later one counts.
 
         Args:
             name: A key of ``OVERLAYS``.

@@ -1,4 +1,4 @@
-"""The colours of what the controller thinks, the same wherever it is drawn."""
+"""The colors of what the controller thinks, the same wherever it is drawn."""
 
 from __future__ import annotations
 
@@ -22,6 +22,6 @@ BEHAVIOR_RGB, SHARED_RGB, USER_RGB = (
     (0.66, 0.30, 0.68),
     (0.96, 0.58, 0.12),
 )
-"""Blue, violet and amber: the behaviour's joint, half each, the user's."""
+"""Blue, violet and amber: the behavior's joint, half each, the user's."""
 IDLE_RGB, BUSY_RGB, SPENT_RGB = (0.50, 0.57, 0.66), (0.95, 0.80, 0.15), (0.85, 0.1, 0.1)
 """Grey, yellow and red: no effort, half of its limit, all of it."""

@@ -76,7 +76,7 @@ class VideoFile:
             rate: Pictures per second.
             width: Of the pictures [pixel].
             height: Of the pictures [pixel].
-            accents: Red, green and blue of colours that come later in a video and
+            accents: Red, green and blue of colors that come later in a video and
                 that a GIF, whose first picture decides its palette, shall have.
 
         Raises:
@@ -112,7 +112,7 @@ class VideoFile:
         """
         if self._container is None:
             return
-        frame = self._indexed(picture) if self._gif else self._coloured(picture)
+        frame = self._indexed(picture) if self._gif else self._colored(picture)
         frame.pts, frame.time_base = self.num_frames, self._time_base
         with self._named_faults():
             self._container.mux(self._stream.encode(frame))
@@ -155,13 +155,13 @@ class VideoFile:
             problem = getattr(error, "strerror", None) or error
             raise VideoError(f"{self._path}: cannot be written: {problem}") from error
 
-    def _coloured(self, picture: NDArray[np.uint8]) -> Any:
+    def _colored(self, picture: NDArray[np.uint8]) -> Any:
         import av
 
         return av.VideoFrame.from_ndarray(picture, format="rgb24")
 
     def _indexed(self, picture: NDArray[np.uint8]) -> Any:
-        """In the 256 colours that suit the first picture: nothing flickers."""
+        """In the 256 colors that suit the first picture: nothing flickers."""
         import av
         from PIL import Image
 
@@ -177,7 +177,7 @@ class VideoFile:
 
 
 def _palette(image: Any, accents: Sequence[tuple[int, int, int]]) -> Any:
-    """An image whose palette has the colours of another and the accents."""
+    """An image whose palette has the colors of another and the accents."""
     from PIL import Image
 
     indexed = image.quantize(256 - len(accents), method=Image.Quantize.FASTOCTREE)

@@ -1,4 +1,4 @@
-"""What behaviours see and remember, made up or simulated; no test is here."""
+"""What behaviors see and remember, made up or simulated; no test is here."""
 
 import dataclasses
 
@@ -34,7 +34,7 @@ def model(robot):
 
 @pytest.fixture(scope="session")
 def observe(model):
-    """Makes what a behaviour sees of the robot in the stand-prep pose.
+    """Makes what a behavior sees of the robot in the stand-prep pose.
 
     Tilted by ``pitch`` [rad] forward, moving ahead at ``speed`` [m/s], with joints that
     move by name [rad/s], and the ``users`` share of joints by name.
@@ -110,7 +110,7 @@ class Recording:
         return False
 
     def ask(self, behavior):
-        """Asks for a behaviour."""
+        """Asks for a behavior."""
         command = AtlasSimInterfaceCommand()
         command.behavior = behavior
         self.sim.publish(command)

@@ -29,7 +29,7 @@ def tilted(terms, angle):
 
 
 def lowered(terms, height):
-    """With the centre of mass at a height above the left sole [m], the lower one."""
+    """With the center of mass at a height above the left sole [m], the lower one."""
     left, right = terms.feet
     raised = right._replace(p_WF=left.p_WF + np.array([0.0, -0.2, 0.3]))
     com = np.array([*terms.com[:2], left.p_WF[2] + height])
@@ -52,4 +52,4 @@ def test_the_height_counts_from_the_lower_sole(terms, nominal):
         sign_of_fall(posture_of(lowered(terms, 0.61 * nominal)), nominal, LIMITS) == ""
     )
     text = sign_of_fall(posture_of(lowered(terms, 0.59 * nominal)), nominal, LIMITS)
-    assert text.startswith(f"centre of mass only {0.59 * nominal:.2f} m")
+    assert text.startswith(f"center of mass only {0.59 * nominal:.2f} m")

@@ -45,12 +45,12 @@ def numbers(pose):
     return np.array([getattr(pose, name) for name in POSE_FIELDS])
 
 
-# ---- the behaviour by itself -------------------------------------------------
+# ---- the behavior by itself -------------------------------------------------
 
 
 @dataclasses.dataclass
 class Ticked:
-    """The behaviour with its memory, ticked by the test."""
+    """The behavior with its memory, ticked by the test."""
 
     behavior: Manipulate
     memory: object
@@ -81,7 +81,7 @@ def parts(model, observe):
 
 @pytest.fixture
 def start(parts, observe):
-    """Enters the behaviour with a message."""
+    """Enters the behavior with a message."""
 
     def make(request):
         seen = observe()
@@ -223,7 +223,7 @@ def test_it_leaves_when_it_is_back_at_stands_pose(start, observe):
 
 
 def measured(recording, robot):
-    """The pose from the plant itself, not from what the behaviour says of it."""
+    """The pose from the plant itself, not from what the behavior says of it."""
     sim = recording.sim
     plant = sim.plant
     context = plant.GetMyContextFromRoot(sim.context)

@@ -1,4 +1,4 @@
-"""STAND and its neighbours on the simulated robot: upright, still, and shared."""
+"""STAND and its neighbors on the simulated robot: upright, still, and shared."""
 
 import numpy as np
 import pytest

@@ -11,7 +11,7 @@ from atlas_drake.behaviors.body_reference import capture_body
 from atlas_drake.behaviors.step.memory import StepPhase, StepRules
 from atlas_drake.behaviors.step.step import Step
 from atlas_drake.control.balance import feedback
-from atlas_drake.control.balance.weight_shift import ComSway
+from atlas_drake.control.balance.weight_shift import WeightShift
 from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.frozen import replace
@@ -139,7 +139,7 @@ def test_a_foot_that_stays_loaded_is_given_up_after_a_while(step, observe):
 
 def standing_still_at(memory, place, **fields):
     """The memory with a weight shift that is at ``place`` from now on."""
-    sway = ComSway(place, place, 1.0)
+    sway = WeightShift(place, place, 1.0)
     return replace(memory, sway=sway, sway_time=1.0, **fields)
 
 

@@ -1,4 +1,4 @@
-"""Every change of behaviour, legal and not, and what is reported of it."""
+"""Every change of behavior, legal and not, and what is reported of it."""
 
 import dataclasses
 import itertools
@@ -95,7 +95,7 @@ class Robot:
 
 @pytest.fixture
 def make(model, observe):
-    """Makes a robot that is in a behaviour already."""
+    """Makes a robot that is in a behavior already."""
     return lambda behavior: Robot(model, observe, behavior)
 
 
@@ -282,7 +282,7 @@ def test_a_fall_is_noticed_once_and_ends_all_effort(make, observe, behavior):
         assert flags & BehaviorStatus.ERROR_FALLING
         assert robot.command is None
     assert len(robot.texts("fall")) == 1
-    # It stays so until another behaviour begins ...
+    # It stays so until another behavior begins ...
     robot.tick(observe())
     assert robot.command is None
     robot.ask(STAND)
@@ -353,7 +353,7 @@ def test_a_fall_says_what_gave_it_away(make, observe, model):
     low = make(STAND)
     low.supervisor = Supervisor(model, ControllerConfig(), 2.0)
     low.tick(observe())
-    assert "centre of mass only" in low.texts("fall")[0]
+    assert "center of mass only" in low.texts("fall")[0]
 
 
 def test_a_refused_command_changes_nothing_of_what_is_done(make, observe, walk_message):

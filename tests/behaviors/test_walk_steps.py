@@ -13,10 +13,10 @@ from atlas_drake.control.feet.footstep import (
     UP,
     FootPose,
     Footstep,
-    cleared,
-    kept_brisk,
-    laid_out,
+    ensure_clearance,
+    limit_duration,
     outward,
+    resolve_height,
     saturate,
 )
 from atlas_drake.control.rotations import rotation_z
@@ -39,8 +39,8 @@ def step(z, *, relative=False, normal=TILTED):
 
 @pytest.mark.parametrize("rise", [-0.1, -0.05, 0.0, 0.05, 0.1])
 def test_a_height_near_the_stance_foot_is_meant(rise):
-    absolute = laid_out(step(GROUND + rise), STANCE, LIMITS)
-    relative = laid_out(step(rise, relative=True), STANCE, LIMITS)
+    absolute = resolve_height(step(GROUND + rise), STANCE, LIMITS)
+    relative = resolve_height(step(rise, relative=True), STANCE, LIMITS)
     for taken in (absolute, relative):
         assert not taken.relative
         assert taken.p_WF[2] == pytest.approx(GROUND + rise)
@@ -53,7 +53,7 @@ def test_a_height_near_the_stance_foot_is_meant(rise):
 
 @pytest.mark.parametrize("z", [0.0, GROUND + 0.9, GROUND - 5.0])
 def test_a_height_that_no_foot_can_mean_is_ignored_with_the_normal(z):
-    taken = laid_out(step(z), STANCE, LIMITS)
+    taken = resolve_height(step(z), STANCE, LIMITS)
     np.testing.assert_array_equal(taken.p_WF, [0.4, 0.1, GROUND])
     np.testing.assert_array_equal(taken.normal, UP)
 
@@ -63,12 +63,12 @@ def test_a_height_that_no_foot_can_mean_is_ignored_with_the_normal(z):
 def test_a_step_too_high_is_saturated(relative, sign):
     rise = sign * (LIMITS.rise + 0.1)
     wish = step(rise if relative else GROUND + rise, relative=relative)
-    done = saturate(laid_out(wish, STANCE, LIMITS), STANCE, LIMITS)
+    done = saturate(resolve_height(wish, STANCE, LIMITS), STANCE, LIMITS)
     assert done.p_WF[2] == pytest.approx(GROUND + sign * LIMITS.rise)
 
 
 def test_a_relative_height_is_never_ignored():
-    done = laid_out(step(0.9, relative=True), STANCE, LIMITS)
+    done = resolve_height(step(0.9, relative=True), STANCE, LIMITS)
     assert done.p_WF[2] == pytest.approx(GROUND + 0.9)
 
 
@@ -97,12 +97,12 @@ def test_a_normal_straight_down_has_no_side_to_be_near_to():
 def test_a_climb_needs_a_swing_that_clears_it(climb):
     start = FootPose(np.array([0.0, 0.1, GROUND]), np.eye(3))
     low = replace(step(GROUND + climb), swing_height=LIMITS.min_swing_height)
-    done = cleared(low, start, LIMITS)
+    done = ensure_clearance(low, start, LIMITS)
     # Counted from the middle of its ends, the apex lies above the higher one.
     above = done.swing_height - 0.5 * abs(climb)
     assert above == pytest.approx(LIMITS.min_swing_height + 0.5 * abs(climb))
     high = replace(low, swing_height=0.25)
-    assert cleared(high, start, LIMITS) is high
+    assert ensure_clearance(high, start, LIMITS) is high
 
 
 @pytest.mark.parametrize("foot_first", [True, False])
@@ -122,7 +122,7 @@ def test_feet_far_apart_leave_no_time(apart, longest, foot_first):
     begin, end = (away, near) if foot_first else (near, away)
     for duration in (0.6, 2.9):
         sent = replace(step(GROUND), p_WF=end, duration=duration)
-        done = kept_brisk(sent, FootPose(begin, np.eye(3)), stance, LIMITS)
+        done = limit_duration(sent, FootPose(begin, np.eye(3)), stance, LIMITS)
         assert done.duration == pytest.approx(min(duration, longest))
 
 

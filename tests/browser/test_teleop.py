@@ -217,7 +217,7 @@ def test_every_page_fits_and_hears_every_key(hand):
     assert hand.title().startswith(pages[0].title)
 
 
-def test_colours_exclude_each_other(hand):
+def test_colors_exclude_each_other(hand):
     hand.open_panel()
     owner, effort = SWITCHES["owner"], SWITCHES["effort"]
     hand.turn_to(owner)

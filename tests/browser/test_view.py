@@ -23,7 +23,7 @@ CAPTION = ["Cameras", "default", "rotated", "<object>", "caption"]
 FOOTSTEPS = ["atlas_drake", "footsteps"]
 LINKS = ("pelvis", "utorso", "head", "l_foot", "r_foot", "l_hand", "r_hand")
 VISIBLE = 30
-"""Difference between two colours that anybody sees, of 255."""
+"""Difference between two colors that anybody sees, of 255."""
 FOOT_PIXELS = 12
 """How far a sole may seem to be from where the ground is [pixel]."""
 

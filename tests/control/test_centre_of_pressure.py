@@ -1,26 +1,26 @@
-"""The centre of pressure from the wrenches on both soles."""
+"""The center of pressure from the wrenches on both soles."""
 
 import numpy as np
 
 from atlas_drake.control.balance.center_of_pressure import (
     LEAST_LOAD,
-    centre_of_pressure,
+    center_of_pressure,
 )
 
 
 def test_it_is_the_mean_of_the_loads_and_moves_with_the_moments():
     soles = np.array([[0.0, 0.1, 0.0], [0.3, -0.1, 0.2]])
     wrenches = np.zeros(12)
-    assert centre_of_pressure(soles, wrenches) is None
+    assert center_of_pressure(soles, wrenches) is None
     wrenches[5] = wrenches[11] = 400.0
-    np.testing.assert_allclose(centre_of_pressure(soles, wrenches), [0.15, 0.0, 0.1])
-    # The left foot alone, pressed 5 cm before and 2 cm left of its centre.
+    np.testing.assert_allclose(center_of_pressure(soles, wrenches), [0.15, 0.0, 0.1])
+    # The left foot alone, pressed 5 cm before and 2 cm left of its center.
     wrenches[11] = 0.0
     wrenches[:3] = np.cross([0.05, 0.02, 0.0], [0.0, 0.0, 400.0])
-    np.testing.assert_allclose(centre_of_pressure(soles, wrenches), [0.05, 0.12, 0.0])
+    np.testing.assert_allclose(center_of_pressure(soles, wrenches), [0.05, 0.12, 0.0])
 
 
 def test_a_foot_that_barely_touches_has_none():
     wrenches = np.zeros(12)
     wrenches[5] = 0.9 * LEAST_LOAD
-    assert centre_of_pressure(np.zeros((2, 3)), wrenches) is None
+    assert center_of_pressure(np.zeros((2, 3)), wrenches) is None

@@ -4,7 +4,11 @@ import numpy as np
 import pytest
 
 from atlas_drake.control.balance.support_polygon import SupportPolygon
-from atlas_drake.control.balance.weight_shift import ComSway, plan_sway, sway_duration
+from atlas_drake.control.balance.weight_shift import (
+    WeightShift,
+    plan_weight_shift,
+    sway_duration,
+)
 from atlas_drake.control.feet.sole import sole_corners
 
 OMEGA = 3.2
@@ -15,7 +19,7 @@ SOLE = SupportPolygon(sole_corners(np.zeros(3), np.eye(3), 0.1, 0.05))
 
 @pytest.fixture
 def sway():
-    return ComSway(np.array([0.1, 0.0]), np.array([0.15, 0.2]), 1.3)
+    return WeightShift(np.array([0.1, 0.0]), np.array([0.15, 0.2]), 1.3)
 
 
 def test_goes_from_rest_to_rest(sway):
@@ -51,14 +55,14 @@ def test_dcm_and_cop_are_those_of_one_pendulum(sway, time):
 def test_the_least_duration_reaches_the_acceleration_and_no_more(limit):
     end = np.array([0.12, 0.16])
     duration = sway_duration(0.2, limit)
-    sway = ComSway(np.zeros(2), end, duration)
+    sway = WeightShift(np.zeros(2), end, duration)
     times = np.linspace(0.0, duration, 2001)
     largest = max(np.hypot(*sway.motion(time)[2]) for time in times)
     assert largest == pytest.approx(limit, rel=1e-4)
 
 
 def plan(dcm, end, least=0.3):
-    return plan_sway(np.array(dcm), np.array(end), least, SOLE, INSIDE, OMEGA)
+    return plan_weight_shift(np.array(dcm), np.array(end), least, SOLE, INSIDE, OMEGA)
 
 
 def test_a_plan_starts_at_the_dcm_and_takes_no_more_time_than_it_needs():
@@ -70,7 +74,7 @@ def test_a_plan_starts_at_the_dcm_and_takes_no_more_time_than_it_needs():
 
 def test_a_plan_takes_the_time_that_keeps_its_cop_inside():
     dcm, end = [-0.05, -0.02], [0.05, 0.03]
-    too_fast = ComSway(np.array(dcm), np.array(end), 0.3)
+    too_fast = WeightShift(np.array(dcm), np.array(end), 0.3)
     assert too_fast.cop_outside(SOLE, OMEGA) > 0.0
     sway = plan(dcm, end)
     times = np.linspace(0.0, sway.duration, 200)
@@ -79,7 +83,7 @@ def test_a_plan_takes_the_time_that_keeps_its_cop_inside():
     assert max(outside) < -0.8 * INSIDE
     assert sway.cop_outside(SOLE, OMEGA) == pytest.approx(max(outside), abs=0.002)
     # A fifth less would not have done.
-    faster = ComSway(sway.start, sway.end, 0.8 * sway.duration)
+    faster = WeightShift(sway.start, sway.end, 0.8 * sway.duration)
     assert faster.cop_outside(SOLE, OMEGA) > -INSIDE
 
 

@@ -133,7 +133,7 @@ def test_the_law_holds_for_small_damping(random, random_command):
 def test_at_steady_velocity_the_effort_settles_at_the_law(
     random, random_command, velocity, share
 ):
-    # Whatever the behaviour adds, and whatever balances it.
+    # Whatever the behavior adds, and whatever balances it.
     others, v, q = random.normal(size=10), np.full(10, velocity), np.zeros(10)
     state = PidState(q, v, q, q)
     model = model_of(random_command, 0.01, 0.001, share)
@@ -218,7 +218,7 @@ def test_the_behaviors_own_joints_are_not_the_laws_to_limit():
 
 
 def test_the_law_holds_for_the_velocity_at_the_steps_end(random, random_command):
-    # Joints that move each other, the behaviour's share, and what no motor does.
+    # Joints that move each other, the behavior's share, and what no motor does.
     root = random.normal(size=(10, 10))
     inverse_mass = root @ root.T + np.eye(10)
     share, dt = random.uniform(0.1, 1.0, 10), 0.01
@@ -258,7 +258,7 @@ def test_a_jolt_enters_the_drift_by_its_share_of_time_alone(dt):
 
 
 def test_the_behaviors_efforts_are_known_at_once(random):
-    # A motor that the behaviour has moves its neighbours in this very step.
+    # A motor that the behavior has moves its neighbors in this very step.
     inverse_mass = np.eye(10) + 0.1
     model = step_model(np.zeros(10), np.ones(10), inverse_mass, 0.001)
     v, before, others = random.normal(size=(3, 10))

@@ -123,7 +123,7 @@ def test_feet_far_apart_bring_home_down(model, standing, case):
 
 
 def test_the_upper_body_leans_with_the_pelvis(model, case, standing):
-    """The pelvis that the judgement assumes has the centre of mass where it says."""
+    """The pelvis that the judgement assumes has the center of mass where it says."""
     # A forward pitch drives the pelvis back, by about what the trunk comes forward.
     pose = HOME._replace(pitch=0.4)
     p_WP = case.reach.pelvis_position(pose, case.stance, case.upper)

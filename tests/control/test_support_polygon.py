@@ -87,7 +87,7 @@ def test_unit_square(point, nearest, outside):
     assert polygon.distance_outside(np.array(point)) == pytest.approx(outside)
 
 
-def test_sole_corners_lie_in_the_sole_plane_about_its_centre():
+def test_sole_corners_lie_in_the_sole_plane_about_its_center():
     p_WF, R_WF = np.array([1.0, -2.0, 0.5]), rotation_z(0.7) @ rotation_y(0.2)
     corners = sole_corners(p_WF, R_WF, half_length=0.13, half_width=0.06)
     np.testing.assert_allclose(corners.mean(axis=0), p_WF)

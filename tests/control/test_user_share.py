@@ -1,4 +1,4 @@
-"""Shared joints: the user's forecast, the total's bounds, the behaviour's own part."""
+"""Shared joints: the user's forecast, the total's bounds, the behavior's own part."""
 
 import numpy as np
 import pytest
@@ -50,7 +50,7 @@ def test_shares_add_up_to_the_total(seed):
     total = SHARE * user + (1.0 - SHARE) * own
     found = behavior_share(total, acceleration, SHARE, FORECAST, LIMIT)
     np.testing.assert_allclose(found[:3], own[:3])
-    # Of a joint without a share the behaviour would go on with the total.
+    # Of a joint without a share the behavior would go on with the total.
     assert found[3] == pytest.approx(total[3])
 
 
@@ -109,7 +109,7 @@ def test_a_motor_kept_at_its_limit_is_the_users_and_does_not_yield(sign):
     np.testing.assert_allclose(bounds.authority, [1.0, 0.75, 0.0, 0.0])
     np.testing.assert_allclose(bounds.lower[2:], sign * LIMIT[2:])
     np.testing.assert_allclose(bounds.upper[2:], sign * LIMIT[2:])
-    # The behaviour would go on with what the motor does.
+    # The behavior would go on with what the motor does.
     own = behavior_share(sign * LIMIT, np.zeros(4), SHARE, user, LIMIT)
     np.testing.assert_allclose(own[2:], sign * LIMIT[2:])
 

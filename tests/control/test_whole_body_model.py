@@ -145,7 +145,7 @@ def test_pelvis_velocity_is_that_of_its_pose(model, state, terms, generalized):
     np.testing.assert_allclose(terms.V_WP, [*angular, *linear], atol=1e-6)
 
 
-def test_centre_of_mass(model, state, terms, generalized):
+def test_center_of_mass(model, state, terms, generalized):
     velocity = derivative(model, state, generalized, lambda t: t.com)
     np.testing.assert_allclose(terms.com_velocity, velocity, atol=1e-6)
     # The momentum of a uniform motion of all masses is that of the CoM.

@@ -42,7 +42,7 @@ def qp(robot, gains):
 
 @pytest.fixture
 def bounds(robot):
-    """All joints the behaviour's own."""
+    """All joints the behavior's own."""
     limit = robot.effort_limit
     return EffortBounds(-limit, limit, np.zeros(robot.num_joints, dtype=bool))
 
@@ -173,7 +173,7 @@ def test_wrenches_are_ones_that_the_ground_can_give(
     model, robot, qp, gains, bounds, random_state, standing, feet
 ):
     contact, sole = gains.contact, robot.file.sole
-    # Centre of pressure: p = (-m_y, m_x) / normal.
+    # Center of pressure: p = (-m_y, m_x) / normal.
     reach_x = sole.length / 2 - contact.length_margin
     reach_y = sole.width / 2 - contact.width_margin
     yaw = contact.friction * contact.yaw_moment_arm
@@ -225,7 +225,7 @@ def test_standing_still_takes_the_weight(robot, qp, bounds, standing):
 
 
 @pytest.mark.parametrize("ahead", [0.0, 0.05])
-def test_centre_of_pressure_is_where_it_shall_be(robot, qp, bounds, standing, ahead):
+def test_center_of_pressure_is_where_it_shall_be(robot, qp, bounds, standing, ahead):
     height = standing.com[2] - standing.feet[0].p_WF[2]
     acceleration = [-ahead * GRAVITY / height, 0.0, 0.0]
     command = over_its_feet(command_for(robot, (0, 1)), standing, acceleration)

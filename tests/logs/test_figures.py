@@ -17,7 +17,7 @@ from atlas_drake.logs.support import double_supports, feet_of, footprints, runs
 from atlas_drake.messages.event import Event
 
 TITLES = {
-    "Active behaviour": "",
+    "Active behavior": "",
     "Whole-body QP": "",
     "Share of the user (k_effort)": "",
     "Efforts against their limits": "",
@@ -55,8 +55,8 @@ def test_the_page_has_every_figure(page):
     assert {plain_title(p.title): p.y_label for p in page.panels} == TITLES
 
 
-def test_behaviours_are_a_timeline(log, page):
-    spans = panel(page, "Active behaviour").items
+def test_behaviors_are_a_timeline(log, page):
+    spans = panel(page, "Active behavior").items
     assert [span.label for span in spans] == ["STAND", "WALK"]
     assert spans[0].end == spans[1].start == pytest.approx(0.14, abs=0.003)
     assert spans[-1].end == log.time[-1]
@@ -169,7 +169,7 @@ def test_a_thinned_map_keeps_the_highest_values():
 def test_the_picture_has_every_figure_with_its_labels(page):
     figure = png_page.draw_figure(page)
     axes = {plain_title(a.get_title(loc="left")): a for a in figure.axes}
-    axes.pop("", None)  # Colour scales.
+    axes.pop("", None)  # Color scales.
     assert {title: a.get_ylabel() for title, a in axes.items()} == TITLES
     assert axes["Foot forces"].get_xlabel() == "time [s]"
     assert axes["Foot forces"].get_xlim() == page.time
@@ -209,7 +209,7 @@ def test_a_png_is_written(page, tmp_path, monkeypatch):
     assert height > width
 
 
-def test_thin_lines_keep_their_colours(page):
+def test_thin_lines_keep_their_colors(page):
     pixels = np.zeros((300, 300, 3), dtype=np.uint8)
     pixels[..., 0] = np.arange(300)[:, None] % 256
     pixels[..., 1] = np.arange(300)[None, :] % 256

@@ -88,7 +88,7 @@ def test_a_row_has_what_the_ports_said(tmp_path, scenario):
         }
         for name, value in expected.items():
             np.testing.assert_array_equal(log[name][row], value, err_msg=name)
-    # The behaviour has all joints but one, whose effort is the user's.
+    # The behavior has all joints but one, whose effort is the user's.
     others = np.arange(28) != ARM
     applied = log["joints.effort"]
     np.testing.assert_allclose(

@@ -15,7 +15,7 @@ from atlas_drake import (
     Scenario,
     read_log,
 )
-from atlas_drake.control.balance.center_of_pressure import centre_of_pressure
+from atlas_drake.control.balance.center_of_pressure import center_of_pressure
 from atlas_drake.diagrams.replay import make_replay
 from atlas_drake.kinds import as_plain
 from atlas_drake.logs.layout import SIDES
@@ -164,7 +164,7 @@ def test_displays_read_what_they_read_in_the_run(run):
     assert weight == pytest.approx(9.81 * sim.robot.mass, rel=0.3)
     row = player.row(context)
     soles = [log[f"feet.{side}_position"][row] for side in SIDES]
-    cop = centre_of_pressure(soles, wrenches)[:2]
+    cop = center_of_pressure(soles, wrenches)[:2]
     np.testing.assert_array_equal(cop, log["balance.cop"][row])
     effort = player.GetOutputPort("effort").Eval(context)
     np.testing.assert_array_equal(effort, log["joints.effort"][row])
@@ -196,7 +196,7 @@ def test_a_log_that_kept_less_is_refused(log):
 
 
 @pytest.mark.parametrize("behavior", ["STEP", "MANIPULATE"])
-def test_other_behaviours_look_as_in_the_run(behavior, tmp_path):
+def test_other_behaviors_look_as_in_the_run(behavior, tmp_path):
     command = AtlasSimInterfaceCommand()
     command.behavior = behavior
     step = command.step_params.desired_step
@@ -211,7 +211,7 @@ def test_other_behaviours_look_as_in_the_run(behavior, tmp_path):
     sim.close()
     log = read_log(tmp_path / "run.npz")
     assert np.isfinite(log["balance.dcm_reference"]).all()
-    # The behaviours see the estimate, and so do the log's pelvis and feet.
+    # The behaviors see the estimate, and so do the log's pelvis and feet.
     assert (log["pelvis.position"][10:] != log["state.q"][10:, 4:7]).any()
     player = LogPlayer(log)
     context = player.CreateDefaultContext()

@@ -224,7 +224,7 @@ def test_both_integral_bounds_may_pass_the_ones_in_force(robot, start):
     np.testing.assert_array_equal(after.joints.i_effort_min, np.full(28, 4.0))
 
 
-# Behaviour commands.
+# Behavior commands.
 
 
 def test_a_behavior_request_is_numbered(robot, start):
@@ -350,7 +350,7 @@ def test_an_equal_message_is_new_only_with_another_number_or_stamp(robot, start)
 
 
 def test_requests_are_objects_of_their_own(robot, start):
-    """By which behaviours notice that one was sent again."""
+    """By which behaviors notice that one was sent again."""
     message = AtlasSimInterfaceCommand(behavior=Behavior.WALK).snapshot()
     force = latch(start, NOTHING, message, robot, 1.0)
     other = AtlasSimInterfaceCommand(behavior=Behavior.STAND).snapshot()

@@ -25,7 +25,7 @@ from atlas_drake import (
 from atlas_drake.behaviors.step.queue import footstep_from
 from atlas_drake.control.feet.footstep import (
     FootPose,
-    kept_brisk,
+    limit_duration,
     outward,
     saturate,
 )
@@ -102,7 +102,7 @@ def taken(report, steps):
         step = footstep_from(data)
         stance = feet[1 - step.foot]
         done = saturate(step, stance, LIMITS)
-        done = kept_brisk(done, feet[step.foot], stance, LIMITS)
+        done = limit_duration(done, feet[step.foot], stance, LIMITS)
         np.testing.assert_allclose(done.p_WF, step.p_WF, atol=1e-9)
         assert wrap_angle(done.yaw - step.yaw) == pytest.approx(0.0, abs=1e-9)
         assert done.duration == pytest.approx(step.duration)

@@ -16,7 +16,7 @@ from atlas_drake import (
     Start,
 )
 from atlas_drake.control.joints.constrained_inverse_mass import ConstrainedInverseMass
-from atlas_drake.control.joints.damping import LIMP_DAMPING, limp_effort
+from atlas_drake.control.joints.damping import DAMPING_PER_EFFORT, damping_effort
 from atlas_drake.robot import load_robot
 
 
@@ -57,7 +57,7 @@ def touching(sim, but):
 
 def test_limp_joints_are_only_braked():
     v, limit = np.array([1.0, -2.0, 0.0, 1e6]), np.array([10.0, 20.0, 30.0, 40.0])
-    effort = limp_effort(v, limit)
+    effort = damping_effort(v, limit)
     assert (effort * v <= 0.0).all()
     assert effort[2] == 0.0
     assert effort[3] == -40.0
@@ -73,7 +73,7 @@ def test_limp_damping_is_too_weak_to_shake_a_joint(name):
     plant.Finalize()
     q = plant.GetPositions(plant.CreateDefaultContext())
     inertia = 1.0 / np.diag(inverse_mass.evaluate(context, q, (False, False)))
-    damping = LIMP_DAMPING * robot.effort_limit
+    damping = DAMPING_PER_EFFORT * robot.effort_limit
     # Held over a control tick, it would overshoot from inertia / period on.
     assert (damping * Scenario().control_period < 0.6 * inertia).all()
 

@@ -1,4 +1,4 @@
-"""The tutorial from end to end, and its behaviour part on the heavier robot."""
+"""The tutorial from end to end, and its behavior part on the heavier robot."""
 
 import numpy as np
 import pytest

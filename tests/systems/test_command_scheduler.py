@@ -157,7 +157,7 @@ def test_others_pass_through_at_once_and_stay(port, other):
 
 
 def turned_pelvis(number):
-    """A behaviour command that differs from others by a number."""
+    """A behavior command that differs from others by a number."""
     command = behavior_command(Behavior.MANIPULATE)
     command.manipulate_params.desired.pelvis_yaw = number
     return command

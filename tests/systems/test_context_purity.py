@@ -42,7 +42,7 @@ def start(diagram):
 
 
 def remembered(diagram, context):
-    """Every number in the context, and what the behaviours report, to the bit."""
+    """Every number in the context, and what the behaviors report, to the bit."""
     discrete = context.get_discrete_state()
     numbers = [discrete.get_vector(i).value() for i in range(discrete.num_groups())]
     outputs = {

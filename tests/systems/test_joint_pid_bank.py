@@ -178,7 +178,7 @@ def test_the_ground_holds_a_sole_that_carries_weight_and_not_on_its_edge(bench, 
 
 
 def test_the_law_knows_how_the_behaviors_share_moves_the_joints(bench):
-    # From rest, and at once: what the behaviour does now is no surprise to the damper.
+    # From rest, and at once: what the behavior does now is no surprise to the damper.
     bench.move(bench.q, np.zeros(28))
     own = np.linspace(-3.0, 3.0, 28)
     bench.hold("behavior_effort", own)
@@ -191,7 +191,7 @@ def test_the_law_knows_how_the_behaviors_share_moves_the_joints(bench):
             k_effort=np.full(28, k),
             effort=-own,
         )
-        # User and behaviour together move the joints by this, in a step.
+        # User and behavior together move the joints by this, in a step.
         total = share * bench.effort + (1.0 - share) * own
         inverse_mass = ConstrainedInverseMass(bench.robot)
         response = PHYSICS_STEP * inverse_mass.evaluate(
@@ -243,14 +243,14 @@ def test_setpoints_beyond_the_joints_limits_are_as_good_as_the_limits(bench, rob
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_the_limit_is_left_to_the_blend(bench, sign):
-    # A fifth of this and of what the behaviour gives is within the motors' limits.
+    # A fifth of this and of what the behavior gives is within the motors' limits.
     k, error = np.full(28, 51.0), sign * 0.05
     bench.order(kp_position=1e4, kd_position=0.0, position=bench.q + error, k_effort=k)
     np.testing.assert_allclose(bench.effort, 1e4 * error)
 
 
 @pytest.mark.parametrize("feed_forward", [1e3, -1e4])
-def test_a_motor_at_its_limit_does_not_disturb_its_neighbours(bench, feed_forward):
+def test_a_motor_at_its_limit_does_not_disturb_its_neighbors(bench, feed_forward):
     # Joints at rest, the motor's as well: it is at its stop.
     effort = np.zeros(28)
     effort[bench.robot.joint_index("r_arm_elx")] = feed_forward
@@ -317,7 +317,7 @@ def test_the_integral_holds_still_while_the_behavior_has_the_joint(bench):
     one_step = 20.0 * 0.1 * PHYSICS_STEP
     np.testing.assert_allclose(bench.effort[:14], one_step)
     np.testing.assert_allclose(bench.effort[14:], 1.0, atol=0.01)
-    # Neither forgets while it is the behaviour's.
+    # Neither forgets while it is the behavior's.
     bench.order(k_effort=np.zeros(28))
     bench.run(0.5)
     bench.order(k_effort=np.full(28, 255.0))

@@ -80,12 +80,12 @@ def test_nothing_touched_nothing_sent(look):
 
 
 @pytest.mark.parametrize(("action", "behavior"), BEHAVIORS.items())
-def test_a_key_per_behaviour(look, panel, action, behavior):
+def test_a_key_per_behavior(look, panel, action, behavior):
     panel.press(action)
     assert look().sim_command.behavior == behavior
 
 
-def test_walking_from_another_behaviour_leads_through_stand(look, panel, standing):
+def test_walking_from_another_behavior_leads_through_stand(look, panel, standing):
     standing.current_behavior = Behavior.MANIPULATE
     panel.press(Action.FORWARD)
     assert look().sim_command.behavior == Behavior.STAND
@@ -164,7 +164,7 @@ def test_a_joint_follows_its_slider_at_a_bounded_speed(look, panel, robot):
     assert look().atlas_command is None
 
 
-def test_user_takes_all_and_the_next_behaviour_gives_back(look, panel, standing):
+def test_user_takes_all_and_the_next_behavior_gives_back(look, panel, standing):
     panel.set(SHARES["left arm"], 255)
     look()
     panel.press(Action.USER)

@@ -182,7 +182,7 @@ def test_overlays_are_switched(panel, meshcat, overlays):
     panel.read()
     assert not overlays.is_on("com")
     assert overlays.is_on("owner")
-    # A link has one colour: switching one colouring on ends the other.
+    # A link has one color: switching one coloring on ends the other.
     for other, switch in (("owner", "effort"), ("effort", "owner")):
         meshcat.SetSliderValue(f"show {switch}", 1)
         panel.read()

@@ -80,7 +80,7 @@ def test_overlays_are_known_by_name():
         overlays_from("com,forces", LOGGED)
 
 
-def test_of_the_colourings_the_later_one_counts():
+def test_of_the_colorings_the_later_one_counts():
     overlays = Overlays(["owner", "com"])
     overlays.switch("effort", True)
     assert [name for name in OVERLAYS if overlays.is_on(name)] == ["com", "effort"]
@@ -137,17 +137,17 @@ def test_the_ground_carries_a_standing_robot():
     assert weight == pytest.approx(sim.robot.mass * 9.81, rel=0.05)
 
 
-# ---- colours and words -------------------------------------------------------
+# ---- colors and words -------------------------------------------------------
 
 
-def test_owners_have_colours():
+def test_owners_have_colors():
     behavior, shared, user = owner_colors(np.array([0.0, 128.0, 255.0]))
     assert behavior == BEHAVIOR_RGB
     assert user == USER_RGB
     np.testing.assert_allclose(shared, SHARED_RGB, atol=0.01)
 
 
-def test_effort_has_colours():
+def test_effort_has_colors():
     effort, limit = np.array([0.0, -50.0, 100.0, 900.0]), np.full(4, 100.0)
     colors = effort_colors(effort, limit)
     assert colors == [IDLE_RGB, BUSY_RGB, SPENT_RGB, SPENT_RGB]
@@ -186,7 +186,7 @@ def report(behavior=Behavior.STAND, transition=0, walk=0, step=0, error=0):
             "catching, out of steps, transition in progress",
         ),
         (report(Behavior.STEP, step=StepStatus.SUBSTATE_STEPPING), "stepping"),
-        # Flags of a behaviour that is not active say nothing.
+        # Flags of a behavior that is not active say nothing.
         (report(Behavior.STAND, walk=WalkStatus.SUBSTATE_STEPPING), "ok"),
         (
             report(error=ErrorCode.VALUE_OUT_OF_RANGE),
@@ -263,5 +263,5 @@ def test_overlays_reach_the_scene_and_can_be_switched_while_running():
     assert meshcat.HasPath(f"{LINK}{COVER}")
     sim.reset()
     sim.advance(0.1)
-    # Drake's visualiser began anew, and the link is coloured again.
+    # Drake's visualiser began anew, and the link is colored again.
     assert meshcat.HasPath(f"{LINK}{COVER}")

@@ -11,7 +11,7 @@ from atlas_drake.visualization.stroke_font import text_segments
 HEIGHT = 0.06
 
 
-def test_text_is_centred_and_as_high_as_asked():
+def test_text_is_centered_and_as_high_as_asked():
     starts, ends = text_segments("HOH", HEIGHT)
     points = np.hstack([starts, ends])
     assert points[0].min() == pytest.approx(-points[0].max())

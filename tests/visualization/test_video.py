@@ -45,7 +45,7 @@ def test_a_file_holds_the_pictures_that_were_added(ending, tmp_path):
     file.close()  # Once too often does no harm.
     found = frames(path)
     assert [picture.shape for picture in found] == 3 * [(48, 64, 3)]
-    if ending == ".mp4":  # A GIF has the first picture's colours alone.
+    if ending == ".mp4":  # A GIF has the first picture's colors alone.
         for picture, grey in zip(found, greys, strict=True):
             assert np.abs(picture.astype(int) - grey).max() < 8
     with av.open(str(path)) as video:
@@ -154,7 +154,7 @@ def test_footsteps_appear_and_disappear(stage, standing):
     seen = differing(before, during, by=15)
     assert seen.any()
     red, _, blue = during[seen].mean(axis=0)
-    assert red > blue + 10  # The right foot's colour is orange.
+    assert red > blue + 10  # The right foot's color is orange.
     assert not differing(before, after, by=15).any()
 
 

@@ -29,7 +29,7 @@ MATERIALS = {
     "lens": Material((0.01, 0.015, 0.02), roughness=0.1),
     "rubber": Material((0.015, 0.015, 0.016), roughness=0.9),
 }
-"""Two tones, light shells on dark mechanics, and one accent colour."""
+"""Two tones, light shells on dark mechanics, and one accent color."""
 
 _Parts = Mapping[str, tuple[Surface, ...]]
 

@@ -89,7 +89,7 @@ class Backpack:
 
     @property
     def center(self) -> Vector:
-        """Centre of the box."""
+        """Center of the box."""
         return (_BACK - self.depth / 2, 0.0, (self.bottom + self.top) / 2)
 
     @property

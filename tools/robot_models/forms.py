@@ -19,7 +19,7 @@ def drum(
 
     Args:
         axis: Link axis that it lies along: `"x"`, `"y"` or `"z"`.
-        center: Its centre.
+        center: Its center.
         radius: Its radius.
         length: Its length.
         rim: Radius of its rims.
@@ -37,7 +37,7 @@ def block(axis: str, center: Vector, size: Vector, rim: float = 0.008) -> Loft:
 
     Args:
         axis: Link axis at whose ends the rims are.
-        center: Its centre.
+        center: Its center.
         size: Its size along the link axes.
         rim: Radius of its rims.
     """
@@ -65,7 +65,7 @@ def hull(
 
     Args:
         axis: Link axis that it runs along.
-        sections: Position, centre and half sizes of every section; see `Section`.
+        sections: Position, center and half sizes of every section; see `Section`.
         power: Roundness of the sections; see `Section`.
         rims: Radius of the rims at both ends.
     """

@@ -1,6 +1,6 @@
 """Writes triangle meshes as self-contained glTF 2.0 text.
 
-Materials come in as values; which colours the robot has is in `appearance`.
+Materials come in as values; which colors the robot has is in `appearance`.
 """
 
 from __future__ import annotations

@@ -61,8 +61,8 @@ class Inertial:
 
     Attributes:
         mass: Mass [kg].
-        center_of_mass: Centre of mass in the link frame [m].
-        moments: ixx, iyy, izz about the centre of mass, in link axes [kg·m²].
+        center_of_mass: Center of mass in the link frame [m].
+        moments: ixx, iyy, izz about the center of mass, in link axes [kg·m²].
         products: ixy, ixz, iyz about the same point, in the same axes [kg·m²].
     """
 

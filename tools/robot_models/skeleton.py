@@ -28,7 +28,7 @@ SOLE_WIDTH = 0.124887
 """Width of the sole along the foot's y axis [m]."""
 
 SOLE_CENTER: Vector = (0.048, 0.0, -0.081119)
-"""Centre of the sole's bottom plane, from the ankle, in the foot frame [m]."""
+"""Center of the sole's bottom plane, from the ankle, in the foot frame [m]."""
 
 IMU_POSITION: Vector = (0.0599, 0.0, -0.01415)
 """Origin of the inertial measurement unit in the pelvis frame [m]."""

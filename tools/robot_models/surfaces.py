@@ -1,6 +1,6 @@
 """Surfaces to build the robot's outside from: lofted hulls, panels on them and tubes.
 
-Where they go and what colour they have is in the `appearance` modules.
+Where they go and what color they have is in the `appearance` modules.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class Section:
 
     Attributes:
         at: Position along the loft [m].
-        center: Centre, in the loft's two other axes in alphabetical order [m].
+        center: Center, in the loft's two other axes in alphabetical order [m].
         half: Half sizes along the same axes [m].
         power: 2 is an ellipse; larger values tend to a rectangle.
     """

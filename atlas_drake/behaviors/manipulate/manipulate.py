@@ -1,6 +1,6 @@
 """MANIPULATE: stand with a pelvis that goes where it is told.
 
-Pelvis and centre of mass follow the pose that messages ask for, clamped to what can
+Pelvis and center of mass follow the pose that messages ask for, clamped to what can
 be stood in. Trunk and pelvis turn as one; arms and neck are left alone. Which poses
 are possible is ``control.pelvis_reach``'s business.
 """
@@ -86,7 +86,7 @@ class Manipulate:
         posture_rates: BodyRates,
         config: ManipulateConfig | None = None,
     ):
-        """STAND has the centre of mass ``nominal_height`` [m] above the soles."""
+        """STAND has the center of mass ``nominal_height`` [m] above the soles."""
         self._balance = balance
         self._reach = reach
         self._nominal_height = nominal_height
@@ -280,7 +280,7 @@ class Manipulate:
     ) -> BodyReference:
         """The reference of trunk and posture that goes with ``motion``.
 
-        The QP steers the height of the centre of mass. Referring that to where it is
+        The QP steers the height of the center of mass. Referring that to where it is
         above the pelvis at present makes it follow the pelvis: the difference drops
         out of position and speed alike.
         """

@@ -1,8 +1,8 @@
-"""What a standing behaviour does while the user leaves it no leg to balance with.
+"""What a standing behavior does while the user leaves it no leg to balance with.
 
-A leg to balance with is one of whose hip pitch and ankle pitch both the behaviour
-commands at least the ``balance_effort`` of the robot's file. Without one the behaviour
-holds its pose, as FREEZE does. Balancing all the same would move the centre of mass by
+A leg to balance with is one of whose hip pitch and ankle pitch both the behavior
+commands at least the ``balance_effort`` of the robot's file. Without one the behavior
+holds its pose, as FREEZE does. Balancing all the same would move the center of mass by
 what trunk and arms can do, lean further and further, and fall. With a leg given back it
 takes up what it was about.
 """
@@ -31,7 +31,7 @@ class Holding:
 
     Attributes:
         pose: FREEZE's memory.
-        before: That of the behaviour.
+        before: That of the behavior.
         warned: Whether the user was told.
     """
 
@@ -41,7 +41,7 @@ class Holding:
 
 
 class StandingBehavior(BehaviorProtocol, Protocol):
-    """A behaviour that can be interrupted while its pose is held."""
+    """A behavior that can be interrupted while its pose is held."""
 
     def idle(self, memory: Any, seen: Observation) -> Any:
         """The memory after a tick in which the pose was held."""
@@ -57,7 +57,7 @@ class StandingBehavior(BehaviorProtocol, Protocol):
 
 
 class StanceGuard:
-    """A standing behaviour, interrupted whenever it is without a leg.
+    """A standing behavior, interrupted whenever it is without a leg.
 
     Attributes:
         behavior: Who balances.
@@ -89,7 +89,7 @@ class StanceGuard:
         body: BodyReference,
         request: AtlasSimInterfaceCommand,
     ) -> Any:
-        """The behaviour's own memory."""
+        """The behavior's own memory."""
         return self.behavior.enter(seen, body, request)
 
     def update(
@@ -128,7 +128,7 @@ class StanceGuard:
         return self.behavior.plan(memory, com, omega)
 
     def report(self, memory: Any, state: AtlasSimInterfaceState) -> None:
-        """What the behaviour has to say."""
+        """What the behavior has to say."""
         if isinstance(memory, Holding):
             memory = memory.before
         self.behavior.report(memory, state)
@@ -137,7 +137,7 @@ class StanceGuard:
         """Whether there is a leg to balance with.
 
         It takes hip and ankle pitch of the same leg: one keeps the trunk upright, the
-        other moves the centre of pressure. Sideways the stance of two feet is stable
+        other moves the center of pressure. Sideways the stance of two feet is stable
         whoever holds the joints.
         """
         left_over = (1.0 - seen.user_share[self._pitch]) * self._limit

@@ -1,6 +1,6 @@
 """STAND and STAND_PREP: balance on both feet.
 
-STAND keeps the centre of mass over the middle of the feet and brings trunk and arms
+STAND keeps the center of mass over the middle of the feet and brings trunk and arms
 to the stand-prep posture. STAND_PREP is the same law, entered without conditions:
 it brings the robot to where STAND may begin.
 """
@@ -43,8 +43,8 @@ class StandMemory:
         support: Where the CoP may lie on them.
         middle: Between them in W [m], shape (3,).
         yaw: Their mean heading [rad].
-        com: Reference of the centre of mass, horizontal in W [m], shape (2,).
-        height: Of the centre of mass in W, as the legs reach [m].
+        com: Reference of the center of mass, horizontal in W [m], shape (2,).
+        height: Of the center of mass in W, as the legs reach [m].
     """
 
     feet: tuple[FootPose, FootPose]
@@ -65,7 +65,7 @@ class Stand:
         rates: BodyRates,
         config: StandConfig | None = None,
     ):
-        """Stands with the centre of mass ``nominal_height`` [m] above the soles."""
+        """Stands with the center of mass ``nominal_height`` [m] above the soles."""
         self._config = config or StandConfig()
         self._balance = balance
         self._nominal_height = nominal_height
@@ -157,7 +157,7 @@ class Stand:
         )
 
     def report(self, memory: StandMemory, state: AtlasSimInterfaceState) -> None:
-        """There is nothing to report beyond the behaviour's name."""
+        """There is nothing to report beyond the behavior's name."""
 
     def _note_feet(self, seen: Observation, com: np.ndarray) -> StandMemory:
         left, right = seen.foot_pose(0), seen.foot_pose(1)

@@ -1,4 +1,4 @@
-"""How STEP keeps its balance: references of body, feet and centre of mass in a phase.
+"""How STEP keeps its balance: references of body, feet and center of mass in a phase.
 
 From the memory of ``step`` to the QP's command. Phases and steps are not decided here.
 """
@@ -33,7 +33,7 @@ class StepBalance:
         planner: StepPlanner,
         rules: StepRules,
     ):
-        """Stands with the centre of mass ``nominal_height`` [m] above the soles."""
+        """Stands with the center of mass ``nominal_height`` [m] above the soles."""
         self._balance = balance
         self._nominal_height = nominal_height
         self._planner = planner
@@ -123,7 +123,7 @@ class StepBalance:
     def _foothold(self, memory: StepMemory) -> FootPose:
         """Where the foot in the air lands: deeper when it finds no ground."""
         goal = memory.step.pose
-        z = float(memory.flight.evaluate(memory.elapsed).p_WF[2])
+        z = float(memory.planned_swing.evaluate(memory.elapsed).p_WF[2])
         if z >= goal.p_WF[2]:
             return goal
         return FootPose(np.array([goal.p_WF[0], goal.p_WF[1], z]), goal.R_WF)
@@ -158,7 +158,7 @@ class StepBalance:
             load = min(self._rules.settling_load, most)
             feet[pressed] = balance.pressed(seen, pressed, load)
         elif memory.in_air:
-            reference = memory.flight.evaluate(memory.elapsed)
+            reference = memory.planned_swing.evaluate(memory.elapsed)
             foot = memory.step.foot
             feet[foot] = balance.swinging(seen, foot, reference)
         elif memory.phase is StepPhase.SWAY:

@@ -14,13 +14,13 @@ from atlas_drake.behaviors.step.action import DesiredStep, StepAction
 from atlas_drake.bounds import Positive, ProperShare, Share
 from atlas_drake.control.balance.dcm_plan import DcmReference
 from atlas_drake.control.balance.support_polygon import SupportPolygon
-from atlas_drake.control.balance.weight_shift import ComSway
+from atlas_drake.control.balance.weight_shift import WeightShift
 from atlas_drake.control.feet.footstep import FootPose, Footstep
 from atlas_drake.control.feet.step_swing import StepSwing
 
 
 class StepPhase(Enum):
-    """Where in its work the behaviour is."""
+    """Where in its work the behavior is."""
 
     REST = "both feet down, over their middle"
     SWAY = "both feet down, to the one that stays"
@@ -56,10 +56,10 @@ class StepRules:
     longest_wait: float = 0.3
     """Time after the sway for which a foot waits to leave; then it stays [s]."""
     lean_inside: float = 0.025
-    """How far inside the standing sole the centre of mass stays when it leans into a
+    """How far inside the standing sole the center of mass stays when it leans into a
     step [m]."""
     rest_speed: float = 0.05
-    """Speed of the centre of mass below which the robot is at rest [m/s]."""
+    """Speed of the center of mass below which the robot is at rest [m/s]."""
     heel_begins: ProperShare = 0.5
     """Share of the sway after which it rises [-]: the weight is off the heel then."""
     level: float = 0.02
@@ -74,12 +74,12 @@ class StepMemory:
     """State of STEP.
 
     Attributes:
-        phase: Of the behaviour.
+        phase: Of the behavior.
         elapsed: Time in this phase, in LOWER since lift-off [s].
         feet: Where the soles are or last were on the ground.
         support: Where the CoP may lie.
-        hips: As seen from the centre of mass in W [m], shape (2, 3).
-        sway: Of the centre of mass.
+        hips: As seen from the center of mass in W [m], shape (2, 3).
+        sway: Of the center of mass.
         sway_time: Time since it began [s].
         index: Of the step being taken or taken last; 0 before the first.
         sent: That step as it was asked for.
@@ -101,7 +101,7 @@ class StepMemory:
     feet: tuple[FootPose, FootPose]
     support: SupportPolygon
     hips: np.ndarray
-    sway: ComSway
+    sway: WeightShift
     sway_time: float
     index: int = 0
     sent: DesiredStep | None = None
@@ -145,7 +145,7 @@ class StepMemory:
         return self.action
 
     @property
-    def flight(self) -> StepSwing:
+    def planned_swing(self) -> StepSwing:
         """The swing of that step."""
         assert self.swing is not None
         return self.swing

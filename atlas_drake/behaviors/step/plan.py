@@ -17,7 +17,7 @@ from atlas_drake.bounds import Share
 from atlas_drake.control.feet.footstep import (
     FootPose,
     Footstep,
-    laid_out,
+    resolve_height,
     saturate,
 )
 from atlas_drake.control.feet.leg_reach import (
@@ -57,7 +57,7 @@ class PostureRules:
     """Most that the weight stands ahead of the sole's middle [m]: both take the weight
     off a bent knee."""
     lean_shift: float = 0.2
-    """How far the hips stay behind the centre of mass per lean [m/rad]."""
+    """How far the hips stay behind the center of mass per lean [m/rad]."""
     smallest_share: Share = 0.3
     """A step is shortened to this share of its length at most [-]."""
 
@@ -68,12 +68,12 @@ class StepPlan:
 
     Attributes:
         taken: The step as it can be taken.
-        com: Where the centre of mass stands over the stance foot, horizontal in W [m],
+        com: Where the center of mass stands over the stance foot, horizontal in W [m],
             shape (2,).
         hips: As seen from it, in W [m], shape (2, 3).
         lean: Pitch of the trunk [rad].
         heel: Angle by which the leaving heel has risen at lift-off [rad].
-        height: Of the centre of mass in W, as the legs reach [m].
+        height: Of the center of mass in W, as the legs reach [m].
         ceiling: Height in W to which the leaving leg can lift its sole [m].
     """
 
@@ -95,7 +95,7 @@ class StepPlanner:
         nominal_height: float,
         rules: PostureRules | None = None,
     ):
-        """Stands with the centre of mass ``nominal_height`` [m] above the soles."""
+        """Stands with the center of mass ``nominal_height`` [m] above the soles."""
         robot = balance.robot
         self.legs = robot.legs
         self.half_length = 0.5 * robot.file.sole.length
@@ -115,7 +115,7 @@ class StepPlanner:
         return knee_for_length(self.legs[0], self._nominal_leg)
 
     def height(self, action: StepAction) -> float:
-        """Of the centre of mass above the standing sole [m]."""
+        """Of the center of mass above the standing sole [m]."""
         bent = leg_length(self.legs[0], action.knee_nominal)
         return self._nominal_height + bent - self._nominal_leg
 
@@ -141,7 +141,7 @@ class StepPlanner:
         foot, rules = wanted.step.foot, self._rules
         stance = feet[1 - foot]
         limits = self._limits
-        meant = laid_out(wanted.step, stance, limits)
+        meant = resolve_height(wanted.step, stance, limits)
         step = saturate(meant, stance, limits)
         if abs(float(meant.p_WF[2] - stance.p_WF[2])) > limits.rise:
             return None

@@ -2,7 +2,7 @@
 
 Phases: SWAY (weight over the foot that stays), SWING (lift and move), LOWER, SETTLE
 (the new foot is pressed flat) and REST (weight back between the feet) until the next
-step is asked for. In single support the centre of mass stands still over the sole;
+step is asked for. In single support the center of mass stands still over the sole;
 nothing here depends on momentum.
 """
 
@@ -33,8 +33,12 @@ from atlas_drake.behaviors.step.preview import step_plan
 from atlas_drake.behaviors.step.queue import step_data_from
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.support_polygon import SupportPolygon
-from atlas_drake.control.balance.weight_shift import ComSway, plan_sway, sway_duration
-from atlas_drake.control.feet.footstep import FootPose, laid_out
+from atlas_drake.control.balance.weight_shift import (
+    WeightShift,
+    plan_weight_shift,
+    sway_duration,
+)
+from atlas_drake.control.feet.footstep import FootPose, resolve_height
 from atlas_drake.control.feet.leg_reach import hips_from_com
 from atlas_drake.control.feet.step_swing import plan_step_swing
 from atlas_drake.control.feet.toe_off import on_toes
@@ -60,7 +64,7 @@ class Step:
         nominal_height: float,
         config: StepConfig | None = None,
     ):
-        """Stands with the centre of mass ``nominal_height`` [m] above the soles."""
+        """Stands with the center of mass ``nominal_height`` [m] above the soles."""
         self._balance = balance
         self._nominal_height = nominal_height
         config = config or StepConfig()
@@ -156,12 +160,12 @@ class Step:
         """
         if memory.phase is StepPhase.REST:
             return 0.0
-        settle, flight = self._rules.settle, memory.flight.duration
+        settle, swing = self._rules.settle, memory.planned_swing.duration
         if memory.phase is StepPhase.SETTLE:
             return max(settle - memory.elapsed, 0.0)
         if memory.phase is StepPhase.SWAY:
-            return max(memory.sway.duration - memory.elapsed, 0.0) + flight + settle
-        return max(flight - memory.elapsed, 0.0) + settle
+            return max(memory.sway.duration - memory.elapsed, 0.0) + swing + settle
+        return max(swing - memory.elapsed, 0.0) + settle
 
     # ---- steps ---------------------------------------------------------------
 
@@ -269,7 +273,7 @@ class Step:
         )
         # The slope alone: the step spec in the report has duration and swing height.
         slope = replace(
-            laid_out(wanted.step, feet[1 - foot], self._limits),
+            resolve_height(wanted.step, feet[1 - foot], self._limits),
             duration=taken.duration,
             swing_height=taken.swing_height,
         )
@@ -300,7 +304,7 @@ class Step:
             memory, landing = self._land(memory, seen)
             memory, events = self._begin(memory, seen, wanted)
             return memory, (*landing, *events)
-        swing = memory.flight
+        swing = memory.planned_swing
         if memory.phase is StepPhase.SWING:
             lowering = swing.is_lowering(memory.elapsed)
             return self._begin_to_lower(memory, seen) if lowering else memory, ()
@@ -351,7 +355,7 @@ class Step:
         omega = self._stance.omega(seen, (memory.feet[memory.stance],))
         support, rules = memory.support, self._rules
         for share in np.linspace(1.0, 0.0, 11):
-            sway = ComSway(over, over + share * lean, memory.flight.lower)
+            sway = WeightShift(over, over + share * lean, memory.planned_swing.lower)
             inside = -support.distance_outside(sway.end)
             # And the foot can push the body there in that time.
             pushed = -sway.cop_outside(support, omega)
@@ -481,12 +485,12 @@ class Step:
         action: StepAction,
         feet: tuple[FootPose, ...],
         support: SupportPolygon,
-    ) -> ComSway:
+    ) -> WeightShift:
         """Plans a weight shift to ``end`` from where the robot is and how it moves."""
         omega = self._stance.omega(seen, feet)
         distance = float(np.hypot(*(end - seen.terms.com[:2])))
         least = sway_duration(distance, action.max_body_accel)
-        return plan_sway(
+        return plan_weight_shift(
             feedback.dcm(seen.terms, omega),
             end,
             max(action.sway_duration, least),

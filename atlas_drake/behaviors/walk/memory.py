@@ -47,7 +47,7 @@ class WalkRules:
     frozen_end: float = 0.06
     """Last part of a swing in which the landing place stays put [s]."""
     rest_speed: float = 0.08
-    """Speed of the centre of mass below which the walk is over [m/s]."""
+    """Speed of the center of mass below which the walk is over [m/s]."""
     replan_shift: float = 0.002
     """Change of the landing place that is worth a new plan [m]."""
     transfer_change: float = 0.15
@@ -134,7 +134,7 @@ class WalkMemory:
         return None if self.current is None else self.current.foot
 
     @property
-    def flight(self) -> Swing:
+    def swing_in_progress(self) -> Swing:
         """The swing of the foot in the air; only while ``swinging``."""
         assert self.swing is not None
         return self.swing

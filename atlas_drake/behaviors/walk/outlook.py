@@ -18,11 +18,11 @@ from atlas_drake.control.feet.footstep import (
     FootPose,
     Footstep,
     StepSlack,
-    cleared,
+    ensure_clearance,
     heading_error,
-    kept_brisk,
-    laid_out,
     landing_error,
+    limit_duration,
+    resolve_height,
     saturate,
 )
 from atlas_drake.frozen import replace
@@ -77,7 +77,7 @@ def look_ahead(memory: WalkMemory, limits: StepLimits, slack: StepSlack) -> Outl
         if len(steps) >= LOOK_AHEAD:
             break
         start, stance = poses[step.foot], poses[1 - step.foot]
-        wish = laid_out(step, stance, limits)
+        wish = resolve_height(step, stance, limits)
         taken = saturate(wish, stance, firm)
         pose = taken.pose
         if max(landing_error(wish, pose), heading_error(wish, pose)) > ROUNDING:
@@ -88,7 +88,9 @@ def look_ahead(memory: WalkMemory, limits: StepLimits, slack: StepSlack) -> Outl
         obstacle = obstacle_to(wish, taken, stance, last_foot, loose)
         if obstacle:
             return Outlook(tuple(wishes), tuple(steps), step, obstacle)
-        taken = kept_brisk(cleared(taken, start, limits), start, stance, limits)
+        taken = limit_duration(
+            ensure_clearance(taken, start, limits), start, stance, limits
+        )
         wishes.append(wish)
         steps.append(taken)
         poses[taken.foot] = aims[taken.foot] = taken.pose

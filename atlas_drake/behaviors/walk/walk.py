@@ -74,7 +74,7 @@ class Walk:
         rates: BodyRates,
         config: WalkConfig | None = None,
     ):
-        """Walks with the centre of mass ``nominal_height`` [m] above the soles."""
+        """Walks with the center of mass ``nominal_height`` [m] above the soles."""
         self._balance = balance
         self._nominal_height = nominal_height
         self._rates = rates
@@ -156,7 +156,7 @@ class Walk:
         if memory.swinging:
             memory = self._adjust_step(memory, seen)
             swing, swing_reference = advance_swing(
-                memory.flight, memory.step, self._profile, seen.dt
+                memory.swing_in_progress, memory.step, self._profile, seen.dt
             )
             memory = replace(memory, swing=swing)
         body = advance_body(
@@ -278,7 +278,7 @@ class Walk:
     ) -> tuple[WalkMemory, tuple[Event, ...]]:
         if memory.swinging:
             touched = (
-                memory.flight.progress >= self._rules.earliest_touchdown
+                memory.swing_in_progress.progress >= self._rules.earliest_touchdown
                 and seen.foot_force[memory.step.foot] > self._touchdown_force
             )
             return self._touch_down(memory, seen) if touched else (memory, ())

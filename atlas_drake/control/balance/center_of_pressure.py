@@ -13,14 +13,14 @@ LEAST_LOAD = 20.0
 """Vertical force on both soles together below which there is no CoP [N]."""
 
 
-def centre_of_pressure(
+def center_of_pressure(
     soles: Sequence[np.ndarray], wrenches: np.ndarray
 ) -> np.ndarray | None:
     """Where the ground's force acts on both soles together.
 
     Args:
-        soles: Positions of the soles' centres in W [m], each of shape (3,).
-        wrenches: Moment and force on each, at its centre in W [N·m; N], shape (12,).
+        soles: Positions of the soles' centers in W [m], each of shape (3,).
+        wrenches: Moment and force on each, at its center in W [N·m; N], shape (12,).
 
     Returns:
         Position in W [m], shape (3,), as high as the soles are in the mean of their

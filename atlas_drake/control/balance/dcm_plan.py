@@ -1,6 +1,6 @@
 """Reference motion of the divergent component of motion (DCM) over future steps.
 
-The linear inverted pendulum with a piecewise-linear centre of pressure (CoP),
+The linear inverted pendulum with a piecewise-linear center of pressure (CoP),
 solved backward in time from where the robot shall come to rest. After Englsberger,
 Ott, Albu-Schäffer, "Three-dimensional bipedal walking control based on divergent
 component of motion", T-RO 2015. Knows nothing of feet or phases.

@@ -1,7 +1,7 @@
 """Desired accelerations of single tasks: the feedback laws below the QP.
 
 Pure functions from reference and measurement to an acceleration. Which tasks are
-active, and what they refer to, is the behaviours' business.
+active, and what they refer to, is the behaviors' business.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ def pendulum_frequency(height: float) -> float:
     """Natural frequency of the inverted pendulum √(g/z) [1/s].
 
     Args:
-        height: z, of the centre of mass above what it stands on [m].
+        height: z, of the center of mass above what it stands on [m].
     """
     return math.sqrt(GRAVITY / max(height, LEAST_HEIGHT))
 

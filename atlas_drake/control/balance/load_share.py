@@ -1,4 +1,4 @@
-"""How two feet can share the weight, given where the centre of pressure shall be.
+"""How two feet can share the weight, given where the center of pressure shall be.
 
 Plane geometry only: no forces, no friction, no phases of a step.
 """

@@ -1,6 +1,6 @@
 """Moves the place of the next footstep when the ankles alone cannot save balance.
 
-In single support the DCM error grows as e^{ωt}. A shift of the centre of pressure
+In single support the DCM error grows as e^{ωt}. A shift of the center of pressure
 within the stance sole takes up what it can until touchdown; the rest is taken up by
 the place of the next foot. The idea of stepping to a shifted DCM follows Khadiv,
 Herzog, Moosavian, Righetti, "Walking control based on step timing adaptation", T-RO

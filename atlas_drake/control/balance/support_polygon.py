@@ -1,4 +1,4 @@
-"""Convex regions of the ground that the centre of pressure can lie in.
+"""Convex regions of the ground that the center of pressure can lie in.
 
 Plane geometry only.
 """

@@ -1,4 +1,4 @@
-"""Quasi-static weight shift: the centre of mass goes from one place of rest to another.
+"""Quasi-static weight shift: the center of mass goes from one place of rest to another.
 
 A quintic on a straight line, and the DCM and CoP that belong to it. Decides neither
 where to go nor when.
@@ -29,8 +29,8 @@ TRIES = 16
 
 
 @dataclass(frozen=True)
-class ComSway:
-    """The centre of mass goes from rest to rest; all horizontal in W, shape (2,).
+class WeightShift:
+    """The center of mass goes from rest to rest; all horizontal in W, shape (2,).
 
     Attributes:
         start: Where it begins [m].
@@ -82,17 +82,17 @@ def sway_duration(distance: float, max_acceleration: float) -> float:
     return math.sqrt(PEAK_ACCELERATION * distance / max_acceleration)
 
 
-def plan_sway(
+def plan_weight_shift(
     dcm: np.ndarray,
     end: np.ndarray,
     least_duration: float,
     support: SupportPolygon,
     inside: float,
     omega: float,
-) -> ComSway:
+) -> WeightShift:
     """Plans the shortest weight shift that the feet can bring about.
 
-    The weight shift begins at rest at the DCM of the robot, where the centre of mass
+    The weight shift begins at rest at the DCM of the robot, where the center of mass
     would come to rest by itself: the reference of the DCM is then continuous, whatever
     the velocity, and never leads farther outward. Where the DCM is not START_INSIDE
     times ``inside`` within the support, the weight shift begins nearer to ``end``
@@ -100,7 +100,7 @@ def plan_sway(
 
     Args:
         dcm: Of the robot, horizontal in W [m], shape (2,).
-        end: Where the centre of mass shall rest [m], shape (2,).
+        end: Where the center of mass shall rest [m], shape (2,).
         least_duration: [s]
         support: Where the CoP may lie.
         inside: How far inside it shall stay, for feedback to have room [m].
@@ -114,7 +114,7 @@ def plan_sway(
     """
     start = _pulled_inside(dcm, end, support, START_INSIDE * inside)
     for attempt in range(TRIES):
-        sway = ComSway(start, end, least_duration * LONGER**attempt)
+        sway = WeightShift(start, end, least_duration * LONGER**attempt)
         if sway.cop_outside(support, omega) <= -inside:
             break
     return sway

@@ -1,6 +1,6 @@
 """Footsteps as geometry: where a sole shall land, and what the legs can reach.
 
-A foot's pose is that of its sole frame: the centre of the sole on its bottom plane,
+A foot's pose is that of its sole frame: the center of the sole on its bottom plane,
 x to the toes, z along the sole's normal. No messages, no timing of a gait.
 """
 
@@ -30,7 +30,7 @@ class FootPose:
     """Where a sole is.
 
     Attributes:
-        p_WF: Centre of the sole in W [m], shape (3,).
+        p_WF: Center of the sole in W [m], shape (3,).
         R_WF: Orientation, shape (3, 3).
     """
 
@@ -50,7 +50,7 @@ class Footstep:
     Attributes:
         index: The caller's step index.
         foot: LEFT or RIGHT.
-        p_WF: Where the sole's centre lands in W [m], shape (3,).
+        p_WF: Where the sole's center lands in W [m], shape (3,).
         yaw: Heading of the toes on landing [rad].
         duration: From one touchdown to the next [s].
         swing_height: Apex of the swing above the middle of its ends [m].
@@ -107,7 +107,7 @@ def outward(foot: int) -> float:
     return 1.0 if foot == LEFT else -1.0
 
 
-def laid_out(step: Footstep, stance: FootPose, limits: StepLimits) -> Footstep:
+def resolve_height(step: Footstep, stance: FootPose, limits: StepLimits) -> Footstep:
     """The step with its height in W.
 
     A height that cannot be meant for a foot is ignored together with the normal: the
@@ -155,7 +155,7 @@ def saturate(step: Footstep, stance: FootPose, limits: StepLimits) -> Footstep:
     )
 
 
-def cleared(step: Footstep, start: FootPose, limits: StepLimits) -> Footstep:
+def ensure_clearance(step: Footstep, start: FootPose, limits: StepLimits) -> Footstep:
     """The step with a swing high enough for the difference in height that it climbs.
 
     Args:
@@ -182,7 +182,7 @@ def longest_duration(apart: float, limits: StepLimits) -> float:
     return limits.max_duration + share * (limits.far_duration - limits.max_duration)
 
 
-def kept_brisk(
+def limit_duration(
     step: Footstep, start: FootPose, stance: FootPose, limits: StepLimits
 ) -> Footstep:
     """The step in no more time than feet so far apart allow, before it or after it.

@@ -51,7 +51,7 @@ def solve_leg(leg: Leg, p_PF: np.ndarray, R_PF: np.ndarray) -> LegPose | None:
         The pose; None when the leg is too short, or the hip is below the ankle.
     """
     p_PA = p_PF + R_PF @ leg.p_FA
-    # Seen from the foot, the hip centre lies in the leg's plane, which ankle x tilts.
+    # Seen from the foot, the hip center lies in the leg's plane, which ankle x tilts.
     to_hip = R_PF.T @ (leg.p_PH - p_PA)
     if to_hip[2] <= 0.0:
         return None

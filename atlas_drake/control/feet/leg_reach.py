@@ -1,4 +1,4 @@
-"""How high the centre of mass can be for the legs to reach their footholds.
+"""How high the center of mass can be for the legs to reach their footholds.
 
 Geometry of hip, knee and ankle alone; which footholds count, the caller says.
 """
@@ -34,7 +34,7 @@ def knee_for_length(leg: Leg, length: float) -> float:
 
 
 def hips_from_com(terms: WholeBodyTerms, legs: Sequence[Leg]) -> np.ndarray:
-    """Where the hips are now, seen from the centre of mass, in W [m], shape (2, 3)."""
+    """Where the hips are now, seen from the center of mass, in W [m], shape (2, 3)."""
     p_PT = np.array([leg.p_PT for leg in legs])
     return terms.p_WP + p_PT @ terms.R_WP.T - terms.com
 
@@ -45,12 +45,12 @@ def highest_com(
     com: np.ndarray,
     footholds: Iterable[tuple[int, FootPose]],
 ) -> float:
-    """Greatest height of the centre of mass in W [m] with which all legs reach.
+    """Greatest height of the center of mass in W [m] with which all legs reach.
 
     Args:
         legs: Left and right leg.
-        hips: The hips as seen from the centre of mass, in W [m], shape (2, 3).
-        com: Centre of mass, horizontal in W [m], shape (2,).
+        hips: The hips as seen from the center of mass, in W [m], shape (2, 3).
+        com: Center of mass, horizontal in W [m], shape (2,).
         footholds: Feet that shall reach, with the poses of their soles.
     """
     heights = []
@@ -71,8 +71,8 @@ def highest_sole(
 
     Args:
         legs: Left and right leg.
-        hips: The hips as seen from the centre of mass, in W [m], shape (2, 3).
-        height: Of the centre of mass in W [m].
+        hips: The hips as seen from the center of mass, in W [m], shape (2, 3).
+        height: Of the center of mass in W [m].
         foot: The one that is lifted.
     """
     leg = legs[foot]
@@ -89,15 +89,15 @@ def lowest_com(
     pose: FootPose,
     lever: float,
 ) -> float:
-    """Least height of the centre of mass in W [m] that the standing knee can carry.
+    """Least height of the center of mass in W [m] that the standing knee can carry.
 
     Args:
         legs: Left and right leg.
-        hips: The hips as seen from the centre of mass, in W [m], shape (2, 3).
-        com: Centre of mass, horizontal in W [m], shape (2,).
+        hips: The hips as seen from the center of mass, in W [m], shape (2, 3).
+        com: Center of mass, horizontal in W [m], shape (2,).
         foot: The one that carries the robot alone.
         pose: Of its sole.
-        lever: How far the knee may lie ahead of the centre of mass [m].
+        lever: How far the knee may lie ahead of the center of mass [m].
     """
     high = highest_com(legs, hips, com, [(foot, pose)])
     low = high - DEEPEST_SQUAT
@@ -111,7 +111,7 @@ def lowest_com(
 
 
 def _knee_ahead(leg: Leg, hip: np.ndarray, com: np.ndarray, pose: FootPose) -> float:
-    """How far the knee of a leg that stands lies ahead of the centre of mass [m]."""
+    """How far the knee of a leg that stands lies ahead of the center of mass [m]."""
     forward = np.array([math.cos(pose.yaw), math.sin(pose.yaw), 0.0])
     ankle = pose.p_WF + pose.R_WF @ leg.p_FA
     to_hip = com + hip - ankle

@@ -8,7 +8,7 @@ import numpy as np
 def sole_corners(
     p_WF: np.ndarray, R_WF: np.ndarray, half_length: float, half_width: float
 ) -> np.ndarray:
-    """Corners of a rectangle about a sole's centre in W [m], shape (4, 3)."""
+    """Corners of a rectangle about a sole's center in W [m], shape (4, 3)."""
     corners = np.array(
         [
             [half_length, half_width, 0.0],

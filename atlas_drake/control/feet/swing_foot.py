@@ -79,7 +79,7 @@ class SwingReference:
     """Where the sole shall be now: position, velocity, acceleration in W.
 
     Attributes:
-        p_WF, v_WF, a_WF: Of the sole's centre, shape (3,).
+        p_WF, v_WF, a_WF: Of the sole's center, shape (3,).
         R_WF, w_WF, alpha_WF: Orientation, angular velocity, angular acceleration.
     """
 

@@ -1,6 +1,6 @@
 """A foot that raises its heel: it stands on its toes, which stay where they are.
 
-Geometry of the sole and its motion. When a heel rises is the behaviour's business.
+Geometry of the sole and its motion. When a heel rises is the behavior's business.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """How joints under user control, whole or in part, enter the whole-body QP.
 
-The QP reasons about total efforts. A joint's total lies between what the behaviour's
+The QP reasons about total efforts. A joint's total lies between what the behavior's
 own limits can add to the user's share; where the user has the joint alone it is the
 user's effort and nothing else. Whether and why a joint is shared is the user's
 business.
@@ -82,10 +82,10 @@ def forecast_user_effort(
 def effort_bounds(
     share: np.ndarray, user: UserForecast, effort_limit: np.ndarray
 ) -> EffortBounds:
-    """Range of each joint's total effort k·user + (1 - k)·behaviour.
+    """Range of each joint's total effort k·user + (1 - k)·behavior.
 
     Its limit cuts the total, not the user's part: what the user has in excess narrows
-    the range from one side, until there is nothing left that the behaviour could do
+    the range from one side, until there is nothing left that the behavior could do
     about the joint.
 
     Args:
@@ -116,11 +116,11 @@ def behavior_share(
     user: UserForecast,
     effort_limit: np.ndarray,
 ) -> np.ndarray:
-    """The behaviour's own effort that makes up ``total`` [N·m], shape (n,).
+    """The behavior's own effort that makes up ``total`` [N·m], shape (n,).
 
-    For a joint that the user has alone it is the total itself: what the behaviour
+    For a joint that the user has alone it is the total itself: what the behavior
     would go on with if it were given the joint now. Likewise for one that the user
-    keeps at its limit whatever the behaviour does.
+    keeps at its limit whatever the behavior does.
     """
     rest = 1.0 - share
     shared = (rest > 0.0) & ~_at_the_limit(share, user, effort_limit)
@@ -132,5 +132,5 @@ def behavior_share(
 def _at_the_limit(
     share: np.ndarray, user: UserForecast, effort_limit: np.ndarray
 ) -> np.ndarray:
-    """Which joints the user keeps at their limit, whatever the behaviour does, (n,)."""
+    """Which joints the user keeps at their limit, whatever the behavior does, (n,)."""
     return share * np.abs(user.excess) > 2.0 * (1.0 - share) * effort_limit

@@ -1,14 +1,14 @@
 """What a robot that falls does with its motors: sag, and break its fall a little.
 
-A law of one line; when the robot counts as falling is the behaviours' business.
+A law of one line; when the robot counts as falling is the behaviors' business.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-LIMP_DAMPING = 0.002
-"""Damping of a limp joint per unit of its effort limit [s/rad].
+DAMPING_PER_EFFORT = 0.002
+"""Damping of a joint in damping mode per unit of its effort limit [s/rad].
 
 A joint that turns at 10 rad/s is braked by a fiftieth of what its motor can do: limbs
 do not whip, and nothing is pushed hard against the ground. Damping that is held over a
@@ -17,12 +17,12 @@ ankles in the air (0.009 kg·m², 700 N·m) is 0.013 at 2 ms.
 """
 
 
-def limp_effort(v: np.ndarray, effort_limit: np.ndarray) -> np.ndarray:
+def damping_effort(v: np.ndarray, effort_limit: np.ndarray) -> np.ndarray:
     """Damping and nothing else [N·m], shape (n,).
 
     Args:
         v: Joint velocities [rad/s], shape (n,).
         effort_limit: [N·m], shape (n,).
     """
-    effort = -LIMP_DAMPING * effort_limit * v
+    effort = -DAMPING_PER_EFFORT * effort_limit * v
     return np.minimum(np.maximum(effort, -effort_limit), effort_limit)

@@ -125,7 +125,7 @@ def change_without_user(
     Args:
         state: Of the last step.
         v: Velocities [rad/s].
-        others: The behaviour's part of the motors' efforts (1 - K)·τ_behaviour [N·m].
+        others: The behavior's part of the motors' efforts (1 - K)·τ_behavior [N·m].
         model: From ``step_model``.
     """
     change = state.expected + model.blend * (v - state.velocity - state.expected)
@@ -161,7 +161,7 @@ def user_effort(
     Args:
         static: The law without its velocity terms, ``static_effort`` [N·m].
         coasting: v_c, velocities and ``change_without_user`` together [rad/s].
-        others: The behaviour's part of the motors' efforts (1 - K)·τ_behaviour [N·m].
+        others: The behavior's part of the motors' efforts (1 - K)·τ_behavior [N·m].
         model: From ``step_model``.
         effort_limit: [N·m]
 

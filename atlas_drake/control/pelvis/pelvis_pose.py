@@ -1,4 +1,4 @@
-"""Poses of pelvis and centre of mass relative to two feet on the ground.
+"""Poses of pelvis and center of mass relative to two feet on the ground.
 
 What the numbers mean, and how they move. Which poses are possible is in
 ``pelvis_reach``.
@@ -32,7 +32,7 @@ class PelvisPose(NamedTuple):
         yaw: Of the pelvis, from the feet's mean heading, to the left [rad].
         pitch: Of the pelvis, forward and down [rad].
         roll: Of the pelvis, to the right [rad].
-        com_v0: Centre of mass from the middle of the soles along the line from the
+        com_v0: Center of mass from the middle of the soles along the line from the
             right to the left one [m].
         com_v1: The same across that line, forward for feet side by side [m].
     """
@@ -66,7 +66,7 @@ class Stance:
     across: np.ndarray
 
     def com(self, pose: PelvisPose) -> np.ndarray:
-        """Where ``pose`` has the centre of mass, horizontal in W [m], shape (2,)."""
+        """Where ``pose`` has the center of mass, horizontal in W [m], shape (2,)."""
         offset = pose.com_v0 * self.along + pose.com_v1 * self.across
         return self.middle[:2] + offset
 
@@ -112,7 +112,7 @@ def make_stance(left: FootPose, right: FootPose, support: SupportPolygon) -> Sta
 
 @dataclass(frozen=True)
 class PelvisRates:
-    """How fast pelvis and centre of mass are moved."""
+    """How fast pelvis and center of mass are moved."""
 
     height: MotionLimits = field(
         default_factory=lambda: MotionLimits(speed=0.12, acceleration=0.4)
@@ -133,7 +133,7 @@ class PelvisLead:
     """How far the reference may be ahead of a robot that does not follow.
 
     A user who holds the legs, or a push, keeps it from following. Far beyond the lag
-    of a free robot. The centre of mass has no such limit: a reference that gave way
+    of a free robot. The center of mass has no such limit: a reference that gave way
     to it would balance nothing.
     """
 
@@ -150,7 +150,7 @@ class PelvisMotion:
     Attributes:
         height: Of the pelvis' origin, shape (1,) [m].
         turn: Yaw, pitch and roll of the pelvis, shape (3,) [rad].
-        com: Horizontal place of the centre of mass, shape (2,) [m].
+        com: Horizontal place of the center of mass, shape (2,) [m].
     """
 
     height: Motion

@@ -17,7 +17,7 @@ from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.robot import KNEE, Leg, Robot
 
 LEGS_COM = 0.5
-"""Where the legs' own centre of mass lies on the way from ankles to pelvis [-]."""
+"""Where the legs' own center of mass lies on the way from ankles to pelvis [-]."""
 _BISECTIONS = 10
 """Halvings between what is possible and what is wished: 0.1 % of the way."""
 _HEIGHT_SEARCH = 0.01
@@ -32,7 +32,7 @@ class PelvisReserves:
     """
 
     com_margin: float = 0.04
-    """Of the centre of mass inside the polygon of possible CoPs [m]."""
+    """Of the center of mass inside the polygon of possible CoPs [m]."""
     joint_margin: float = 0.05
     """Of leg joints from their end stops [rad]."""
     least_flexion: float = 0.12
@@ -46,7 +46,7 @@ class UpperBody:
     """Everything above the legs, as it is held now.
 
     Attributes:
-        p_PU: Its centre of mass in the pelvis frame [m], shape (3,).
+        p_PU: Its center of mass in the pelvis frame [m], shape (3,).
     """
 
     p_PU: np.ndarray
@@ -90,7 +90,7 @@ class PelvisReach:
         R_WP = stance.R_WP(pose)
         p_WP = self.pelvis_position(pose, stance, upper)
         loads = self._loads(pose, stance)
-        # The centre of pressure lies on both soles as the centre of mass lies
+        # The center of pressure lies on both soles as the center of mass lies
         # between them.
         left, right = stance.feet
         middle = loads[0] * left.p_WF + loads[1] * right.p_WF
@@ -194,7 +194,7 @@ class PelvisReach:
     def pelvis_position(
         self, pose: PelvisPose, stance: Stance, upper: UpperBody
     ) -> np.ndarray:
-        """Where in W the pelvis is when the centre of mass is where ``pose`` says."""
+        """Where in W the pelvis is when the center of mass is where ``pose`` says."""
         legs = self._legs_share
         p_PU_W = stance.R_WP(pose) @ upper.p_PU
         ankles = self._ankles(stance)

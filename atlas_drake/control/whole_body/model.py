@@ -1,6 +1,6 @@
 """Kinematics and dynamics of the robot as the controller believes it to be.
 
-Evaluates every term that the whole-body QP and the behaviours need, once per tick,
+Evaluates every term that the whole-body QP and the behaviors need, once per tick,
 from a plant of its own without geometry. Makes no decision about control.
 """
 
