@@ -22,6 +22,7 @@ from atlas_drake.app.options import (
     add_speed_options,
     rate,
 )
+from atlas_drake.app.parts import behaviors_told
 from atlas_drake.errors import AtlasError
 from atlas_drake.visualization.overlays import LOGGED
 
@@ -42,8 +43,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns:
         The exit status.
     """
-    options = _parser().parse_args(arguments)
+    given = sys.argv[1:] if arguments is None else list(arguments)
     try:
+        options = _parser(given).parse_args(given)
         _check_files_read(options)
         return options.run(options)
     except AtlasError as error:
@@ -127,7 +129,10 @@ def _diagram(options: argparse.Namespace) -> int:
     return exit_status.OK
 
 
-def _parser() -> argparse.ArgumentParser:
+def _parser(given: Sequence[str]) -> argparse.ArgumentParser:
+    told = ""
+    if {"-h", "--help"} & set(given) and {"demo", "run", "teleop"} & set(given):
+        told = f". {behaviors_told(given)}"
     parser = argparse.ArgumentParser(
         prog="atlas-drake",
         description="Simulate the humanoid robot Atlas, under your own joint commands "
@@ -147,7 +152,7 @@ def _parser() -> argparse.ArgumentParser:
         description="Atlas changes control modes: it stands by itself, stands under "
         "joint commands, lets go of its arms while it balances, walks four steps "
         "and ends under joint commands again.",
-        epilog=_EXIT_STATUS,
+        epilog=_EXIT_STATUS + told,
     )
     demo.add_argument(
         "--literal",
@@ -156,18 +161,18 @@ def _parser() -> argparse.ArgumentParser:
         "damping that its own comment means",
     )
     add_run_options(demo)
-    demo.set_defaults(run=_demo, reads=())
+    demo.set_defaults(run=_demo, reads=("parts",))
 
     run = commands.add_parser(
         "run",
         help="simulate a scenario described in a YAML file",
         description="Simulate a scenario; examples are in examples/scenarios/. "
         "Options given here win over the file.",
-        epilog=_EXIT_STATUS,
+        epilog=_EXIT_STATUS + told,
     )
     run.add_argument("scenario", metavar="SCENARIO.yaml", type=Path)
     add_run_options(run)
-    run.set_defaults(run=_run, reads=("scenario",))
+    run.set_defaults(run=_run, reads=("scenario", "parts"))
 
     plot = commands.add_parser(
         "plot",
@@ -214,7 +219,7 @@ def _parser() -> argparse.ArgumentParser:
         "sliders for the gait, the pelvis and your share of each limb, pushes. "
         "Ctrl-C ends it.",
         epilog="exit status: 0 stopped by Ctrl-C or after --duration, 1 the simulation "
-        "failed, 2 bad input",
+        "failed, 2 bad input" + told,
     )
     teleop.add_argument(
         "scenario",
@@ -234,7 +239,7 @@ def _parser() -> argparse.ArgumentParser:
     view = teleop.add_argument_group("how you watch it")
     add_address_options(view)
     add_show_option(view, "com,dcm,cop,support,swing,flags,follow")
-    teleop.set_defaults(run=_teleop, reads=("scenario",))
+    teleop.set_defaults(run=_teleop, reads=("scenario", "parts"))
 
     diagram = commands.add_parser(
         "diagram",

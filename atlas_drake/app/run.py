@@ -25,6 +25,7 @@ from atlas_drake.app.outputs import (
     realtime_rate,
     video_asked_for,
 )
+from atlas_drake.app.parts import load_parts
 from atlas_drake.app.progress import Progress
 from atlas_drake.app.viewer import interactive, keep_serving
 from atlas_drake.logs.formats import check_format
@@ -61,6 +62,7 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
         check_format(options.log)
     quiet_logs()
 
+    parts = load_parts(options.parts)
     progress = Progress(sys.stdout, scenario.duration)
     meshcat = open_view(options, progress)
     sim = AtlasSimulation(
@@ -71,6 +73,7 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
         on_event=progress.event,
         overlays=Overlays(options.show),
         log=options.log,
+        **parts,
     )
     invite_viewer(meshcat, options, progress)
     if options.realtime_rate is not None or not sim.realtime_rate:

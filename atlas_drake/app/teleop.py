@@ -11,6 +11,7 @@ import threading
 
 from atlas_drake.app import exit_status
 from atlas_drake.app.interrupts import ctrl_c
+from atlas_drake.app.parts import load_parts
 from atlas_drake.app.progress import Progress
 from atlas_drake.app.run import (
     INTERRUPTED,
@@ -43,10 +44,15 @@ def run_teleop(scenario: Scenario, options: argparse.Namespace) -> int:
     scenario = with_options(scenario, options)
     quiet_logs()
     overlays = Overlays(options.show)
+    parts = load_parts(options.parts)
     progress = Progress(sys.stdout, options.duration)
     meshcat = start_meshcat(options.host, options.port, progress.say)
     sim = AtlasSimulation(
-        scenario, meshcat=meshcat, on_event=progress.event, overlays=overlays
+        scenario,
+        meshcat=meshcat,
+        on_event=progress.event,
+        overlays=overlays,
+        **parts,
     )
     session = Session(sim, Panel(meshcat, sim.robot, overlays, sim.behaviors))
     with ctrl_c() as asked_to_stop:

@@ -1,0 +1,77 @@
+"""``--with FILE.py``: parts of one's own on the command line."""
+
+import json
+
+import pytest
+
+from atlas_drake.app.main import main
+
+pytestmark = pytest.mark.usefixtures("restored_loggers")
+SHORT = ["--headless", "--set", "duration=0.02"]
+PARTS = """
+from helpers import NUMBER
+from atlas_drake.behaviors.entry import BehaviorEntry
+from atlas_drake.behaviors.idle import Idle
+
+behaviors = [
+    BehaviorEntry(
+        name="REST",
+        number=NUMBER,
+        make=lambda tools, config: Idle(),
+        description="Do nothing.",
+    )
+]
+
+def extend(builder, station):
+    builder.ExportOutput(station.GetOutputPort("effort"), "effort_again")
+
+if __name__ == "__main__":
+    raise SystemExit("this is no run of its own")
+"""
+
+
+@pytest.fixture
+def parts(tmp_path):
+    def write(text):
+        (tmp_path / "helpers.py").write_text("NUMBER = 123\n")
+        path = tmp_path / "parts.py"
+        path.write_text(text)
+        return str(path)
+
+    return write
+
+
+def test_a_file_brings_its_parts(parts, scenario, tmp_path):
+    summary = tmp_path / "run.json"
+    arguments = ["run", scenario(), *SHORT, "--with", parts(PARTS)]
+    assert main([*arguments, "--json", str(summary)]) == 0
+    assert json.loads(summary.read_text())["success"]
+
+
+@pytest.mark.parametrize("form", ["--with {}", "--with={}"])
+def test_help_names_the_behaviors_that_it_brings(form, parts, capsys):
+    with pytest.raises(SystemExit) as stop:
+        main(["run", "--help", *form.format(parts(PARTS)).split()])
+    assert stop.value.code == 0
+    out = " ".join(capsys.readouterr().out.split())
+    assert "WALK (4): Walk dynamically" in out
+    assert "REST (123): Do nothing." in out
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("1 / 0", "failed: ZeroDivisionError"),
+        ("x = 1", "defines none of controller, behaviors, world, extend"),
+        ("controller = 3", "controller must be a System or a callable"),
+        ("behaviors = [3]", "must be BehaviorEntry values"),
+    ],
+)
+def test_a_file_that_cannot_be_used_is_named(text, words, parts, scenario, capsys):
+    assert main(["run", scenario(), *SHORT, "--with", parts(text)]) == 2
+    assert words in capsys.readouterr().err
+
+
+def test_a_file_that_is_not_there_is_missed_at_once(scenario, capsys):
+    assert main(["run", scenario(), *SHORT, "--with", "nowhere.py"]) == 2
+    assert "nowhere.py: there is no such file" in capsys.readouterr().err
