@@ -81,3 +81,21 @@ def test_links_lead_somewhere(path):
     for target in re.findall(r"\]\(([^)#]+)(?:#[^)]*)?\)", page.read_text("utf-8")):
         if not target.startswith(("http:", "https:")):
             assert (page.parent / target).exists(), target
+
+
+@pytest.mark.parametrize(
+    "path", ["README.md", *sorted(p.name for p in DOCS.glob("*.md"))]
+)
+def test_files_that_are_named_are_there(path):
+    root = DOCS.parent
+    page = root / path if path == "README.md" else DOCS / path
+    for name in re.findall(r"`((?:\w+/)*\w+\.py)`(?!\])", page.read_text("utf-8")):
+        places = [
+            root,
+            root / "atlas_drake",
+            root / "benchmarks",
+            root / "examples",
+            DOCS,
+        ]
+        found = any((place / name).exists() for place in places)
+        assert found or (page.parent / name).exists(), f"{path} names {name}"
