@@ -40,9 +40,12 @@ def _resolved(path: Path) -> Path:
         OSError: Of links that go in a circle.
     """
     try:
-        return path.resolve()
+        target = path.resolve()
     except RuntimeError as error:
         raise OSError(errno.ELOOP, os.strerror(errno.ELOOP), str(path)) from error
+    if target.is_symlink():  # Python 3.13 and later leave a circle as it is.
+        raise OSError(errno.ELOOP, os.strerror(errno.ELOOP), str(path))
+    return target
 
 
 @contextmanager
