@@ -15,6 +15,11 @@ port                           value
 ``imu``               input    ``Imu``
 ===================== ======== ======================================================
 
+What ``imu`` and ``user_forecast`` say depends on the efforts of the same instant. A
+controller reads them in a periodic update, and declares ``behavior_effort`` with
+``prerequisites_of_calc`` that are its state alone, as ``WholeBodyController`` does. The
+others may act on the efforts at once.
+
 Two things that are no ports are used if they are there: a method
 ``reset(context, behavior)``, called when the robot is put back on its feet (without it
 the controller gets its default state again), and an attribute ``tick_seconds``, a list
@@ -43,6 +48,8 @@ from atlas_drake.robot import Robot
 ControllerSource: TypeAlias = System | Callable[..., System]
 """A controller, or what makes one: a callable (robot, config) -> System."""
 EFFORT, STATUS = "behavior_effort", "controller_status"
+DELAYED = ("imu", "user_forecast")
+"""Inputs that depend on the efforts, and so may not act on them at once."""
 CONTROLLER = "controller"
 """Name of the controller in the station."""
 
@@ -93,6 +100,15 @@ class ControllerSocket:
                 raise ControllerError(
                     f"{_named(self.system)} has an input port {name!r} that is "
                     f"{_kind(port)}; the station's is {_kind(source)}"
+                )
+            if name in DELAYED and self.system.HasDirectFeedthrough(
+                index, self.effort.get_index()
+            ):
+                raise ControllerError(
+                    f"the port {EFFORT!r} of {_named(self.system)} reads {name!r}, "
+                    "which depends on the efforts of the same instant. Read it in a "
+                    "periodic update, and give the port prerequisites_of_calc without "
+                    "it, such as {self.xd_ticket()}"
                 )
             builder.Connect(source, port)
 
@@ -160,8 +176,7 @@ def add_controller(
 
 
 def _named(system: System) -> str:
-    name = system.get_name()
-    return f"the controller {name!r}" if name else f"the {type(system).__name__}"
+    return f"the controller ({type(system).__name__})"
 
 
 def _kind(port: object) -> str:

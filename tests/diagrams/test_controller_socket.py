@@ -11,6 +11,7 @@ from pydrake.systems.framework import LeafSystem
 from atlas_drake import AtlasCommand, AtlasSimulation, Behavior, Scenario, read_log
 from atlas_drake.diagrams.atlas_station import make_atlas_station
 from atlas_drake.diagrams.controller_socket import ControllerError
+from atlas_drake.frozen import NOTHING
 from atlas_drake.messages.controller_status import (
     ControllerStatus,
     Plan,
@@ -175,6 +176,17 @@ def with_input(name, size):
     return system
 
 
+def with_message(name):
+    system = LeafSystem()
+    port = system.DeclareAbstractInputPort(name, AbstractValue.Make(NOTHING))
+    system.DeclareVectorOutputPort(
+        "behavior_effort",
+        28,
+        lambda context, out: (port.Eval(context), out.SetZero()),
+    )
+    return system
+
+
 @pytest.mark.parametrize(
     ("controller", "words"),
     [
@@ -185,6 +197,8 @@ def with_input(name, size):
         (with_input("stat", 69), "input port 'stat'.* Did you mean 'state'"),
         (with_input("state", 7), "input port 'state' that is a vector of size 7"),
         (with_input("commands", 7), "the station's is abstract-valued"),
+        (with_message("imu"), "reads 'imu'.*periodic update"),
+        (with_message("user_forecast"), "reads 'user_forecast'.*periodic update"),
     ],
 )
 def test_a_controller_that_does_not_fit_is_refused(controller, words):
