@@ -3,8 +3,7 @@
 Phases: SHIFT (weight over the first stance foot), then SWING and TRANSFER for each
 step, then SETTLE over both feet. The DCM plan is made anew at every change of phase
 from where the feet really are, and within a swing when balance asks for another
-landing place. The phases are in ``phases``; what happens in them, in
-``double_support``, ``single_support`` and ``settling``.
+landing place.
 """
 
 from __future__ import annotations
@@ -50,7 +49,11 @@ _UPRIGHT = np.zeros(2)
 
 
 class Walk:
-    """Walks over given footsteps."""
+    """Walks over given footsteps.
+
+    Reads what is asked, and hands each phase to its control: ``DoubleSupport``,
+    ``SingleSupport`` or ``Settling``.
+    """
 
     def __init__(
         self,
