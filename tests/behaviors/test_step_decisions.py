@@ -1,5 +1,6 @@
 """What STEP decides of weight shift and loads, without a simulation."""
 
+import dataclasses
 import math
 
 import numpy as np
@@ -8,7 +9,8 @@ import pytest
 from atlas_drake import AtlasSimInterfaceCommand
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.body_reference import capture_body
-from atlas_drake.behaviors.step.memory import StepPhase, StepRules
+from atlas_drake.behaviors.step.phases import Lower, Rest, Settle, Shift, Swing
+from atlas_drake.behaviors.step.rules import StepRules
 from atlas_drake.behaviors.step.step import Step
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.weight_shift import WeightShift
@@ -52,9 +54,9 @@ def tick(step, memory, seen, command, leaving=False):
     return step.update(memory, seen, capture_body(seen.terms), command, leaving)
 
 
-def swaying(step, seen, command):
+def shifting(step, seen, command):
     outcome = tick(step, entered(step, seen, command), seen, command)
-    assert outcome.memory.phase is StepPhase.SWAY
+    assert isinstance(outcome.memory, Shift)
     return outcome.memory
 
 
@@ -69,15 +71,15 @@ def test_a_weight_shift_starts_where_the_robot_is_and_how_it_moves(
 ):
     seen, command = observe(speed=speed), request()
     memory = entered(step, seen, command)
-    np.testing.assert_allclose(memory.sway.start, dcm(seen, balance), atol=0.002)
+    np.testing.assert_allclose(memory.shift.start, dcm(seen, balance), atol=0.002)
     middle = 0.5 * (seen.terms.feet[LEFT].p_WF + seen.terms.feet[RIGHT].p_WF)[:2]
-    np.testing.assert_allclose(memory.sway.end, middle)
-    memory = swaying(step, seen, command)
-    np.testing.assert_allclose(memory.sway.start, dcm(seen, balance), atol=0.002)
+    np.testing.assert_allclose(memory.shift.end, middle)
+    memory = shifting(step, seen, command)
+    np.testing.assert_allclose(memory.shift.start, dcm(seen, balance), atol=0.002)
     # Over the right foot, a centimetre short of its middle.
     right = seen.terms.feet[RIGHT].p_WF
     np.testing.assert_allclose(
-        memory.sway.end, right[:2] + np.array([0.0, 0.01]), atol=0.001
+        memory.shift.end, right[:2] + np.array([0.0, 0.01]), atol=0.001
     )
 
 
@@ -87,7 +89,7 @@ def test_a_slope_that_is_too_steep_is_told(step, observe, tilt, less):
     normal = Vector3(math.sin(tilt), 0.0, math.cos(tilt))
     command.step_params.desired_step_spec.foot.normal = normal
     outcome = tick(step, entered(step, seen, command), seen, command)
-    assert outcome.memory.phase is StepPhase.SWAY
+    assert isinstance(outcome.memory, Shift)
     told = [] if less is None else [f"step 1 is tilted {less} rad less than its normal"]
     assert [event.text for event in outcome.events] == told
 
@@ -96,56 +98,67 @@ def test_a_slope_that_is_too_steep_is_told(step, observe, tilt, less):
 def test_no_weight_shift_begins_while_the_robot_is_about_to_tip(step, observe, speed):
     seen, command = observe(speed=speed), request()
     outcome = tick(step, entered(step, seen, command), seen, command)
-    assert outcome.memory.phase is StepPhase.REST
+    assert isinstance(outcome.memory, Rest)
     # The step is not lost: it begins when the robot has come to rest.
     assert outcome.events == ()
     later = tick(step, outcome.memory, observe(), command)
-    assert later.memory.phase is StepPhase.SWAY
-    assert later.memory.index == 1
+    assert isinstance(later.memory, Shift)
+    assert later.memory.progress.index == 1
 
 
 @pytest.mark.parametrize("speed", [0.45, -0.45])
 def test_a_weight_shift_is_given_up_when_the_robot_begins_to_tip(step, observe, speed):
     command = request()
-    memory = swaying(step, observe(), command)
+    memory = shifting(step, observe(), command)
     steady = tick(step, memory, observe(), command)
-    assert steady.memory.phase is StepPhase.SWAY
+    assert isinstance(steady.memory, Shift)
     assert steady.events == ()
     outcome = tick(step, memory, observe(speed=speed), command)
-    assert outcome.memory.phase is StepPhase.REST
+    assert isinstance(outcome.memory, Rest)
     (event,) = outcome.events
     assert event.kind == STEPS_LEFT
     assert "step 1 is not taken: its foot cannot be spared" in event.text
     # The next step waits until the weight is back between the feet.
     second = request(2)
     waits = tick(step, outcome.memory, observe(), second)
-    assert waits.memory.phase is StepPhase.REST
-    back = replace(outcome.memory, elapsed=outcome.memory.sway.duration)
+    assert isinstance(waits.memory, Rest)
+    back = replace(outcome.memory, elapsed=outcome.memory.shift.duration)
     begins = tick(step, back, observe(), second)
-    assert begins.memory.phase is StepPhase.SWAY
-    assert not begins.memory.gave_up
+    assert isinstance(begins.memory, Shift)
+    assert begins.memory.progress.index == 2
 
 
 def test_a_foot_that_stays_loaded_is_given_up_after_a_while(step, observe):
     command = request()
-    memory = swaying(step, observe(), command)
-    end = memory.sway.duration + RULES.longest_wait
+    memory = shifting(step, observe(), command)
+    end = memory.shift.duration + RULES.longest_wait
     waits = tick(step, replace(memory, elapsed=end - 0.01), observe(), command)
-    assert waits.memory.phase is StepPhase.SWAY
+    assert isinstance(waits.memory, Shift)
     gives_up = tick(step, replace(memory, elapsed=end), observe(), command)
-    assert gives_up.memory.phase is StepPhase.REST
+    assert isinstance(gives_up.memory, Rest)
     assert gives_up.events[-1].kind == STEPS_LEFT
 
 
 def standing_still_at(memory, place, **fields):
     """The memory with a weight shift that is at ``place`` from now on."""
-    sway = WeightShift(place, place, 1.0)
-    return replace(memory, sway=sway, sway_time=1.0, **fields)
+    shift = WeightShift(place, place, 1.0)
+    return replace(memory, shift=shift, shift_time=1.0, **fields)
+
+
+def in_phase(kind, memory, **fields):
+    """The same step in another phase."""
+    if kind is Rest:
+        fields["last"] = memory.taken
+    elif kind is Settle:
+        fields["went_back"] = False
+    names = {field.name for field in dataclasses.fields(kind)}
+    kept = {name: value for name, value in vars(memory).items() if name in names}
+    return kind(**{**kept, **fields})
 
 
 def commanded(step, memory, seen):
     """Both feet's contacts; the reference is held still for the look."""
-    return step._stance.command(memory, seen, capture_body(seen.terms)).contacts
+    return step._command(memory, seen, capture_body(seen.terms)).contacts
 
 
 @pytest.mark.parametrize("pressed", [LEFT, RIGHT])
@@ -153,26 +166,27 @@ def test_a_foot_is_pressed_flat_only_as_far_as_balance_allows(
     step, observe, balance, pressed
 ):
     seen = observe()
-    memory = swaying(step, seen, request(foot=pressed, y=0.14 - 0.28 * pressed))
+    memory = shifting(step, seen, request(foot=pressed, y=0.14 - 0.28 * pressed))
     here = dcm(seen, balance)
-    settling = standing_still_at(memory, here, phase=StepPhase.SETTLE)
+    memory = in_phase(Settle, memory)
+    settling = standing_still_at(memory, here)
     feet = commanded(step, settling, seen)
     least = RULES.settling_load * balance.weight
     assert feet[pressed].min_normal_force == pytest.approx(least)
     assert feet[1 - pressed].min_normal_force == 0.0
     # The CoP is wanted at the outer edge of the other foot: no load on this one.
     away = seen.terms.feet[pressed].p_WF[:2] - here
-    settling = standing_still_at(memory, here + away, phase=StepPhase.SETTLE)
+    settling = standing_still_at(memory, here + away)
     feet = commanded(step, settling, seen)
     assert feet[pressed].min_normal_force == pytest.approx(0.0, abs=1e-6)
 
 
 def test_a_foot_that_is_unloaded_is_loaded_again_for_balance(step, observe, balance):
     seen = observe()
-    memory = swaying(step, seen, request(foot=LEFT))
+    memory = shifting(step, seen, request(foot=LEFT))
     here, left = dcm(seen, balance), seen.terms.feet[LEFT].p_WF[:2]
     # At the end of the weight shift no load is left on the foot ...
-    done = {"elapsed": memory.sway.duration, "heel": 0.0}
+    done = {"elapsed": memory.shift.duration, "heel": 0.0}
     right = seen.terms.feet[RIGHT].p_WF[:2]
     well = standing_still_at(memory, here + 0.5 * (here - right), **done)
     feet = commanded(step, well, seen)
@@ -192,27 +206,28 @@ def time_left(step, memory):
 
 
 def test_the_time_left_counts_to_the_end_of_the_step_in_every_phase(step, observe):
-    memory = swaying(step, observe(), request())
-    sway, swing, settle = memory.sway.duration, memory.swing.duration, RULES.settle
+    memory = shifting(step, observe(), request())
+    shift, swing = memory.shift.duration, memory.taken.swing.duration
+    settle = RULES.settle
     for phase, elapsed, left in (
-        (StepPhase.SWAY, 0.0, sway + swing + settle),
-        (StepPhase.SWAY, sway, swing + settle),
-        (StepPhase.SWAY, sway + 0.2, swing + settle),
-        (StepPhase.SWING, 0.0, swing + settle),
-        (StepPhase.LOWER, 0.75 * swing, 0.25 * swing + settle),
-        (StepPhase.LOWER, swing + 0.3, settle),
-        (StepPhase.SETTLE, 0.0, settle),
-        (StepPhase.SETTLE, 0.1, settle - 0.1),
-        (StepPhase.SETTLE, settle + 0.1, 0.0),
-        (StepPhase.REST, 0.1, 0.0),
+        (Shift, 0.0, shift + swing + settle),
+        (Shift, shift, swing + settle),
+        (Shift, shift + 0.2, swing + settle),
+        (Swing, 0.0, swing + settle),
+        (Lower, 0.75 * swing, 0.25 * swing + settle),
+        (Lower, swing + 0.3, settle),
+        (Settle, 0.0, settle),
+        (Settle, 0.1, settle - 0.1),
+        (Settle, settle + 0.1, 0.0),
+        (Rest, 0.1, 0.0),
     ):
-        now = replace(memory, phase=phase, elapsed=elapsed)
+        now = in_phase(phase, memory, elapsed=elapsed)
         assert time_left(step, now) == pytest.approx(left), (phase, elapsed)
 
 
 def test_standing_leaves_no_step_unsaid(step, observe):
     seen, command = observe(), request()
-    memory = swaying(step, seen, command)
+    memory = shifting(step, seen, command)
     outcome = tick(step, memory, seen, command, leaving=True)
     assert outcome.finished
     (event,) = outcome.events
@@ -221,29 +236,29 @@ def test_standing_leaves_no_step_unsaid(step, observe):
     (event,) = tick(step, memory, seen, request(2), leaving=True).events
     assert event.text == "STEP ends without the steps 1, 2"
     # After a step that is done there is nothing to say.
-    done = replace(memory, phase=StepPhase.REST)
+    done = in_phase(Rest, memory)
     assert tick(step, done, seen, command, leaving=True).events == ()
 
 
 def test_status_says_whether_a_foot_is_in_the_air(step, observe):
     seen, command = observe(), request()
-    memory = swaying(step, seen, command)
+    memory = shifting(step, seen, command)
     for phase, flag in (
-        (StepPhase.SWAY, StepStatus.SUBSTATE_SWAYING),
-        (StepPhase.SWING, StepStatus.SUBSTATE_STEPPING),
+        (Shift, StepStatus.SUBSTATE_SWAYING),
+        (Swing, StepStatus.SUBSTATE_STEPPING),
     ):
-        now = replace(memory, phase=phase, elapsed=0.0)
+        now = in_phase(phase, memory, elapsed=0.0)
         assert tick(step, now, seen, command).status_flags == flag
 
 
 def test_the_body_sinks_with_a_foot_that_finds_no_ground(step, observe):
-    memory = swaying(step, observe(), request())
-    goal, swing = memory.step.pose, memory.swing
-    lowering = replace(memory, phase=StepPhase.LOWER, elapsed=0.8 * swing.duration)
-    foothold = step._stance._foothold(lowering)
+    memory = shifting(step, observe(), request())
+    goal, swing = memory.taken.step.pose, memory.taken.swing
+    lowering = in_phase(Lower, memory, elapsed=0.8 * swing.duration)
+    foothold = lowering.foothold()
     np.testing.assert_array_equal(foothold.p_WF, goal.p_WF)
     late = replace(lowering, elapsed=swing.duration + 0.3)
-    foothold = step._stance._foothold(late)
+    foothold = late.foothold()
     assert goal.p_WF[2] - foothold.p_WF[2] > 0.02
     np.testing.assert_array_equal(foothold.p_WF[:2], goal.p_WF[:2])
 
@@ -267,6 +282,11 @@ def test_a_relative_height_counts_from_the_foot_that_stays(step, observe, foot):
 @pytest.mark.parametrize("foot", [LEFT, RIGHT])
 def test_at_rest_the_body_is_half_way_between_the_feet(step, observe, foot):
     memory = entered(step, observe(), request())
-    level = step._stance.body_target(memory).height
-    up = step._stance.body_target(raised(memory, foot, 0.01)).height
+
+    def height(memory):
+        reach = step._control(memory).reach(memory)
+        return step._stance.body_target(memory, reach).height
+
+    level = height(memory)
+    up = height(raised(memory, foot, 0.01))
     assert up == pytest.approx(level + 0.005)

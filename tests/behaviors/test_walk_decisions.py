@@ -5,7 +5,8 @@ import pytest
 
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.body_reference import BodyRates, capture_body
-from atlas_drake.behaviors.walk.memory import Phase, WalkRules
+from atlas_drake.behaviors.walk.phases import Settle, Swing
+from atlas_drake.behaviors.walk.rules import WalkRules
 from atlas_drake.behaviors.walk.walk import Walk
 from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.gains import ControlGains
@@ -32,22 +33,22 @@ def test_feet_that_lie_elsewhere_at_lift_off_may_end_the_walk(
 ):
     seen, command = observe(), walk_message((1, 0, 0.2, 0.14))
     body = capture_body(seen.terms)
-    memory = walk.enter(seen, body, command)
+    phase = walk.enter(seen, body, command)
     # The walk last saw the feet level with the step; since, they have come down.
-    feet = tuple(raised(foot, height) for foot in memory.feet)
-    (step,) = memory.pending
+    feet = tuple(raised(foot, height) for foot in phase.course.feet)
+    (step,) = phase.course.pending
     place = np.array([*step.p_WF[:2], feet[1].p_WF[2]])
-    memory = replace(
-        memory,
-        elapsed=memory.duration + RULES.longest_wait,
-        feet=feet,
-        pending=(replace(step, p_WF=place),),
+    pending = (replace(step, p_WF=place),)
+    phase = replace(
+        phase,
+        elapsed=phase.duration + RULES.longest_wait,
+        course=replace(phase.course, feet=feet, pending=pending),
     )
-    outcome = walk.update(memory, seen, body, command, leaving=False)
+    outcome = walk.update(phase, seen, body, command, leaving=False)
     if height == 0.0:
-        assert outcome.memory.phase is Phase.SWING
+        assert isinstance(outcome.memory, Swing)
         return
-    assert outcome.memory.phase is Phase.SETTLE
+    assert isinstance(outcome.memory, Settle)
     assert outcome.memory.obstacle == "step 1 leads 0.15 m up, which is too much"
     (event,) = outcome.events
     assert event.text.startswith("WALK will end before step 1")

@@ -7,13 +7,18 @@ import numpy as np
 import pytest
 
 from atlas_drake.behaviors.footstep_event import footstep_event, landed_elsewhere
-from atlas_drake.behaviors.walk.memory import Phase, WalkMemory
 from atlas_drake.behaviors.walk.outlook import (
     LOOK_AHEAD,
     look_ahead,
     subject,
-    time_to_touchdown,
     warnings_about,
+)
+from atlas_drake.behaviors.walk.phases import (
+    Course,
+    Settle,
+    Shift,
+    Swing,
+    Transfer,
 )
 from atlas_drake.control.feet.footstep import (
     LEFT,
@@ -44,32 +49,11 @@ def step(index, x=0.0, *, yaw=0.0, z=GROUND, foot=None, y=None, **changes):
     return dataclasses.replace(taken, **changes)
 
 
-def memory_of(steps, feet=None, aimed=None, **changes):
+def outlook_of(steps, feet=None, aimed=None, in_air=None, **changes):
     feet = feet or (foot_at(LEFT), foot_at(RIGHT))
-    memory = WalkMemory(
-        phase=Phase.SHIFT,
-        elapsed=0.0,
-        duration=0.8,
-        feet=feet,
-        aimed=aimed or feet,
-        pending=tuple(steps),
-        current=None,
-        commanded=None,
-        swing=None,
-        plan=None,
-        plan_time=0.0,
-        unloading=None,
-        sensitivity=1.0,
-        support=None,
-        omega=3.0,
-        next_index=1,
-        seen_params=None,
-    )
-    return dataclasses.replace(memory, **changes)
-
-
-def outlook_of(steps, *args, **kwargs):
-    return look_ahead(memory_of(steps, *args, **kwargs), LIMITS, SLACK)
+    course = Course(feet, aimed or feet, tuple(steps), next_index=1, params=None)
+    course = dataclasses.replace(course, **changes)
+    return look_ahead(course, in_air, LIMITS, SLACK)
 
 
 def texts(outlook, told=frozenset()):
@@ -125,12 +109,7 @@ def test_the_step_in_the_air_is_where_the_next_one_begins():
     feet = (foot_at(LEFT), foot_at(RIGHT))
     in_air = step(1, 0.3)
     outlook = outlook_of(
-        [step(2, 5.0)],
-        feet,
-        phase=Phase.SWING,
-        current=in_air,
-        commanded=step(1, 0.35),
-        next_index=2,
+        [step(2, 5.0)], feet, in_air=in_air, last_foot=LEFT, next_index=2
     )
     assert outlook.steps[0] is in_air
     # Balance may have moved it: that is no saturation.
@@ -246,22 +225,38 @@ def test_a_landing_tells_how_far_it_is_off_in_place_and_heading():
     assert event.data["error_rad"] == pytest.approx(2 * math.pi - 6.2)
 
 
-def test_the_time_to_touchdown_counts_through_the_phases_of_a_step():
+@pytest.fixture
+def in_phase():
+    """Makes a phase of a walk, whose course and plan do not matter."""
+
+    def make(phase, **fields):
+        return phase(course=None, plan=None, support=None, **fields)
+
+    return make
+
+
+def test_the_time_to_touchdown_counts_through_the_phases_of_a_step(in_phase):
     steps = [step(1, duration=0.8), step(2, duration=1.0)]
     swing = TIMING.swing(steps[0].duration)
-    shift = memory_of(steps, elapsed=0.3)
-    assert time_to_touchdown(shift, steps, TIMING) == pytest.approx(0.5 + swing)
+    shift = in_phase(Shift, duration=0.8, elapsed=0.3, unloading=LEFT)
+    assert shift.time_to_touchdown(steps, TIMING) == pytest.approx(0.5 + swing)
+    assert shift.time_to_touchdown((), TIMING) == 0.0
     # At the end of a transfer as at the beginning of the swing.
-    transfer = dataclasses.replace(shift, phase=Phase.TRANSFER, elapsed=0.8)
-    assert time_to_touchdown(transfer, steps, TIMING) == pytest.approx(swing)
+    transfer = in_phase(Transfer, duration=0.8, elapsed=0.8, unloading=LEFT)
+    assert transfer.time_to_touchdown(steps, TIMING) == pytest.approx(swing)
     waiting = dataclasses.replace(transfer, elapsed=0.9)
-    assert time_to_touchdown(waiting, steps, TIMING) == pytest.approx(swing)
-    lifted = dataclasses.replace(
-        shift, phase=Phase.SWING, elapsed=0.0, duration=swing, current=steps[0]
+    assert waiting.waiting
+    assert waiting.time_to_touchdown(steps, TIMING) == pytest.approx(swing)
+    lifted = in_phase(
+        Swing,
+        duration=swing,
+        step=steps[0],
+        sent=steps[0],
+        motion=None,
+        sensitivity=1.0,
     )
-    assert time_to_touchdown(lifted, steps, TIMING) == pytest.approx(swing)
+    assert lifted.time_to_touchdown(steps, TIMING) == pytest.approx(swing)
     late = dataclasses.replace(lifted, elapsed=swing + 0.1)
-    assert time_to_touchdown(late, steps, TIMING) == 0.0
-    settling = dataclasses.replace(shift, phase=Phase.SETTLE)
-    assert time_to_touchdown(settling, steps, TIMING) == 0.0
-    assert time_to_touchdown(shift, (), TIMING) == 0.0
+    assert late.time_to_touchdown(steps, TIMING) == 0.0
+    settling = in_phase(Settle, duration=0.8, obstacle="")
+    assert settling.time_to_touchdown(steps, TIMING) == 0.0

@@ -12,7 +12,7 @@ from pydrake.multibody.plant import MultibodyPlantConfig
 
 from atlas_drake import Block, Scenario, ScenarioError, Start, load_scenario
 from atlas_drake.behaviors.config import ControllerConfig
-from atlas_drake.behaviors.walk.memory import WalkRules
+from atlas_drake.behaviors.walk.rules import WalkRules
 from atlas_drake.control.gains import PdGains
 from atlas_drake.errors import shown
 from atlas_drake.kinds import as_plain

@@ -46,11 +46,11 @@ class StepAction:
         swing_height: Rise above the lift height while moving across [m].
         lift_height: Straight up, above the higher of the two footholds [m].
         knee_nominal: Flexion of the standing knee [rad].
-        max_body_accel: Bounds the sway's duration [m/s²].
+        max_body_accel: Bounds the duration of the weight shift [m/s²].
         max_foot_vel: Bounds the step's duration [m/s].
         sway_end_dist: How far short of the standing sole's middle the sway ends [m].
         step_end_dist: How far the body leans into the step as the foot comes down [m].
-        toe_off: Whether the heel left behind may rise in the sway.
+        toe_off: Whether the heel left behind may rise in the weight shift.
     """
 
     step_duration: float = 0.7

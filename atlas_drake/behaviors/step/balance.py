@@ -1,26 +1,49 @@
-"""How STEP keeps its balance: references of body, feet and center of mass in a phase.
+"""How STEP keeps its balance, whatever the phase: references of body, CoM and loads.
 
-From the memory of ``step`` to the QP's command. Phases and steps are not decided here.
+What a phase adds to it is in ``both_feet``, ``shift`` and ``single_support``.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
 import numpy as np
 
-from atlas_drake.behaviors.balance import FULL_LOAD, Balance, FootCommand
+from atlas_drake.behaviors.balance import Balance, FootCommand
 from atlas_drake.behaviors.base import Observation
-from atlas_drake.behaviors.body_reference import BodyReference, BodyTarget
-from atlas_drake.behaviors.step.memory import StepMemory, StepPhase, StepRules
+from atlas_drake.behaviors.body_reference import BodyTarget
+from atlas_drake.behaviors.step.action import StepAction
+from atlas_drake.behaviors.step.phases import StepPhase
 from atlas_drake.behaviors.step.plan import StepPlanner
+from atlas_drake.behaviors.step.progress import TakenStep
+from atlas_drake.behaviors.step.rules import StepRules
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.load_share import load_share_range
 from atlas_drake.control.balance.support_polygon import SupportPolygon
+from atlas_drake.control.balance.weight_shift import (
+    WeightShift,
+    plan_weight_shift,
+    sway_duration,
+)
 from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.feet.leg_reach import highest_com
-from atlas_drake.control.feet.swing_foot import quintic_progress
-from atlas_drake.control.feet.toe_off import on_toes, toe_off_reference
 from atlas_drake.control.rotations import mean_yaw
-from atlas_drake.control.whole_body.command import WholeBodyCommand
+
+
+@dataclass(frozen=True)
+class Reach:
+    """What the legs have to reach.
+
+    Attributes:
+        height: Of the center of mass in W, if the legs reach so far [m].
+        now: Both soles as they are, or where one in the air will land.
+        later: Soles at the end of the weight shift, each with its foot.
+    """
+
+    height: float
+    now: Sequence[FootPose]
+    later: Sequence[tuple[int, FootPose]]
 
 
 class StepBalance:
@@ -34,148 +57,102 @@ class StepBalance:
         rules: StepRules,
     ):
         """Stands with the center of mass ``nominal_height`` [m] above the soles."""
-        self._balance = balance
+        self.balance = balance
+        self.planner = planner
+        self.rules = rules
         self._nominal_height = nominal_height
-        self._planner = planner
-        self._rules = rules
 
-    def command(
-        self, memory: StepMemory, seen: Observation, body: BodyReference
-    ) -> WholeBodyCommand:
-        """The QP's command of one tick."""
-        omega = self.omega(seen, self._carrying(memory))
-        reference, support = memory.dcm_reference(omega), self.support(memory)
-        cop = self._balance.wanted_cop(seen, reference, omega, support)
-        return self._balance.command(
-            seen,
-            body,
-            reference,
-            omega,
+    def omega(self, observation: Observation, feet: tuple[FootPose, ...]) -> float:
+        """Computes the natural frequency of the pendulum on ``feet`` [1/s]."""
+        ground = sum(float(foot.p_WF[2]) for foot in feet) / len(feet)
+        return feedback.pendulum_frequency(float(observation.terms.com[2]) - ground)
+
+    def dcm_outside(
+        self, phase: StepPhase, observation: Observation, support: SupportPolygon
+    ) -> float:
+        """Computes how far the DCM of both feet is outside ``support`` [m]."""
+        omega = self.omega(observation, phase.feet)
+        return support.distance_outside(feedback.dcm(observation.terms, omega))
+
+    def shift_to(
+        self,
+        observation: Observation,
+        end: np.ndarray,
+        action: StepAction,
+        feet: tuple[FootPose, ...],
+        support: SupportPolygon,
+    ) -> WeightShift:
+        """Plans a weight shift to ``end`` from where the robot is and how it moves."""
+        omega = self.omega(observation, feet)
+        distance = float(np.hypot(*(end - observation.terms.com[:2])))
+        least = sway_duration(distance, action.max_body_accel)
+        return plan_weight_shift(
+            feedback.dcm(observation.terms, omega),
+            end,
+            max(action.sway_duration, least),
             support,
-            self._foot_commands(memory, seen, cop),
+            self.rules.cop_inside,
+            omega,
         )
 
-    def _carrying(self, memory: StepMemory) -> tuple[FootPose, ...]:
-        """The feet that are on the ground."""
-        return (memory.feet[memory.stance],) if memory.in_air else memory.feet
+    def reach_at_rest(self, feet: tuple[FootPose, FootPose]) -> Reach:
+        """Returns what the legs reach with the body half-way between the feet."""
+        ground = 0.5 * float(feet[0].p_WF[2] + feet[1].p_WF[2])
+        return Reach(ground + self._nominal_height, feet, list(enumerate(feet)))
 
-    def omega(self, seen: Observation, feet: tuple[FootPose, ...]) -> float:
-        """Natural frequency of the pendulum on ``feet`` [1/s]."""
-        ground = sum(float(foot.p_WF[2]) for foot in feet) / len(feet)
-        return feedback.pendulum_frequency(float(seen.terms.com[2]) - ground)
+    def height_over(self, stance: FootPose, taken: TakenStep) -> float:
+        """Computes the height of the center of mass that a step asks for, in W [m]."""
+        return float(stance.p_WF[2]) + self.planner.height(taken.action)
 
-    def body_target(self, memory: StepMemory) -> BodyTarget:
-        """Where trunk and posture go: as high as asked for, and as the legs reach."""
-        feet = list(memory.feet)
-        later = list(enumerate(feet))
-        if memory.phase is StepPhase.REST:
-            ground = 0.5 * float(feet[0].p_WF[2] + feet[1].p_WF[2])
-            height = self._nominal_height
-        else:
-            ground = float(feet[memory.stance].p_WF[2])
-            height = self._planner.height(memory.how)
-            foot = memory.step.foot
-            if memory.in_air:
-                feet[foot] = self._foothold(memory)
-                later = list(enumerate(feet))
-            elif memory.phase is StepPhase.SWAY:
-                # Low enough for the landing, so that the body goes up or down once.
-                flat, half_length = feet[foot], self._planner.half_length
-                feet[foot] = on_toes(flat, self.heel(memory)[0], half_length)
-                later[foot] = (foot, on_toes(flat, memory.heel, half_length))
-                later.append((foot, memory.step.pose))
-        com = memory.sway.motion(memory.sway_time)[0]
-        reach = min(
-            highest_com(self._planner.legs, memory.hips, com, enumerate(feet)),
-            highest_com(self._planner.legs, memory.hips, memory.sway.end, later),
+    def body_target(self, phase: StepPhase, reach: Reach) -> BodyTarget:
+        """Returns trunk and posture: as high as asked for, and as the legs reach."""
+        com = phase.shift.motion(phase.shift_time)[0]
+        legs, now = self.planner.legs, reach.now
+        highest = min(
+            highest_com(legs, phase.hips, com, enumerate(now)),
+            highest_com(legs, phase.hips, phase.shift.end, reach.later),
         )
         return BodyTarget(
-            height=min(ground + height, reach),
-            yaw=mean_yaw(feet[0].yaw, feet[1].yaw),
-            joints=self._balance.robot.stand_prep,
-            pelvis_tilt=np.array([0.0, memory.lean]),
+            height=min(reach.height, highest),
+            yaw=mean_yaw(now[0].yaw, now[1].yaw),
+            joints=self.balance.robot.stand_prep,
+            pelvis_tilt=np.array([0.0, phase.lean]),
         )
 
-    def support(self, memory: StepMemory) -> SupportPolygon:
-        """Where the CoP may lie now."""
-        if self.heel(memory)[0] == 0.0:
-            return memory.support
-        return self._balance.support_on_toes(
-            memory.feet[memory.stance], memory.feet[memory.step.foot]
-        )
+    def is_fresh(self, phase: StepPhase) -> bool:
+        """Returns whether the weight has hardly begun to move."""
+        return phase.shift_time / phase.shift.duration < self.rules.fresh_share
 
-    def heel(self, memory: StepMemory) -> tuple[float, float, float]:
-        """Angle of the leaving foot's heel in the sway, with its derivatives."""
-        if memory.phase is not StepPhase.SWAY or memory.heel == 0.0:
-            return 0.0, 0.0, 0.0
-        begins = self._rules.heel_begins * memory.sway.duration
-        takes = memory.sway.duration - begins
-        share = min(max((memory.elapsed - begins) / takes, 0.0), 1.0)
-        s, ds, dds = quintic_progress(share)
-        return memory.heel * s, memory.heel * ds / takes, memory.heel * dds / takes**2
-
-    def is_fresh(self, memory: StepMemory) -> bool:
-        """Whether the weight has hardly begun to move after a landing."""
-        on_ground = memory.phase in (StepPhase.REST, StepPhase.SWAY)
-        share = memory.sway_time / memory.sway.duration
-        return on_ground and share < self._rules.fresh_share
-
-    def _foothold(self, memory: StepMemory) -> FootPose:
-        """Where the foot in the air lands: deeper when it finds no ground."""
-        goal = memory.step.pose
-        z = float(memory.planned_swing.evaluate(memory.elapsed).p_WF[2])
-        if z >= goal.p_WF[2]:
-            return goal
-        return FootPose(np.array([goal.p_WF[0], goal.p_WF[1], z]), goal.R_WF)
-
-    def _load_range(
-        self, memory: StepMemory, foot: int, cop: np.ndarray
+    def load_range(
+        self, phase: StepPhase, foot: int, cop: np.ndarray, on_toes: bool = False
     ) -> tuple[float, float]:
-        """What ``foot`` can carry with the CoP where balance wants it, in weights."""
-        balance, other = self._balance, memory.feet[foot]
-        on_toes = self.heel(memory)[0] > 0.0
+        """Computes what ``foot`` can carry with the CoP at ``cop``, in weights [-]."""
+        balance, other = self.balance, phase.feet[foot]
         return load_share_range(
             cop,
-            balance.support(memory.feet[1 - foot]),
+            balance.support(phase.feet[1 - foot]),
             balance.toes(other) if on_toes else balance.support(other),
         )
 
-    def _foot_commands(
-        self, memory: StepMemory, seen: Observation, cop: np.ndarray
+    def planted(
+        self, observation: Observation, foot: int, command: FootCommand | None = None
     ) -> tuple[FootCommand, FootCommand]:
-        """Commands both feet; balance goes before the load that a phase asks for.
-
-        A foot that has to carry too much or too little would keep the CoP away from
-        where balance wants it.
-        """
-        balance = self._balance
-        feet = [balance.planted(seen, 0), balance.planted(seen, 1)]
-        pressed = memory.fresh if self.is_fresh(memory) else None
-        if memory.phase is StepPhase.SETTLE:
-            pressed = memory.step.foot
-        if pressed is not None:
-            most = self._load_range(memory, pressed, cop)[1]
-            load = min(self._rules.settling_load, most)
-            feet[pressed] = balance.pressed(seen, pressed, load)
-        elif memory.in_air:
-            reference = memory.planned_swing.evaluate(memory.elapsed)
-            foot = memory.step.foot
-            feet[foot] = balance.swinging(seen, foot, reference)
-        elif memory.phase is StepPhase.SWAY:
-            foot = memory.step.foot
-            rest = 1.0 - memory.elapsed / memory.sway.duration
-            load = min(max(rest / self._rules.unload_share, 0.01), FULL_LOAD)
-            load = max(load, self._load_range(memory, foot, cop)[0])
-            angle, rate, acceleration = self.heel(memory)
-            if angle > 0.0:
-                reference = toe_off_reference(
-                    memory.feet[foot],
-                    angle,
-                    rate,
-                    acceleration,
-                    self._planner.half_length,
-                )
-                feet[foot] = balance.toeing_off(seen, foot, reference, load)
-            else:
-                feet[foot] = balance.planted(seen, foot, load)
+        """Commands both feet to stay planted, but for ``foot`` if it has a command."""
+        feet = [self.balance.planted(observation, other) for other in (0, 1)]
+        if command is not None:
+            feet[foot] = command
         return feet[0], feet[1]
+
+    def pressed(
+        self,
+        phase: StepPhase,
+        observation: Observation,
+        foot: int,
+        cop: np.ndarray,
+        on_toes: bool = False,
+    ) -> tuple[FootCommand, FootCommand]:
+        """Commands ``foot`` to be pressed flat, as far as balance allows."""
+        most = self.load_range(phase, foot, cop, on_toes)[1]
+        load = min(self.rules.settling_load, most)
+        pressed = self.balance.pressed(observation, foot, load)
+        return self.planted(observation, foot, pressed)

@@ -3,8 +3,8 @@
 from dataclasses import dataclass, field
 
 from atlas_drake.behaviors.body_reference import BodyRates
-from atlas_drake.behaviors.step.memory import StepRules
 from atlas_drake.behaviors.step.plan import PostureRules
+from atlas_drake.behaviors.step.rules import StepRules
 from atlas_drake.control.feet.step_swing import StepSwingProfile
 
 

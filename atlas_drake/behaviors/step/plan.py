@@ -1,7 +1,7 @@
 """How a step is taken: foothold, posture and heel that the legs can afford.
 
-Everything about a step that is decided once, before its sway. Geometry of legs and the
-torque of the standing knee; no time and no feedback.
+Everything about a step that is decided once, before its weight shift. Geometry of legs
+and the torque of the standing knee; no time and no feedback.
 """
 
 from __future__ import annotations

@@ -7,44 +7,41 @@ from __future__ import annotations
 
 import numpy as np
 
-from atlas_drake.behaviors.step.memory import StepMemory
+from atlas_drake.behaviors.step.phases import Phase
 from atlas_drake.messages.controller_status import Plan, PlannedPaths, PlannedStep
 
 TIME_STEP = 0.04
 """Between two points of a path [s]."""
 
 
-def step_plan(memory: StepMemory, omega: float) -> Plan:
-    """The plan of STEP.
+def step_plan(phase: Phase, omega: float) -> Plan:
+    """Returns the plan of STEP.
 
     Args:
-        memory: After the last tick.
+        phase: After the last tick.
         omega: Natural frequency of the pendulum [1/s].
     """
-    reference = memory.dcm_reference(omega)
-    step = memory.taken if memory.in_air else None
+    reference = phase.dcm_reference(omega)
+    in_air = phase.in_air
+    steps = () if in_air is None else (in_air.step,)
     return Plan(
-        support=memory.support.vertices,
+        support=phase.support.vertices,
         omega=omega,
         dcm_reference=reference.dcm,
         cop_reference=reference.cop,
-        footsteps=()
-        if step is None
-        else (PlannedStep(step.foot, step.p_WF, step.yaw),),
-        preview=lambda: _paths(memory, omega),
+        footsteps=tuple(PlannedStep(step.foot, step.p_WF, step.yaw) for step in steps),
+        preview=lambda: _paths(phase, omega),
     )
 
 
-def _paths(memory: StepMemory, omega: float) -> PlannedPaths:
-    if memory.in_air:
-        if memory.swing is None:
-            return PlannedPaths()
-        count = max(int(memory.swing.duration / TIME_STEP), 2)
-        times = np.linspace(0.0, memory.swing.duration, count)
-        swing = np.array([memory.swing.evaluate(t).p_WF for t in times])
-        return PlannedPaths(swing=swing)
-    shift = memory.sway
-    times = np.arange(memory.sway_time, shift.duration, TIME_STEP)
+def _paths(phase: Phase, omega: float) -> PlannedPaths:
+    if phase.in_air is not None:
+        swing = phase.in_air.swing
+        count = max(int(swing.duration / TIME_STEP), 2)
+        times = np.linspace(0.0, swing.duration, count)
+        return PlannedPaths(swing=np.array([swing.evaluate(t).p_WF for t in times]))
+    shift = phase.shift
+    times = np.arange(phase.shift_time, shift.duration, TIME_STEP)
     if times.size < 2:
         return PlannedPaths()
     references = [shift.evaluate(t, omega) for t in times]

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field
 
-from atlas_drake.behaviors.walk.memory import WalkRules
+from atlas_drake.behaviors.walk.rules import WalkRules
 from atlas_drake.control.balance.step_adjustment import StepAdjustmentLimits
 from atlas_drake.control.feet.footstep import StepSlack
 from atlas_drake.control.feet.swing_foot import SwingProfile

@@ -1,18 +1,17 @@
-"""What a walk makes of the steps that it knows: as they will be taken, and when.
+"""What a walk makes of the steps that it knows: as they will be taken, or why not.
 
-Pure functions of what the walk remembers. Which steps it knows is in ``walk_steps``;
-how they are taken, in ``walk``.
+Pure functions of the walk's course. Which steps the walk knows is in ``steps``; when
+they are taken is decided in its phases.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from atlas_drake.behaviors.footstep_event import out_of_reach, pace_changed
-from atlas_drake.behaviors.walk.memory import Phase, WalkMemory
+from atlas_drake.behaviors.walk.phases import Course
 from atlas_drake.behaviors.walk.steps import feet_to_come
 from atlas_drake.control.feet.footstep import (
     FootPose,
@@ -28,7 +27,7 @@ from atlas_drake.control.feet.footstep import (
 from atlas_drake.frozen import replace
 from atlas_drake.messages import NUM_REQUIRED_WALK_STEPS
 from atlas_drake.messages.event import Event
-from atlas_drake.robot import GaitTiming, StepLimits
+from atlas_drake.robot import StepLimits
 
 LOOK_AHEAD = NUM_REQUIRED_WALK_STEPS
 """Steps that enter the plan."""
@@ -59,21 +58,27 @@ class Outlook:
     obstacle: str = ""
 
 
-def look_ahead(memory: WalkMemory, limits: StepLimits, slack: StepSlack) -> Outlook:
-    """The steps to come, saturated one from the other.
+def look_ahead(
+    course: Course, in_air: Footstep | None, limits: StepLimits, slack: StepSlack
+) -> Outlook:
+    """Saturates the steps to come, one from the other.
 
-    The step in the air is taken as it is.
+    Args:
+        course: Of the walk.
+        in_air: The step whose foot is in the air, if any; it is taken as it is.
+        limits: What a step can be.
+        slack: How far a step may exceed the limits to make up for where feet landed.
     """
     steps, wishes = [], []
-    poses, aims = feet_to_come(memory), list(memory.aimed)
-    if memory.swinging:
-        steps.append(memory.step)
-        wishes.append(memory.step)
-        aims[memory.step.foot] = memory.step.pose
+    poses, aims = feet_to_come(course, in_air), list(course.aimed)
+    if in_air is not None:
+        steps.append(in_air)
+        wishes.append(in_air)
+        aims[in_air.foot] = in_air.pose
     loose = slack.loosen(limits)
     firm = replace(limits, rise=loose.rise)
-    last_foot = memory.last_foot
-    for step in memory.known:
+    last_foot = course.last_foot
+    for step in course.known:
         if len(steps) >= LOOK_AHEAD:
             break
         start, stance = poses[step.foot], poses[1 - step.foot]
@@ -155,23 +160,3 @@ def warnings_about(
 def subject(warning: Event) -> tuple[int, str]:
     """The step that a warning is about, and what of it: place, pace or obstacle."""
     return warning.data["index"], warning.data["about"]
-
-
-def time_to_touchdown(
-    memory: WalkMemory, coming: Sequence[Footstep], timing: GaitTiming
-) -> float:
-    """Until the foot in the air touches down, or else the next one [s].
-
-    0 when no step is to come, and where a foot is late.
-
-    Args:
-        memory: Of the walk.
-        coming: Steps that it will take.
-        timing: Of its phases.
-    """
-    left = max(memory.duration - memory.elapsed, 0.0)
-    if memory.swinging:
-        return left
-    if memory.phase is Phase.SETTLE or not coming:
-        return 0.0
-    return left + timing.swing(coming[0].duration)

@@ -9,7 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from atlas_drake.behaviors.walk.memory import WalkMemory
+from atlas_drake.behaviors.walk.phases import Phase, Swing
 from atlas_drake.control.feet.swing_foot import SwingProfile, advance_swing, begin_swing
 from atlas_drake.messages.controller_status import Plan, PlannedPaths, PlannedStep
 
@@ -17,34 +17,35 @@ TIME_STEP = 0.04
 """Between two points of a path [s]."""
 
 
-def walk_plan(memory: WalkMemory, com: np.ndarray, profile: SwingProfile) -> Plan:
+def walk_plan(phase: Phase, com: np.ndarray, profile: SwingProfile) -> Plan:
     """The plan of a walk.
 
     Args:
-        memory: After the last tick.
+        phase: After the last tick.
         com: Center of mass at that tick, horizontal in W [m], shape (2,).
         profile: Shape of the swing.
     """
-    reference = memory.dcm_reference()
-    current = [memory.step] if memory.swinging else []
+    reference = phase.dcm_reference()
+    in_air = phase.in_air
+    current = () if in_air is None else (in_air,)
     return Plan(
-        support=memory.support.vertices,
-        omega=memory.omega,
+        support=phase.support.vertices,
+        omega=phase.plan.omega,
         dcm_reference=reference.dcm,
         cop_reference=reference.cop,
         footsteps=tuple(
             PlannedStep(step.foot, step.p_WF, step.yaw)
-            for step in (*current, *memory.known)
+            for step in (*current, *phase.course.known)
         ),
-        preview=lambda: _paths(memory, com, profile),
+        preview=lambda: _paths(phase, com, profile),
     )
 
 
-def _paths(memory: WalkMemory, com: np.ndarray, profile: SwingProfile) -> PlannedPaths:
+def _paths(phase: Phase, com: np.ndarray, profile: SwingProfile) -> PlannedPaths:
     """Integrates ċ = ω (ξ - c), exactly for a DCM that stays between two points."""
-    swing = _swing_path(memory, profile)
-    plan = memory.plan
-    times = np.arange(memory.plan_time, plan.duration, TIME_STEP)
+    swing = _swing_path(phase, profile) if isinstance(phase, Swing) else None
+    plan = phase.plan
+    times = np.arange(phase.plan_time, plan.duration, TIME_STEP)
     if times.size < 2:
         return PlannedPaths(swing=swing)
     references = [plan.evaluate(t) for t in times]
@@ -58,14 +59,12 @@ def _paths(memory: WalkMemory, com: np.ndarray, profile: SwingProfile) -> Planne
     return PlannedPaths(com=np.array(path), dcm=dcm, cop=cop, swing=swing)
 
 
-def _swing_path(memory: WalkMemory, profile: SwingProfile) -> np.ndarray | None:
-    """The sole in the air, from lift-off to touchdown in W [m], shape (k, 3)."""
-    if memory.swing is None:
-        return None
-    swing = begin_swing(memory.swing.start, memory.swing.duration)
+def _swing_path(phase: Swing, profile: SwingProfile) -> np.ndarray:
+    """Samples the sole in the air, lift-off to touchdown in W [m], shape (k, 3)."""
+    swing = begin_swing(phase.motion.start, phase.motion.duration)
     points = [swing.start.p_WF]
     while swing.remaining > 0.0:
         step = min(TIME_STEP, max(swing.remaining, 1e-6))
-        swing, reference = advance_swing(swing, memory.step, profile, step)
+        swing, reference = advance_swing(swing, phase.step, profile, step)
         points.append(reference.p_WF)
     return np.array(points)

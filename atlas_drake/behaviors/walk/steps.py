@@ -1,6 +1,6 @@
 """Which steps a walk takes: those that a message asks for, or a demonstration's own.
 
-Pure functions of what the walk remembers; when steps are taken is in ``walk``.
+Pure functions; when steps are taken is decided in the phases of the walk.
 """
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from atlas_drake.behaviors.step.queue import merge
-from atlas_drake.behaviors.walk.memory import WalkMemory
+from atlas_drake.behaviors.walk.phases import Course
 from atlas_drake.control.feet.footstep import (
     LEFT,
     FootPose,
@@ -45,9 +45,14 @@ def steps_asked_for(
     )
 
 
-def feet_to_come(memory: WalkMemory) -> list[FootPose]:
-    """Where the soles are, one in the air where it will land."""
-    feet = list(memory.feet)
-    if memory.swinging:
-        feet[memory.step.foot] = memory.step.pose
+def feet_to_come(course: Course, in_air: Footstep | None) -> list[FootPose]:
+    """Returns where the soles are, one in the air where it will land.
+
+    Args:
+        course: Of the walk.
+        in_air: The step whose foot is in the air, if any.
+    """
+    feet = list(course.feet)
+    if in_air is not None:
+        feet[in_air.foot] = in_air.pose
     return feet

@@ -1,0 +1,170 @@
+"""How a step of STEP begins, and how it ends at rest: the weight shifts of both feet.
+
+Each of them starts at the robot's own DCM. When a step begins or ends is decided in
+``both_feet`` and ``shift``.
+"""
+
+from __future__ import annotations
+
+from atlas_drake.behaviors.base import Observation
+from atlas_drake.behaviors.footstep_event import out_of_reach, pace_changed
+from atlas_drake.behaviors.step.action import DesiredStep, StepAction
+from atlas_drake.behaviors.step.balance import StepBalance
+from atlas_drake.behaviors.step.phases import Rest, Settle, Shift
+from atlas_drake.behaviors.step.plan import StepPlan
+from atlas_drake.behaviors.step.progress import Progress, TakenStep
+from atlas_drake.control.feet.footstep import FootPose, resolve_height
+from atlas_drake.control.feet.leg_reach import hips_from_com
+from atlas_drake.control.feet.step_swing import StepSwingProfile, plan_step_swing
+from atlas_drake.control.feet.toe_off import on_toes
+from atlas_drake.frozen import replace
+from atlas_drake.messages import ToeOff
+from atlas_drake.messages.event import STEPS_LEFT, Event
+
+
+class StepBeginning:
+    """Makes the phases ``Rest`` and ``Shift``. Holds constants only."""
+
+    def __init__(
+        self, balance: StepBalance, default: StepAction, profile: StepSwingProfile
+    ):
+        self._balance = balance
+        self._planner = balance.planner
+        self._rules = balance.rules
+        self._default = default
+        self._profile = profile
+        self._limits = balance.balance.robot.file.step_limits
+
+    def enter(self, observation: Observation) -> Rest:
+        """Makes the rest that STEP begins with."""
+        feet = (observation.foot_pose(0), observation.foot_pose(1))
+        return self._rest_on(feet, observation, Progress())
+
+    def rest(
+        self,
+        phase: Shift | Settle,
+        observation: Observation,
+        feet: tuple[FootPose, FootPose],
+    ) -> Rest:
+        """Makes the rest after a step: the weight goes between ``feet``."""
+        uneven = abs(float(feet[0].p_WF[2] - feet[1].p_WF[2]))
+        return replace(
+            self._rest_on(feet, observation, phase.progress),
+            last=phase.taken,
+            fresh=phase.taken.foot,
+            lean=phase.lean if uneven > self._rules.level else 0.0,
+        )
+
+    def begin(
+        self, phase: Rest, observation: Observation, wanted: DesiredStep | None
+    ) -> tuple[Rest | Shift, tuple[Event, ...]]:
+        """Plans the whole step and begins to shift the weight to the stance foot.
+
+        The robot stays at rest while no step is wanted and while it is about to tip,
+        and for a step that is out of reach.
+        """
+        if wanted is None:
+            return phase, ()
+        outside = self._balance.dcm_outside(phase, observation, phase.support)
+        if outside > -self._rules.begin_inside:
+            return phase, ()
+        feet = (observation.foot_pose(0), observation.foot_pose(1))
+        plan = self._planner.plan(observation.terms, feet, wanted)
+        if plan is None:
+            text = f"step {wanted.step.index} is not taken: it is out of reach"
+            progress = replace(phase.progress, refused=phase.progress.params)
+            event = Event(observation.time, STEPS_LEFT, text)
+            return replace(phase, progress=progress), (event,)
+        step = plan.taken
+        # The slope alone: the step spec in the report has duration and swing height.
+        slope = replace(
+            resolve_height(wanted.step, feet[1 - step.foot], self._limits),
+            duration=step.duration,
+            swing_height=step.swing_height,
+        )
+        return self._shift(phase, observation, wanted, plan, feet), (
+            *out_of_reach(observation.time, wanted.step, step),
+            *pace_changed(observation.time, slope, step),
+        )
+
+    def _rest_on(
+        self,
+        feet: tuple[FootPose, FootPose],
+        observation: Observation,
+        progress: Progress,
+    ) -> Rest:
+        balance = self._balance
+        middle = 0.5 * (feet[0].p_WF + feet[1].p_WF)[:2]
+        support = balance.balance.support(*feet)
+        return Rest(
+            progress=progress,
+            feet=feet,
+            support=support,
+            hips=hips_from_com(observation.terms, self._planner.legs),
+            shift=balance.shift_to(observation, middle, self._default, feet, support),
+        )
+
+    def _shift(
+        self,
+        phase: Rest,
+        observation: Observation,
+        wanted: DesiredStep,
+        plan: StepPlan,
+        feet: tuple[FootPose, FootPose],
+    ) -> Shift:
+        balance, step = self._balance, plan.taken
+        start, goal = feet[step.foot], step.pose
+        least = self._rules.least_clearance
+        action = _below(plan.ceiling, wanted.action, start, goal, least)
+        swing = plan_step_swing(
+            on_toes(start, plan.heel, self._planner.half_length),
+            start,
+            goal,
+            action.lift_height,
+            action.swing_height,
+            action.step_duration,
+            action.max_foot_vel,
+            self._profile,
+        )
+        support = balance.balance.support(*feet)
+        shift = balance.shift_to(observation, plan.com, action, feet, support)
+        middle_z = 0.5 * (start.p_WF[2] + step.p_WF[2])
+        taken = TakenStep(
+            sent=wanted,
+            step=replace(
+                step,
+                duration=swing.duration,
+                swing_height=float(swing.top + swing.arc - middle_z),
+            ),
+            action=replace(
+                action,
+                step_duration=swing.duration,
+                sway_duration=shift.duration,
+                toe_off=ToeOff.ENABLE if plan.heel else ToeOff.DISABLE,
+            ),
+            swing=swing,
+        )
+        return Shift(
+            progress=replace(phase.progress, index=step.index),
+            feet=feet,
+            support=support,
+            hips=plan.hips,
+            shift=shift,
+            lean=plan.lean,
+            taken=taken,
+            heel=plan.heel,
+            fresh=phase.fresh if balance.is_fresh(phase) else None,
+        )
+
+
+def _below(
+    ceiling: float, action: StepAction, start: FootPose, goal: FootPose, least: float
+) -> StepAction:
+    """Returns the action with a foot that is lifted no higher than ``ceiling`` [m].
+
+    The foot is lifted ``least`` [m] above the footholds all the same.
+    """
+    room = max(ceiling - float(max(start.p_WF[2], goal.p_WF[2])), least)
+    lift = min(action.lift_height, room)
+    arc = min(action.swing_height, room - lift)
+    return replace(action, lift_height=lift, swing_height=arc)

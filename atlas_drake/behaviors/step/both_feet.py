@@ -1,0 +1,92 @@
+"""REST and SETTLE: both feet are down, and the next step may begin.
+
+What these phases do in a tick; the weight shift of a step is in ``shift``.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from atlas_drake.behaviors.balance import FootCommand
+from atlas_drake.behaviors.base import Observation
+from atlas_drake.behaviors.footstep_event import footstep_event
+from atlas_drake.behaviors.step.action import DesiredStep
+from atlas_drake.behaviors.step.balance import Reach, StepBalance
+from atlas_drake.behaviors.step.beginning import StepBeginning
+from atlas_drake.behaviors.step.phase_control import PhaseControl
+from atlas_drake.behaviors.step.phases import Phase, Rest, Settle
+from atlas_drake.control.feet.footstep import FootPose
+from atlas_drake.messages.event import Event
+
+
+class RestControl(PhaseControl[Rest]):
+    """Stands over the middle of the feet until a step is asked for."""
+
+    def __init__(self, balance: StepBalance, beginning: StepBeginning):
+        super().__init__(balance)
+        self._beginning = beginning
+
+    def advance(
+        self, phase: Rest, observation: Observation, wanted: DesiredStep | None
+    ) -> tuple[Phase, tuple[Event, ...]]:
+        """Begins the step that is wanted; after one given up, only when at rest."""
+        if phase.gave_up and phase.elapsed < phase.shift.duration:
+            return phase, ()
+        return self._beginning.begin(phase, observation, wanted)
+
+    def reach(self, phase: Rest) -> Reach:
+        """Returns both feet, with the body half-way between them."""
+        return self._balance.reach_at_rest(phase.feet)
+
+    def command_feet(
+        self, phase: Rest, observation: Observation, cop: np.ndarray
+    ) -> tuple[FootCommand, FootCommand]:
+        """Keeps both feet planted; one that landed just now is pressed flat."""
+        balance = self._balance
+        if phase.fresh is not None and balance.is_fresh(phase):
+            return balance.pressed(phase, observation, phase.fresh, cop)
+        return balance.planted(observation, 0)
+
+
+class SettleControl(PhaseControl[Settle]):
+    """Presses the new foot flat before the weight moves."""
+
+    def __init__(self, balance: StepBalance, beginning: StepBeginning):
+        super().__init__(balance)
+        self._beginning = beginning
+
+    def advance(
+        self, phase: Settle, observation: Observation, wanted: DesiredStep | None
+    ) -> tuple[Phase, tuple[Event, ...]]:
+        """Ends the step, and begins the next one if it is wanted already."""
+        if phase.elapsed < self._balance.rules.settle:
+            return phase, ()
+        taken = phase.taken
+        landed = observation.foot_pose(taken.foot)
+        rest = self._beginning.rest(
+            phase, observation, with_foot(phase.feet, taken.foot, landed)
+        )
+        following, events = self._beginning.begin(rest, observation, wanted)
+        if phase.went_back:
+            return following, events
+        landing = footstep_event(observation.time, taken.sent.step, taken.step, landed)
+        return following, (landing, *events)
+
+    def reach(self, phase: Settle) -> Reach:
+        """Returns both feet, with the body over the one that stood."""
+        stance = phase.feet[phase.taken.stance]
+        height = self._balance.height_over(stance, phase.taken)
+        return Reach(height, phase.feet, list(enumerate(phase.feet)))
+
+    def command_feet(
+        self, phase: Settle, observation: Observation, cop: np.ndarray
+    ) -> tuple[FootCommand, FootCommand]:
+        """Keeps the one foot planted and presses the new one flat."""
+        return self._balance.pressed(phase, observation, phase.taken.foot, cop)
+
+
+def with_foot(
+    feet: tuple[FootPose, FootPose], foot: int, pose: FootPose
+) -> tuple[FootPose, FootPose]:
+    """Returns the feet with one of them elsewhere."""
+    return (pose, feet[1]) if foot == 0 else (feet[0], pose)

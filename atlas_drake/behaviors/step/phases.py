@@ -1,0 +1,217 @@
+"""The state of STEP between ticks: one dataclass for each of its phases.
+
+Frozen data, and what follows from these data alone. What happens in each phase is in
+``both_feet``, ``shift`` and ``single_support``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from atlas_drake.behaviors.step.progress import Progress, TakenStep
+from atlas_drake.control.balance.dcm_plan import DcmReference
+from atlas_drake.control.balance.support_polygon import SupportPolygon
+from atlas_drake.control.balance.weight_shift import WeightShift
+from atlas_drake.control.feet.footstep import FootPose
+from atlas_drake.control.feet.swing_foot import quintic_progress
+
+
+@dataclass(frozen=True, kw_only=True)
+class StepPhase:
+    """What all phases of STEP have.
+
+    Attributes:
+        progress: What is done and asked for.
+        feet: Poses in which the soles are, or last were, on the ground.
+        support: Where the CoP may lie with both soles flat, or on the stance foot.
+        hips: Hip positions from the center of mass in W [m], shape (2, 3).
+        shift: Motion of the center of mass.
+        shift_time: Time since that motion began [s].
+        lean: Pitch of the trunk [rad].
+        elapsed: Time in the phase; in single support, since lift-off [s].
+    """
+
+    progress: Progress
+    feet: tuple[FootPose, FootPose]
+    support: SupportPolygon
+    hips: np.ndarray
+    shift: WeightShift
+    shift_time: float = 0.0
+    lean: float = 0.0
+    elapsed: float = 0.0
+
+    @property
+    def carrying(self) -> tuple[FootPose, ...]:
+        """Poses of the feet that are on the ground."""
+        return self.feet
+
+    @property
+    def in_air(self) -> TakenStep | None:
+        """The step whose foot is in the air; None while both feet are down."""
+        return None
+
+    @property
+    def reported(self) -> TakenStep | None:
+        """The step being taken or taken last, if any."""
+        return None
+
+    @property
+    def not_begun(self) -> tuple[int, ...]:
+        """Indices of steps that are under way and whose foot has not lifted off."""
+        return ()
+
+    def dcm_reference(self, omega: float) -> DcmReference:
+        """Evaluates where DCM and CoP shall be now.
+
+        Args:
+            omega: Natural frequency of the pendulum [1/s].
+        """
+        return self.shift.evaluate(self.shift_time, omega)
+
+    def time_left(self, settle: float) -> float:
+        """Computes the time until both feet carry again [s].
+
+        The ground is taken to be where it is thought to be. The time does not grow when
+        something takes longer than planned.
+
+        Args:
+            settle: Duration of ``Settle`` [s].
+        """
+        return 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rest(StepPhase):
+    """Both feet are down; the weight goes between them and stays there.
+
+    Attributes:
+        last: The step taken last; None before the first step.
+        fresh: Foot that landed just now, if any.
+        gave_up: Whether the last weight shift was given up.
+    """
+
+    last: TakenStep | None = None
+    fresh: int | None = None
+    gave_up: bool = False
+
+    @property
+    def reported(self) -> TakenStep | None:
+        """The step taken last, if any."""
+        return self.last
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stepping(StepPhase):
+    """What the phases of a step have: ``Shift``, ``Swing``, ``Lower`` and ``Settle``.
+
+    Attributes:
+        taken: The step.
+    """
+
+    taken: TakenStep
+
+    @property
+    def reported(self) -> TakenStep:
+        """The step being taken."""
+        return self.taken
+
+
+@dataclass(frozen=True, kw_only=True)
+class Shift(Stepping):
+    """Both feet are down; the weight goes over the one that stays.
+
+    Attributes:
+        heel: Angle that the leaving foot's heel has risen by at lift-off [rad].
+        fresh: Foot that landed just before, if any.
+    """
+
+    heel: float
+    fresh: int | None
+
+    @property
+    def not_begun(self) -> tuple[int, ...]:
+        """Index of the step."""
+        return (self.progress.index,)
+
+    def heel_motion(self, begins_share: float) -> tuple[float, float, float]:
+        """Evaluates the angle of the leaving foot's heel with its derivatives [rad].
+
+        Args:
+            begins_share: Share of the weight shift after which the heel rises [-].
+        """
+        if self.heel == 0.0:
+            return 0.0, 0.0, 0.0
+        begins = begins_share * self.shift.duration
+        takes = self.shift.duration - begins
+        share = min(max((self.elapsed - begins) / takes, 0.0), 1.0)
+        s, ds, dds = quintic_progress(share)
+        return self.heel * s, self.heel * ds / takes, self.heel * dds / takes**2
+
+    def time_left(self, settle: float) -> float:
+        """Computes the time until both feet carry again [s]."""
+        left = max(self.shift.duration - self.elapsed, 0.0)
+        return left + self.taken.swing.duration + settle
+
+
+@dataclass(frozen=True, kw_only=True)
+class InAir(Stepping):
+    """What the phases with a foot in the air have: ``Swing`` and ``Lower``.
+
+    Attributes:
+        went_back: Whether the foot found no ground and goes to where it came from.
+    """
+
+    went_back: bool = False
+
+    @property
+    def carrying(self) -> tuple[FootPose, ...]:
+        """Pose of the stance foot."""
+        return (self.feet[self.taken.stance],)
+
+    @property
+    def in_air(self) -> TakenStep:
+        """The step being taken."""
+        return self.taken
+
+    def foothold(self) -> FootPose:
+        """Computes where the foot lands: deeper when it finds no ground."""
+        goal = self.taken.step.pose
+        z = float(self.taken.swing.evaluate(self.elapsed).p_WF[2])
+        if z >= goal.p_WF[2]:
+            return goal
+        return FootPose(np.array([goal.p_WF[0], goal.p_WF[1], z]), goal.R_WF)
+
+    def time_left(self, settle: float) -> float:
+        """Computes the time until both feet carry again [s]."""
+        return max(self.taken.swing.duration - self.elapsed, 0.0) + settle
+
+
+@dataclass(frozen=True, kw_only=True)
+class Swing(InAir):
+    """One foot is in the air and moves up and across."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Lower(InAir):
+    """One foot is in the air and comes down."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settle(Stepping):
+    """Both feet are down; the new one is pressed flat.
+
+    Attributes:
+        went_back: Whether the foot is back where it came from.
+    """
+
+    went_back: bool
+
+    def time_left(self, settle: float) -> float:
+        """Computes the time until both feet carry again [s]."""
+        return max(settle - self.elapsed, 0.0)
+
+
+Phase = Rest | Shift | Swing | Lower | Settle
+"""The state of STEP: one of its phases."""

@@ -1,0 +1,54 @@
+"""How far STEP has come, and the step that it has in hand; the same in every phase."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from atlas_drake.behaviors.step.action import DesiredStep, StepAction
+from atlas_drake.control.feet.footstep import Footstep
+from atlas_drake.control.feet.step_swing import StepSwing
+from atlas_drake.messages import AtlasBehaviorStepParams
+
+
+@dataclass(frozen=True)
+class Progress:
+    """What is done and asked for, whatever the phase.
+
+    Attributes:
+        index: Of the step being taken or taken last; 0 before the first step.
+        leaving: Whether STAND was asked for with a foot in the air.
+        params: Parameters that were read last, to notice new ones.
+        refused: Parameters whose step cannot be taken.
+    """
+
+    index: int = 0
+    leaving: bool = False
+    params: AtlasBehaviorStepParams | None = None
+    refused: AtlasBehaviorStepParams | None = None
+
+
+@dataclass(frozen=True)
+class TakenStep:
+    """A step as it is taken.
+
+    Attributes:
+        sent: The step as it was asked for.
+        step: The same as it is taken.
+        action: What it is taken with.
+        swing: Of its foot.
+    """
+
+    sent: DesiredStep
+    step: Footstep
+    action: StepAction
+    swing: StepSwing
+
+    @property
+    def foot(self) -> int:
+        """The foot that steps."""
+        return self.step.foot
+
+    @property
+    def stance(self) -> int:
+        """The foot that stays on the ground."""
+        return 1 - self.step.foot

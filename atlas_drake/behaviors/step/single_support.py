@@ -1,0 +1,154 @@
+"""SWING and LOWER: one foot is in the air, and the body stands over the other.
+
+What these phases do in a tick; the swing is planned before lift-off, in ``beginning``.
+"""
+
+from __future__ import annotations
+
+from typing import TypeVar
+
+import numpy as np
+
+from atlas_drake.behaviors.balance import FootCommand
+from atlas_drake.behaviors.base import Observation
+from atlas_drake.behaviors.step.action import DesiredStep
+from atlas_drake.behaviors.step.balance import Reach, StepBalance
+from atlas_drake.behaviors.step.both_feet import with_foot
+from atlas_drake.behaviors.step.phase_control import PhaseControl
+from atlas_drake.behaviors.step.phases import InAir, Lower, Phase, Settle, Swing
+from atlas_drake.control.balance.weight_shift import WeightShift
+from atlas_drake.control.feet.step_swing import StepSwingProfile, plan_step_swing
+from atlas_drake.frozen import replace
+from atlas_drake.messages.event import STEPS_LEFT, Event
+
+P = TypeVar("P", bound=InAir)
+
+
+class InAirControl(PhaseControl[P]):
+    """What is the same while one foot is in the air."""
+
+    def reach(self, phase: P) -> Reach:
+        """Returns the stance foot and the foothold, deeper where no ground is."""
+        taken = phase.taken
+        stance = phase.feet[taken.stance]
+        feet = with_foot(phase.feet, taken.foot, phase.foothold())
+        height = self._balance.height_over(stance, taken)
+        return Reach(height, feet, list(enumerate(feet)))
+
+    def command_feet(
+        self, phase: P, observation: Observation, cop: np.ndarray
+    ) -> tuple[FootCommand, FootCommand]:
+        """Keeps the stance foot planted and moves the other one along its swing."""
+        foot, swing = phase.taken.foot, phase.taken.swing
+        reference = swing.evaluate(phase.elapsed)
+        command = self._balance.balance.swinging(observation, foot, reference)
+        return self._balance.planted(observation, foot, command)
+
+    def are_both_flat(self, phase: P) -> bool:
+        """Returns False: one foot is in the air."""
+        return False
+
+
+class SwingControl(InAirControl[Swing]):
+    """Moves the foot up and across."""
+
+    def advance(
+        self, phase: Swing, observation: Observation, wanted: DesiredStep | None
+    ) -> tuple[Phase, tuple[Event, ...]]:
+        """Begins to lower the foot when it has come across."""
+        if not phase.taken.swing.is_lowering(phase.elapsed):
+            return phase, ()
+        return self._begin_to_lower(phase, observation), ()
+
+    def _begin_to_lower(self, phase: Swing, observation: Observation) -> Lower:
+        """Leans into the step while the foot comes down, as far as it was asked.
+
+        But only as far as the standing foot can undo it: there may be no ground.
+        """
+        lower = Lower(**phase.__dict__)
+        taken, support = phase.taken, phase.support
+        distance = taken.action.step_end_dist
+        if distance == 0.0:
+            return lower
+        over, stance = phase.shift.end, phase.feet[taken.stance]
+        way = taken.step.p_WF[:2] - stance.p_WF[:2]
+        lean = distance * way / np.hypot(*way)
+        omega = self._balance.omega(observation, (stance,))
+        rules = self._balance.rules
+        for share in np.linspace(1.0, 0.0, 11):
+            shift = WeightShift(over, over + share * lean, taken.swing.lower)
+            inside = -support.distance_outside(shift.end)
+            # And the foot can push the body there in that time.
+            pushed = -shift.cop_outside(support, omega)
+            if inside >= rules.lean_inside and pushed >= rules.cop_inside:
+                break
+        return replace(lower, shift=shift, shift_time=0.0)
+
+
+class LowerControl(InAirControl[Lower]):
+    """Lets the foot down until it meets the ground."""
+
+    def __init__(self, balance: StepBalance, profile: StepSwingProfile):
+        super().__init__(balance)
+        self._profile = profile
+        self._touchdown_force = balance.rules.touchdown_force * balance.balance.weight
+
+    def advance(
+        self, phase: Lower, observation: Observation, wanted: DesiredStep | None
+    ) -> tuple[Phase, tuple[Event, ...]]:
+        """Ends with touchdown; a foot that finds no ground goes back."""
+        if observation.foot_force[phase.taken.foot] > self._touchdown_force:
+            return self._touch_down(phase, observation), ()
+        if phase.taken.swing.has_missed(phase.elapsed):
+            return self._step_back(phase, observation)
+        return phase, ()
+
+    def _touch_down(self, phase: Lower, observation: Observation) -> Settle:
+        """Presses the foot flat, which perhaps met the ground with an edge only."""
+        foot = phase.taken.foot
+        feet = with_foot(phase.feet, foot, observation.foot_pose(foot))
+        return Settle(
+            progress=phase.progress,
+            feet=feet,
+            support=self._balance.balance.support(*feet),
+            hips=phase.hips,
+            shift=phase.shift,
+            shift_time=phase.shift_time,
+            lean=phase.lean,
+            taken=phase.taken,
+            went_back=phase.went_back,
+        )
+
+    def _step_back(
+        self, phase: Lower, observation: Observation
+    ) -> tuple[Swing, tuple[Event, ...]]:
+        """Returns the foot to its lift-off pose, where ground is known."""
+        taken, action = phase.taken, phase.taken.action
+        home = phase.feet[taken.foot]
+        here = observation.foot_pose(taken.foot)
+        swing = plan_step_swing(
+            here,
+            here,
+            home,
+            action.lift_height,
+            action.swing_height,
+            action.step_duration,
+            action.max_foot_vel,
+            self._profile,
+        )
+        normal = home.R_WF[:, 2].copy()
+        step = replace(taken.step, p_WF=home.p_WF, yaw=home.yaw, normal=normal)
+        back = Swing(**phase.__dict__)
+        taken = replace(taken, step=step, swing=swing)
+        back = replace(back, taken=taken, elapsed=0.0, went_back=True)
+        if action.step_end_dist != 0.0:
+            # Over the standing foot again, from which it leant into the step.
+            over, stance = phase.shift.start, (phase.feet[taken.stance],)
+            quick = replace(action, sway_duration=swing.lower)
+            shift = self._balance.shift_to(
+                observation, over, quick, stance, phase.support
+            )
+            taken = replace(taken, action=replace(action, step_end_dist=0.0))
+            back = replace(back, taken=taken, shift=shift, shift_time=0.0)
+        text = f"step {step.index} found no ground and goes back"
+        return back, (Event(observation.time, STEPS_LEFT, text),)

@@ -1,0 +1,184 @@
+"""Makes the phases of a walk, each with the DCM plan that it begins with.
+
+When one phase follows another is decided in ``double_support``, ``single_support`` and
+``settling``. The maths of the plan is in ``gait``; that of the steps, in ``outlook``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TypeVar
+
+import numpy as np
+
+from atlas_drake.behaviors.balance import Balance
+from atlas_drake.behaviors.walk.config import WalkConfig
+from atlas_drake.behaviors.walk.gait import (
+    begun_at,
+    landing_sensitivity,
+    plan_walk,
+    stance_cop,
+)
+from atlas_drake.behaviors.walk.outlook import (
+    Outlook,
+    look_ahead,
+    subject,
+    warnings_about,
+)
+from atlas_drake.behaviors.walk.phases import (
+    Course,
+    Settle,
+    Shift,
+    Swing,
+    Transfer,
+    WalkPhase,
+)
+from atlas_drake.control.balance.dcm_plan import DcmPlan
+from atlas_drake.control.feet.footstep import Footstep
+from atlas_drake.control.feet.swing_foot import begin_swing
+from atlas_drake.frozen import replace
+from atlas_drake.messages.event import Event
+
+P = TypeVar("P", bound=WalkPhase)
+
+
+class WalkPlanner:
+    """Plans phases from feet and steps. Holds constants only."""
+
+    def __init__(self, balance: Balance, omega: float, config: WalkConfig):
+        """Plans for a pendulum with the natural frequency ``omega`` [1/s]."""
+        self._balance = balance
+        self._omega = omega
+        self._timing = balance.robot.file.gait_timing
+        self._limits = balance.robot.file.walk_limits
+        self._slack = config.slack
+        self._transfer_change = config.rules.transfer_change
+
+    # ---- steps ---------------------------------------------------------------
+
+    def outlook(self, course: Course, in_air: Footstep | None = None) -> Outlook:
+        """Looks ahead at the steps to come, beginning with the one in the air."""
+        return look_ahead(course, in_air, self._limits, self._slack)
+
+    def coming(
+        self, course: Course, in_air: Footstep | None = None
+    ) -> tuple[Footstep, ...]:
+        """Returns the steps to come as they will be taken, one in the air first."""
+        return self.outlook(course, in_air).steps
+
+    def warn(self, phase: P, time: float) -> tuple[P, tuple[Event, ...]]:
+        """Warns once of each step that is not taken as sent, when that is known."""
+        course = phase.course
+        outlook = self.outlook(course, phase.in_air)
+        news = warnings_about(outlook, course.told, time)
+        told = course.told.union(map(subject, news))
+        return replace(phase, course=replace(course, told=told)), news
+
+    # ---- phases --------------------------------------------------------------
+
+    def shift(self, course: Course, dcm: np.ndarray, cop: np.ndarray) -> Shift:
+        """Makes the weight shift that begins with this DCM and CoP in W [m], (2,)."""
+        support = self._balance.support(*course.feet)
+        duration = self._timing.first_shift
+        coming = self.coming(course)
+        plan = self._plan(course, coming, cop, duration)
+        return Shift(
+            course=course,
+            plan=begun_at(plan, dcm, support),
+            support=support,
+            duration=duration,
+            unloading=coming[0].foot if coming else None,
+        )
+
+    def swing(self, course: Course, late: float) -> Swing:
+        """Makes the swing of the first step to come.
+
+        Args:
+            course: With a step to come.
+            late: Time that is taken off the swing [s].
+        """
+        step = self.coming(course)[0]
+        duration = self._timing.swing(step.duration) - late
+        stance = course.feet[1 - step.foot]
+        cop = stance_cop(stance, 1 - step.foot)
+        begun = replace(
+            course,
+            pending=tuple(s for s in course.pending if s.index > step.index),
+            next_index=step.index + 1,
+            last_foot=step.foot,
+            last_index=step.index,
+        )
+        coming = self.coming(begun, step)
+        return Swing(
+            course=begun,
+            plan=self._plan(begun, coming, cop, duration, swinging=True),
+            support=self._balance.support(stance),
+            duration=duration,
+            step=step,
+            sent=next(s for s in course.pending if s.index == step.index),
+            motion=begin_swing(course.feet[step.foot], duration),
+            sensitivity=landing_sensitivity(
+                cop, duration, course.feet, coming, self._timing, self._omega
+            ),
+        )
+
+    def move_landing(self, phase: Swing, step: Footstep) -> Swing:
+        """Replans a swing for the same step with another landing place."""
+        course = phase.course
+        cop = stance_cop(course.feet[1 - step.foot], 1 - step.foot)
+        coming = self.coming(course, step)
+        plan = self._plan(course, coming, cop, phase.duration, swinging=True)
+        return replace(phase, step=step, plan=plan)
+
+    def land(self, course: Course, cop: np.ndarray, early: float) -> Transfer | Settle:
+        """Makes the phase after a touchdown: a transfer if a step is to come.
+
+        Args:
+            course: With the foot where it landed.
+            cop: Where the CoP's reference is now in W [m], shape (2,).
+            early: Time by which the foot landed before it was planned to [s].
+        """
+        coming = self.coming(course)
+        if not coming:
+            return self.settle(course, cop)
+        # The next touchdown is due a step's duration after this one was.
+        duration = self._timing.transfer(coming[0].duration)
+        change = self._transfer_change * duration
+        duration += min(max(early, -change), change)
+        return Transfer(
+            course=course,
+            plan=self._plan(course, coming, cop, duration),
+            support=self._balance.support(*course.feet),
+            duration=duration,
+            unloading=coming[0].foot,
+        )
+
+    def settle(self, course: Course, cop: np.ndarray) -> Settle:
+        """Makes the end of a walk, from this reference of the CoP in W [m], (2,)."""
+        outlook = self.outlook(course)
+        duration = self._timing.settle
+        return Settle(
+            course=course,
+            plan=self._plan(course, outlook.steps, cop, duration),
+            support=self._balance.support(*course.feet),
+            duration=duration,
+            obstacle=outlook.obstacle,
+        )
+
+    def _plan(
+        self,
+        course: Course,
+        coming: Sequence[Footstep],
+        cop: np.ndarray,
+        first_phase: float,
+        swinging: bool = False,
+    ) -> DcmPlan:
+        return plan_walk(
+            cop,
+            first_phase,
+            course.feet,
+            coming,
+            swinging,
+            self._timing,
+            self._omega,
+        )

@@ -1,0 +1,65 @@
+"""SETTLE: the robot comes to rest over both feet, and the walk ends.
+
+What the phase does in a tick; the plan that it follows is made in ``planner``.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from atlas_drake.behaviors.balance import Balance, FootCommand
+from atlas_drake.behaviors.base import Observation
+from atlas_drake.behaviors.walk.phase_control import PhaseControl
+from atlas_drake.behaviors.walk.phases import Settle, Shift
+from atlas_drake.behaviors.walk.planner import WalkPlanner
+from atlas_drake.behaviors.walk.rules import WalkRules
+from atlas_drake.messages.event import STEPS_LEFT, Event
+
+
+class Settling(PhaseControl[Settle]):
+    """Stands still until the walk is over, or until there are steps again."""
+
+    def __init__(self, balance: Balance, planner: WalkPlanner, rules: WalkRules):
+        self._balance = balance
+        self._planner = planner
+        self._rest = balance.robot.file.gait_timing.rest
+        self._rest_speed = rules.rest_speed
+
+    def advance(
+        self, phase: Settle, observation: Observation
+    ) -> tuple[Settle | Shift, tuple[Event, ...]]:
+        """Sets off once more if steps came that can be taken."""
+        if phase.obstacle or not self._planner.coming(phase.course):
+            return phase, ()
+        now = phase.planned
+        return self._planner.shift(phase.course, now.dcm, now.cop), ()
+
+    def command_feet(
+        self, phase: Settle, observation: Observation
+    ) -> tuple[Settle, tuple[FootCommand, FootCommand]]:
+        """Keeps both feet planted."""
+        left = self._balance.planted(observation, 0)
+        right = self._balance.planted(observation, 1)
+        return phase, (left, right)
+
+    def end(
+        self, phase: Settle, observation: Observation, leaving: bool
+    ) -> tuple[bool, tuple[Event, ...]]:
+        """Ends the walk when the robot is at rest, and names the steps left."""
+        speed = float(np.abs(observation.terms.com_velocity).max())
+        at_rest = (
+            phase.elapsed > phase.duration + self._rest and speed < self._rest_speed
+        )
+        if not at_rest:
+            return False, ()
+        course = phase.course
+        if course.pending:
+            left = ", ".join(str(step.index) for step in course.pending)
+            text = f"WALK ends without the steps {left}"
+            if phase.obstacle:
+                text += f": {phase.obstacle}"
+        elif course.last_foot is None and not leaving:
+            text = "WALK ends without a step: walk_params.step_queue has none"
+        else:
+            return True, ()
+        return True, (Event(observation.time, STEPS_LEFT, text),)

@@ -1,0 +1,93 @@
+"""SWING: one foot is in the air, and balance may move its landing place.
+
+What the phase does in a tick; the plans that it follows are made in ``planner``.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from atlas_drake.behaviors.balance import Balance, FootCommand
+from atlas_drake.behaviors.base import Observation
+from atlas_drake.behaviors.footstep_event import footstep_event
+from atlas_drake.behaviors.walk.config import WalkConfig
+from atlas_drake.behaviors.walk.phase_control import PhaseControl
+from atlas_drake.behaviors.walk.phases import Phase, Swing
+from atlas_drake.behaviors.walk.planner import WalkPlanner
+from atlas_drake.control.balance import feedback
+from atlas_drake.control.balance.step_adjustment import step_shift
+from atlas_drake.control.feet.footstep import LEFT, saturate
+from atlas_drake.control.feet.swing_foot import advance_swing
+from atlas_drake.frozen import replace
+from atlas_drake.messages.event import Event
+
+
+class SingleSupport(PhaseControl[Swing]):
+    """Moves the swing foot to where it keeps the balance, and notices touchdown."""
+
+    def __init__(self, balance: Balance, planner: WalkPlanner, config: WalkConfig):
+        self._balance = balance
+        self._planner = planner
+        self._rules = config.rules
+        self._profile = config.swing
+        self._adjustment = config.adjustment
+        self._limits = config.slack.loosen(balance.robot.file.walk_limits)
+        self._touchdown_force = config.rules.touchdown_force * balance.weight
+
+    def advance(
+        self, phase: Swing, observation: Observation
+    ) -> tuple[Phase, tuple[Event, ...]]:
+        """Ends the swing with touchdown."""
+        touched = (
+            phase.motion.progress >= self._rules.earliest_touchdown
+            and observation.foot_force[phase.step.foot] > self._touchdown_force
+        )
+        return self._touch_down(phase, observation) if touched else (phase, ())
+
+    def command_feet(
+        self, phase: Swing, observation: Observation
+    ) -> tuple[Swing, tuple[FootCommand, FootCommand]]:
+        """Moves the swing foot on, towards a landing place that keeps the balance."""
+        phase = self._adjust_step(phase, observation)
+        motion, reference = advance_swing(
+            phase.motion, phase.step, self._profile, observation.dt
+        )
+        foot = phase.step.foot
+        stance = self._balance.planted(observation, 1 - foot)
+        swing = self._balance.swinging(observation, foot, reference)
+        feet = (swing, stance) if foot == LEFT else (stance, swing)
+        return replace(phase, motion=motion), feet
+
+    def _touch_down(
+        self, phase: Swing, observation: Observation
+    ) -> tuple[Phase, tuple[Event, ...]]:
+        step = phase.step
+        landed = observation.foot_pose(step.foot)
+        feet, aimed = list(phase.course.feet), list(phase.course.aimed)
+        feet[step.foot], aimed[step.foot] = landed, step.pose
+        course = replace(
+            phase.course, feet=(feet[0], feet[1]), aimed=(aimed[0], aimed[1])
+        )
+        early = phase.duration - phase.elapsed
+        event = footstep_event(observation.time, phase.sent, step, landed)
+        return self._planner.land(course, phase.planned.cop, early), (event,)
+
+    def _adjust_step(self, phase: Swing, observation: Observation) -> Swing:
+        """Moves the landing place when the ankles cannot hold the DCM."""
+        remaining = phase.duration - phase.elapsed
+        if remaining < self._rules.frozen_end:
+            return phase
+        step, omega = phase.step, phase.plan.omega
+        stance = phase.course.feet[1 - step.foot]
+        shift = step_shift(
+            feedback.dcm(observation.terms, omega) - phase.planned.dcm,
+            remaining,
+            omega,
+            phase.sensitivity,
+            stance,
+            self._adjustment,
+        )
+        if float(np.abs(shift).max()) < self._rules.replan_shift:
+            return phase
+        moved = replace(step, p_WF=step.p_WF + np.append(shift, 0.0))
+        return self._planner.move_landing(phase, saturate(moved, stance, self._limits))
