@@ -50,8 +50,7 @@ class Bow(Stand):
     def update(self, memory, seen, body, request, leaving):
         """One tick; the behavior is over when the chest is upright again."""
         outcome = super().update(memory, seen, body, request, leaving)
-        bent = bool(outcome.body.chest_tilt[1] > 0.01)
-        return replace(outcome, finished=leaving and not bent)
+        return replace(outcome, finished=leaving and outcome.body.chest_tilt[1] < 0.01)
 
 
 BOW = BehaviorEntry(

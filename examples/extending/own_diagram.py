@@ -28,7 +28,7 @@ from pydrake.systems.sensors import CameraInfo, ImageWriter, PixelType, RgbdSens
 from atlas_drake import AtlasSimulation
 
 PERIOD = 0.5  # between two pictures [s]
-LENS = CameraInfo(width=320, height=240, fov_y=np.radians(60.0))
+LENS = CameraInfo(width=480, height=320, fov_y=np.radians(60.0))
 LIGHT = LightParameter(type="directional", frame="world", direction=[1.0, -0.5, -1.2])
 LIGHT.intensity = 2.0
 X_HC = RigidTransform(  # of the camera in the head: z ahead, y down
@@ -40,7 +40,7 @@ def add_scenery(plant):
     """Gives the camera something to see: a floor, and boxes ahead."""
     for name, size, p_WB, color in (
         ("floor", (20.0, 20.0, 0.02), (0.0, 0.0, -0.01), (0.75, 0.78, 0.80, 1.0)),
-        ("red", (0.4, 0.4, 0.4), (1.8, 0.5, 0.2), (0.85, 0.25, 0.2, 1.0)),
+        ("red", (0.4, 0.4, 0.4), (1.6, 0.35, 0.2), (0.85, 0.25, 0.2, 1.0)),
         ("blue", (0.3, 0.3, 1.0), (2.4, -0.5, 0.5), (0.2, 0.4, 0.8, 1.0)),
     ):
         X_WB, color = RigidTransform(p_WB), np.array(color)
