@@ -29,6 +29,7 @@ SIZE, COLORS = (480, 320), 200
 """Of the pictures [pixel], and of their palette: small files."""
 LENS, TARGET = np.array([2.6, -2.4, 1.4]), np.array([0.1, 0.0, 0.95])
 """The camera and what it looks at, from the robot's place on the ground [m]."""
+FROM_THE_LEFT = ("own_task",)
 TRACE = Rgba(0.9, 0.1, 0.3, 1.0)
 Photograph = Callable[[str, Path], None]
 """Opens a web page and writes what is seen into a file."""
@@ -44,7 +45,8 @@ def make_extending_pictures(folder: Path, photograph: Photograph) -> None:
     for name, show in VIEWS.items():
         meshcat = start_meshcat()
         middle = show(_program(name), meshcat)
-        meshcat.SetCameraPose(LENS + middle, TARGET + middle)
+        lens = LENS * [1.0, -1.0, 1.0] if name in FROM_THE_LEFT else LENS
+        meshcat.SetCameraPose(lens + middle, TARGET + middle)
         picture = folder / f"extending_{name}.png"
         photograph(meshcat.StaticHtml(), picture)
         _shrink(picture)
@@ -88,6 +90,13 @@ def _controller(own: dict[str, Any], meshcat: Meshcat) -> np.ndarray:
     sim.advance(2.0)
     sim.apply_push("utorso", [300.0, 0.0, 0.0], 0.1)
     sim.advance(1.3)
+    return _ground_below(sim)
+
+
+def _limp_arms(own: dict[str, Any], meshcat: Meshcat) -> np.ndarray:
+    """The arms hang as they fall."""
+    sim = AtlasSimulation(controller=own["make_controller"], meshcat=meshcat)
+    sim.advance(1.5)
     return _ground_below(sim)
 
 
@@ -151,6 +160,7 @@ def _source(own: dict[str, Any], meshcat: Meshcat) -> np.ndarray:
 
 VIEWS = {
     "own_controller": _controller,
+    "limp_arms": _limp_arms,
     "own_behavior": _behavior,
     "own_task": _task,
     "own_world": _world,

@@ -37,10 +37,10 @@ class Bow(Stand):
         super().__init__(tools.balance, tools.nominal_height, tools.rates)
         self._robot = tools.robot
 
-    def target(self, memory, request, leaving):
+    def target(self, memory, seen, request, leaving):
         """Where trunk and posture go; back upright once STAND is asked for."""
         depth = 0.0 if leaving else (request.params or BowParams()).depth
-        upright = super().target(memory, request, leaving)
+        upright = super().target(memory, seen, request, leaving)
         joints = self._robot.stand_prep.copy()
         joints[self._robot.joint_index("back_bky")] += depth
         height = upright.height - LOWERING * depth

@@ -40,7 +40,7 @@ def add_scenery(plant):
     """Gives the camera something to see: a floor, and boxes ahead."""
     for name, size, p_WB, color in (
         ("floor", (20.0, 20.0, 0.02), (0.0, 0.0, -0.01), (0.75, 0.78, 0.80, 1.0)),
-        ("red", (0.4, 0.4, 0.4), (1.6, 0.35, 0.2), (0.85, 0.25, 0.2, 1.0)),
+        ("red", (0.4, 0.4, 0.4), (1.9, 0.4, 0.2), (0.85, 0.25, 0.2, 1.0)),
         ("blue", (0.3, 0.3, 1.0), (2.4, -0.5, 0.5), (0.2, 0.4, 0.8, 1.0)),
     ):
         X_WB, color = RigidTransform(p_WB), np.array(color)
@@ -72,7 +72,7 @@ def main():
     folder = Path(parser.parse_args().folder)
     extend = partial(add_head_camera, files=folder / "head_{count:02}.png")
     sim = AtlasSimulation(world=[add_scenery], extend=extend)
-    sim.advance(2.2)
+    sim.advance(1.2)
     print(f"{len(list(folder.glob('head_*.png')))} pictures are in {folder}.")
 
 
