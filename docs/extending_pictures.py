@@ -118,7 +118,7 @@ def _task(own: dict[str, Any], meshcat: Meshcat) -> np.ndarray:
     sim.advance(1.0)
     hand = partial(sim.frame_pose, "l_hand")
     _trace(sim, meshcat, lambda: hand().translation(), 5.0)
-    return _ground_below(sim) - [0.4, 0.0, 0.0]
+    return _ground_below(sim) - [0.1, 0.0, 0.0]
 
 
 def _world(own: dict[str, Any], meshcat: Meshcat) -> np.ndarray:
