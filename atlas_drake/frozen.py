@@ -36,7 +36,8 @@ def replace(value: _T, **changes: Any) -> _T:
     """The same value with some fields changed.
 
     Does what ``dataclasses.replace`` does at a tenth of its cost, which matters where
-    it happens several times in a control tick. ``__post_init__`` is not run.
+    it happens several times in a control tick. ``__post_init__`` is not run. Cached
+    properties are computed anew.
 
     Args:
         value: A frozen dataclass without slots.
@@ -46,6 +47,10 @@ def replace(value: _T, **changes: Any) -> _T:
         TypeError: If there is no such field.
     """
     fields = value.__dict__
+    declared = value.__dataclass_fields__  # type: ignore[attr-defined]
+    if len(fields) != len(declared):
+        # The rest are cached properties, which belong to the old fields.
+        fields = {name: fields[name] for name in declared if name in fields}
     if not changes.keys() <= fields.keys():
         unknown = ", ".join(sorted(changes.keys() - fields.keys()))
         raise TypeError(f"{type(value).__name__} has no field {unknown}")

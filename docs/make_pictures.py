@@ -1,8 +1,8 @@
-"""Makes the pictures and the film of the README from runs of the tutorial.
+"""Makes the pictures and the film of the README, and the pictures of extending.md.
 
 Needs Chromium for the views, Graphviz for the diagram and the extra ``video``::
 
-    python docs/make_pictures.py [--browser chromium]
+    python docs/make_pictures.py [--browser chromium] [--only readme|extending]
 """
 
 # ruff: noqa: T201
@@ -11,7 +11,10 @@ import argparse
 import subprocess
 import sys
 import tempfile
+from functools import partial
 from pathlib import Path
+
+from extending_pictures import make_extending_pictures
 
 from atlas_drake import (
     AtlasSimInterfaceCommand,
@@ -70,11 +73,20 @@ def photograph(browser: str, page: str, picture: Path) -> None:
 
 
 def main() -> None:
-    """Makes all pictures."""
-    parser = argparse.ArgumentParser(description="Make the pictures of the README.")
+    """Makes all pictures, or those of one page."""
+    parser = argparse.ArgumentParser(description="Make the pictures of the pages.")
     parser.add_argument("--browser", default="chromium", help="default: %(default)s")
+    parser.add_argument("--only", choices=("readme", "extending"), help="of one page")
     options = parser.parse_args()
     IMAGES.mkdir(exist_ok=True)
+    if options.only != "extending":
+        make_readme_pictures(options.browser)
+    if options.only != "readme":
+        make_extending_pictures(IMAGES, partial(photograph, options.browser))
+
+
+def make_readme_pictures(browser: str) -> None:
+    """Makes the pictures and the film of the README."""
     write_diagram_picture(IMAGES / "diagram.svg")
     print(f"Wrote {IMAGES / 'diagram.svg'}.")
     film = ["--headless", "--video", str(IMAGES / FILM), "--video-size", FILM_SIZE]
@@ -83,7 +95,7 @@ def main() -> None:
     sim = AtlasSimulation(Scenario(programme="tutorial"), meshcat=meshcat)
     for name, time in sorted(MOMENTS.items(), key=lambda item: item[1]):
         sim.advance_to(time)
-        photograph(options.browser, meshcat.StaticHtml(), IMAGES / name)
+        photograph(browser, meshcat.StaticHtml(), IMAGES / name)
     meshcat.Delete()
     sim = AtlasSimulation(meshcat=meshcat, overlays=Overlays(THOUGHTS))
     walk = AtlasSimInterfaceCommand()
@@ -91,7 +103,7 @@ def main() -> None:
     walk.walk_params.use_demo_walk = True
     sim.publish(walk)
     sim.advance_to(THOUGHTS_AT)
-    photograph(options.browser, meshcat.StaticHtml(), IMAGES / "thoughts.png")
+    photograph(browser, meshcat.StaticHtml(), IMAGES / "thoughts.png")
     with tempfile.TemporaryDirectory() as folder:
         log = f"{folder}/tutorial.mcap"
         atlas_drake(["demo", "--headless", "--log", log])

@@ -3,6 +3,7 @@
 import copy
 import dataclasses
 from dataclasses import FrozenInstanceError, dataclass
+from functools import cached_property
 
 import pytest
 
@@ -15,6 +16,10 @@ class Value(Frozen):
 
     a: int
     b: str = "b"
+
+    @cached_property
+    def twice(self) -> int:
+        return 2 * self.a
 
 
 def test_a_changed_value_is_what_the_standard_library_makes_of_it():
@@ -37,3 +42,9 @@ def test_a_field_that_does_not_exist_is_refused():
 def test_a_copy_is_the_value_itself():
     value = Value(1)
     assert copy.deepcopy(value) is value
+
+
+def test_what_is_cached_is_not_handed_on():
+    value = Value(1)
+    assert value.twice == 2
+    assert replace(value, a=2).twice == 4

@@ -104,3 +104,16 @@ SHIPPED_ENTRIES = (
     _entry(Behavior.USER, make=lambda _tools, _config: Idle(), **_ANY_TIME),
 )
 """In the order of their numbers."""
+
+
+def shipped_entry(behavior: Behavior) -> BehaviorEntry:
+    """Return the entry of a shipped behavior, to make one of your own from.
+
+    Example:
+        >>> walk = shipped_entry(Behavior.WALK)
+        >>> replace(walk, name="MARCH", number=100, make=March, follows=("STAND",))
+
+    Args:
+        behavior: Of the original interface.
+    """
+    return next(entry for entry in SHIPPED_ENTRIES if entry.behavior is behavior)

@@ -82,6 +82,32 @@ class Log:
             )
         return self.arrays[name]
 
+    def column(self, name: str, label: str) -> np.ndarray:
+        """One element of a channel, by its label.
+
+        Example:
+            >>> log.column("world.v", "ball_ball_vx")
+
+        Args:
+            name: Of the channel.
+            label: Of the element, such as ``x``, a joint or a coordinate.
+
+        Returns:
+            Shape (rows,).
+
+        Raises:
+            KeyError: If the log has no such channel, or the channel no such element.
+        """
+        array = self[name]
+        channels = self.header.layout.channels
+        labels = next(entry.labels for entry in channels if entry.name == name)
+        if label not in labels:
+            raise KeyError(
+                f"{name} has no element {label!r}.{did_you_mean(label, labels)} It has "
+                f"{', '.join(labels) or 'a single number'}."
+            )
+        return array[:, labels.index(label)]
+
     def __len__(self) -> int:
         """Number of rows."""
         return len(self.time)

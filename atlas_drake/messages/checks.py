@@ -32,6 +32,7 @@ def check_number(
     value: object,
     field: str,
     lower: float = -math.inf,
+    upper: float = math.inf,
     *,
     strictly: bool = False,
 ) -> float:
@@ -41,14 +42,15 @@ def check_number(
         value: The value; truth values are not numbers.
         field: Its path in the message.
         lower: The least value allowed, without the unit.
+        upper: The largest value allowed.
         strictly: The value must be greater than ``lower``.
 
     Returns:
         The number.
 
     Raises:
-        InvalidMessageError: If it is none, not finite, beyond ``LARGEST`` or too
-            small.
+        InvalidMessageError: If it is none, not finite, beyond ``LARGEST``, too
+            small or too large.
     """
     number = as_float(value)
     if number is None:
@@ -63,6 +65,10 @@ def check_number(
         bound = "greater than" if strictly else "at least"
         raise InvalidMessageError(
             field, value, f"must be {bound} {lower:g}, is {shown(value)}"
+        )
+    if number > upper:
+        raise InvalidMessageError(
+            field, value, f"must be at most {upper:g}, is {shown(value)}"
         )
     return number
 

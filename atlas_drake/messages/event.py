@@ -27,3 +27,7 @@ class Event:
     kind: str
     text: str
     data: dict[str, Any] = field(default_factory=dict)
+
+    def __str__(self) -> str:
+        """When, and in which words."""
+        return f"{self.time:.3f} s: {self.text}"

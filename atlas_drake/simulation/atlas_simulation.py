@@ -704,10 +704,28 @@ class AtlasSimulation:
     @property
     def pelvis_pose(self) -> RigidTransform:
         """Pose of the pelvis in the world."""
+        return self.frame_pose(self.robot.file.pelvis)
+
+    def frame_pose(self, name: str) -> RigidTransform:
+        """Pose of a body or frame of the robot in the world.
+
+        Args:
+            name: In the robot's URDF, such as ``l_hand`` or ``r_sole``.
+
+        Raises:
+            ValueError: If the robot has neither a body nor a frame of that name.
+        """
         own = self.robot.instance(self.plant)
-        pelvis = self.plant.GetBodyByName(self.robot.file.pelvis, own)
+        if not (isinstance(name, str) and self.plant.HasFrameNamed(name, own)):
+            indices = self.plant.GetFrameIndices(own)
+            known = [self.plant.get_frame(index).name() for index in indices]
+            raise ValueError(
+                f"{self.robot.name} has no frame {name!r}."
+                f"{did_you_mean(str(name), known)} Known are {', '.join(known)}"
+            )
+        frame = self.plant.GetFrameByName(name, own)
         with self._turns:
-            return self.plant.EvalBodyPoseInWorld(self._plant_context(), pelvis)
+            return frame.CalcPoseInWorld(self._plant_context())
 
     @property
     def tick_seconds(self) -> MutableSequence[float]:

@@ -62,14 +62,16 @@ def caption_of(
     entry = catalog.entry(catalog.find(report.current_behavior))
     behavior = entry.behavior
     note = f"{users} of {len(shares)} joints under user control"
-    if users == 0:
+    if users == 0 and behavior is not Behavior.NONE:
         note = "all joints under behavior control"
     if blended:
         note = f"{note}, {blended} shared"
     if report.behavior_feedback.status_flags & BehaviorStatus.ERROR_FALLING:
         return "falling", note
-    if users == len(shares) or behavior in (Behavior.USER, Behavior.NONE):
+    if users == len(shares) or behavior is Behavior.USER:
         return "user", "all joints under user control"
+    if behavior is Behavior.NONE:  # So says a controller that has no behaviors.
+        return "no behavior", note
     title = entry.title
     if behavior is Behavior.WALK:
         walk = report.walk_feedback

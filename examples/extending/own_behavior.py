@@ -2,25 +2,20 @@
 
     python examples/extending/own_behavior.py
 
-One class and one entry. From then on it is asked for by name, refused where it cannot
-begin, logged, drawn and captioned like those that are shipped.
+One class and one entry. From then on BOW is asked for by name, refused where it cannot
+begin, logged, drawn and captioned like the behaviors that are shipped.
 """
 
-import argparse
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from atlas_drake import (
-    AtlasSimInterfaceCommand,
-    AtlasSimulation,
-    InvalidMessageError,
-)
+from atlas_drake import AtlasSimInterfaceCommand, AtlasSimulation
 from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.behaviors.stand.stand import Stand
 from atlas_drake.messages.checks import check_number
 
-DEEPEST = 0.6  # that the back bends [rad]
+LOWERING = 0.05  # of the center of mass in a bow of 1 rad [m]
 
 
 @dataclass
@@ -30,19 +25,9 @@ class BowParams:
     depth: float = 0.4  # of the bow [rad]
 
 
-@dataclass(frozen=True)
-class BowConfig:
-    """What the behavior keeps to."""
-
-    lowering: float = 0.05  # of the center of mass in a bow of 1 rad [m]
-
-
 def check_bow(params, field):
     """Refuses a bow that no back can make."""
-    if check_number(params.depth, f"{field}.depth", 0.0) > DEEPEST:
-        raise InvalidMessageError(
-            f"{field}.depth", params.depth, f"must be at most {DEEPEST} rad"
-        )
+    check_number(params.depth, f"{field}.depth", 0.0, 0.6)
 
 
 class Bow(Stand):
@@ -50,57 +35,45 @@ class Bow(Stand):
 
     def __init__(self, tools, config):
         super().__init__(tools.balance, tools.nominal_height, tools.rates)
-        self._robot, self._bow = tools.robot, config
-        self._back = tools.robot.joint_names.index("back_bky")
+        self._robot = tools.robot
 
-    def target(self, memory, request, leaving):
+    def target(self, memory, seen, request, leaving):
         """Where trunk and posture go; back upright once STAND is asked for."""
         depth = 0.0 if leaving else (request.params or BowParams()).depth
-        upright = super().target(memory, request, leaving)
+        upright = super().target(memory, seen, request, leaving)
         joints = self._robot.stand_prep.copy()
-        joints[self._back] += depth
-        return replace(
-            upright,
-            chest_tilt=np.array([0.0, depth]),
-            joints=joints,
-            height=upright.height - self._bow.lowering * depth,
-        )
+        joints[self._robot.joint_index("back_bky")] += depth
+        height = upright.height - LOWERING * depth
+        chest_tilt = np.array([0.0, depth])
+        return replace(upright, chest_tilt=chest_tilt, joints=joints, height=height)
 
     def update(self, memory, seen, body, request, leaving):
         """One tick; the behavior is over when the chest is upright again."""
         outcome = super().update(memory, seen, body, request, leaving)
-        bent = bool(outcome.body.chest_tilt[1] > 0.01)
-        return replace(outcome, finished=leaving and not bent)
+        return replace(outcome, finished=leaving and outcome.body.chest_tilt[1] < 0.01)
 
 
 BOW = BehaviorEntry(
     name="BOW",
     number=100,
     make=Bow,
-    config=BowConfig(),
     params=BowParams,
     check=check_bow,
     caption="bowing",
     color="#795548",
-    description="Bend the trunk forward while balancing.",
 )
 
 
 def main():
     """Bows, and stands up again."""
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--depth", type=float, default=0.4, help="of the bow [rad]")
-    options = parser.parse_args()
-    sim = AtlasSimulation(behaviors=[BOW], on_event=lambda event: print(event.text))
-    command = AtlasSimInterfaceCommand(behavior="BOW")
-    command.params = BowParams(depth=options.depth)
-    sim.publish(command)
+    sim = AtlasSimulation(behaviors=[BOW], on_event=print)
+    sim.publish(AtlasSimInterfaceCommand(behavior="BOW", params=BowParams(depth=0.4)))
     sim.advance(3.0)
-    bend = sim.atlas_state.position[sim.robot.joint_names.index("back_bky")]
+    bend = sim.atlas_state.position[sim.robot.joint_index("back_bky")]
     print(f"{sim.current_behavior}: the back is bent by {bend:.2f} rad.")
     sim.publish(AtlasSimInterfaceCommand(behavior="STAND"))
     sim.wait_until(lambda sim: sim.current_behavior.name == "STAND")
-    print("It fell." if sim.has_fallen else "It stands again.")
+    print("It fell." if sim.has_fallen else "It stands.")
 
 
 if __name__ == "__main__":

@@ -55,7 +55,7 @@ class GravityCompensatedPd(LeafSystem):
 def main():
     """Stands for two seconds, and is pushed."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--push", type=float, default=100.0, help="of the chest [N]")
+    parser.add_argument("--push", type=float, default=200.0, help="of the chest [N]")
     options = parser.parse_args()
     sim = AtlasSimulation(controller=GravityCompensatedPd, on_event=print)
     sim.advance(2.0)

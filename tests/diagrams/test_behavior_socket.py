@@ -82,7 +82,7 @@ def test_it_is_asked_for_by_name_runs_and_ends(example, bow, tmp_path):
 @pytest.mark.parametrize(
     ("params", "words"),
     [
-        ({"depth": 2.0}, r"params\.depth: must be at most 0\.6 rad"),
+        ({"depth": 2.0}, r"params\.depth: must be at most 0\.6, is 2\.0"),
         ({"depth": "deep"}, r"params\.depth"),
         ({"depth": float("nan")}, r"params\.depth"),
     ],

@@ -91,7 +91,11 @@ class Stand:
         request: AtlasSimInterfaceCommand,
         leaving: bool,
     ) -> Outcome:
-        """One tick of standing."""
+        """One tick of standing.
+
+        It is over as soon as it is to be left; a behavior that is derived from it may
+        take its time.
+        """
         com = _towards(memory.com, memory.middle, self._config.com_speed * seen.dt)
         if self._slipped(memory, seen):
             memory = self._note_feet(seen, com)
@@ -99,7 +103,7 @@ class Stand:
             memory = replace(memory, com=com)
         body = advance_body(
             body,
-            self.target(memory, request, leaving),
+            self.target(memory, seen, request, leaving),
             self._rates,
             seen.dt,
             seen.terms.q,
@@ -113,15 +117,20 @@ class Stand:
             memory.support,
             (self._balance.planted(seen, 0), self._balance.planted(seen, 1)),
         )
-        return Outcome(memory=memory, body=body, command=command)
+        return Outcome(memory=memory, body=body, command=command, finished=leaving)
 
     def target(
-        self, memory: StandMemory, request: AtlasSimInterfaceCommand, leaving: bool
+        self,
+        memory: StandMemory,
+        seen: Observation,
+        request: AtlasSimInterfaceCommand,
+        leaving: bool,
     ) -> BodyTarget:
         """Where trunk and posture go: upright, in the stand-prep pose.
 
         Args:
             memory: Where the robot stands.
+            seen: What is seen in this tick.
             request: The command in force.
             leaving: Whether another behavior is to follow.
         """

@@ -39,8 +39,8 @@ class StepRules:
     rest_speed: float = 0.05
     """Speed of the center of mass below which the robot is at rest [m/s]."""
     heel_begins: ProperShare = 0.5
-    """Share of a weight shift after which the leaving heel rises [-]: it bears no weight
-    by then."""
+    """Share of a weight shift after which the leaving heel rises [-]: by then it bears
+    no weight."""
     level: float = 0.02
     """Feet at rest that differ less in height let the trunk be upright [m]."""
     least_clearance: float = 0.04

@@ -1,0 +1,57 @@
+"""Our controller, changed: its efforts pass through a system of your own.
+
+    python examples/extending/limp_arms.py
+
+The arms get no torque; balance, QP and behaviors are ours. A diagram is a System,
+too, and so fits the socket if it has the ports by their names.
+"""
+
+import numpy as np
+from pydrake.systems.framework import DiagramBuilder, LeafSystem
+
+from atlas_drake import AtlasSimulation
+from atlas_drake.diagrams.atlas_station import make_whole_body_controller
+
+
+class LimpArms(LeafSystem):
+    """Passes efforts on [N·m], but none to the arms."""
+
+    def __init__(self, robot):
+        super().__init__()
+        self._arms = robot.limb("l_arm", "r_arm")
+        self.DeclareVectorInputPort("ours", robot.num_joints)
+        self.DeclareVectorOutputPort("effort", robot.num_joints, self._calc)
+
+    def _calc(self, context, output):
+        effort = self.GetInputPort("ours").Eval(context)
+        output.SetFromVector(np.where(self._arms, 0.0, effort))
+
+
+def make_controller(robot, config):
+    """Wires our controller and the system behind it; what the station calls."""
+    builder = DiagramBuilder()
+    ours = builder.AddNamedSystem("ours", make_whole_body_controller(robot, config))
+    limp = builder.AddNamedSystem("limp", LimpArms(robot))
+    builder.Connect(ours.GetOutputPort("behavior_effort"), limp.GetInputPort("ours"))
+    for index in range(ours.num_input_ports()):
+        port = ours.get_input_port(index)
+        builder.ExportInput(port, port.get_name())
+    builder.ExportOutput(limp.GetOutputPort("effort"), "behavior_effort")
+    status = ours.GetOutputPort("controller_status")
+    builder.ExportOutput(status, "controller_status")
+    return builder.Build()
+
+
+def main():
+    """Stands for three seconds, the arms hanging."""
+    sim = AtlasSimulation(controller=make_controller, on_event=print)
+    arms = sim.robot.limb("l_arm", "r_arm")
+    sim.advance(3.0)
+    effort = np.abs(sim.output("effort"))
+    print(f"at most {effort[arms].max():.1f} N·m on the arms,", end=" ")
+    print(f"{effort[~arms].max():.1f} N·m elsewhere")
+    print("It fell." if sim.has_fallen else "It stands.")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,80 @@
+"""A world of your own: a ball is thrown at Atlas, and the log tells how it hit.
+
+    python examples/extending/own_world.py
+
+A world is made by functions that add to Drake's plant before it is finalized.
+"""
+
+import argparse
+import tempfile
+from pathlib import Path
+
+import numpy as np
+from pydrake.geometry import Sphere
+from pydrake.math import RigidTransform
+from pydrake.multibody.math import SpatialVelocity
+from pydrake.multibody.plant import CoulombFriction
+from pydrake.multibody.tree import SpatialInertia
+
+from atlas_drake import AtlasSimulation, read_log
+
+RADIUS, MASS = 0.1, 2.0  # of the ball [m], [kg]
+START = np.array([2.5, 0.0, 1.2])  # in W [m]
+GRAVITY = 9.81  # [m/s²]
+ORANGE = np.array([1.0, 0.5, 0.1, 1.0])
+
+
+def add_ball(plant):
+    """Adds a ball that floats freely."""
+    instance = plant.AddModelInstance("ball")
+    inertia = SpatialInertia.SolidSphereWithMass(MASS, RADIUS)
+    ball = plant.AddRigidBody("ball", instance, inertia)
+    shape, middle = Sphere(RADIUS), RigidTransform()
+    plant.RegisterVisualGeometry(ball, middle, shape, "ball", ORANGE)
+    friction = CoulombFriction(0.5, 0.5)
+    plant.RegisterCollisionGeometry(ball, middle, shape, "ball", friction)
+    plant.SetDefaultFloatingBaseBodyPose(ball, RigidTransform(START))
+
+
+def throw(sim, speed):
+    """Lets the ball fly towards the robot's chest from where it is."""
+    velocity = np.array([-speed, 0.0, 0.5 * GRAVITY * START[0] / speed])
+    sim.plant.SetFreeBodySpatialVelocity(
+        sim.plant.GetMyMutableContextFromRoot(sim.context),
+        sim.plant.GetBodyByName("ball"),
+        SpatialVelocity(np.zeros(3), velocity),
+    )
+
+
+def find_hit(log):
+    """When the ball was hit first [s], and by which impulse [N·s], shape (3,)."""
+    axes = [log.column("world.v", f"ball_ball_v{axis}") for axis in "xyz"]
+    step = np.diff(log.time)[:, None]
+    change = np.diff(np.column_stack(axes), axis=0)
+    impulses = MASS * (change - step * [0.0, 0.0, -GRAVITY])  # of contact, per tick
+    hit = np.linalg.norm(impulses, axis=1) > 0.01
+    first = int(np.argmax(hit))
+    last = first + int(np.argmin(hit[first:]))
+    return log.time[first], impulses[first:last].sum(axis=0)
+
+
+def main():
+    """Throws, and reads the log."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--speed", type=float, default=5.0, help="of the ball [m/s]")
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "run.npz"
+        with AtlasSimulation(world=[add_ball], log=path, on_event=print) as sim:
+            throw(sim, options.speed)
+            sim.advance(2.0)
+        log = read_log(path)
+    time, impulse = find_hit(log)
+    print(f"The ball hit at {time:.3f} s with {np.linalg.norm(impulse):.1f} N·s.")
+    sway = np.abs(log.column("balance.com_velocity", "x")).max()
+    print(f"Its center of mass moved at {sway:.2f} m/s at most.")
+    print("It fell." if sim.has_fallen else "It stands.")
+
+
+if __name__ == "__main__":
+    main()

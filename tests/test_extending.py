@@ -1,0 +1,153 @@
+"""The page on putting one's own part in: its programs run, its pictures are there."""
+
+import re
+import subprocess
+import sys
+from dataclasses import replace
+from math import pi, sin
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from atlas_drake import (
+    AtlasSimInterfaceCommand,
+    AtlasSimulation,
+    Behavior,
+    Scenario,
+    read_log,
+)
+from atlas_drake.behaviors.entry import BehaviorEntry
+from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES, shipped_entry
+from atlas_drake.behaviors.stand.stand import Stand
+from atlas_drake.messages.event import Event
+from atlas_drake.visualization.caption import caption_of
+
+ROOT = Path(__file__).parents[1]
+FOLDER, PAGE = ROOT / "examples" / "extending", ROOT / "docs" / "extending.md"
+LARGEST, LONGEST = 60_000, 80
+"""A picture [byte] and a program [lines] are at most so long."""
+QUICK = {
+    "own_diagram": ((), r"3 pictures are in \S+\."),
+}
+SLOW = {
+    "falls_on_purpose": ((), r"It fell, by 0\.7\d m, at \d\.\d m/s\."),
+    "limp_arms": ((), r"It stands\."),
+    "message_source": ((), r"STAND after 0\.\d\d m\."),
+    "own_behavior": ((), r"It stands\."),
+    "own_controller": ((), r"It fell\."),
+    "own_robot": (("--distance", "0.3"), r"It stands\."),
+    "own_task": (("--seconds", "3"), r"It stands\."),
+    "own_world": ((), r"It stands\."),
+}
+"""Arguments of each program, and what it prints last when all is well."""
+COARSE = Scenario(physics_step=0.002, control_period=0.004)
+
+
+def last_line(name, arguments):
+    command = [sys.executable, str(FOLDER / f"{name}.py"), *arguments]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout.splitlines()[-1]
+
+
+def test_the_page_shows_every_program_and_its_picture():
+    text = PAGE.read_text("utf-8")
+    assert "(docs/extending.md)" in (ROOT / "README.md").read_text("utf-8")[:3000]
+    programs = {path.stem for path in FOLDER.glob("*.py")}
+    assert programs == {*QUICK, *SLOW}
+    for name in programs:
+        assert f"(../examples/extending/{name}.py)" in text
+        assert f"(images/extending_{name}.png)" in text
+        picture = ROOT / f"docs/images/extending_{name}.png"
+        assert picture.stat().st_size <= LARGEST
+        lines = (FOLDER / f"{name}.py").read_text("utf-8").splitlines()
+        assert len(lines) <= LONGEST, name
+        assert f"python examples/extending/{name}.py" in lines[2]
+
+
+def test_the_table_leads_to_every_section():
+    text = PAGE.read_text("utf-8")
+    titles = re.findall(r"^## (.*)$", text, re.MULTILINE)
+    anchors = [title.lower().replace(" ", "-") for title in titles]
+    assert re.findall(r"\]\(#(.*?)\)", text) == anchors
+
+
+@pytest.mark.parametrize("name", QUICK)
+def test_quick_programs_come_to_a_good_end(name, tmp_path):
+    arguments, last = QUICK[name]
+    if name == "own_diagram":
+        arguments = ("--folder", str(tmp_path))
+    assert re.fullmatch(last, last_line(name, arguments))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", SLOW)
+def test_slow_programs_come_to_a_good_end(name):
+    arguments, last = SLOW[name]
+    assert re.fullmatch(last, last_line(name, arguments))
+
+
+def test_a_frame_of_the_robot_has_a_pose():
+    sim = AtlasSimulation(COARSE)
+    assert sim.frame_pose("l_sole").translation()[2] == pytest.approx(0.0, abs=2e-3)
+    assert sim.frame_pose("pelvis").IsExactlyEqualTo(sim.pelvis_pose)
+    with pytest.raises(ValueError, match=r"no frame 'l_sol'\. Did you mean 'l_sole'"):
+        sim.frame_pose("l_sol")
+
+
+def test_an_element_of_a_channel_has_a_name(tmp_path):
+    with AtlasSimulation(COARSE, log=tmp_path / "run.npz") as sim:
+        sim.advance(0.02)
+    log = read_log(tmp_path / "run.npz")
+    np.testing.assert_array_equal(
+        log.column("balance.com", "z"), log["balance.com"][:, 2]
+    )
+    with pytest.raises(KeyError, match=r"balance\.com has no element 'w'"):
+        log.column("balance.com", "w")
+    with pytest.raises(KeyError, match="a single number"):
+        log.column("time", "s")
+
+
+class Nod(Stand):
+    """STAND with a neck that nods, and nothing said about how it ends."""
+
+    def __init__(self, tools, config):
+        super().__init__(tools.balance, tools.nominal_height, tools.rates)
+        self._neck = tools.robot.joint_index("neck_ry")
+
+    def target(self, memory, seen, request, leaving):
+        still = super().target(memory, seen, request, leaving)
+        joints = still.joints.copy()
+        joints[self._neck] += 0.2 * sin(2.0 * pi * seen.time / 3.0)
+        return replace(still, joints=joints)
+
+
+def test_standing_with_a_nod_is_a_behavior_that_ends_when_it_is_left():
+    nod = BehaviorEntry(name="NOD", number=100, make=Nod)
+    sim = AtlasSimulation(COARSE, behaviors=[nod])
+    sim.publish(AtlasSimInterfaceCommand(behavior="NOD"))
+    sim.advance(1.0)
+    neck = sim.atlas_state.position[sim.robot.joint_index("neck_ry")]
+    assert neck == pytest.approx(0.19, abs=0.03)
+    sim.publish(AtlasSimInterfaceCommand(behavior="STAND"))
+    sim.advance(0.02)
+    assert sim.current_behavior is Behavior.STAND
+
+
+def test_a_shipped_entry_is_found():
+    assert [shipped_entry(entry.behavior) for entry in SHIPPED_ENTRIES] == list(
+        SHIPPED_ENTRIES
+    )
+
+
+def test_an_event_is_printed_as_a_line():
+    assert str(Event(1.25, "fall", "falling")) == "1.250 s: falling"
+
+
+def test_a_controller_without_behaviors_is_not_said_to_be_the_user():
+    sim = AtlasSimulation(COARSE)
+    report = sim.atlas_sim_interface_state
+    report.current_behavior = Behavior.NONE
+    report.k_effort = [0] * sim.robot.num_joints
+    assert caption_of(report) == ("no behavior", "0 of 28 joints under user control")
