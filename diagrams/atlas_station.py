@@ -21,6 +21,7 @@ from pydrake.systems.framework import Diagram, DiagramBuilder, System
 
 from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.entry import BehaviorEntry
+from atlas_drake.behaviors.registration import registered
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.control.estimation.leg_odometry import OdometryTuning
 from atlas_drake.diagrams.controller_socket import (
@@ -145,7 +146,7 @@ def make_atlas_station(
     robot = robot or load_robot()
     config = config or StationConfig()
     builder = DiagramBuilder()
-    entries = (*SHIPPED_ENTRIES, *behaviors)
+    entries = (*SHIPPED_ENTRIES, *registered(behaviors))
     plant, scene_graph = _add_plant(builder, robot, config, world)
     indices, own = robot.indices(plant), robot.instance(plant)
     own_state = plant.get_state_output_port(own)

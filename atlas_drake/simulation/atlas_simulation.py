@@ -24,6 +24,7 @@ from pydrake.systems.analysis import ApplySimulatorConfig, Simulator
 from pydrake.systems.framework import Context
 
 from atlas_drake.behaviors.entry import BehaviorEntry, configured
+from atlas_drake.behaviors.registration import registered
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.diagrams.atlas_station import StationConfig
 from atlas_drake.diagrams.control_mode_switch import Extend, make_control_mode_switch
@@ -164,7 +165,9 @@ class AtlasSimulation:
             )
         self.scenario = copy.deepcopy((scenario or Scenario()).validate())
         self.robot = load_robot(self.scenario.model)
-        self._own_behaviors = configured(behaviors, self.scenario.controller.behaviors)
+        self._own_behaviors = configured(
+            registered(behaviors), self.scenario.controller.behaviors
+        )
         self.behaviors = BehaviorCatalog((*SHIPPED_ENTRIES, *self._own_behaviors))
         # A path stays right wherever the program, or its log, goes on.
         self.scenario.model = self.robot.model
