@@ -3,9 +3,10 @@
 import copy
 import pickle
 import runpy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from atlas_drake import (
@@ -24,6 +25,7 @@ from atlas_drake.bounds import Share
 from atlas_drake.diagrams.atlas_station import make_atlas_station
 from atlas_drake.logs.figures import make_page
 from atlas_drake.logs.log_player import LogPlayer
+from atlas_drake.messages.base import is_new
 from atlas_drake.messages.behavior_catalog import BehaviorError
 from atlas_drake.scenario import with_settings
 from atlas_drake.visualization.caption import caption_of
@@ -130,6 +132,48 @@ def test_parameters_are_copied_when_they_are_sent(example, bow):
     assert sim.output("commands").request.command.params.depth == 0.2
 
 
+@dataclass
+class Incomplete:
+    """Parameters that nobody can make without a number."""
+
+    depth: float
+
+
+@dataclass
+class Nested:
+    """Parameters with everything in them that a sender may change."""
+
+    angles: np.ndarray = field(default_factory=lambda: np.zeros(2))
+    speeds: dict = field(default_factory=lambda: {"left": [1.0, 2.0]})
+    feet: set = field(default_factory=lambda: {0})
+    inner: list = field(default_factory=lambda: [Incomplete(0.1)])
+
+
+def test_parameters_are_copied_at_every_depth(bow):
+    sim = AtlasSimulation(COARSE, behaviors=[replace(bow, params=Nested, check=None)])
+    params = Nested()
+    command = asked("BOW", params).snapshot()
+    kept = command.params
+    for change in (
+        lambda: params.angles.fill(9.0),
+        lambda: params.speeds["left"].append(9.0),
+        lambda: params.speeds.update(right=[9.0]),
+        lambda: params.feet.add(9),
+        lambda: setattr(params.inner[0], "depth", 9.0),
+    ):
+        before = asked("BOW", params).snapshot()
+        change()
+        assert is_new(asked("BOW", params), before)
+    assert not is_new(asked("BOW", params), asked("BOW", params).snapshot())
+    assert kept.angles.tolist() == [0.0, 0.0]
+    assert kept.speeds == {"left": (1.0, 2.0)}
+    assert kept.feet == {0}
+    assert kept.inner[0].depth == 0.1
+    sim.publish(command)
+    sim.publish(asked("BOW", params))
+    assert len(sim.output("commands").messages) == 2
+
+
 def test_it_begins_only_where_its_conditions_are_met(bow):
     picky = replace(bow, conditions=(lambda asked: "the audience is missing",))
     sim = AtlasSimulation(COARSE, behaviors=[picky])
@@ -218,13 +262,6 @@ def test_a_behavior_beside_the_members_is_one_all_the_same():
     assert bow not in list(Behavior)
     assert pickle.loads(pickle.dumps(Behavior.WALK)) is Behavior.WALK
     assert Behavior.named(4, "WALK") is Behavior.WALK
-
-
-@dataclass
-class Incomplete:
-    """Parameters that nobody can make without a number."""
-
-    depth: float
 
 
 @pytest.mark.parametrize(
