@@ -171,7 +171,7 @@ def make_atlas_station(
         ),
     )
     ours = partial(make_whole_body_controller, entries=entries)
-    chosen = make_controller(controller or ours, robot, config)
+    chosen = make_controller(ours if controller is None else controller, robot, config)
     socket = add_controller(builder, chosen, robot)
     reporter = builder.AddNamedSystem("interface_reporter", InterfaceReporter(robot))
     selector = builder.AddNamedSystem("effort_selector", EffortSelector(robot, indices))

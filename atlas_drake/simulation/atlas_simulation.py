@@ -459,6 +459,7 @@ class AtlasSimulation:
         except RuntimeError as error:
             raise SimulationError(
                 f"the simulation stopped at {self.time:.3f} s: {error}"
+                f"{self._wrong_effort()}"
             ) from error
         self._look()
 
@@ -752,6 +753,17 @@ class AtlasSimulation:
         return summary
 
     # ---- inside --------------------------------------------------------------
+
+    def _wrong_effort(self) -> str:
+        """Which joint the controller gave no number, if that stopped the physics."""
+        try:
+            wrong = np.flatnonzero(~np.isfinite(self.output("behavior_effort")))
+        except Exception:  # What stopped the physics may stop this, too.
+            return ""
+        if not wrong.size:
+            return ""
+        joint = self.robot.joint_names[wrong[0]]
+        return f" The controller's behavior_effort of {joint} is no finite number."
 
     def _plant_context(self) -> Context:
         return self.plant.GetMyMutableContextFromRoot(self.context)
