@@ -60,7 +60,7 @@ from atlas_drake.scenario import Scenario, Start
 from atlas_drake.scenario.models import set_velocities, world_of
 from atlas_drake.scenario.noise import NOISE_MODELS
 from atlas_drake.scenario.scenario import check_seed, starting_behavior
-from atlas_drake.scenario.world import WorldMaker, put_world_back
+from atlas_drake.scenario.world import WorldMaker, listed, put_world_back
 from atlas_drake.simulation.drake_log import only_news
 from atlas_drake.simulation.fall_watch import FallWatch
 from atlas_drake.simulation.pace import Pace
@@ -156,6 +156,7 @@ class AtlasSimulation:
             LogError: If the log cannot be written.
             VideoError: If the video cannot be made.
             ControllerError: If the controller does not fit the station.
+            WorldError: If the world cannot be added.
             BehaviorError: If a behavior cannot be registered.
         """
         if not isinstance(scenario, Scenario | None):
@@ -174,7 +175,7 @@ class AtlasSimulation:
         self._programme = scheduled_programme(self.scenario, self.robot)
         self._tick_seconds = array("d")
         self._turns = Turns()
-        world = (*world_of(self.scenario.models), *world)
+        world = (*world_of(self.scenario.models), *listed(world))
         self._recorder = None if log is None else self._start_log(Path(log), world)
         log_event = None if self._recorder is None else self._recorder.event
         self._listeners = (log_event, on_event)
@@ -587,6 +588,8 @@ class AtlasSimulation:
                 rpy=np.array([0.0, 0.0, pose.yaw]),
             )
         with self._turns:
+            # What a run that an error stopped has not told yet came before the reset.
+            self._look()
             self._pushes = []
             self._exert(())
             reset_station(self.station, self.context, begin)

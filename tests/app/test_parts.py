@@ -65,6 +65,8 @@ def test_help_names_the_behaviors_that_it_brings(form, parts, capsys):
         ("x = 1", "defines none of controller, behaviors, world, extend"),
         ("controller = 3", "controller must be a System or a callable"),
         ("behaviors = [3]", "must be BehaviorEntry values"),
+        ("extend = 3", "extend must be a callable"),
+        ("world = 3", "world must be a list"),
         ("behaviors = None", "must be a list of BehaviorEntry values"),
     ],
 )

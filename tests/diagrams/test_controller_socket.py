@@ -221,6 +221,36 @@ def test_a_controller_that_is_in_a_diagram_already_is_refused():
         make_atlas_station(controller=())
 
 
+def test_a_fall_that_an_error_kept_untold_ends_with_a_reset():
+    """The controller notes a fall, and fails before anybody looks."""
+    failed = []
+
+    def controller(robot, _config):
+        def tell(context, out):
+            fall = (Event(0.024, "fall", "oh"),) if context.get_time() > 0.02 else ()
+            out.set_value(ControllerStatus(events=fall, event_count=len(fall)))
+
+        def give(context, out):
+            out.SetZero()
+            if context.get_time() > 0.03 and not failed:
+                failed.append(True)
+                raise ZeroDivisionError("of the user's")
+
+        system = LeafSystem()
+        system.DeclareVectorOutputPort("behavior_effort", robot.num_joints, give)
+        system.DeclareAbstractOutputPort(
+            "controller_status", lambda: AbstractValue.Make(ControllerStatus()), tell
+        )
+        return system
+
+    sim = AtlasSimulation(Scenario(**COARSE), controller=controller)
+    with pytest.raises(ZeroDivisionError):
+        sim.advance(0.1)
+    sim.reset()
+    assert [e.kind for e in sim.events] == ["fall", "reset"]
+    assert not sim.has_fallen
+
+
 def test_a_status_port_for_vectors_is_refused():
     def vector(robot, _config):
         system = sized(robot.num_joints)
