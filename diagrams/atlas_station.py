@@ -21,6 +21,7 @@ from pydrake.systems.framework import Diagram, DiagramBuilder, System
 
 from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.entry import BehaviorEntry
+from atlas_drake.behaviors.registration import registered
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.control.estimation.leg_odometry import OdometryTuning
 from atlas_drake.diagrams.controller_socket import (
@@ -37,7 +38,12 @@ from atlas_drake.scenario.drake_configs import check_plant_config, plant_config
 from atlas_drake.scenario.noise import NoiseModel
 from atlas_drake.scenario.terrain import BLOCK_COLOR, Block
 from atlas_drake.scenario.time_grid import on_common_grid
-from atlas_drake.scenario.world import WorldMaker, add_world, world_instances
+from atlas_drake.scenario.world import (
+    WorldError,
+    WorldMaker,
+    add_world,
+    world_instances,
+)
 from atlas_drake.systems.command_interface import CommandInterface
 from atlas_drake.systems.effort_selector import EffortSelector
 from atlas_drake.systems.estimation_error import EstimationError
@@ -141,11 +147,12 @@ def make_atlas_station(
     Raises:
         ControllerError: If the controller does not fit the socket.
         BehaviorError: If a behavior cannot be registered.
+        WorldError: If the world cannot be added.
     """
     robot = robot or load_robot()
     config = config or StationConfig()
     builder = DiagramBuilder()
-    entries = (*SHIPPED_ENTRIES, *behaviors)
+    entries = (*SHIPPED_ENTRIES, *registered(behaviors))
     plant, scene_graph = _add_plant(builder, robot, config, world)
     indices, own = robot.indices(plant), robot.instance(plant)
     own_state = plant.get_state_output_port(own)
@@ -170,7 +177,7 @@ def make_atlas_station(
         ),
     )
     ours = partial(make_whole_body_controller, entries=entries)
-    chosen = make_controller(controller or ours, robot, config)
+    chosen = make_controller(ours if controller is None else controller, robot, config)
     socket = add_controller(builder, chosen, robot)
     reporter = builder.AddNamedSystem("interface_reporter", InterfaceReporter(robot))
     selector = builder.AddNamedSystem("effort_selector", EffortSelector(robot, indices))
@@ -298,6 +305,12 @@ def _add_plant(
     add_scenery(plant, config.terrain, config.ground_friction)
     add_world(plant, world)
     plant.Finalize()
+    own = plant.num_multibody_states(robot.instance(plant))
+    if world and own != robot.make_plant().num_multibody_states():
+        raise WorldError(
+            f"world must not add bodies that move to the model of {robot.name}; a "
+            "model instance of their own can be welded to it, or hang on its joints"
+        )
     stand_by_default(plant, robot, config.terrain)
     return plant, scene_graph
 

@@ -14,6 +14,7 @@ from pydrake.systems.framework import Diagram, DiagramBuilder
 from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.diagrams.atlas_station import StationConfig, make_atlas_station
 from atlas_drake.diagrams.controller_socket import ControllerSource
+from atlas_drake.errors import AtlasError, shown
 from atlas_drake.robot import Robot, load_robot
 from atlas_drake.scenario.world import WorldMaker
 from atlas_drake.systems.command_scheduler import CommandScheduler, ScheduledCommand
@@ -106,6 +107,11 @@ def make_control_mode_switch(
 
         add_video(builder, station, robot, config.terrain, video, world)
     if extend is not None:
+        if not callable(extend):
+            raise AtlasError(
+                "extend must be a callable (builder, station) -> None, is "
+                f"{shown(extend)}"
+            )
         extend(builder, station)
     diagram = builder.Build()
     diagram.set_name("control_mode_switch")

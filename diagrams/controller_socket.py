@@ -166,9 +166,20 @@ def add_controller(
             f"{_named(controller)} has an output port {EFFORT!r} that is "
             f"{_kind(effort)}; {robot.name} needs a vector of size {robot.num_joints}"
         )
+    path = controller.GetSystemPathname().removeprefix("::")
+    if "::" in path:
+        raise ControllerError(
+            f"{_named(controller)} is in another diagram already, as {path}; a "
+            "callable (robot, config) -> System makes one for each"
+        )
     builder.AddNamedSystem(CONTROLLER, controller)
     if controller.HasOutputPort(STATUS):
         status = controller.GetOutputPort(STATUS)
+        if status.get_data_type() != PortDataType.kAbstractValued:
+            raise ControllerError(
+                f"{_named(controller)} has an output port {STATUS!r} that is "
+                f"{_kind(status)}; it must hold a ControllerStatus"
+            )
     else:
         blank = ConstantValueSource(AbstractValue.Make(ControllerStatus()))
         status = builder.AddNamedSystem("no_status", blank).get_output_port()

@@ -69,8 +69,12 @@ def behaviors_told(arguments: Sequence[str]) -> str:
             path = Path(following)
         elif argument.startswith(f"{OPTION}="):
             path = Path(argument.partition("=")[2])
-    own = load_parts(path).get("behaviors", ()) if path is not None else ()
-    entries = (*SHIPPED, *own)
+    entries = list(SHIPPED)
+    parts = load_parts(path)
+    if "behaviors" in parts:
+        from atlas_drake.behaviors.registration import registered
+
+        entries += registered(parts["behaviors"])
     return "behaviors that a command can ask for: " + "; ".join(
         f"{entry.name} ({entry.number}): {entry.description}" for entry in entries
     )

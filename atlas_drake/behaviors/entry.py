@@ -16,10 +16,10 @@ from atlas_drake.behaviors.entry_limits import EntryLimits
 from atlas_drake.behaviors.freeze import Freeze
 from atlas_drake.behaviors.stand.stance_guard import StanceGuard, StandingBehavior
 from atlas_drake.control.whole_body.model import WholeBodyModel
-from atlas_drake.errors import ScenarioError, did_you_mean
+from atlas_drake.errors import ScenarioError, did_you_mean, shown
 from atlas_drake.kinds import typed
 from atlas_drake.messages import AtlasSimInterfaceCommand, BehaviorStatus
-from atlas_drake.messages.behavior_catalog import BehaviorInterface
+from atlas_drake.messages.behavior_catalog import BehaviorError, BehaviorInterface
 from atlas_drake.robot import Robot
 
 
@@ -172,6 +172,9 @@ def refusal(target: BehaviorEntry, asked: Transition) -> tuple[BehaviorStatus, s
     Returns:
         The flag for the feedback, OK if the behavior can begin, and a reason in words,
         which may be empty.
+
+    Raises:
+        BehaviorError: If a condition answers anything else.
     """
     if not target.may_follow(asked.source):
         return BehaviorStatus.FAILED_TRANS_ILLEGAL_BEHAVIOR, ""
@@ -180,6 +183,11 @@ def refusal(target: BehaviorEntry, asked: Transition) -> tuple[BehaviorStatus, s
         if isinstance(answer, str):
             if answer:
                 return BehaviorStatus.FAILED_TRANS_ILLEGAL_BEHAVIOR, answer
+        elif not isinstance(answer, BehaviorStatus):
+            raise BehaviorError(
+                f"a condition of {target.name} must return a reason in words or a "
+                f"BehaviorStatus, returned {shown(answer)}"
+            )
         elif answer is not BehaviorStatus.OK:
             return answer, ""
     return BehaviorStatus.OK, ""

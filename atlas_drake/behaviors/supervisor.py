@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from atlas_drake.behaviors.balance import Balance
-from atlas_drake.behaviors.base import BehaviorProtocol, Observation
+from atlas_drake.behaviors.base import BehaviorProtocol, Observation, Outcome
 from atlas_drake.behaviors.body_reference import BodyReference, capture_body
 from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.entry import (
@@ -27,7 +27,7 @@ from atlas_drake.behaviors.freeze import Freeze
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.control.whole_body.command import WholeBodyCommand
 from atlas_drake.control.whole_body.model import WholeBodyModel
-from atlas_drake.errors import ErrorCode
+from atlas_drake.errors import ErrorCode, shown
 from atlas_drake.frozen import replace
 from atlas_drake.messages import (
     AtlasSimInterfaceCommand,
@@ -35,6 +35,7 @@ from atlas_drake.messages import (
     Behavior,
     BehaviorStatus,
 )
+from atlas_drake.messages.behavior_catalog import BehaviorError
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan
 from atlas_drake.messages.event import Event
@@ -190,6 +191,11 @@ class Supervisor:
             command,
             leaving=state.desired != state.current,
         )
+        if not isinstance(outcome, Outcome):
+            raise BehaviorError(
+                f"update of {state.current.name} must return an Outcome, returned "
+                f"{shown(outcome)}"
+            )
         state = replace(
             state,
             memory=outcome.memory,

@@ -166,6 +166,7 @@ class Message:
 
 
 _IMMUTABLE = (float, int, bool, str, type(None))
+_KEYS = set(_IMMUTABLE)
 
 DEEPEST = 8
 """More than the depth to which messages and lists are nested in any message."""
@@ -201,7 +202,21 @@ def frozen(value: Any, path: _Path = (), *, anew: bool = False) -> Any:
         return tuple(frozen(element, within, anew=anew) for element in value)
     if is_record(value) and _enters(value, path):
         return _frozen_record(value, (*path, id(value)))
+    if _is_collection(value) and _enters(value, path):
+        if isinstance(value, set):
+            return set(value)
+        within = (*path, id(value))
+        return {key: frozen(item, within) for key, item in value.items()}
     return plain_number(value)
+
+
+def _is_collection(value: object) -> bool:
+    """Tell whether a value is a mapping or a set with keys that compare safely.
+
+    Parameters of a behavior of one's own may have such fields.
+    """
+    kind: Any = value
+    return type(value) in (dict, set) and set(map(type, kind)) <= _KEYS
 
 
 def is_record(value: object) -> bool:
@@ -266,6 +281,8 @@ def same_content(value: Any, seen: Any, path: _Path = ()) -> bool:
             )
             for item in fields(value)
         )
+    if _is_collection(value) and _enters(value, path):
+        return _same_collection(value, seen, (*path, id(value)))
     number = plain_number(value)
     if number is not value:
         return same_content(number, seen)
@@ -291,6 +308,17 @@ def _same_elements(value: Any, seen: Any, path: _Path) -> bool:
     return all(
         now is before or same_content(now, before, path)
         for now, before in zip(value, seen, strict=True)
+    )
+
+
+def _same_collection(value: Any, seen: Any, path: _Path) -> bool:
+    """Compare a mapping or set; ``path`` ends with it."""
+    if type(value) is not type(seen) or not _is_collection(seen):
+        return False
+    if isinstance(value, set):
+        return bool(value == seen)
+    return value.keys() == seen.keys() and all(
+        same_content(item, seen[key], path) for key, item in value.items()
     )
 
 

@@ -34,7 +34,7 @@ from atlas_drake.messages.behavior_validation import (
     check_step_params,
     check_walk_params,
 )
-from atlas_drake.messages.checks import check_kind
+from atlas_drake.messages.checks import MAX_INDEX, check_kind
 from atlas_drake.numeric import is_whole
 
 FIRST_NUMBER = 100
@@ -234,10 +234,11 @@ def _check_sound(entry: BehaviorInterface) -> None:
     shipped = entry.name in Behavior.__members__
     if shipped and Behavior[entry.name] != entry.number:
         raise BehaviorError(f"{label} is one of the original interface")
-    if not is_whole(entry.number) or (entry.number < FIRST_NUMBER and not shipped):
+    least = 0 if shipped else FIRST_NUMBER
+    if not is_whole(entry.number) or not least <= entry.number <= MAX_INDEX:
         raise BehaviorError(
-            f"{label}: its number must be a whole number from {FIRST_NUMBER} on, is "
-            f"{shown(entry.number)}"
+            f"{label}: its number must be a whole number from {FIRST_NUMBER} to "
+            f"{MAX_INDEX}, is {shown(entry.number)}"
         )
     if not (isinstance(entry.color, str) and _COLOR.fullmatch(entry.color)):
         raise BehaviorError(

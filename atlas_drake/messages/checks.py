@@ -74,7 +74,7 @@ def check_number(
 
 
 MAX_INDEX = 2**31 - 1
-"""Largest number of a step: the original counts steps in 32 bits."""
+"""Largest number of a step or a behavior: the original has 32 bits for them."""
 
 
 def check_vector(

@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from atlas_drake.errors import ErrorCode
+from atlas_drake.errors import ErrorCode, shown
 from atlas_drake.frozen import Frozen
 from atlas_drake.messages.atlas_sim_interface_state import AtlasSimInterfaceState
 from atlas_drake.messages.behavior import Behavior
@@ -41,6 +41,16 @@ class PlannedPaths(Frozen):
     dcm: np.ndarray | None = None
     cop: np.ndarray | None = None
     swing: np.ndarray | None = None
+
+    def __post_init__(self) -> None:
+        """Take points as arrays.
+
+        Raises:
+            ValueError: If they are no points; it names the field.
+        """
+        for name in ("com", "dcm", "cop"):
+            _take_array(self, name, (-1, 2))
+        _take_array(self, "swing", (-1, 3))
 
 
 @dataclass(frozen=True)
@@ -82,10 +92,39 @@ class Plan(Frozen):
     footsteps: tuple[PlannedStep, ...] = ()
     preview: Callable[[], PlannedPaths] | None = None
 
+    def __post_init__(self) -> None:
+        """Take points as arrays.
+
+        Raises:
+            ValueError: If they are no points; it names the field.
+        """
+        _take_array(self, "support", (-1, 2))
+        for name in ("com", "dcm", "cop"):
+            _take_array(self, f"{name}_reference", (2,))
+
     @cached_property
     def paths(self) -> PlannedPaths:
         """The motion that is planned from now on."""
         return PlannedPaths() if self.preview is None else self.preview()
+
+
+def _take_array(values: object, name: str, shape: tuple[int, ...]) -> None:
+    """Makes an array of a field unless it is None; -1 stands for any length."""
+    given = getattr(values, name)
+    if given is None:
+        return
+    try:
+        array = np.asarray(given, dtype=float)
+    except (TypeError, ValueError):
+        array = np.array(np.nan)
+    if (
+        array.ndim != len(shape)
+        or array.shape[1:] != shape[1:]
+        or (shape[0] not in (-1, len(array)))
+    ):
+        wanted = str(shape).replace("-1", "k")
+        raise ValueError(f"{name} must have shape {wanted}, is {shown(given)}")
+    object.__setattr__(values, name, array)
 
 
 LARGEST_SUPPORT = 8
@@ -113,7 +152,8 @@ class ControllerStatus(Frozen):
         manipulate_feedback: How MANIPULATE goes.
         events: The latest events. Older ones are dropped; those of the last
             ``recent.READ_WITHIN`` seconds must be there.
-        event_count: Number of events since the diagram was built.
+        event_count: Number of events since the diagram was built, those that were
+            dropped among them.
         solved: Whether the last tick's optimization had a solution; None if the
             controller has none.
         unsolved: Number of ticks without a solution.
@@ -144,6 +184,23 @@ class ControllerStatus(Frozen):
     unsolved: int = 0
     plan: Plan = field(default_factory=Plan)
 
+    def __post_init__(self) -> None:
+        """Check what everybody relies on.
+
+        Raises:
+            TypeError: If a behavior is none; it names the field.
+            ValueError: If not all events are counted.
+        """
+        for name in ("current_behavior", "desired_behavior"):
+            value = getattr(self, name)
+            if not isinstance(value, Behavior):
+                raise TypeError(f"{name} must be a Behavior, is {shown(value)}")
+        if self.event_count < len(self.events):
+            raise ValueError(
+                f"event_count must count all events, is {self.event_count} with "
+                f"{len(self.events)} of them"
+            )
+
 
 REPORTED = (
     "error_code",
@@ -156,6 +213,20 @@ REPORTED = (
     "manipulate_feedback",
 )
 """Fields of ``ControllerStatus`` that ``AtlasSimInterfaceState`` has, too."""
+
+
+def check_status(value: object) -> ControllerStatus:
+    """Return what a controller's port holds.
+
+    Raises:
+        TypeError: If it is no status.
+    """
+    if not isinstance(value, ControllerStatus):
+        raise TypeError(
+            "the controller's port 'controller_status' must hold a ControllerStatus, "
+            f"holds {shown(value)}"
+        )
+    return value
 
 
 def fill_in(state: AtlasSimInterfaceState, status: ControllerStatus) -> None:

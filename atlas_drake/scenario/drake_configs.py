@@ -49,7 +49,7 @@ def check_plant_config(config: MultibodyPlantConfig, physics_step: float) -> Non
     _decide(config, "plant", sampled, False, "must be false: controllers need it")
     try:
         AddMultibodyPlant(config, DiagramBuilder())
-    except Exception as error:  # Drake raises several kinds.
+    except (Exception, SystemExit) as error:  # Drake raises both.
         raise ScenarioError("plant", config, f"cannot be used: {error}") from error
 
 
@@ -61,8 +61,10 @@ def check_simulator_config(config: SimulatorConfig) -> None:
     """
     _decide(config, "simulator", "start_time", 0.0, "must be 0: commands count from it")
     try:
-        ApplySimulatorConfig(config, Simulator(ConstantVectorSource([0.0])))
-    except Exception as error:  # Drake raises several kinds.
+        simulator = Simulator(ConstantVectorSource([0.0]))
+        ApplySimulatorConfig(config, simulator)
+        simulator.Initialize()
+    except (Exception, SystemExit) as error:  # Drake raises both.
         raise ScenarioError("simulator", config, f"cannot be used: {error}") from error
 
 

@@ -7,7 +7,7 @@ plant that simulates or films the world, and so must do the same each time.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import TypeAlias
 
 from pydrake.multibody.plant import MultibodyPlant
@@ -25,6 +25,25 @@ class WorldError(AtlasError, ValueError):
     """A world that cannot be added to a plant."""
 
 
+def listed(world: Iterable[WorldMaker]) -> tuple[WorldMaker, ...]:
+    """Return the callables of a world.
+
+    Raises:
+        WorldError: If it is no list of callables.
+    """
+    if not isinstance(world, Iterable):
+        raise WorldError(
+            f"world must be a list of callables (plant) -> None, is {shown(world)}"
+        )
+    makers = tuple(world)
+    for index, add in enumerate(makers):
+        if not callable(add):
+            raise WorldError(
+                f"world[{index}] must be a callable (plant) -> None, is {shown(add)}"
+            )
+    return makers
+
+
 def add_world(plant: MultibodyPlant, world: Sequence[WorldMaker]) -> None:
     """Add everything beside robot and ground to a plant (before Finalize).
 
@@ -35,11 +54,7 @@ def add_world(plant: MultibodyPlant, world: Sequence[WorldMaker]) -> None:
     Raises:
         WorldError: If one of them is not callable, or finalizes the plant.
     """
-    for index, add in enumerate(world):
-        if not callable(add):
-            raise WorldError(
-                f"world[{index}] must be a callable (plant) -> None, is {shown(add)}"
-            )
+    for index, add in enumerate(listed(world)):
         add(plant)
         if plant.is_finalized():
             raise WorldError(f"world[{index}] must not finalize the plant")

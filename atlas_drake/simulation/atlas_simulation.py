@@ -24,6 +24,7 @@ from pydrake.systems.analysis import ApplySimulatorConfig, Simulator
 from pydrake.systems.framework import Context
 
 from atlas_drake.behaviors.entry import BehaviorEntry, configured
+from atlas_drake.behaviors.registration import registered
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.diagrams.atlas_station import StationConfig
 from atlas_drake.diagrams.control_mode_switch import Extend, make_control_mode_switch
@@ -59,7 +60,7 @@ from atlas_drake.scenario import Scenario, Start
 from atlas_drake.scenario.models import set_velocities, world_of
 from atlas_drake.scenario.noise import NOISE_MODELS
 from atlas_drake.scenario.scenario import check_seed, starting_behavior
-from atlas_drake.scenario.world import WorldMaker, put_world_back
+from atlas_drake.scenario.world import WorldMaker, listed, put_world_back
 from atlas_drake.simulation.drake_log import only_news
 from atlas_drake.simulation.fall_watch import FallWatch
 from atlas_drake.simulation.pace import Pace
@@ -155,6 +156,7 @@ class AtlasSimulation:
             LogError: If the log cannot be written.
             VideoError: If the video cannot be made.
             ControllerError: If the controller does not fit the station.
+            WorldError: If the world cannot be added.
             BehaviorError: If a behavior cannot be registered.
         """
         if not isinstance(scenario, Scenario | None):
@@ -164,14 +166,16 @@ class AtlasSimulation:
             )
         self.scenario = copy.deepcopy((scenario or Scenario()).validate())
         self.robot = load_robot(self.scenario.model)
-        self._own_behaviors = configured(behaviors, self.scenario.controller.behaviors)
+        self._own_behaviors = configured(
+            registered(behaviors), self.scenario.controller.behaviors
+        )
         self.behaviors = BehaviorCatalog((*SHIPPED_ENTRIES, *self._own_behaviors))
         # A path stays right wherever the program, or its log, goes on.
         self.scenario.model = self.robot.model
         self._programme = scheduled_programme(self.scenario, self.robot)
         self._tick_seconds = array("d")
         self._turns = Turns()
-        world = (*world_of(self.scenario.models), *world)
+        world = (*world_of(self.scenario.models), *listed(world))
         self._recorder = None if log is None else self._start_log(Path(log), world)
         log_event = None if self._recorder is None else self._recorder.event
         self._listeners = (log_event, on_event)
@@ -456,6 +460,7 @@ class AtlasSimulation:
         except RuntimeError as error:
             raise SimulationError(
                 f"the simulation stopped at {self.time:.3f} s: {error}"
+                f"{self._wrong_effort()}"
             ) from error
         self._look()
 
@@ -583,6 +588,8 @@ class AtlasSimulation:
                 rpy=np.array([0.0, 0.0, pose.yaw]),
             )
         with self._turns:
+            # What a run that an error stopped has not told yet came before the reset.
+            self._look()
             self._pushes = []
             self._exert(())
             reset_station(self.station, self.context, begin)
@@ -767,6 +774,17 @@ class AtlasSimulation:
         return summary
 
     # ---- inside --------------------------------------------------------------
+
+    def _wrong_effort(self) -> str:
+        """Which joint the controller gave no number, if that stopped the physics."""
+        try:
+            wrong = np.flatnonzero(~np.isfinite(self.output("behavior_effort")))
+        except Exception:  # What stopped the physics may stop this, too.
+            return ""
+        if not wrong.size:
+            return ""
+        joint = self.robot.joint_names[wrong[0]]
+        return f" The controller's behavior_effort of {joint} is no finite number."
 
     def _plant_context(self) -> Context:
         return self.plant.GetMyMutableContextFromRoot(self.context)

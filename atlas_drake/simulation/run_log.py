@@ -10,7 +10,7 @@ from typing import Any
 
 from atlas_drake.frozen import replace
 from atlas_drake.messages.commands import CommandsInForce
-from atlas_drake.messages.controller_status import ControllerStatus
+from atlas_drake.messages.controller_status import ControllerStatus, check_status
 from atlas_drake.messages.event import Event
 from atlas_drake.messages.recent import items_since
 from atlas_drake.systems.command_scheduler import ScheduledCommand
@@ -41,6 +41,7 @@ class RunLog:
         status: ControllerStatus,
     ) -> None:
         """Notes what was sent, refused and done since the last look."""
+        check_status(status)
         fresh = [
             Event(entry.time, "command", entry.text)
             for entry in programme[self._seen_sent : sent]

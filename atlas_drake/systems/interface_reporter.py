@@ -22,7 +22,7 @@ from atlas_drake.messages import (
     Vector3,
 )
 from atlas_drake.messages.commands import CommandsInForce
-from atlas_drake.messages.controller_status import ControllerStatus, fill_in
+from atlas_drake.messages.controller_status import check_status, fill_in
 from atlas_drake.robot import Robot
 from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.systems.scratch import declare_scratch_context
@@ -68,7 +68,7 @@ class InterfaceReporter(CollectableSystem):
         )
 
     def _calc_report(self, context: Context, output: AbstractValue) -> None:
-        status: ControllerStatus = self._status.Eval(context)
+        status = check_status(self._status.Eval(context))
         commands: CommandsInForce = self._commands.Eval(context)
         state = self._state.Eval(context)
         message = AtlasSimInterfaceState()

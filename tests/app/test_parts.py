@@ -65,11 +65,17 @@ def test_help_names_the_behaviors_that_it_brings(form, parts, capsys):
         ("x = 1", "defines none of controller, behaviors, world, extend"),
         ("controller = 3", "controller must be a System or a callable"),
         ("behaviors = [3]", "must be BehaviorEntry values"),
+        ("extend = 3", "extend must be a callable"),
+        ("world = 3", "world must be a list"),
+        ("behaviors = None", "must be a list of BehaviorEntry values"),
     ],
 )
 def test_a_file_that_cannot_be_used_is_named(text, words, parts, scenario, capsys):
     assert main(["run", scenario(), *SHORT, "--with", parts(text)]) == 2
     assert words in capsys.readouterr().err
+    if text.startswith("behaviors"):
+        assert main(["run", "--help", "--with", parts(text)]) == 2
+        assert words in capsys.readouterr().err
 
 
 def test_a_file_that_is_not_there_is_missed_at_once(scenario, capsys):

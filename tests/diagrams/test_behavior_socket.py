@@ -3,9 +3,10 @@
 import copy
 import pickle
 import runpy
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from atlas_drake import (
@@ -21,8 +22,10 @@ from atlas_drake import (
 from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.behaviors.idle import Idle
 from atlas_drake.bounds import Share
+from atlas_drake.diagrams.atlas_station import make_atlas_station
 from atlas_drake.logs.figures import make_page
 from atlas_drake.logs.log_player import LogPlayer
+from atlas_drake.messages.base import is_new
 from atlas_drake.messages.behavior_catalog import BehaviorError
 from atlas_drake.scenario import with_settings
 from atlas_drake.visualization.caption import caption_of
@@ -129,6 +132,48 @@ def test_parameters_are_copied_when_they_are_sent(example, bow):
     assert sim.output("commands").request.command.params.depth == 0.2
 
 
+@dataclass
+class Incomplete:
+    """Parameters that nobody can make without a number."""
+
+    depth: float
+
+
+@dataclass
+class Nested:
+    """Parameters with everything in them that a sender may change."""
+
+    angles: np.ndarray = field(default_factory=lambda: np.zeros(2))
+    speeds: dict = field(default_factory=lambda: {"left": [1.0, 2.0]})
+    feet: set = field(default_factory=lambda: {0})
+    inner: list = field(default_factory=lambda: [Incomplete(0.1)])
+
+
+def test_parameters_are_copied_at_every_depth(bow):
+    sim = AtlasSimulation(COARSE, behaviors=[replace(bow, params=Nested, check=None)])
+    params = Nested()
+    command = asked("BOW", params).snapshot()
+    kept = command.params
+    for change in (
+        lambda: params.angles.fill(9.0),
+        lambda: params.speeds["left"].append(9.0),
+        lambda: params.speeds.update(right=[9.0]),
+        lambda: params.feet.add(9),
+        lambda: setattr(params.inner[0], "depth", 9.0),
+    ):
+        before = asked("BOW", params).snapshot()
+        change()
+        assert is_new(asked("BOW", params), before)
+    assert not is_new(asked("BOW", params), asked("BOW", params).snapshot())
+    assert kept.angles.tolist() == [0.0, 0.0]
+    assert kept.speeds == {"left": (1.0, 2.0)}
+    assert kept.feet == {0}
+    assert kept.inner[0].depth == 0.1
+    sim.publish(command)
+    sim.publish(asked("BOW", params))
+    assert len(sim.output("commands").messages) == 2
+
+
 def test_it_begins_only_where_its_conditions_are_met(bow):
     picky = replace(bow, conditions=(lambda asked: "the audience is missing",))
     sim = AtlasSimulation(COARSE, behaviors=[picky])
@@ -167,7 +212,7 @@ def idle(**changes):
     ("entry", "words"),
     [
         (idle(name="rest"), "a name has capitals"),
-        (idle(number=8), "from 100 on, is 8"),
+        (idle(number=8), "from 100 to 2147483647, is 8"),
         (idle(name="WALK"), "is one of the original interface"),
         (idle(name="WALK", number=4), "registered already"),
         (idle(number=100), r"REST \(100\): BOW \(100\) is registered already"),
@@ -217,3 +262,53 @@ def test_a_behavior_beside_the_members_is_one_all_the_same():
     assert bow not in list(Behavior)
     assert pickle.loads(pickle.dumps(Behavior.WALK)) is Behavior.WALK
     assert Behavior.named(4, "WALK") is Behavior.WALK
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"make": None}, "'BOW': make must be callable"),
+        ({"check": 3}, "check must be callable"),
+        ({"conditions": len}, "conditions must be a tuple of callables"),
+        ({"follows": "STAND"}, "follows must be a tuple of names"),
+        ({"leads_to": ("STNAD",)}, "leads_to names 'STNAD'.* Did you mean.*STAND"),
+        ({"feedback": "bow_feedback"}, "feedback must be a feedback field"),
+        ({"params_field": "bow_params"}, "params_field must be 'params'"),
+        ({"params": Incomplete}, r"Incomplete\(\) fails.*need defaults"),
+        ({"number": 2**53 + 1}, "from 100 to 2147483647, is 9007199254740993"),
+    ],
+)
+def test_an_entry_with_a_field_that_cannot_be_used_is_refused(bow, changes, words):
+    with pytest.raises(BehaviorError, match=words):
+        AtlasSimulation(COARSE, behaviors=[replace(bow, **changes)])
+
+
+@pytest.mark.parametrize("behaviors", [None, 42, [42], [BehaviorEntry]])
+def test_behaviors_that_are_none_are_refused(behaviors):
+    scenario = with_settings(COARSE, ["controller.behaviors.BOW={}"])
+    with pytest.raises(BehaviorError, match="behaviors must be"):
+        AtlasSimulation(scenario, behaviors=behaviors)
+    with pytest.raises(BehaviorError, match="behaviors must be"):
+        make_atlas_station(behaviors=behaviors)
+
+
+@pytest.mark.parametrize("answer", [None, True, 0])
+def test_a_condition_that_gives_no_reason_is_told(bow, answer):
+    silent = replace(bow, conditions=(lambda asked: answer,))
+    sim = AtlasSimulation(COARSE, behaviors=[silent])
+    sim.publish(asked("BOW"))
+    with pytest.raises(BehaviorError, match="a condition of BOW must return"):
+        sim.advance(0.02)
+
+
+def test_an_update_without_outcome_is_told(bow):
+    class Mute(Idle):
+        def update(self, *arguments, **keywords):
+            return None
+
+    sim = AtlasSimulation(
+        COARSE, behaviors=[replace(bow, make=lambda _tools, _config: Mute())]
+    )
+    sim.publish(asked("BOW"))
+    with pytest.raises(BehaviorError, match="update of BOW must return an Outcome"):
+        sim.advance(0.02)

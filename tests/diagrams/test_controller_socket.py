@@ -19,6 +19,7 @@ from atlas_drake.messages.controller_status import (
     PlannedStep,
 )
 from atlas_drake.messages.event import Event
+from atlas_drake.simulation.atlas_simulation import SimulationError
 from atlas_drake.systems.whole_body_controller import WholeBodyController
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "extending" / "own_controller.py"
@@ -140,6 +141,124 @@ def test_what_a_controller_tells_is_shown_logged_and_summed_up(tmp_path):
     log = read_log(path)
     assert log["controller.unsolved"][-1] > 20
     np.testing.assert_allclose(log["balance.support"][-1][:8], SQUARE.ravel())
+
+
+def told(robot, status):
+    """A controller without effort whose status is what a callable gives."""
+    system = sized(robot.num_joints)
+    system.DeclareAbstractOutputPort(
+        "controller_status",
+        lambda: AbstractValue.Make(NOTHING),
+        lambda _context, out: out.set_value(status()),
+    )
+    return system
+
+
+@pytest.mark.parametrize(
+    ("status", "words"),
+    [
+        (lambda: "hello", "'controller_status' must hold a ControllerStatus"),
+        (lambda: NOTHING, "'controller_status' must hold a ControllerStatus"),
+        (lambda: ControllerStatus(current_behavior=3), "current_behavior must be a Be"),
+        (
+            lambda: ControllerStatus(events=(Event(0.0, "x", "y"),)),
+            "event_count must count all events, is 0 with 1",
+        ),
+        (lambda: Plan(support=np.zeros((4, 3))), r"support must have shape \(k, 2\)"),
+        (lambda: Plan(com_reference=[0.0] * 3), r"com_reference must have shape \(2,"),
+        (lambda: PlannedPaths(swing=["up"]), r"swing must have shape \(k, 3\)"),
+    ],
+)
+def test_a_status_that_cannot_be_read_is_told(status, words):
+    sim = AtlasSimulation(
+        Scenario(**COARSE), controller=lambda robot, _: told(robot, status)
+    )
+    with pytest.raises((TypeError, ValueError), match=words):
+        sim.advance(0.01)
+
+
+def test_lists_of_points_count_as_arrays(tmp_path):
+    def status():
+        paths = PlannedPaths(com=PATHS.com.tolist())
+        plan = Plan(support=SQUARE.tolist(), preview=lambda: paths)
+        return ControllerStatus(plan=plan)
+
+    with AtlasSimulation(
+        Scenario(**COARSE),
+        controller=lambda robot, _: told(robot, status),
+        log=tmp_path / "run.npz",
+    ) as sim:
+        sim.advance(0.02)
+    log = read_log(tmp_path / "run.npz")
+    np.testing.assert_allclose(log["balance.support"][-1][:8], SQUARE.ravel())
+
+
+@pytest.mark.filterwarnings("ignore:invalid value")
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_an_effort_that_is_no_number_is_told(value):
+    def broken(robot, _config):
+        system = LeafSystem()
+        effort = np.zeros(robot.num_joints)
+        effort[2] = value
+        system.DeclareVectorOutputPort(
+            "behavior_effort",
+            robot.num_joints,
+            lambda _context, out: out.SetFromVector(effort),
+        )
+        return system
+
+    sim = AtlasSimulation(Scenario(**COARSE), controller=broken)
+    with pytest.raises(SimulationError, match="behavior_effort of back_bkx is no fin"):
+        sim.advance(0.01)
+
+
+def test_a_controller_that_is_in_a_diagram_already_is_refused():
+    kept = sized(28)
+    make_atlas_station(controller=kept)
+    with pytest.raises(ControllerError, match="in another diagram already"):
+        make_atlas_station(controller=kept)
+    with pytest.raises(ControllerError, match="controller must be a System"):
+        make_atlas_station(controller=())
+
+
+def test_a_fall_that_an_error_kept_untold_ends_with_a_reset():
+    """The controller notes a fall, and fails before anybody looks."""
+    failed = []
+
+    def controller(robot, _config):
+        def tell(context, out):
+            fall = (Event(0.024, "fall", "oh"),) if context.get_time() > 0.02 else ()
+            out.set_value(ControllerStatus(events=fall, event_count=len(fall)))
+
+        def give(context, out):
+            out.SetZero()
+            if context.get_time() > 0.03 and not failed:
+                failed.append(True)
+                raise ZeroDivisionError("of the user's")
+
+        system = LeafSystem()
+        system.DeclareVectorOutputPort("behavior_effort", robot.num_joints, give)
+        system.DeclareAbstractOutputPort(
+            "controller_status", lambda: AbstractValue.Make(ControllerStatus()), tell
+        )
+        return system
+
+    sim = AtlasSimulation(Scenario(**COARSE), controller=controller)
+    with pytest.raises(ZeroDivisionError):
+        sim.advance(0.1)
+    sim.reset()
+    assert [e.kind for e in sim.events] == ["fall", "reset"]
+    assert not sim.has_fallen
+
+
+def test_a_status_port_for_vectors_is_refused():
+    def vector(robot, _config):
+        system = sized(robot.num_joints)
+        system.DeclareVectorOutputPort("controller_status", 3, lambda *_: None)
+        return system
+
+    with pytest.raises(ControllerError, match="must hold a ControllerStatus"):
+        make_atlas_station(controller=vector)
 
 
 def test_a_controller_without_reset_gets_its_default_state():

@@ -308,6 +308,8 @@ simulator: {accuracy: 1e-3}
         ("plant.discrete_contact_approximation=exact", "plant", "exact"),
         ("simulator.integration_scheme=guess", "simulator", "guess"),
         ("simulator.start_time=1", "simulator.start_time", "must be 0"),
+        ("simulator.max_step_size=-1", "simulator", "maximum step size"),
+        ("plant.stiction_tolerance=0", "plant", "stiction"),
         ("physics_step=0.0007", "control_period", "whole multiple"),
         ("seed", "--set", "KEY.PATH=VALUE"),
         ("=3", "--set", "KEY.PATH=VALUE"),

@@ -141,9 +141,21 @@ def test_what_the_feet_stand_on_counts_in_their_wrenches():
     assert not sim.has_fallen
 
 
+def second_head(plant):
+    """A body that is free, in the robot's own model."""
+    own = plant.GetModelInstanceByName("atlas")
+    plant.AddRigidBody("head2", own, SpatialInertia.SolidSphereWithMass(1.0, 0.1))
+
+
 @pytest.mark.parametrize(
     ("world", "problem"),
-    [([3], r"world\[0\] must be a callable"), ([lambda p: p.Finalize()], "finalize")],
+    [
+        ([3], r"world\[0\] must be a callable"),
+        (3, "world must be a list of callables"),
+        (None, "world must be a list of callables"),
+        ([lambda p: p.Finalize()], "finalize"),
+        ([second_head], "must not add bodies that move to the model of atlas"),
+    ],
 )
 def test_a_world_that_cannot_be_added_is_refused(world, problem):
     with pytest.raises(WorldError, match=problem):

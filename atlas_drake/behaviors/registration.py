@@ -1,0 +1,84 @@
+"""Checks behaviors of one's own before anything is built of them.
+
+Names, numbers and colors are checked where they are shown, in ``behavior_catalog``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+from atlas_drake.behaviors.entry import BehaviorEntry
+from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
+from atlas_drake.errors import did_you_mean, shown
+from atlas_drake.messages import AtlasSimInterfaceState
+from atlas_drake.messages.behavior_catalog import BehaviorCatalog, BehaviorError
+
+
+def registered(behaviors: Iterable[BehaviorEntry]) -> tuple[BehaviorEntry, ...]:
+    """Return behaviors of one's own, of which every field can be used.
+
+    Args:
+        behaviors: Added to those that are shipped.
+
+    Raises:
+        BehaviorError: If one cannot be registered; it names the behavior and the field.
+    """
+    if not isinstance(behaviors, Iterable):
+        raise BehaviorError(
+            f"behaviors must be a list of BehaviorEntry values, is {shown(behaviors)}"
+        )
+    own = tuple(behaviors)
+    for entry in own:
+        if not isinstance(entry, BehaviorEntry):
+            raise BehaviorError(
+                f"behaviors must be BehaviorEntry values, has {shown(entry)}"
+            )
+    catalog = BehaviorCatalog((*SHIPPED_ENTRIES, *own))
+    names = [entry.name for entry in catalog]
+    for entry in own:
+        _check(entry, names)
+    return own
+
+
+def _check(entry: Any, names: list[str]) -> None:
+    """Raises BehaviorError if a field of an entry cannot be used."""
+
+    def refuse(field: str, requirement: str) -> None:
+        raise BehaviorError(
+            f"behavior {entry.name!r}: {field} must be {requirement}, is "
+            f"{shown(getattr(entry, field))}"
+        )
+
+    if not callable(entry.make):
+        refuse("make", "callable with (tools, config)")
+    if entry.check is not None and not callable(entry.check):
+        refuse("check", "callable with (params, field)")
+    if entry.params_field != "params":
+        refuse("params_field", "'params'")
+    if entry.params is not None:
+        try:
+            entry.params()
+        except Exception as error:
+            raise BehaviorError(
+                f"behavior {entry.name!r}: {entry.params.__name__}() fails with "
+                f"{type(error).__name__}: {error}; all its fields need defaults"
+            ) from error
+    if not isinstance(entry.conditions, tuple) or not all(
+        map(callable, entry.conditions)
+    ):
+        refuse("conditions", "a tuple of callables")
+    for field in ("follows", "leads_to"):
+        value = getattr(entry, field)
+        if not isinstance(value, tuple):
+            refuse(field, "a tuple of names of behaviors")
+        for name in value:
+            if name not in names:
+                raise BehaviorError(
+                    f"behavior {entry.name!r}: {field} names {shown(name)}, which is "
+                    f"no behavior.{did_you_mean(str(name), names)} Known are "
+                    + ", ".join(names)
+                )
+    feedback = getattr(AtlasSimInterfaceState(), str(entry.feedback), None)
+    if entry.feedback != "" and not hasattr(feedback, "status_flags"):
+        refuse("feedback", "a feedback field of AtlasSimInterfaceState, or ''")
