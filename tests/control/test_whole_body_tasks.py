@@ -24,6 +24,7 @@ from atlas_drake.control.whole_body import (
     WholeBodyCommand,
     WholeBodyQp,
 )
+from atlas_drake.control.whole_body.elimination import TaskStack
 from atlas_drake.control.whole_body.inertia import inverse_inertia
 from atlas_drake.control.whole_body.model import GRAVITY
 
@@ -351,3 +352,19 @@ def test_a_patch_keeps_the_pressure_in_its_polygon():
     assert holds(-0.09, 0.09)
     assert not holds(0.05, 0.05)
     assert not holds(-0.11, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"target": np.zeros(3)}, r"target of FrameTask.* shape \(6,\), has \(3,\)"),
+        ({"target": 0.0}, r"target of FrameTask.* shape \(6,\), has \(\)"),
+        ({"weight": np.ones(3)}, r"weight of FrameTask.* shape \(6,\), has \(3,\)"),
+    ],
+)
+def test_a_task_with_too_few_numbers_is_named(terms, changes, words):
+    task = FrameTask(
+        **{"frame": "l_hand", "target": np.zeros(6), "weight": 1} | changes
+    )
+    with pytest.raises(ValueError, match=words):
+        TaskStack([task], terms, [])

@@ -51,6 +51,7 @@ class TaskStack:
         others: list[Task] = []
         for task in tasks:
             A, b, G = task.rows(terms, contacts)
+            _check_shapes(task, b)
             if A is not None:
                 if G is not None:
                     self.mixed.append((sum(map(len, self.b)), G))
@@ -64,6 +65,21 @@ class TaskStack:
         ordered = moving + others
         self.target = np.concatenate([_NONE, *[task.target for task in ordered]])
         self.weight = np.concatenate([_NONE, *[row_weights(task) for task in ordered]])
+
+
+def _check_shapes(task: Task, b: np.ndarray) -> None:
+    """Raises ValueError unless a task has one target and weight per row."""
+    shape = b.shape
+    for name in ("target", "weight"):
+        value = getattr(task, name)
+        # Quick where all is well: this runs for every task of every tick.
+        if getattr(value, "shape", None) == shape or (
+            name == "weight" and isinstance(value, float)
+        ):
+            continue
+        given = np.shape(value)
+        if given != shape and (name == "target" or given):
+            raise ValueError(f"{name} of {task!r} must have shape {shape}, has {given}")
 
 
 def row_weights(task: Task) -> np.ndarray:
