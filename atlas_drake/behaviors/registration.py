@@ -11,7 +11,7 @@ from typing import Any
 from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.errors import did_you_mean, shown
-from atlas_drake.messages import AtlasSimInterfaceState
+from atlas_drake.messages import AtlasSimInterfaceCommand, AtlasSimInterfaceState
 from atlas_drake.messages.behavior_catalog import BehaviorCatalog, BehaviorError
 
 
@@ -54,8 +54,10 @@ def _check(entry: Any, names: list[str]) -> None:
         refuse("make", "callable with (tools, config)")
     if entry.check is not None and not callable(entry.check):
         refuse("check", "callable with (params, field)")
-    if entry.params_field != "params":
-        refuse("params_field", "'params'")
+    # One made from a shipped entry reads the parameters that its model reads.
+    shared = getattr(AtlasSimInterfaceCommand(), str(entry.params_field), None)
+    if entry.params_field != "params" and type(shared) is not entry.params:
+        refuse("params_field", "'params', or a command's field for these parameters")
     if entry.params is not None:
         try:
             entry.params()

@@ -274,6 +274,7 @@ def test_a_behavior_beside_the_members_is_one_all_the_same():
         ({"leads_to": ("STNAD",)}, "leads_to names 'STNAD'.* Did you mean.*STAND"),
         ({"feedback": "bow_feedback"}, "feedback must be a feedback field"),
         ({"params_field": "bow_params"}, "params_field must be 'params'"),
+        ({"params_field": "walk_params"}, "a command's field for these parameters"),
         ({"params": Incomplete}, r"Incomplete\(\) fails.*need defaults"),
         ({"number": 2**53 + 1}, "from 100 to 2147483647, is 9007199254740993"),
     ],
