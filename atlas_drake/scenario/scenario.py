@@ -25,7 +25,7 @@ from atlas_drake.errors import (
 )
 from atlas_drake.kinds import as_plain, typed
 from atlas_drake.messages import Behavior
-from atlas_drake.messages.behavior_catalog import SHIPPED
+from atlas_drake.messages.behavior_catalog import SHIPPED, BehaviorCatalog
 from atlas_drake.robot import DEFAULT_ROBOT, find_robot, model_beside
 from atlas_drake.scenario.drake_configs import (
     check_plant_config,
@@ -293,17 +293,20 @@ def check_seed(value: object) -> int:
     return seed
 
 
-def starting_behavior(value: object, name: str) -> Behavior:
+def starting_behavior(
+    value: object, name: str, catalog: BehaviorCatalog = SHIPPED
+) -> Behavior:
     """A behavior that the robot can begin with.
 
     Args:
         value: Its name in any case, its number, or the behavior itself.
         name: Of the field it comes from, for the error.
+        catalog: Of the behaviors that there are.
 
     Raises:
         InvalidMessageError: If there is no such behavior, or none can begin with it.
     """
-    behavior = SHIPPED.find(value, name)
+    behavior = catalog.find(value, name)
     allowed = (Behavior.STAND, Behavior.STAND_PREP, Behavior.USER, Behavior.FREEZE)
     if behavior not in allowed:
         names = ", ".join(b.name for b in allowed)

@@ -574,7 +574,7 @@ class AtlasSimulation:
                 return
         asked = self.scenario.initial_behavior if behavior is None else behavior
         start = self.scenario.start if pose is None else pose
-        begin = starting_behavior(asked, "behavior")
+        begin = starting_behavior(asked, "behavior", self.behaviors)
         typed(start, Start, "pose").validate(begin)
         if start.harnessed and not self.scenario.start.harnessed:
             raise ScenarioError(

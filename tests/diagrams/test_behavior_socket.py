@@ -195,6 +195,12 @@ def test_it_may_follow_only_what_its_entry_says(bow):
     assert "MANIPULATE -> BOW refused" in sim.events[-1].text
 
 
+def test_nothing_begins_with_it(bow):
+    sim = AtlasSimulation(COARSE, behaviors=[bow])
+    with pytest.raises(InvalidMessageError, match="'BOW'; must be one of STAND"):
+        sim.reset("BOW")
+
+
 def test_without_registration_it_is_unknown(bow):
     with pytest.raises(InvalidMessageError, match="no behavior 'BOW'"):
         AtlasSimulation(COARSE).publish(asked("BOW"))
