@@ -250,8 +250,17 @@ def scenario_page() -> str:
 def _fields_of(value: Any, path: str) -> list[str]:
     """A table of the plain fields, and then one of each structure among them."""
     if not dataclasses.is_dataclass(value):
-        rows = [(f"`{name}`", _value(item)) for name, item in as_plain(value).items()]
-        told = f"Drake's `{type(value).__name__}`."
+        # Which fields there are depends on the version of Drake.
+        drakes = as_plain(type(value)())
+        rows = [
+            (f"`{name}`", _value(item))
+            for name, item in as_plain(value).items()
+            if item != drakes[name]
+        ]
+        told = f"Drake's `{type(value).__name__}`, with all its fields."
+        if not rows:
+            return [f"## {path}", told]
+        told += " Other than in Drake:"
         return [f"## {path}", told, table(("name", "value"), rows)]
     told = source_docs.attributes(type(value))
     told |= source_docs.trailing_strings(type(value))
