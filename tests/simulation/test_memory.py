@@ -49,6 +49,7 @@ def test_a_simulation_that_is_dropped_is_freed_with_its_view_and_log(tmp_path):
         names = [type(part).__name__ for part in parts]
         return meshcat.port(), names, [weakref.ref(part) for part in parts]
 
+    run()  # What libraries open once, at their first use, stays open.
     gc.collect()
     before = threads_and_files()
     port, names, alive = run()
