@@ -236,7 +236,9 @@ class AtlasSimulation:
         own = self.station.GetSubsystemByName(CONTROLLER)
         if hasattr(own, "tick_seconds"):
             own.tick_seconds = self._tick_seconds
-        self._fall_watch = FallWatch(self.robot, self.plant)
+        self._fall_watch = FallWatch(
+            self.robot, self.plant, self.scenario.controller.fall
+        )
         with only_news():
             self.simulator = Simulator(self.diagram)
         ApplySimulatorConfig(self.scenario.simulator, self.simulator)

@@ -17,17 +17,15 @@ from atlas_drake.robot import Robot
 class FallWatch:
     """Looks at the true state of a robot."""
 
-    def __init__(
-        self, robot: Robot, plant: MultibodyPlant, limits: FallLimits | None = None
-    ) -> None:
-        """Watches ``robot`` in ``plant``."""
+    def __init__(self, robot: Robot, plant: MultibodyPlant, limits: FallLimits) -> None:
+        """Watches ``robot`` in ``plant``, by the controller's own limits."""
         self._plant: Any = plant
-        self._limits = limits or FallLimits()
+        self._limits = limits
         own = robot.instance(plant)
         self._pelvis = plant.GetBodyByName(robot.file.pelvis, own)
         self._soles = [plant.GetFrameByName(f.sole_frame, own) for f in robot.file.feet]
         self._instances = [own]
-        self._nominal_height = self._standing_height(robot)
+        self._nominal_height = self._standing_height(robot) - robot.file.com_drop
 
     def sign(self, context: Context) -> str:
         """What in the posture is that of a falling robot; empty if nothing is.
@@ -49,7 +47,7 @@ class FallWatch:
         return float(com[2] - min(soles))
 
     def _standing_height(self, robot: Robot) -> float:
-        """The same of a robot in the stand-prep pose [m]."""
+        """Height of the center of mass above the sole in the stand-prep pose [m]."""
         context = self._plant.CreateDefaultContext()
         q = self._plant.GetPositions(context, *self._instances)
         q[robot.indices(self._plant).q] = robot.stand_prep

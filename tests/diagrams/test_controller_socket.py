@@ -19,6 +19,7 @@ from atlas_drake.messages.controller_status import (
     PlannedStep,
 )
 from atlas_drake.messages.event import Event
+from atlas_drake.scenario.scenario import with_settings
 from atlas_drake.simulation.atlas_simulation import SimulationError
 from atlas_drake.systems.whole_body_controller import WholeBodyController
 
@@ -126,6 +127,21 @@ def test_a_fall_is_noticed_from_outside_and_ends_with_a_reset():
     sim.reset()
     assert not sim.has_fallen
     assert sim.events[-1].kind == "reset"
+
+
+def test_a_fall_is_what_the_scenario_says_it_is():
+    """The watch from outside goes by the limits that the controller goes by."""
+
+    def first_tilt(limit):
+        scenario = with_settings(Scenario(**COARSE), [f"controller.fall.tilt={limit}"])
+        sim = AtlasSimulation(
+            scenario, controller=lambda robot, _: sized(robot.num_joints)
+        )
+        sim.wait_until(lambda sim: sim.has_fallen, 3.0)
+        return sim.events[-1].text
+
+    assert first_tilt(0.2).startswith("falling (pelvis tilted by 0.2")
+    assert not first_tilt(1.5).startswith("falling (pelvis tilted by 0.")
 
 
 def test_what_a_controller_tells_is_shown_logged_and_summed_up(tmp_path):
