@@ -1,6 +1,6 @@
 """Bounds of a configuration's numbers, declared beside the numbers.
 
-Declarations only; ``scenario.kinds`` checks them.
+Declarations only; ``kinds`` checks them.
 """
 
 import math

@@ -35,6 +35,7 @@ from typing import TypeAlias
 from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import (
     DiagramBuilder,
+    InputPort,
     OutputPort,
     PortDataType,
     System,
@@ -190,7 +191,7 @@ def _named(system: System) -> str:
     return f"the controller ({type(system).__name__})"
 
 
-def _kind(port: object) -> str:
-    if port.get_data_type() == PortDataType.kVectorValued:  # type: ignore[attr-defined]
-        return f"a vector of size {port.size()}"  # type: ignore[attr-defined]
+def _kind(port: InputPort | OutputPort) -> str:
+    if port.get_data_type() == PortDataType.kVectorValued:
+        return f"a vector of size {port.size()}"
     return "abstract-valued"

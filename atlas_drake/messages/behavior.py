@@ -4,6 +4,7 @@ How they are asked for, and behaviors of one's own, are in ``behavior_catalog``.
 """
 
 from enum import IntEnum
+from functools import cache
 from typing import Any
 
 _WHOLE = tuple("bcdnoxX")
@@ -30,20 +31,21 @@ class Behavior(IntEnum):
     USER = 7
     """All joints return to the user at once."""
 
-    @classmethod
-    def named(cls, number: int, name: str) -> "Behavior":
-        """Give the member of that number, or a value beside the members.
+    @staticmethod
+    @cache
+    def named(number: int, name: str) -> "Behavior":
+        """Give the member of that name, or a value beside the members.
 
         Behaviors of one's own are such values: they have name and number as members do,
-        and are equal if their numbers are.
+        are equal if their numbers are, and the same object if both are.
 
         Args:
             number: Of the behavior.
             name: In capitals.
         """
-        if name in cls.__members__:
-            return cls[name]
-        value = int.__new__(cls, number)
+        if name in Behavior.__members__:
+            return Behavior[name]
+        value = int.__new__(Behavior, number)
         value._name_, value._value_ = name, number
         return value
 

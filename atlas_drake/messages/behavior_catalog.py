@@ -186,19 +186,6 @@ class BehaviorCatalog(Frozen):
             _check(asked, message.params)
         return behavior
 
-    def params_of(self, behavior: Behavior, message: AtlasSimInterfaceCommand) -> Any:
-        """The parameters that a behavior reads of a message; defaults if it has none.
-
-        Args:
-            behavior: That reads.
-            message: Checked.
-        """
-        entry = self.entry(behavior)
-        if entry.params is None:
-            return None
-        given = getattr(message, entry.params_field)
-        return entry.params() if given is None else given
-
 
 def _check(entry: BehaviorInterface, params: object) -> None:
     assert entry.params is not None
