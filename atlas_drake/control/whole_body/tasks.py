@@ -10,7 +10,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
@@ -83,14 +83,17 @@ class FrameTask(Task):
     target: np.ndarray
     weight: np.ndarray | float
 
+    ROWS: ClassVar[slice] = slice(0, 6)
+    """Rows of the spatial acceleration that the task is about."""
+
     def rows(self, terms: WholeBodyTerms, contacts: Sequence[Contact]) -> TaskRows:
-        """Returns the frame's Jacobian J ∈ R^{6 × n_v} and J̇·v."""
+        """Returns these rows of the frame's Jacobian J ∈ R^{6 × n_v} and of J̇·v."""
         F = terms.frame(self.frame)
-        return TaskRows(F.J_WF, F.bias)
+        return TaskRows(F.J_WF[self.ROWS], F.bias[self.ROWS])
 
 
 @dataclass(frozen=True)
-class OrientationTask(Task):
+class OrientationTask(FrameTask):
     """Angular acceleration of a frame F: the first three rows of its Jacobian.
 
     Attributes:
@@ -99,14 +102,7 @@ class OrientationTask(Task):
         weight: [cost]/[rad/s²]².
     """
 
-    frame: str
-    target: np.ndarray
-    weight: np.ndarray | float
-
-    def rows(self, terms: WholeBodyTerms, contacts: Sequence[Contact]) -> TaskRows:
-        """Returns the rotational rows J ∈ R^{3 × n_v} and their J̇·v."""
-        F = terms.frame(self.frame)
-        return TaskRows(F.J_WF[:3], F.bias[:3])
+    ROWS: ClassVar[slice] = slice(0, 3)
 
     @classmethod
     def tracking(
@@ -136,7 +132,7 @@ class OrientationTask(Task):
 
 
 @dataclass(frozen=True)
-class PositionTask(Task):
+class PositionTask(FrameTask):
     """Acceleration of a frame's origin: the last three rows of its Jacobian.
 
     Attributes:
@@ -145,14 +141,7 @@ class PositionTask(Task):
         weight: [cost]/[m/s²]².
     """
 
-    frame: str
-    target: np.ndarray
-    weight: np.ndarray | float
-
-    def rows(self, terms: WholeBodyTerms, contacts: Sequence[Contact]) -> TaskRows:
-        """Returns the translational rows J ∈ R^{3 × n_v} and their J̇·v."""
-        F = terms.frame(self.frame)
-        return TaskRows(F.J_WF[3:], F.bias[3:])
+    ROWS: ClassVar[slice] = slice(3, 6)
 
     @classmethod
     def tracking(
