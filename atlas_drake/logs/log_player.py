@@ -13,7 +13,13 @@ from pydrake.systems.framework import Context
 from atlas_drake.frozen import replace
 from atlas_drake.logs.layout import SIDES
 from atlas_drake.logs.log import Log
-from atlas_drake.logs.notes import PATHS, LogError, Note, paths_from_note
+from atlas_drake.logs.notes import (
+    PATHS,
+    LogError,
+    Note,
+    footsteps_from_note,
+    paths_from_note,
+)
 from atlas_drake.logs.report_channels import REPORT_CHANNELS, report_from
 from atlas_drake.logs.samples import polygon_from
 from atlas_drake.logs.world_state import PlantState
@@ -152,6 +158,7 @@ class LogPlayer(CollectableSystem):
         return Plan(
             **{name: value for name, value in kept.items() if np.isfinite(value).all()},
             support=None if support is None else polygon_from(support[row]),
+            footsteps=() if note is None else footsteps_from_note(note),
             preview=None if note is None else lambda: paths_from_note(note),
         )
 

@@ -26,6 +26,7 @@ from atlas_drake.logs.layout import Channel, Layout
 from atlas_drake.logs.notes import (
     COMMANDS,
     EVENT,
+    FOOTSTEPS,
     PATHS,
     Header,
     LogError,
@@ -82,7 +83,7 @@ class McapWriter:
             self._register(name, f"atlas_drake.{name}", topic.message(blank))
         for kind, message in COMMANDS.items():
             self._register(kind, f"atlas_drake.{message.__name__}", to_plain(message()))
-        points = {name: [[0.0]] for name in ("com", "dcm", "cop", "swing")}
+        points = {name: [[0.0]] for name in ("com", "dcm", "cop", "swing", FOOTSTEPS)}
         self._register(PATHS, "atlas_drake.PlannedPaths", points)
         for name, (schema, sample) in VIEWER_SCHEMAS.items():
             self._register(name, schema, sample)

@@ -23,7 +23,11 @@ from atlas_drake.messages.behavior_catalog import (
     BehaviorCatalog,
     BehaviorInterface,
 )
-from atlas_drake.messages.controller_status import PlannedPaths
+from atlas_drake.messages.controller_status import (
+    Plan,
+    PlannedPaths,
+    PlannedStep,
+)
 from atlas_drake.messages.event import Event
 from atlas_drake.numeric import is_whole
 
@@ -39,6 +43,8 @@ EVENT = "event"
 """Kind of the notes that are events."""
 PATHS = "planned_paths"
 """Kind of the notes that hold ``PlannedPaths``."""
+FOOTSTEPS = "footsteps"
+"""In such a note: the footsteps to come, each as foot, x, y, z [m], yaw [rad]."""
 PATH_GRID = 1e-4
 """Points of paths are rounded to it [m]."""
 
@@ -161,25 +167,36 @@ def event_from_note(note: Note) -> Event:
     return Event(note.time, note.data["kind"], note.data["text"], note.data["data"])
 
 
-def note_from_paths(time: float, paths: PlannedPaths) -> Note:
-    """Planned paths as a note; a path that there is not has no points."""
+def note_from_plan(time: float, plan: Plan) -> Note:
+    """Planned paths and footsteps as a note; a path that there is not has no points."""
     data = {
         field.name: []
-        if (path := getattr(paths, field.name)) is None
+        if (path := getattr(plan.paths, field.name)) is None
         else (np.round(path / PATH_GRID) * PATH_GRID).round(4).tolist()
         for field in fields(PlannedPaths)
     }
+    data[FOOTSTEPS] = [
+        [step.foot, *map(float, step.p_WF), float(step.yaw)] for step in plan.footsteps
+    ]
     return Note(time, PATHS, data)
 
 
 def paths_from_note(note: Note) -> PlannedPaths:
-    """The reverse of ``note_from_paths``."""
+    """The paths that ``note_from_plan`` kept."""
     paths = {
         field.name: np.array(points)
         for field in fields(PlannedPaths)
         if (points := note.data.get(field.name))
     }
     return PlannedPaths(**paths)
+
+
+def footsteps_from_note(note: Note) -> tuple[PlannedStep, ...]:
+    """The footsteps that ``note_from_plan`` kept."""
+    return tuple(
+        PlannedStep(int(foot), np.array([x, y, z]), yaw)
+        for foot, x, y, z, yaw in note.data.get(FOOTSTEPS, ())
+    )
 
 
 def notes_to_json(notes: Iterable[Note]) -> str:

@@ -27,7 +27,7 @@ from atlas_drake.logs.notes import (
     LogError,
     Note,
     note_from_event,
-    note_from_paths,
+    note_from_plan,
     to_plain,
 )
 from atlas_drake.logs.samples import RowSampler
@@ -161,11 +161,11 @@ class LogRecorder(CollectableSystem):
         """Notes the planned paths from time to time, and when they come or go."""
         time = context.get_time()
         status: ControllerStatus = self._ports["controller_status"].Eval(context)
-        planned = status.plan.preview is not None
+        planned = status.plan.preview is not None or bool(status.plan.footsteps)
         late = planned and time > self._paths_time + PATHS_EVERY - 1e-9
         if late or planned != self._planned:
             self._paths_time, self._planned = time, planned
-            self._writer.note(note_from_paths(time, status.plan.paths))
+            self._writer.note(note_from_plan(time, status.plan))
 
     # ---- sampling ------------------------------------------------------------
 

@@ -26,6 +26,7 @@ from atlas_drake.messages import (
     Behavior,
 )
 from atlas_drake.messages.commands import BehaviorRequest
+from atlas_drake.messages.controller_status import Plan
 from atlas_drake.messages.event import Event
 from atlas_drake.robot import SoleSize
 from atlas_drake.visualization.display import Display
@@ -76,7 +77,10 @@ class FootstepMark:
 
 
 def footstep_marks(
-    request: BehaviorRequest, report: AtlasSimInterfaceState, events: Iterable[Event]
+    request: BehaviorRequest,
+    report: AtlasSimInterfaceState,
+    events: Iterable[Event],
+    plan: Plan,
 ) -> list[FootstepMark]:
     """What there is to draw.
 
@@ -84,6 +88,8 @@ def footstep_marks(
         request: The behavior command in force.
         report: Of the behaviors.
         events: The latest events; those about footsteps count.
+        plan: Of the controller; its footsteps count where no feedback of WALK or STEP
+            says more about them.
     """
     marks = []
     for event in [e for e in events if e.kind == "footstep"][-KEPT:]:
@@ -109,6 +115,13 @@ def footstep_marks(
             ]
         return marks
     if report.current_behavior != Behavior.WALK:
+        for planned in plan.footsteps:
+            place = [*map(float, planned.p_WF[:2]), planned.yaw]
+            marks.append(
+                _mark(
+                    Kind.COMMANDED, planned.foot, _steady(place), float(planned.p_WF[2])
+                )
+            )
         return marks
     first = max(report.walk_feedback.current_step_index, 1)
     queue = report.walk_feedback.step_queue_saturated
@@ -128,11 +141,8 @@ def footstep_marks(
         known = index in coming
         if index < first or (known and not _differ(coming[index], pose)):
             continue
-        # Balance moves a step a little all the time; not every move is a new mark.
-        grid = (VISIBLE_SHIFT, VISIBLE_SHIFT, VISIBLE_TURN)
-        rounded = [g * round(value / g) for value, g in zip(pose, grid, strict=True)]
         kind = Kind.SATURATED if known else Kind.COMMANDED
-        marks.append(_mark(kind, foot, rounded, heights[index]))
+        marks.append(_mark(kind, foot, _steady(pose), heights[index]))
     return marks
 
 
@@ -142,6 +152,15 @@ def _poses(
     """Foot and pose (x, y, yaw) of each step in a queue, by index."""
     steps = [footstep_from(data) for data in queue if data.step_index != NO_STEP]
     return {s.index: (s.foot, [*map(float, s.p_WF[:2]), s.yaw]) for s in steps}
+
+
+def _steady(pose: Sequence[float]) -> list[float]:
+    """Rounds x, y and yaw: balance moves a step a little all the time.
+
+    Not every move is a new mark.
+    """
+    grid = (VISIBLE_SHIFT, VISIBLE_SHIFT, VISIBLE_TURN)
+    return [g * round(value / g) for value, g in zip(pose, grid, strict=True)]
 
 
 def _mark(kind: Kind, foot: int, pose: Sequence[float], z: float) -> FootstepMark:
@@ -232,7 +251,7 @@ class FootstepDisplay(Display):
         report: Any = self._report.Eval(context)
         status: Any = self._status.Eval(context)
         events = status.events
-        marks = footstep_marks(commands.request, report, events)
+        marks = footstep_marks(commands.request, report, events, status.plan)
         self._marks.show(marks, context.get_time())
 
     def _draw(self, path: str, mark: object) -> None:

@@ -144,7 +144,7 @@ class VideoDisplay(CollectableSystem):
                 Quaternion(q[:4] / np.linalg.norm(q[:4]))
             ).yaw_angle()
         self._target = follow(self._target, q[4:7], 1.0 / VIDEO_RATE)
-        marks = footstep_marks(commands.request, report, status.events)
+        marks = footstep_marks(commands.request, report, status.events, status.plan)
         pose = camera_pose(self._target, self._yaw)
         shown = self._plant_state.Eval(context)[: self._stage.num_positions]
         picture = self._stage.picture(shown, marks, pose)

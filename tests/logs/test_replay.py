@@ -113,13 +113,19 @@ def test_footsteps_and_caption_are_those_of_the_run(tmp_path, scenario):
 
     def seen(commands, status, report):
         events = status.events
-        return footstep_marks(commands.request, report, events), caption_of(report)
+        return footstep_marks(
+            commands.request, report, events, status.plan
+        ), caption_of(report)
 
     marks, caption = seen(*again)
     assert (marks, caption) == seen(*live)
     was, is_now = live[1].plan, again[1].plan
     for name in ("support", "dcm_reference", "cop_reference"):
         np.testing.assert_allclose(getattr(is_now, name), getattr(was, name))
+    assert [step.foot for step in is_now.footsteps] == [
+        step.foot for step in was.footsteps
+    ]
+    assert is_now.footsteps
     # Paths are kept every 0.1 s; where they end moves little meanwhile.
     for name in ("com", "dcm", "cop"):
         end, ended = getattr(is_now.paths, name)[-1], getattr(was.paths, name)[-1]
@@ -219,7 +225,7 @@ def test_other_behaviors_look_as_in_the_run(behavior, tmp_path):
     again = [player.GetOutputPort(name).Eval(context) for name in NAMES]
     looks = [
         (
-            footstep_marks(c.request, report, state.events),
+            footstep_marks(c.request, report, state.events, state.plan),
             caption_of(report),
             feedback_words(report),
         )

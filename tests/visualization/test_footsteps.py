@@ -12,6 +12,7 @@ from atlas_drake.messages import (
     Behavior,
 )
 from atlas_drake.messages.commands import BehaviorRequest
+from atlas_drake.messages.controller_status import Plan, PlannedStep
 from atlas_drake.messages.event import Event
 from atlas_drake.robot import SoleSize
 from atlas_drake.visualization.footsteps import (
@@ -56,7 +57,7 @@ def landed(index, commanded, saturated=None, at=None, z=0.0):
 
 def test_steps_to_come_are_drawn_where_commanded():
     request, report = walking([step(1, 0.25, yaw=0.2), step(2, 0.5, -0.1)])
-    assert footstep_marks(request, report, []) == [
+    assert footstep_marks(request, report, [], Plan()) == [
         FootstepMark(Kind.COMMANDED, 0, 0.25, 0.1, 0.2),
         FootstepMark(Kind.COMMANDED, 1, 0.5, -0.1, 0.0),
     ]
@@ -64,7 +65,7 @@ def test_steps_to_come_are_drawn_where_commanded():
 
 def test_a_step_that_is_not_taken_as_commanded_is_drawn_twice():
     request, report = walking([step(1, 0.9)], taken=[step(1, 0.42)])
-    marks = footstep_marks(request, report, [])
+    marks = footstep_marks(request, report, [], Plan())
     assert [mark.kind for mark in marks] == [Kind.COMMANDED, Kind.SATURATED]
     assert marks[1].x == pytest.approx(0.42, abs=0.005)
 
@@ -76,7 +77,9 @@ def test_steps_are_drawn_at_the_height_at_which_they_are_taken():
         taken=[step(2, 0.5, z=0.05), step(3, 0.7, z=0.1)],
         current=2,
     )
-    marks = footstep_marks(request, report, [landed(1, [0.25, 0.1, 0.0], z=0.03)])
+    marks = footstep_marks(
+        request, report, [landed(1, [0.25, 0.1, 0.0], z=0.03)], Plan()
+    )
     assert [(m.kind, m.z) for m in marks] == [
         (Kind.LANDED, 0.03),
         (Kind.COMMANDED, 0.03),
@@ -88,12 +91,14 @@ def test_steps_are_drawn_at_the_height_at_which_they_are_taken():
 
 def test_a_small_correction_is_not_drawn():
     request, report = walking([step(1, 0.25)], taken=[step(1, 0.255)])
-    assert [m.kind for m in footstep_marks(request, report, [])] == [Kind.COMMANDED]
+    assert [m.kind for m in footstep_marks(request, report, [], Plan())] == [
+        Kind.COMMANDED
+    ]
 
 
 def test_a_step_of_an_earlier_message_stays_in_view():
     request, report = walking([step(2, 0.5)], taken=[step(1, 0.25), step(2, 0.5)])
-    marks = footstep_marks(request, report, [])
+    marks = footstep_marks(request, report, [], Plan())
     assert {(m.kind, m.foot) for m in marks} == {
         (Kind.COMMANDED, 0),
         (Kind.COMMANDED, 1),
@@ -103,7 +108,7 @@ def test_a_step_of_an_earlier_message_stays_in_view():
 def test_a_landed_step_is_drawn_as_landed_and_where_it_was_commanded():
     event = landed(1, [0.25, 0.1, 0.0], at=[0.26, 0.1, 0.0])
     request, report = walking([step(1, 0.25), step(2, 0.5)], current=2)
-    marks = footstep_marks(request, report, [event])
+    marks = footstep_marks(request, report, [event], Plan())
     assert marks[:2] == [
         FootstepMark(Kind.LANDED, 0, 0.26, 0.1, 0.0),
         FootstepMark(Kind.COMMANDED, 0, 0.25, 0.1, 0.0),
@@ -115,23 +120,33 @@ def test_a_landed_step_is_drawn_as_landed_and_where_it_was_commanded():
 def test_landed_steps_look_the_same_before_and_after_the_walk_ends():
     event = landed(1, [0.25, 0.1, 0.0], saturated=[0.2, 0.1, 0.0])
     request, report = walking([step(1, 0.25)], current=2)
-    before = set(footstep_marks(request, report, [event]))
+    before = set(footstep_marks(request, report, [event], Plan()))
     report.current_behavior = Behavior.STAND
-    assert set(footstep_marks(request, report, [event])) == before
+    assert set(footstep_marks(request, report, [event], Plan())) == before
     assert {mark.kind for mark in before} == set(Kind)
 
 
 def test_nothing_to_come_is_drawn_unless_atlas_walks():
     request, report = walking([step(1, 0.25)])
     report.current_behavior = Behavior.STAND
-    assert footstep_marks(request, report, []) == []
+    assert footstep_marks(request, report, [], Plan()) == []
+
+
+@pytest.mark.parametrize("behavior", [Behavior.STAND, Behavior.named(100, "MARCH")])
+def test_steps_that_a_plan_has_are_drawn_for_any_behavior(behavior):
+    request, report = walking([])
+    report.current_behavior = behavior
+    plan = Plan(footsteps=(PlannedStep(1, np.array([0.301, -0.1, 0.1]), 0.2),))
+    assert footstep_marks(request, report, [], plan) == [
+        FootstepMark(Kind.COMMANDED, 1, 0.3, -0.1, 0.21, 0.1)
+    ]
 
 
 def test_the_trail_ends_somewhere():
     request, report = walking([])
     events = [landed(i, [0.1 * i, 0.1, 0.0]) for i in range(1, KEPT + 11)]
     other = [Event(0.0, "behavior", "STAND -> WALK")]
-    marks = footstep_marks(request, report, [*events, *other])
+    marks = footstep_marks(request, report, [*events, *other], Plan())
     shown = [mark.x for mark in marks if mark.kind is Kind.LANDED]
     assert len(shown) == KEPT
     assert min(shown) == pytest.approx(1.1)
