@@ -6,6 +6,7 @@ brings: ``controller``, ``behaviors``, ``world``, ``extend``.
 
 from __future__ import annotations
 
+import argparse
 import runpy
 import sys
 from collections.abc import Sequence
@@ -17,6 +18,18 @@ from atlas_drake.errors import AtlasError, ScenarioError
 OPTION = "--with"
 PARTS = ("controller", "behaviors", "world", "extend")
 """Names that a file may define."""
+
+
+def add_parts_option(parser: argparse._ActionsContainer) -> None:
+    """Adds the option to a command."""
+    parser.add_argument(
+        OPTION,
+        dest="parts",
+        type=Path,
+        metavar="FILE.py",
+        help="put in parts of your own: those of controller, behaviors, world, extend "
+        "that the file defines, as AtlasSimulation takes them",
+    )
 
 
 def load_parts(path: Path | None) -> dict[str, Any]:
@@ -63,14 +76,10 @@ def behaviors_told(arguments: Sequence[str]) -> str:
     """
     from atlas_drake.messages.behavior_catalog import SHIPPED
 
-    path = None
-    for argument, following in zip(arguments, (*arguments[1:], ""), strict=True):
-        if argument == OPTION:
-            path = Path(following)
-        elif argument.startswith(f"{OPTION}="):
-            path = Path(argument.partition("=")[2])
+    parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
+    add_parts_option(parser)
     entries = list(SHIPPED)
-    parts = load_parts(path)
+    parts = load_parts(parser.parse_known_args(arguments)[0].parts)
     if "behaviors" in parts:
         from atlas_drake.behaviors.registration import registered
 
