@@ -224,7 +224,8 @@ def _number(value: Any, path: str, bounds: Bounds | None) -> float:
     if number not in (math.inf, -math.inf) and abs(number) > LARGEST:
         raise _wrong(path, value, f"within ±{LARGEST:g}")
     if bounds is not None and not bounds.allow(number):
-        raise _wrong(path, value, str(bounds))
+        # Told as the number that it means: to YAML 1e-3 is a word.
+        raise _wrong(path, float(number), str(bounds))
     return float(number)
 
 

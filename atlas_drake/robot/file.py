@@ -6,11 +6,10 @@ Whether file and URDF belong together is checked in ``load``.
 
 # Annotations stay types, not strings: Drake's YAML loader reads them.
 import itertools
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from atlas_drake.bounds import ProperShare
+from atlas_drake.bounds import Positive, ProperShare, Signed
 from atlas_drake.errors import RobotDescriptionError, shown
 
 LEGS = ("l_leg", "r_leg")
@@ -33,7 +32,7 @@ class JointEntry:
     """Default position gain in force before any command [N·m/rad]."""
     kd: float = 0.0
     """Default derivative gain in force before any command [N·m·s/rad]."""
-    stand_prep: float = 0.0
+    stand_prep: Signed = 0.0
     """Position in the pose from which STAND can begin [rad]."""
 
 
@@ -65,9 +64,9 @@ class ContactEntry:
     """By which tasks and behaviors ask for the contact."""
     frame: str = ""
     """Frame or body F of the URDF that the surface belongs to."""
-    p_FC: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
+    p_FC: list[Signed] = field(default_factory=lambda: [0.0, 0.0, 0.0])
     """Center of the surface in F [m]."""
-    rpy_FC: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
+    rpy_FC: list[Signed] = field(default_factory=lambda: [0.0, 0.0, 0.0])
     """Roll, pitch and yaw of the contact frame C in F [rad]; z of C points from the
     touched object into the robot, as a sole's does."""
     length: float = 0.0
@@ -103,7 +102,7 @@ class StepLimits:
     """Largest turn outward [rad]."""
     toe_in: float = 0.25
     """Largest turn inward [rad]."""
-    min_duration: float = 0.60
+    min_duration: Positive = 0.60
     """Shortest step [s]."""
     max_duration: float = 3.0
     """Longest step from and to a place near the other foot [s]."""
@@ -163,13 +162,13 @@ class GaitTiming:
 class UsualSteps:
     """Steps of a walk for which nothing else is asked: demonstrations and planners."""
 
-    stride: float = 0.20
+    stride: Positive = 0.20
     """From one footprint to the next [m]."""
-    turn: float = 0.15
+    turn: Positive = 0.15
     """Turn of each step on a bend or on the spot [rad]."""
-    duration: float = 0.63
+    duration: Positive = 0.63
     """Duration of each step [s]."""
-    swing_height: float = 0.10
+    swing_height: Positive = 0.10
     """Apex of each swing above the middle of its ends [m]."""
 
 
@@ -181,15 +180,15 @@ class PelvisRange:
     everything else. Each is a least and a greatest value.
     """
 
-    height: list[float] = field(default_factory=lambda: [0.55, 0.95])
+    height: list[Signed] = field(default_factory=lambda: [0.55, 0.95])
     """Of the pelvis' origin above the mean of the soles [m]."""
-    yaw: list[float] = field(default_factory=lambda: [-0.6, 0.6])
+    yaw: list[Signed] = field(default_factory=lambda: [-0.6, 0.6])
     """Of the pelvis, from the mean heading of the feet, to the left [rad]."""
-    pitch: list[float] = field(default_factory=lambda: [-0.3, 0.5])
+    pitch: list[Signed] = field(default_factory=lambda: [-0.3, 0.5])
     """Of the pelvis, forward and down [rad]."""
-    roll: list[float] = field(default_factory=lambda: [-0.3, 0.3])
+    roll: list[Signed] = field(default_factory=lambda: [-0.3, 0.3])
     """Of the pelvis, to the right [rad]."""
-    com: list[float] = field(default_factory=lambda: [-0.5, 0.5])
+    com: list[Signed] = field(default_factory=lambda: [-0.5, 0.5])
     """Of the center of mass along either axis [m]; the support polygon decides."""
 
 
@@ -221,7 +220,7 @@ class RobotFile:
     com_drop: float = 0.02
     """Standing and walking are this much lower than the stand-prep pose [m]: the bent
     knees give the trailing leg its reach."""
-    stance_width: float = 0.24
+    stance_width: Positive = 0.24
     """Distance between the soles' middles of feet side by side [m]."""
     least_knee_flexion: float = 0.30
     """Knees stay bent by this much, counted from the straight leg [rad]: near it they
@@ -245,7 +244,7 @@ class RobotFile:
 
 
 def check_file(file: RobotFile) -> None:
-    """Checks the file by itself; kinds of values are right already.
+    """Checks the file by itself; kinds and bounds of its values are right already.
 
     Raises:
         RobotDescriptionError: Naming the first field that cannot be used.
@@ -262,25 +261,16 @@ def check_file(file: RobotFile) -> None:
             if not value:
                 raise _wrong(f"feet[{index}].{name}", value, "is missing")
     for name, value in vars(file.sole).items():
-        _check_least(f"sole.{name}", value, above=0.0)
+        _check_given(f"sole.{name}", value)
     _check_joints(file.joints)
     _check_contacts(file.contacts)
-    _check_least("com_drop", file.com_drop)
-    _check_least("stance_width", file.stance_width, above=0.0)
-    _check_least("balance_effort", file.balance_effort)
     _check_order("", file, ("least_knee_flexion", "most_knee_flexion"))
-    for name, value in vars(file.gait_timing).items():
-        _check_least(f"gait_timing.{name}", value)
-    share = file.gait_timing.transfer_share
-    if not 0.0 < share < 1.0:
-        raise _wrong("gait_timing.transfer_share", share, "must be between 0 and 1")
     for name in ("walk_limits", "step_limits"):
         _check_limits(name, getattr(file, name))
     _check_usual(file)
     for name, bounds in vars(file.pelvis_range).items():
         where = f"pelvis_range.{name}"
-        ordered = len(bounds) == 2 and all(map(math.isfinite, bounds))
-        if not ordered or bounds[0] > bounds[1]:
+        if len(bounds) != 2 or bounds[0] > bounds[1]:
             raise _wrong(where, bounds, "must be a least and a greatest value")
 
 
@@ -297,17 +287,14 @@ def _wrong(name: str, value: object, problem: str) -> RobotDescriptionError:
     return RobotDescriptionError(name, value, problem)
 
 
-def _check_least(name: str, value: float, above: float | None = None) -> None:
-    if above is None and not 0.0 <= value < math.inf:
-        raise _wrong(name, value, "must be 0 or more")
-    if above is not None and not above < value < math.inf:
-        raise _wrong(name, value, f"must be more than {above:g}")
+def _check_given(name: str, value: float) -> None:
+    """Checks a length that has no default."""
+    if not value > 0.0:
+        raise _wrong(name, value, "must be more than 0")
 
 
 def _check_order(path: str, owner: object, names: Sequence[str]) -> None:
-    """Checks that fields, none of them negative, do not become smaller in order."""
-    for name in names:
-        _check_least(path + name, getattr(owner, name))
+    """Checks that fields do not become smaller in order."""
     for low, high in itertools.pairwise(names):
         least = getattr(owner, low)
         if getattr(owner, high) < least:
@@ -328,10 +315,6 @@ def _check_joints(joints: Sequence[JointEntry]) -> None:
         if joint.limb not in LIMBS:
             wanted = f"must be one of {', '.join(LIMBS)} (joint {joint.name})"
             raise _wrong(f"{where}.limb", joint.limb or None, wanted)
-        for name in ("kp", "kd"):
-            _check_least(f"{where}.{name}", getattr(joint, name))
-        if not math.isfinite(joint.stand_prep):
-            raise _wrong(f"{where}.stand_prep", joint.stand_prep, "must be finite")
 
 
 def _check_contacts(contacts: Sequence[ContactEntry]) -> None:
@@ -344,15 +327,13 @@ def _check_contacts(contacts: Sequence[ContactEntry]) -> None:
             raise _wrong(f"{where}.name", contact.name, "an earlier contact has it")
         for name in ("p_FC", "rpy_FC"):
             vector = getattr(contact, name)
-            if len(vector) != 3 or not all(map(math.isfinite, vector)):
+            if len(vector) != 3:
                 raise _wrong(f"{where}.{name}", vector, "must be three numbers")
         for name in ("length", "width"):
-            _check_least(f"{where}.{name}", getattr(contact, name), above=0.0)
+            _check_given(f"{where}.{name}", getattr(contact, name))
 
 
 def _check_limits(path: str, limits: StepLimits) -> None:
-    for name, value in vars(limits).items():
-        _check_least(f"{path}.{name}", value)
     for pair in (
         ("min_width", "max_width"),
         ("min_duration", "far_duration", "max_duration"),
@@ -360,7 +341,6 @@ def _check_limits(path: str, limits: StepLimits) -> None:
         ("min_swing_height", "max_swing_height"),
     ):
         _check_order(f"{path}.", limits, pair)
-    _check_least(f"{path}.min_duration", limits.min_duration, above=0.0)
     if limits.near == limits.far:
         raise _wrong(f"{path}.far", limits.far, "must be more than near")
 
@@ -373,7 +353,6 @@ def _check_usual(file: RobotFile) -> None:
         ("duration", usual.duration, limits.max_duration),
         ("swing_height", usual.swing_height, limits.max_swing_height),
     ):
-        _check_least(f"usual_steps.{name}", value, above=0.0)
         if value > most:
             wanted = f"must be at most {most:g}, which walk_limits allow"
             raise _wrong(f"usual_steps.{name}", value, wanted)

@@ -15,6 +15,7 @@ from pydrake.common.yaml import yaml_load
 from pydrake.geometry import SceneGraph
 from pydrake.multibody.plant import MultibodyPlant
 
+from atlas_drake.bounds import NOT_NEGATIVE
 from atlas_drake.errors import (
     RobotDescriptionError,
     ScenarioError,
@@ -156,7 +157,13 @@ def _read_file(path: Path) -> RobotFile:
             "file", raw, "must have fields of a robot, such as urdf: robot.urdf"
         )
     try:
-        file: RobotFile = typed(raw, RobotFile, default=RobotFile(), from_text=True)
+        file: RobotFile = typed(
+            raw,
+            RobotFile,
+            default=RobotFile(),
+            bounds=NOT_NEGATIVE,
+            from_text=True,
+        )
     except ScenarioError as error:
         raise RobotDescriptionError(error.field, error.value, error.problem) from None
     check_file(file)
