@@ -1,6 +1,6 @@
 """Logs on the command line: draw a page of figures, watch or film a replay.
 
-What is drawn and replayed is in ``logs``; options are parsed in ``cli``.
+What is drawn and replayed is in ``logs``; options are parsed in ``main``.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """The command ``atlas-drake``: its sub-commands, options and help.
 
-Parses and dispatches; a run is in ``run_command``, what is done with its log in
-``log_command``, the picture of the diagram in ``diagram_picture``.
+Parses and dispatches; a run is in ``run``, what is done with its log in ``log``, the
+picture of the diagram in ``diagram_picture``.
 """
 
 from __future__ import annotations

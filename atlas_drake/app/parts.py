@@ -84,6 +84,8 @@ def behaviors_told(arguments: Sequence[str]) -> str:
         from atlas_drake.behaviors.registration import registered
 
         entries += registered(parts["behaviors"])
-    return "behaviors that a command can ask for: " + "; ".join(
-        f"{entry.name} ({entry.number}): {entry.description}" for entry in entries
-    )
+    told = [
+        f"{entry.name} ({entry.number}): {entry.description.rstrip('.')}"
+        for entry in entries
+    ]
+    return f"Behaviors that a command can ask for: {'; '.join(told)}."

@@ -1,6 +1,6 @@
 """One run on the command line: watch it, record it, save it, judge it.
 
-The simulation itself is ``AtlasSimulation``; options are parsed in ``cli``.
+The simulation itself is ``AtlasSimulation``; options are parsed in ``main``.
 """
 
 from __future__ import annotations

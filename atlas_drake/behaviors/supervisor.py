@@ -37,13 +37,9 @@ from atlas_drake.messages import (
 )
 from atlas_drake.messages.behavior_catalog import BehaviorError
 from atlas_drake.messages.commands import BehaviorRequest
-from atlas_drake.messages.controller_status import Plan
+from atlas_drake.messages.controller_status import KEPT_EVENTS, Plan
 from atlas_drake.messages.event import Event
 from atlas_drake.messages.recent import append_recent
-
-KEPT_EVENTS = 200
-"""Number of events that the state keeps; none younger than ``READ_WITHIN`` is
-dropped."""
 
 
 @dataclass(frozen=True)

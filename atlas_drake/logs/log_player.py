@@ -33,12 +33,15 @@ from atlas_drake.messages.commands import (
     CommandsInForce,
     commands_at_start,
 )
-from atlas_drake.messages.controller_status import REPORTED, ControllerStatus, Plan
+from atlas_drake.messages.controller_status import (
+    KEPT_EVENTS,
+    REPORTED,
+    ControllerStatus,
+    Plan,
+)
 from atlas_drake.messages.event import Event
 from atlas_drake.systems.collectable_system import CollectableSystem
 
-KEPT_EVENTS = 200
-"""Number of events that a status has; as many as displays show."""
 VECTORS = {
     "state": ("state.q", "state.v"),
     "effort": ("joints.effort",),

@@ -127,6 +127,9 @@ def _take_array(values: object, name: str, shape: tuple[int, ...]) -> None:
     object.__setattr__(values, name, array)
 
 
+KEPT_EVENTS = 200
+"""Number of events that a status of ours has, beside those of the last
+``recent.READ_WITHIN`` seconds; as many as displays show."""
 LARGEST_SUPPORT = 8
 """Corners that the support polygon of two rectangular soles has at most."""
 

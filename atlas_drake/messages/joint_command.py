@@ -1,6 +1,7 @@
 """Set-points, gains and shares of the joint controllers, as data.
 
-Made by ``commands`` from messages, used by ``control.joint_pid``; no law, no messages.
+Made by ``commands`` from messages, used by ``control.joints.joint_pid``. No law, no
+messages.
 """
 
 from dataclasses import dataclass

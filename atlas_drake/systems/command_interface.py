@@ -1,6 +1,7 @@
 """Latches and merges the two command ports into what is in force.
 
-The rules of merging are in ``commands``; this is only their place in a diagram.
+The rules of merging are in ``messages.commands``; this is only their place in a
+diagram.
 """
 
 from typing import Any

@@ -1,6 +1,6 @@
 """The PID controllers of user mode, one per joint, at the physics rate.
 
-The law is ``control.joint_pid``; this is its place in a diagram.
+The law is ``control.joints.joint_pid``; this is its place in a diagram.
 """
 
 from dataclasses import dataclass

@@ -1,6 +1,7 @@
 """The robot's state from what a robot can measure: IMU, joints, loads on its feet.
 
-The filter itself is ``control.leg_odometry``; this is its place in a diagram.
+The filter itself is ``control.estimation.leg_odometry``; this is its place in a
+diagram.
 """
 
 from dataclasses import dataclass

@@ -2,7 +2,7 @@
 
 Pelvis and center of mass follow the pose that messages ask for, clamped to what can
 be stood in. Trunk and pelvis turn as one; arms and neck are left alone. Which poses
-are possible is ``control.pelvis_reach``'s business.
+are possible is ``control.pelvis.pelvis_reach``'s business.
 """
 
 from __future__ import annotations
