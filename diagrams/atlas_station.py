@@ -20,7 +20,7 @@ from pydrake.multibody.plant import (
 from pydrake.systems.framework import Diagram, DiagramBuilder, System
 
 from atlas_drake.behaviors.config import ControllerConfig
-from atlas_drake.behaviors.entry import BehaviorEntry
+from atlas_drake.behaviors.entry import BehaviorEntry, configured
 from atlas_drake.behaviors.registration import registered
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.control.estimation.leg_odometry import OdometryTuning
@@ -288,7 +288,7 @@ def make_whole_body_controller(
         config.controller,
         config.control_period,
         config.initial_behavior,
-        entries,
+        configured(entries, config.controller.behaviors),
     )
 
 

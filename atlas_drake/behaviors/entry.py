@@ -15,10 +15,11 @@ from atlas_drake.behaviors.body_reference import BodyRates
 from atlas_drake.behaviors.entry_limits import EntryLimits
 from atlas_drake.behaviors.freeze import Freeze
 from atlas_drake.behaviors.stand.stance_guard import StanceGuard, StandingBehavior
+from atlas_drake.bounds import NOT_NEGATIVE
 from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.errors import ScenarioError, did_you_mean, shown
 from atlas_drake.kinds import typed
-from atlas_drake.messages import AtlasSimInterfaceCommand, BehaviorStatus
+from atlas_drake.messages import AtlasSimInterfaceCommand, Behavior, BehaviorStatus
 from atlas_drake.messages.behavior_catalog import BehaviorError, BehaviorInterface
 from atlas_drake.robot import Robot
 
@@ -126,8 +127,10 @@ def configured(
 ) -> tuple[BehaviorEntry, ...]:
     """Return the entries with the configurations that a scenario gives them.
 
+    Shipped behaviors are configured by fields of ``ControllerConfig`` of their own.
+
     Args:
-        entries: Of registered behaviors.
+        entries: Of registered behaviors; shipped ones stay as they are.
         settings: Some fields of configurations, as from YAML, by name of the behavior.
 
     Raises:
@@ -136,7 +139,8 @@ def configured(
     made = tuple(entries)
     if not settings:
         return made
-    own = {entry.name: entry for entry in made}
+    shipped = Behavior.__members__
+    own = {entry.name: entry for entry in made if entry.name not in shipped}
     for name, fields in settings.items():
         path = f"controller.behaviors.{name}"
         if name not in own:
@@ -146,9 +150,16 @@ def configured(
         config = own[name].config
         if config is None:
             raise ScenarioError(path, fields, f"{name} has no configuration")
-        config = typed(fields, type(config), path, default=config, from_text=True)
+        config = typed(
+            fields,
+            type(config),
+            path,
+            default=config,
+            bounds=NOT_NEGATIVE,
+            from_text=True,
+        )
         own[name] = replace(own[name], config=config)
-    return tuple(own[entry.name] for entry in made)
+    return tuple(own.get(entry.name, entry) for entry in made)
 
 
 def legal_transitions(

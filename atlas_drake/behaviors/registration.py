@@ -52,6 +52,12 @@ def _check(entry: Any, names: list[str]) -> None:
 
     if not callable(entry.make):
         refuse("make", "callable with (tools, config)")
+    config = entry.config
+    frozen = getattr(config, "__dataclass_params__", None)
+    if config is not None and (
+        isinstance(config, type) or frozen is None or not frozen.frozen
+    ):
+        refuse("config", "an instance of a frozen dataclass")
     if entry.check is not None and not callable(entry.check):
         refuse("check", "callable with (params, field)")
     # One made from a shipped entry reads the parameters that its model reads.

@@ -127,7 +127,7 @@ class Supervisor:
         self._entries = {entry.behavior: entry for entry in entries}
         shipped = config.of_behaviors
         self.behaviors: dict[Behavior, BehaviorProtocol] = {
-            behavior: entry.make(self._tools, shipped.get(entry.name, entry.config))
+            behavior: _made(entry, self._tools, shipped.get(entry.name, entry.config))
             for behavior, entry in self._entries.items()
         }
 
@@ -248,6 +248,10 @@ class Supervisor:
             state, request_number=request.number, error_code=ErrorCode.NO_ERRORS
         )
         target = request.behavior
+        if target not in self._entries:
+            text = f"{target.name} refused: the controller has no such behavior"
+            state = replace(state, error_code=ErrorCode.BEHAVIOR_NOT_IMPLEMENTED)
+            return _log(state, Event(seen.time, "refusal", text))
         if target is state.current and not state.in_damping_mode:
             # More of the same, such as further steps, or second thoughts about
             # leaving.
@@ -358,6 +362,22 @@ class Supervisor:
         return sign_of_fall(
             posture_of(seen.terms), self._tools.nominal_height, self._fall_limits
         )
+
+
+def _made(entry: BehaviorEntry, tools: BehaviorTools, config: Any) -> BehaviorProtocol:
+    """The behavior that an entry makes.
+
+    Raises:
+        BehaviorError: If it is none.
+    """
+    behavior = entry.make(tools, config)
+    for name in ("enter", "update", "plan", "report"):
+        if not callable(getattr(behavior, name, None)):
+            raise BehaviorError(
+                f"behavior {entry.name!r}: make must return a behavior, but what it "
+                f"returned has no method {name}: {shown(behavior)}"
+            )
+    return behavior
 
 
 _SUBSTATES = 7

@@ -117,6 +117,9 @@ class BehaviorCatalog(Frozen):
     def __iter__(self) -> Iterator[BehaviorInterface]:
         return iter(self.entries)
 
+    def __contains__(self, behavior: object) -> bool:
+        return behavior in self._by_behavior
+
     @cached_property
     def _by_behavior(self) -> dict[Behavior, BehaviorInterface]:
         return {entry.behavior: entry for entry in self.entries}

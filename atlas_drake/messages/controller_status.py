@@ -16,6 +16,7 @@ from atlas_drake.errors import ErrorCode, shown
 from atlas_drake.frozen import Frozen
 from atlas_drake.messages.atlas_sim_interface_state import AtlasSimInterfaceState
 from atlas_drake.messages.behavior import Behavior
+from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.messages.behavior_feedback import (
     AtlasBehaviorFeedback,
     AtlasBehaviorManipulateFeedback,
@@ -24,6 +25,9 @@ from atlas_drake.messages.behavior_feedback import (
     AtlasBehaviorWalkFeedback,
 )
 from atlas_drake.messages.event import Event
+
+LARGEST_SUPPORT = 8
+"""Corners that the support polygon of two rectangular soles has at most."""
 
 
 @dataclass(frozen=True)
@@ -99,6 +103,11 @@ class Plan(Frozen):
             ValueError: If they are no points; it names the field.
         """
         _take_array(self, "support", (-1, 2))
+        if self.support is not None and len(self.support) > LARGEST_SUPPORT:
+            raise ValueError(
+                f"support must have at most {LARGEST_SUPPORT} corners, has "
+                f"{len(self.support)}"
+            )
         for name in ("com", "dcm", "cop"):
             _take_array(self, f"{name}_reference", (2,))
 
@@ -130,8 +139,6 @@ def _take_array(values: object, name: str, shape: tuple[int, ...]) -> None:
 KEPT_EVENTS = 200
 """Number of events that a status of ours has, beside those of the last
 ``recent.READ_WITHIN`` seconds; as many as displays show."""
-LARGEST_SUPPORT = 8
-"""Corners that the support polygon of two rectangular soles has at most."""
 
 
 @dataclass(frozen=True)
@@ -198,6 +205,8 @@ class ControllerStatus(Frozen):
             value = getattr(self, name)
             if not isinstance(value, Behavior):
                 raise TypeError(f"{name} must be a Behavior, is {shown(value)}")
+        if not isinstance(self.plan, Plan):
+            raise TypeError(f"plan must be a Plan, is {shown(self.plan)}")
         if self.event_count < len(self.events):
             raise ValueError(
                 f"event_count must count all events, is {self.event_count} with "
@@ -218,17 +227,28 @@ REPORTED = (
 """Fields of ``ControllerStatus`` that ``AtlasSimInterfaceState`` has, too."""
 
 
-def check_status(value: object) -> ControllerStatus:
+def check_status(value: object, catalog: BehaviorCatalog) -> ControllerStatus:
     """Return what a controller's port holds.
+
+    Args:
+        value: In the port.
+        catalog: Of the behaviors that are registered.
 
     Raises:
         TypeError: If it is no status.
+        ValueError: If it names a behavior that is not registered.
     """
     if not isinstance(value, ControllerStatus):
         raise TypeError(
             "the controller's port 'controller_status' must hold a ControllerStatus, "
             f"holds {shown(value)}"
         )
+    for behavior in (value.current_behavior, value.desired_behavior):
+        if behavior not in catalog:
+            raise ValueError(
+                f"the controller's status names {behavior} ({int(behavior)}), which is "
+                "not registered: give its entry to behaviors="
+            )
     return value
 
 

@@ -41,7 +41,7 @@ class RunLog:
         status: ControllerStatus,
     ) -> None:
         """Notes what was sent, refused and done since the last look."""
-        check_status(status)
+        check_status(status, commands.catalog)
         fresh = [
             Event(entry.time, "command", entry.text)
             for entry in programme[self._seen_sent : sent]

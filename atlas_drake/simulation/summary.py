@@ -41,6 +41,7 @@ def make_summary(
         "real_time_factor": sim.time / wall_time if wall_time > 0.0 else None,
         "physics_step": sim.scenario.physics_step,
         "control_period": sim.scenario.control_period,
+        "unsolved_ticks": sim.output("controller_status").unsolved,
         "controller_tick_ms": {
             "median": float(np.median(ticks)),
             "p99": float(np.percentile(ticks, 99)),

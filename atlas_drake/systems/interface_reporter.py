@@ -68,8 +68,8 @@ class InterfaceReporter(CollectableSystem):
         )
 
     def _calc_report(self, context: Context, output: AbstractValue) -> None:
-        status = check_status(self._status.Eval(context))
         commands: CommandsInForce = self._commands.Eval(context)
+        status = check_status(self._status.Eval(context), commands.catalog)
         state = self._state.Eval(context)
         message = AtlasSimInterfaceState()
         message.header.stamp = context.get_time()
