@@ -807,12 +807,14 @@ class AtlasSimulation:
 
     def _look(self) -> None:
         """Takes in what happened since the last look."""
+        status = self.output("controller_status")
         self._log.collect(
             self._scheduler.programme,
             self.output("sent"),
             self.output("commands"),
-            self.output("controller_status"),
+            status,
         )
+        self._log.watch_solver(self.time, status)
         if not self._log.fallen():
             sign = self._fall_watch.sign(self._plant_context())
             if sign:

@@ -15,6 +15,10 @@ from atlas_drake.messages.event import Event
 from atlas_drake.messages.recent import items_since
 from atlas_drake.systems.command_scheduler import ScheduledCommand
 
+LONG_UNSOLVED = 5
+"""Number of control ticks without a solution, between two looks, that is news: one or
+two in a hard moment are what the fallback is for."""
+
 
 class RunLog:
     """The events of one run, in order of time within each look.
@@ -32,6 +36,8 @@ class RunLog:
         self._seen_events = 0
         self._seen_sent = 0
         self._seen_refusals = 0
+        self._seen_unsolved = 0
+        self._told_unsolved = False
 
     def collect(
         self,
@@ -55,6 +61,24 @@ class RunLog:
         fresh.extend(items_since(status.events, status.event_count, self._seen_events))
         self._seen_events = status.event_count
         self.note(*sorted(fresh, key=lambda event: event.time))
+
+    def watch_solver(self, time: float, status: ControllerStatus) -> None:
+        """Tells once of a controller that finds no solution for many ticks.
+
+        Args:
+            time: Now [s].
+            status: Of the controller.
+        """
+        unsolved = status.unsolved
+        many = unsolved - self._seen_unsolved >= LONG_UNSOLVED
+        self._seen_unsolved = unsolved
+        if many and status.solved is False and not self._told_unsolved:
+            self._told_unsolved = True
+            text = (
+                f"the controller has found no solution in {unsolved} control ticks so "
+                "far; a fallback holds the robot, badly"
+            )
+            self.note(Event(time, "warning", text))
 
     def note(self, *events: Event) -> None:
         """Adds events, and then tells the listeners: what one raises loses none."""

@@ -56,7 +56,7 @@ class Bow(Stand):
 BOW = BehaviorEntry(
     name="BOW",
     number=100,
-    make=Bow,
+    make=lambda tools, config: tools.guarded(Bow(tools, config)),
     params=BowParams,
     check=check_bow,
     caption="bowing",

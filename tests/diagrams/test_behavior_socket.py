@@ -21,8 +21,14 @@ from atlas_drake import (
 )
 from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.behaviors.idle import Idle
+from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
+from atlas_drake.behaviors.stand.stand import Stand
 from atlas_drake.bounds import Share
-from atlas_drake.diagrams.atlas_station import make_atlas_station
+from atlas_drake.control.whole_body import PositionTask
+from atlas_drake.diagrams.atlas_station import (
+    make_atlas_station,
+    make_whole_body_controller,
+)
 from atlas_drake.logs.figures import make_page
 from atlas_drake.logs.log_player import LogPlayer
 from atlas_drake.messages.base import is_new
@@ -32,6 +38,11 @@ from atlas_drake.visualization.caption import caption_of
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "extending" / "own_behavior.py"
 COARSE = Scenario(physics_step=0.002, control_period=0.004)
+
+
+@dataclass(frozen=True)
+class Speed:
+    speed: float = 0.3
 
 
 @pytest.fixture(scope="module")
@@ -195,6 +206,58 @@ def test_it_may_follow_only_what_its_entry_says(bow):
     assert "MANIPULATE -> BOW refused" in sim.events[-1].text
 
 
+def test_its_configuration_reaches_our_controller_made_by_hand(bow):
+    made = []
+    entry = replace(
+        bow,
+        make=lambda tools, config: made.append(config) or bow.make(tools, config),
+        config=Speed(),
+    )
+    scenario = with_settings(COARSE, ["controller.behaviors.BOW.speed=0.1"])
+
+    def ours(robot, config):
+        return make_whole_body_controller(robot, config, (*SHIPPED_ENTRIES, entry))
+
+    AtlasSimulation(scenario, controller=ours, behaviors=[entry])
+    assert made == [Speed(0.1)]
+    with pytest.raises(ScenarioError, match="must be 0 or more"):
+        AtlasSimulation(
+            with_settings(COARSE, ["controller.behaviors.BOW.speed=-1"]),
+            behaviors=[entry],
+        )
+
+
+def test_a_controller_that_lacks_it_refuses_it(bow):
+    sim = AtlasSimulation(
+        COARSE, controller=make_whole_body_controller, behaviors=[bow]
+    )
+    sim.publish(asked("BOW"))
+    sim.advance(0.04)
+    assert sim.current_behavior is Behavior.STAND
+    assert "BOW refused: the controller has no such behavior" in sim.events[-1].text
+    code = sim.atlas_sim_interface_state.error_code
+    assert code is ErrorCode.BEHAVIOR_NOT_IMPLEMENTED
+
+
+def test_a_task_that_nothing_can_solve_is_told_of(bow):
+    class Impossible(Stand):
+        def __init__(self, tools, config):
+            super().__init__(tools.balance, tools.nominal_height, tools.rates)
+
+        def update(self, *arguments, leaving):
+            outcome = super().update(*arguments, leaving=leaving)
+            task = PositionTask("l_hand", np.full(3, np.nan), 1.0)
+            return replace(outcome, command=outcome.command.plus(task))
+
+    sim = AtlasSimulation(COARSE, behaviors=[replace(bow, make=Impossible)])
+    sim.publish(asked("BOW"))
+    sim.advance(0.2)
+    texts = [event.text for event in sim.events if event.kind == "warning"]
+    assert len(texts) == 1
+    assert "found no solution" in texts[0]
+    assert sim.summary()["unsolved_ticks"] > 40
+
+
 def test_nothing_begins_with_it(bow):
     sim = AtlasSimulation(COARSE, behaviors=[bow])
     with pytest.raises(InvalidMessageError, match="'BOW'; must be one of STAND"):
@@ -280,6 +343,9 @@ def test_a_behavior_beside_the_members_is_one_all_the_same():
         ({"follows": "STAND"}, "follows must be a tuple of names"),
         ({"leads_to": ("STNAD",)}, "leads_to names 'STNAD'.* Did you mean.*STAND"),
         ({"feedback": "bow_feedback"}, "feedback must be a feedback field"),
+        ({"config": Speed}, "config must be an instance of a frozen dataclass"),
+        ({"config": {"speed": 1}}, "config must be an instance of a frozen dataclass"),
+        ({"make": lambda _tools, _config: None}, "has no method enter: None"),
         ({"params_field": "bow_params"}, "params_field must be 'params'"),
         ({"params_field": "walk_params"}, "a command's field for these parameters"),
         ({"params": Incomplete}, r"Incomplete\(\) fails.*need defaults"),

@@ -9,6 +9,7 @@ from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import LeafSystem
 
 from atlas_drake import AtlasCommand, AtlasSimulation, Behavior, Scenario, read_log
+from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.diagrams.atlas_station import make_atlas_station
 from atlas_drake.diagrams.controller_socket import ControllerError
 from atlas_drake.frozen import NOTHING
@@ -127,6 +128,32 @@ def test_a_fall_is_noticed_from_outside_and_ends_with_a_reset():
     sim.reset()
     assert not sim.has_fallen
     assert sim.events[-1].kind == "reset"
+
+
+def test_a_behavior_in_the_status_must_be_registered(tmp_path):
+    hold = BehaviorEntry(name="HOLD", number=200, make=lambda _tools, _config: None)
+
+    class Named(Talkative):
+        def _tell(self, context, out):
+            out.set_value(ControllerStatus(current_behavior=hold.behavior))
+
+    with pytest.raises(ValueError, match=r"HOLD \(200\), which is not registered"):
+        AtlasSimulation(Scenario(**COARSE), controller=Named).advance(0.02)
+    path = tmp_path / "run.npz"
+    with AtlasSimulation(
+        Scenario(**COARSE), controller=Named, behaviors=[hold], log=path
+    ) as sim:
+        sim.advance(0.02)
+        assert sim.current_behavior is hold.behavior
+    log = read_log(path)
+    assert log.behavior(int(log["behavior.current"][-1])) is hold.behavior
+
+
+def test_a_plan_is_no_larger_than_its_log():
+    with pytest.raises(ValueError, match="support must have at most 8 corners, has 9"):
+        Plan(support=np.zeros((9, 2)))
+    with pytest.raises(TypeError, match="plan must be a Plan, is None"):
+        ControllerStatus(plan=None)
 
 
 def test_a_fall_is_what_the_scenario_says_it_is():
