@@ -18,6 +18,8 @@ from pydrake.multibody.tree import ModelInstanceIndex
 from atlas_drake.errors import RobotDescriptionError, shown
 from atlas_drake.robot.file import ContactEntry, RobotFile
 from atlas_drake.robot.leg import Leg
+from atlas_drake.robot.packages import find_urdf, use_local_models
+from atlas_drake.robot.parser_warnings import each_warning_once
 
 
 @dataclass(frozen=True)
@@ -158,7 +160,7 @@ class Robot:
     @cached_property
     def urdf(self) -> Path:
         """The URDF file."""
-        return self.path.parent / self.file.urdf
+        return find_urdf(self.path.parent, self.file.urdf)
 
     def make_plant(self) -> MultibodyPlant:
         """A finalized plant of the robot alone, for models: no geometry, no ground."""
@@ -227,7 +229,10 @@ def add_urdf(plant: MultibodyPlant, urdf: Path, name: str) -> ModelInstanceIndex
     Raises:
         RuntimeError: From Drake, if the file or a mesh is missing or faulty.
     """
-    instance = Parser(plant).AddModels(str(urdf))[0]
+    parser = Parser(plant)
+    use_local_models(parser.package_map())
+    with each_warning_once():
+        instance = parser.AddModels(str(urdf))[0]
     if plant.GetModelInstanceName(instance) != name:
         plant.RenameModelInstance(instance, name)
     return instance

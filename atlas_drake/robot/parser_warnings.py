@@ -1,0 +1,42 @@
+"""Drake's warnings on what a URDF holds beyond what Drake knows: each kind once.
+
+A robot is parsed for every plant that models it, and what Drake does not know of one
+joint it does not know of thirty.
+"""
+
+import logging
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+_LINE = re.compile(r":\d+:")
+"""A line's number, after the file's name."""
+
+
+class _EachKindOnce(logging.Filter):
+    """Lets through the first warning of each file and wording, whatever its line."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._seen: set[str] = set()
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        kind = _LINE.sub(":", record.getMessage(), count=1)
+        if record.levelno > logging.WARNING or kind not in self._seen:
+            self._seen.add(kind)
+            return True
+        return False
+
+
+_once = _EachKindOnce()
+
+
+@contextmanager
+def each_warning_once() -> Iterator[None]:
+    """While a file is parsed: a warning like an earlier one of this process is dropped."""
+    logger = logging.getLogger("drake")
+    logger.addFilter(_once)
+    try:
+        yield
+    finally:
+        logger.removeFilter(_once)
