@@ -15,7 +15,8 @@ class AtlasState(JointIndices, Message):
     """Measured joint states, the gains in force, the pelvis and the wrenches.
 
     Every array has one element per joint in message order. ``AtlasState.neck_ry`` and
-    its like are joint indices.
+    its like are joint indices of the 28-joint Atlas; another robot's are in
+    ``robot.joints``.
 
     Attributes:
         header: Time of the measurement.

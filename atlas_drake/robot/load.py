@@ -138,7 +138,10 @@ def _load(path: Path, name: str | None) -> Robot:
         body_names=tuple(
             plant.get_body(index).name() for index in plant.GetBodyIndices(instance)
         ),
-        moved_links=tuple(str(joint.child_body().name()) for joint in joints),
+        moved_links=tuple(
+            tuple(str(body.name()) for body in plant.GetBodiesWeldedTo(link))
+            for link in (joint.child_body() for joint in joints)
+        ),
         legs=legs,
     )
 

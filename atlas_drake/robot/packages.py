@@ -1,7 +1,7 @@
 """Where a robot's URDF is: beside its YAML file, or among the models that Drake fetches.
 
-Drake's own ``PackageMap`` fetches ``drake_models`` once and keeps it; here is a local
-copy put in its place, and what cannot be had is told soon and in words.
+Drake's own ``PackageMap`` fetches ``drake_models`` once and keeps it. Here a local copy
+is put in its place, and what cannot be had is said soon and in words.
 """
 
 from __future__ import annotations
@@ -14,111 +14,117 @@ from pathlib import Path
 
 from pydrake.multibody.parsing import PackageMap
 
-from atlas_drake.errors import RobotDescriptionError
+from atlas_drake.errors import RobotDescriptionError, shown
 
 LOCAL_MODELS = "ATLAS_DRAKE_MODELS"
-"""Environment variable with the folder of a local copy of ``drake_models``."""
-_MODELS = "drake_models"
-_URL = "package://"
-_ORIGIN = "https://github.com/RobotLocomotion/models"
+"""Environment variable that names a folder with the content of ``drake_models``."""
 PATIENCE = 5.0
-"""Longest wait for an answer of the network before models are fetched [s]. Drake's own
+"""Longest wait for the network to answer before models are fetched [s]. Drake's own
 download waits half a minute at each of three addresses."""
+_MODELS = "drake_models"
+_PACKAGE = "package://"
+_ORIGIN = "https://github.com/RobotLocomotion/models"
+_ADVICE = (
+    f"set {LOCAL_MODELS} to a folder with the content of {_ORIGIN}, or let Drake fetch "
+    "it over the network, once"
+)
 
 
 def find_urdf(folder: Path, urdf: str) -> Path:
-    """Returns a robot's URDF file; its package is fetched if it must be.
+    """Returns a robot's URDF file; Drake's models are fetched if they must be.
 
     Args:
         folder: That of the robot's YAML file.
-        urdf: As the file names it: a path from there, or ``package://NAME/PATH``.
+        urdf: As that names it: a path from there, or ``package://drake_models/PATH``.
 
     Raises:
-        RobotDescriptionError: If there is no such file, or its package cannot be had.
+        RobotDescriptionError: If there is no such file, or the models cannot be had.
     """
-    if not urdf.startswith(_URL):
+    if not urdf.startswith(_PACKAGE):
         path = folder / urdf
         if not path.is_file():
             problem = f"there is no file {path}; give its path from this file"
             raise RobotDescriptionError("urdf", str(path), problem)
         return path
-    package, _, inner = urdf.removeprefix(_URL).partition("/")
+    package, _, inner = urdf.removeprefix(_PACKAGE).partition("/")
     if package != _MODELS:
-        problem = f"is {urdf!r}; of packages only {_URL}{_MODELS}/... can be named here"
+        problem = f"is {shown(urdf)}; the one package known here is {_PACKAGE}{_MODELS}"
         raise RobotDescriptionError("urdf", urdf, problem)
-    path = _models() / inner
-    if not path.is_file():
-        found = os.environ.get(LOCAL_MODELS)
-        where = f"{LOCAL_MODELS} names {found}" if found else f"{_MODELS} is {path}"
-        problem = f"{where}, which has no {inner}; {_ADVICE}"
+    models = _models()
+    if not (models / inner).is_file():
+        source = f"{LOCAL_MODELS} names" if _local() else f"Drake has {_MODELS} in"
+        problem = f"{source} {models}, which has no {inner}; {_ADVICE}"
         raise RobotDescriptionError("urdf", urdf, problem)
-    return path
-
-
-_ADVICE = (
-    f"set {LOCAL_MODELS} to a folder with the content of {_ORIGIN}, such as a copy of "
-    "it, or let Drake fetch it over the network, once"
-)
+    return models / inner
 
 
 def use_local_models(packages: PackageMap) -> None:
-    """Puts the local copy of the models, if there is one, in place of Drake's."""
-    local = os.environ.get(LOCAL_MODELS)
-    if local and Path(local).is_dir():
+    """Puts the local copy of Drake's models, if there is one, in their place."""
+    local = _local()
+    if local is not None and local.is_dir():
         if packages.Contains(_MODELS):
             packages.Remove(_MODELS)
-        packages.Add(_MODELS, str(Path(local).absolute()))
+        packages.Add(_MODELS, str(local))
+
+
+def models_at_hand() -> bool:
+    """Whether Drake's models can be had without the network."""
+    local = _local()
+    if local is not None:
+        return local.is_dir()
+    # As Drake looks for them. Another version than this Drake's is only a wrong guess.
+    places = (("TEST_TMPDIR", ".cache"), ("XDG_CACHE_HOME", ""), ("HOME", ".cache"))
+    caches = [
+        Path(os.environ[name], inner) for name, inner in places if os.environ.get(name)
+    ]
+    return any(any(cache.glob("drake/package_map/*/atlas")) for cache in caches)
+
+
+def _local() -> Path | None:
+    """The folder that the environment names, absolute."""
+    named = os.environ.get(LOCAL_MODELS)
+    return Path(named).expanduser().absolute() if named else None
 
 
 def _models() -> Path:
-    """The folder of ``drake_models``.
+    """The folder with the models.
 
     Raises:
-        RobotDescriptionError: If the models are not at hand and cannot be fetched.
+        RobotDescriptionError: If they are not at hand and cannot be fetched.
     """
-    local = os.environ.get(LOCAL_MODELS)
-    if local:
-        return Path(local).absolute()
-    if not _fetched_before():
-        silence = _network_silence()
-        if silence:
-            raise _out_of_reach(silence)
+    local = _local()
+    if local is not None:
+        return local
+    silence = "" if models_at_hand() else _network_silence()
     try:
+        if silence:
+            raise RuntimeError(silence)
         return Path(PackageMap().GetPath(_MODELS))
     except RuntimeError as error:
-        raise _out_of_reach(str(error)) from error
-
-
-def _out_of_reach(reason: str) -> RobotDescriptionError:
-    problem = f"Drake cannot fetch {_MODELS}: {reason}; {_ADVICE}"
-    return RobotDescriptionError("urdf", _MODELS, problem)
-
-
-def _fetched_before() -> bool:
-    """Whether Drake's cache holds any version of the models; wrong ones are harmless."""
-    caches = [os.environ.get(name) for name in ("TEST_TMPDIR", "XDG_CACHE_HOME")]
-    caches.append(str(Path.home() / ".cache"))
-    cache = next(Path(folder) for folder in caches if folder)
-    return any(cache.glob(f"**/package_map/*/atlas"))
+        problem = f"Drake cannot fetch {_MODELS}: {error}; {_ADVICE}"
+        raise RobotDescriptionError("urdf", _MODELS, problem) from None
 
 
 def _network_silence() -> str:
     """Why the models' origin does not answer soon; empty if it does."""
-    silence = [f"{_ORIGIN} does not answer within {PATIENCE:g} s"]
+    allowed = os.environ.get("DRAKE_ALLOW_NETWORK")
+    if allowed is not None and "package_map" not in allowed.split(":"):
+        return "DRAKE_ALLOW_NETWORK does not allow package_map"
+    answers = [f"{_ORIGIN} does not answer within {PATIENCE:g} s"]
 
     def ask() -> None:
         request = urllib.request.Request(_ORIGIN, method="HEAD")
         try:
             urllib.request.urlopen(request, timeout=PATIENCE).close()
         except urllib.error.HTTPError:
-            pass  # An answer.
+            answers.append("")  # It answers.
         except OSError as error:
-            silence[0] = f"{_ORIGIN} cannot be reached ({error})"
-            return
-        silence[0] = ""
+            answers.append(f"{_ORIGIN} cannot be reached ({error})")
+        else:
+            answers.append("")
 
-    # Looking up a name has no time limit of its own, so the wait has.
+    # Looking up the name has no time limit of its own, hence the thread.
     thread = threading.Thread(target=ask, daemon=True)
     thread.start()
     thread.join(PATIENCE)
-    return silence[0]
+    return answers[-1]

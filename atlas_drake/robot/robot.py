@@ -17,6 +17,7 @@ from pydrake.multibody.tree import ModelInstanceIndex
 
 from atlas_drake.errors import RobotDescriptionError, shown
 from atlas_drake.robot.file import ContactEntry, RobotFile
+from atlas_drake.robot.joint_constants import JointConstants
 from atlas_drake.robot.leg import Leg
 from atlas_drake.robot.packages import find_urdf, use_local_models
 from atlas_drake.robot.parser_warnings import each_warning_once
@@ -80,7 +81,8 @@ class Robot:
         effort_limit: Effort limits [N·m].
         mass: Total mass [kg].
         body_names: Names of all links.
-        moved_links: Name of the link that each joint moves.
+        moved_links: Names of the links that each joint moves and the next one does not:
+            one link, and what is fixed to it.
         legs: Left and right leg.
     """
 
@@ -95,7 +97,7 @@ class Robot:
     effort_limit: np.ndarray
     mass: float
     body_names: tuple[str, ...]
-    moved_links: tuple[str, ...]
+    moved_links: tuple[tuple[str, ...], ...]
     legs: tuple[Leg, Leg]
 
     @property
@@ -127,8 +129,13 @@ class Robot:
         """Which joints belong to any of the limbs named, bool, shape (n,)."""
         return np.array([joint.limb in names for joint in self.file.joints])
 
+    @cached_property
+    def joints(self) -> JointConstants:
+        """Where each joint stands in the messages' arrays: ``robot.joints.l_arm_elx``."""
+        return JointConstants(self.name, self.file.joints)
+
     def joint_index(self, name: str) -> int:
-        """Index of a joint in the messages' arrays, by name or by v1 alias.
+        """Index of a joint in the messages' arrays, by name or by alias.
 
         Raises:
             RobotDescriptionError: If the robot has no such joint.
@@ -176,6 +183,19 @@ class Robot:
     def instance(self, plant: MultibodyPlant) -> ModelInstanceIndex:
         """The robot's model instance in ``plant``, which may hold other models."""
         return plant.GetModelInstanceByName(self.name)
+
+    def hand_bodies(self, plant: MultibodyPlant) -> dict[int, int]:
+        """From the index of each body in ``plant`` that is part of a hand to 0 or 1.
+
+        What is fixed to a hand, such as a gripper, is part of it.
+        """
+        instance = self.instance(plant)
+        hands = [plant.GetBodyByName(name, instance) for name in self.file.hands]
+        return {
+            int(body.index()): side
+            for side, hand in enumerate(hands)
+            for body in plant.GetBodiesWeldedTo(hand)
+        }
 
     def indices(self, plant: MultibodyPlant) -> PlantIndices:
         """Where the joints lie in the robot's vectors of the finalized ``plant``."""
