@@ -15,15 +15,13 @@ from atlas_drake.robot import (
     load_robot,
 )
 
-from .drake_models import EVERY_ROBOT
-
 MIRRORED_AXES = ("x", "z")
 """Last letter of joints whose angle changes sign in a mirror: roll and yaw."""
 
 
-@pytest.fixture(scope="module", params=EVERY_ROBOT)
-def robot(request):
-    return load_robot(request.param)
+@pytest.fixture(scope="module", params=available_robots())
+def robot(request, load_or_skip):
+    return load_or_skip(request.param)
 
 
 @pytest.fixture(scope="module")

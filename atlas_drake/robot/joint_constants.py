@@ -1,6 +1,6 @@
 """A robot's joints as constants: where each stands in the arrays of a message.
 
-What ``AtlasState.neck_ry`` and its like are for the Atlas of the tutorial, for any robot.
+What ``AtlasState.neck_ry`` and its like are for the tutorial's Atlas, for any robot.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ class JointConstants:
 
     def __init__(self, robot: str, joints: Iterable[JointEntry]) -> None:
         """Takes the robot's name, for errors, and its joints in message order."""
-        places = {}
+        places: dict[str, int] = {}
         for index, joint in enumerate(joints):
             # A joint without an alias has an empty one, which names nothing.
             places |= {name: index for name in (joint.name, joint.alias) if name}

@@ -1,4 +1,4 @@
-"""Where a robot's URDF is: beside its YAML file, or among the models that Drake fetches.
+"""Where a robot's URDF is: beside its YAML file, or in the models that Drake fetches.
 
 Drake's own ``PackageMap`` fetches ``drake_models`` once and keeps it. Here a local copy
 is put in its place, and what cannot be had is said soon and in words.

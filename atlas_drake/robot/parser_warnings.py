@@ -33,7 +33,7 @@ _once = _EachKindOnce()
 
 @contextmanager
 def each_warning_once() -> Iterator[None]:
-    """While a file is parsed: a warning like an earlier one of this process is dropped."""
+    """While a file is parsed: drops warnings like earlier ones of this process."""
     logger = logging.getLogger("drake")
     logger.addFilter(_once)
     try:

@@ -131,7 +131,7 @@ class Robot:
 
     @cached_property
     def joints(self) -> JointConstants:
-        """Where each joint stands in the messages' arrays: ``robot.joints.l_arm_elx``."""
+        """Where each joint stands in messages: ``robot.joints.l_arm_elx``."""
         return JointConstants(self.name, self.file.joints)
 
     def joint_index(self, name: str) -> int:

@@ -54,9 +54,7 @@ USER_TARGETS = {
 """Joints that the user takes while the behavior stands and walks, and where to
 [rad]."""
 
-NEEDED = [
-    name for name in KP_POSITION if "_arm_" not in name or name in USER_TARGETS
-]
+NEEDED = [name for name in KP_POSITION if "_arm_" not in name or name in USER_TARGETS]
 """Joints without which a robot cannot do it, by name or alias. Shoulders may be built
 otherwise; they get the robot's own gains."""
 

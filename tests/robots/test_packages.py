@@ -42,7 +42,11 @@ def test_what_cannot_be_fetched_says_what_to_set(nowhere, capsys):
     with pytest.raises(RobotDescriptionError, match="no such host") as caught:
         load_robot("drake_atlas")
     assert caught.value.field == "urdf"
-    for words in (LOCAL_MODELS, "github.com/RobotLocomotion/models", "drake_atlas.yaml"):
+    for words in (
+        LOCAL_MODELS,
+        "github.com/RobotLocomotion/models",
+        "drake_atlas.yaml",
+    ):
         assert words in str(caught.value)
     assert main(["demo", "--model", "drake_atlas", "--headless"]) == 2
     assert f"set {LOCAL_MODELS} to a folder" in capsys.readouterr().err
@@ -90,7 +94,9 @@ def test_a_folder_without_the_model_is_named(tmp_path, monkeypatch):
         monkeypatch.setenv(LOCAL_MODELS, str(folder))
         with pytest.raises(RobotDescriptionError) as caught:
             load_robot("drake_atlas")
-        assert f"{LOCAL_MODELS} names {folder}, which has no atlas/" in str(caught.value)
+        assert f"{LOCAL_MODELS} names {folder}, which has no atlas/" in str(
+            caught.value
+        )
         # Other robots do not mind.
         assert load_robot(HERON).num_joints == 15
 
@@ -98,7 +104,9 @@ def test_a_folder_without_the_model_is_named(tmp_path, monkeypatch):
 def test_other_packages_are_unknown(copied):
     path = copied()
     path.write_text(path.read_text().replace(URDF, "urdf: package://mine/heron.urdf"))
-    with pytest.raises(RobotDescriptionError, match="package known here is package://d"):
+    with pytest.raises(
+        RobotDescriptionError, match="package known here is package://d"
+    ):
         load_robot(path)
 
 
