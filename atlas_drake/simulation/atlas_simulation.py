@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import copy
 import functools
-import itertools
 import math
 import time
 import weakref
@@ -52,7 +51,7 @@ from atlas_drake.messages import (
 )
 from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.messages.checks import check_number
-from atlas_drake.messages.commands import Command
+from atlas_drake.messages.commands import Command, Refusal
 from atlas_drake.messages.event import Event
 from atlas_drake.numeric import as_float
 from atlas_drake.robot import load_robot
@@ -71,8 +70,6 @@ from atlas_drake.simulation.steady import steady_ticks
 from atlas_drake.simulation.summary import estimator_drift, make_summary
 from atlas_drake.simulation.turns import Turns
 from atlas_drake.simulation.tutorial import scheduled_programme
-from atlas_drake.systems.command_interface import CommandInterface
-from atlas_drake.systems.command_scheduler import CommandScheduler
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.viewer_gate import show_latest
 
@@ -267,7 +264,6 @@ class AtlasSimulation:
         del self._tick_seconds[:]
         self._log = RunLog(*self._listeners)
         self._faults: list[AtlasError] = []
-        self._numbers = itertools.count(1)
         self._wall_time = 0.0
         self._shown = 0.0
         self._release_time: float | None = None
@@ -343,32 +339,22 @@ class AtlasSimulation:
                 "publish takes an AtlasCommand or an AtlasSimInterfaceCommand, not "
                 f"{type(message).__name__}"
             )
-        numbered = message.numbered(next(self._numbers))
-        if self._turns.leave(functools.partial(self._deliver, numbered)):
-            check_command(numbered, self.robot.joint_names, self.behaviors)
+        snapshot = message.snapshot()
+        if self._turns.leave(functools.partial(self._deliver, snapshot)):
+            check_command(snapshot, self.robot.joint_names, self.behaviors)
             return
         with self._turns:
-            refused = self.output("commands").refused
-            self._deliver(numbered)
-            refusals = self.output("commands").refusals_since(refused)
-            if refusals:
+            refusal = self._deliver(snapshot)
+            if refusal is not None:
                 self._look()
-        if refusals:
+        if refusal is not None:
             # A new one: what is raised collects a traceback.
-            raise InvalidMessageError(*refusals[-1].error.args)
+            raise InvalidMessageError(*refusal.error.args)
 
-    def _deliver(self, message: Command) -> None:
-        """Puts a numbered message on its port, and takes it in."""
-        is_joint_command = isinstance(message, AtlasCommand)
-        name = "atlas_command" if is_joint_command else "atlas_sim_interface_command"
-        # It must not take the place of what the programme has just sent.
-        self._take_in(self._interface)
-        self.diagram.GetInputPort(f"other_{name}").FixValue(self.context, message)
-        self._take_in(self._scheduler)
-        self._take_in(self._interface)
-
-    def _take_in(self, system: CommandScheduler | CommandInterface) -> None:
-        system.take_in(system.GetMyMutableContextFromRoot(self.context))
+    def _deliver(self, message: Command) -> Refusal | None:
+        """Hands a message to the command interface; returns why it is refused."""
+        context = self._interface.GetMyMutableContextFromRoot(self.context)
+        return self._interface.receive(context, message)
 
     def apply_push(
         self, body: str, force_W: Sequence[float] | np.ndarray, duration: float

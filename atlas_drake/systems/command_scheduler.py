@@ -132,11 +132,6 @@ class CommandScheduler(CollectableSystem):
         )
         self.DeclarePeriodicUnrestrictedUpdateEvent(period, 0.0, self._update)
 
-    def take_in(self, context: Context) -> None:
-        """Passes on what lies on the ports now, so that more can be laid there."""
-        after = self._now.Eval(context)
-        context.get_mutable_abstract_state(self._state).set_value(after)
-
     def _calc_now(self, context: Context, result: AbstractValue) -> None:
         state: SchedulerState = context.get_abstract_state(self._state).get_value()
         atlas, sim = (
