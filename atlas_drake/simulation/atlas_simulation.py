@@ -38,7 +38,7 @@ from atlas_drake.errors import (
     did_you_mean,
     shown,
 )
-from atlas_drake.frozen import NOTHING, replace
+from atlas_drake.frozen import replace
 from atlas_drake.kinds import typed
 from atlas_drake.messages import (
     AtlasCommand,
@@ -169,7 +169,7 @@ class AtlasSimulation:
         self.behaviors = BehaviorCatalog((*SHIPPED_ENTRIES, *self._own_behaviors))
         # A path stays right wherever the program, or its log, goes on.
         self.scenario.model = self.robot.model
-        self._programme = scheduled_programme(self.scenario, self.robot)
+        self._programme = tuple(scheduled_programme(self.scenario, self.robot))
         self._tick_seconds = array("d")
         self._turns = Turns()
         world = (*world_of(self.scenario.models), *listed(world))
@@ -228,7 +228,6 @@ class AtlasSimulation:
             self._film = self.diagram.GetSubsystemByName("video")
         self.station = self.diagram.GetSubsystemByName("station")
         self.plant = self.station.GetSubsystemByName("plant")
-        self._scheduler = self.diagram.GetSubsystemByName("scheduler")
         self._interface = self.station.GetSubsystemByName("command_interface")
         own = self.station.GetSubsystemByName(CONTROLLER)
         if hasattr(own, "tick_seconds"):
@@ -247,8 +246,6 @@ class AtlasSimulation:
         context = self.context
         self.diagram.SetDefaultContext(context)
         context.SetTime(0.0)
-        for name in ("other_atlas_command", "other_atlas_sim_interface_command"):
-            self.diagram.GetInputPort(name).FixValue(context, NOTHING)
         self._pushes: list[Push] = []
         self._exert(())
         self._variation = draw_variation(self.scenario, self.robot)
@@ -795,8 +792,8 @@ class AtlasSimulation:
         """Takes in what happened since the last look."""
         status = self.output("controller_status")
         self._log.collect(
-            self._scheduler.programme,
-            self.output("sent"),
+            self._programme,
+            self.output("sent") if self._programme else 0,
             self.output("commands"),
             status,
         )
