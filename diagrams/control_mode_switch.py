@@ -59,7 +59,8 @@ def make_control_mode_switch(
         behaviors: Likewise.
         world: Likewise; called for the video's scene, too.
         extend: Called with (builder, station) before the diagram is built: adds
-            systems, connects them to the station, exports ports.
+            systems with names of their own, connects them to the station, exports
+            ports.
 
     Input ports, all optional:
         other_atlas_command, other_atlas_sim_interface_command: Messages of a script or
@@ -67,6 +68,9 @@ def make_control_mode_switch(
         applied_spatial_force: Pushes.
 
     Output ports: those of the station, and ``sent`` of the scheduler.
+
+    Raises:
+        AtlasError: If ``extend`` is no callable, or adds what Drake cannot build.
     """
     robot = robot or load_robot()
     config = config or StationConfig()
@@ -112,7 +116,28 @@ def make_control_mode_switch(
                 "extend must be a callable (builder, station) -> None, is "
                 f"{shown(extend)}"
             )
-        extend(builder, station)
+        _extended(builder, station, extend)
     diagram = builder.Build()
     diagram.set_name("control_mode_switch")
     return diagram
+
+
+def _extended(builder: DiagramBuilder, station: Diagram, extend: Extend) -> None:
+    """Lets a user's callable add to the diagram.
+
+    Raises:
+        AtlasError: If Drake could not build the diagram after that; on names that are
+            there twice it would end the program.
+    """
+    ours = {system.get_name() for system in builder.GetSystems()}
+    extend(builder, station)
+    if builder.already_built():
+        raise AtlasError("extend must not build the diagram, which happens after it")
+    names = [system.get_name() for system in builder.GetSystems()]
+    for name in names:
+        if names.count(name) > 1:
+            whose = "the simulation has one" if name in ours else "it adds two"
+            raise AtlasError(
+                f"extend adds a system named {name!r}, but {whose} of this name; give "
+                "each system a name of its own"
+            )
