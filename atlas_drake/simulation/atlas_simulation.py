@@ -60,7 +60,12 @@ from atlas_drake.scenario import Scenario, Start
 from atlas_drake.scenario.models import set_velocities, world_of
 from atlas_drake.scenario.noise import NOISE_MODELS
 from atlas_drake.scenario.scenario import check_seed, starting_behavior
-from atlas_drake.scenario.world import WorldMaker, listed, put_world_back
+from atlas_drake.scenario.world import (
+    WorldError,
+    WorldMaker,
+    listed,
+    put_world_back,
+)
 from atlas_drake.simulation.drake_log import only_news
 from atlas_drake.simulation.fall_watch import FallWatch
 from atlas_drake.simulation.pace import Pace
@@ -156,7 +161,8 @@ class AtlasSimulation:
             LogError: If the log cannot be written.
             VideoError: If the video cannot be made.
             ControllerError: If the controller does not fit the station.
-            WorldError: If the world cannot be added.
+            WorldError: If the world cannot be added, or the robot would begin inside
+                a model of it.
             BehaviorError: If a behavior cannot be registered.
         """
         if not isinstance(scenario, Scenario | None):
@@ -569,6 +575,7 @@ class AtlasSimulation:
             InvalidMessageError: If the robot cannot begin with that behavior.
             ScenarioError: If it cannot begin in that pose or with that seed, or while a
                 log or a video is written, which hold one run.
+            WorldError: If the robot would begin inside a model of the world.
         """
         if seed is not None:
             self._begin_anew(check_seed(seed))
@@ -592,15 +599,29 @@ class AtlasSimulation:
         with self._turns:
             # What a run that an error stopped has not told yet came before the reset.
             self._look()
+            self._put_back(moved, start)
             self._pushes = []
             self._exert(())
             reset_station(self.station, self.context, begin)
-            put_world_back(self.plant, self._plant_context(), self.robot)
-            set_velocities(self.scenario.models, self.plant, self._plant_context())
-            self._place(moved, start)
             self._log.note(Event(self.time, "reset", f"reset, {begin.name} begins"))
             self.simulator.Initialize()
             self._look()
+
+    def _put_back(self, moved: Variation, start: Start) -> None:
+        """Puts robot and world where they begin; nothing moves if they would overlap.
+
+        Raises:
+            WorldError: If the robot would begin inside a model.
+        """
+        plant, context = self.plant, self._plant_context()
+        before = plant.GetPositionsAndVelocities(context).copy()
+        try:
+            put_world_back(plant, context, self.robot)
+            set_velocities(self.scenario.models, plant, context)
+            self._place(moved, start)
+        except WorldError:
+            plant.SetPositionsAndVelocities(context, before)
+            raise
 
     def _begin_anew(self, seed: int) -> None:
         """Begins a run with another seed."""
@@ -633,7 +654,6 @@ class AtlasSimulation:
     def _place(self, variation: Variation, start: Start) -> None:
         """Puts the robot where it begins, and into the harness if there is one."""
         clearance = CLEARANCE if start.harnessed else 0.0
-        self._release_time = None
         plant, context = self.plant, self._plant_context()
         place_robot(
             plant,
@@ -645,6 +665,7 @@ class AtlasSimulation:
             terrain=self.scenario.terrain,
             clearance=clearance,
         )
+        self._release_time = None
         if not self.scenario.start.harnessed:
             return
         harness = self.station.GetSubsystemByName("harness")
