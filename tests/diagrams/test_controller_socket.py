@@ -102,6 +102,7 @@ def test_a_controller_without_status_holds_the_robot(gravity_pd, tmp_path):
         assert sim.summary()["controller_tick_ms"]["median"] is None
     log = read_log(path)
     assert np.abs(log["joints.behavior_effort"][-1]).max() > 10.0
+    assert (log["controller.solved"] == -1).all()
     assert np.isnan(log["balance.dcm_reference"]).all()
     assert np.isfinite(log["balance.dcm"]).all()
 
@@ -184,6 +185,7 @@ def test_what_a_controller_tells_is_shown_logged_and_summed_up(tmp_path):
         assert sim.station.GetSubsystemByName("controller").resets == [Behavior.STAND]
     log = read_log(path)
     assert log["controller.unsolved"][-1] > 20
+    assert (log["controller.solved"] == 1).all()
     np.testing.assert_allclose(log["balance.support"][-1][:8], SQUARE.ravel())
 
 
