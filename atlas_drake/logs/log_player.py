@@ -153,8 +153,9 @@ class LogPlayer(CollectableSystem):
     def _solved(self, row: int) -> bool | None:
         """Whether the last QP had a solution; earlier versions did not log it."""
         solved = self._log.arrays.get("controller.solved")
-        known = solved is not None and solved[row] != NO_QP
-        return bool(solved[row]) if known else None
+        if solved is None or solved[row] == NO_QP:
+            return None
+        return bool(solved[row])
 
     def _plan(self, row: int, now: float) -> Plan:
         """What was planned at a row; logs of earlier versions lack some of it."""

@@ -13,7 +13,8 @@ import math
 import time
 import weakref
 from array import array
-from collections.abc import Callable, Iterable, MutableSequence, Sequence
+from collections.abc import Callable, Iterable, Iterator, MutableSequence, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -272,6 +273,7 @@ class AtlasSimulation:
         set_velocities(self.scenario.models, self.plant, self._plant_context())
         del self._tick_seconds[:]
         self._log = RunLog(*self._listeners)
+        self._error: str | None = None
         self._faults: list[AtlasError] = []
         self._numbers = itertools.count(1)
         self._wall_time = 0.0
@@ -308,13 +310,20 @@ class AtlasSimulation:
         """
         if self._recorder is not None:
             with self._turns:
+                told = self._error
                 try:
                     self._look()
-                finally:  # Who listens may raise anything.
-                    self._recorder.flush(
-                        self._recorder.GetMyContextFromRoot(self.context)
-                    )
-                    self._finalizer()
+                except Exception:
+                    # What ended the run, a last look finds again.
+                    if told is None or self._error != told:
+                        raise
+                finally:  # Who listens may raise anything, and so may a port.
+                    try:
+                        self._recorder.flush(
+                            self._recorder.GetMyContextFromRoot(self.context)
+                        )
+                    finally:
+                        self._finalizer()
 
     def __enter__(self) -> AtlasSimulation:
         return self
@@ -431,7 +440,7 @@ class AtlasSimulation:
             )
         begin = time.perf_counter()
         try:
-            with steady_ticks():
+            with steady_ticks(), self._noted_error():
                 while self.time < end - 1e-9:
                     with self._turns:
                         # Another thread may have had a turn meanwhile.
@@ -605,7 +614,7 @@ class AtlasSimulation:
             reset_station(self.station, self.context, begin)
             self._log.note(Event(self.time, "reset", f"reset, {begin.name} begins"))
             self.simulator.Initialize()
-            self._look()
+            self._look(anew=True)
 
     def _put_back(self, moved: Variation, start: Start) -> None:
         """Puts robot and world where they begin; nothing moves if they would overlap.
@@ -826,14 +835,28 @@ class AtlasSimulation:
             self.context, forces
         )
 
-    def _look(self) -> None:
-        """Takes in what happened since the last look."""
+    def _look(self, *, anew: bool = False) -> None:
+        """Takes in what happened since the last look, which a reset may follow."""
+        with self._noted_error():
+            self._take_notice(anew)
+
+    @contextmanager
+    def _noted_error(self) -> Iterator[None]:
+        """Keeps which error comes out, so that ``close`` does not tell it again."""
+        try:
+            yield
+        except Exception as error:  # Not itself: its traceback holds the simulation.
+            self._error = f"{type(error).__name__}: {error}"
+            raise
+
+    def _take_notice(self, anew: bool) -> None:
         status = self.output("controller_status")
         self._log.collect(
             self._scheduler.programme,
             self.output("sent"),
             self.output("commands"),
             status,
+            anew=anew,
         )
         self._log.watch_solver(self.time, status)
         if not self._log.fallen():

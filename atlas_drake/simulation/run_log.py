@@ -45,9 +45,34 @@ class RunLog:
         sent: int,
         commands: CommandsInForce,
         status: ControllerStatus,
+        *,
+        anew: bool = False,
     ) -> None:
-        """Notes what was sent, refused and done since the last look."""
+        """Notes what was sent, refused and done since the last look.
+
+        Args:
+            programme: All of it.
+            sent: How many of its commands were sent.
+            commands: In force.
+            status: Of the controller.
+            anew: Whether the controller was reset since then, and so may have begun to
+                count its events anew.
+
+        Raises:
+            TypeError: If the status is none.
+            ValueError: If it names a behavior that is not registered, or counts back.
+        """
         check_status(status, commands.catalog)
+        seen, self._seen_events = self._seen_events, status.event_count
+        if status.event_count < seen:
+            if not anew:
+                raise ValueError(
+                    "event_count in the controller's status went back from "
+                    f"{seen} to {status.event_count}: it must count all events of the "
+                    "run, those that were dropped among them; only a reset may begin "
+                    "anew"
+                )
+            seen = 0
         fresh = [
             Event(entry.time, "command", entry.text)
             for entry in programme[self._seen_sent : sent]
@@ -58,8 +83,7 @@ class RunLog:
             for refusal in commands.refusals_since(self._seen_refusals)
         )
         self._seen_refusals = commands.refused
-        fresh.extend(items_since(status.events, status.event_count, self._seen_events))
-        self._seen_events = status.event_count
+        fresh.extend(items_since(status.events, status.event_count, seen))
         self.note(*sorted(fresh, key=lambda event: event.time))
 
     def watch_solver(self, time: float, status: ControllerStatus) -> None:
