@@ -67,6 +67,7 @@ from atlas_drake.scenario.world import (
     listed,
     put_world_back,
 )
+from atlas_drake.simulation.arguments import check_arguments
 from atlas_drake.simulation.drake_log import only_news
 from atlas_drake.simulation.fall_watch import FallWatch
 from atlas_drake.simulation.pace import Pace
@@ -156,7 +157,7 @@ class AtlasSimulation:
                 .parquet. ``close`` completes it, and so does the end of the program.
 
         Raises:
-            TypeError: If the scenario is none.
+            TypeError: If an argument is of the wrong type; it names the argument.
             ScenarioError: If the scenario has a value that cannot be used.
             RobotDescriptionError: If the robot's files cannot be used.
             LogError: If the log cannot be written.
@@ -166,11 +167,7 @@ class AtlasSimulation:
                 a model of it.
             BehaviorError: If a behavior cannot be registered.
         """
-        if not isinstance(scenario, Scenario | None):
-            raise TypeError(
-                f"scenario must be a Scenario, is {shown(scenario)}; load_scenario "
-                "reads one from a file"
-            )
+        check_arguments(scenario, meshcat, overlays, video, on_event, log)
         self.scenario = copy.deepcopy((scenario or Scenario()).validate())
         self.robot = load_robot(self.scenario.model)
         self._own_behaviors = configured(

@@ -11,7 +11,7 @@ from typing import Any
 from atlas_drake.frozen import replace
 from atlas_drake.messages.commands import CommandsInForce
 from atlas_drake.messages.controller_status import ControllerStatus, check_status
-from atlas_drake.messages.event import Event
+from atlas_drake.messages.event import FOOTSTEP, Event
 from atlas_drake.messages.recent import items_since
 from atlas_drake.systems.command_scheduler import ScheduledCommand
 
@@ -111,7 +111,7 @@ class RunLog:
         kept = [e for e in events if not (fallen and e.kind == "fall")]
         for event in kept:
             self.events.append(replace(event, time=round(event.time, 6)))
-            if event.kind == "footstep":
+            if event.kind == FOOTSTEP:
                 self.footsteps.append(event.data)
         for heard in self._listeners:
             for event in kept:
