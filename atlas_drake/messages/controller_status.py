@@ -231,6 +231,7 @@ class ControllerStatus(Frozen):
         solved: Whether the last tick's optimization had a solution; None if the
             controller has none.
         unsolved: Number of ticks without a solution.
+        why_unsolved: Why the last tick had none, in words, as far as it is known.
         plan: What the controller intends.
     """
 
@@ -256,6 +257,7 @@ class ControllerStatus(Frozen):
     event_count: int = 0
     solved: bool | None = None
     unsolved: int = 0
+    why_unsolved: str = ""
     plan: Plan = field(default_factory=Plan)
 
     def __post_init__(self) -> None:
@@ -283,6 +285,8 @@ class ControllerStatus(Frozen):
             raise TypeError(
                 f"solved must be True, False or None, is {shown(self.solved)}"
             )
+        if not isinstance(self.why_unsolved, str):
+            raise TypeError(f"why_unsolved must be text, is {shown(self.why_unsolved)}")
         _take_tuple(self, "events", Event)
         if self.event_count < len(self.events):
             raise ValueError(

@@ -102,6 +102,8 @@ class RunLog:
                 f"the controller has found no solution in {unsolved} control ticks so "
                 "far; a fallback holds the robot, badly"
             )
+            if status.why_unsolved:
+                text += f" ({status.why_unsolved})"
             self.note(Event(time, "warning", text))
 
     def note(self, *events: Event) -> None:

@@ -255,6 +255,7 @@ def test_a_task_that_nothing_can_solve_is_told_of(bow):
     texts = [event.text for event in sim.events if event.kind == "warning"]
     assert len(texts) == 1
     assert "found no solution" in texts[0]
+    assert "(target of PositionTask on 'l_hand' is not finite)" in texts[0]
     assert sim.summary()["unsolved_ticks"] > 40
 
 
