@@ -279,7 +279,7 @@ class ControllerStatus(Frozen):
                 raise TypeError(f"{name} must be {kind.__name__}, is {shown(value)}")
         for name in ("error_code", "event_count", "unsolved"):
             value = getattr(self, name)
-            if not is_whole(value):
+            if type(value) is not int and not is_whole(value):
                 raise TypeError(f"{name} must be a whole number, is {shown(value)}")
         if self.solved is not None and not isinstance(self.solved, (bool, np.bool_)):
             raise TypeError(

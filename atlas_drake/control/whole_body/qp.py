@@ -186,9 +186,8 @@ def _gravity_compensation(
 
 def _check_posture(posture: PostureTask, n: int) -> None:
     """Raises ValueError unless a posture has one target and weight per joint."""
-    if posture.target.shape != (n,) or posture.weight.shape != (n,):
-        shaped(posture.target, (n,), "target", "the command's posture")
-        shaped(posture.weight, (n,), "weight", "the command's posture")
+    shaped(posture.target, (n,), "target", "the command's posture")
+    shaped(posture.weight, (n,), "weight", "the command's posture")
 
 
 def _within_authority(
