@@ -1,4 +1,4 @@
-"""The tutorial's diagram: a scheduler of commands in front of an AtlasStation.
+"""The tutorial's diagram: an AtlasStation, and a scheduler of commands before it.
 
 Wiring only; the programme is in ``atlas_drake.simulation.tutorial``.
 """
@@ -48,7 +48,7 @@ def make_control_mode_switch(
 
     Args:
         robot: Whose; None is ``atlas``.
-        programme: What the scheduler sends, and when.
+        programme: What a scheduler sends, and when; without entries there is none.
         config: Of the station; None has the defaults.
         meshcat: Where to show it; None shows nothing.
         overlays: What of the controller's thoughts is shown there.
@@ -60,14 +60,14 @@ def make_control_mode_switch(
         world: Likewise; called for the video's scene, too.
         extend: Called with (builder, station) before the diagram is built: adds
             systems with names of their own, connects them to the station, exports
-            ports.
+            ports. It may connect the station's command ports, where no scheduler does.
 
     Input ports, all optional:
-        other_atlas_command, other_atlas_sim_interface_command: Messages of a script or
-            panel, beside the programme's.
+        atlas_command, atlas_sim_interface_command: Those of the station, unless a
+            scheduler or ``extend`` has connected them.
         applied_spatial_force: Pushes.
 
-    Output ports: those of the station, and ``sent`` of the scheduler.
+    Output ports: those of the station; with a scheduler, its ``sent``.
 
     Raises:
         AtlasError: If ``extend`` is no callable, or adds what Drake cannot build.
@@ -81,22 +81,14 @@ def make_control_mode_switch(
             robot, config, controller=controller, behaviors=behaviors, world=world
         ),
     )
-    scheduler = builder.AddNamedSystem(
-        "scheduler", CommandScheduler(programme, config.control_period)
-    )
-    for name in ("atlas_command", "atlas_sim_interface_command"):
-        builder.Connect(scheduler.GetOutputPort(name), station.GetInputPort(name))
-    for name in ("atlas_state", "atlas_sim_interface_state", "imu"):
-        builder.Connect(station.GetOutputPort(name), scheduler.GetInputPort(name))
-    for name in ("other_atlas_command", "other_atlas_sim_interface_command"):
-        builder.ExportInput(scheduler.GetInputPort(name), name)
+    if programme:
+        _add_scheduler(builder, station, programme, config.control_period)
     builder.ExportInput(
         station.GetInputPort("applied_spatial_force"), "applied_spatial_force"
     )
     for index in range(station.num_output_ports()):
         port = station.get_output_port(index)
         builder.ExportOutput(port, port.get_name())
-    builder.ExportOutput(scheduler.GetOutputPort("sent"), "sent")
     if meshcat is not None:
         # Meshcat's part loads only where there is something to see.
         from atlas_drake.visualization.meshcat_view import add_meshcat_view
@@ -117,9 +109,32 @@ def make_control_mode_switch(
                 f"{shown(extend)}"
             )
         _extended(builder, station, extend)
+    for name in COMMAND_PORTS:
+        port = station.GetInputPort(name)
+        if not builder.IsConnectedOrExported(port):
+            builder.ExportInput(port, name)
     diagram = builder.Build()
     diagram.set_name("control_mode_switch")
     return diagram
+
+
+COMMAND_PORTS = ("atlas_command", "atlas_sim_interface_command")
+"""Input ports of the station that take messages."""
+
+
+def _add_scheduler(
+    builder: DiagramBuilder,
+    station: Diagram,
+    programme: Sequence[ScheduledCommand],
+    period: float,
+) -> None:
+    """Adds what sends the programme, every ``period`` [s] at most one message."""
+    scheduler = builder.AddNamedSystem("scheduler", CommandScheduler(programme, period))
+    for name in COMMAND_PORTS:
+        builder.Connect(scheduler.GetOutputPort(name), station.GetInputPort(name))
+    for name in ("atlas_state", "atlas_sim_interface_state", "imu"):
+        builder.Connect(station.GetOutputPort(name), scheduler.GetInputPort(name))
+    builder.ExportOutput(scheduler.GetOutputPort("sent"), "sent")
 
 
 def _extended(builder: DiagramBuilder, station: Diagram, extend: Extend) -> None:
@@ -130,7 +145,14 @@ def _extended(builder: DiagramBuilder, station: Diagram, extend: Extend) -> None
             there twice it would end the program.
     """
     ours = {system.get_name() for system in builder.GetSystems()}
-    extend(builder, station)
+    try:
+        extend(builder, station)
+    except SystemExit as error:
+        # What Drake's bindings make of a condition that Drake demands.
+        raise AtlasError(
+            f"extend asks Drake for what it cannot build: {error}. An input port "
+            "takes one connection; a programme has the station's command ports"
+        ) from error
     if builder.already_built():
         raise AtlasError("extend must not build the diagram, which happens after it")
     names = [system.get_name() for system in builder.GetSystems()]

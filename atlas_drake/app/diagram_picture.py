@@ -46,6 +46,8 @@ def write_diagram_picture(path: Path) -> None:
             be written.
     """
     from atlas_drake.diagrams.control_mode_switch import make_control_mode_switch
+    from atlas_drake.robot import load_robot
+    from atlas_drake.simulation.tutorial import control_mode_switch_programme
 
     if path.suffix not in FORMATS:
         raise PictureError(f"{path}: must end in one of {', '.join(FORMATS)}")
@@ -56,7 +58,9 @@ def write_diagram_picture(path: Path) -> None:
             "apt install graphviz, brew install graphviz or https://graphviz.org; or "
             f"ask for {path.with_suffix('.dot')}, which any Graphviz viewer draws"
         )
-    source = graphviz_source(make_control_mode_switch())
+    robot = load_robot()
+    programme = control_mode_switch_programme(robot)
+    source = graphviz_source(make_control_mode_switch(robot, programme))
     try:
         if path.suffix == ".dot":
             path.write_text(source)

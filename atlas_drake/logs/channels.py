@@ -45,7 +45,7 @@ def robot_layout(
             Channel(
                 "behavior.request_number",
                 kind="i8",
-                about="behavior commands accepted so far",
+                about="of the behavior command in force, among all messages received",
             ),
             *_joints(robot.joint_names),
             *_body(),

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import copy
 import functools
-import itertools
 import math
 import time
 import weakref
@@ -40,7 +39,7 @@ from atlas_drake.errors import (
     did_you_mean,
     shown,
 )
-from atlas_drake.frozen import NOTHING, replace
+from atlas_drake.frozen import replace
 from atlas_drake.kinds import typed
 from atlas_drake.messages import (
     AtlasCommand,
@@ -53,7 +52,7 @@ from atlas_drake.messages import (
 )
 from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.messages.checks import check_number
-from atlas_drake.messages.commands import Command
+from atlas_drake.messages.commands import Command, Refusal
 from atlas_drake.messages.event import Event
 from atlas_drake.numeric import as_float
 from atlas_drake.robot import load_robot
@@ -78,8 +77,6 @@ from atlas_drake.simulation.steady import steady_ticks
 from atlas_drake.simulation.summary import estimator_drift, make_summary
 from atlas_drake.simulation.turns import Turns
 from atlas_drake.simulation.tutorial import scheduled_programme
-from atlas_drake.systems.command_interface import CommandInterface
-from atlas_drake.systems.command_scheduler import CommandScheduler
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.viewer_gate import show_latest
 
@@ -176,7 +173,7 @@ class AtlasSimulation:
         self.behaviors = BehaviorCatalog((*SHIPPED_ENTRIES, *self._own_behaviors))
         # A path stays right wherever the program, or its log, goes on.
         self.scenario.model = self.robot.model
-        self._programme = scheduled_programme(self.scenario, self.robot)
+        self._programme = tuple(scheduled_programme(self.scenario, self.robot))
         self._tick_seconds = array("d")
         self._turns = Turns()
         world = (*world_of(self.scenario.models), *listed(world))
@@ -235,7 +232,6 @@ class AtlasSimulation:
             self._film = self.diagram.GetSubsystemByName("video")
         self.station = self.diagram.GetSubsystemByName("station")
         self.plant = self.station.GetSubsystemByName("plant")
-        self._scheduler = self.diagram.GetSubsystemByName("scheduler")
         self._interface = self.station.GetSubsystemByName("command_interface")
         own = self.station.GetSubsystemByName(CONTROLLER)
         if hasattr(own, "tick_seconds"):
@@ -254,8 +250,6 @@ class AtlasSimulation:
         context = self.context
         self.diagram.SetDefaultContext(context)
         context.SetTime(0.0)
-        for name in ("other_atlas_command", "other_atlas_sim_interface_command"):
-            self.diagram.GetInputPort(name).FixValue(context, NOTHING)
         self._pushes: list[Push] = []
         self._exert(())
         self._variation = draw_variation(self.scenario, self.robot)
@@ -272,7 +266,6 @@ class AtlasSimulation:
         self._log = RunLog(*self._listeners)
         self._error: str | None = None
         self._faults: list[AtlasError] = []
-        self._numbers = itertools.count(1)
         self._wall_time = 0.0
         self._shown = 0.0
         self._release_time: float | None = None
@@ -355,32 +348,22 @@ class AtlasSimulation:
                 "publish takes an AtlasCommand or an AtlasSimInterfaceCommand, not "
                 f"{type(message).__name__}"
             )
-        numbered = message.numbered(next(self._numbers))
-        if self._turns.leave(functools.partial(self._deliver, numbered)):
-            check_command(numbered, self.robot.joint_names, self.behaviors)
+        snapshot = message.snapshot()
+        if self._turns.leave(functools.partial(self._deliver, snapshot)):
+            check_command(snapshot, self.robot.joint_names, self.behaviors)
             return
         with self._turns:
-            refused = self.output("commands").refused
-            self._deliver(numbered)
-            refusals = self.output("commands").refusals_since(refused)
-            if refusals:
+            refusal = self._deliver(snapshot)
+            if refusal is not None:
                 self._look()
-        if refusals:
+        if refusal is not None:
             # A new one: what is raised collects a traceback.
-            raise InvalidMessageError(*refusals[-1].error.args)
+            raise InvalidMessageError(*refusal.error.args)
 
-    def _deliver(self, message: Command) -> None:
-        """Puts a numbered message on its port, and takes it in."""
-        is_joint_command = isinstance(message, AtlasCommand)
-        name = "atlas_command" if is_joint_command else "atlas_sim_interface_command"
-        # It must not take the place of what the programme has just sent.
-        self._take_in(self._interface)
-        self.diagram.GetInputPort(f"other_{name}").FixValue(self.context, message)
-        self._take_in(self._scheduler)
-        self._take_in(self._interface)
-
-    def _take_in(self, system: CommandScheduler | CommandInterface) -> None:
-        system.take_in(system.GetMyMutableContextFromRoot(self.context))
+    def _deliver(self, message: Command) -> Refusal | None:
+        """Hands a message to the command interface; returns why it is refused."""
+        context = self._interface.GetMyMutableContextFromRoot(self.context)
+        return self._interface.receive(context, message)
 
     def apply_push(
         self, body: str, force_W: Sequence[float] | np.ndarray, duration: float
@@ -849,8 +832,8 @@ class AtlasSimulation:
     def _take_notice(self, anew: bool) -> None:
         status = self.output("controller_status")
         self._log.collect(
-            self._scheduler.programme,
-            self.output("sent"),
+            self._programme,
+            self.output("sent") if self._programme else 0,
             self.output("commands"),
             status,
             anew=anew,

@@ -167,7 +167,7 @@ class WholeBodyController(CollectableSystem):
         )
         commands: CommandsInForce = self._command_input.Eval(context)
         share = commands.joints.k_effort * (1.0 / K_EFFORT_MAX)
-        seen = Observation(
+        observation = Observation(
             time=context.get_time(),
             dt=self._period,
             terms=terms,
@@ -175,7 +175,7 @@ class WholeBodyController(CollectableSystem):
             user_share=share,
         )
         supervisor, command = self._supervisor.update(
-            before.supervisor, seen, commands.requests
+            before.supervisor, observation, commands.requests
         )
         com = terms.com[:2].copy()
         omega = pendulum_frequency(float(terms.com[2]) - mean_sole_height(terms))

@@ -37,19 +37,19 @@ class Bow(Stand):
         super().__init__(tools.balance, tools.nominal_height, tools.rates)
         self._robot = tools.robot
 
-    def target(self, memory, seen, request, leaving):
+    def target(self, memory, observation, request, leaving):
         """Where trunk and posture go; back upright once STAND is asked for."""
-        depth = 0.0 if leaving else (request.params or BowParams()).depth
-        upright = super().target(memory, seen, request, leaving)
+        depth = 0.0 if leaving else (request.command.params or BowParams()).depth
+        upright = super().target(memory, observation, request, leaving)
         joints = self._robot.stand_prep.copy()
         joints[self._robot.joint_index("back_bky")] += depth
         height = upright.height - LOWERING * depth
         chest_tilt = np.array([0.0, depth])
         return replace(upright, chest_tilt=chest_tilt, joints=joints, height=height)
 
-    def update(self, memory, seen, body, request, leaving):
+    def update(self, memory, observation, body, request, leaving):
         """One tick; the behavior is over when the chest is upright again."""
-        outcome = super().update(memory, seen, body, request, leaving)
+        outcome = super().update(memory, observation, body, request, leaving)
         return replace(outcome, finished=leaving and outcome.body.chest_tilt[1] < 0.01)
 
 

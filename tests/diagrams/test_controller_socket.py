@@ -12,7 +12,6 @@ from atlas_drake import AtlasCommand, AtlasSimulation, Behavior, Scenario, read_
 from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.diagrams.atlas_station import make_atlas_station
 from atlas_drake.diagrams.controller_socket import ControllerError
-from atlas_drake.errors import AtlasError
 from atlas_drake.frozen import NOTHING
 from atlas_drake.messages.controller_status import (
     ControllerStatus,
@@ -479,22 +478,3 @@ def test_systems_are_added_through_extend():
     sim = AtlasSimulation(Scenario(**COARSE), extend=extend)
     assert sim.diagram.HasSubsystemNamed("mine")
     assert sim.output("twice").shape == (28,)
-
-
-@pytest.mark.parametrize(
-    ("names", "words"),
-    [
-        (["scheduler"], "extend adds a system named 'scheduler', but the simulation"),
-        (["mine", "mine"], "extend adds a system named 'mine', but it adds two"),
-        ([], "extend must not build the diagram"),
-    ],
-)
-def test_an_extension_that_drake_would_abort_on_is_refused(names, words):
-    def extend(builder, station):
-        for name in names:
-            builder.AddNamedSystem(name, LeafSystem())
-        if not names:
-            builder.Build()
-
-    with pytest.raises(AtlasError, match=words):
-        AtlasSimulation(Scenario(**COARSE), extend=extend)

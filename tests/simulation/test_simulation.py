@@ -302,7 +302,7 @@ def test_time_does_not_go_back_nor_on_for_ever(sim, t):
 def test_every_output_port_can_be_read_by_its_name(sim):
     ports = range(sim.diagram.num_output_ports())
     names = [sim.diagram.get_output_port(i).get_name() for i in ports]
-    assert {"effort", "state", "atlas_state", "sent"} <= set(names)
+    assert {"effort", "state", "atlas_state", "imu"} <= set(names)
     for name in names:
         assert sim.output(name) is not None
     sim.advance(TICK)
@@ -570,7 +570,7 @@ def test_an_error_of_who_listens_is_its_own_and_loses_no_event(tmp_path):
         on_event=on_event,
         log=tmp_path / "run.npz",
     )
-    sim.diagram.GetInputPort("other_atlas_command").FixValue(
+    sim.diagram.GetInputPort("atlas_command").FixValue(
         sim.context, AtlasCommand(position=[0.0])
     )
     sim.publish(behavior_command(Behavior.WALK))
