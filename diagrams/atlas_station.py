@@ -270,7 +270,8 @@ def make_atlas_station(
     station.set_name("AtlasStation")
     if world:
         # Only the whole diagram knows where the geometry of all models is.
-        context = plant.GetMyMutableContextFromRoot(station.CreateDefaultContext())
+        root = station.CreateDefaultContext()
+        context = plant.GetMyMutableContextFromRoot(root)
         stand_by_default(plant, robot, config.terrain, context)
     return station
 

@@ -1,5 +1,7 @@
 """Models beside the robot: how they get into a plant, and back to where they began.
 
+Where the robot is inside one of them is asked here, too.
+
 A world is a sequence of callables (plant) -> None. Each adds what it likes to a plant
 that holds the robot and the ground, and is not finalized yet. They are called for every
 plant that simulates or films the world, and so must do the same each time.
