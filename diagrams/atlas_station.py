@@ -268,6 +268,11 @@ def make_atlas_station(
     builder.ExportOutput(scene_graph.get_query_output_port(), "query_object")
     station = builder.Build()
     station.set_name("AtlasStation")
+    if world:
+        # Only the whole diagram knows where the geometry of all models is.
+        root = station.CreateDefaultContext()
+        context = plant.GetMyMutableContextFromRoot(root)
+        stand_by_default(plant, robot, config.terrain, context)
     return station
 
 

@@ -59,8 +59,8 @@ def make_control_mode_switch(
         behaviors: Likewise.
         world: Likewise; called for the video's scene, too.
         extend: Called with (builder, station) before the diagram is built: adds
-            systems, connects them to the station, exports ports. It may connect the
-            station's command ports, where no scheduler does.
+            systems with names of their own, connects them to the station, exports
+            ports. It may connect the station's command ports, where no scheduler does.
 
     Input ports, all optional:
         atlas_command, atlas_sim_interface_command: Those of the station, unless a
@@ -68,6 +68,9 @@ def make_control_mode_switch(
         applied_spatial_force: Pushes.
 
     Output ports: those of the station; with a scheduler, its ``sent``.
+
+    Raises:
+        AtlasError: If ``extend`` is no callable, or adds what Drake cannot build.
     """
     robot = robot or load_robot()
     config = config or StationConfig()
@@ -105,14 +108,7 @@ def make_control_mode_switch(
                 "extend must be a callable (builder, station) -> None, is "
                 f"{shown(extend)}"
             )
-        try:
-            extend(builder, station)
-        except SystemExit as error:
-            # What Drake's bindings make of a condition that Drake demands.
-            raise AtlasError(
-                f"extend asks Drake for what it cannot build: {error}. An input port "
-                "takes one connection; a programme has the station's command ports"
-            ) from error
+        _extended(builder, station, extend)
     for name in COMMAND_PORTS:
         port = station.GetInputPort(name)
         if not builder.IsConnectedOrExported(port):
@@ -139,3 +135,31 @@ def _add_scheduler(
     for name in ("atlas_state", "atlas_sim_interface_state", "imu"):
         builder.Connect(station.GetOutputPort(name), scheduler.GetInputPort(name))
     builder.ExportOutput(scheduler.GetOutputPort("sent"), "sent")
+
+
+def _extended(builder: DiagramBuilder, station: Diagram, extend: Extend) -> None:
+    """Lets a user's callable add to the diagram.
+
+    Raises:
+        AtlasError: If Drake could not build the diagram after that; on names that are
+            there twice it would end the program.
+    """
+    ours = {system.get_name() for system in builder.GetSystems()}
+    try:
+        extend(builder, station)
+    except SystemExit as error:
+        # What Drake's bindings make of a condition that Drake demands.
+        raise AtlasError(
+            f"extend asks Drake for what it cannot build: {error}. An input port "
+            "takes one connection; a programme has the station's command ports"
+        ) from error
+    if builder.already_built():
+        raise AtlasError("extend must not build the diagram, which happens after it")
+    names = [system.get_name() for system in builder.GetSystems()]
+    for name in names:
+        if names.count(name) > 1:
+            whose = "the simulation has one" if name in ours else "it adds two"
+            raise AtlasError(
+                f"extend adds a system named {name!r}, but {whose} of this name; give "
+                "each system a name of its own"
+            )

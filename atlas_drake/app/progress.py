@@ -11,7 +11,7 @@ import time
 from collections import deque
 from typing import TextIO
 
-from atlas_drake.messages.event import Event
+from atlas_drake.messages.event import FOOTSTEP, Event
 
 REPEAT = 5.0
 """Between lines of progress where lines cannot be rewritten [s of wall time]."""
@@ -82,7 +82,7 @@ class Progress:
 def event_line(event: Event) -> str:
     """One line about an event; commands stand out, consequences are indented."""
     text = event.text
-    if event.kind == "footstep" and "error_m" in event.data:
+    if event.kind == FOOTSTEP:
         error = 1000.0 * event.data["error_m"]
         text += f" ({_FEET[event.data['foot']]}, {error:.0f} mm off)"
     indent = "" if event.kind in ("command", "push") else "  "

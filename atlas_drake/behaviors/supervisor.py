@@ -186,11 +186,7 @@ class Supervisor:
             request,
             leaving=state.desired != state.current,
         )
-        if not isinstance(outcome, Outcome):
-            raise BehaviorError(
-                f"update of {state.current.name} must return an Outcome, returned "
-                f"{shown(outcome)}"
-            )
+        _check_outcome(outcome, state.current)
         state = replace(
             state,
             memory=outcome.memory,
@@ -236,7 +232,13 @@ class Supervisor:
         """
         if state.memory is None or state.in_damping_mode:
             return Plan()
-        return self.behaviors[state.current].plan(state.memory, com, omega)
+        plan = self.behaviors[state.current].plan(state.memory, com, omega)
+        if not isinstance(plan, Plan):
+            raise BehaviorError(
+                f"plan of {state.current.name} must return a Plan, returned "
+                f"{shown(plan)}"
+            )
+        return plan
 
     # ---- transitions ---------------------------------------------------------
 
@@ -383,6 +385,35 @@ def _made(entry: BehaviorEntry, tools: BehaviorTools, config: Any) -> BehaviorPr
     return behavior
 
 
+def _check_outcome(outcome: object, behavior: Behavior) -> None:
+    """Raises BehaviorError unless an update returned an outcome that can be used."""
+    if not isinstance(outcome, Outcome):
+        raise BehaviorError(
+            f"update of {behavior.name} must return an Outcome, returned "
+            f"{shown(outcome)}"
+        )
+    for name, kind in _OUTCOME.items():
+        value = getattr(outcome, name)
+        if not isinstance(value, kind):
+            raise BehaviorError(
+                f"{name} in the Outcome of {behavior.name} must be "
+                f"{' or '.join(k.__name__ for k in kind)}, is {shown(value)}"
+            )
+    for event in outcome.events:
+        if not isinstance(event, Event):
+            raise BehaviorError(
+                f"events in the Outcome of {behavior.name} must be Event values, has "
+                f"{shown(event)}"
+            )
+
+
+_OUTCOME = {
+    "body": (BodyReference,),
+    "command": (WholeBodyCommand, type(None)),
+    "status_flags": (int, np.integer),
+    "events": (tuple, list),
+}
+"""Types of an outcome's fields; ``finished`` may be whatever is true or not."""
 _SUBSTATES = 7
 """Bits of a behavior's flags that say where it is now, and so do not latch."""
 

@@ -51,6 +51,11 @@ def robot_layout(
             *_body(),
             Channel("controller.tick_time", "s", about="wall time of the tick"),
             Channel("controller.unsolved", kind="i8", about="QPs without a solution"),
+            Channel(
+                "controller.solved",
+                kind="i8",
+                about="whether the last QP had a solution, 1 or 0; -1 is no QP",
+            ),
             Channel("state.q", labels=tuple(positions), about="true positions"),
             Channel("state.v", labels=tuple(velocities), about="true velocities"),
             *_world(world),

@@ -19,6 +19,7 @@ from atlas_drake.logs.balance_figures import (
 from atlas_drake.logs.joint_figures import effort_panel, position_panels, share_panel
 from atlas_drake.logs.log import Log
 from atlas_drake.logs.panels import Line, Marker, Page, Panel, Span
+from atlas_drake.logs.samples import NO_QP
 from atlas_drake.logs.support import feet_of, runs
 
 ALARM = "#d50000"
@@ -90,10 +91,14 @@ def _modes(log: Log) -> Panel:
 
 
 def _solved(log: Log) -> Panel:
-    """Where the QP had a solution."""
+    """Where there was a QP, and it had a solution; earlier versions logged the rest."""
     unsolved = np.diff(log["controller.unsolved"], prepend=0) > 0
+    solved = log.arrays.get("controller.solved", np.ones(len(log)))
+    unsolved |= solved == 0
+    unknown = (solved == NO_QP) & ~unsolved
     spans = (
-        *_spans(log, ~unsolved, "#a5d6a7", "solved"),
+        *_spans(log, ~unsolved & ~unknown, "#a5d6a7", "solved"),
+        *_spans(log, unknown, "#cfd8dc", "no QP"),
         *_spans(log, unsolved, ALARM, "no solution"),
     )
     return Panel("Whole-body QP", "", spans, x_label="")

@@ -21,7 +21,7 @@ from atlas_drake.logs.notes import (
     paths_from_note,
 )
 from atlas_drake.logs.report_channels import REPORT_CHANNELS, report_from
-from atlas_drake.logs.samples import polygon_from
+from atlas_drake.logs.samples import NO_QP, polygon_from
 from atlas_drake.logs.world_state import PlantState
 from atlas_drake.messages import (
     AtlasSimInterfaceCommand,
@@ -145,9 +145,17 @@ class LogPlayer(CollectableSystem):
             **{name: getattr(report, name) for name in REPORTED},
             events=tuple(past[-KEPT_EVENTS:]),
             event_count=len(past),
+            solved=self._solved(row),
             unsolved=int(self._log["controller.unsolved"][row]),
             plan=self._plan(row, now),
         )
+
+    def _solved(self, row: int) -> bool | None:
+        """Whether the last QP had a solution; earlier versions did not log it."""
+        solved = self._log.arrays.get("controller.solved")
+        if solved is None or solved[row] == NO_QP:
+            return None
+        return bool(solved[row])
 
     def _plan(self, row: int, now: float) -> Plan:
         """What was planned at a row; logs of earlier versions lack some of it."""

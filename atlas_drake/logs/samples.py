@@ -24,6 +24,9 @@ from atlas_drake.robot import Robot
 from atlas_drake.scenario.world import WorldMaker
 from atlas_drake.systems.robot_sensors import contact_wrenches, shift_wrench
 
+NO_QP = -1
+"""Value of ``controller.solved`` where a controller has, or needed, no QP."""
+
 
 class RowSampler:
     """Makes rows of one robot's log.
@@ -75,10 +78,12 @@ class RowSampler:
             tick_time: Wall time of the controller's tick [s].
             ports: Values of the station's ports, by name.
         """
+        status = ports["controller_status"]
         values: dict[str, Any] = {
             "time": time,
             "controller.tick_time": tick_time,
-            "controller.unsolved": ports["controller_status"].unsolved,
+            "controller.unsolved": status.unsolved,
+            "controller.solved": NO_QP if status.solved is None else status.solved,
             **reported(ports["atlas_sim_interface_state"]),
             **self._joints(ports),
             **_commanded(ports["commands"]),

@@ -25,6 +25,7 @@ from atlas_drake.messages.behavior_feedback import (
     AtlasBehaviorWalkFeedback,
 )
 from atlas_drake.messages.event import Event
+from atlas_drake.numeric import as_float, is_whole
 
 LARGEST_SUPPORT = 8
 """Corners that the support polygon of two rectangular soles has at most."""
@@ -71,6 +72,22 @@ class PlannedStep(Frozen):
     p_WF: np.ndarray
     yaw: float
 
+    def __post_init__(self) -> None:
+        """Take the point as an array.
+
+        Raises:
+            ValueError: If a field is none of these; it names the field.
+        """
+        if self.foot not in (0, 1):
+            raise ValueError(
+                f"foot of a PlannedStep must be 0 or 1, is {shown(self.foot)}"
+            )
+        _take_array(self, "p_WF", (3,), optional=False)
+        if as_float(self.yaw) is None:
+            raise ValueError(
+                f"yaw of a PlannedStep must be a number, is {shown(self.yaw)}"
+            )
+
 
 @dataclass(frozen=True)
 class Plan(Frozen):
@@ -100,7 +117,8 @@ class Plan(Frozen):
         """Take points as arrays.
 
         Raises:
-            ValueError: If they are no points; it names the field.
+            TypeError: If another field is of the wrong type; it names the field.
+            ValueError: If points are none, or ``omega`` is not positive.
         """
         _take_array(self, "support", (-1, 2))
         if self.support is not None and len(self.support) > LARGEST_SUPPORT:
@@ -110,17 +128,53 @@ class Plan(Frozen):
             )
         for name in ("com", "dcm", "cop"):
             _take_array(self, f"{name}_reference", (2,))
+        if self.omega is not None and not (as_float(self.omega) or 0.0) > 0.0:
+            raise ValueError(
+                f"omega must be a positive number or None, is {shown(self.omega)}"
+            )
+        _take_tuple(self, "footsteps", PlannedStep)
+        if self.preview is not None and not callable(self.preview):
+            raise TypeError(
+                "preview must be a callable () -> PlannedPaths or None, is "
+                f"{shown(self.preview)}"
+            )
 
     @cached_property
     def paths(self) -> PlannedPaths:
-        """The motion that is planned from now on."""
-        return PlannedPaths() if self.preview is None else self.preview()
+        """The motion that is planned from now on.
+
+        Raises:
+            TypeError: If ``preview`` returns something else.
+        """
+        paths = PlannedPaths() if self.preview is None else self.preview()
+        if not isinstance(paths, PlannedPaths):
+            raise TypeError(
+                f"preview of a Plan must return PlannedPaths, returned {shown(paths)}"
+            )
+        return paths
 
 
-def _take_array(values: object, name: str, shape: tuple[int, ...]) -> None:
+def _take_tuple(values: object, name: str, kind: type) -> None:
+    """Makes a tuple of a field; TypeError unless it has values of one type alone."""
+    given = getattr(values, name)
+    # By their types at once: a status has up to 200 events in every tick.
+    sound = isinstance(given, (tuple, list)) and all(
+        issubclass(found, kind) for found in set(map(type, given))
+    )
+    if not sound:
+        raise TypeError(
+            f"{name} must be a tuple of {kind.__name__} values, is {shown(given)}"
+        )
+    if type(given) is not tuple:
+        object.__setattr__(values, name, tuple(given))
+
+
+def _take_array(
+    values: object, name: str, shape: tuple[int, ...], *, optional: bool = True
+) -> None:
     """Makes an array of a field unless it is None; -1 stands for any length."""
     given = getattr(values, name)
-    if given is None:
+    if given is None and optional:
         return
     try:
         array = np.asarray(given, dtype=float)
@@ -135,6 +189,15 @@ def _take_array(values: object, name: str, shape: tuple[int, ...]) -> None:
         raise ValueError(f"{name} must have shape {wanted}, is {shown(given)}")
     object.__setattr__(values, name, array)
 
+
+_FEEDBACK = {
+    "behavior_feedback": AtlasBehaviorFeedback,
+    "stand_feedback": AtlasBehaviorStandFeedback,
+    "step_feedback": AtlasBehaviorStepFeedback,
+    "walk_feedback": AtlasBehaviorWalkFeedback,
+    "manipulate_feedback": AtlasBehaviorManipulateFeedback,
+}
+"""Types of a status' fields."""
 
 KEPT_EVENTS = 200
 """Number of events that a status of ours has, beside those of the last
@@ -163,10 +226,12 @@ class ControllerStatus(Frozen):
         events: The latest events. Older ones are dropped; those of the last
             ``recent.READ_WITHIN`` seconds must be there.
         event_count: Number of events since the diagram was built, those that were
-            dropped among them.
+            dropped among them. It may begin anew in a reset, with all events of
+            ``events`` new ones, and goes back nowhere else.
         solved: Whether the last tick's optimization had a solution; None if the
             controller has none.
         unsolved: Number of ticks without a solution.
+        why_unsolved: Why the last tick had none, in words, as far as it is known.
         plan: What the controller intends.
     """
 
@@ -192,13 +257,14 @@ class ControllerStatus(Frozen):
     event_count: int = 0
     solved: bool | None = None
     unsolved: int = 0
+    why_unsolved: str = ""
     plan: Plan = field(default_factory=Plan)
 
     def __post_init__(self) -> None:
         """Check what everybody relies on.
 
         Raises:
-            TypeError: If a behavior is none; it names the field.
+            TypeError: If a field is of the wrong type; it names the field.
             ValueError: If not all events are counted.
         """
         for name in ("current_behavior", "desired_behavior"):
@@ -207,6 +273,21 @@ class ControllerStatus(Frozen):
                 raise TypeError(f"{name} must be a Behavior, is {shown(value)}")
         if not isinstance(self.plan, Plan):
             raise TypeError(f"plan must be a Plan, is {shown(self.plan)}")
+        for name, kind in _FEEDBACK.items():
+            value = getattr(self, name)
+            if not isinstance(value, kind):
+                raise TypeError(f"{name} must be {kind.__name__}, is {shown(value)}")
+        for name in ("error_code", "event_count", "unsolved"):
+            value = getattr(self, name)
+            if type(value) is not int and not is_whole(value):
+                raise TypeError(f"{name} must be a whole number, is {shown(value)}")
+        if self.solved is not None and not isinstance(self.solved, (bool, np.bool_)):
+            raise TypeError(
+                f"solved must be True, False or None, is {shown(self.solved)}"
+            )
+        if not isinstance(self.why_unsolved, str):
+            raise TypeError(f"why_unsolved must be text, is {shown(self.why_unsolved)}")
+        _take_tuple(self, "events", Event)
         if self.event_count < len(self.events):
             raise ValueError(
                 f"event_count must count all events, is {self.event_count} with "

@@ -1,5 +1,7 @@
 """Models beside the robot: how they get into a plant, and back to where they began.
 
+Where the robot is inside one of them is asked here, too.
+
 A world is a sequence of callables (plant) -> None. Each adds what it likes to a plant
 that holds the robot and the ground, and is not finalized yet. They are called for every
 plant that simulates or films the world, and so must do the same each time.
@@ -7,8 +9,8 @@ plant that simulates or films the world, and so must do the same each time.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from typing import TypeAlias
+from collections.abc import Callable, Collection, Iterable, Sequence
+from typing import Any, NamedTuple, TypeAlias
 
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
@@ -88,3 +90,52 @@ def put_world_back(plant: MultibodyPlant, context: Context, robot: Robot) -> Non
     for instance in instances:
         state = plant.GetPositionsAndVelocities(default, instance)
         plant.SetPositionsAndVelocities(context, instance, state)
+
+
+class Overlap(NamedTuple):
+    """A body of the robot that is inside something else.
+
+    Attributes:
+        body: Of the robot, by name.
+        model: Name of the other model, or of the geometry if it is the world's own.
+        depth: Length of the shortest way out [m].
+    """
+
+    body: str
+    model: str
+    depth: float
+
+
+def overlaps_with_world(
+    plant: MultibodyPlant, context: Context, robot: Robot, but: Collection[str] = ()
+) -> list[Overlap]:
+    """Return where the robot is inside other models; a touch is a small depth.
+
+    Args:
+        plant: With the robot.
+        context: Of the plant. Where it is not part of the context of a diagram with
+            the scene graph, nothing is known, and nothing returned.
+        robot: In the plant.
+        but: Names of geometries of the world body that do not count.
+    """
+    port = plant.get_geometry_query_input_port()
+    if not port.HasValue(context):
+        return []
+    query: Any = port.Eval(context)
+    inspector = query.inspector()
+    own = robot.instance(plant)
+    found = []
+    for pair in query.ComputePointPairPenetration():
+        ids = (pair.id_A, pair.id_B)
+        bodies = [plant.GetBodyFromFrameId(inspector.GetFrameId(g)) for g in ids]
+        is_own = [body.model_instance() == own for body in bodies]
+        if is_own[0] == is_own[1]:
+            continue
+        mine, other = (0, 1) if is_own[0] else (1, 0)
+        model = plant.GetModelInstanceName(bodies[other].model_instance())
+        if bodies[other].index() == plant.world_body().index():
+            model = inspector.GetName(ids[other])
+            if model in but:
+                continue
+        found.append(Overlap(bodies[mine].name(), model, pair.depth))
+    return found

@@ -227,6 +227,7 @@ class WholeBodyController(CollectableSystem):
                 event_count=memory.supervisor.event_count,
                 solved=None if memory.solution is None else memory.solution.found,
                 unsolved=memory.unsolved,
+                why_unsolved="" if memory.solution is None else memory.solution.why,
                 plan=self._supervisor.plan(memory.supervisor, memory.com, memory.omega),
             )
         )

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,9 @@ from pydrake.common.value import AbstractValue
 from pydrake.math import RollPitchYaw
 from pydrake.systems.framework import Context, DiagramBuilder, System
 
+from atlas_drake.errors import shown
 from atlas_drake.frozen import NOTHING
+from atlas_drake.numeric import is_whole
 from atlas_drake.robot import Robot
 from atlas_drake.scenario.terrain import Block
 from atlas_drake.scenario.world import WorldMaker
@@ -50,6 +53,25 @@ class Video:
     path: Path
     width: int = 960
     height: int = 540
+
+    def __post_init__(self) -> None:
+        """Take a name as a path.
+
+        Raises:
+            TypeError: If a field is of the wrong type; it names the field.
+        """
+        if not isinstance(self.path, str | PathLike):
+            raise TypeError(
+                f"path of a Video must be the name of a file, is {shown(self.path)}"
+            )
+        object.__setattr__(self, "path", Path(self.path))
+        for name in ("width", "height"):
+            value = getattr(self, name)
+            if not (is_whole(value) and value > 0):
+                raise TypeError(
+                    f"{name} of a Video must be a positive whole number, is "
+                    f"{shown(value)}"
+                )
 
 
 class VideoDisplay(CollectableSystem):

@@ -2,6 +2,7 @@
 
 import pytest
 from pydrake.common.value import AbstractValue
+from pydrake.systems.framework import LeafSystem
 from pydrake.systems.primitives import ConstantValueSource
 
 from atlas_drake import (
@@ -43,3 +44,22 @@ def test_a_system_may_command_beside_publish():
 def test_the_programme_has_the_ports_to_itself():
     with pytest.raises(AtlasError, match="programme has the station's command ports"):
         AtlasSimulation(Scenario(programme="tutorial"), extend=manipulate)
+
+
+@pytest.mark.parametrize(
+    ("names", "words"),
+    [
+        (["scheduler"], "extend adds a system named 'scheduler', but the simulation"),
+        (["mine", "mine"], "extend adds a system named 'mine', but it adds two"),
+        ([], "extend must not build the diagram"),
+    ],
+)
+def test_an_extension_that_drake_would_abort_on_is_refused(names, words):
+    def extend(builder, station):
+        for name in names:
+            builder.AddNamedSystem(name, LeafSystem())
+        if not names:
+            builder.Build()
+
+    with pytest.raises(AtlasError, match=words):
+        AtlasSimulation(Scenario(programme="tutorial", **COARSE), extend=extend)

@@ -76,6 +76,7 @@ def test_a_row_has_what_the_ports_said(tmp_path, scenario):
             "gains.kp_position": commands.joints.kp_position,
             "behavior.current": status.current_behavior,
             "controller.unsolved": status.unsolved,
+            "controller.solved": status.solved,
             "balance.dcm_reference": status.plan.dcm_reference,
             "pelvis.position": report.pos_est.position.to_array(),
             "pelvis.velocity": report.pos_est.velocity.to_array(),

@@ -10,6 +10,7 @@ import numpy as np
 from atlas_drake.control.whole_body.constraints import Constraint
 from atlas_drake.control.whole_body.contact import Contact
 from atlas_drake.control.whole_body.tasks import PostureTask, Task
+from atlas_drake.errors import shown
 from atlas_drake.frozen import replace
 
 
@@ -44,7 +45,13 @@ class WholeBodyCommand:
             *tasks: Appended to the tasks.
             contacts: Appended to the contacts.
             constraints: Appended to the constraints.
+
+        Raises:
+            TypeError: If a task is none.
         """
+        for task in tasks:
+            if not isinstance(task, Task):
+                raise TypeError(f"tasks must be Task values, has {shown(task)}")
         return replace(
             self,
             tasks=(*self.tasks, *tasks),

@@ -16,6 +16,7 @@ from atlas_drake.control.gains import JointLimitGains
 from atlas_drake.control.whole_body.contact import WRENCH, Contact
 from atlas_drake.control.whole_body.elimination import ReducedDynamics
 from atlas_drake.control.whole_body.quadratic_program import EQUALITY, SOFT
+from atlas_drake.control.whole_body.shapes import shaped, task_name
 from atlas_drake.control.whole_body.tasks import Task
 from atlas_drake.robot import Robot
 
@@ -85,6 +86,15 @@ class TaskBounds:
     def write(self, dynamics: ReducedDynamics, block: Block) -> None:
         """Writes the task's rows and the bounds less their constant part."""
         rows = dynamics.rows_of(self.task)
+        owner = f"TaskBounds of {task_name(self.task)}"
+        if len(rows) != self.num_rows:
+            raise ValueError(
+                f"target of {owner} must have shape ({len(rows)},), one for each row, "
+                f"has {np.shape(self.task.target)}"
+            )
+        for name in ("lower", "upper"):
+            bound = getattr(self, name)
+            shaped(bound, (len(rows),) if np.ndim(bound) else (), name, owner)
         block.A[:] = rows[:, :-1]
         block.lower[:] = np.maximum(self.lower - rows[:, -1], -INFINITE)
         block.upper[:] = np.minimum(self.upper - rows[:, -1], INFINITE)

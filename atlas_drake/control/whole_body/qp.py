@@ -25,6 +25,7 @@ from atlas_drake.control.whole_body.constraints import (
 )
 from atlas_drake.control.whole_body.contact import WRENCH, Contact
 from atlas_drake.control.whole_body.cost import cost
+from atlas_drake.control.whole_body.diagnosis import why_unsolved
 from atlas_drake.control.whole_body.elimination import (
     BASE,
     ReducedDynamics,
@@ -37,6 +38,7 @@ from atlas_drake.control.whole_body.quadratic_program import (
     QuadraticProgram,
     solve,
 )
+from atlas_drake.control.whole_body.shapes import shaped
 from atlas_drake.control.whole_body.tasks import PostureTask
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.robot import Robot
@@ -63,6 +65,7 @@ class WholeBodySolution:
         found: False when there was no solution; the other fields then hold gravity
             compensation.
         iterations: Active-set changes of the solver.
+        why: Why there was no solution, in words, as far as it is known.
     """
 
     effort: np.ndarray
@@ -70,6 +73,7 @@ class WholeBodySolution:
     contact_wrenches: dict[str, np.ndarray]
     found: bool
     iterations: int
+    why: str = ""
 
 
 class WholeBodyQp:
@@ -98,13 +102,16 @@ class WholeBodyQp:
         contacts = command.contacts
         stack = TaskStack(command.tasks, terms, contacts)
         dynamics = ReducedDynamics(terms, contacts, stack)
+        _check_posture(command.posture, len(terms.q))
         posture = _within_authority(command.posture, terms, bounds)
         H, f = cost(dynamics, stack, posture)
         constraints: list[Constraint] = [bounds, FrictionCones(contacts)]
         constraints += command.constraints
-        answer = solve(self._program(dynamics, bounds, constraints, H, f))
+        program = self._program(dynamics, bounds, constraints, H, f)
+        answer = solve(program)
         if not answer.found:
-            return _gravity_compensation(terms, bounds, contacts)
+            why = why_unsolved(terms, command, program, constraints)
+            return _gravity_compensation(terms, bounds, contacts, why)
         n = dynamics.num_joints
         wrenches = answer.x[n:].reshape(-1, WRENCH)
         return WholeBodySolution(
@@ -156,7 +163,7 @@ def _layout(n: int, size: int, rows: int) -> Block:
 
 
 def _gravity_compensation(
-    terms: WholeBodyTerms, bounds: EffortBounds, contacts: Sequence[Contact]
+    terms: WholeBodyTerms, bounds: EffortBounds, contacts: Sequence[Contact], why: str
 ) -> WholeBodySolution:
     """Efforts that balance gravity alone, the weight shared by the contacts."""
     effort = terms.h[BASE:].copy()
@@ -173,7 +180,14 @@ def _gravity_compensation(
         contact_wrenches=wrenches,
         found=False,
         iterations=0,
+        why=why,
     )
+
+
+def _check_posture(posture: PostureTask, n: int) -> None:
+    """Raises ValueError unless a posture has one target and weight per joint."""
+    shaped(posture.target, (n,), "target", "the command's posture")
+    shaped(posture.weight, (n,), "weight", "the command's posture")
 
 
 def _within_authority(

@@ -16,6 +16,7 @@ import numpy as np
 
 from atlas_drake.control.gains import PdGains
 from atlas_drake.control.whole_body.contact import Contact
+from atlas_drake.control.whole_body.shapes import shaped
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.control.whole_body.tracking import (
     orientation_acceleration,
@@ -125,8 +126,15 @@ class OrientationTask(FrameTask):
             weight: [cost]/[rad/s²]².
             w_WD: Desired angular velocity in W [rad/s], shape (3,).
             alpha_WD: Desired angular acceleration in W [rad/s²], shape (3,).
+
+        Raises:
+            ValueError: If one of these has another shape; it names it.
         """
         F = terms.frame(frame)
+        name = f"{cls.__name__} on {frame!r}"
+        R_WD = shaped(R_WD, (3, 3), "R_WD", name)
+        w_WD = shaped(w_WD, (3,), "w_WD", name)
+        alpha_WD = shaped(alpha_WD, (3,), "alpha_WD", name)
         toward = orientation_acceleration(R_WD, w_WD, F.R_WF, F.V_WF[:3], gains)
         return cls(frame, alpha_WD + toward, weight)
 
@@ -164,8 +172,15 @@ class PositionTask(FrameTask):
             weight: [cost]/[m/s²]².
             v_WD: Desired velocity in W [m/s], shape (3,).
             a_WD: Desired acceleration in W [m/s²], shape (3,).
+
+        Raises:
+            ValueError: If one of these has another shape; it names it.
         """
         F = terms.frame(frame)
+        name = f"{cls.__name__} on {frame!r}"
+        p_WD = shaped(p_WD, (3,), "p_WD", name)
+        v_WD = shaped(v_WD, (3,), "v_WD", name)
+        a_WD = shaped(a_WD, (3,), "a_WD", name)
         toward = position_acceleration(p_WD, v_WD, F.p_WF, F.V_WF[3:], gains)
         return cls(frame, a_WD + toward, weight)
 
@@ -188,5 +203,5 @@ class PostureTask(Task):
         A command's own posture is not asked: its weights go on the diagonal of the
         Hessian, which costs a tenth of the time.
         """
-        n = len(self.target)
+        n = len(terms.q)
         return TaskRows(np.eye(n, n + 6, 6), np.zeros(n))
