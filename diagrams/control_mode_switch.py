@@ -47,24 +47,25 @@ def make_control_mode_switch(
     """Builds scheduler and station; 3D view, recorder and video if they are given.
 
     Args:
-        robot: Whose; None is ``atlas``.
-        programme: What a scheduler sends, and when; without entries there is none.
-        config: Of the station; None has the defaults.
-        meshcat: Where to show it; None shows nothing.
-        overlays: What of the controller's thoughts is shown there.
-        recorded: Whether Meshcat records.
-        recorder: Writes a log; None writes nothing.
-        video: What to film it into; None films nothing.
+        robot: Robot of the station; None is ``atlas``.
+        programme: Commands of a scheduler with their times; without entries there is
+            no scheduler.
+        config: Settings of the station; None for the defaults.
+        meshcat: Meshcat instance to draw in; None for no 3D view.
+        overlays: Switches of the overlays in the 3D view.
+        recorded: True if Meshcat records.
+        recorder: Writer of a log; None for no log.
+        video: Settings of a video; None for no video.
         controller: As for ``make_atlas_station``.
-        behaviors: Likewise.
-        world: Likewise; called for the video's scene, too.
+        behaviors: As for ``make_atlas_station``.
+        world: As for ``make_atlas_station``; called for the video's scene, too.
         extend: Called with (builder, station) before the diagram is built: adds
             systems with names of their own, connects them to the station, exports
             ports. It may connect the station's command ports, where no scheduler does.
 
     Input ports, all optional:
-        atlas_command, atlas_sim_interface_command: Those of the station, unless a
-            scheduler or ``extend`` has connected them.
+        atlas_command, atlas_sim_interface_command: Command ports of the station, unless
+            a scheduler or ``extend`` has connected them.
         applied_spatial_force: Pushes.
 
     Output ports: those of the station; with a scheduler, its ``sent``.
@@ -90,7 +91,7 @@ def make_control_mode_switch(
         port = station.get_output_port(index)
         builder.ExportOutput(port, port.get_name())
     if meshcat is not None:
-        # Meshcat's part loads only where there is something to see.
+        # The modules for Meshcat load only with a 3D view.
         from atlas_drake.visualization.meshcat_view import add_meshcat_view
 
         add_meshcat_view(builder, station, robot, meshcat, overlays, recorded)

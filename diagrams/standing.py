@@ -1,8 +1,8 @@
-"""The robot on its feet: where its pelvis is when its soles meet the ground.
+"""Places the robot on its feet: the pose of the pelvis with the soles on the ground.
 
-The height of terrain is computed; what else is below the soles is found by the scene
-graph. Used for the default context of a station, before time starts, and when the user
-asks for a reset; nothing here moves a robot that is at work.
+The height of terrain is computed; other models below the soles are found by the scene
+graph. Used for the default context of a station, before time starts, and on a reset
+that the user requests; never during a run.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ def place_robot(
     terrain: Sequence[Block] = (),
     clearance: float = 0.0,
 ) -> None:
-    """Puts the robot at rest into a pose, let down until a sole meets the ground.
+    """Places the robot at rest in a pose, with its lowest sole on the ground.
 
     Where boxes of the ``terrain`` lie above each other the highest surface counts. Of
     other models in the plant the geometry counts: a foot that would begin inside one
@@ -48,22 +48,23 @@ def place_robot(
     to be part of one of the whole diagram, with its scene graph.
 
     Args:
-        plant: With the robot.
-        context: Of the plant. Positions and velocities of the robot are overwritten,
-            those of other models stay.
-        robot: In the plant.
-        position: Of the pelvis, horizontal in W [m], shape (2,).
+        plant: Plant with the robot.
+        context: Context of the plant. Positions and velocities of the robot are
+            overwritten, those of other models stay.
+        robot: Robot in the plant.
+        position: Position of the pelvis, horizontal in W [m], shape (2,).
         rpy: Roll, pitch and yaw of the pelvis in W [rad], shape (3,).
         joints: Joint positions in message order [rad], shape (n,); None is the
             stand-prep pose.
-        terrain: Beside the level ground.
-        clearance: How far above that its lowest sole shall hang [m].
+        terrain: Boxes on the level ground.
+        clearance: Height of the lowest sole above the ground [m].
 
     Raises:
         InvalidMessageError: If ``position``, ``rpy`` or ``joints`` is not made of as
-            many finite numbers, or ``clearance`` is none; nothing has then changed.
+            many finite numbers, or ``clearance`` is not a finite number; the context is
+            then unchanged.
         WorldError: If the robot would begin deeper than ``DEEPEST`` inside another
-            model, which it names; nothing has then changed.
+            model, which it names; the context is then unchanged.
     """
     x, y = check_vector(position, "position", 2)
     roll_pitch_yaw = check_vector(rpy, "rpy", 3)
@@ -132,7 +133,7 @@ def stand_by_default(
     terrain: Sequence[Block] = (),
     context: Context | None = None,
 ) -> None:
-    """Lets every default context of a finished plant have the robot on its feet.
+    """Sets a finalized plant's default state so that the robot stands on its feet.
 
     It stands in the stand-prep pose over the origin of W, facing along x. If that were
     inside a model of the world, the default stays as it is, for a robot that begins
@@ -153,7 +154,7 @@ def stand_by_default(
 def _corners(
     plant: MultibodyPlant, context: Context, robot: Robot
 ) -> Iterator[tuple[float, float, float]]:
-    """Where the corners of both soles are in W [m]."""
+    """Computes the corners of both soles in W [m]."""
     half_length, half_width = robot.file.sole.length / 2, robot.file.sole.width / 2
     for foot in robot.file.feet:
         frame = plant.GetFrameByName(foot.sole_frame, robot.instance(plant))

@@ -1,6 +1,6 @@
 """Figures about balance: CoM, DCM and CoP against the support, feet and pelvis.
 
-Panels as data; where they stand on the page is up to ``figures``.
+Panels as data; ``figures`` arranges them on the page.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from atlas_drake.logs.panels import Band, Item, Line, Outline, Panel
 from atlas_drake.logs.support import Feet, double_supports, footprints
 
 SIDE_COLORS = ("#1a6bd8", "#e66b14")
-"""Of the left and the right foot, as in the 3D view."""
+"""Colors of the left and the right foot, as in the 3D view."""
 COM, DCM, COP, SUPPORT = "#222222", "#c2185b", "#2a9d3a", "#cfd8dc"
 _TRACKS = (
     ("com_reference", COM, "", True),
@@ -32,7 +32,7 @@ _TRACKS = (
 
 
 def view_from_above(log: Log, feet: Feet) -> Panel:
-    """CoM, DCM and CoP over the footprints and support polygons."""
+    """Draw CoM, DCM and CoP over the footprints and support polygons."""
     items: list[Item] = [
         Outline(polygon, SUPPORT, opacity=0.35)
         for polygon in double_supports(log, feet)

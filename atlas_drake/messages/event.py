@@ -1,4 +1,4 @@
-"""Events of a run: what happened, when, and in which words.
+"""Events of a run, with time, kind, text and data.
 
 Controllers put them into their status; logs, summaries and listeners read them.
 """
@@ -14,7 +14,7 @@ from atlas_drake.errors import shown
 from atlas_drake.numeric import as_float
 
 STEPS_LEFT = "steps left"
-"""Kind of the event for steps that were asked for and not taken."""
+"""Kind of the event for requested steps that were not taken."""
 FOOTSTEP = "footstep"
 """Kind of the event for a foot that landed."""
 FOOTSTEP_DATA = (
@@ -26,24 +26,24 @@ FOOTSTEP_DATA = (
     "error_m",
     "error_rad",
 )
-"""What the data of such an event has at least, for displays, figures and summary.
+"""Least data of such an event, for displays, figures and summary.
 
-That is 0 or 1 for the left or right foot; x, y [m] and yaw [rad] of the sole as it was
-sent, as it was aimed for and as it landed; its height [m]; how far off it is, in place
-[m] and in heading [rad].
+That is 0 or 1 for the left or right foot; x, y [m] and yaw [rad] of the sole as
+commanded, as saturated and as landed; the landed height [m]; the landing error in
+position [m] and in heading [rad].
 """
 
 
 @dataclass(frozen=True)
 class Event:
-    """Something worth telling the user: printed, logged, written to the summary.
+    """An event for the user: printed, logged, and written to the summary.
 
     Attributes:
-        time: When [s].
-        kind: In one word or two, such as ``fall``, ``footstep``, ``warning``.
-        text: For people.
-        data: For programs; plain numbers, text, lists. That of a ``FOOTSTEP`` has
-            ``FOOTSTEP_DATA``.
+        time: Time of the event [s].
+        kind: One word or two, such as ``fall``, ``footstep``, ``warning``.
+        text: Text for people.
+        data: Values for programs: plain numbers, text, lists. The data of a
+            ``FOOTSTEP`` has the keys ``FOOTSTEP_DATA``.
     """
 
     time: float
@@ -77,5 +77,5 @@ class Event:
             )
 
     def __str__(self) -> str:
-        """When, and in which words."""
+        """Return time and text."""
         return f"{self.time:.3f} s: {self.text}"

@@ -1,10 +1,9 @@
-"""Models beside the robot: how they get into a plant, and back to where they began.
+"""Models beside the robot: adding them to a plant, and resetting their state.
 
-Where the robot is inside one of them is asked here, too.
-
-A world is a sequence of callables (plant) -> None. Each adds what it likes to a plant
-that holds the robot and the ground, and is not finalized yet. They are called for every
-plant that simulates or films the world, and so must do the same each time.
+A world is a sequence of callables (plant) -> None. Each may add models to a plant that
+holds the robot and the ground, and is not finalized yet. The callables run for every
+plant that simulates or films the world, and so must add the same models each time. The
+check that the robot does not begin inside a model is here, too.
 """
 
 from __future__ import annotations
@@ -20,18 +19,18 @@ from atlas_drake.errors import AtlasError, shown
 from atlas_drake.robot import Robot
 
 WorldMaker: TypeAlias = Callable[[MultibodyPlant], None]
-"""Adds to a plant before it is finalized."""
+"""A callable that adds models to a plant before it is finalized."""
 
 
 class WorldError(AtlasError, ValueError):
-    """A world that cannot be added to a plant."""
+    """Raised if a world cannot be added to a plant."""
 
 
 def listed(world: Iterable[WorldMaker]) -> tuple[WorldMaker, ...]:
     """Return the callables of a world.
 
     Raises:
-        WorldError: If it is no list of callables.
+        WorldError: If it is not a list of callables.
     """
     if not isinstance(world, Iterable):
         raise WorldError(
@@ -50,7 +49,7 @@ def add_world(plant: MultibodyPlant, world: Sequence[WorldMaker]) -> None:
     """Add everything beside robot and ground to a plant (before Finalize).
 
     Args:
-        plant: Where to.
+        plant: Plant to add to.
         world: The callables, in order.
 
     Raises:
@@ -76,12 +75,12 @@ def world_instances(
 
 
 def put_world_back(plant: MultibodyPlant, context: Context, robot: Robot) -> None:
-    """Put every model beside the robot where it is by default, and at rest.
+    """Reset every model beside the robot to its default state.
 
     Args:
-        plant: With the robot.
-        context: Of the plant; the robot's state stays.
-        robot: In the plant.
+        plant: Plant with the robot.
+        context: Context of the plant; the robot's state stays.
+        robot: Robot in the plant.
     """
     instances = world_instances(plant, robot)
     if not instances:

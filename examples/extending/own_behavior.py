@@ -2,8 +2,8 @@
 
     python examples/extending/own_behavior.py
 
-One class and one entry. From then on BOW is asked for by name, refused where it cannot
-begin, logged, drawn and captioned like the behaviors that are shipped.
+One class and one entry. Then BOW is requested by name, refused if it cannot begin,
+logged, drawn and captioned like the shipped behaviors.
 """
 
 from dataclasses import dataclass, replace
@@ -20,13 +20,13 @@ LOWERING = 0.05  # of the center of mass in a bow of 1 rad [m]
 
 @dataclass
 class BowParams:
-    """What a command says about it."""
+    """Parameters of BOW."""
 
     depth: float = 0.4  # of the bow [rad]
 
 
 def check_bow(params, field):
-    """Refuses a bow that no back can make."""
+    """Refuses a bow beyond the range of the back."""
     check_number(params.depth, f"{field}.depth", 0.0, 0.6)
 
 
@@ -38,7 +38,7 @@ class Bow(Stand):
         self._robot = tools.robot
 
     def target(self, memory, observation, request, leaving):
-        """Where trunk and posture go; back upright once STAND is asked for."""
+        """Goals of trunk and posture; upright again once STAND is requested."""
         depth = 0.0 if leaving else (request.command.params or BowParams()).depth
         upright = super().target(memory, observation, request, leaving)
         joints = self._robot.stand_prep.copy()

@@ -23,7 +23,7 @@ GAINS, WEIGHT = PdGains(kp=150.0, kd=25.0), 20.0  # [1/sÂ²], [1/s]; [cost]/[m/sÂ
 
 
 def circle(time):
-    """Where the hand shall be in P [m], and how fast it shall move there [m/s]."""
+    """Computes desired position in P [m] and velocity [m/s] of the hand."""
     rate = 2.0 * pi / PERIOD
     c, s = cos(rate * time), sin(rate * time)
     return CENTER + RADIUS * np.array([0.0, c, s]), RADIUS * rate * np.array([0, -s, c])
@@ -37,7 +37,7 @@ class WalkWithHand(Walk):
         self._arm = tools.robot.limb("l_arm")
 
     def update(self, memory, observation, body, request, leaving):
-        """One tick: what WALK wants, and the task."""
+        """Computes one tick: the command of WALK with the task added."""
         outcome = super().update(memory, observation, body, request, leaving)
         terms, P = observation.terms, observation.terms.frame("pelvis")
         p_PD, v_PD = circle(observation.time)

@@ -132,7 +132,7 @@ class ReducedDynamics:
         num_joints: Number of joints n.
         size: Number of unknowns n + 6 c.
         effort: Joint efforts [N·m] as rows R ∈ R^{n × (size + 1)} on [z; 1].
-        tasks: Quantities of the stacked tasks, likewise.
+        tasks: Quantities of the stacked tasks, as rows on [z; 1].
     """
 
     def __init__(

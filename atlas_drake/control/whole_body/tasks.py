@@ -30,8 +30,7 @@ class TaskRows(NamedTuple):
     """The k quantities of a task as A v̇ + b + G λ.
 
     v̇ ∈ R^{n_v} are the generalized accelerations, λ ∈ R^{6 c} the wrenches of the c
-    contacts, one below the other, each [moment; force] at the origin of the contact's
-    frame in W.
+    contacts, stacked, each [moment; force] at the origin of the contact's frame in W.
 
     Attributes:
         A: A ∈ R^{k × n_v}; None for zero.
@@ -200,8 +199,8 @@ class PostureTask(Task):
     def rows(self, terms: WholeBodyTerms, contacts: Sequence[Contact]) -> TaskRows:
         """Returns the identity on the joints [0 I] ∈ R^{n × n_v}.
 
-        A command's own posture is not asked: its weights go on the diagonal of the
-        Hessian, which costs a tenth of the time.
+        The QP does not call this method for a command's posture: the posture's weights
+        go on the diagonal of the Hessian, which costs a tenth of the time.
         """
         n = len(terms.q)
         return TaskRows(np.eye(n, n + 6, 6), np.zeros(n))
