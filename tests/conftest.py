@@ -15,7 +15,7 @@ from .poison import POISON
 
 SHORT = "duration: 0.1\n"
 DRAKE_MODELS = Path(__file__).parents[2] / "shared" / "reference" / "drake_models"
-"""A copy beside the repository; taken where the environment names no other."""
+"""A copy beside the repository, used where the environment names no other."""
 if DRAKE_MODELS.is_dir():
     os.environ.setdefault(LOCAL_MODELS, str(DRAKE_MODELS))
 
@@ -41,7 +41,7 @@ def _no_none_in_abstract_values():
 
 @pytest.fixture(scope="session")
 def load_or_skip():
-    """Loads a robot by name; skips the test if its files cannot be had offline."""
+    """Loads a robot by name; skips the test if its files are not available offline."""
 
     def load(name):
         if name == "drake_atlas" and not models_at_hand():

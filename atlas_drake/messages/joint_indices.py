@@ -1,4 +1,4 @@
-"""Where each joint of the 28-joint Atlas stands in the arrays of a message.
+"""Index of each joint of the 28-joint Atlas in the arrays of a message.
 
 For scripts that index arrays by name, as ``AtlasState.neck_ry``. They are the constants
 of the robots ``atlas`` and ``atlas_v3`` only: any other robot has its own, in

@@ -1,6 +1,7 @@
-"""A robot's joints as constants: where each stands in the arrays of a message.
+"""Indices of a robot's joints in the arrays of a message, as constants.
 
-What ``AtlasState.neck_ry`` and its like are for the tutorial's Atlas, for any robot.
+``AtlasState.neck_ry`` and similar constants exist for the tutorial's Atlas only; these
+exist for every robot.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from atlas_drake.robot.file import JointEntry
 class JointConstants:
     """Index of each joint in message order, by name and by alias, as attributes.
 
-    They are those of one robot and cannot be changed; ``dir`` lists them.
+    They cannot be changed; ``dir`` lists them.
     """
 
     def __init__(self, robot: str, joints: Iterable[JointEntry]) -> None:
@@ -27,12 +28,12 @@ class JointConstants:
         object.__setattr__(self, "_places", places)
 
     def __getattr__(self, name: str) -> int:
-        """The joint's index.
+        """Returns the index of a joint.
 
         Raises:
             AttributeError: If the robot has no such joint.
         """
-        # Before there are any, as while it is copied, nothing has a name.
+        # While the object is copied, its own attributes are not there yet.
         places: dict[str, int] = self.__dict__.get("_places", {})
         if name not in places:
             robot = self.__dict__.get("_robot", "")
@@ -41,7 +42,7 @@ class JointConstants:
         return places[name]
 
     def __setattr__(self, name: str, value: object) -> None:
-        """Refuses: a constant is one.
+        """Refuses every change.
 
         Raises:
             AttributeError: Always.
@@ -49,5 +50,5 @@ class JointConstants:
         raise AttributeError(f"{name}: the joints of a robot are constants")
 
     def __dir__(self) -> Iterator[str]:
-        """Names and aliases."""
+        """Lists names and aliases."""
         return iter(self.__dict__["_places"])

@@ -1,7 +1,7 @@
-"""Where a robot's URDF is: beside its YAML file, or in the models that Drake fetches.
+"""Finds a robot's URDF: beside its YAML file, or in the models that Drake fetches.
 
-Drake's own ``PackageMap`` fetches ``drake_models`` once and keeps it. Here a local copy
-is put in its place, and what cannot be had is said soon and in words.
+Drake's ``PackageMap`` fetches ``drake_models`` once and keeps it. This module replaces
+it by a local copy, if there is one, and reports within seconds if there is neither.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def find_urdf(folder: Path, urdf: str) -> Path:
         urdf: As that names it: a path from there, or ``package://drake_models/PATH``.
 
     Raises:
-        RobotDescriptionError: If there is no such file, or the models cannot be had.
+        RobotDescriptionError: If there is no such file, or no copy of the models.
     """
     if not urdf.startswith(_PACKAGE):
         path = folder / urdf
@@ -59,7 +59,7 @@ def find_urdf(folder: Path, urdf: str) -> Path:
 
 
 def use_local_models(packages: PackageMap) -> None:
-    """Puts the local copy of Drake's models, if there is one, in their place."""
+    """Replaces Drake's models in a package map by the local copy, if there is one."""
     local = _local()
     if local is not None and local.is_dir():
         if packages.Contains(_MODELS):
@@ -68,11 +68,11 @@ def use_local_models(packages: PackageMap) -> None:
 
 
 def models_at_hand() -> bool:
-    """Whether Drake's models can be had without the network."""
+    """Tells whether Drake's models are available without the network."""
     local = _local()
     if local is not None:
         return local.is_dir()
-    # As Drake looks for them. Another version than this Drake's is only a wrong guess.
+    # Drake's own order. If the cache holds another version, Drake fetches the right one.
     places = (("TEST_TMPDIR", ".cache"), ("XDG_CACHE_HOME", ""), ("HOME", ".cache"))
     caches = [
         Path(os.environ[name], inner) for name, inner in places if os.environ.get(name)
@@ -81,16 +81,16 @@ def models_at_hand() -> bool:
 
 
 def _local() -> Path | None:
-    """The folder that the environment names, absolute."""
+    """Returns the folder that the environment variable names, absolute."""
     named = os.environ.get(LOCAL_MODELS)
     return Path(named).expanduser().absolute() if named else None
 
 
 def _models() -> Path:
-    """The folder with the models.
+    """Returns the folder of the models; Drake fetches them if necessary.
 
     Raises:
-        RobotDescriptionError: If they are not at hand and cannot be fetched.
+        RobotDescriptionError: If they are not available and cannot be fetched.
     """
     local = _local()
     if local is not None:
@@ -106,7 +106,7 @@ def _models() -> Path:
 
 
 def _network_silence() -> str:
-    """Why the models' origin does not answer soon; empty if it does."""
+    """Returns why the origin of the models does not answer; empty if it answers."""
     allowed = os.environ.get("DRAKE_ALLOW_NETWORK")
     if allowed is not None and "package_map" not in allowed.split(":"):
         return "DRAKE_ALLOW_NETWORK does not allow package_map"

@@ -1,7 +1,7 @@
-"""Drake's warnings on what a URDF holds beyond what Drake knows: each kind once.
+"""Limits Drake's warnings about a URDF to one of each kind.
 
-A robot is parsed for every plant that models it, and what Drake does not know of one
-joint it does not know of thirty.
+A robot is parsed for every plant that models it, and an element that Drake does not
+know often occurs once per joint.
 """
 
 import logging
@@ -14,7 +14,7 @@ _LINE = re.compile(r":\d+:")
 
 
 class _EachKindOnce(logging.Filter):
-    """Lets through the first warning of each file and wording, whatever its line."""
+    """Passes the first warning of each file and wording; the line does not count."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -33,7 +33,7 @@ _once = _EachKindOnce()
 
 @contextmanager
 def each_warning_once() -> Iterator[None]:
-    """While a file is parsed: drops warnings like earlier ones of this process."""
+    """Drops warnings like earlier ones of this process while a file is parsed."""
     logger = logging.getLogger("drake")
     logger.addFilter(_once)
     try:

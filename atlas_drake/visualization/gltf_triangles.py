@@ -1,7 +1,7 @@
 """Triangles of the robot's meshes, which browsers read too late to color them.
 
-Reads what ``tools/build_models.py`` writes and what Drake's own models are: one node at
-the origin, data within the file or in one beside it.
+Reads files as ``tools/robot_models`` writes them, and those of Drake's models: one node
+at the origin, data in the file or in another file beside it.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ def gltf_triangles(file: Path) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
     """Reads all parts of a mesh as one.
 
     Args:
-        file: In glTF 2.0.
+        file: File in glTF 2.0.
 
     Returns:
         Vertices with z up [m], shape (3, any), and triangles, shape (3, any).
@@ -38,7 +38,7 @@ def gltf_triangles(file: Path) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
         for part in mesh["primitives"]:
             x, y, z = _values(document, buffers, part["attributes"]["POSITION"]).T
             corners = _values(document, buffers, part["indices"]).reshape(-1, 3).T
-            # Of glTF the y axis points up.
+            # In glTF the y axis points up.
             vertices.append(np.array([x, -z, y], dtype=float))
             faces.append(corners.astype(np.int32) + np.int32(count))
             count += len(x)
@@ -46,14 +46,14 @@ def gltf_triangles(file: Path) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
 
 
 def _data(uri: str, folder: Path) -> bytes:
-    """What a buffer holds, from the text itself or from a file beside it."""
+    """Returns the data of a buffer, from the text itself or from a file beside it."""
     if uri.startswith("data:"):
         return base64.b64decode(uri.split(",", 1)[1])
     return (folder / unquote(uri)).read_bytes()
 
 
 def _values(document: Any, buffers: list[bytes], number: int) -> NDArray[Any]:
-    """Of an accessor, one row per element."""
+    """Reads the data of an accessor, one row per element."""
     accessor = document["accessors"][number]
     view = document["bufferViews"][accessor["bufferView"]]
     kind = np.dtype(_TYPES[accessor["componentType"]])
