@@ -72,7 +72,7 @@ def models_at_hand() -> bool:
     local = _local()
     if local is not None:
         return local.is_dir()
-    # Drake's own order. If the cache holds another version, Drake fetches the right one.
+    # Drake's own order. If the cache holds another version, Drake fetches its own.
     places = (("TEST_TMPDIR", ".cache"), ("XDG_CACHE_HOME", ""), ("HOME", ".cache"))
     caches = [
         Path(os.environ[name], inner) for name, inner in places if os.environ.get(name)

@@ -55,8 +55,8 @@ USER_TARGETS = {
 [rad]."""
 
 NEEDED = [name for name in KP_POSITION if "_arm_" not in name or name in USER_TARGETS]
-"""Joints that a robot must have for the tutorial, by name or alias. Other arm joints may
-differ; they get the robot's own gains."""
+"""Joints that a robot must have for the tutorial, by name or alias. Other joints of the
+arms may differ; they get the robot's own gains."""
 
 NUM_STEPS = 4
 STEP_LENGTH = 0.25
