@@ -51,7 +51,7 @@ def make_replay(
     """
     builder = DiagramBuilder()
     robot = log.robot  # Of what is missing it is the first to be told of.
-    world = (*world_of(log.scenario.models), *world)
+    world = (*world_of(log.scenario.all_models()), *world)
     builder.AddNamedSystem("station", _make_station(log, world))
     station: Any = builder.GetSubsystemByName("station")
     # What displays need loads only where there is one.
@@ -62,7 +62,7 @@ def make_replay(
     if video is not None:
         from atlas_drake.visualization.video_display import add_video
 
-        add_video(builder, station, robot, log.scenario.terrain, video, world)
+        add_video(builder, station, robot, log.scenario.all_terrain(), video, world)
     diagram = builder.Build()
     diagram.set_name("replay")
     return diagram
@@ -76,7 +76,7 @@ def _make_station(log: Log, world: Sequence[WorldMaker]) -> Diagram:
     source = plant.RegisterAsSourceForSceneGraph(scene_graph)
     log.robot.add_to(plant)
     scenario = log.scenario
-    add_scenery(plant, scenario.terrain, scenario.ground_friction)
+    add_scenery(plant, scenario.all_terrain(), scenario.ground_friction)
     add_world(plant, world)
     plant.Finalize()
     player = builder.AddNamedSystem("log_player", LogPlayer(log, plant))

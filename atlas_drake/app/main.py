@@ -23,6 +23,7 @@ from atlas_drake.app.options import (
     rate,
 )
 from atlas_drake.app.parts import behaviors_told
+from atlas_drake.app.worlds import worlds_told
 from atlas_drake.errors import AtlasError
 from atlas_drake.visualization.overlays import LOGGED
 
@@ -132,7 +133,7 @@ def _diagram(options: argparse.Namespace) -> int:
 def _parser(given: Sequence[str]) -> argparse.ArgumentParser:
     told = ""
     if {"-h", "--help"} & set(given) and {"demo", "run", "teleop"} & set(given):
-        told = f". {behaviors_told(given)}"
+        told = f". {behaviors_told(given)} {worlds_told()}"
     parser = argparse.ArgumentParser(
         prog="atlas-drake",
         description="Simulate the humanoid robot Atlas, under your own joint commands "
@@ -226,7 +227,7 @@ def _parser(given: Sequence[str]) -> argparse.ArgumentParser:
         metavar="SCENARIO.yaml",
         type=Path,
         nargs="?",
-        help="what is simulated (default: Atlas on level ground)",
+        help="what is simulated (default: Atlas on level ground, or in --world)",
     )
     teleop.add_argument(
         "--duration",

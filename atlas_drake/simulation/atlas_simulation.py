@@ -175,7 +175,9 @@ class AtlasSimulation:
         self._programme = scheduled_programme(self.scenario, self.robot)
         self._tick_seconds = array("d")
         self._turns = Turns()
-        world = (*world_of(self.scenario.models), *listed(world))
+        self._terrain = self.scenario.all_terrain()
+        self._models = self.scenario.all_models()
+        world = (*world_of(self._models), *listed(world))
         self._recorder = None if log is None else self._start_log(Path(log), world)
         log_event = None if self._recorder is None else self._recorder.event
         self._listeners = (log_event, on_event)
@@ -202,7 +204,7 @@ class AtlasSimulation:
             physics_step=self.scenario.physics_step,
             control_period=self.scenario.control_period,
             ground_friction=self.scenario.ground_friction,
-            terrain=tuple(self.scenario.terrain),
+            terrain=tuple(self._terrain),
             plant=self.scenario.plant,
             controller=self.scenario.controller,
             estimator=self.scenario.estimator,
@@ -260,10 +262,10 @@ class AtlasSimulation:
             self.station,
             context,
             self.scenario.seed,
-            self.scenario.terrain,
+            self._terrain,
             self._variation.ground_friction,
         )
-        set_velocities(self.scenario.models, self.plant, self._plant_context())
+        set_velocities(self._models, self.plant, self._plant_context())
         del self._tick_seconds[:]
         self._log = RunLog(*self._listeners)
         self._faults: list[AtlasError] = []
@@ -584,10 +586,11 @@ class AtlasSimulation:
             )
         moved = self._variation
         if pose is not None:
+            position, yaw = self.scenario.start_pose(pose)
             moved = replace(
                 moved,
-                position=np.array(pose.position, dtype=float),
-                rpy=np.array([0.0, 0.0, pose.yaw]),
+                position=np.array(position, dtype=float),
+                rpy=np.array([0.0, 0.0, yaw]),
             )
         with self._turns:
             # What a run that an error stopped has not told yet came before the reset.
@@ -596,7 +599,7 @@ class AtlasSimulation:
             self._exert(())
             reset_station(self.station, self.context, begin)
             put_world_back(self.plant, self._plant_context(), self.robot)
-            set_velocities(self.scenario.models, self.plant, self._plant_context())
+            set_velocities(self._models, self.plant, self._plant_context())
             self._place(moved, start)
             self._log.note(Event(self.time, "reset", f"reset, {begin.name} begins"))
             self.simulator.Initialize()
@@ -642,7 +645,7 @@ class AtlasSimulation:
             position=variation.position,
             rpy=variation.rpy,
             joints=variation.joints,
-            terrain=self.scenario.terrain,
+            terrain=self._terrain,
             clearance=clearance,
         )
         if not self.scenario.start.harnessed:
