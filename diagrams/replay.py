@@ -57,8 +57,10 @@ def make_replay(
     # What displays need loads only where there is one.
     if meshcat is not None:
         from atlas_drake.visualization.meshcat_view import add_meshcat_view
+        from atlas_drake.visualization.scene import show_start
 
         add_meshcat_view(builder, station, robot, meshcat, overlays, recorded=recorded)
+        show_start(meshcat, log.scenario)
     if video is not None:
         from atlas_drake.visualization.video_display import add_video
 

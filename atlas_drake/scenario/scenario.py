@@ -36,6 +36,7 @@ from atlas_drake.scenario.models import Model, models_beside
 from atlas_drake.scenario.noise import NOISE_MODELS
 from atlas_drake.scenario.terrain import Block
 from atlas_drake.scenario.time_grid import on_common_grid
+from atlas_drake.scenario.timed_message import TimedMessage
 from atlas_drake.scenario.world_file import World, world_beside, world_from
 
 PHYSICS_STEPS = Bounds(1e-5, 0.002)
@@ -134,6 +135,8 @@ class Scenario:
     the scenario's file, and in Python and on the command line to the working folder."""
     programme: str = "none"
     """Commands that are sent by themselves: one of PROGRAMMES."""
+    messages: list[TimedMessage] = field(default_factory=list)
+    """Commands that are sent by themselves beside the programme, each at its time."""
     duration: float = 10.0
     """Length of the run on the command line [s]."""
     initial_behavior: str = "STAND"
@@ -265,6 +268,8 @@ class Scenario:
             block.validate(f"terrain[{index}]")
         for index, model in enumerate(self.models):
             model.validate(f"models[{index}]")
+        for index, message in enumerate(self.messages):
+            message.validate(f"messages[{index}]")
         self.start.validate(self.behavior())
         return self
 

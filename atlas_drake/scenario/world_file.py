@@ -38,6 +38,36 @@ class WorldStart:
 
 
 @dataclass(frozen=True)
+class View:
+    """From where the 3D view shows the world first."""
+
+    lens: list[float] = field(default_factory=lambda: [3.3, -2.5, 1.45])
+    """Where the camera is in W [m]."""
+    target: list[float] = field(default_factory=lambda: [0.2, 0.0, 0.98])
+    """What the camera looks at in W [m]."""
+
+    def validate(self, path: str) -> None:
+        """Check every field.
+
+        Args:
+            path: Where the view is in its scenario.
+
+        Raises:
+            ScenarioError: Naming the first field that cannot be used.
+        """
+        for name in ("lens", "target"):
+            value = getattr(self, name)
+            if len(value) != 3 or not all(map(math.isfinite, value)):
+                raise ScenarioError(
+                    f"{path}.{name}", value, f"is {shown(value)}; must be three numbers"
+                )
+        if self.lens == self.target:
+            raise ScenarioError(
+                f"{path}.lens", self.lens, "must be elsewhere than the target"
+            )
+
+
+@dataclass(frozen=True)
 class World:
     """What there is beside the robot on the level ground at z = 0."""
 
@@ -47,6 +77,8 @@ class World:
     """What there is to see, in a few words."""
     start: WorldStart = field(default_factory=WorldStart)
     """Where the robot starts."""
+    view: View | None = None
+    """From where the 3D view shows the world first; null is in front of the robot."""
     boxes: list[Block] = field(default_factory=list)
     """Boxes that do not move, as a scenario's ``terrain``."""
     models: list[Model] = field(default_factory=list)
@@ -87,6 +119,8 @@ class World:
             raise ScenarioError(
                 f"{path}.start.yaw", start.yaw, f"is {shown(start.yaw)}; must be finite"
             )
+        if self.view is not None:
+            self.view.validate(f"{path}.view")
         for index, block in enumerate(self.boxes):
             block.validate(f"{path}.boxes[{index}]")
         for index, model in enumerate(self.models):

@@ -64,13 +64,13 @@ from atlas_drake.scenario.world import WorldMaker, listed, put_world_back
 from atlas_drake.simulation.drake_log import only_news
 from atlas_drake.simulation.fall_watch import FallWatch
 from atlas_drake.simulation.pace import Pace
+from atlas_drake.simulation.programme import scheduled_programme
 from atlas_drake.simulation.pushes import Push, make_push
 from atlas_drake.simulation.run_log import RunLog
 from atlas_drake.simulation.start import Variation, draw_variation, scale_masses
 from atlas_drake.simulation.steady import steady_ticks
 from atlas_drake.simulation.summary import estimator_drift, make_summary
 from atlas_drake.simulation.turns import Turns
-from atlas_drake.simulation.tutorial import scheduled_programme
 from atlas_drake.systems.command_interface import CommandInterface
 from atlas_drake.systems.command_scheduler import CommandScheduler
 from atlas_drake.visualization.overlays import Overlays
@@ -172,7 +172,7 @@ class AtlasSimulation:
         self.behaviors = BehaviorCatalog((*SHIPPED_ENTRIES, *self._own_behaviors))
         # A path stays right wherever the program, or its log, goes on.
         self.scenario.model = self.robot.model
-        self._programme = scheduled_programme(self.scenario, self.robot)
+        self._programme = scheduled_programme(self.scenario, self.robot, self.behaviors)
         self._tick_seconds = array("d")
         self._turns = Turns()
         self._terrain = self.scenario.all_terrain()
@@ -246,6 +246,11 @@ class AtlasSimulation:
         ApplySimulatorConfig(self.scenario.simulator, self.simulator)
         self._pace = Pace(self.simulator)
         self._begin()
+        if meshcat is not None:
+            # Meshcat's part loads only where there is something to see.
+            from atlas_drake.visualization.scene import show_start
+
+            show_start(meshcat, self.scenario)
 
     def _begin(self) -> None:
         """Begins a run at time 0, with what is drawn from the scenario's seed."""
