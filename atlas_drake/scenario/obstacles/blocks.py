@@ -31,9 +31,9 @@ class Blocks(Obstacle):
     """Number along x."""
     columns: Annotated[int, Bounds(1, 50)] = 2
     """Number along y."""
-    size: Length = 0.40
+    size: Length = 0.36
     """Length and width of each block [m]."""
-    gap: Annotated[float, Bounds(0.0, 10.0)] = 0.04
+    gap: Annotated[float, Bounds(0.0, 10.0)] = 0.02
     """Between blocks [m]."""
     tilt: Tilt = 0.10
     """Of each top against the level [rad]."""

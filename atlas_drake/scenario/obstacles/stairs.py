@@ -19,7 +19,7 @@ class Stairs(Obstacle):
 
     rise: Length = 0.10
     """Height of each step [m]. Atlas manages 0.10 m, ``atlas_v3`` 0.06 m."""
-    run: Length = 0.40
+    run: Length = 0.35
     """Depth of each step [m]."""
     number: Annotated[int, Bounds(1, 100)] = 4
     """Of steps; the last one is level with the landing."""
