@@ -60,19 +60,20 @@ class Blocks(Obstacle):
 
     def _blocks_O(self) -> list[Block]:
         pitch = self.size + self.gap
-        # All of a tilted bottom lies in the ground.
-        depth = 0.5 * self.size * math.tan(self.tilt)
+        higher = 0.5 * self.size * math.sin(self.tilt)
         blocks = []
         for row in range(self.rows):
             for column in range(self.columns):
                 side = (row + 2 * column) % len(_SIDES)
                 roll, pitch_share = _SIDES[side]
                 height = self.heights[row % len(self.heights)]
+                # The highest edge of the bottom lies on the ground, the rest below it.
+                thickness = (height + higher) / math.cos(self.tilt)
                 x = row * pitch + 0.5 * self.size
                 y = (0.5 * (self.columns - 1) - column) * pitch
                 blocks.append(
                     Block(
-                        size=[self.size, self.size, height + depth],
+                        size=[self.size, self.size, thickness],
                         position=[x, y, height],
                         rpy=[roll * self.tilt, pitch_share * self.tilt, 0.0],
                         color=list(_COLORS[side]),
