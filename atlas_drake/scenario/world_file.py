@@ -69,7 +69,11 @@ class View:
 
 @dataclass(frozen=True)
 class World:
-    """What there is beside the robot on the level ground at z = 0."""
+    """What there is beside the robot on the level ground at z = 0.
+
+    A scenario has a world's name, the path of its file, or fields: ``name`` says whose
+    values those have that are left out.
+    """
 
     name: str = DEFAULT_WORLD
     """A name from ``models/worlds``, or the path of a world's YAML file."""
