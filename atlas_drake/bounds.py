@@ -18,7 +18,7 @@ class Bounds:
     least: float = -math.inf
     most: float = math.inf
     strict: bool = False
-    """Whether the ends themselves are excluded."""
+    """True if the ends themselves are excluded."""
 
     def allow(self, number: float) -> bool:
         """Tell whether ``number`` lies within the bounds; NaN never does."""

@@ -1,8 +1,8 @@
-"""Which of Drake's contact approximations the robots should stand on.
+"""Compares Drake's contact approximations.
 
-Each does the same as the others from the same seeds, in turns: the walk and the
-tutorial of the neighbors, standing with swinging arms, pushes (`contact_trials`).
-Speed is measured in one process, in turns as well.
+All run the same trials from the same seeds, in turns: the walk and the tutorial of the
+other benchmarks, standing with swinging arms, pushes (`contact_trials`). Speed is
+measured in one process, in turns as well.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from atlas_drake.robot import available_robots, load_robot
 from atlas_drake.simulation.tutorial import DURATION
 
 APPROXIMATIONS = ("lagged", "similar", "sap")
-"""All of Drake's but tamsi, which it no longer recommends."""
+"""Drake's approximations except tamsi, which Drake no longer recommends."""
 TICK = 2
 """Physics steps in a control period."""
 
@@ -36,9 +36,9 @@ def measure_speed(
 
     Args:
         model: The robot's name.
-        physics: How it is solved, an approximation each.
-        seed: Of the robot's random changes.
-        duration: How much of the tutorial [s].
+        physics: Physics settings, one per approximation.
+        seed: Seed of the robot's random variations.
+        duration: Simulated part of the tutorial [s].
 
     Returns:
         By approximation, medians over the pieces of PIECE seconds.
@@ -54,7 +54,7 @@ def measure_speed(
     bare: dict[str, list[float]] = {name: [] for name in sims}
     pieces = round(duration / PIECE)
     for piece in range(pieces):
-        # Nobody shall always come first after the others' caches.
+        # The order alternates, so that no approximation always finds the same caches.
         turn = list(sims)[piece % len(sims) :] + list(sims)[: piece % len(sims)]
         for name in turn:
             begin = time.process_time()
@@ -112,7 +112,7 @@ ROWS: tuple[tuple[str, str, Callable[[list[float]], float], float, str], ...] = 
     ("speed closed quotient", "its quotient", statistics.mean, 1.0, ".2f"),
     ("speed factor", "real-time factor of CPU time", statistics.mean, 1.0, ".2f"),
 )
-"""Figure, its name in the table, what is made of all trials, scale and format."""
+"""Figure, its name in the table, statistic over all trials, scale and format."""
 
 
 def table(figures: dict[str, dict[str, list[float]]]) -> list[str]:
@@ -133,7 +133,7 @@ def table(figures: dict[str, dict[str, list[float]]]) -> list[str]:
 def compare(
     model: str, physics: list[Physics], parts: list[str], seeds: range, jobs: int
 ) -> tuple[dict[str, dict[str, list[float]]], bool]:
-    """All trials of one robot; what was done counts when it is interrupted.
+    """Runs all trials of one robot; after an interruption completed trials count.
 
     Returns:
         By approximation and figure, a value per seed; and whether all trials were run.

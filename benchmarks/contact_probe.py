@@ -1,7 +1,7 @@
 """Reads the physics of contact while a robot moves: friction, normal force, slip.
 
-Reads what Drake reports at every physics step, before anything of this project has
-summed or drawn it; what the robot is asked to do meanwhile is up to the caller.
+Reads Drake's contact results at every physics step, independent of this project's own
+sums and views; the caller commands the robot.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ LOADED = 0.5
 """A foot that carries more than this share of the weight, while the other touches
 nothing, is in single support [-]."""
 SHORTEST = 0.1
-"""A single support that is shorter does not count [s]."""
+"""Least duration of a single support that counts [s]."""
 
 
 class ContactProbe:
@@ -36,8 +36,7 @@ class ContactProbe:
     Attributes:
         normal, friction: Force per contact of the robot with the world [N].
         bound: Coulomb's bound on that friction, μ times the normal force [N].
-        slips: Farthest way of the standing sole from where it was, by single support
-            [m].
+        slips: Greatest displacement of the stance sole in each single support [m].
     """
 
     def __init__(self, sim: AtlasSimulation):
@@ -58,11 +57,11 @@ class ContactProbe:
         sim.simulator.set_monitor(self._look)
 
     def sole_places(self) -> np.ndarray:
-        """Where both soles' centers are in W [m], shape (2, 3)."""
+        """Computes the centers of both soles in W [m], shape (2, 3)."""
         return self._places(self._sim.context)
 
     def ratios(self) -> np.ndarray:
-        """Friction by Coulomb's bound of each contact that carries LEAST_FORCE [-]."""
+        """Friction over Coulomb's bound of contacts that carry LEAST_FORCE [-]."""
         normal = np.array(self.normal)
         bearing = normal > LEAST_FORCE
         return np.array(self.friction)[bearing] / np.array(self.bound)[bearing]
@@ -94,7 +93,7 @@ class ContactProbe:
         return EventStatus.DidNothing()
 
     def _read(self, info: PointPairContactInfo, root: Context) -> float:
-        """Notes a contact; returns its normal force [N]."""
+        """Records a contact; returns its normal force [N]."""
         pair = info.point_pair()
         key = pair.id_A.get_value(), pair.id_B.get_value()
         force, axis = np.array(info.contact_force()), np.array(pair.nhat_BA_W)
@@ -118,7 +117,7 @@ class ContactProbe:
         return normal
 
     def _follow(self, root: Context, loads: list[float]) -> None:
-        """Follows the sole of a foot that carries the robot alone."""
+        """Tracks the sole of the stance foot in single support."""
         alone = None
         for foot in (0, 1):
             if loads[1 - foot] == 0.0 and loads[foot] > LOADED * self._weight:
@@ -139,7 +138,7 @@ class ContactProbe:
 
 
 class _Support:
-    """A single support that goes on."""
+    """A single support in progress."""
 
     def __init__(self, foot: int, begin: float, place: np.ndarray):
         self.foot, self.begin, self.last = foot, begin, begin

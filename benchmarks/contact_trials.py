@@ -1,7 +1,7 @@
-"""What the robots do to compare contact approximations: one run each, its figures.
+"""Trials that compare contact approximations: one run each, with its figures.
 
-Walk and tutorial are those of the neighbors; which runs there are, and what is made
-of their figures, is in `contact_models`.
+Walk and tutorial are those of the other benchmarks; `contact_models` chooses the runs
+and evaluates their figures.
 """
 
 from __future__ import annotations
@@ -19,27 +19,28 @@ from atlas_drake import K_EFFORT_MAX, AtlasCommand, AtlasSimulation
 from atlas_drake.simulation.tutorial import DURATION
 
 BEYOND = 1.001
-"""Friction by Coulomb's bound that counts as beyond it; 1 but for rounding [-]."""
+"""Friction over Coulomb's bound above which a contact is beyond it; 1 with a tolerance
+for rounding [-]."""
 SWING, SWING_TIME, SWINGS = 0.5, 1.0, 8
 """Arms of a standing robot jump by SWING [rad] to both sides, every SWING_TIME [s]."""
 ARM_KP, ARM_KP_VELOCITY = 200.0, 20.0
 """Gains of the user who swings them [N·m/rad], [N·m·s/rad]."""
 
 INCREMENT = {"standing": 5.0, "walking": 10.0}
-"""Between one impulse and the next [N·s]."""
+"""Increment of the impulse [N·s]."""
 FIRST_IMPULSE = {"standing": 25.0, "walking": 40.0}
-"""The search for the largest impulse borne begins there [N·s]."""
+"""First impulse of the search for the largest impulse without a fall [N·s]."""
 PUSHED_STEPS, EARLIEST = 9, 3.0
 """Length of a walk with a push, and when the push comes at the earliest [s]."""
 RECOVERY = 3.0
-"""A standing robot that has not fallen by then has borne its push [s]."""
+"""Time after a push after which a standing robot counts as not fallen [s]."""
 DIRECTIONS = ("forward", "left")
-"""Of the pushes."""
+"""Directions of the pushes."""
 
 
 @dataclass(frozen=True)
 class Trial:
-    """One thing that one robot does under one approximation."""
+    """One trial of one robot under one approximation."""
 
     part: str
     physics: Physics
@@ -48,7 +49,7 @@ class Trial:
 
 
 def walk_trial(trial: Trial) -> dict[str, float]:
-    """Twenty steps: forces and slip of the feet, and where they land."""
+    """Walks twenty steps: forces, slip and landing errors of the feet."""
     sim = _simulation(trial)
     probe = ContactProbe(sim)
     record = walk(sim, Job(trial.model, trial.seed))
@@ -64,7 +65,7 @@ def walk_trial(trial: Trial) -> dict[str, float]:
 
 
 def stand_trial(trial: Trial) -> dict[str, float]:
-    """STAND while the user swings the arms: how far the soles creep."""
+    """STAND while the user swings the arms: slip of the soles."""
     sim = _simulation(trial)
     sim.advance(STANDING)
     probe = ContactProbe(sim)
@@ -88,7 +89,7 @@ def stand_trial(trial: Trial) -> dict[str, float]:
 
 
 def tutorial_trial(trial: Trial) -> dict[str, float]:
-    """The tutorial as its campaign judges it."""
+    """Runs the tutorial with the criteria of its campaign."""
     record = follow(
         _simulation(trial, programme="tutorial", duration=DURATION), trial.seed
     )
@@ -99,7 +100,7 @@ def tutorial_trial(trial: Trial) -> dict[str, float]:
 
 
 def push_trial(trial: Trial) -> dict[str, float]:
-    """The largest impulse borne in each direction, standing and walking [N·s]."""
+    """Finds the largest impulse per direction, standing and walking [N·s]."""
     pushes = {
         f"push {posture} {direction}": _largest_push(trial, posture, direction)
         for posture in INCREMENT
@@ -155,9 +156,9 @@ PARTS: dict[str, Callable[[Trial], dict[str, float]]] = {
     "tutorial": tutorial_trial,
     "push": push_trial,
 }
-"""What a trial can be, by name."""
+"""Kinds of trials by name."""
 
 
 def run_trial(trial: Trial) -> dict[str, float]:
-    """Its figures, by name."""
+    """Returns the figures of the trial, by name."""
     return PARTS[trial.part](trial)

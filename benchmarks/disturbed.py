@@ -1,7 +1,6 @@
-"""A robot for which nothing is quite as its controller believes.
+"""A robot that differs randomly from the model of its controller.
 
-The random changes that the project's goals speak of, shared by the benchmarks; what
-a robot is then asked to do is in each of them.
+The random variations of the project's goals, shared by the benchmarks.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ ORIENTATION = math.radians(2.0)
 JOINTS = 0.02
 """Half width of each joint's position [rad]."""
 MASS = 0.05
-"""Half width of each link's mass, as a share of what the controller believes [-]."""
+"""Half width of each link's mass, as a share of the controller's model [-]."""
 FRICTION = (0.6, 1.0)
 """Coefficients of the ground."""
 NOISE = "reference"
@@ -31,12 +30,12 @@ NOISE = "reference"
 
 @dataclass(frozen=True)
 class Physics:
-    """How the physics is solved; the defaults are those of a scenario.
+    """Settings of the physics; the defaults are those of a scenario.
 
     Attributes:
-        contact: Drake's name of how contact is solved.
-        step: Of plant and joint controllers [s].
-        period: Of the behaviors [s].
+        contact: Drake's name of the contact approximation.
+        step: Step of plant and joint controllers [s].
+        period: Period of the behaviors [s].
     """
 
     contact: str = plant_config().discrete_contact_approximation
@@ -52,8 +51,8 @@ def disturbed_simulation(
     duration: float = 10.0,
     physics: Physics | None = None,
 ) -> AtlasSimulation:
-    """The robot in STAND with everything drawn from ``seed``."""
-    # Runs report for themselves.
+    """Makes the robot in STAND with all variations drawn from ``seed``."""
+    # Each run prints its own result.
     logging.getLogger("atlas_drake").propagate = False
     logging.getLogger("drake").setLevel(logging.ERROR)
     lowest, highest = FRICTION
@@ -79,12 +78,12 @@ def disturbed_simulation(
 
 
 def fresh_seed() -> int:
-    """A seed that nobody has tuned for."""
+    """Draws a fresh seed, for which nothing was tuned."""
     return random.SystemRandom().randrange(10**9)
 
 
 def falls(sim: AtlasSimulation) -> list[str]:
-    """When and how the robot fell, as text; empty if it did not."""
+    """Describes time and kind of a fall; empty without a fall."""
     return [
         f"{event.time:.3f} s: {event.text}"
         for event in sim.events

@@ -1,7 +1,7 @@
-"""From where STAND can take over: what its entry conditions are measured by.
+"""Measures the states from which STAND recovers, to check its entry conditions.
 
-The robot begins in STAND, with its center of mass aside, moving, or its arms flung, and
-is left to itself. What it survives is more than what the conditions let in.
+The robot starts in STAND with its center of mass displaced or moving, or its arms
+moving. It must survive more than the conditions allow.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ DIRECTIONS = {
     "right": (0.0, -1.0),
 }
 WATCHED = 2.0
-"""How long a start is watched [s]."""
+"""Simulated time of a start [s]."""
 REPLICATES = 2
 """Starts with other small disturbances, all of which must be survived."""
 KINDS = {
@@ -39,7 +39,7 @@ KINDS = {
     "velocity": ("center of mass moving", 0.1, 0.8, "m/s"),
     "joints": ("arm joints moving", 4.0, 16.0, "rad/s"),
 }
-"""By kind: what it is, increment, largest value tried, unit."""
+"""By kind: description, increment, largest value tried, unit."""
 
 
 @dataclass(frozen=True)
@@ -54,14 +54,14 @@ class Start:
 
 
 def survives(start: Start) -> bool:
-    """Whether a robot that is in STAND already stands in the end."""
+    """Returns True if a robot that is already in STAND stands at the end."""
     sim = _begin(start, "STAND")
     sim.advance(WATCHED)
     return not sim.has_fallen
 
 
 def lets_in(start: Start) -> bool:
-    """Whether STAND can be entered from there."""
+    """Returns True if STAND can be entered from this start."""
     sim = _begin(start, "USER")
     stand = AtlasSimInterfaceCommand(behavior=Behavior.STAND)
     stand.k_effort = [0] * sim.robot.num_joints
@@ -125,10 +125,10 @@ def _displace(
 def largest(
     model: str, kind: str, direction: str, first_seed: int, jobs: int
 ) -> tuple[float, bool]:
-    """Largest amount up to which every start is survived; 0 if the first is not.
+    """Finds the largest amount up to which every start is survived; 0 if none is.
 
     Returns:
-        That amount, and whether STAND can be entered from the next one.
+        That amount, and True if STAND can be entered from the next one.
     """
     _, increment, most, _ = KINDS[kind]
     too_much = False

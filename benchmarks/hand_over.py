@@ -1,4 +1,4 @@
-"""How smoothly joints change hands in the tutorial: the largest jump of each effort.
+"""Measures the largest jump of each effort at the hand-overs of the tutorial.
 
 At every instant at which shares of control or the behavior change, efforts are
 compared with those of the control tick before.
@@ -18,14 +18,14 @@ from atlas_drake import AtlasSimulation, Scenario
 from atlas_drake.simulation.tutorial import DURATION
 
 GOAL = 0.10
-"""Largest change within a control tick of a joint that the user has no share of, as a
-share of its effort limit [-]."""
+"""Goal: largest change of effort within a control tick of a joint without a user share,
+over its effort limit [-]."""
 
 
 def hand_overs(
     model: str = "atlas", duration: float = DURATION, physics_step: float = 0.001
 ) -> list[dict[str, Any]]:
-    """Every hand-over of the tutorial.
+    """Measures every hand-over of the tutorial.
 
     Returns:
         For each its ``time`` [s], the behaviors ``before`` and ``after``, how many
@@ -42,7 +42,7 @@ def hand_overs(
     found = []
     before = None
     for tick in range(1, round(duration / period)):
-        # Between two ticks, when what was decided at the last one is done.
+        # Between two ticks, after the efforts of the last tick are applied.
         sim.simulator.AdvanceTo((tick + 0.25) * period)
         now = (
             effort.Eval(sim.context),

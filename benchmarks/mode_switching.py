@@ -1,8 +1,8 @@
-"""Ten minutes of changing one's mind: random but legal mode switching, without a fall.
+"""Ten minutes of random but legal mode switching, without a fall.
 
-Behaviors, shares of control and set-points are drawn anew every few seconds. What a
-script may ask for and no robot survives is left out: NONE, taking a leg while it
-balances, and anything but STAND in the middle of a step.
+Behaviors, shares of control and set-points are drawn anew every few seconds. Legal
+requests that no robot survives are left out: NONE, taking a leg while it balances, and
+anything but STAND in the middle of a step.
 """
 
 from __future__ import annotations
@@ -34,23 +34,23 @@ from atlas_drake import (
 
 MINUTES = 10.0
 PAUSE = (0.4, 3.0)
-"""Time between two changes of mind [s]."""
+"""Time between two actions [s]."""
 USER_LIMBS = ("l_arm", "r_arm", "neck")
-"""Limbs that the user takes and gives back while the behavior balances."""
+"""Limbs that the user takes and returns while the behavior balances."""
 USER_KP, USER_KP_VELOCITY = 200.0, 20.0
-"""Of the limbs that the user takes [N·m/rad], [N·m·s/rad]."""
+"""Gains of the limbs that the user takes [N·m/rad], [N·m·s/rad]."""
 REACH = 0.5
-"""How far from stand-prep the user moves a joint [rad]."""
+"""Range of the user's set-points about stand-prep [rad]."""
 ALL_USERS = 2.0
-"""How long the robot stands on the joint controllers alone [s]."""
+"""Time for which the robot stands on the joint controllers alone [s]."""
 PATIENCE = 12.0
 """Longest wait for a walk or a pose to end [s]."""
 MEMORY_GOAL = 10.0
-"""Growth of the process after the first minute [MB]."""
+"""Goal: growth of the process after the first minute [MB]."""
 
 
 class Mind:
-    """What comes into one's head; all draws from one generator."""
+    """Draws random actions, all from one generator."""
 
     def __init__(self, sim: AtlasSimulation, seed: int):
         self.sim = sim
@@ -69,7 +69,7 @@ class Mind:
         }
 
     def change(self) -> str:
-        """Does one thing, and says which."""
+        """Performs one action, and returns its name."""
         name = str(self.random.choice(list(self.acts)))
         self.acts[name]()
         self.done[name] += 1
@@ -79,7 +79,7 @@ class Mind:
     # ---- shares --------------------------------------------------------------
 
     def take_limbs(self) -> None:
-        """Takes some limbs whole."""
+        """Takes full control of some limbs."""
         self._limbs(lambda: K_EFFORT_MAX)
 
     def blend_limbs(self) -> None:
@@ -113,7 +113,7 @@ class Mind:
         return AtlasSimInterfaceCommand(behavior=behavior)
 
     def _stand(self) -> None:
-        """Goes back to STAND, from wherever that may take."""
+        """Returns to STAND from any behavior."""
         sim = self.sim
         if sim.current_behavior is not Behavior.STAND:
             sim.publish(self._ask(Behavior.STAND))
@@ -125,7 +125,7 @@ class Mind:
             self.sim.advance(0.1)
 
     def _queue(self) -> AtlasSimInterfaceCommand:
-        """Four steps in a random direction, from where the feet are."""
+        """Makes four steps in a random direction, from the present footholds."""
         random = self.random
         feet = self.sim.atlas_sim_interface_state.foot_pos_est
         x, y = (np.mean([getattr(f.position, axis) for f in feet]) for axis in "xy")
@@ -224,7 +224,7 @@ class Mind:
         command.position = list(sim.atlas_state.position)
         command.kp_position, command.kd_position = robot.default_kp, robot.default_kd
         command.kp_velocity = [0.0] * robot.num_joints
-        # What carries the robot now, so that nothing sags.
+        # Starts with the present efforts, so that nothing sags.
         command.effort = list(sim.atlas_state.effort)
         command.k_effort = [K_EFFORT_MAX] * robot.num_joints
         sim.publish(command)
@@ -255,7 +255,7 @@ def _yaw(q: Quaternion) -> float:
 
 
 def _megabytes() -> float:
-    """What the process holds in memory now."""
+    """Memory of the process [MB]."""
     gc.collect()
     pages = int(Path("/proc/self/statm").read_text().split()[1])
     return pages * resource.getpagesize() / 1e6

@@ -1,6 +1,6 @@
-"""Runs in processes of their own, a few at a time, with results as they come.
+"""Runs in separate processes, a few at a time, with results as they arrive.
 
-Knows nothing of robots. A run that dies takes no other with it.
+Independent of robots. A run that crashes does not affect the others.
 """
 
 from __future__ import annotations
@@ -15,17 +15,17 @@ from multiprocessing.connection import wait
 from typing import Any
 
 ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
-"""Variables that keep numpy from starting threads that fight over the cores."""
+"""Variables that keep numpy from starting threads that compete for the cores."""
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of one run.
+    """Outcome of one run.
 
     Attributes:
-        item: What it was called with.
-        result: What it returned; None if it failed.
-        error: Why it failed; None if it did not.
+        item: Argument of the run.
+        result: Return value; None if the run failed.
+        error: Error of a failed run; None otherwise.
     """
 
     item: Any

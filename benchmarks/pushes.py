@@ -1,7 +1,7 @@
-"""How hard a push on the chest the robots bear while they walk.
+"""Finds the largest push on the chest that the walking robots withstand.
 
-A threshold from a single walk is a matter of luck: every impulse is tried at several
-moments of the step, and only counts with all smaller ones.
+A threshold from a single walk is random: every impulse is tried at several phases of
+the step, and only counts if all smaller impulses pass.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ from walking import DIRECTIONS, Job, Push, as_record, walk_once
 from atlas_drake.robot import available_robots
 
 INCREMENT = 10.0
-"""Between one impulse and the next [N·s]."""
+"""Increment of the impulse [N·s]."""
 TRIALS = 5
 PASSES = 4
 """Walks out of TRIALS that must not end in a fall."""
 
 
 def largest_push(model: str, direction: str, seeds: range, jobs: int) -> float:
-    """Largest impulse up to which every one is borne [N·s]; 0 if the first is not."""
+    """Finds the largest impulse up to which all pass [N·s]; 0 if none does."""
     borne = 0.0
     while True:
         impulse = borne + INCREMENT

@@ -1,8 +1,8 @@
-"""Why the whole-body controller has the QP solver that it has.
+"""Compares QP solvers on the programs of the whole-body controller.
 
-Records the programs of a walking robot and gives the same ones to every dense solver
-that is installed. Each starts cold, as the controller demands: a warm start would be
-state hidden from the Context.
+Records the programs of a walking robot and solves them with every installed dense
+solver. Each starts cold, as the controller requires: a warm start would be state hidden
+from the Context.
 """
 
 from __future__ import annotations
@@ -25,15 +25,16 @@ from atlas_drake.control.whole_body.quadratic_program import SOFT, QuadraticProg
 from atlas_drake.robot import load_robot
 
 INFINITE = 1e20
-"""Bounds beyond this bound nothing."""
+"""Bounds beyond this count as infinite."""
 EVERY = 10
-"""One program in so many is kept: neighbors are much alike."""
+"""Interval of the kept programs: neighbors are similar."""
 WALKING = 4.0
-"""How long the robot's programs are recorded [s]."""
+"""Simulated time in which programs are recorded [s]."""
 SOFT_TOLERANCE = 1e-4
-"""A soft bound on an acceleration that yields by less counts as held [rad/s²]."""
+"""Violation of a soft bound on an acceleration below which it counts as met
+[rad/s²]."""
 REPEATS = 3
-"""Each program is timed as the fastest of so many solutions."""
+"""Number of solutions of each program, of which the fastest counts."""
 
 Solver = Callable[[QuadraticProgram], np.ndarray]
 
@@ -84,7 +85,7 @@ def _soft_bounds_hold(problem: QuadraticProgram, x: np.ndarray) -> bool:
 
 
 def solve_daqp(problem: QuadraticProgram) -> np.ndarray:
-    """As the controller calls it."""
+    """Solves with daqp, as the controller calls it."""
     return quadratic_program.solve(problem).x
 
 

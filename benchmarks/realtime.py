@@ -1,7 +1,7 @@
-"""How fast a run is: the tutorial, against the bare plant in the same minutes.
+"""Measures the speed of the tutorial relative to the bare plant.
 
-Machines drift, so that bare and closed-loop pieces take turns and only their ratio is
-judged. What the robot does is not looked at, but that it stays up.
+Machines drift, so that bare and closed-loop pieces alternate and only their ratio
+counts. The robot's motion is not judged, except that it must not fall.
 """
 
 from __future__ import annotations
@@ -34,17 +34,18 @@ from atlas_drake.simulation.tutorial import DURATION
 PIECE = 0.5
 """Simulated time between changes from closed loop to bare plant [s]."""
 UPRIGHT_SHARE = 0.9
-"""A bare plant whose pelvis is lower than this share of its first height fell [-]."""
+"""Height of the bare plant's pelvis, over its initial height, below which it fell
+[-]."""
 GOALS = {
     "ratio": ("closed loop / bare plant", "<=", 2.5, ""),
     "real_time_factor": ("real-time factor", ">=", 1.2, ""),
     "tick_median": ("median controller tick", "<=", 0.6, "ms"),
 }
-"""By key: what it is, which side is good, the goal and its unit."""
+"""By key: description, comparison, goal and unit."""
 
 
 class BarePlant:
-    """The station's plant by itself, held in stand-prep by the plant's own PD."""
+    """The station's plant alone, held in stand-prep by the plant's own PD."""
 
     def __init__(self, robot: Robot, scenario: Scenario):
         self._robot = robot
@@ -54,7 +55,7 @@ class BarePlant:
                 time_step=scenario.physics_step,
                 discrete_contact_approximation=scenario.plant.discrete_contact_approximation,
                 contact_model="point",
-                # As the station's; sampled ports would add their cost to each step.
+                # As in the station; sampled ports would add their cost to each step.
                 use_sampled_output_ports=False,
             ),
             builder,
@@ -102,7 +103,7 @@ class BarePlant:
         )
 
     def advance(self, seconds: float) -> float:
-        """Simulates; returns the wall time it took [s]."""
+        """Simulates; returns the wall time [s]."""
         end = self._simulator.get_context().get_time() + seconds
         begin = time.perf_counter()
         self._simulator.AdvanceTo(end)

@@ -1,6 +1,6 @@
-"""What every benchmark has in common on the command line: versions and `--json`.
+"""Common command line of the benchmarks: versions and `--json`.
 
-Knows nothing of what is measured.
+Independent of the measured quantities.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""How long a newcomer waits: from a fresh process to the first simulated step.
+"""Measures the time from a fresh process to the first simulated step.
 
 Counts the interpreter's own start, the import and the building of the diagram.
 """

@@ -1,8 +1,7 @@
-"""The tutorial many times, each time with a robot that its controller does not know.
+"""Repeats the tutorial with robots that differ from the controller's model.
 
-A run succeeds when all that the tutorial asks for was done: nobody fell, the feet
-landed where they were sent, and the user's joints came to rest where their own gains
-let them.
+A run succeeds if the robot did not fall, the feet landed at the commanded places, and
+the user's joints came to rest at the equilibrium of their gains.
 """
 
 from __future__ import annotations
@@ -21,23 +20,23 @@ from atlas_drake import AtlasSimulation
 from atlas_drake.simulation.tutorial import DURATION, USER_TARGETS
 
 LANDING_GOAL = 0.02
-"""Largest distance of a foot from where it was sent [m]."""
+"""Goal: largest landing error of a foot [m]."""
 SETTLING_GOAL = 0.05
-"""Largest distance of a user's joint from where its gains let it rest [rad]."""
+"""Goal: largest distance of a user's joint from the equilibrium of its gains [rad]."""
 LOOKS = {"before": "Walking", "after": "home"}
-"""By the look's name, a word of the command that ends the time to settle."""
+"""By name of the check, a word of the command that ends the time to settle."""
 MARGIN = 0.01
-"""The joints are looked at this long before that command [s]."""
+"""Time before that command at which the joints are checked [s]."""
 
 
 def settling_errors(sim: AtlasSimulation) -> dict[str, float]:
-    """Distance of the user's joints from where gravity lets their gains hold them.
+    """Computes the distance of the user's joints from the equilibrium of their gains.
 
-    A joint with no integral gain rests where kp·(set-point − q) carries the weight
-    that hangs on it: that of the real masses, at the pose of this moment.
+    A joint without integral gain rests where kp·(set-point − q) balances the torque of
+    gravity, with the real masses, in the present pose.
 
     Returns:
-        By joint [rad].
+        Distance by joint [rad].
     """
     plant, robot = sim.plant, sim.robot
     context = plant.GetMyContextFromRoot(sim.simulator.get_context())
@@ -66,7 +65,7 @@ def run_once(job: tuple[int, str]) -> dict:
 
 
 def follow(sim: AtlasSimulation, seed: int) -> dict:
-    """The tutorial of a robot that was drawn from ``seed``; its record."""
+    """Runs the tutorial of a robot drawn from ``seed``; returns its record."""
     programme = sim.diagram.GetSubsystemByName("scheduler").programme
     settling = {}
     for look, word in LOOKS.items():
@@ -101,7 +100,7 @@ def follow(sim: AtlasSimulation, seed: int) -> dict:
 
 
 def as_record(outcome: Outcome) -> dict:
-    """A run's record, also of a run that broke."""
+    """Makes the record of a run, also of a crashed run."""
     if outcome.error is None:
         return outcome.result
     return {"seed": outcome.item[0], "ok": False, "problems": [outcome.error]}
@@ -123,7 +122,7 @@ def describe(record: dict) -> str:
 
 
 def worst_figures(records: list[dict]) -> dict:
-    """The worst of each figure over the runs that went to their end."""
+    """Computes the worst of each figure over the completed runs."""
     whole = [record for record in records if "num_footsteps" in record]
 
     def worst(figure: Callable[[dict], float | None]) -> float:

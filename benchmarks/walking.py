@@ -1,7 +1,7 @@
-"""Twenty steps on both robots, each time a little different.
+"""Twenty steps on both robots, with random variations.
 
-Steps are streamed as a script would: four at a time, when the robot asks for them.
-A walk may be given a push; how hard a one it bears is asked in ``pushes``.
+Steps are streamed as by a script: four at a time, on request of the robot. A walk may
+have a push; ``pushes`` measures the largest one.
 """
 
 from __future__ import annotations
@@ -27,7 +27,8 @@ from atlas_drake.robot import available_robots
 
 NUM_STEPS = 20
 STEP_LENGTH = 0.25
-"""From one foot to the next; the last step puts the feet side by side [m]."""
+"""Distance from one footprint to the next; the last step puts the feet side by side
+[m]."""
 STEP_DURATION = 0.63
 """[s]"""
 SWING_HEIGHT = 0.1
@@ -37,30 +38,30 @@ QUEUE = 4
 STANDING = 1.0
 """Time in STAND before the first step, and after the last [s]."""
 LONGEST = 25.0
-"""A walk that is not over by then never will be [s]."""
+"""Longest time of a walk [s]."""
 POLL = 0.05
-"""Time between looks at what the robot asks for [s]."""
+"""Time between checks for a request of the robot [s]."""
 LANDING_GOAL = 0.02
-"""Largest distance of a foot from where it was sent [m]."""
+"""Goal: largest landing error of a foot [m]."""
 
 PUSH_DURATION = 0.1
 """[s]"""
 PUSH_EARLIEST = 6.0
-"""A push begins somewhere within two steps from then on [s]."""
+"""Earliest time of a push, which begins within two steps after it [s]."""
 DIRECTIONS = {
     "forward": (1.0, 0.0),
     "backward": (-1.0, 0.0),
     "left": (0.0, 1.0),
     "right": (0.0, -1.0),
 }
-"""Of the pushes, in the frame in which the robot walks along x."""
+"""Directions of the pushes, in the frame in which the robot walks along x."""
 
 
 @dataclass(frozen=True)
 class Push:
-    """A blow on the chest: its impulse [N·s] and its direction, one of DIRECTIONS.
+    """A push on the chest: its impulse [N·s] and its direction, one of DIRECTIONS.
 
-    It comes within two steps after ``earliest`` [s].
+    It begins within two steps after ``earliest`` [s].
     """
 
     impulse: float
@@ -70,7 +71,7 @@ class Push:
 
 @dataclass(frozen=True)
 class Job:
-    """One walk: the robot's name, what it is drawn from, and a push if any."""
+    """One walk: the robot's name, the seed, and an optional push."""
 
     model: str
     seed: int
@@ -123,7 +124,7 @@ def walk(sim: AtlasSimulation, job: Job) -> dict:
     while not sim.has_fallen and sim.time < LONGEST:
         feedback = sim.atlas_sim_interface_state.walk_feedback
         needed = feedback.next_step_index_needed if sent else 1
-        # Hold steps back as long as the robot knows of enough of them.
+        # Send no steps while the robot has enough of them.
         if sent < job.num_steps and needed - feedback.current_step_index <= QUEUE:
             queue = steps[needed - 1 : needed - 1 + QUEUE]
             command = AtlasSimInterfaceCommand()
@@ -148,7 +149,7 @@ def walk(sim: AtlasSimulation, job: Job) -> dict:
         problems.append(f"ended in {sim.current_behavior.name}")
     if len(landed) != job.num_steps:
         problems.append(f"{len(landed)} steps taken")
-    # After a push the robot is free to save itself by another landing place.
+    # After a push the robot may change the landing place to keep its balance.
     if job.push is None and max(landed, default=0.0) > LANDING_GOAL:
         problems.append(f"foot landed {1e3 * max(landed):.1f} mm off")
     return {
@@ -172,7 +173,7 @@ def strike(sim: AtlasSimulation, push: Push, heading: float) -> None:
 
 
 def as_record(outcome: Outcome) -> dict:
-    """A walk's record, also of a walk that broke."""
+    """Makes the record of a walk, also of a crashed one."""
     if outcome.error is None:
         return outcome.result
     job = outcome.item
@@ -186,7 +187,7 @@ def as_record(outcome: Outcome) -> dict:
 
 
 def walk_all(models: list[str], seeds: range, jobs: int) -> list[dict]:
-    """Walks without pushes; what was done counts when it is interrupted."""
+    """Runs walks without pushes; after an interruption completed walks count."""
     records: list[dict] = []
     work = [Job(model, seed) for model in models for seed in seeds]
     try:

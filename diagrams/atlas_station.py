@@ -59,21 +59,21 @@ from atlas_drake.systems.whole_body_controller import WholeBodyController
 
 @dataclass(frozen=True)
 class StationConfig:
-    """What can be chosen when a station is built.
+    """Settings of a station.
 
     Attributes:
         physics_step: Step of the plant and of the joint controllers [s].
         control_period: Step of the behaviors [s], a multiple of ``physics_step``.
         ground_friction: Coefficient of the ground.
         terrain: Boxes on the ground.
-        noise: Of the sensors.
-        seed: Of that noise.
+        noise: Noise of the sensors.
+        seed: Seed of that noise.
         initial_behavior: The behavior active at the start.
-        harnessed: Whether there is a harness that can hold the pelvis.
-        estimated: Whether the behaviors see an estimate in place of the true state.
-        controller: Numbers of the controller.
-        estimator: Numbers of the state estimator.
-        plant: How contact is solved; see ``Scenario.plant``.
+        harnessed: True to add a harness that can hold the pelvis.
+        estimated: True if the behaviors read an estimate in place of the true state.
+        controller: Parameters of the controller.
+        estimator: Parameters of the state estimator.
+        plant: Contact model and solver; see ``Scenario.plant``.
     """
 
     physics_step: float = 0.001
@@ -90,7 +90,7 @@ class StationConfig:
     plant: MultibodyPlantConfig = field(default_factory=plant_config)
 
     def __post_init__(self) -> None:
-        """Lets physics steps and control ticks begin at the very same instants."""
+        """Adjusts both steps so that their multiples coincide exactly."""
         steps = on_common_grid(self.physics_step, self.control_period)
         object.__setattr__(self, "physics_step", steps[0])
         object.__setattr__(self, "control_period", steps[1])
@@ -110,11 +110,11 @@ def make_atlas_station(
     ready to simulate; ``place_robot`` puts it elsewhere.
 
     Args:
-        robot: Whose; None is ``atlas``.
-        config: Periods, sensors, ground; None has the defaults.
-        controller: Takes the place of ``WholeBodyController``; see
+        robot: Robot of the station; None is ``atlas``.
+        config: Periods, sensors, ground; None for the defaults.
+        controller: Replaces ``WholeBodyController``; see
             ``atlas_drake.diagrams.controller_socket`` for the ports that it may have.
-        behaviors: Added to those that our controller is shipped with.
+        behaviors: Added to the shipped behaviors of ``WholeBodyController``.
         world: Callables (plant) -> None that add models beside the robot; see
             ``atlas_drake.scenario.world``.
 
@@ -130,19 +130,19 @@ def make_atlas_station(
         atlas_sim_interface_state: ``AtlasSimInterfaceState``
         commands: ``CommandsInForce``
         controller_status: ``ControllerStatus``
-        behavior_effort: Of the controller [N·m], shape (n,), message order.
-        effort: What the motors do [N·m], shape (n,), message order.
-        user_effort: Of the joint controllers [N·m], shape (n,), message order.
-        behavior_state: What the behaviors see of the state.
+        behavior_effort: Efforts of the controller [N·m], shape (n,), message order.
+        effort: Efforts of the motors [N·m], shape (n,), message order.
+        user_effort: Efforts of the joint controllers [N·m], shape (n,), message order.
+        behavior_state: State that the behaviors read.
         foot_wrenches: See ``RobotSensors``.
-        extremes: Of the run so far, see ``RunStatistics``.
+        extremes: Extremes of the run so far, see ``RunStatistics``.
         state: Positions and velocities of the robot.
-        plant_state: Those of the whole plant.
-        NAME.state: Those of each other model that can move, by its name.
-        body_poses, contact_results: Of the plant.
-        query_object: Of the scene graph, for visualisers.
-        estimated_state, estimation_error, largest_estimation_error: Of the state
-            estimator, where there is one; see ``EstimationError``.
+        plant_state: Positions and velocities of the whole plant.
+        NAME.state: Positions and velocities of each other model that can move.
+        body_poses, contact_results: Outputs of the plant.
+        query_object: Output of the scene graph, for visualisers.
+        estimated_state, estimation_error, largest_estimation_error: Outputs of the
+            state estimator, if there is one; see ``EstimationError``.
 
     Raises:
         ControllerError: If the controller does not fit the socket.
@@ -268,6 +268,11 @@ def make_atlas_station(
     builder.ExportOutput(scene_graph.get_query_output_port(), "query_object")
     station = builder.Build()
     station.set_name("AtlasStation")
+    if world:
+        # Only the whole diagram knows where the geometry of all models is.
+        root = station.CreateDefaultContext()
+        context = plant.GetMyMutableContextFromRoot(root)
+        stand_by_default(plant, robot, config.terrain, context)
     return station
 
 
@@ -276,12 +281,12 @@ def make_whole_body_controller(
     config: StationConfig,
     entries: Iterable[BehaviorEntry] = SHIPPED_ENTRIES,
 ) -> WholeBodyController:
-    """Makes the controller of a station that is given no other.
+    """Makes the default controller of a station.
 
     Args:
-        robot: To be controlled.
-        config: Of the station.
-        entries: Of the behaviors.
+        robot: Robot to control.
+        config: Settings of the station.
+        entries: Entries of the behaviors.
     """
     return WholeBodyController(
         robot,
@@ -298,7 +303,7 @@ def _add_plant(
     config: StationConfig,
     world: Sequence[WorldMaker],
 ) -> tuple[MultibodyPlant, SceneGraph]:
-    """The plant with robot, level ground at z = 0, terrain and world."""
+    """Adds the plant with robot, level ground at z = 0, terrain and world."""
     check_plant_config(config.plant, config.physics_step)
     plant, scene_graph = AddMultibodyPlant(config.plant, builder)
     robot.add_to(plant)
@@ -321,7 +326,7 @@ def add_scenery(
     """Adds the level ground and the terrain's boxes to a plant (before Finalize).
 
     Args:
-        plant: Where to.
+        plant: Plant to add to.
         terrain: The boxes.
         ground_friction: Coefficient of friction of ground and boxes.
     """
@@ -340,7 +345,7 @@ def _add_estimator(
     plant: MultibodyPlant,
     sensors: RobotSensors,
 ) -> StateEstimator:
-    """The state estimator, the IMU it reads, and what tells how far off it is."""
+    """Adds the state estimator, its IMU, and the measure of its error."""
     imu = builder.AddNamedSystem(
         "inertial_sensor",
         InertialSensor(
@@ -377,7 +382,7 @@ def _add_estimator(
 def _add_block(
     plant: MultibodyPlant, block: Block, name: str, ground_friction: float
 ) -> None:
-    """One box, to be stood on and to be seen."""
+    """Adds one box for contact and for display."""
     shape = Box(np.array(block.size))
     coefficient = ground_friction if block.friction is None else block.friction
     world = plant.world_body()

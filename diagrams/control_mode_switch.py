@@ -1,4 +1,4 @@
-"""The tutorial's diagram: a scheduler of commands in front of an AtlasStation.
+"""The tutorial's diagram: an AtlasStation, and a scheduler of commands before it.
 
 Wiring only; the programme is in ``atlas_drake.simulation.tutorial``.
 """
@@ -47,26 +47,31 @@ def make_control_mode_switch(
     """Builds scheduler and station; 3D view, recorder and video if they are given.
 
     Args:
-        robot: Whose; None is ``atlas``.
-        programme: What the scheduler sends, and when.
-        config: Of the station; None has the defaults.
-        meshcat: Where to show it; None shows nothing.
-        overlays: What of the controller's thoughts is shown there.
-        recorded: Whether Meshcat records.
-        recorder: Writes a log; None writes nothing.
-        video: What to film it into; None films nothing.
+        robot: Robot of the station; None is ``atlas``.
+        programme: Commands of a scheduler with their times; without entries there is
+            no scheduler.
+        config: Settings of the station; None for the defaults.
+        meshcat: Meshcat instance to draw in; None for no 3D view.
+        overlays: Switches of the overlays in the 3D view.
+        recorded: True if Meshcat records.
+        recorder: Writer of a log; None for no log.
+        video: Settings of a video; None for no video.
         controller: As for ``make_atlas_station``.
-        behaviors: Likewise.
-        world: Likewise; called for the video's scene, too.
+        behaviors: As for ``make_atlas_station``.
+        world: As for ``make_atlas_station``; called for the video's scene, too.
         extend: Called with (builder, station) before the diagram is built: adds
-            systems, connects them to the station, exports ports.
+            systems with names of their own, connects them to the station, exports
+            ports. It may connect the station's command ports, where no scheduler does.
 
     Input ports, all optional:
-        other_atlas_command, other_atlas_sim_interface_command: Messages of a script or
-            panel, beside the programme's.
+        atlas_command, atlas_sim_interface_command: Command ports of the station, unless
+            a scheduler or ``extend`` has connected them.
         applied_spatial_force: Pushes.
 
-    Output ports: those of the station, and ``sent`` of the scheduler.
+    Output ports: those of the station; with a scheduler, its ``sent``.
+
+    Raises:
+        AtlasError: If ``extend`` is no callable, or adds what Drake cannot build.
     """
     robot = robot or load_robot()
     config = config or StationConfig()
@@ -77,24 +82,16 @@ def make_control_mode_switch(
             robot, config, controller=controller, behaviors=behaviors, world=world
         ),
     )
-    scheduler = builder.AddNamedSystem(
-        "scheduler", CommandScheduler(programme, config.control_period)
-    )
-    for name in ("atlas_command", "atlas_sim_interface_command"):
-        builder.Connect(scheduler.GetOutputPort(name), station.GetInputPort(name))
-    for name in ("atlas_state", "atlas_sim_interface_state", "imu"):
-        builder.Connect(station.GetOutputPort(name), scheduler.GetInputPort(name))
-    for name in ("other_atlas_command", "other_atlas_sim_interface_command"):
-        builder.ExportInput(scheduler.GetInputPort(name), name)
+    if programme:
+        _add_scheduler(builder, station, programme, config.control_period)
     builder.ExportInput(
         station.GetInputPort("applied_spatial_force"), "applied_spatial_force"
     )
     for index in range(station.num_output_ports()):
         port = station.get_output_port(index)
         builder.ExportOutput(port, port.get_name())
-    builder.ExportOutput(scheduler.GetOutputPort("sent"), "sent")
     if meshcat is not None:
-        # Meshcat's part loads only where there is something to see.
+        # The modules for Meshcat load only with a 3D view.
         from atlas_drake.visualization.meshcat_view import add_meshcat_view
 
         add_meshcat_view(builder, station, robot, meshcat, overlays, recorded)
@@ -112,7 +109,58 @@ def make_control_mode_switch(
                 "extend must be a callable (builder, station) -> None, is "
                 f"{shown(extend)}"
             )
-        extend(builder, station)
+        _extended(builder, station, extend)
+    for name in COMMAND_PORTS:
+        port = station.GetInputPort(name)
+        if not builder.IsConnectedOrExported(port):
+            builder.ExportInput(port, name)
     diagram = builder.Build()
     diagram.set_name("control_mode_switch")
     return diagram
+
+
+COMMAND_PORTS = ("atlas_command", "atlas_sim_interface_command")
+"""Input ports of the station that take messages."""
+
+
+def _add_scheduler(
+    builder: DiagramBuilder,
+    station: Diagram,
+    programme: Sequence[ScheduledCommand],
+    period: float,
+) -> None:
+    """Adds what sends the programme, every ``period`` [s] at most one message."""
+    scheduler = builder.AddNamedSystem("scheduler", CommandScheduler(programme, period))
+    for name in COMMAND_PORTS:
+        builder.Connect(scheduler.GetOutputPort(name), station.GetInputPort(name))
+    for name in ("atlas_state", "atlas_sim_interface_state", "imu"):
+        builder.Connect(station.GetOutputPort(name), scheduler.GetInputPort(name))
+    builder.ExportOutput(scheduler.GetOutputPort("sent"), "sent")
+
+
+def _extended(builder: DiagramBuilder, station: Diagram, extend: Extend) -> None:
+    """Lets a user's callable add to the diagram.
+
+    Raises:
+        AtlasError: If Drake could not build the diagram after that; on names that are
+            there twice it would end the program.
+    """
+    ours = {system.get_name() for system in builder.GetSystems()}
+    try:
+        extend(builder, station)
+    except SystemExit as error:
+        # What Drake's bindings make of a condition that Drake demands.
+        raise AtlasError(
+            f"extend asks Drake for what it cannot build: {error}. An input port "
+            "takes one connection; a programme has the station's command ports"
+        ) from error
+    if builder.already_built():
+        raise AtlasError("extend must not build the diagram, which happens after it")
+    names = [system.get_name() for system in builder.GetSystems()]
+    for name in names:
+        if names.count(name) > 1:
+            whose = "the simulation has one" if name in ours else "it adds two"
+            raise AtlasError(
+                f"extend adds a system named {name!r}, but {whose} of this name; give "
+                "each system a name of its own"
+            )

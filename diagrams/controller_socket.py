@@ -1,7 +1,7 @@
-"""The socket for a controller: which ports it may have, and how they are connected.
+"""The socket for a controller: its ports, and their connections.
 
-Any Drake System fits that has the output port ``behavior_effort``. The station connects
-whichever of the other ports it has, by name:
+Any Drake System with the output port ``behavior_effort`` fits. The station connects the
+other ports that the System has, by name:
 
 ===================== ======== ======================================================
 port                           value
@@ -15,15 +15,15 @@ port                           value
 ``imu``               input    ``Imu``
 ===================== ======== ======================================================
 
-What ``imu`` and ``user_forecast`` say depends on the efforts of the same instant. A
-controller reads them in a periodic update, and declares ``behavior_effort`` with
-``prerequisites_of_calc`` that are its state alone, as ``WholeBodyController`` does. The
-others may act on the efforts at once.
+The values of ``imu`` and ``user_forecast`` depend on the efforts of the same instant. A
+controller therefore reads them in a periodic update, and declares ``behavior_effort``
+with only its state as ``prerequisites_of_calc``, as ``WholeBodyController`` does. The
+other inputs may have direct feedthrough to the efforts.
 
-Two things that are no ports are used if they are there: a method
-``reset(context, behavior)``, called when the robot is put back on its feet (without it
-the controller gets its default state again), and an attribute ``tick_seconds``, a list
-to which the controller appends the wall time of each tick [s].
+Two optional members are used besides the ports: a method ``reset(context, behavior)``,
+called when the robot is put back on its feet (without it the controller gets its
+default state again), and an attribute ``tick_seconds``, a list to which the controller
+appends the wall time of each tick [s].
 """
 
 from __future__ import annotations
@@ -47,10 +47,10 @@ from atlas_drake.messages.controller_status import ControllerStatus
 from atlas_drake.robot import Robot
 
 ControllerSource: TypeAlias = System | Callable[..., System]
-"""A controller, or what makes one: a callable (robot, config) -> System."""
+"""A controller, or a callable (robot, config) -> System that makes one."""
 EFFORT, STATUS = "behavior_effort", "controller_status"
 DELAYED = ("imu", "user_forecast")
-"""Inputs that depend on the efforts, and so may not act on them at once."""
+"""Inputs that depend on the efforts, and so must not have direct feedthrough."""
 CONTROLLER = "controller"
 """Name of the controller in the station."""
 
@@ -65,8 +65,8 @@ class ControllerSocket:
 
     Attributes:
         system: The controller.
-        effort: Its efforts.
-        status: Its status, or a blank one where it has none.
+        effort: Output port of its efforts.
+        status: Output port of its status, or of a blank status if it has none.
     """
 
     system: System
@@ -77,7 +77,7 @@ class ControllerSocket:
         """Connects every input port that the controller has.
 
         Args:
-            builder: Of the station.
+            builder: Builder of the station.
             sources: Ports of the station by the name of the input.
 
         Raises:
@@ -119,10 +119,10 @@ def make_controller(source: ControllerSource, *arguments: object) -> System:
 
     Args:
         source: A System, or a callable that returns one.
-        arguments: Of the callable: robot and station configuration.
+        arguments: Arguments of the callable: robot and station configuration.
 
     Raises:
-        ControllerError: If it is neither, or returns something else.
+        ControllerError: If it is neither, or does not return a System.
     """
     made = source
     if not isinstance(source, System):
@@ -146,9 +146,9 @@ def add_controller(
     """Adds a controller to a station, under the name ``controller``.
 
     Args:
-        builder: Of the station.
-        controller: That decides the efforts of the behaviors.
-        robot: Whose joints it moves.
+        builder: Builder of the station.
+        controller: Controller that computes the behaviors' efforts.
+        robot: Robot of the station.
 
     Raises:
         ControllerError: If it lacks the port for efforts, or the port has another size.

@@ -27,9 +27,9 @@ def set_ground_friction(
     """Give the ground another coefficient of friction.
 
     Args:
-        plant: With ground and terrain.
-        scene_graph: Of the plant.
-        context: Of the scene graph.
+        plant: Plant with ground and terrain.
+        scene_graph: Scene graph of the plant.
+        context: Context of the scene graph.
         terrain: Blocks on the ground; those with a coefficient of their own keep it.
         friction: Coefficient [-].
     """

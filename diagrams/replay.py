@@ -1,6 +1,6 @@
-"""Plays a log: the same 3D view and video as of the run, fed from the log.
+"""Plays a log: the 3D view and video of the run, fed from the log.
 
-A diagram without physics: the robot is put where the log says it was.
+A diagram without physics: each row of the log sets the state of robot and world.
 """
 
 from __future__ import annotations
@@ -33,28 +33,28 @@ def make_replay(
     recorded: bool = False,
     world: Sequence[WorldMaker] = (),
 ) -> Diagram:
-    """Builds a diagram that shows a log as the run was shown.
+    """Builds a diagram that displays a log like the run.
 
     Args:
-        log: Of the run.
-        meshcat: Where to show it; None shows nothing.
-        overlays: What is shown besides, of ``LOGGED``.
-        video: What to film it into; None films nothing.
-        recorded: Whether Meshcat records, see ``add_meshcat_view``.
-        world: The callables that the run had. A log knows how the models of the
-            scenario look, of others only how they moved.
+        log: Log of the run.
+        meshcat: Meshcat instance to draw in; None for no 3D view.
+        overlays: Switches of the overlays, of ``LOGGED``.
+        video: Settings of a video; None for no video.
+        recorded: True if Meshcat records, see ``add_meshcat_view``.
+        world: The callables of the run's world. A log holds the appearance of the
+            scenario's models, but only the motion of other models.
 
     Raises:
-        LogError: If the log lacks what is to be shown, or has a scenario that is
-            unknown to this program.
+        LogError: If the log lacks a required channel, or this version of the program
+            cannot read its scenario.
         VideoError: If the video cannot be made.
     """
     builder = DiagramBuilder()
-    robot = log.robot  # Of what is missing it is the first to be told of.
+    robot = log.robot  # Loaded first, so that a missing robot is the first error.
     world = (*world_of(log.scenario.all_models()), *world)
     builder.AddNamedSystem("station", _make_station(log, world))
     station: Any = builder.GetSubsystemByName("station")
-    # What displays need loads only where there is one.
+    # The modules of displays load only if needed.
     if meshcat is not None:
         from atlas_drake.visualization.meshcat_view import add_meshcat_view
         from atlas_drake.visualization.scene import show_start
@@ -71,7 +71,7 @@ def make_replay(
 
 
 def _make_station(log: Log, world: Sequence[WorldMaker]) -> Diagram:
-    """What looks like a station from outside, with a log in place of physics."""
+    """Makes a diagram with a station's output ports, fed from a log."""
     builder = DiagramBuilder()
     scene_graph = builder.AddNamedSystem("scene_graph", SceneGraph())
     plant = MultibodyPlant(time_step=0.0)

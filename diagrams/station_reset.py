@@ -1,6 +1,6 @@
-"""What differs from run to run, and what a reset of the robot forgets.
+"""Initialization of a run, and the reset of a station's systems.
 
-Who of its systems remembers what; where the robot is put is not decided here.
+The pose of the robot after a reset is set in ``standing``.
 """
 
 from collections.abc import Sequence
@@ -14,9 +14,9 @@ from atlas_drake.messages import Behavior
 from atlas_drake.scenario.terrain import Block
 
 _FORGET = ("joint_pid_bank", "robot_sensors", "inertial_sensor", "state_estimator")
-"""Systems that forget all; a station need not have every one."""
+"""Systems that get their default state; a station need not have every one."""
 _BEGIN = ("command_interface", CONTROLLER)
-"""Systems that begin anew with a behavior."""
+"""Systems that restart with a behavior."""
 
 
 def begin_run(
@@ -26,14 +26,14 @@ def begin_run(
     terrain: Sequence[Block],
     friction: float,
 ) -> None:
-    """Gives a default context what differs from run to run.
+    """Sets the values in a default context that differ between runs.
 
     Args:
         station: An AtlasStation.
-        root: Context of the diagram that holds it.
-        seed: Of the sensors' noise.
+        root: Context of the diagram that holds the station.
+        seed: Seed of the sensors' noise.
         terrain: Blocks on the ground.
-        friction: Coefficient of the ground [-].
+        friction: Friction coefficient of the ground [-].
     """
     for name in ("robot_sensors", "inertial_sensor"):
         if station.HasSubsystemNamed(name):
@@ -46,11 +46,11 @@ def begin_run(
 
 
 def reset_station(station: Diagram, root: Context, behavior: Behavior) -> None:
-    """Lets joint controllers, sensors, commands and behaviors begin anew.
+    """Resets joint controllers, sensors, commands and behaviors.
 
     Args:
         station: An AtlasStation.
-        root: Context of the diagram that holds it.
+        root: Context of the diagram that holds the station.
         behavior: The behavior to begin with.
     """
     for names, arguments in ((_FORGET, ()), (_BEGIN, (behavior,))):
@@ -60,5 +60,5 @@ def reset_station(station: Diagram, root: Context, behavior: Behavior) -> None:
                 context = system.GetMyMutableContextFromRoot(root)
                 if hasattr(system, "reset"):
                     system.reset(context, *arguments)
-                else:  # A controller that knows nothing of resets.
+                else:  # A controller without a reset method.
                     system.SetDefaultContext(context)

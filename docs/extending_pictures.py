@@ -26,7 +26,7 @@ from atlas_drake.visualization.scene import prepare_scene
 
 PROGRAMS = Path(__file__).parents[1] / "examples" / "extending"
 SIZE, COLORS = (480, 320), 200
-"""Of the pictures [pixel], and of their palette: small files."""
+"""Size of the pictures [pixel], and colors of their palette, for small files."""
 LENS, TARGET = np.array([2.6, -2.4, 1.4]), np.array([0.1, 0.0, 0.95])
 """The camera and what it looks at, from the robot's place on the ground [m]."""
 FROM_THE_LEFT = ("own_task",)
@@ -55,7 +55,7 @@ def make_extending_pictures(folder: Path, photograph: Photograph) -> None:
 
 
 def _program(name: str) -> dict[str, Any]:
-    """What a program defines."""
+    """Loads the names that a program defines."""
     return runpy.run_path(str(PROGRAMS / f"{name}.py"))
 
 
@@ -85,7 +85,7 @@ def _trace(
 
 
 def _controller(own: dict[str, Any], meshcat: Meshcat) -> np.ndarray:
-    """Springs know no balance: the push fells the robot."""
+    """Joint springs do not balance: the robot falls after the push."""
     sim = AtlasSimulation(controller=own["GravityCompensatedPd"], meshcat=meshcat)
     sim.advance(2.0)
     sim.apply_push("utorso", [300.0, 0.0, 0.0], 0.1)

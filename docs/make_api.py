@@ -25,9 +25,9 @@ API = Path(__file__).parents[1] / "build" / "docs"
 
 
 def public_modules() -> list[str]:
-    """The package, and what pdoc does not find in it by itself.
+    """Lists the package and the modules that pdoc does not find by itself.
 
-    It goes into packages, but not where ``__all__`` names what is public.
+    pdoc descends into packages, but not into those that define ``__all__``.
     """
     modules = ["atlas_drake"]
     for found in pkgutil.walk_packages(atlas_drake.__path__, "atlas_drake."):
@@ -43,10 +43,10 @@ def write_api(output: Path) -> None:
     Args:
         output: Folder for them; it is made, and begins at ``index.html``.
     """
-    # pdoc looks into the module's dictionary, and what needs Drake is imported late.
+    # pdoc reads the module's dictionary, but names that need Drake are imported lazily.
     for name in atlas_drake.__all__:
         setattr(atlas_drake, name, getattr(atlas_drake, name))
-    # Fields of a NamedTuple are known by their names, not by those of their modules.
+    # pdoc resolves fields of a NamedTuple without the names of their modules.
     warnings.filterwarnings("ignore", "Error parsing type annotation ForwardRef")
     pdoc.render.configure(docformat="google", show_source=False)
     pdoc.pdoc(*public_modules(), output_directory=output)

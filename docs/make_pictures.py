@@ -46,9 +46,9 @@ THOUGHTS = (
     "follow",
 )
 THOUGHTS_AT = 9.0
-"""What ``thoughts.png`` shows of the controller, and when in the demo walk [s]."""
+"""Overlays of ``thoughts.png``, and their time in the demo walk [s]."""
 SIZE = "1200,800"
-"""Of the pictures [pixel]."""
+"""Size of the pictures [pixel]."""
 BROWSER_OPTIONS = (
     "--headless",
     "--no-sandbox",

@@ -1,7 +1,7 @@
-"""Reads what the source says about its own names: for the reference pages.
+"""Reads the docstrings of fields and constants from the source, for the reference.
 
-Python keeps docstrings of classes, not of their fields and constants; those are the
-strings that follow an assignment, and are read from the source.
+Python keeps docstrings of classes, not of their fields and constants; these are strings
+after an assignment, which are read from the source.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from atlas_drake.messages import Message
 
 
 def paragraphs(text: str | None) -> str:
-    """A docstring as Markdown: code marks and indented blocks as they should be."""
+    """Converts a docstring to Markdown, with its code marks and indented blocks."""
     text = inspect.cleandoc(text or "")
     return re.sub(r"``([^`]+)``", r"`\1`", text)
 
@@ -31,7 +31,7 @@ def head(text: str | None) -> str:
 
 
 def attributes(cls: type) -> dict[str, str]:
-    """What the ``Attributes`` section says about each field."""
+    """Reads the description of each field in the ``Attributes`` section."""
     text = inspect.cleandoc(cls.__doc__ or "")
     match = re.search(r"(?:^|\n)Attributes:\n((?:    .*\n?|\n)+)", text)
     if not match:
@@ -89,7 +89,7 @@ def defaults(cls: type) -> dict[str, Any]:
 
 
 def is_parameter_set(value: object) -> bool:
-    """Whether it is a dataclass of numbers with a default for each, and no message."""
+    """Returns True for a dataclass with defaults for all numbers that is no message."""
     return (
         inspect.isclass(value)
         and dataclasses.is_dataclass(value)

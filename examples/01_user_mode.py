@@ -1,4 +1,4 @@
-"""User mode: every joint follows your own PID set-points, nobody balances.
+"""User mode: every joint follows your own PID set-points, without balance.
 
 Atlas stands in its stand-prep pose on stiff joints alone, and nods and waves.
 """
@@ -22,8 +22,8 @@ if meshcat is not None:
     sim.set_realtime_rate(1.0)
     await_viewer(meshcat)
 
-# All joints hold their pose with the robot's default gains; an array that is left
-# empty leaves what is in force, so later commands may name positions only.
+# All joints hold their pose with the robot's default gains. An empty array keeps the
+# values in force, so later commands may give positions only.
 n = sim.robot.num_joints
 command = AtlasCommand()
 command.position = sim.robot.stand_prep.tolist()

@@ -26,7 +26,7 @@ sim.advance(1.0)
 
 
 def report(what: str) -> None:
-    """Prints the behavior and where the pelvis is."""
+    """Prints the behavior and the position of the pelvis."""
     state = sim.atlas_sim_interface_state
     at = state.pos_est.position
     name = Behavior(state.current_behavior).name
@@ -34,7 +34,7 @@ def report(what: str) -> None:
 
 
 def is_still(sim: AtlasSimulation) -> bool:
-    """Whether no joint moves any more."""
+    """Returns True once no joint moves."""
     return max(abs(v) for v in sim.atlas_state.velocity) < 0.05  # [rad/s]
 
 

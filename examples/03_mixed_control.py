@@ -1,7 +1,6 @@
-"""Mixed control: STAND balances while the arms and the neck are yours.
+"""Mixed control: STAND balances while you control the arms and the neck.
 
-Each joint is shared by itself: k_effort is 0 where the behavior decides, 255 where
-you do.
+Each joint has its own share: k_effort is 0 for the behavior, 255 for you.
 """
 
 import argparse

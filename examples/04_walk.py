@@ -27,14 +27,14 @@ if meshcat is not None:
 
 
 def wants_steps(sim: AtlasSimulation) -> bool:
-    """Whether fewer than two steps are known that have not begun."""
+    """Returns True if fewer than two steps remain that have not begun."""
     walk = sim.atlas_sim_interface_state.walk_feedback
     ahead = walk.next_step_index_needed - walk.current_step_index - 1
     return ahead < 2 or sim.has_fallen
 
 
 def has_ended(sim: AtlasSimulation) -> bool:
-    """Whether the walk is over, for good or ill."""
+    """Returns True once the walk has ended, completed or not."""
     return sim.current_behavior is not Behavior.WALK or sim.has_fallen
 
 
@@ -50,7 +50,7 @@ while to_send and not sim.has_fallen:
     indices = [step.step_index for step in to_send[:4]]
     print(f"{sim.time:5.2f} s  sent steps {indices}")
     del to_send[:4]
-    sim.advance(0.1)  # it has heard of them then
+    sim.advance(0.1)  # the steps have arrived then
     sim.wait_until(wants_steps, what="the last steps but two")
 sim.wait_until(has_ended, timeout=20.0, what="the end of the walk")
 

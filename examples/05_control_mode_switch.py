@@ -65,7 +65,7 @@ say("[USER] Going to stand prep position...")
 sim.publish(stand_prep)
 sim.advance(2.0)
 
-# Step 2: let the behavior get ready while the user keeps all joints, then stand.
+# Step 2: prepare the behavior while the user keeps all joints, then stand.
 stand = AtlasSimInterfaceCommand()
 stand.behavior = stand.STAND_PREP
 stand.k_effort = [255] * n
@@ -94,7 +94,7 @@ say("[USER/BDI] Command neck and arms...")
 sim.publish(arms)
 sim.advance(2.0)
 
-# Step 4: walk. Steps are thought of in the robot's frame and sent in the world's.
+# Step 4: walk. Steps are planned in the robot's frame and sent in the world's.
 orientation = Quaternion(sim.imu.orientation.to_wxyz())
 position = sim.atlas_sim_interface_state.pos_est.position
 X_WP = RigidTransform(orientation, position.to_array())

@@ -1,7 +1,6 @@
-"""MANIPULATE: the pelvis goes where it is told while you hold the arms.
+"""MANIPULATE: the pelvis goes to commanded poses while you control the arms.
 
-Every pose is clamped to what legs, motors and feet allow, and the clamped one is
-reported.
+Every pose is clamped to the limits of legs, motors and feet, and reported.
 """
 
 import argparse
@@ -48,7 +47,7 @@ command = AtlasSimInterfaceCommand()
 command.behavior = command.MANIPULATE
 command.manipulate_params.use_desired = True
 for what, pose in POSES:
-    # A new pelvis pose each time; k_effort stays empty: it leaves the arms with you.
+    # A new pelvis pose each time; an empty k_effort leaves the arms under your control.
     desired = AtlasBehaviorPelvisServoParams()
     command.manipulate_params.desired = desired
     for field, value in pose.items():

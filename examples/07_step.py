@@ -35,13 +35,13 @@ FOOTHOLDS = [
 
 
 def is_done(sim: AtlasSimulation) -> bool:
-    """Whether nothing remains of the step, for good or ill."""
+    """Returns True once the step has ended, completed or not."""
     feedback = sim.atlas_sim_interface_state.step_feedback
     return feedback.t_step_rem <= 0.0 or sim.has_fallen
 
 
 def take_step(index: int, foot: int, x: float, y: float, z: float) -> None:
-    """Asks for one step and waits until the robot needs the next one."""
+    """Requests one step and waits until the robot needs the next one."""
     command = AtlasSimInterfaceCommand()
     command.behavior = command.STEP
     command.step_params.use_spec = True

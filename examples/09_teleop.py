@@ -1,7 +1,7 @@
 """Teleoperation: steer Atlas with keys, sliders or a gamepad.
 
-The command `atlas-drake teleop` does the same with more options. With --headless
-nobody steers, and a script presses the keys instead.
+The command `atlas-drake teleop` does the same with more options. With --headless a
+script presses the keys.
 """
 
 import argparse
@@ -26,21 +26,21 @@ signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl-C ends it, without ado
 
 
 class Script:
-    """Stands in for the panel: says which keys are pressed when it is asked."""
+    """Replaces the panel: returns the keys that are pressed."""
 
     def __init__(self, sim: AtlasSimulation) -> None:
         self.sim, self.keys = sim, dict(KEYS)
 
     def read(self) -> Controls:
-        """The keys that are due."""
+        """Returns the keys that are due."""
         due = [time for time in self.keys if time <= self.sim.time]
         return Controls(clicks=tuple(self.keys.pop(time) for time in due))
 
     def set(self, slider: object, value: float) -> None:
-        """There are no sliders to move."""
+        """Does nothing: there are no sliders."""
 
     def show_joints(self, positions: object) -> None:
-        """Nor any to add."""
+        """Does nothing: there are no sliders."""
 
 
 if options.headless:

@@ -290,7 +290,7 @@ def test_what_is_no_command_on_a_port_is_refused_once_and_the_log_goes_on(
 ):
     scenario = Scenario(physics_step=0.002)
     with AtlasSimulation(scenario, log=tmp_path / "run.npz") as sim:
-        port = sim.diagram.GetInputPort("other_atlas_sim_interface_command")
+        port = sim.diagram.GetInputPort("atlas_sim_interface_command")
         port.FixValue(sim.context, thing)
         sim.advance(0.02)
         assert sim.output("commands").refused == 1

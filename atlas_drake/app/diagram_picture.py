@@ -1,6 +1,6 @@
 """A picture of the simulation's block diagram, made from the diagram itself.
 
-Drawing only: what is connected to what is asked of Drake, nothing is known here.
+Drawing only; Drake provides the systems and their connections.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _STYLE = """
 """
 _MEASURING = (MultibodyPlant, RobotSensors)
 _OURS, _DRAKE = "#dbe8f6", "#e9e9e9"
-"""Colors of our own systems and of Drake's."""
+"""Colors of this project's systems and of Drake's."""
 
 
 class PictureError(AtlasError):
@@ -39,13 +39,15 @@ def write_diagram_picture(path: Path) -> None:
     """Draws the whole simulation.
 
     Args:
-        path: Where to; the ending is one of FORMATS and decides the format.
+        path: Path of the picture; the ending is one of FORMATS and selects the format.
 
     Raises:
         PictureError: If the format is unknown, Graphviz is missing or the file cannot
             be written.
     """
     from atlas_drake.diagrams.control_mode_switch import make_control_mode_switch
+    from atlas_drake.robot import load_robot
+    from atlas_drake.simulation.tutorial import control_mode_switch_programme
 
     if path.suffix not in FORMATS:
         raise PictureError(f"{path}: must end in one of {', '.join(FORMATS)}")
@@ -56,7 +58,9 @@ def write_diagram_picture(path: Path) -> None:
             "apt install graphviz, brew install graphviz or https://graphviz.org; or "
             f"ask for {path.with_suffix('.dot')}, which any Graphviz viewer draws"
         )
-    source = graphviz_source(make_control_mode_switch())
+    robot = load_robot()
+    programme = control_mode_switch_programme(robot)
+    source = graphviz_source(make_control_mode_switch(robot, programme))
     try:
         if path.suffix == ".dot":
             path.write_text(source)
@@ -72,7 +76,7 @@ def write_diagram_picture(path: Path) -> None:
 
 
 def graphviz_source(diagram: Diagram) -> str:
-    """The diagram in Graphviz's language; the diagrams inside it are boxes."""
+    """Writes the diagram in Graphviz's language; inner diagrams are boxes."""
     lines = [f"digraph {diagram.get_name()} {{", _STYLE]
     for system in diagram.GetSystems():
         if isinstance(system, Diagram):
@@ -107,7 +111,7 @@ def _box(system: System) -> str:
 
 
 def _edges(diagram: Diagram) -> dict[tuple[System, System], list[str]]:
-    """Pairs of systems with the names of what goes from one to the other."""
+    """Finds connected pairs of systems with the names of their signals."""
     edges: dict[tuple[System, System], list[str]] = {}
     for (reader, into), (source, out) in _all_connections(diagram):
         tail, name = _behind_output(source, out)
@@ -126,14 +130,14 @@ def _all_connections(diagram: Diagram) -> Iterator[tuple[Any, Any]]:
 
 
 def _behind_output(system: System, index: OutputPortIndex) -> tuple[System, str]:
-    """The system that computes an output, inside a diagram that only passes it on."""
+    """Finds the system that computes an output inside a diagram that exports it."""
     if isinstance(system, Diagram):
         return _behind_output(*system.get_output_port_locator(index))
     return system, system.get_output_port(int(index)).get_name()
 
 
 def _behind_input(system: System, index: InputPortIndex) -> Iterator[System]:
-    """The systems that read an input."""
+    """Finds the systems that read an input."""
     if isinstance(system, Diagram):
         for inner in system.GetInputPortLocators(index):
             yield from _behind_input(*inner)

@@ -1,6 +1,6 @@
-"""What Ctrl-C does while a command runs, and while it writes what it has.
+"""Handling of Ctrl-C during a run and while files are written.
 
-Nothing here knows what is run or written.
+Independent of the command that runs.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from types import FrameType
 
 @contextmanager
 def ctrl_c() -> Iterator[threading.Event]:
-    """Turns Ctrl-C into a flag, so that no simulation step is torn apart.
+    """Turns Ctrl-C into a flag, so that no simulation step is interrupted.
 
     A second Ctrl-C interrupts at once.
     """
@@ -32,7 +32,7 @@ def ctrl_c() -> Iterator[threading.Event]:
 
 @contextmanager
 def nothing_cut_off() -> Iterator[None]:
-    """Lets Ctrl-C wait while files are written."""
+    """Delays Ctrl-C while files are written."""
 
     def ask_for_patience(_number: int, _frame: FrameType | None) -> None:
         # A stream of Python's may be in the middle of a line.
@@ -44,7 +44,7 @@ def nothing_cut_off() -> Iterator[None]:
 
 @contextmanager
 def _on_ctrl_c(handler: Callable[[int, FrameType | None], None]) -> Iterator[None]:
-    """Puts a handler in place, and afterwards the one that was there."""
+    """Installs a handler, and restores the previous one afterwards."""
     # Only the main thread receives signals, and only it may change their handlers.
     if threading.current_thread() is not threading.main_thread():
         yield

@@ -1,6 +1,7 @@
 """Logs on the command line: draw a page of figures, watch or film a replay.
 
-What is drawn and replayed is in ``logs``; options are parsed in ``main``.
+Figures are in ``logs``, the replay in ``diagrams.replay``; options are parsed in
+``main``.
 """
 
 from __future__ import annotations
@@ -47,24 +48,24 @@ from atlas_drake.visualization.viewer_gate import show_latest
 from atlas_drake.whole_file import whole_file
 
 PICTURES = (".png", ".html")
-"""What ``plot`` writes: a picture, and an interactive page."""
+"""Endings of the files of ``plot``: a picture, and an interactive page."""
 FIGURES = ".figures"
-"""Comes before these endings where nobody names the file: ``run.html`` may be the
-recording of the run that ``run.mcap`` logs."""
+"""Part of a default file name before these endings: ``run.html`` may be the recording
+of the run that ``run.mcap`` logs."""
 
 
 def plot_log(options: argparse.Namespace) -> int:
     """Draws the figures of a log.
 
     Args:
-        options: Of ``atlas-drake plot``.
+        options: Options of ``atlas-drake plot``.
 
     Returns:
         The exit status.
 
     Raises:
         LogError: If the log cannot be read or a file cannot be made.
-        ScenarioError: If a file cannot be written, before anything is.
+        ScenarioError: If a file cannot be written; raised before any is written.
     """
     files = options.output or [
         options.log.with_suffix(FIGURES + ending) for ending in PICTURES
@@ -76,7 +77,7 @@ def plot_log(options: argparse.Namespace) -> int:
         try:
             drawings[file] = _drawing(file)
         except MissingPackageError as error:
-            # Who asks for nothing in particular gets what there is.
+            # Without a request the default is every format whose package is installed.
             if options.output:
                 raise
             missing.append(error)
@@ -102,7 +103,7 @@ def _draw(draw: Callable[[Page, Path], None], page: Page, file: Path) -> None:
 
 
 def _drawing(file: Path) -> Callable[[Page, Path], None]:
-    """What draws a file of that kind."""
+    """Returns the function that draws a file of that kind."""
     try:
         if file.suffix == ".png":
             from atlas_drake.logs.png_page import write_png
@@ -122,15 +123,15 @@ def replay_log(options: argparse.Namespace) -> int:
     """Plays a log in the 3D view, or films it.
 
     Args:
-        options: Of ``atlas-drake replay``.
+        options: Options of ``atlas-drake replay``.
 
     Returns:
         The exit status.
 
     Raises:
         LogError: If the log cannot be read, or there is nothing to do.
-        ScenarioError: If a file or an address cannot be used, before anything is.
-        VideoError: If the video cannot be made, likewise.
+        ScenarioError: If a file or an address cannot be used; raised before the replay.
+        VideoError: If the video cannot be made; raised before the replay.
     """
     if options.headless and options.record is None and options.video is None:
         raise LogError(
@@ -162,7 +163,7 @@ def replay_log(options: argparse.Namespace) -> int:
         try:
             interrupted = _play(log, simulator, pace, end, progress)
         finally:
-            # Also after a second Ctrl-C: a video that is not finished cannot be played.
+            # Also after a second Ctrl-C: an unfinished video cannot be played.
             kept = filmed is None or keep_video(options.video, filmed.close, progress)
         now = simulator.get_context().get_time()
         progress.say(f"{'Stopped' if interrupted else 'Replayed'} at {now:.1f} s.")
@@ -180,7 +181,7 @@ def replay_log(options: argparse.Namespace) -> int:
 def _play(
     log: Log, simulator: Simulator, pace: Pace, end: float, progress: Progress
 ) -> bool:
-    """Plays to the end; says whether Ctrl-C came first."""
+    """Plays to the end; returns True if Ctrl-C came first."""
     events = iter(log.events)
     event = next(events, None)
     with ctrl_c() as asked_to_stop:

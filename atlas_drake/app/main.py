@@ -1,6 +1,6 @@
 """The command ``atlas-drake``: its sub-commands, options and help.
 
-Parses and dispatches; a run is in ``run``, what is done with its log in ``log``, the
+Parses and dispatches; runs are in ``run``, plots and replays of logs in ``log``, the
 picture of the diagram in ``diagram_picture``.
 """
 
@@ -39,7 +39,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Runs one command.
 
     Args:
-        arguments: Of the command line; None takes the process's own.
+        arguments: Arguments of the command line; None takes the process's own.
 
     Returns:
         The exit status.
@@ -55,17 +55,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except KeyboardInterrupt:
         return exit_status.INTERRUPTED
     except ImportError as error:
-        # What Drake's modules make of Ctrl-C while they load.
+        # Drake's modules raise this on Ctrl-C while they load.
         if isinstance(error.__cause__ or error.__context__, KeyboardInterrupt):
             return exit_status.INTERRUPTED
         raise
 
 
 def _check_files_read(options: argparse.Namespace) -> None:
-    """Misses a file at once, before Drake and all that takes seconds to load.
+    """Checks that input files exist, before Drake loads, which takes seconds.
 
     Raises:
-        AtlasError: If a file that is to be read is not there.
+        AtlasError: If an input file does not exist.
     """
     for path in [getattr(options, name, None) for name in options.reads]:
         try:
@@ -227,14 +227,14 @@ def _parser(given: Sequence[str]) -> argparse.ArgumentParser:
         metavar="SCENARIO.yaml",
         type=Path,
         nargs="?",
-        help="what is simulated (default: Atlas on level ground, or in --world)",
+        help="scenario to simulate (default: Atlas on level ground, or in --world)",
     )
     teleop.add_argument(
         "--duration",
         type=rate,
         default=math.inf,
         metavar="SECONDS",
-        help="end by itself after this simulated time (default: go on)",
+        help="end after this simulated time (default: no end)",
     )
     add_robot_options(teleop)
     view = teleop.add_argument_group("how you watch it")
@@ -266,7 +266,7 @@ def _parser(given: Sequence[str]) -> argparse.ArgumentParser:
 
 
 class _Version(argparse.Action):
-    """Looks the version up only when it is asked for."""
+    """Looks the version up only on request."""
 
     def __init__(self, option_strings: list[str], dest: str, help: str) -> None:
         super().__init__(option_strings, argparse.SUPPRESS, nargs=0, help=help)

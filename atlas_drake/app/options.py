@@ -1,6 +1,6 @@
-"""Options that several commands share, and the values they take.
+"""Options that several commands share, and their values.
 
-Which command has which is in ``main``.
+``main`` adds the options to the commands.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from atlas_drake.visualization.overlays import OVERLAYS, overlays_from
 
 
 def add_robot_options(parser: argparse.ArgumentParser) -> None:
-    """Adds what is simulated: robot, world, seed, physics step, any other field."""
+    """Adds the options of the scenario: robot, world, seed, step, any other field."""
     robot = parser.add_argument_group("what is simulated")
     robot.add_argument(
         "--model",
@@ -36,7 +36,7 @@ def add_robot_options(parser: argparse.ArgumentParser) -> None:
         "--seed",
         type=int,
         metavar="N",
-        help="what sensor noise and random variations of a scenario are drawn from",
+        help="seed of the sensor noise and the random variations of a scenario",
     )
     robot.add_argument(
         "--physics-step",
@@ -68,15 +68,15 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
         "--json",
         type=Path,
         metavar="FILE",
-        help="write what happened, with all figures, as JSON",
+        help="write a summary of the run, with all figures, as JSON",
     )
     keep.add_argument(
         "--log",
         type=Path,
         metavar="FILE",
         help="write every command, state, effort and feedback of every control tick: "
-        ".mcap for Foxglove and PlotJuggler (written as the run goes on, so best for "
-        "long ones), .npz or .parquet for Python; see `plot` and `replay`",
+        ".mcap for Foxglove and PlotJuggler (written during the run, so best for "
+        "long runs), .npz or .parquet for Python; see `plot` and `replay`",
     )
     add_record_option(keep)
 
@@ -94,7 +94,7 @@ def add_speed_options(view: argparse._ArgumentGroup, headless: str) -> None:
 
 
 def add_address_options(view: argparse._ArgumentGroup) -> None:
-    """Adds where the 3D view listens."""
+    """Adds host and port of the 3D view."""
     view.add_argument(
         "--port",
         type=_port,
@@ -105,8 +105,8 @@ def add_address_options(view: argparse._ArgumentGroup) -> None:
         "--host",
         default="localhost",
         metavar="H",
-        help="address that the 3D view listens on; with * or 0.0.0.0 whoever reaches "
-        "its port sees the robot, and with teleop steers it (default: %(default)s)",
+        help="address that the 3D view listens on; with * or 0.0.0.0 everyone with "
+        "access to its port can watch, and with teleop steer (default: %(default)s)",
     )
 
 
@@ -125,7 +125,7 @@ def add_record_option(keep: argparse._ArgumentGroup) -> None:
         metavar="FILE",
         help="film the run into a .mp4 or .gif, also with --headless; needs "
         '`pip install "atlas-drake[video]"` and, for each simulated second, 3 to '
-        "6 s of computing, by its size",
+        "6 s of computing, depending on its size",
     )
     keep.add_argument(
         "--video-size",
@@ -139,14 +139,14 @@ def add_record_option(keep: argparse._ArgumentGroup) -> None:
 def add_show_option(
     view: argparse._ArgumentGroup, show: str, offered: Collection[str] = OVERLAYS
 ) -> None:
-    """Adds --show: ``show`` by default, of the overlays ``offered``."""
+    """Adds --show with the overlays ``offered``; ``show`` is the default."""
     missing = [name for name in OVERLAYS if name not in offered]
     view.add_argument(
         "--show",
         type=partial(_overlays, offered=offered),
         default=_overlays(show, offered),
         metavar="LIST",
-        help="what the 3D view shows of the controller's thoughts, with commas: "
+        help="overlays of the controller's state and plan in the 3D view, with commas: "
         + ", ".join(offered)
         + f"; or all, or none (default: {show})"
         + (f"; {', '.join(missing)}: not in a log" if missing else ""),
@@ -157,7 +157,7 @@ def _overlays(text: str, offered: Collection[str]) -> list[str]:
     try:
         return overlays_from(text, offered)
     except ScenarioError as error:
-        # argparse names the option itself.
+        # argparse adds the option's name.
         raise argparse.ArgumentTypeError(error.problem) from error
 
 

@@ -1,4 +1,4 @@
-"""What the command line asks to be watched and kept: 3D view, recording, video.
+"""Outputs of the command line: 3D view, recording, video, text files.
 
 The same for a run and for the replay of its log. Serving the view is in ``viewer``.
 """
@@ -25,18 +25,18 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 WEB_PAGES = (".html", ".htm")
-"""How the name of a recording may end."""
+"""Endings of a recording's name."""
 
 
 def check_outputs(options: argparse.Namespace, names: Collection[str]) -> None:
-    """Refuses a path now rather than after the run.
+    """Checks the output paths before the run.
 
     Args:
-        options: Of the command line; those that are None ask for no file.
-        names: Of the options that name a file to write.
+        options: Options of the command line; None means no file.
+        names: Names of the options that name a file to write.
 
     Raises:
-        ScenarioError: If a file cannot be written, or would take the place of another.
+        ScenarioError: If a file cannot be written, or would overwrite another one.
     """
     taken = {}
     for name in ("scenario", "log"):
@@ -64,16 +64,16 @@ def keep(
     progress: Progress,
     use: Callable[[T], str] = lambda _written: ".",
 ) -> bool:
-    """Writes a file at the end of a run; says whether that went well.
+    """Writes a file at the end of a run; returns True on success.
 
-    What cannot be written takes nothing with it that can.
+    A file that cannot be written does not affect the others.
 
     Args:
-        path: Of the file.
-        write: Writes it.
-        progress: Tells the user.
-        use: From what ``write`` returns, what there is to say of the file: the end of
-            the sentence that names it.
+        path: Path of the file.
+        write: Writes the file.
+        progress: Prints to the user.
+        use: Makes, from the result of ``write``, the end of the sentence that names the
+            file.
     """
     try:
         written = write()
@@ -101,15 +101,15 @@ def keep_video(path: Path, finish: Callable[[], int], progress: Progress) -> boo
     """Completes a video, as ``keep`` does.
 
     Args:
-        path: Of the video.
-        finish: Completes it and returns how many pictures it has.
-        progress: Tells the user.
+        path: Path of the video.
+        finish: Completes the video and returns its number of pictures.
+        progress: Prints to the user.
     """
     return keep(path, finish, progress, lambda pictures: f", {pictures} pictures.")
 
 
 def check_writable(option: str, path: Path) -> None:
-    """Refuses a path now rather than after the run.
+    """Checks an output path before the run.
 
     Raises:
         ScenarioError: If no file can be written there.
@@ -120,7 +120,7 @@ def check_writable(option: str, path: Path) -> None:
 
 
 def video_asked_for(options: argparse.Namespace) -> Video | None:
-    """What is asked of a video, if there is to be one.
+    """Returns the settings of the video, if one is requested.
 
     Raises:
         VideoError: If it cannot be made.
@@ -135,13 +135,12 @@ def video_asked_for(options: argparse.Namespace) -> Video | None:
 
 
 def open_view(options: argparse.Namespace, progress: Progress) -> Meshcat | None:
-    """Serves a 3D view if somebody watches it or it is recorded.
+    """Serves a 3D view if it is watched or recorded.
 
-    To be called before the diagram is built, whose first picture belongs to the
-    recording.
+    Call it before the diagram is built, whose first picture belongs to the recording.
 
     Raises:
-        ScenarioError: If its address cannot be had.
+        ScenarioError: If its address cannot be used.
     """
     if options.headless and options.record is None:
         return None
@@ -157,7 +156,7 @@ def open_view(options: argparse.Namespace, progress: Progress) -> Meshcat | None
 def invite_viewer(
     meshcat: Meshcat | None, options: argparse.Namespace, progress: Progress
 ) -> None:
-    """Says where to watch, and gives a browser the time to open."""
+    """Prints the address of the view, and gives a browser the time to open."""
     if meshcat is not None and not options.headless:
         await_viewer(meshcat, progress.say)
 
@@ -172,7 +171,7 @@ def realtime_rate(options: argparse.Namespace) -> float:
 def keep_recording(
     meshcat: Meshcat | None, options: argparse.Namespace, progress: Progress
 ) -> bool:
-    """Writes the recording, if there is to be one; says whether that went well."""
+    """Writes the recording, if one is requested; returns True on success."""
     if meshcat is None or options.record is None:
         return True
     meshcat.StopRecording()

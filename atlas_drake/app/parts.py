@@ -1,7 +1,7 @@
-"""Parts of one's own on the command line: ``--with FILE.py``.
+"""A user's own parts on the command line: ``--with FILE.py``.
 
-The file defines, by the names of ``AtlasSimulation``'s arguments, whichever parts it
-brings: ``controller``, ``behaviors``, ``world``, ``extend``.
+The file defines any of ``controller``, ``behaviors``, ``world`` and ``extend``, which
+are arguments of ``AtlasSimulation``.
 """
 
 from __future__ import annotations
@@ -35,11 +35,11 @@ def add_parts_option(parser: argparse._ActionsContainer) -> None:
 def load_parts(path: Path | None) -> dict[str, Any]:
     """Runs a file and takes the parts that it defines.
 
-    Modules beside the file can be imported by it. Its ``__name__`` is not
-    ``"__main__"``, so that a program's own run does not begin.
+    The file can import modules beside it. Its ``__name__`` is not ``"__main__"``, so
+    that a program's own run does not start.
 
     Args:
-        path: Of the file; None has no parts.
+        path: Path of the file; None for no parts.
 
     Returns:
         Arguments of ``AtlasSimulation``.
@@ -69,10 +69,11 @@ def load_parts(path: Path | None) -> dict[str, Any]:
 
 
 def behaviors_told(arguments: Sequence[str]) -> str:
-    """What ``--help`` says about the behaviors that can be asked for.
+    """Makes the text of ``--help`` about the behaviors.
 
     Args:
-        arguments: Of the command line; a file that they name brings its behaviors.
+        arguments: Arguments of the command line; behaviors of a ``--with`` file are
+            included.
     """
     from atlas_drake.messages.behavior_catalog import SHIPPED
 

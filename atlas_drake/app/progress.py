@@ -1,6 +1,6 @@
-"""What a run prints while it goes on: events, and how far it is.
+"""Output of a run on the terminal: events and progress.
 
-Text and terminals only; what there is to say comes from the simulation.
+Text and terminals only; the simulation provides the content.
 """
 
 from __future__ import annotations
@@ -11,10 +11,10 @@ import time
 from collections import deque
 from typing import TextIO
 
-from atlas_drake.messages.event import Event
+from atlas_drake.messages.event import FOOTSTEP, Event
 
 REPEAT = 5.0
-"""Between lines of progress where lines cannot be rewritten [s of wall time]."""
+"""Wall time between lines of progress where lines cannot be rewritten [s]."""
 RATE_WINDOW = 1.0
 """Wall time over which the real-time factor is measured [s]."""
 
@@ -48,7 +48,7 @@ class Progress:
         self._stream.flush()
 
     def update(self, sim_time: float, behavior: str) -> None:
-        """Says how far the run is.
+        """Updates the line of progress.
 
         Args:
             sim_time: Simulated time [s].
@@ -80,9 +80,9 @@ class Progress:
 
 
 def event_line(event: Event) -> str:
-    """One line about an event; commands stand out, consequences are indented."""
+    """Makes one line about an event; commands stand out, consequences are indented."""
     text = event.text
-    if event.kind == "footstep" and "error_m" in event.data:
+    if event.kind == FOOTSTEP:
         error = 1000.0 * event.data["error_m"]
         text += f" ({_FEET[event.data['foot']]}, {error:.0f} mm off)"
     indent = "" if event.kind in ("command", "push") else "  "

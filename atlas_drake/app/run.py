@@ -39,21 +39,21 @@ from atlas_drake.visualization.viewer_gate import show_latest
 PIECE = 0.1
 """Simulated time between updates of the progress line [s]."""
 AFTER_FALL = 2.0
-"""How long a fall is watched before the run ends [s]."""
+"""Time after a fall at which the run ends [s]."""
 
 
 def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
-    """Runs a scenario as the command line asks for.
+    """Runs a scenario with the options of the command line.
 
     Args:
-        scenario: As read; options that say what is simulated win over it.
-        options: Of ``atlas-drake demo`` and ``atlas-drake run``.
+        scenario: The scenario as read; options override its fields.
+        options: Options of ``atlas-drake demo`` and ``atlas-drake run``.
 
     Returns:
         The exit status.
 
     Raises:
-        ScenarioError: If anything asked for cannot be done, before anything is.
+        ScenarioError: If an option cannot be used; raised before the run.
     """
     scenario = with_options(scenario, options)
     check_outputs(options, ("json", "record", "video", "log"))
@@ -83,7 +83,7 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
         try:
             stopped = _simulate(sim, progress)
         finally:
-            # Also after a second Ctrl-C: neither can be read if it is not finished.
+            # Also after a second Ctrl-C: unfinished files cannot be read.
             kept = _keep_what_grew(sim, options, progress)
         summary = sim.summary()
         summary["stopped"] = stopped
@@ -107,7 +107,7 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
 def _keep_what_grew(
     sim: AtlasSimulation, options: argparse.Namespace, progress: Progress
 ) -> bool:
-    """Completes video and log, written all along; says whether that went well."""
+    """Completes video and log, which grow during the run; returns True on success."""
     kept = True
     if options.video is not None:
         kept = keep_video(options.video, sim.close_video, progress)
@@ -122,10 +122,10 @@ def _keep_what_grew(
 
 
 def with_options(scenario: Scenario, options: argparse.Namespace) -> Scenario:
-    """Returns a scenario with what the command line says of it; ``--set`` comes last.
+    """Returns a scenario with the options of the command line; ``--set`` comes last.
 
     Raises:
-        ScenarioError: If the scenario then has a value that cannot be used.
+        ScenarioError: If a resulting value cannot be used.
     """
     for name in ("model", "world", "seed", "physics_step"):
         if getattr(options, name) is not None:
@@ -134,14 +134,14 @@ def with_options(scenario: Scenario, options: argparse.Namespace) -> Scenario:
 
 
 INTERRUPTED = "interrupted"
-"""What the summary's ``stopped`` says after Ctrl-C."""
+"""Value of the summary's ``stopped`` after Ctrl-C."""
 
 
 def _simulate(sim: AtlasSimulation, progress: Progress) -> str | None:
     """Advances to the scenario's end.
 
     Returns:
-        None, or why the run ended before that, other than by a fall.
+        None, or the reason of an earlier end other than a fall.
     """
     end = sim.scenario.duration
     with ctrl_c() as asked_to_stop:
@@ -160,7 +160,7 @@ def _simulate(sim: AtlasSimulation, progress: Progress) -> str | None:
 
 
 def verdict(summary: dict[str, Any]) -> str:
-    """What became of a run, in one or two sentences."""
+    """Describes the result of a run in one or two sentences."""
     errors = [step["error_m"] for step in summary["footsteps"]]
     steps = ""
     if errors:
@@ -189,17 +189,17 @@ def verdict(summary: dict[str, Any]) -> str:
 
 
 def quiet_logs() -> None:
-    """Keeps out of the run's lines what they say themselves, or what is no news."""
-    # Refusals are events, printed with all others.
+    """Silences log messages that repeat the run's own lines or are irrelevant."""
+    # Refusals are events, which are printed with the others.
     logging.getLogger("atlas_drake").propagate = False
     drake = logging.getLogger("drake")
-    # The address of the 3D view is a line of its own.
+    # The address of the 3D view is printed separately.
     drake.setLevel(logging.WARNING)
     drake.addFilter(is_news)
 
 
 def _plain(value: Any) -> Any:
-    """The same without infinities and NaN, which JSON does not know."""
+    """Replaces infinities and NaN, which JSON does not have."""
     if isinstance(value, dict):
         return {key: _plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):

@@ -1,6 +1,7 @@
-"""``atlas-drake teleop``: serve the panel, say the keys, go on until Ctrl-C.
+"""``atlas-drake teleop``: serve the panel, print the keys, run until Ctrl-C.
 
-What the panel does is in ``commander``; a slice of time is in ``session``.
+Orders of the panel are in ``teleop.commander``; the loop's slice is in
+``teleop.session``.
 """
 
 from __future__ import annotations
@@ -29,17 +30,17 @@ from atlas_drake.visualization.overlays import Overlays
 
 
 def run_teleop(scenario: Scenario, options: argparse.Namespace) -> int:
-    """Lets somebody steer until Ctrl-C, or for ``options.duration`` [s].
+    """Runs teleoperation until Ctrl-C, or for ``options.duration`` [s].
 
     Args:
-        scenario: As read; options that say what is simulated win over it.
-        options: Of ``atlas-drake teleop``.
+        scenario: The scenario as read; options override its fields.
+        options: Options of ``atlas-drake teleop``.
 
     Returns:
         The exit status.
 
     Raises:
-        ScenarioError: If anything asked for cannot be done, before anything is.
+        ScenarioError: If an option cannot be used; raised before the run.
     """
     scenario = with_options(scenario, options)
     quiet_logs()
@@ -64,7 +65,7 @@ def run_teleop(scenario: Scenario, options: argparse.Namespace) -> int:
             open_on_desktop(meshcat.web_url())
         failure = _steer(sim, session, progress, options.duration, asked_to_stop)
     summary = sim.summary()
-    # Nobody but the one who steered knows what was to be achieved.
+    # Teleoperation has no goal to judge; only an error counts as a failure.
     summary["stopped"] = failure or INTERRUPTED
     progress.say(verdict(summary))
     return exit_status.OK if failure is None else exit_status.FAILED
@@ -77,7 +78,7 @@ def _steer(
     end: float,
     asked_to_stop: threading.Event,
 ) -> str | None:
-    """Goes on until the end or Ctrl-C; says what went wrong, if anything."""
+    """Runs until the end or Ctrl-C; returns the error, if any."""
     fallen = False
     try:
         while sim.time < end and not asked_to_stop.is_set():

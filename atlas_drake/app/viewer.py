@@ -1,6 +1,6 @@
-"""The 3D view from the command line's side: serve it, wait for it, keep it open.
+"""The 3D view on the command line: serve it, wait for a browser, keep it open.
 
-What it shows is in ``visualization``.
+The displays are in ``visualization``.
 """
 
 from __future__ import annotations
@@ -20,14 +20,14 @@ from atlas_drake.errors import ScenarioError, shown
 from atlas_drake.numeric import is_whole
 
 VIEWER_PATIENCE = 15.0
-"""How long the start waits for a browser [s]."""
+"""Longest time that the start waits for a browser [s]."""
 
 LOCALHOST, ANYWHERE = "localhost", "*"
-"""Hosts that stand for this computer alone, and for all its addresses."""
+"""Hosts for this computer alone, and hosts for all its addresses."""
 PORTS_TRIED = 100
-"""How many ports from the one asked for on may be in use."""
+"""Number of ports, from the requested one on, that are tried."""
 FIRST_PORT, LAST_PORT = 1024, 65535
-"""Ports that Meshcat takes, besides 0, which stands for any that is free."""
+"""Range of ports that Meshcat accepts, besides 0, which stands for any free port."""
 
 
 def start_meshcat(
@@ -35,17 +35,17 @@ def start_meshcat(
     port: int | None = None,
     say: Callable[[str], object] = print,
 ) -> Meshcat:
-    """Starts to serve an empty 3D view, for this computer alone unless told otherwise.
+    """Starts to serve an empty 3D view, by default for this computer only.
 
     Args:
         host: Address to listen on; ``*`` stands for all.
         port: Port to listen on; if it is in use the next free one is taken. None
             takes the first free one from 7000.
-        say: Is told when it is another port than the one asked for, and when other
-            computers can reach it.
+        say: Called with a message if the port differs from the requested one, and if
+            other computers can reach the view.
 
     Raises:
-        ScenarioError: If that address cannot be had.
+        ScenarioError: If that address cannot be used.
     """
     if port is not None and not (
         is_whole(port) and (port == 0 or FIRST_PORT <= port <= LAST_PORT)
@@ -78,12 +78,12 @@ def start_meshcat(
 
 
 def interactive() -> bool:
-    """Whether somebody sits there who can press keys."""
+    """Returns True if a user at the terminal can press keys."""
     return sys.stdin.isatty() and sys.stdout.isatty()
 
 
 def _address_of(host: str) -> str:
-    """Refuses an address that is not this computer's; Meshcat does not say why."""
+    """Refuses an address of another computer; Meshcat's own error gives no reason."""
     try:
         family, kind, _, _, address = socket.getaddrinfo(
             host, 0, type=socket.SOCK_STREAM
@@ -91,7 +91,7 @@ def _address_of(host: str) -> str:
         with socket.socket(family, kind) as probe:
             probe.bind(address)
             return str(address[0])
-    except (OSError, ValueError) as error:  # No such address, or no name of any host.
+    except (OSError, ValueError) as error:  # No such address, or no such host name.
         problem = getattr(error, "strerror", None) or error
         raise ScenarioError(
             "--host", host, f"cannot listen on {host}: {problem}"
@@ -99,7 +99,7 @@ def _address_of(host: str) -> str:
 
 
 def _is_loopback(address: str) -> bool:
-    # What follows a % is the interface of an IPv6 address.
+    # The part after % is the interface of an IPv6 address.
     return ipaddress.ip_address(address.partition("%")[0]).is_loopback
 
 
@@ -107,7 +107,7 @@ def open_on_desktop(address: str) -> bool:
     """Opens a page or picture where there is a graphical desktop to show it.
 
     Returns:
-        Whether it was opened.
+        True if it was opened.
     """
     graphical = sys.platform == "darwin" or any(
         os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY")
@@ -117,9 +117,9 @@ def open_on_desktop(address: str) -> bool:
 
 
 def await_viewer(meshcat: Meshcat, say: Callable[[str], object] = print) -> None:
-    """Says where to watch, and gives a browser the time to open and show the start.
+    """Prints the address, and gives a browser the time to open and show the start.
 
-    Where nobody sits at the terminal there is nobody to wait for.
+    Does not wait if no user is at the terminal.
     """
     say(f"Watch at {meshcat.web_url()}")
     if not interactive():
@@ -132,7 +132,7 @@ def await_viewer(meshcat: Meshcat, say: Callable[[str], object] = print) -> None
 
 
 def keep_serving(progress: Progress) -> None:
-    """Leaves the view open until somebody presses Enter or Ctrl-C."""
+    """Keeps the view open until the user presses Enter or Ctrl-C."""
     progress.say("The 3D view stays open. Press Enter to quit.")
     try:
         sys.stdin.readline()

@@ -92,7 +92,7 @@ class Balance:
 
     def command(
         self,
-        seen: Observation,
+        observation: Observation,
         body: BodyReference,
         reference: DcmReference,
         omega: float,
@@ -100,8 +100,8 @@ class Balance:
         feet: tuple[FootCommand, FootCommand],
     ) -> WholeBodyCommand:
         """The QP's command that tracks ``reference`` within ``support``."""
-        terms, gains = seen.terms, self.gains
-        cop = self.wanted_cop(seen, reference, omega, support)
+        terms, gains = observation.terms, self.gains
+        cop = self.wanted_cop(observation, reference, omega, support)
         # Enhanced centroidal moment pivot: g/ω² below the virtual repellent point.
         x, y = cop.tolist()
         p_WE = np.array([x, y, terms.com[2] - GRAVITY / (omega * omega)])
@@ -111,7 +111,7 @@ class Balance:
             terms, body.height, body.height_rate, gains.com_height
         )
         turning = np.array([0.0, 0.0, body.yaw_rate])
-        if seen.user_held[self._back].any():
+        if observation.user_held[self._back].any():
             # The user bends the back: the chest goes where the user puts it, and the
             # pelvis must not be tilted to bring it upright.
             chest = np.zeros(3)
@@ -125,7 +125,7 @@ class Balance:
         file = self.robot.file
         return self.on_feet(
             feet,
-            PostureTask(self.posture(seen, body), self._joint_weight),
+            PostureTask(self.posture(observation, body), self._joint_weight),
             OrientationTask(file.chest, chest, self._chest_weight),
             OrientationTask(file.pelvis, pelvis, self._pelvis_weight),
             MomentTask(p_WE, self._moment_weight),
@@ -147,74 +147,82 @@ class Balance:
 
     def wanted_cop(
         self,
-        seen: Observation,
+        observation: Observation,
         reference: DcmReference,
         omega: float,
         support: SupportPolygon,
     ) -> np.ndarray:
         """Computes the CoP within ``support`` that tracks ``reference`` [m], (2,)."""
-        error = feedback.dcm(seen.terms, omega) - reference.dcm
+        error = feedback.dcm(observation.terms, omega) - reference.dcm
         cop = feedback.feedback_cop(error, reference.cop, self.gains.dcm_gain)
         return support.clamp(cop)
 
-    def posture(self, seen: Observation, body: BodyReference) -> np.ndarray:
+    def posture(self, observation: Observation, body: BodyReference) -> np.ndarray:
         """Joint accelerations towards the posture [rad/s²], shape (n,)."""
-        gains, terms = self.gains.posture, seen.terms
+        gains, terms = self.gains.posture, observation.terms
         return gains.kp * (body.joints - terms.q) - gains.kd * terms.v
 
-    def pressed(self, seen: Observation, foot: int, load: float) -> FootCommand:
+    def pressed(self, observation: Observation, foot: int, load: float) -> FootCommand:
         """A new foot, loaded by at least ``load`` weights so that it turns flat."""
         return FootCommand(
-            self._resting(seen, foot, self._stance_weight),
+            self._resting(observation, foot, self._stance_weight),
             self._contact(foot, self._patches.middle, FULL_LOAD, load),
         )
 
     def planted(
-        self, seen: Observation, foot: int, max_load: float = FULL_LOAD
+        self, observation: Observation, foot: int, max_load: float = FULL_LOAD
     ) -> FootCommand:
         """A foot that stays where it is, loaded by at most ``max_load`` weights."""
         return FootCommand(
-            self._resting(seen, foot, self._stance_weight),
+            self._resting(observation, foot, self._stance_weight),
             self._soles[foot]
             if max_load == FULL_LOAD
             else self._contact(foot, self._patches.whole, max_load),
         )
 
-    def hanging(self, seen: Observation, foot: int) -> FootCommand:
+    def hanging(self, observation: Observation, foot: int) -> FootCommand:
         """A foot in the air that is to stop moving."""
-        return FootCommand(self._resting(seen, foot, self._swing_weight))
+        return FootCommand(self._resting(observation, foot, self._swing_weight))
 
     def swinging(
-        self, seen: Observation, foot: int, reference: SwingReference
+        self, observation: Observation, foot: int, reference: SwingReference
     ) -> FootCommand:
         """A foot in the air that follows ``reference``."""
-        return FootCommand(self._following(seen, foot, reference, self._swing_weight))
+        return FootCommand(
+            self._following(observation, foot, reference, self._swing_weight)
+        )
 
     def toeing_off(
-        self, seen: Observation, foot: int, reference: SwingReference, max_load: float
+        self,
+        observation: Observation,
+        foot: int,
+        reference: SwingReference,
+        max_load: float,
     ) -> FootCommand:
         """A foot on its toes, whose heel follows ``reference``."""
         return FootCommand(
-            self._following(seen, foot, reference, self._stance_weight),
+            self._following(observation, foot, reference, self._stance_weight),
             self._contact(foot, self._patches.toes, max_load),
         )
 
-    def _resting(self, seen: Observation, foot: int, weight: np.ndarray) -> FrameTask:
+    def _resting(
+        self, observation: Observation, foot: int, weight: np.ndarray
+    ) -> FrameTask:
         """The task that brings a sole to rest."""
         acceleration = feedback.stance_acceleration(
-            seen.terms.feet[foot], self.gains.stance_foot_damping
+            observation.terms.feet[foot], self.gains.stance_foot_damping
         )
         return FrameTask(self._frames[foot], acceleration, weight)
 
     def _following(
         self,
-        seen: Observation,
+        observation: Observation,
         foot: int,
         reference: SwingReference,
         weight: np.ndarray,
     ) -> FrameTask:
         """The task that moves a sole along ``reference``."""
-        gains, terms = self.gains, seen.terms.feet[foot]
+        gains, terms = self.gains, observation.terms.feet[foot]
         acceleration = np.empty(6)
         acceleration[:3] = reference.alpha_WF + orientation_acceleration(
             reference.R_WF,

@@ -16,7 +16,8 @@ from atlas_drake.behaviors.body_reference import BodyReference
 from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.whole_body.command import WholeBodyCommand
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
-from atlas_drake.messages import AtlasSimInterfaceCommand, AtlasSimInterfaceState
+from atlas_drake.messages import AtlasSimInterfaceState
+from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan
 from atlas_drake.messages.event import Event
 
@@ -76,18 +77,18 @@ class BehaviorProtocol(Protocol):
 
     def enter(
         self,
-        seen: Observation,
+        observation: Observation,
         body: BodyReference,
-        request: AtlasSimInterfaceCommand,
+        request: BehaviorRequest,
     ) -> Any:
         """The memory with which the behavior starts."""
 
     def update(
         self,
         memory: Any,
-        seen: Observation,
+        observation: Observation,
         body: BodyReference,
-        request: AtlasSimInterfaceCommand,
+        request: BehaviorRequest,
         leaving: bool,
     ) -> Outcome:
         """One tick; ``leaving`` asks it to come to an end in good order."""

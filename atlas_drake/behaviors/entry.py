@@ -60,13 +60,13 @@ class Transition:
 
     Attributes:
         source: Entry of the active behavior.
-        seen: What the robot measures now.
+        observation: What the robot measures now.
         tools: Of the behaviors.
         command: That asks.
     """
 
     source: BehaviorEntry
-    seen: Observation
+    observation: Observation
     tools: BehaviorTools
     command: AtlasSimInterfaceCommand
 

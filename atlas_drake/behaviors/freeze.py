@@ -15,7 +15,8 @@ from atlas_drake.behaviors.base import Observation, Outcome
 from atlas_drake.behaviors.body_reference import BodyReference, capture_body
 from atlas_drake.bounds import Share
 from atlas_drake.control.whole_body.tasks import PostureTask
-from atlas_drake.messages import AtlasSimInterfaceCommand, AtlasSimInterfaceState
+from atlas_drake.messages import AtlasSimInterfaceState
+from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan
 
 
@@ -48,34 +49,36 @@ class Freeze:
 
     def enter(
         self,
-        seen: Observation,
+        observation: Observation,
         body: BodyReference,
-        request: AtlasSimInterfaceCommand,
+        request: BehaviorRequest,
     ) -> FreezeMemory:
         """Notes where the joints are."""
-        return FreezeMemory(seen.terms.q.copy())
+        return FreezeMemory(observation.terms.q.copy())
 
     def update(
         self,
         memory: FreezeMemory,
-        seen: Observation,
+        observation: Observation,
         body: BodyReference,
-        request: AtlasSimInterfaceCommand,
+        request: BehaviorRequest,
         leaving: bool,
     ) -> Outcome:
         """One tick of holding still."""
         # Whoever comes next starts from the pose that is, not from one remembered.
-        body = capture_body(seen.terms)
-        joints = np.where(seen.user_held, seen.terms.q, memory.joints)
+        body = capture_body(observation.terms)
+        joints = np.where(observation.user_held, observation.terms.q, memory.joints)
         gains = self._balance.gains.posture
-        carrying = seen.foot_force > self._least_load
+        carrying = observation.foot_force > self._least_load
         left, right = (
-            self._balance.planted(seen, foot)
+            self._balance.planted(observation, foot)
             if carrying[foot]
-            else self._balance.hanging(seen, foot)
+            else self._balance.hanging(observation, foot)
             for foot in (0, 1)
         )
-        still = gains.kp * (joints - seen.terms.q) - gains.kd * seen.terms.v
+        still = (
+            gains.kp * (joints - observation.terms.q) - gains.kd * observation.terms.v
+        )
         command = self._balance.on_feet((left, right), PostureTask(still, self._weight))
         return Outcome(memory=FreezeMemory(joints), body=body, command=command)
 

@@ -10,7 +10,8 @@ import numpy as np
 
 from atlas_drake.behaviors.base import Observation, Outcome
 from atlas_drake.behaviors.body_reference import BodyReference, capture_body
-from atlas_drake.messages import AtlasSimInterfaceCommand, AtlasSimInterfaceState
+from atlas_drake.messages import AtlasSimInterfaceState
+from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan
 
 
@@ -19,22 +20,22 @@ class Idle:
 
     def enter(
         self,
-        seen: Observation,
+        observation: Observation,
         body: BodyReference,
-        request: AtlasSimInterfaceCommand,
+        request: BehaviorRequest,
     ) -> None:
         """There is nothing to note."""
 
     def update(
         self,
         memory: None,
-        seen: Observation,
+        observation: Observation,
         body: BodyReference,
-        request: AtlasSimInterfaceCommand,
+        request: BehaviorRequest,
         leaving: bool,
     ) -> Outcome:
         """One tick: the body reference follows the robot."""
-        return Outcome(memory=None, body=capture_body(seen.terms), command=None)
+        return Outcome(memory=None, body=capture_body(observation.terms), command=None)
 
     def plan(self, memory: None, com: np.ndarray, omega: float) -> Plan:
         """Nothing is planned."""

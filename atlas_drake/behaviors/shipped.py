@@ -28,16 +28,21 @@ def at_rest_over_the_feet(asked: Transition) -> BehaviorStatus:
     """STAND takes over a robot that does not fall and whose joints are not too fast."""
     if asked.source.balanced:
         return BehaviorStatus.OK
-    seen, limits = asked.seen, asked.tools.entry_limits
-    terms = seen.terms
-    support = asked.tools.balance.support(seen.foot_pose(0), seen.foot_pose(1))
+    observation, limits = asked.observation, asked.tools.entry_limits
+    terms = observation.terms
+    support = asked.tools.balance.support(
+        observation.foot_pose(0), observation.foot_pose(1)
+    )
     if support.distance_outside(terms.com[:2]) > -limits.com_inside:
         return BehaviorStatus.FAILED_TRANS_COM_POS
     omega = feedback.pendulum_frequency(float(terms.com[2]) - mean_sole_height(terms))
     dcm = feedback.dcm(terms, omega)
     if support.distance_outside(dcm) > -limits.dcm_inside:
         return BehaviorStatus.FAILED_TRANS_COM_VEL
-    if float(np.abs(terms.v[~seen.user_held]).max(initial=0.0)) > limits.joint_speed:
+    if (
+        float(np.abs(terms.v[~observation.user_held]).max(initial=0.0))
+        > limits.joint_speed
+    ):
         return BehaviorStatus.FAILED_TRANS_VEL
     return BehaviorStatus.OK
 
@@ -62,8 +67,8 @@ def _manipulate(tools: BehaviorTools, config: ManipulateConfig) -> Any:
 def _entry(behavior: Behavior, **how: Any) -> BehaviorEntry:
     """The entry of a behavior of the original interface."""
     interface = SHIPPED.entry(behavior)
-    seen = {field.name: getattr(interface, field.name) for field in fields(interface)}
-    return BehaviorEntry(**{**seen, "follows": (), **how})
+    shared = {field.name: getattr(interface, field.name) for field in fields(interface)}
+    return BehaviorEntry(**{**shared, "follows": (), **how})
 
 
 _UNBALANCED = {

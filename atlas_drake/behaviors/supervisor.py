@@ -30,7 +30,6 @@ from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.errors import ErrorCode, shown
 from atlas_drake.frozen import replace
 from atlas_drake.messages import (
-    AtlasSimInterfaceCommand,
     AtlasSimInterfaceState,
     Behavior,
     BehaviorStatus,
@@ -52,9 +51,9 @@ class SupervisorState:
         memory: The active behavior's own; None before its first tick.
         entered: Whether it has had that tick.
         body: Reference of trunk and posture; None before the first tick.
-        request_number: Of the last request acted upon.
-        heard: The last command that was the active behavior's business: the one that
-            it began with, or one of its own kind since; None before the first tick.
+        request_number: Of the last request taken, refused ones too.
+        request: The active behavior's last one: the one that it began with, or one of
+            its own kind since; None before the first tick.
         status: Flags of the last transition.
         trans_from: Behavior that the last transition left.
         trans_to: Behavior that the last transition was to.
@@ -73,7 +72,7 @@ class SupervisorState:
     entered: bool = False
     body: BodyReference | None = None
     request_number: int = 0
-    heard: AtlasSimInterfaceCommand | None = None
+    request: BehaviorRequest | None = None
     status: BehaviorStatus = BehaviorStatus.OK
     trans_from: Behavior = Behavior.NONE
     trans_to: Behavior = Behavior.NONE
@@ -144,14 +143,14 @@ class Supervisor:
     def update(
         self,
         state: SupervisorState,
-        seen: Observation,
+        observation: Observation,
         requests: Sequence[BehaviorRequest],
     ) -> tuple[SupervisorState, WholeBodyCommand | None]:
         """One tick.
 
         Args:
             state: After the last tick.
-            seen: What the robot measures now.
+            observation: What the robot measures now.
             requests: The latest ones, at least one, oldest first; those that came
                 since the last tick are acted upon in their order.
 
@@ -161,37 +160,33 @@ class Supervisor:
         """
         if state.body is None:
             state = replace(
-                state, body=capture_body(seen.terms), heard=requests[0].command
+                state, body=capture_body(observation.terms), request=requests[0]
             )
-        state = self._watch_for_fall(state, seen)
+        state = self._watch_for_fall(state, observation)
         if requests[-1].number != state.request_number:
-            for request in requests:
-                if request.number > state.request_number:
-                    state = self._take_request(state, seen, request)
+            for new in requests:
+                if new.number > state.request_number:
+                    state = self._take_request(state, observation, new)
         if state.in_damping_mode:
             # There is nothing left to do, nor to tell of.
-            return replace(state, body=capture_body(seen.terms)), None
-        command = state.heard
-        assert command is not None
+            return replace(state, body=capture_body(observation.terms)), None
+        request = state.request
+        assert request is not None
         if not state.entered:
-            state = self._enter(state, seen, command)
+            state = self._enter(state, observation, request)
 
         if self._entries[state.current].lifts_feet and not state.warned:
-            state = self._warn_of_user_legs(state, seen)
+            state = self._warn_of_user_legs(state, observation)
         assert state.body is not None
         behavior = self.behaviors[state.current]
         outcome = behavior.update(
             state.memory,
-            seen,
+            observation,
             state.body,
-            command,
+            request,
             leaving=state.desired != state.current,
         )
-        if not isinstance(outcome, Outcome):
-            raise BehaviorError(
-                f"update of {state.current.name} must return an Outcome, returned "
-                f"{shown(outcome)}"
-            )
+        _check_outcome(outcome, state.current)
         state = replace(
             state,
             memory=outcome.memory,
@@ -207,7 +202,7 @@ class Supervisor:
                 if asked
                 else BehaviorStatus.WARNING_AUTO_TRANS
             )
-            state = self._change(state, seen, Behavior.STAND, status)
+            state = self._change(state, observation, Behavior.STAND, status)
         return state, None if state.falling else outcome.command
 
     def report(self, state: SupervisorState, message: AtlasSimInterfaceState) -> None:
@@ -237,12 +232,18 @@ class Supervisor:
         """
         if state.memory is None or state.in_damping_mode:
             return Plan()
-        return self.behaviors[state.current].plan(state.memory, com, omega)
+        plan = self.behaviors[state.current].plan(state.memory, com, omega)
+        if not isinstance(plan, Plan):
+            raise BehaviorError(
+                f"plan of {state.current.name} must return a Plan, returned "
+                f"{shown(plan)}"
+            )
+        return plan
 
     # ---- transitions ---------------------------------------------------------
 
     def _take_request(
-        self, state: SupervisorState, seen: Observation, request: BehaviorRequest
+        self, state: SupervisorState, observation: Observation, request: BehaviorRequest
     ) -> SupervisorState:
         state = replace(
             state, request_number=request.number, error_code=ErrorCode.NO_ERRORS
@@ -251,20 +252,20 @@ class Supervisor:
         if target not in self._entries:
             text = f"{target.name} refused: the controller has no such behavior"
             state = replace(state, error_code=ErrorCode.BEHAVIOR_NOT_IMPLEMENTED)
-            return _log(state, Event(seen.time, "refusal", text))
+            return _log(state, Event(observation.time, "refusal", text))
         if target is state.current and not state.in_damping_mode:
             # More of the same, such as further steps, or second thoughts about
             # leaving.
             status = state.status & ~BehaviorStatus.TRANSITION_IN_PROGRESS
-            return replace(state, desired=target, status=status, heard=request.command)
+            return replace(state, desired=target, status=status, request=request)
         # In damping mode no behavior has the robot, whichever is active.
         source = self._entries[
             Behavior.FREEZE if state.in_damping_mode else state.current
         ]
-        asked = Transition(source, seen, self._tools, request.command)
+        asked = Transition(source, observation, self._tools, request.command)
         entry = self._entries[target]
         why, reason = refusal(entry, asked)
-        sign = self._sign_of_fall(seen) if entry.upright else ""
+        sign = self._sign_of_fall(observation) if entry.upright else ""
         if sign and why is BehaviorStatus.OK:
             why = BehaviorStatus.FAILED_TRANS_COM_POS
             reason = f"{sign}; a reset puts the robot back on its feet"
@@ -278,7 +279,7 @@ class Supervisor:
                 trans_from=state.current,
                 trans_to=target,
             )
-            return _log(state, Event(seen.time, "refusal", text))
+            return _log(state, Event(observation.time, "refusal", text))
         if source.ends_in_order and target is Behavior.STAND:
             # It comes to an end in good order, and says when it is done.
             return replace(
@@ -288,13 +289,15 @@ class Supervisor:
                 trans_from=state.current,
                 trans_to=target,
             )
-        state = replace(state, heard=request.command)
-        return self._change(state, seen, target, BehaviorStatus.TRANSITION_SUCCESS)
+        state = replace(state, request=request)
+        return self._change(
+            state, observation, target, BehaviorStatus.TRANSITION_SUCCESS
+        )
 
     def _change(
         self,
         state: SupervisorState,
-        seen: Observation,
+        observation: Observation,
         target: Behavior,
         status: BehaviorStatus,
     ) -> SupervisorState:
@@ -312,12 +315,12 @@ class Supervisor:
             trans_to=target,
             behavior_flags=0,
             warned=False,
-            falling=state.falling and bool(self._sign_of_fall(seen)),
+            falling=state.falling and bool(self._sign_of_fall(observation)),
         )
         return _log(
             state,
             Event(
-                seen.time,
+                observation.time,
                 "behavior",
                 text,
                 {"from": state.trans_from.name, "to": target.name},
@@ -327,40 +330,42 @@ class Supervisor:
     def _enter(
         self,
         state: SupervisorState,
-        seen: Observation,
-        command: AtlasSimInterfaceCommand,
+        observation: Observation,
+        request: BehaviorRequest,
     ) -> SupervisorState:
         assert state.body is not None
         behavior = self.behaviors[state.current]
-        memory = behavior.enter(seen, state.body, command)
+        memory = behavior.enter(observation, state.body, request)
         return replace(state, memory=memory, entered=True)
 
     def _warn_of_user_legs(
-        self, state: SupervisorState, seen: Observation
+        self, state: SupervisorState, observation: Observation
     ) -> SupervisorState:
         """Steps with a leg under user control are allowed, and seldom end well."""
-        held = self._legs[seen.user_held[self._legs]]
+        held = self._legs[observation.user_held[self._legs]]
         if not held.size:
             return state
         names = ", ".join(self._tools.robot.joint_names[i] for i in held)
         text = f"{state.current.name} with leg joints under user control: {names}"
-        return _log(replace(state, warned=True), Event(seen.time, "warning", text))
+        return _log(
+            replace(state, warned=True), Event(observation.time, "warning", text)
+        )
 
     def _watch_for_fall(
-        self, state: SupervisorState, seen: Observation
+        self, state: SupervisorState, observation: Observation
     ) -> SupervisorState:
         """Notices a fall before the robot hits the ground."""
         if state.falling:
             return state
-        sign = self._sign_of_fall(seen)
+        sign = self._sign_of_fall(observation)
         if not sign:
             return state
         text = f"falling in {state.current.name} ({sign})"
-        return _log(replace(state, falling=True), Event(seen.time, "fall", text))
+        return _log(replace(state, falling=True), Event(observation.time, "fall", text))
 
-    def _sign_of_fall(self, seen: Observation) -> str:
+    def _sign_of_fall(self, observation: Observation) -> str:
         return sign_of_fall(
-            posture_of(seen.terms), self._tools.nominal_height, self._fall_limits
+            posture_of(observation.terms), self._tools.nominal_height, self._fall_limits
         )
 
 
@@ -380,6 +385,35 @@ def _made(entry: BehaviorEntry, tools: BehaviorTools, config: Any) -> BehaviorPr
     return behavior
 
 
+def _check_outcome(outcome: object, behavior: Behavior) -> None:
+    """Raises BehaviorError unless an update returned an outcome that can be used."""
+    if not isinstance(outcome, Outcome):
+        raise BehaviorError(
+            f"update of {behavior.name} must return an Outcome, returned "
+            f"{shown(outcome)}"
+        )
+    for name, kind in _OUTCOME.items():
+        value = getattr(outcome, name)
+        if not isinstance(value, kind):
+            raise BehaviorError(
+                f"{name} in the Outcome of {behavior.name} must be "
+                f"{' or '.join(k.__name__ for k in kind)}, is {shown(value)}"
+            )
+    for event in outcome.events:
+        if not isinstance(event, Event):
+            raise BehaviorError(
+                f"events in the Outcome of {behavior.name} must be Event values, has "
+                f"{shown(event)}"
+            )
+
+
+_OUTCOME = {
+    "body": (BodyReference,),
+    "command": (WholeBodyCommand, type(None)),
+    "status_flags": (int, np.integer),
+    "events": (tuple, list),
+}
+"""Types of an outcome's fields; ``finished`` may be whatever is true or not."""
 _SUBSTATES = 7
 """Bits of a behavior's flags that say where it is now, and so do not latch."""
 

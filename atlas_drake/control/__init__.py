@@ -1,4 +1,5 @@
 """Whole-body control as pure functions: model terms, QP, balance and step planning.
 
-Knows numpy and a Drake plant for kinematics; no diagram, no ports, no messages.
+Uses numpy, and a Drake plant for kinematics and dynamics. Diagrams, ports and messages
+are in higher layers.
 """

@@ -1,8 +1,8 @@
 """Gains and weights of the whole-body controller, as data.
 
-All robots share them; what is a robot's own, such as the joints' default gains, stands
-in its file. What each value means and why it is what it is stands beside it. No code
-that uses them.
+All robots share these values; values of one robot, such as the joints' default gains,
+are in the robot's YAML file. Each value has its meaning and reason beside it. The code
+that uses the values is elsewhere.
 """
 
 from __future__ import annotations
@@ -36,43 +36,48 @@ class QpWeights:
     their sum passes through the center of pressure that balance asks for
     [1/(m/s²)²]."""
     pelvis_orientation: float = 2.0
-    """[1/(rad/s²)²]."""
+    """Orientation of the pelvis [1/(rad/s²)²]."""
     chest_orientation: float = 0.2
-    """[1/(rad/s²)²]."""
+    """Orientation of the chest [1/(rad/s²)²]."""
     stance_foot: float = 50.0
-    """Feet on the ground keep still [1/(m/s²)²]."""
+    """Stance feet keep still [1/(m/s²)²]."""
     swing_foot_position: float = 20.0
-    """[1/(m/s²)²]."""
+    """Position of the swing foot [1/(m/s²)²]."""
     swing_foot_orientation: float = 10.0
-    """[1/(rad/s²)²]."""
+    """Orientation of the swing foot [1/(rad/s²)²]."""
     contact_force: Positive = 1e-6
-    """Spreads the load over the feet [1/N²]."""
+    """Contact forces: spreads the load over the feet [1/N²]."""
     contact_moment: Positive = 1e-4
-    """Keeps the pressure near the soles' middles [1/(N·m)²]."""
+    """Contact moments: keeps the center of pressure near the middle of each sole
+    [1/(N·m)²]."""
     internal_contact_force: float = 3e-5
-    """Feet pushing against each other horizontally, per difference: enough to keep them
-    from it where nothing is won, not where knees at their limit need it [1/N²]."""
+    """Internal contact force: horizontal forces of the feet against each other. Large
+    enough to prevent them where they have no use, small enough to allow them where
+    knees at their limit need them [1/N²]."""
     internal_contact_moment: float = 1e-3
-    """Feet turning against each other about the vertical [1/(N·m)²]."""
+    """Internal contact moment: moments of the feet against each other about the
+    vertical [1/(N·m)²]."""
 
 
 @dataclass(frozen=True)
 class ContactModel:
-    """What the controller assumes of each sole on the ground."""
+    """Contact of each sole with the ground, as the controller assumes it."""
 
     friction: Positive = 0.5
-    """Coefficient that the QP keeps to; below the grounds it is meant for."""
+    """Friction coefficient assumed by the QP; lower than that of the intended grounds,
+    as a reserve."""
     length_margin: float = 0.015
-    """Strip at toe and heel that the center of pressure stays out of [m]."""
+    """Width of the strip at toe and heel that is closed to the center of pressure
+    [m]."""
     width_margin: float = 0.010
-    """Strip at both sides that it stays out of [m]."""
+    """Width of the strip at both sides that is closed to the center of pressure [m]."""
     yaw_moment_arm: float = 0.05
-    """Lever of friction about the normal [m]."""
+    """Greatest moment about the normal, as a lever arm of the friction force [m]."""
 
 
 @dataclass(frozen=True)
 class JointLimitGains:
-    """How joint accelerations are bounded so that positions keep their limits."""
+    """Bounds on joint accelerations that keep joint positions within their limits."""
 
     kp: float = 400.0
     """[1/s²]"""
@@ -91,7 +96,8 @@ class ControlGains:
     joint_limits: JointLimitGains = field(default_factory=JointLimitGains)
     com_height: PdGains = PdGains(kp=40.0, kd=12.0)
     dcm_gain: float = 2.0
-    """Center of pressure moves this many times the DCM's error, beyond it [-]."""
+    """Gain k of the DCM feedback: the center of pressure moves by (1 + k) times the
+    error of the DCM [-]."""
     orientation: PdGains = PdGains(kp=100.0, kd=20.0)
     """Pelvis and chest."""
     stance_foot_damping: float = 10.0

@@ -26,7 +26,7 @@ def rotation_error(R_WD: np.ndarray, R_WB: np.ndarray) -> np.ndarray:
 
 
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """The vector product of two vectors of shape (3,)."""
+    """Computes the cross product of two vectors of shape (3,)."""
     ax, ay, az = a.tolist()
     bx, by, bz = b.tolist()
     return np.array([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
@@ -62,7 +62,9 @@ def tilt_of(R: np.ndarray) -> np.ndarray:
 
 
 def orientation(yaw: float, tilt: np.ndarray) -> np.ndarray:
-    """Roll, then pitch, then yaw about W's axes; the inverse of the above.
+    """Computes the rotation by roll, then pitch, then yaw about the axes of W.
+
+    The inverse of ``yaw_of`` and ``tilt_of``.
 
     Args:
         yaw: [rad]
@@ -96,7 +98,7 @@ def rotation_with_normal(yaw: float, normal: np.ndarray) -> np.ndarray:
 
 
 def rotation_vector(R: np.ndarray) -> np.ndarray:
-    """Axis times angle of a rotation by less than half a turn [rad], shape (3,)."""
+    """Computes axis times angle of a rotation below half a turn [rad], shape (3,)."""
     sine_axis = rotation_error(R, np.eye(3))
     sine = math.sqrt(sine_axis @ sine_axis)
     if sine == 0.0:
@@ -106,7 +108,7 @@ def rotation_vector(R: np.ndarray) -> np.ndarray:
 
 
 def rotation_about(vector: np.ndarray) -> np.ndarray:
-    """Rotation about ``vector`` by its length [rad], shape (3, 3)."""
+    """Computes the rotation about ``vector`` by its length [rad], shape (3, 3)."""
     angle = math.sqrt(vector @ vector)
     if angle == 0.0:
         return np.eye(3)
@@ -116,7 +118,7 @@ def rotation_about(vector: np.ndarray) -> np.ndarray:
 
 
 def wrap_angle(angle: float) -> float:
-    """The same angle in [-π, π) [rad]."""
+    """Wraps an angle to [-π, π) [rad]."""
     return (angle + math.pi) % (2.0 * math.pi) - math.pi
 
 

@@ -1,6 +1,6 @@
 """Logs of runs: recorded at the control rate, read again, drawn and replayed.
 
-A log keeps what ports say; nothing here changes what is simulated.
+A log holds the values of ports; a log never changes the simulation.
 """
 
 from atlas_drake.logs.log import Log, read_log

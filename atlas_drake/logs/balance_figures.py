@@ -1,9 +1,11 @@
 """Figures about balance: CoM, DCM and CoP against the support, feet and pelvis.
 
-Panels as data; where they stand on the page is up to ``figures``.
+Panels as data; ``figures`` arranges them on the page.
 """
 
 from __future__ import annotations
+
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -16,18 +18,21 @@ from atlas_drake.logs.panels import Band, Item, Line, Outline, Panel
 from atlas_drake.logs.support import Feet, double_supports, footprints
 
 SIDE_COLORS = ("#1a6bd8", "#e66b14")
-"""Of the left and the right foot, as in the 3D view."""
+"""Colors of the left and the right foot, as in the 3D view."""
 COM, DCM, COP, SUPPORT = "#222222", "#c2185b", "#2a9d3a", "#cfd8dc"
 _TRACKS = (
+    ("com_reference", COM, "", True),
     ("com", COM, "CoM", False),
     ("dcm_reference", DCM, "", True),
     ("dcm", DCM, "DCM", False),
+    ("cop_reference", COP, "", True),
     ("cop", COP, "CoP", False),
 )
+"""Channel below ``balance``, color, label, and whether it is a plan: dashed."""
 
 
 def view_from_above(log: Log, feet: Feet) -> Panel:
-    """CoM, DCM and CoP over the footprints and support polygons."""
+    """Draw CoM, DCM and CoP over the footprints and support polygons."""
     items: list[Item] = [
         Outline(polygon, SUPPORT, opacity=0.35)
         for polygon in double_supports(log, feet)
@@ -42,9 +47,8 @@ def view_from_above(log: Log, feet: Feet) -> Panel:
         for event in log.events
         if event.kind == "footstep"
     ]
-    for name, color, label, dashed in _TRACKS:
-        track = log[f"balance.{name}"]
-        width = 0.6 if name == "cop" else 1.3
+    for name, track, color, label, dashed in _tracks(log):
+        width = 0.6 if name.startswith("cop") else 1.3
         items.append(Line(track[:, 0], track[:, 1], color, label, dashed, width))
     return Panel(
         "From above (dashed: planned)",
@@ -61,12 +65,20 @@ def balance_over_time(log: Log, feet: Feet, axis: int) -> Panel:
     """CoM, DCM and CoP along x (axis 0) or y (1) against the extent of the support."""
     items: list[Item] = [Band(log.time, *feet.extent(axis), SUPPORT, "support")]
     items += [
-        Line(log.time, log[f"balance.{key}"][:, axis], color, label, dashed)
-        for key, color, label, dashed in _TRACKS
+        Line(log.time, track[:, axis], color, label, dashed)
+        for _, track, color, label, dashed in _tracks(log)
     ]
     where = "ahead" if axis == 0 else "sideways"
     title = f"Balance {where} (dashed: planned)"
     return Panel(title, f"{'xy'[axis]} [m]", tuple(items))
+
+
+def _tracks(log: Log) -> Iterator[tuple[str, np.ndarray, str, str, bool]]:
+    """What there is of the tracks; a controller need not plan every one of them."""
+    for name, color, label, dashed in _TRACKS:
+        track = log.arrays.get(f"balance.{name}")
+        if track is not None and (not dashed or np.isfinite(track).any()):
+            yield name, track, color, label, dashed
 
 
 def _sole(log: Log, pose: list[float]) -> np.ndarray:

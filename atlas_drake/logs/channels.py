@@ -1,7 +1,7 @@
-"""What a log keeps of every control tick: its channels, with units.
+"""The channels of a log, one value per control tick, with units.
 
-Those of ``AtlasSimInterfaceState`` are in ``report_channels``. How the numbers come
-about is in ``samples``.
+The channels of ``AtlasSimInterfaceState`` are in ``report_channels``. ``samples``
+computes the values.
 """
 
 from __future__ import annotations
@@ -30,13 +30,13 @@ def robot_layout(
     velocities: Iterable[str],
     world: WorldCoordinates,
 ) -> Layout:
-    """What is kept of one robot.
+    """Make the layout of one robot's log.
 
     Args:
-        robot: Whose joints name the elements.
-        positions: Names of its positions.
-        velocities: Names of its velocities.
-        world: What else can move.
+        robot: Robot whose joints name the elements.
+        positions: Names of the robot's positions.
+        velocities: Names of the robot's velocities.
+        world: Coordinates of the models beside the robot.
     """
     return Layout(
         [
@@ -45,12 +45,17 @@ def robot_layout(
             Channel(
                 "behavior.request_number",
                 kind="i8",
-                about="behavior commands accepted so far",
+                about="of the behavior command in force, among all messages received",
             ),
             *_joints(robot.joint_names),
             *_body(),
             Channel("controller.tick_time", "s", about="wall time of the tick"),
             Channel("controller.unsolved", kind="i8", about="QPs without a solution"),
+            Channel(
+                "controller.solved",
+                kind="i8",
+                about="whether the last QP had a solution, 1 or 0; -1 is no QP",
+            ),
             Channel("state.q", labels=tuple(positions), about="true positions"),
             Channel("state.v", labels=tuple(velocities), about="true velocities"),
             *_world(world),

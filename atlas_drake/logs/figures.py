@@ -1,6 +1,6 @@
 """The page of figures of a log, and those about the run as a whole.
 
-Panels are data here; drawing them is up to ``png_page`` and ``html_page``.
+Panels are data here; ``png_page`` and ``html_page`` draw them.
 """
 
 from __future__ import annotations
@@ -19,13 +19,14 @@ from atlas_drake.logs.balance_figures import (
 from atlas_drake.logs.joint_figures import effort_panel, position_panels, share_panel
 from atlas_drake.logs.log import Log
 from atlas_drake.logs.panels import Line, Marker, Page, Panel, Span
+from atlas_drake.logs.samples import NO_QP
 from atlas_drake.logs.support import feet_of, runs
 
 ALARM = "#d50000"
 HEIGHTS = (0.4, 3.5, 2.0, 2.0, 2.0, 2.2, 2.2, 2.0, 2.0)
-"""Of the rows of the page [inch]."""
+"""Heights of the rows of the page [inch]."""
 TICK_MARGIN = 1.3
-"""How far the axis of tick times reaches beyond what is usual [-]."""
+"""Range of the tick-time axis over the usual tick time [-]."""
 
 
 def make_page(log: Log) -> Page:
@@ -67,7 +68,7 @@ def make_page(log: Log) -> Page:
         heights=HEIGHTS,
         columns=2,
         panels=tuple(panels),
-        # The last row holds for one more period.
+        # The last row is valid for one more period.
         time=(float(time[0]), float(time[-1]) + log.header.control_period),
     )
 
@@ -90,17 +91,24 @@ def _modes(log: Log) -> Panel:
 
 
 def _solved(log: Log) -> Panel:
-    """Where the QP had a solution."""
+    """Draw where there was a QP, and whether it had a solution.
+
+    Earlier versions logged only the ticks without a solution.
+    """
     unsolved = np.diff(log["controller.unsolved"], prepend=0) > 0
+    solved = log.arrays.get("controller.solved", np.ones(len(log)))
+    unsolved |= solved == 0
+    unknown = (solved == NO_QP) & ~unsolved
     spans = (
-        *_spans(log, ~unsolved, "#a5d6a7", "solved"),
+        *_spans(log, ~unsolved & ~unknown, "#a5d6a7", "solved"),
+        *_spans(log, unknown, "#cfd8dc", "no QP"),
         *_spans(log, unsolved, ALARM, "no solution"),
     )
     return Panel("Whole-body QP", "", spans, x_label="")
 
 
 def _spans(log: Log, flags: np.ndarray, color: str, label: str) -> list[Span]:
-    """The stretches of time where flags are set, shape (rows,)."""
+    """Find the time intervals in which flags, shape (rows,), are set."""
     return [
         Span(log.time[begin], log.time[min(end, len(log) - 1)], color, label)
         for begin, end in runs(flags)

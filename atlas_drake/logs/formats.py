@@ -1,4 +1,4 @@
-"""Which format a log has, by the ending of its name, and what each format needs.
+"""Formats of logs, by file name ending, with the packages that each format needs.
 
 The formats themselves are in the files beside this one.
 """
@@ -18,7 +18,7 @@ from atlas_drake.logs.notes import Header, LogError, LogWriter, Note
 
 
 class Format(NamedTuple):
-    """Names of a format's module in this package, and of what is in it."""
+    """Names of a format's module in this package, of its writer and of its reader."""
 
     module: str
     writer: str
@@ -30,22 +30,22 @@ FORMATS = {
     ".npz": Format("npz_file", "NpzWriter", "read_npz"),
     ".parquet": Format("parquet_file", "ParquetWriter", "read_parquet"),
 }
-"""By ending."""
+"""Formats by file name ending."""
 LOG_EXTRA, PLOT_EXTRA = "log", "plot"
-"""Optional dependencies that bring the formats' and the figures' packages."""
+"""Extras of the package that install the packages of formats and figures."""
 
 
 class LogFile:
     """A log being written, with errors that name the file.
 
-    Without a single row there is no log, and what had its name before stays.
+    Without a row no log is written, and an earlier file of that name stays.
 
     Attributes:
-        path: Of the file.
+        path: Path of the file.
     """
 
     def __init__(self, path: Path, header: Header):
-        """Opens the file in the format that its ending says.
+        """Opens the file in the format of its ending.
 
         Raises:
             LogError: If the ending is unknown, a package is missing, or the file
@@ -60,7 +60,7 @@ class LogFile:
             self._writer = writer(path, header)
 
     def row(self, row: np.ndarray) -> None:
-        """Keeps one tick, unless the file is closed.
+        """Writes one tick, unless the file is closed.
 
         Raises:
             LogError: If it cannot be written. The file is then closed.
@@ -73,7 +73,7 @@ class LogFile:
                     self._writer.note(self._early.pop(0))
 
     def note(self, note: Note) -> None:
-        """Keeps a note, unless the file is closed.
+        """Writes a note, unless the file is closed.
 
         Raises:
             LogError: If it cannot be written. The file is then closed.
@@ -123,7 +123,7 @@ def check_format(path: Path) -> None:
 
 
 def read_file(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]:
-    """Header, channels and notes of a log.
+    """Reads header, channels and notes of a log.
 
     Raises:
         LogError: If the file cannot be read.
@@ -138,7 +138,7 @@ def read_file(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]:
     except LogError as error:
         raise LogError(f"{path}: {error}") from error
     except Exception as error:
-        # A damaged file makes the libraries that read it raise anything.
+        # For a damaged file the reading libraries may raise any exception.
         raise LogError(
             f"{path}: it is no {path.suffix} file of a log, or a damaged one"
         ) from error
@@ -149,12 +149,12 @@ class MissingPackageError(LogError):
 
 
 def missing_package(what: str, name: str | None, extra: str) -> MissingPackageError:
-    """The error for a package that is not installed.
+    """Makes the error for a package that is not installed.
 
     Args:
-        what: Needs it.
-        name: Of the package, or of a module in it.
-        extra: Optional dependencies that bring it.
+        what: Feature that needs the package.
+        name: Name of the package, or of a module in it.
+        extra: Extra of atlas-drake that installs the package.
     """
     package = (name or "").partition(".")[0]
     return MissingPackageError(
@@ -164,7 +164,7 @@ def missing_package(what: str, name: str | None, extra: str) -> MissingPackageEr
 
 
 def _member(path: Path, role: Literal["writer", "reader"]) -> Any:
-    """What writes or reads a log with that name."""
+    """Finds the writer or the reader of a log with that name."""
     entry = FORMATS.get(path.suffix)
     if entry is None:
         hint = did_you_mean(path.suffix, FORMATS)

@@ -1,6 +1,6 @@
 """Draws a page of figures as one interactive web page, with plotly.
 
-The page holds all it needs and is forbidden to load anything.
+The page is self-contained; its security policy forbids it to load anything.
 """
 
 from __future__ import annotations
@@ -28,16 +28,16 @@ from atlas_drake.logs.panels import (
 from atlas_drake.logs.support import runs
 
 POINTS = 2400
-"""About how many points of a curve, or columns of a map, are kept."""
+"""Approximate number of points of a curve, or columns of a map, that are kept."""
 PIXELS_PER_INCH = 92
 HEADER, GAP, FOOTER = 100, 78, 60
-"""Above the first row, between rows, below the last one [pixel]."""
+"""Space above the first row, between rows, below the last row [pixel]."""
 GAP_BETWEEN_COLUMNS = 0.09
-"""Share of the page's width."""
+"""Gap between columns as a share of the page's width."""
 SMALL_STEP = 1e-3
 """Changes of a band's edges below this are not drawn, in units of y."""
 BAR_WIDTH = 10
-"""Of color scales [pixel]."""
+"""Size of color scales [pixel]."""
 POLICY = (
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; "
     "img-src data: blob:; font-src data:"
@@ -47,7 +47,7 @@ POLICY = (
 
 @dataclass(frozen=True)
 class _Place:
-    """Where an item is drawn: the page, a cell of its grid, and a legend."""
+    """Place of an item: the page, a cell of its grid, and a legend."""
 
     page: Page
     cell: dict[str, int]
@@ -68,7 +68,7 @@ def write_html(page: Page, path: Path) -> None:
 
 
 def draw(page: Page) -> Any:
-    """The page as a figure of plotly."""
+    """Draws the page as a figure of plotly."""
     rows = len(page.heights)
     inner = PIXELS_PER_INCH * sum(page.heights) + GAP * (rows - 1)
     specs: list[list[Any]] = [[{}] * page.columns for _ in range(rows)]
@@ -166,7 +166,7 @@ def _thin_track(item: Line) -> tuple[np.ndarray, np.ndarray]:
     if (np.diff(item.x) >= 0.0).all():
         x, y = thinned(item.x, item.y, POINTS)
     else:
-        # A track in the plane has no extremes to keep.
+        # Thinning by extremes does not apply to a track in the plane.
         every = slice(None, None, -(-len(item.x) // POINTS))
         x, y = item.x[every], item.y[every]
     return np.round(x, 5), y.astype(np.float32)
@@ -193,7 +193,7 @@ def _band_polygons(item: Band) -> tuple[np.ndarray, np.ndarray]:
     xs, ys = [np.full(1, np.nan)], [np.full(1, np.nan)]
     for begin, end in runs(~np.isnan(item.low)):
         x, low, high = (a[begin:end] for a in (item.x, item.low, item.high))
-        # The edges are steps: only their corners count.
+        # The edges are step functions: only their corners are drawn.
         moved = np.hypot(np.diff(low), np.diff(high)) > SMALL_STEP
         corner = np.r_[moved, True] | np.r_[True, moved]
         x, low, high = x[corner], low[corner], high[corner]

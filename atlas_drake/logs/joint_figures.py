@@ -1,6 +1,6 @@
-"""Figures about joints: who has them, their efforts, their positions.
+"""Figures about joints: shares of user control, efforts, positions.
 
-Panels as data; where they stand on the page is up to ``figures``.
+Panels as data; ``figures`` arranges them on the page.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ LIMBS = (
 
 
 def share_panel(log: Log) -> Panel:
-    """The user's share of each joint."""
+    """Draw the user's share of each joint."""
     heat = Heat(
         x=log.time,
         names=log.robot.joint_names,

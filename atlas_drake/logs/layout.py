@@ -1,6 +1,6 @@
-"""How a row of a log is made up: channels with names and units, and their places.
+"""Layout of a log's row: channels with names and units, and their places.
 
-Which channels there are is in ``channels``, how rows are written in the formats.
+The list of channels is in ``channels``; the format files write rows.
 """
 
 from __future__ import annotations
@@ -22,10 +22,10 @@ class Channel:
 
     Attributes:
         name: ``topic.field``, or a single word.
-        unit: Of all its elements; empty for counts, flags and ratios.
-        labels: Of its elements; none for a single number.
-        kind: Numpy's name of its type in the log.
-        about: What it is.
+        unit: Unit of all elements; empty for counts, flags and ratios.
+        labels: Labels of the elements; none for a single number.
+        kind: Numpy's name of the data type in the log.
+        about: Description of the quantity.
     """
 
     name: str
@@ -36,7 +36,7 @@ class Channel:
 
     @property
     def size(self) -> int:
-        """How many numbers it has."""
+        """Number of elements."""
         return max(len(self.labels), 1)
 
 
@@ -44,7 +44,7 @@ class Layout:
     """The channels of a log and where each lies in a row.
 
     Attributes:
-        channels: In order.
+        channels: The channels in order.
         places: Slice of a row for each channel's name.
         width: Length of a row.
     """

@@ -1,6 +1,6 @@
-"""A log in memory, whatever file it came from.
+"""A log in memory, independent of the file format.
 
-How it is drawn is in ``figures``, how it is replayed in ``replay``.
+``figures`` draws a log, ``diagrams.replay`` replays it.
 """
 
 from __future__ import annotations
@@ -29,9 +29,9 @@ from atlas_drake.robot import Robot, load_robot
 from atlas_drake.scenario import Scenario, scenario_from
 
 TINY = 1e-6
-"""A quaternion that is no longer than this gives no orientation."""
+"""Norm of a quaternion below which it gives no orientation."""
 NUMBERS = "biuf"
-"""Numpy's kinds of what a channel can hold."""
+"""Numpy's kinds of data types that a channel can have."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class LoggedCommand:
     """A command as it was sent, also one that was refused.
 
     Attributes:
-        time: Of the control tick that saw it first [s].
+        time: Time of the control tick that read the command first [s].
         message: An ``AtlasCommand`` or ``AtlasSimInterfaceCommand``.
     """
 
@@ -49,7 +49,7 @@ class LoggedCommand:
 
 @dataclass(frozen=True)
 class Log:
-    """What was recorded of a run.
+    """The record of a run.
 
     Example:
         >>> log = read_log("run.mcap")
@@ -57,11 +57,11 @@ class Log:
         >>> log.time, log["joints.effort"][:, knee]
 
     Attributes:
-        path: Where it was read from.
-        header: What there is to know about the log as a whole.
+        path: File of the log.
+        header: Facts about the log as a whole.
         arrays: Channels by name, shape (rows,) or (rows, elements); names, units and
             labels are in ``header.layout.channels``.
-        notes: Commands and events as they were written.
+        notes: Commands and events in the order of writing.
     """
 
     path: Path
@@ -89,8 +89,8 @@ class Log:
             >>> log.column("world.v", "ball_ball_vx")
 
         Args:
-            name: Of the channel.
-            label: Of the element, such as ``x``, a joint or a coordinate.
+            name: Name of the channel.
+            label: Label of the element, such as ``x``, a joint or a coordinate.
 
         Returns:
             Shape (rows,).
@@ -114,12 +114,12 @@ class Log:
 
     @property
     def time(self) -> np.ndarray:
-        """When the rows were sampled [s], shape (rows,); never decreasing."""
+        """Times of the rows [s], shape (rows,); never decreasing."""
         return self["time"]
 
     @cached_property
     def events(self) -> list[Event]:
-        """What happened, in order of time."""
+        """Events in order of time."""
         events = [event_from_note(note) for note in self.notes if note.kind == EVENT]
         return sorted(events, key=lambda event: event.time)
 
@@ -135,13 +135,13 @@ class Log:
         ]
 
     def behavior(self, number: int) -> Behavior:
-        """The behavior that a number in the channel ``behavior.current`` stands for.
+        """Returns the behavior of a number in the channel ``behavior.current``.
 
         Args:
-            number: In that channel.
+            number: Number in that channel.
 
         Raises:
-            ValueError: If there was no such behavior.
+            ValueError: If the run had no such behavior.
         """
         return self.header.catalog.find(number)
 
@@ -150,8 +150,8 @@ class Log:
         """The robot that was simulated.
 
         Raises:
-            LogError: If this program does not know it, its files have gone, or it has
-                other joints by now.
+            LogError: If the robot is unknown, its files are missing, or its joints have
+                changed since the run.
         """
         try:
             robot = load_robot(self.header.model)
@@ -175,7 +175,7 @@ class Log:
         """The scenario that was simulated.
 
         Raises:
-            LogError: If this program cannot run it any more.
+            LogError: If this version of the program cannot run the scenario.
         """
         try:
             return scenario_from(yaml_load(data=self.header.scenario))
@@ -185,16 +185,15 @@ class Log:
 
 
 def read_log(path: str | Path) -> Log:
-    """Reads a log; the ending of its name says in which format.
+    """Reads a log in the format of its file name ending.
 
-    An .mcap file that was never completed is read as far as it goes.
+    An incomplete .mcap file is read up to the last complete message.
 
     Args:
-        path: Of the file: .mcap, .npz or .parquet.
+        path: Path of the file: .mcap, .npz or .parquet.
 
     Raises:
-        LogError: If the file cannot be read, is no log or a damaged one, or has no
-            rows.
+        LogError: If the file cannot be read, is not a log, is damaged, or has no rows.
     """
     path = Path(path)
     log = Log(path, *read_file(path))
@@ -208,10 +207,10 @@ def read_log(path: str | Path) -> Log:
 
 
 def _check_sound(log: Log) -> None:
-    """Refuses what the writer of a log cannot have written.
+    """Checks that a log can have been written by this program.
 
     Raises:
-        ValueError: Or another error of values, if something is wrong.
+        ValueError: Or another error of values, if the log is inconsistent.
     """
     rows = len(log)
     for channel in log.header.layout.channels:
@@ -224,10 +223,10 @@ def _check_sound(log: Log) -> None:
     if not 0.0 < log.header.control_period < np.inf:
         raise ValueError(f"control_period is {log.header.control_period}")
     q = log.arrays.get("state.q", np.ones((0, 4)))
-    # Its first four are the pelvis' orientation, a quaternion.
+    # The first four positions are the quaternion of the pelvis.
     if not (np.isfinite(q).all() and (np.linalg.norm(q[:, :4], axis=1) > TINY).all()):
         raise ValueError("state.q is no pose")
     for behavior in np.unique(log.arrays.get("behavior.current", [])):
         log.behavior(int(behavior))
-    # Both are made of the notes when they are asked for.
+    # Both are made from the notes on first access, which checks the notes.
     _ = log.events, log.commands

@@ -1,6 +1,6 @@
 """The ports of a station, fed from a log.
 
-How they are shown is in ``replay``.
+``diagrams.replay`` connects the ports to displays.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from atlas_drake.logs.notes import (
     paths_from_note,
 )
 from atlas_drake.logs.report_channels import REPORT_CHANNELS, report_from
-from atlas_drake.logs.samples import polygon_from
+from atlas_drake.logs.samples import NO_QP, polygon_from
 from atlas_drake.logs.world_state import PlantState
 from atlas_drake.messages import (
     AtlasSimInterfaceCommand,
@@ -50,20 +50,20 @@ VECTORS = {
         f"feet.{side}_{part}" for side in SIDES for part in ("torque", "force")
     ),
 }
-"""Channels of which the ports that carry plain vectors are made."""
+"""Channels that feed the vector-valued ports."""
 
 
 class LogPlayer(CollectableSystem):
-    """The log's row at the Context's time, as the ports that displays read.
+    """Outputs the log's row at the Context's time on the ports that displays read.
 
     Output ports:
-        state: Of the robot, the true one.
-        plant_state: Of the whole plant.
-        effort: Of the motors [N·m], shape (n,).
+        state: True state of the robot.
+        plant_state: State of the whole plant.
+        effort: Efforts of the motors [N·m], shape (n,).
         foot_wrenches: See ``RobotSensors``, shape (12,).
-        commands: ``CommandsInForce``, as far as displays need it: the request, and
-            who has which joint.
-        behavior_effort: Of the controller [N·m], shape (n,).
+        commands: ``CommandsInForce``, as far as displays need it: the request, and the
+            shares of user control.
+        behavior_effort: Efforts of the controller [N·m], shape (n,).
         controller_status: ``ControllerStatus``: the latest events and the plan.
         atlas_sim_interface_state: ``AtlasSimInterfaceState``, all of it.
     """
@@ -71,14 +71,14 @@ class LogPlayer(CollectableSystem):
     __slots__ = ()
 
     def __init__(self, log: Log, plant: MultibodyPlant | None = None):
-        """Plays ``log``; beyond its ends the first or the last row stands.
+        """Plays ``log``; beyond its ends the first or the last row is shown.
 
         Args:
-            log: Of the run.
-            plant: Where it is shown, with robot and world; None is the robot alone.
+            log: Log of the run.
+            plant: Plant of the display, with robot and world; None is the robot alone.
 
         Raises:
-            LogError: If the log lacks what is to be shown.
+            LogError: If the log lacks a required channel.
         """
         super().__init__()
         _check_complete(log)
@@ -122,9 +122,9 @@ class LogPlayer(CollectableSystem):
             )
 
     def row(self, context: Context) -> int:
-        """Number of the row that is shown: the latest that is not in the future."""
+        """Number of the displayed row: the latest row that is not in the future."""
         time = self._log.time
-        # A hair of slack: times are sums of rounded periods.
+        # A small tolerance, because times are sums of rounded periods.
         after = np.searchsorted(time, context.get_time() + 1e-9, side="right")
         return max(int(after) - 1, 0)
 
@@ -138,19 +138,27 @@ class LogPlayer(CollectableSystem):
 
     def _status(self, context: Context) -> ControllerStatus:
         report, row = self._report(context), self.row(context)
-        # The latest events, as a controller has them.
+        # The latest events, as in the status of a controller.
         now = context.get_time() + 1e-9
         past: list[Event] = [e for e in self._log.events if e.time <= now]
         return ControllerStatus(
             **{name: getattr(report, name) for name in REPORTED},
             events=tuple(past[-KEPT_EVENTS:]),
             event_count=len(past),
+            solved=self._solved(row),
             unsolved=int(self._log["controller.unsolved"][row]),
             plan=self._plan(row, now),
         )
 
+    def _solved(self, row: int) -> bool | None:
+        """Whether the last QP had a solution; earlier versions did not log it."""
+        solved = self._log.arrays.get("controller.solved")
+        if solved is None or solved[row] == NO_QP:
+            return None
+        return bool(solved[row])
+
     def _plan(self, row: int, now: float) -> Plan:
-        """What was planned at a row; logs of earlier versions lack some of it."""
+        """Plan at a row; logs of earlier versions lack parts of it."""
         kept = {
             name: self._log[f"balance.{name}"][row]
             for name in ("com_reference", "dcm_reference", "cop_reference")
@@ -166,7 +174,7 @@ class LogPlayer(CollectableSystem):
         )
 
     def _latest_paths(self, now: float) -> Note | None:
-        """The paths noted last, if any; a note without points says that they ended."""
+        """The last note of paths, if any; a note without points marks their end."""
         place = int(np.searchsorted(self._path_times, now, side="right")) - 1
         return self._paths[place] if place >= 0 else None
 
@@ -183,7 +191,7 @@ class LogPlayer(CollectableSystem):
 
 
 def _check_complete(log: Log) -> None:
-    """Refuses the log of a program that kept less."""
+    """Refuses the log of an earlier version that lacks required channels."""
     needed = [
         *(channel for channels in VECTORS.values() for channel in channels),
         *(entry.channel.name for entry in REPORT_CHANNELS),
@@ -206,7 +214,7 @@ def _requests(log: Log) -> dict[int, BehaviorRequest]:
         if not isinstance(message, AtlasSimInterfaceCommand) or row >= len(times):
             continue
         number = int(numbers[row])
-        # A refused command leaves the number as it was.
+        # A refused command does not change the number.
         if number > (int(numbers[row - 1]) if row else 0):
             behavior = log.header.catalog.find(message.behavior)
             requests[number] = BehaviorRequest(behavior, message.snapshot(), number)

@@ -1,7 +1,7 @@
 """Logs as MCAP, which Foxglove and PlotJuggler open: JSON messages on topics.
 
-Needs ``mcap``. The file grows as the run goes on; what has been written can be read
-even if the run ends abruptly.
+Needs ``mcap``. The file grows during the run; it can be read even if the run ends
+abruptly.
 """
 
 from __future__ import annotations
@@ -43,23 +43,23 @@ from atlas_drake.logs.viewer_messages import (
 METADATA, HEADER = "atlas_drake", "header"
 """Names of the metadata record that holds the header, and of its entry."""
 VIEWER_PERIOD = 0.02
-"""Time between messages that only viewers read [s]."""
+"""Time between messages that are only for viewers [s]."""
 SELDOM = ("gains",)
-"""Topics that are written only when they have changed."""
+"""Topics that are written only when they change."""
 CHUNK = 1 << 20
-"""Messages that are compressed together, and lost together if torn [byte]."""
+"""Size of a chunk of messages, which is compressed, or lost, as a whole [byte]."""
 
 
 class McapWriter:
     """Writes each tick as one message per topic."""
 
     def __init__(self, path: Path, header: Header):
-        """Claims the file, which stays as it is until there is a row."""
+        """Locks the file; its content stays until the first row."""
         self._header = header
         self._layout = header.layout
         self._path = path
         self._is_new = not path.exists()
-        # Not emptied before it is known to be this run's alone.
+        # The file is emptied only after it is locked for this run.
         self._lock = path.open("ab")
         _lock(self._lock)
         self._file: Any = None
@@ -97,7 +97,7 @@ class McapWriter:
             self._begin()
         values = row.tolist()
         if not np.isfinite(row).all():
-            # JSON knows neither NaN nor infinities.
+            # JSON has neither NaN nor infinities.
             values = [value if math.isfinite(value) else None for value in values]
         time = values[0]
         for name, topic in self._topics.items():
@@ -113,7 +113,7 @@ class McapWriter:
             for name, message in viewer_messages(self._layout, values):
                 self._add(time, name, message)
         if (length := self._file.tell()) != self._lengths[-1]:
-            # A chunk counts once it is in the file, whatever the size of the buffer.
+            # A chunk counts once it is in the file, for any size of the buffer.
             self._file.flush()
             self._lengths.append(length)
 
@@ -131,10 +131,10 @@ class McapWriter:
         self._lock.close()
 
     def abandon(self) -> None:
-        """Cuts the file back to what is whole.
+        """Truncates the file after the last complete chunk.
 
-        On a full disk the last whole chunk goes as well, which leaves room for the
-        files that are still to be written. Without a row nothing has changed.
+        On a full disk the last complete chunk is removed as well, to leave space for
+        the files that are still to be written. Without a row the file is unchanged.
         """
         if self._file is None:
             if self._is_new:
@@ -167,10 +167,10 @@ class McapWriter:
 
 
 def _lock(file: IO[bytes]) -> None:
-    """Claims a file for as long as it is open.
+    """Locks a file while it is open.
 
     Raises:
-        OSError: If another run has it.
+        OSError: If another run has locked it.
     """
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
@@ -178,14 +178,14 @@ def _lock(file: IO[bytes]) -> None:
         file.close()
         raise OSError("another run is writing it") from error
     except OSError:
-        pass  # Some network drives know no locks.
+        pass  # Some network drives do not support locks.
 
 
 def read_mcap(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]:
-    """Header, channels and notes of a file, of an incomplete one as far as it goes.
+    """Reads header, channels and notes of a file, which may be incomplete.
 
     Raises:
-        LogError: If it is no log of this program.
+        LogError: If it is not a log of this program.
         Exception: Anything else if it is damaged.
     """
     topics: dict[int, str] = {}
@@ -206,7 +206,7 @@ def read_mcap(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]:
                     elif topic not in VIEWER_SCHEMAS:
                         messages.setdefault(topic, []).append(record)
         except Exception:
-            # The end of a file that nobody completed looks like damage.
+            # The end of an incomplete file looks like damage.
             if header is None:
                 raise
     if header is None:
@@ -225,7 +225,7 @@ def _note(topic: str, record: Message) -> Note:
 def _arrays(
     layout: Layout, messages: dict[str, list[Message]]
 ) -> dict[str, np.ndarray]:
-    """The rows that all topics have; a message's sequence is the number of its row."""
+    """Rows that exist in all topics; a message's sequence is the number of its row."""
     topics = _topics(layout)
     count = min(len(messages.get(t, ())) for t in topics if t not in SELDOM)
     table = np.empty((count, layout.width))
@@ -234,14 +234,14 @@ def _arrays(
             first = message.sequence
             if first >= count:
                 break
-            # What is written seldom holds from its row on.
+            # A value that is written on change is valid from its row on.
             rows = slice(first, None if name in SELDOM else first + 1)
             topic.fill(table[rows], json.loads(message.data))
     return layout.split(table)
 
 
 class _Topic:
-    """Which numbers of a row a topic has, and under which names."""
+    """The part of a row in one topic: indices and names."""
 
     def __init__(self, channels: Iterable[Channel], layout: Layout):
         self._fields = [
@@ -250,7 +250,7 @@ class _Topic:
         ]
 
     def message(self, row: list[Any]) -> dict[str, Any]:
-        """What is written of a row."""
+        """Makes the topic's message from a row."""
         return {
             name: dict(zip(labels, row[place], strict=True))
             if labels
@@ -259,7 +259,7 @@ class _Topic:
         }
 
     def fill(self, rows: np.ndarray, message: dict[str, Any]) -> None:
-        """Puts a message that was read into rows, with NaN for None."""
+        """Copies a message into rows, with NaN for None."""
         for name, labels, place in self._fields:
             value = message[name]
             rows[:, place] = np.array(

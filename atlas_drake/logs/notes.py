@@ -1,6 +1,6 @@
-"""What a log keeps besides its rows: its header, commands as sent, and events.
+"""The parts of a log besides its rows: header, commands as sent, and events.
 
-All of it becomes plain data and back again here; files are the formats' business.
+Conversion to plain data and back; the format files read and write files.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from atlas_drake.numeric import is_whole
 
 FORMAT, VERSION = "atlas_drake log", 1
 SHOWN = ("name", "number", "caption", "color", "description")
-"""What a log keeps of a behavior of one's own."""
+"""Fields of a user's own behavior that a log holds."""
 COMMANDS: dict[str, type[Message]] = {
     "atlas_command": AtlasCommand,
     "atlas_sim_interface_command": AtlasSimInterfaceCommand,
@@ -44,9 +44,10 @@ EVENT = "event"
 PATHS = "planned_paths"
 """Kind of the notes that hold ``PlannedPaths``."""
 FOOTSTEPS = "footsteps"
-"""In such a note: the footsteps to come, each as foot, x, y, z [m], yaw [rad]."""
+"""Key in a note of PATHS: the footsteps to come, each as foot, x, y, z [m], yaw
+[rad]."""
 PATH_GRID = 1e-4
-"""Points of paths are rounded to it [m]."""
+"""Resolution to which points of paths are rounded [m]."""
 
 
 class LogError(AtlasError):
@@ -55,12 +56,12 @@ class LogError(AtlasError):
 
 @dataclass(frozen=True)
 class Note:
-    """Something that does not happen in every tick, as plain data.
+    """A record that is not written in every tick, as plain data.
 
     Attributes:
-        time: When [s].
+        time: Time of the record [s].
         kind: One of COMMANDS, EVENT, or PATHS.
-        data: What a JSON object can hold.
+        data: Values that a JSON object can hold.
     """
 
     time: float
@@ -70,14 +71,14 @@ class Note:
 
 @dataclass(frozen=True)
 class Header:
-    """What there is to know about a log as a whole.
+    """Facts about a log as a whole.
 
     Attributes:
         model: Name of the robot, or the path of its file.
         control_period: Time between rows [s].
         scenario: The scenario as YAML.
-        layout: Of the rows.
-        behaviors: Those of one's own, beside the shipped ones.
+        layout: Layout of the rows.
+        behaviors: The user's own behaviors, beside the shipped ones.
     """
 
     model: str
@@ -92,7 +93,7 @@ class Header:
         return BehaviorCatalog((*SHIPPED, *self.behaviors))
 
     def to_json(self) -> str:
-        """As text, with the mark by which a log is known."""
+        """Converts to text, with the format name that identifies a log."""
         return json.dumps(
             {
                 "format": FORMAT,
@@ -113,7 +114,7 @@ class Header:
         """The reverse of ``to_json``.
 
         Raises:
-            LogError: If the text is no header of a log, or of a later version.
+            LogError: If the text is not a header of a log, or has a later version.
         """
         try:
             plain = json.loads(text)
@@ -138,26 +139,26 @@ class Header:
 
 
 class LogWriter(Protocol):
-    """One format being written; notes come after the first row."""
+    """Writer of one format; notes come after the first row."""
 
     def row(self, row: np.ndarray) -> None:
-        """Keeps one tick, an array of the layout's width that is not used again."""
+        """Writes one tick and keeps the array, whose size is the layout's width."""
 
     def note(self, note: Note) -> None:
         """Keeps a note."""
 
     def close(self) -> None:
-        """Completes the file; nothing is kept after that."""
+        """Completes the file; later rows and notes are not written."""
 
     def abandon(self) -> None:
-        """Ends the file after an error; raises none. What can be read of it stays.
+        """Ends the file after an error; raises none. The readable part stays.
 
-        Without a row, what had its name before stays.
+        Without a row, an earlier file of that name stays.
         """
 
 
 def note_from_event(event: Event) -> Note:
-    """An event as a note."""
+    """Converts an event to a note."""
     data = {"kind": event.kind, "text": event.text, "data": to_plain(event.data)}
     return Note(event.time, EVENT, data)
 
@@ -168,7 +169,7 @@ def event_from_note(note: Note) -> Event:
 
 
 def note_from_plan(time: float, plan: Plan) -> Note:
-    """Planned paths and footsteps as a note; a path that there is not has no points."""
+    """Converts planned paths and footsteps to a note; a missing path has no points."""
     data = {
         field.name: []
         if (path := getattr(plan.paths, field.name)) is None
@@ -182,7 +183,7 @@ def note_from_plan(time: float, plan: Plan) -> Note:
 
 
 def paths_from_note(note: Note) -> PlannedPaths:
-    """The paths that ``note_from_plan`` kept."""
+    """Reads the paths from a note of ``note_from_plan``."""
     paths = {
         field.name: np.array(points)
         for field in fields(PlannedPaths)
@@ -192,7 +193,7 @@ def paths_from_note(note: Note) -> PlannedPaths:
 
 
 def footsteps_from_note(note: Note) -> tuple[PlannedStep, ...]:
-    """The footsteps that ``note_from_plan`` kept."""
+    """Reads the footsteps from a note of ``note_from_plan``."""
     return tuple(
         PlannedStep(int(foot), np.array([x, y, z]), yaw)
         for foot, x, y, z, yaw in note.data.get(FOOTSTEPS, ())
@@ -200,7 +201,7 @@ def footsteps_from_note(note: Note) -> tuple[PlannedStep, ...]:
 
 
 def notes_to_json(notes: Iterable[Note]) -> str:
-    """Notes as text, for formats that keep them all in one place."""
+    """Converts notes to text, for formats that keep all notes in one place."""
     return json.dumps([[note.time, note.kind, note.data] for note in notes])
 
 
@@ -210,17 +211,17 @@ def notes_from_json(text: str) -> list[Note]:
 
 
 DEEPEST = 16
-"""Nesting down to which values are kept; what is deeper, no valid message has."""
+"""Greatest nesting depth that is kept; no valid message is nested deeper."""
 
 
 def to_plain(value: Any, path: tuple[int, ...] = ()) -> Any:
-    """Messages, arrays and numbers as what JSON knows; NaN and infinities as None.
+    """Converts messages, arrays and numbers to JSON types; NaN and infinities to None.
 
-    Takes whatever a refused message holds: what JSON does not know becomes text.
+    Accepts any content of a refused message: unknown types become text.
 
     Args:
-        value: To be kept.
-        path: Identities of what ``value`` is within, to notice one within itself.
+        value: Value to convert.
+        path: Identities of the containers around ``value``, to detect a loop.
     """
     if value is None or isinstance(value, str):
         return value
@@ -248,4 +249,4 @@ def to_plain(value: Any, path: tuple[int, ...] = ()) -> Any:
 
 
 LARGEST_INTEGER = 2**63 - 1
-"""Largest integer that every reader of a log knows."""
+"""Largest integer that every reader of a log can represent."""

@@ -1,6 +1,6 @@
 """Logs as numpy's .npz: one array per channel, for Python without further packages.
 
-Kept in memory until the end, as the format knows no other way.
+Rows are kept in memory until the end, because the format cannot be appended to.
 """
 
 from __future__ import annotations
@@ -19,14 +19,14 @@ from atlas_drake.logs.notes import (
 from atlas_drake.whole_file import WholeFile
 
 BLOCK = 1024
-"""Rows that are kept together in memory."""
+"""Number of rows per array in memory."""
 
 
 class RowBlocks:
-    """Rows in memory, in arrays of some length each."""
+    """Rows in memory, in arrays of fixed length."""
 
     def __init__(self, width: int):
-        """Takes the length of a row."""
+        """Makes an empty list of rows of ``width`` numbers."""
         self._width = width
         self._full: list[np.ndarray] = []
         self._rows: list[np.ndarray] = []
@@ -48,7 +48,7 @@ class NpzWriter:
     """Writes the file when it is closed, whole or not at all."""
 
     def __init__(self, path: Path, header: Header):
-        """Opens the file, to notice now if that cannot be done."""
+        """Opens the file, to raise an error now if it cannot be written."""
         self._file = WholeFile(path)
         self._header = header
         self._rows = RowBlocks(header.layout.width)
@@ -76,10 +76,10 @@ class NpzWriter:
 
 
 def read_npz(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]:
-    """Header, channels and notes of a file.
+    """Reads header, channels and notes of a file.
 
     Raises:
-        LogError: If it is no log of this program.
+        LogError: If it is not a log of this program.
         Exception: Anything else if it is damaged.
     """
     with np.load(path, allow_pickle=False) as file:

@@ -1,4 +1,4 @@
-"""A page of figures as data: what is drawn, not how.
+"""A page of figures as data, independent of the drawing library.
 
 The panels of a log are made in ``figures``; ``png_page`` and ``html_page`` draw them.
 """
@@ -11,7 +11,7 @@ from typing import TypeAlias
 import numpy as np
 
 NARROW_SPAN = 0.018
-"""Share of the page's time that one letter of a span's name takes [-]."""
+"""Width of one letter of a span's name, as a share of the page's time [-]."""
 
 
 @dataclass(frozen=True)
@@ -78,12 +78,12 @@ class Heat:
 
     Attributes:
         x: Shape (columns,), increasing.
-        names: Of the rows, from the top.
+        names: Names of the rows, from the top.
         values: Shape (rows, columns).
         low: Value of the first color.
         high: Value of the last color.
         colors: From low to high, evenly spaced.
-        label: Of the color scale, with its unit.
+        label: Label of the color scale, with its unit.
     """
 
     x: np.ndarray
@@ -95,7 +95,7 @@ class Heat:
     label: str
 
     def thinned(self, columns: int) -> tuple[np.ndarray, np.ndarray]:
-        """X and values of at most so many columns; the highest values remain."""
+        """Reduces the map to at most ``columns`` columns; the highest values remain."""
         length = -(-len(self.x) // columns)
         starts = np.arange(0, len(self.x), length)
         return self.x[starts], np.maximum.reduceat(self.values, starts, axis=1)
@@ -109,16 +109,16 @@ class Panel:
     """One figure.
 
     Attributes:
-        title: What it shows.
-        y_label: With the unit.
-        items: In drawing order.
-        x_label: With the unit.
-        over_time: Whether x is time, and zooms with that of all such panels.
-        equal: Whether both axes have one scale.
-        y_range: None is what the items need.
-        rows: How many rows of the page's grid it spans.
-        row: Its first row in the grid, given by the page.
-        column: Likewise.
+        title: Title above the panel.
+        y_label: Label of the y axis, with its unit.
+        items: Items in drawing order.
+        x_label: Label of the x axis, with its unit.
+        over_time: True if x is time; all such panels zoom together.
+        equal: True if both axes have one scale.
+        y_range: Range of the y axis; None is the range of the items.
+        rows: Number of rows of the page's grid that the panel spans.
+        row: First row in the grid, given by the page.
+        column: Column in the grid, given by the page.
     """
 
     title: str
@@ -138,11 +138,11 @@ class Page:
     """All figures of a log.
 
     Attributes:
-        title: In large letters.
-        subtitle: Below it.
-        heights: Of the rows of the grid [inch].
-        columns: Of the grid.
-        panels: In reading order.
+        title: Title in large letters.
+        subtitle: Line below the title.
+        heights: Heights of the rows of the grid [inch].
+        columns: Number of columns of the grid.
+        panels: Panels in reading order.
         time: First and last instant [s].
     """
 
@@ -154,18 +154,18 @@ class Page:
     time: tuple[float, float]
 
     def has_room(self, span: Span) -> bool:
-        """Whether a span's name fits into it."""
+        """Returns True if a span's name fits into the span."""
         share = (span.end - span.start) / max(self.time[1] - self.time[0], 1e-9)
         return share > NARROW_SPAN * len(span.label)
 
 
 def thinned(x: np.ndarray, y: np.ndarray, points: int) -> tuple[np.ndarray, np.ndarray]:
-    """A curve with fewer points that keeps its extremes.
+    """Thins a curve and keeps its extremes.
 
     Args:
-        x: Shape (any,).
-        y: Of the same shape.
-        points: About how many to keep.
+        x: X of the curve, shape (any,).
+        y: Y of the curve, of the same shape.
+        points: Approximate number of points to keep.
 
     Returns:
         x and y of the lowest and the highest point of each piece of the curve.

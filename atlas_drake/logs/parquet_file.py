@@ -1,7 +1,7 @@
 """Logs as Parquet: one column per number, for pandas, polars, DuckDB and the like.
 
-Needs ``pyarrow``. Blocks of rows are written as the run goes on, but the file can
-only be read once it is closed.
+Needs ``pyarrow``. Blocks of rows are written during the run, but the file can only be
+read once it is closed.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ HEADER, NOTES = "atlas_drake.header", "atlas_drake.notes"
 
 
 class ParquetWriter:
-    """Writes beside the file until it is closed."""
+    """Writes to a temporary file beside the log until the log is closed."""
 
     def __init__(self, path: Path, header: Header):
         """Opens the file."""
@@ -62,8 +62,8 @@ class ParquetWriter:
                 self._writer.close()
 
     def abandon(self) -> None:
-        """Leaves no file: without its end it cannot be read."""
-        # Or the library would try once more, and complain.
+        """Removes the file, which cannot be read without its end."""
+        # Otherwise the library would write again, and report an error.
         self._writer.is_open = False
         self._file.abandon()
 
@@ -80,10 +80,10 @@ class ParquetWriter:
 
 
 def read_parquet(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]:
-    """Header, channels and notes of a file.
+    """Reads header, channels and notes of a file.
 
     Raises:
-        LogError: If it is no log of this program.
+        LogError: If it is not a log of this program.
         Exception: Anything else if it is damaged.
     """
     file = pq.ParquetFile(path)

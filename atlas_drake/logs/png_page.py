@@ -26,25 +26,26 @@ from atlas_drake.logs.panels import (
 )
 
 WIDTH = 15.0
-"""Of the page [inch]."""
+"""Width of the page [inch]."""
 HEADER, GAP, FOOTER = 1.05, 0.72, 0.55
-"""Above the first row, between rows, below the last one [inch]."""
+"""Space above the first row, between rows, below the last row [inch]."""
 LEFT, MIDDLE, RIGHT = 0.95, 1.35, 0.75
-"""Beside and between the columns [inch]."""
+"""Space beside and between the columns [inch]."""
 DPI = 100
 SWATCH = 10
-"""Of each color in the strip that shapes the palette [pixel]."""
+"""Size of each color in the strip that shapes the palette [pixel]."""
 COLORS = 256
-"""Of the palette: a third of the file's size, and nothing that one could see."""
+"""Number of colors of the palette: reduces the file by two thirds without a visible
+difference."""
 COLUMNS = 1200
-"""Of a map: about two for each pixel."""
+"""Columns of a map: about two for each pixel."""
 SMALL, TINY = 8, 6.5
-"""Of letters [point]."""
+"""Size of letters [point]."""
 
 
-@rc_context({"text.parse_math": False})  # A $ in a name is a $, and no formula.
+@rc_context({"text.parse_math": False})  # A $ in a name starts no formula.
 def draw_figure(page: Page) -> Figure:
-    """The page as a figure of matplotlib."""
+    """Draws the page as a figure of matplotlib."""
     gaps = GAP * (len(page.heights) - 1)
     height = HEADER + sum(page.heights) + gaps + FOOTER
     figure = Figure(figsize=(WIDTH, height), dpi=DPI)
@@ -78,10 +79,10 @@ def write_png(page: Page, path: Path) -> None:
 
 
 def _with_palette(picture: Image.Image, page: Page) -> Image.Image:
-    """The picture in few colors, among them those of thin lines.
+    """Reduces the picture to few colors, among them the colors of thin lines.
 
-    The palette is that of what is frequent, which the lines are made to be by a strip
-    of their colors below the picture.
+    The palette consists of the frequent colors. A strip below the picture makes the
+    colors of the lines frequent.
     """
     colors = sorted(
         {item.color for panel in page.panels for item in panel.items if _thin(item)}

@@ -1,6 +1,6 @@
 """Records a station: one row of numbers per control tick, and notes beside it.
 
-What a row holds is made in ``samples``. Files are the business of its writer.
+``samples`` computes a row; the writer of the log's format writes files.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ _VALUES = (
     "imu",
     "contact_results",
 )
-"""Ports whose values are no vectors."""
+"""Ports with abstract values."""
 
 
 PATHS_EVERY = 0.1
@@ -51,22 +51,21 @@ PATHS_EVERY = 0.1
 
 
 class LogRecorder(CollectableSystem):
-    """Ports of a station in, a log out.
+    """Writes the values of a station's ports to a log.
 
-    A row is sampled by a discrete update, which sees what the controller decided at
-    the same instant and reads the contact forces that the plant is about to solve
-    anyway. It is written a tick later, by a publish event, as is everything that
-    leaves a diagram.
+    A discrete update samples a row: it reads the controller's output of the same
+    instant, and the contact forces that the plant computes anyway. A publish event
+    writes the row one tick later, as for all output from a diagram.
 
     Input ports, as the station's outputs of the same names:
         state, behavior_state, foot_wrenches, effort, user_effort, behavior_effort
         commands, controller_status, atlas_sim_interface_state, imu, contact_results
 
-    State: the row sampled last, shape (layout's width,). What has been written
-    already is known here and not in a Context: it is a fact about the file.
+    State: the row sampled last, shape (layout's width,). The record of what has been
+    written is kept in this object and not in a Context, because it belongs to the file.
 
     Attributes:
-        fault: Why nothing is written any more; None while all is well.
+        fault: Error that ended the writing; None if there was none.
     """
 
     __slots__ = ()
@@ -81,8 +80,8 @@ class LogRecorder(CollectableSystem):
         """Samples every ``period`` [s].
 
         Args:
-            sampler: Of the station's robot.
-            writer: Takes rows and notes.
+            sampler: Sampler of the station's robot.
+            writer: Writer of rows and notes.
             period: The control period [s].
             tick_seconds: Wall times of the controller's ticks, which it appends to.
         """
@@ -110,16 +109,16 @@ class LogRecorder(CollectableSystem):
     # ---- writing -------------------------------------------------------------
 
     def event(self, event: Event) -> None:
-        """Records an event, which no port says in full."""
+        """Records an event that no port holds in full."""
         with self._latched_fault():
             self._writer.note(note_from_event(event))
 
     def flush(self, context: Context) -> None:
-        """Writes the latest row and commands, which otherwise wait for a tick."""
+        """Writes the latest row and commands now, not one tick later."""
         self._write(context)
 
     def close(self) -> None:
-        """Completes the log; nothing is recorded any more.
+        """Completes the log and ends recording.
 
         Raises:
             LogError: If the log cannot be written, now or at an earlier tick.
@@ -130,7 +129,7 @@ class LogRecorder(CollectableSystem):
 
     @contextmanager
     def _latched_fault(self) -> Iterator[None]:
-        """Lets the simulation go on when the log cannot be written."""
+        """Continues the simulation when the log cannot be written."""
         try:
             yield
         except LogError as error:
@@ -147,18 +146,18 @@ class LogRecorder(CollectableSystem):
         with self._latched_fault():
             for received in fresh:
                 for kind, cls in COMMANDS.items():
-                    # What is no command is in the event that tells of its refusal.
+                    # A value that is not a command appears in the event of its refusal.
                     if isinstance(received.message, cls):
                         plain = to_plain(received.message)
                         self._writer.note(Note(received.time, kind, plain))
-            # There is none before the first tick; after a reset Drake publishes again.
+            # No row exists before the first tick; after a reset Drake publishes again.
             if time > self._written_time:
                 self._written_time = time
                 self._writer.row(row)
                 self._write_paths(context)
 
     def _write_paths(self, context: Context) -> None:
-        """Notes the planned paths from time to time, and when they come or go."""
+        """Records the planned paths periodically, and when they appear or end."""
         time = context.get_time()
         status: ControllerStatus = self._ports["controller_status"].Eval(context)
         planned = status.plan.preview is not None or bool(status.plan.footsteps)
@@ -185,9 +184,9 @@ def add_log_recorder(
     """Adds a recorder to a diagram and connects it.
 
     Args:
-        builder: Of the diagram that holds the station.
+        builder: Builder of the diagram that holds the station.
         station: An AtlasStation.
-        recorder: Of the station's robot.
+        recorder: Recorder of the station's robot.
     """
     builder.AddNamedSystem("log_recorder", recorder)
     for index in range(recorder.num_input_ports()):

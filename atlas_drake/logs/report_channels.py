@@ -1,7 +1,7 @@
 """The channels that hold an ``AtlasSimInterfaceState``: one table, read both ways.
 
-A row is filled from a report with it, and a replay makes the report from a row again.
-All other channels are in ``channels``.
+The recorder fills a row from a report, and a replay restores the report from a row. All
+other channels are in ``channels``.
 """
 
 from __future__ import annotations
@@ -45,10 +45,10 @@ _PELVIS = {f.name: f.name for f in fields(AtlasBehaviorPelvisServoParams)}
 
 @dataclass(frozen=True)
 class ReportChannel:
-    """A channel, and where its numbers are in a report.
+    """A channel, and the place of its numbers in a report.
 
     Attributes:
-        channel: As it is in the log.
+        channel: The channel of the log.
         owner: Attributes and list indices that lead to a message.
         leaves: Dotted paths from there, one for each number.
     """
@@ -58,12 +58,12 @@ class ReportChannel:
     leaves: tuple[str, ...]
 
     def read(self, report: AtlasSimInterfaceState) -> Any:
-        """The number, or an array of them."""
+        """Reads the number, or an array of numbers."""
         numbers = self._get(self._owner(report))
         return np.array(numbers) if self.channel.labels else numbers
 
     def write(self, report: AtlasSimInterfaceState, numbers: Any) -> None:
-        """Puts the number, or the sequence of them, into a report."""
+        """Writes the number, or the sequence of numbers, into a report."""
         owner = self._owner(report)
         many = numbers if self.channel.labels else (numbers,)
         for leaf, number in zip(self.leaves, many, strict=True):
@@ -84,12 +84,12 @@ class ReportChannel:
 
 
 def reported(report: AtlasSimInterfaceState) -> dict[str, Any]:
-    """Numbers by channel, as a report has them."""
+    """Reads the numbers of all channels from a report."""
     return {entry.channel.name: entry.read(report) for entry in REPORT_CHANNELS}
 
 
 def report_from(numbers: Mapping[str, Any]) -> AtlasSimInterfaceState:
-    """The reverse of ``reported``; time, efforts and shares are left as they are."""
+    """The reverse of ``reported``; time, efforts and shares keep their defaults."""
     report = AtlasSimInterfaceState()
     for entry in REPORT_CHANNELS:
         entry.write(report, numbers[entry.channel.name])
@@ -113,7 +113,7 @@ def _group(
 
 
 def _steps_taken(topic: str) -> list[ReportChannel]:
-    """What WALK and STEP both report about the step at hand."""
+    """Channels of WALK and STEP about the present step."""
     feedback = f"{topic}_feedback"
     return [
         _number(
@@ -218,4 +218,4 @@ REPORT_CHANNELS = (
         )
     ),
 )
-"""In the order of the log."""
+"""Channels in the order of the log."""

@@ -1,6 +1,6 @@
-"""What a log's row holds at one instant, made of the values of a station's ports.
+"""Computes a log's row at one instant from the values of a station's ports.
 
-When rows are sampled and written is the business of ``recorder``.
+``recorder`` samples and writes the rows.
 """
 
 from __future__ import annotations
@@ -24,17 +24,20 @@ from atlas_drake.robot import Robot
 from atlas_drake.scenario.world import WorldMaker
 from atlas_drake.systems.robot_sensors import contact_wrenches, shift_wrench
 
+NO_QP = -1
+"""Value of ``controller.solved`` where a controller has, or needed, no QP."""
+
 
 class RowSampler:
     """Makes rows of one robot's log.
 
     Attributes:
-        layout: Of the rows.
+        layout: Layout of the rows.
         port_sizes: Lengths of the vector-valued ports that rows are made of, by name.
     """
 
     def __init__(self, robot: Robot, world: Sequence[WorldMaker] = ()):
-        """Takes the robot, and what adds to its plant; all coordinates lie as there."""
+        """Takes the robot and its world, which define the coordinates of the plant."""
         self._plant = plant = robot.make_plant()
         self._world = world_coordinates(robot, world)
         self.layout = robot_layout(
@@ -57,28 +60,30 @@ class RowSampler:
         self._indices = robot.indices(plant)
         self._num_q = plant.num_positions()
         self._hands = [plant.GetBodyByName(name) for name in robot.file.hands]
-        # The robot is the first in both plants: its bodies have the same numbers.
+        # The robot is the first model in both plants: its bodies have the same indices.
         self._hand_bodies = {int(body.index()): i for i, body in enumerate(self._hands)}
 
     def create_context(self) -> Context:
-        """A scratch context for ``row``, which overwrites it."""
+        """Creates a scratch context for ``row``, which overwrites it."""
         return self._plant.CreateDefaultContext()
 
     def row(
         self, scratch: Context, time: float, tick_time: float, ports: Mapping[str, Any]
     ) -> np.ndarray:
-        """One row, shape (layout's width,); NaN where there is nothing to say.
+        """Computes one row, shape (layout's width,); NaN for missing values.
 
         Args:
-            scratch: Of ``create_context``.
-            time: Now [s].
+            scratch: Context from ``create_context``.
+            time: Present time [s].
             tick_time: Wall time of the controller's tick [s].
             ports: Values of the station's ports, by name.
         """
+        status = ports["controller_status"]
         values: dict[str, Any] = {
             "time": time,
             "controller.tick_time": tick_time,
-            "controller.unsolved": ports["controller_status"].unsolved,
+            "controller.unsolved": status.unsolved,
+            "controller.solved": NO_QP if status.solved is None else status.solved,
             **reported(ports["atlas_sim_interface_state"]),
             **self._joints(ports),
             **_commanded(ports["commands"]),
@@ -121,7 +126,7 @@ class RowSampler:
         }
 
     def _balance(self, scratch: Context, ports: Mapping[str, Any]) -> dict[str, Any]:
-        """Center of mass and DCM as the controller believes them, and their plan."""
+        """Center of mass and DCM from the controller's state, and their references."""
         plant: Any = self._plant
         plant.SetPositionsAndVelocities(scratch, ports["behavior_state"])
         com = plant.CalcCenterOfMassPositionInWorld(scratch)
@@ -147,7 +152,7 @@ class RowSampler:
     def _hand_wrenches(
         self, scratch: Context, state: np.ndarray, contacts: ContactResults
     ) -> dict[str, np.ndarray]:
-        """Contact on both hands, about their body origins."""
+        """Contact wrenches on both hands, about their body origins."""
         totals = np.zeros((2, 6))
         if self._hands:
             totals[:] = contact_wrenches(contacts, self._hand_bodies)
@@ -165,7 +170,7 @@ class RowSampler:
 
 
 def flat_polygon(corners: np.ndarray) -> np.ndarray:
-    """Corners as a row of numbers, NaN where there are fewer than the channel takes."""
+    """Flattens corners to a row of numbers, padded with NaN to the channel's size."""
     row = np.full(2 * LARGEST_SUPPORT, np.nan)
     kept = corners[:LARGEST_SUPPORT]
     row[: 2 * len(kept)] = kept.ravel()
@@ -173,14 +178,14 @@ def flat_polygon(corners: np.ndarray) -> np.ndarray:
 
 
 def polygon_from(row: np.ndarray) -> np.ndarray | None:
-    """The reverse of ``flat_polygon``: shape (k, 2), or None where there is none."""
+    """The reverse of ``flat_polygon``: shape (k, 2), or None without a polygon."""
     corners = row.reshape(-1, 2)
     corners = corners[np.isfinite(corners).all(axis=1)]
     return corners if len(corners) else None
 
 
 def _commanded(commands: Any) -> dict[str, Any]:
-    """What ``CommandsInForce`` say about joints and requests."""
+    """Values of ``CommandsInForce`` about joints and requests."""
     joints = commands.joints
     return {
         "behavior.request_number": commands.request.number,

@@ -1,4 +1,4 @@
-"""Begins a log: file, header and recorder of one scenario."""
+"""Starts a log: file, header and recorder of one scenario."""
 
 from __future__ import annotations
 
@@ -26,15 +26,15 @@ def start_recorder(
     tick_seconds: Sequence[float],
     behaviors: Sequence[BehaviorInterface] = (),
 ) -> LogRecorder:
-    """Opens the file and makes the system that fills it.
+    """Opens the file and makes the system that writes it.
 
     Args:
-        path: Of the file; its ending says in which format.
-        scenario: That is simulated.
-        robot: In the scenario.
-        world: What is in the plant beside the robot.
+        path: Path of the file; its ending selects the format.
+        scenario: The simulated scenario.
+        robot: Robot of the scenario.
+        world: Models in the plant beside the robot.
         tick_seconds: Wall times of the controller's ticks, which it appends to.
-        behaviors: Of one's own, beside the shipped ones.
+        behaviors: The user's own behaviors, beside the shipped ones.
 
     Raises:
         LogError: If the file cannot be written.

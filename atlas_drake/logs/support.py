@@ -1,6 +1,6 @@
-"""The feet on the ground over time, for figures: which bear load, and where they are.
+"""The feet on the ground over time, for figures: contact and poses of the soles.
 
-Reads a log; plane geometry only.
+Computed from a log; plane geometry only.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from atlas_drake.logs.layout import SIDES
 from atlas_drake.logs.log import Log
 
 CONTACT_SHARE = 0.04
-"""Of the robot's weight on a sole that counts as contact [-]."""
+"""Least share of the robot's weight on a sole that counts as contact [-]."""
 SHORTEST_STANCE = 0.06
-"""Contacts that last less are not drawn [s]."""
+"""Shorter contacts are not drawn [s]."""
 SAME_PLACE = 0.01
-"""Footprints that are closer are drawn once [m]."""
+"""Footprints closer together than this are drawn once [m]."""
 
 
 @dataclass(frozen=True)
@@ -28,8 +28,8 @@ class Feet:
     """Both soles over time.
 
     Attributes:
-        corners: In W, horizontal [m], shape (2, rows, 4, 2).
-        contact: Which soles bear load, bool, shape (2, rows).
+        corners: Corners in W, horizontal [m], shape (2, rows, 4, 2).
+        contact: True for soles that carry load, bool, shape (2, rows).
     """
 
     corners: np.ndarray
@@ -51,7 +51,7 @@ class Feet:
 
 
 def feet_of(log: Log) -> Feet:
-    """The feet of a log."""
+    """Computes the feet over time from a log."""
     sole = log.robot.file.sole
     local = np.array([[1, 1], [1, -1], [-1, -1], [-1, 1]]) * (
         0.5 * np.array([sole.length, sole.width])
@@ -74,13 +74,13 @@ def feet_of(log: Log) -> Feet:
 
 
 def runs(flags: np.ndarray) -> Iterator[tuple[int, int]]:
-    """Beginnings and ends, exclusive, of the stretches where flags are set."""
+    """Finds starts and ends, exclusive, of the intervals in which flags are set."""
     edges = np.flatnonzero(np.diff(np.concatenate([[0], flags.astype(int), [0]])))
     yield from zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True)
 
 
 def footprints(log: Log, feet: Feet, foot: int) -> list[np.ndarray]:
-    """Where one sole stood: corners in W [m], each of shape (4, 2)."""
+    """Finds the footprints of one sole: corners in W [m], each of shape (4, 2)."""
     prints: list[np.ndarray] = []
     for begin, end in runs(feet.contact[foot]):
         if log.time[end - 1] - log.time[begin] >= SHORTEST_STANCE:
@@ -89,7 +89,7 @@ def footprints(log: Log, feet: Feet, foot: int) -> list[np.ndarray]:
 
 
 def double_supports(log: Log, feet: Feet) -> list[np.ndarray]:
-    """Support polygons of both soles together: corners in W [m], shape (any, 2)."""
+    """Finds the support polygons of both soles: corners in W [m], shape (any, 2)."""
     pairs: list[np.ndarray] = []
     for begin, end in runs(np.logical_and(*feet.contact)):
         if log.time[end - 1] - log.time[begin] >= SHORTEST_STANCE:

@@ -1,7 +1,7 @@
-"""Messages that MCAP viewers understand by themselves: transforms, joints, log lines.
+"""Messages that MCAP viewers display without setup: transforms, joints, log lines.
 
-The names and fields of their schemas are Foxglove's; all else in a log has schemas
-of our own, made here from samples.
+Their schemas are Foxglove's; all other topics of a log have schemas of this project,
+which are made here from samples.
 """
 
 from __future__ import annotations
@@ -45,11 +45,11 @@ _LEVELS = {"warning": _WARNING, "refusal": _WARNING, "fall": _ERROR}
 def viewer_messages(
     layout: Layout, row: list[Any]
 ) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Topics and messages about one tick.
+    """Makes topics and messages of one tick.
 
     Args:
-        layout: Of the row.
-        row: Its numbers; None where there is none.
+        layout: Layout of the row.
+        row: Numbers of the row; None for missing values.
     """
     stamp = _stamp(row[0])
 
@@ -80,7 +80,7 @@ def viewer_messages(
 
 
 def event_message(note: Note) -> dict[str, Any]:
-    """An event as a line of a log, with our own fields beside it."""
+    """Converts an event to a log line, with its own fields added."""
     kind = note.data["kind"]
     return {
         "timestamp": _stamp(note.time),
@@ -96,12 +96,12 @@ def event_message(note: Note) -> dict[str, Any]:
 
 
 def json_schema(sample: Any) -> dict[str, Any]:
-    """The JSON schema of everything that looks like a sample."""
+    """Makes the JSON schema of values with the structure of a sample."""
     if isinstance(sample, dict):
         properties = {name: json_schema(value) for name, value in sample.items()}
         return {"type": "object", "properties": properties}
     if isinstance(sample, list):
-        # Arrays that are empty in a blank message are numbers of joints.
+        # Arrays that are empty in a blank message hold one number per joint.
         return {"type": "array", "items": json_schema(sample[0] if sample else 0.0)}
     if isinstance(sample, bool):
         return {"type": "boolean"}

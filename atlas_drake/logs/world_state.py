@@ -16,13 +16,13 @@ from atlas_drake.scenario.world import WorldMaker, add_world
 
 @dataclass(frozen=True)
 class WorldCoordinates:
-    """Where a plant keeps what is not the robot's.
+    """Places of the coordinates in a plant that are not the robot's.
 
     Attributes:
         q: Index into the plant's positions by name of the coordinate.
         v: Index into the plant's velocities by name of the coordinate.
-        num_positions: Of the whole plant.
-        num_states: Of the whole plant.
+        num_positions: Number of positions of the whole plant.
+        num_states: Number of states of the whole plant.
     """
 
     q: dict[str, int]
@@ -42,13 +42,13 @@ class WorldCoordinates:
 
 
 def world_coordinates(robot: Robot, world: Sequence[WorldMaker]) -> WorldCoordinates:
-    """Return where a station's plant keeps what ``world`` adds to it.
+    """Find the coordinates that ``world`` adds to a station's plant.
 
     Raises:
         WorldError: If it cannot be added.
     """
     plant = MultibodyPlant(time_step=0.0)
-    # Models may have geometry, at which nobody looks; the plant does not keep it alive.
+    # Models may have geometry, which is not used; the plant does not keep it alive.
     geometry = SceneGraph()
     if world:
         plant.RegisterAsSourceForSceneGraph(geometry)
@@ -59,7 +59,7 @@ def world_coordinates(robot: Robot, world: Sequence[WorldMaker]) -> WorldCoordin
 
 
 def coordinates_beside(plant: MultibodyPlant, robot: Robot) -> WorldCoordinates:
-    """Return where a finalized plant keeps what is not the robot's."""
+    """Find the coordinates of a finalized plant that are not the robot's."""
     own = robot.instance(plant)
     all_q = np.arange(plant.num_positions(), dtype=float)
     all_v = np.arange(plant.num_velocities(), dtype=float)
@@ -72,9 +72,9 @@ def coordinates_beside(plant: MultibodyPlant, robot: Robot) -> WorldCoordinates:
 
 
 class PlantState:
-    """The state of a plant with robot and world, made of a log's rows.
+    """The state of a plant with robot and world, from a log's rows.
 
-    What the log knows nothing of stays where it is by default.
+    Coordinates that the log does not hold keep their default values.
     """
 
     def __init__(

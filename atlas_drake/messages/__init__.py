@@ -1,6 +1,6 @@
-"""Messages of the Atlas control interface: what a script sends and what it reads.
+"""Messages of the Atlas control interface: commands to the robot and its reports.
 
-Data and what is valid only, on numpy and the standard library; no Drake, no control.
+Data and validation only, with numpy and the standard library; no Drake, no control.
 """
 
 from atlas_drake.messages.atlas_command import AtlasCommand

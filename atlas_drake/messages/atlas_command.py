@@ -1,6 +1,6 @@
 """The command to the joint controllers (user mode).
 
-What is valid is in ``validation``; what the joint controllers make of it, elsewhere.
+Validation is in ``validation``, the control law in ``control.joints.joint_pid``.
 """
 
 from dataclasses import dataclass, field
@@ -11,27 +11,28 @@ from atlas_drake.messages.geometry import Header
 
 @dataclass(slots=True, eq=False)
 class AtlasCommand(Message):
-    """Setpoints, gains and the share of control for each joint.
+    """Set-points, gains and the share of control for each joint.
 
     Every array has one element per joint in message order, or is empty and leaves the
-    values in force as they are.
+    values in force unchanged.
 
     Attributes:
-        header: When it was sent. An earlier stamp than that of the command before is
-            an error.
+        header: Time at which the command was sent. A stamp earlier than the previous
+            command's is an error.
         position: Desired positions [rad].
         velocity: Desired velocities [rad/s].
-        effort: Efforts added to what the gains give [N·m].
+        effort: Feed-forward efforts, added to the efforts of the gains [N·m].
         kp_position: Proportional gains [N·m/rad], not negative.
         ki_position: Integral gains [N·m/(rad·s)], not negative.
         kd_position: Damping of the joint [N·m·s/rad], not negative: the gain on the
-            rate of the position error, of a set-point taken to stand still.
+            rate of the position error for a constant set-point.
         kp_velocity: Gains on the velocity error [N·m·s/rad], not negative.
         i_effort_min: Lower bounds of the integral term [N·m].
         i_effort_max: Upper bounds of the integral term [N·m].
-        k_effort: Share of user control: 0 the behavior alone, 255 the user alone.
-        desired_controller_period_ms: How often the sender means to send [ms]; 0 means
-            that it does not say.
+        k_effort: Share of user control: 0 for the behavior alone, 255 for the user
+            alone.
+        desired_controller_period_ms: Period at which the sender intends to send [ms]; 0
+            means not given.
     """
 
     header: Header = field(default_factory=Header)

@@ -1,6 +1,6 @@
 """The command to the behaviors (behavior mode).
 
-What is valid is in ``validation``; what a behavior makes of it, in that behavior.
+Validation is in ``validation``; the effect of a command is in its behavior.
 """
 
 from dataclasses import dataclass, field
@@ -19,33 +19,33 @@ from atlas_drake.messages.geometry import Header
 
 @dataclass(slots=True, eq=False)
 class AtlasSimInterfaceCommand(Message):
-    """The behavior to go to, its parameters, and the share of control of each joint.
+    """The desired behavior, its parameters, and the share of control of each joint.
 
     Every array has one element per joint in message order, or is empty and leaves the
-    values in force as they are.
+    values in force unchanged.
 
     Attributes:
-        header: When it was sent. An earlier stamp than that of the command before is
-            an error.
+        header: Time at which the command was sent. A stamp earlier than the previous
+            command's is an error.
         behavior: A ``Behavior``, its number, or its name in any case. An empty message
-            asks for NONE.
+            requests NONE.
         walk_params: Read by WALK.
         step_params: Read by STEP.
         stand_params: Read by STAND.
         manipulate_params: Read by MANIPULATE.
-        params: Read by a behavior of one's own, an instance of its parameters'
-            dataclass; None means defaults.
+        params: Read by a user's own behavior: an instance of the dataclass of its
+            parameters; None means defaults.
         position: Servo positions [rad]. These six arrays set the joint controllers as
             the arrays of the same names in ``AtlasCommand`` do; the later message
-            counts. They act on joints of which the user has a share.
+            counts. They act on joints with a user share above 0.
         velocity: Servo velocities [rad/s].
         effort: Servo efforts [N·m].
         kp_position: Servo gains on position [N·m/rad], not negative.
         ki_position: Servo gains on the integral of position [N·m/(rad·s)], not
             negative.
         kp_velocity: Servo gains on velocity [N·m·s/rad], not negative.
-        k_effort: Share of user control: 0 the behavior alone, 255 the user alone.
-            Written by ``AtlasCommand`` too.
+        k_effort: Share of user control: 0 for the behavior alone, 255 for the user
+            alone. ``AtlasCommand`` sets it too.
     """
 
     NONE = Behavior.NONE

@@ -1,4 +1,4 @@
-"""What the robot reports about its behaviors.
+"""The robot's report on its behaviors.
 
 Joints and sensors are reported in ``atlas_state``.
 """
@@ -20,11 +20,11 @@ from atlas_drake.messages.geometry import Header, Pose, Vector3
 
 @dataclass(slots=True, eq=False)
 class AtlasPositionData(Message):
-    """Where the pelvis is and how it moves, in the world frame.
+    """Position and velocity of the pelvis in the world frame.
 
     Attributes:
-        position: [m]
-        velocity: [m/s]
+        position: Position of the pelvis [m].
+        velocity: Velocity of the pelvis [m/s].
     """
 
     position: Vector3 = field(default_factory=Vector3)
@@ -37,23 +37,24 @@ def _two_poses() -> list[Pose]:
 
 @dataclass(slots=True, eq=False)
 class AtlasSimInterfaceState(Message):
-    """Which behavior is active, how it goes, and what it asks of the joints.
+    """The active behavior, its progress, and the joint efforts that it requests.
 
     Attributes:
         header: Time of the report.
-        error_code: What is wrong with the last command, as an ``ErrorCode``.
+        error_code: Error of the last command, as an ``ErrorCode``.
         current_behavior: The active behavior, as a ``Behavior``.
-        desired_behavior: The behavior asked for last; it may lead the current one.
-        f_out: Efforts that the behavior asks for [N·m], one per joint in message
-            order, before they are blended with the user's.
+        desired_behavior: The behavior requested last; it differs from the current one
+            during a transition.
+        f_out: Efforts that the behavior requests [N·m], one per joint in message order,
+            before the blend with the user's efforts.
         pos_est: Estimated motion of the pelvis in the world frame.
         foot_pos_est: Estimated poses of the left and the right foot, in this order,
             in the world frame.
-        behavior_feedback: How the last change of behavior went.
-        stand_feedback: How STAND goes.
-        step_feedback: How STEP goes.
-        walk_feedback: How WALK goes.
-        manipulate_feedback: How MANIPULATE goes.
+        behavior_feedback: Result of the last transition.
+        stand_feedback: State of STAND.
+        step_feedback: State of STEP.
+        walk_feedback: State of WALK.
+        manipulate_feedback: State of MANIPULATE.
         k_effort: Shares of user control in force, one per joint in message order.
     """
 

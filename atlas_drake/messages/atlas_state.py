@@ -1,4 +1,4 @@
-"""What the robot reports about its joints and its sensors.
+"""The robot's report on its joints and its sensors.
 
 Behaviors are reported in ``atlas_sim_interface_state``.
 """
@@ -12,10 +12,10 @@ from atlas_drake.messages.joint_indices import JointIndices
 
 @dataclass(slots=True, eq=False)
 class AtlasState(JointIndices, Message):
-    """Measured joint states, the gains in force, the pelvis and the wrenches.
+    """Measured joint states, gains in force, motion of the pelvis and contact wrenches.
 
     Every array has one element per joint in message order. ``AtlasState.neck_ry`` and
-    its like are joint indices.
+    similar constants are joint indices.
 
     Attributes:
         header: Time of the measurement.
@@ -30,14 +30,14 @@ class AtlasState(JointIndices, Message):
         i_effort_max: Upper bounds of the integral term in force [N·m].
         k_effort: Shares of user control in force, 0 to 255.
         orientation: Orientation of the pelvis in the world frame.
-        angular_velocity: Angular velocity of the pelvis, in its own frame [rad/s].
-        linear_acceleration: Specific force at the IMU, in its own frame [m/s²].
-        l_foot: Wrench of contact on the left foot, in the world frame about the sole's
-            middle, one control tick old.
-        r_foot: Likewise on the right foot.
-        l_hand: Wrench of contact on the left hand, in the world frame about the origin
-            of its link, of now.
-        r_hand: Likewise on the right hand.
+        angular_velocity: Angular velocity of the pelvis, in the pelvis frame [rad/s].
+        linear_acceleration: Specific force at the IMU, in the IMU's frame [m/s²].
+        l_foot: Contact wrench on the left foot, in the world frame about the center of
+            the sole, one control tick old.
+        r_foot: Contact wrench on the right foot, as for the left foot.
+        l_hand: Contact wrench on the left hand, in the world frame about the origin of
+            its link, at the time of the message.
+        r_hand: Contact wrench on the right hand, as for the left hand.
     """
 
     header: Header = field(default_factory=Header)

@@ -1,8 +1,8 @@
-"""What all messages share: misspelt fields caught, comparison, snapshots.
+"""Base of all messages: checks of field names, comparison, snapshots.
 
-A snapshot is what is sent and kept. ``frozen`` and ``same_content`` take whatever a
-sender may put into a message, or in its place, and never raise. The messages
-themselves are in their own files; what is valid is in ``validation``.
+A snapshot is the immutable copy that is sent and kept. ``frozen`` and ``same_content``
+accept any value that a sender may put into a message, or in its place, and never raise.
+Each message has a file of its own; validation is in ``validation``.
 """
 
 import copy
@@ -23,10 +23,10 @@ if TYPE_CHECKING:
     from typing import Self
 
 FloatArray = list[float] | NDArray[Any]
-"""One number for each joint in message order, or nothing: "leave what is in force"."""
+"""One number for each joint in message order, or none: "keep the values in force"."""
 
 IntArray = list[int] | NDArray[Any]
-"""One whole number for each joint in message order, or nothing, likewise."""
+"""One whole number for each joint in message order, or none, as for numbers."""
 
 
 UNNUMBERED = 0
@@ -37,19 +37,19 @@ class Message:
     """Base of all messages, which are dataclasses with slots.
 
     A message is made empty and filled in field by field. Sending it takes a
-    ``snapshot``, so that the sender may go on using and changing its own message.
+    ``snapshot``, so that the sender may continue to change the message.
     """
 
     __slots__ = ("_frozen", "_number")
     _frozen: bool
     _number: int
 
-    # Type checkers would take these definitions to allow any arguments and any
-    # attribute, and report fewer mistakes for it.
+    # With these definitions type checkers would allow any arguments and any attribute,
+    # and report fewer mistakes.
     if not TYPE_CHECKING:
 
         def __new__(cls, *args, **kwargs):
-            """Make a message that may be changed."""
+            """Make a mutable message."""
             message = object.__new__(cls)
             object.__setattr__(message, "_frozen", False)
             object.__setattr__(message, "_number", UNNUMBERED)
@@ -95,20 +95,20 @@ class Message:
             for field in fields(self)  # type: ignore[arg-type]
         )
 
-    # What can change has no hash that lasts.
+    # A mutable value has no lasting hash.
     __hash__ = None  # type: ignore[assignment]
 
     def snapshot(self) -> "Self":
-        """Return a copy that nobody can change.
+        """Return an immutable copy.
 
-        Lists become tuples and arrays read-only, at every depth, and numbers Python's
-        own. A snapshot of a snapshot is itself, and so is its deep copy, which makes
-        passing it through a diagram cheap.
+        At every depth lists become tuples, arrays become read-only and numbers become
+        Python's own. A snapshot of a snapshot is the same object, and so is its deep
+        copy, which makes passing it through a diagram cheap.
         """
         return self._fixed((id(self),))
 
     def numbered(self, number: int) -> "Self":
-        """Return a snapshot that is new beside another one with the same content.
+        """Return a snapshot that counts as new even if its content was sent before.
 
         Args:
             number: Not 0, and not the number of the sender's previous message.
@@ -120,7 +120,8 @@ class Message:
     def _fixed(self, path: "_Path", *, anew: bool = False) -> "Self":
         """Return a snapshot; ``path`` ends with this message itself.
 
-        With ``anew`` it shares no message with this one, which may be a snapshot.
+        With ``anew`` the result shares no message with this one, even if this one is a
+        snapshot.
         """
         if self._frozen and not anew:
             return self
@@ -132,14 +133,14 @@ class Message:
         return twin
 
     def mutable_copy(self) -> "Self":
-        """Return a deep copy that may be changed, also of a snapshot."""
+        """Return a mutable deep copy, also of a snapshot."""
         twin = type(self).__new__(type(self))
         for name in self.__dataclass_fields__:  # type: ignore[attr-defined]
             object.__setattr__(twin, name, _editable(getattr(self, name)))
         return twin
 
     def __deepcopy__(self, memo: dict[int, Any]) -> "Self":
-        """Return a deep copy; a snapshot, which cannot change, stands for its own."""
+        """Return a deep copy; an immutable snapshot is its own copy."""
         if self._frozen:
             return self
         twin = type(self).__new__(type(self))
@@ -150,7 +151,7 @@ class Message:
         return twin
 
     def __getstate__(self) -> tuple[bool, dict[str, Any]]:
-        """Return what pickling has to keep."""
+        """Return the state for pickling."""
         values = {
             field.name: getattr(self, field.name)
             for field in fields(self)  # type: ignore[arg-type]
@@ -158,7 +159,7 @@ class Message:
         return self._frozen, values
 
     def __setstate__(self, state: tuple[bool, dict[str, Any]]) -> None:
-        """Restore what pickling kept; arrays come out of it writable."""
+        """Restore a pickled state; freeze the arrays of a snapshot again."""
         is_frozen, values = state
         for name, value in values.items():
             object.__setattr__(self, name, frozen(value) if is_frozen else value)
@@ -169,23 +170,23 @@ _IMMUTABLE = (float, int, bool, str, type(None))
 _KEYS = set(_IMMUTABLE)
 
 DEEPEST = 8
-"""More than the depth to which messages and lists are nested in any message."""
+"""Greatest nesting depth that is followed; more than that of any message."""
 
 _Path = tuple[int, ...]
 """Identities of the containers around a value, to notice one that contains itself."""
 
 
 def _enters(value: object, path: _Path) -> bool:
-    """Tell whether a container may be entered: it is neither too deep nor a loop."""
+    """Return True if a container may be entered: it is neither too deep nor a loop."""
     return len(path) < DEEPEST and id(value) not in path
 
 
 def frozen(value: Any, path: _Path = (), *, anew: bool = False) -> Any:
-    """Return a copy of a value, of whatever kind, that nobody can change.
+    """Return an immutable copy of a value of any type.
 
-    Numbers become Python's own. What cannot stand in any valid message, such as a
-    generator or a list that contains itself, stays what it is: its place is in the
-    error that refuses it.
+    Numbers become Python's own. A value that no valid message can hold, such as a
+    generator or a list that contains itself, is returned as given: validation refuses
+    the message, and the error shows the value.
     """
     if type(value) in _IMMUTABLE:
         return value
@@ -211,24 +212,24 @@ def frozen(value: Any, path: _Path = (), *, anew: bool = False) -> Any:
 
 
 def _is_collection(value: object) -> bool:
-    """Tell whether a value is a mapping or a set with keys that compare safely.
+    """Return True for a mapping or a set with keys that compare safely.
 
-    Parameters of a behavior of one's own may have such fields.
+    Parameters of a user's own behavior may have such fields.
     """
     kind: Any = value
     return type(value) in (dict, set) and set(map(type, kind)) <= _KEYS
 
 
 def is_record(value: object) -> bool:
-    """Tell whether a value is an instance of a dataclass that is no message."""
+    """Return True for an instance of a dataclass that is not a message."""
     return is_dataclass(value) and not isinstance(value, (type, Message))
 
 
 def _frozen_record(value: Any, path: _Path) -> Any:
-    """Return a copy of a dataclass' instance whose fields nobody can change.
+    """Return a copy of a dataclass instance with immutable fields.
 
-    A dataclass that is not frozen itself stays changeable at its top; what has its copy
-    does not hand it out.
+    An instance of a dataclass that is not frozen stays mutable at its top level; the
+    holder of the copy must not hand it out.
     """
     twin = copy.copy(value)
     for item in fields(value):
@@ -241,18 +242,18 @@ _NUMBERS = {float, int}
 
 
 def same_content(value: Any, seen: Any, path: _Path = ()) -> bool:
-    """Tell whether a value says what a frozen one, seen earlier, said.
+    """Return True if a value has the content of a frozen value seen earlier.
 
-    Never raises. NaN says the same as NaN, and what cannot stand in any valid message
-    the same as another thing of its type; True does not say 1, which may be refused
-    where the other is not. Fast where nothing changed.
+    Never raises. NaN equals NaN. Two values of one type that no valid message can hold
+    count as equal. True differs from 1, because one may be refused where the other is
+    accepted. Fast if nothing changed.
 
     Args:
-        value: A message, or whatever stands in its place; it may have changed since.
-        seen: What ``frozen`` made of one.
+        value: A message, or any value in its place; it may have changed since.
+        seen: Result of ``frozen`` for the earlier value.
         path: Identities of the containers around ``value``.
     """
-    # Fields that did not change are the same immutable objects.
+    # Unchanged fields are the same immutable objects.
     if value is seen:
         return True
     if isinstance(value, Message) and _enters(value, path):
@@ -291,7 +292,7 @@ def same_content(value: Any, seen: Any, path: _Path = ()) -> bool:
 
 @functools.cache
 def _fields_getter(kind: type[Message]) -> Callable[[Any], tuple[Any, ...]]:
-    """Return a function that gives all fields of a message of that kind at once."""
+    """Return a function that reads all fields of a message of that kind at once."""
     names = list(kind.__dataclass_fields__)  # type: ignore[attr-defined]
     if len(names) > 1:
         return operator.attrgetter(*names)
@@ -335,15 +336,15 @@ def _same_array(value: np.ndarray, seen: Any, path: _Path) -> bool:
 
 
 def is_new(value: Any, seen: Any) -> bool:
-    """Tell whether a port holds another message than it did.
+    """Return True if a port holds a new message.
 
-    It does when the content differs, stamp included, or the number of a message that
-    has one. Whether it is the same object does not matter: a sender may change a
-    message and send it again.
+    A message is new if its content, including the stamp, or its number differs from the
+    one seen before. Object identity does not count: a sender may change a message and
+    send it again.
 
     Args:
-        value: What the port holds; NOTHING is not new.
-        seen: What ``frozen`` made of what it held before; NOTHING at first.
+        value: Value of the port; NOTHING is not new.
+        seen: Result of ``frozen`` for the previous value; NOTHING at first.
     """
     if value is NOTHING or value is seen:
         return False
@@ -354,7 +355,7 @@ def is_new(value: Any, seen: Any) -> bool:
 
 
 def _editable(value: Any) -> Any:
-    """Return a copy of a field's value that may be changed."""
+    """Return a mutable copy of a field's value."""
     if isinstance(value, _IMMUTABLE):
         return value
     if isinstance(value, Message):
@@ -365,11 +366,11 @@ def _editable(value: Any) -> Any:
 
 
 def _equal(a: Any, b: Any) -> bool:
-    """Compare two values of a field, whatever they hold, to one truth value."""
+    """Compare two values of a field, of any type; return one truth value."""
     if _is_sequence(a) and _is_sequence(b):
         return len(a) == len(b) and all(map(_equal, a, b))
     same = a == b
-    # Only an array, compared with something that is none, gives more than one answer.
+    # Only the comparison of an array with another type gives more than one answer.
     return same if isinstance(same, bool) else bool(np.all(same))
 
 

@@ -1,6 +1,6 @@
 """The behaviors of the original interface, by number and name.
 
-How they are asked for, and behaviors of one's own, are in ``behavior_catalog``.
+The catalog of all behaviors, including the user's own, is in ``behavior_catalog``.
 """
 
 from enum import IntEnum
@@ -8,7 +8,7 @@ from functools import cache
 from typing import Any
 
 _WHOLE = tuple("bcdnoxX")
-"""Types of format specifications that are for whole numbers."""
+"""Format specification types for whole numbers."""
 
 
 class Behavior(IntEnum):
@@ -34,14 +34,15 @@ class Behavior(IntEnum):
     @staticmethod
     @cache
     def named(number: int, name: str) -> "Behavior":
-        """Give the member of that name, or a value beside the members.
+        """Return the member of that name, or a value beside the members.
 
-        Behaviors of one's own are such values: they have name and number as members do,
-        are equal if their numbers are, and the same object if both are.
+        A user's own behavior is such a value: it has a name and a number as members do.
+        Two values are equal if their numbers are equal, and the same object if name and
+        number are equal.
 
         Args:
-            number: Of the behavior.
-            name: In capitals.
+            number: Number of the behavior.
+            name: Name of the behavior in capitals.
         """
         if name in Behavior.__members__:
             return Behavior[name]
@@ -56,9 +57,9 @@ class Behavior(IntEnum):
         return self
 
     def __str__(self) -> str:
-        """Give the name, which is what a reader wants; ``int`` gives the number."""
+        """Return the name, for readers; ``int`` returns the number."""
         return self.name
 
     def __format__(self, spec: str) -> str:
-        """Format the name, unless the specification is for a whole number."""
+        """Format the name, or the number if the specification is for a whole number."""
         return format(int(self) if spec[-1:] in _WHOLE else self.name, spec)

@@ -1,7 +1,7 @@
-"""The behaviors that a robot can be asked for, as commands and viewers see them.
+"""The catalog of behaviors, for commands and viewers.
 
-Name, number and parameters; caption, color and description. What a behavior does, and
-when it may begin, is in ``behaviors``.
+Name, number and parameters; caption, color and description. The control laws and entry
+conditions of a behavior are in ``behaviors``.
 """
 
 from __future__ import annotations
@@ -38,8 +38,8 @@ from atlas_drake.messages.checks import MAX_INDEX, check_kind
 from atlas_drake.numeric import is_whole
 
 FIRST_NUMBER = 100
-"""Lowest number that a behavior of one's own may have; those below are the original
-interface's."""
+"""Lowest number of a user's own behavior; lower numbers belong to the original
+interface."""
 _NAME = re.compile(r"[A-Z][A-Z0-9_]*")
 _COLOR = re.compile(r"#[0-9a-fA-F]{6}")
 
@@ -50,17 +50,18 @@ class BehaviorError(AtlasError):
 
 @dataclass(frozen=True, kw_only=True)
 class BehaviorInterface(Frozen):
-    """A behavior as commands and viewers see it.
+    """Description of a behavior for commands and viewers.
 
     Attributes:
         name: In capitals, such as ``BOW``; commands ask for it by name or number.
         number: Value of ``AtlasSimInterfaceCommand.behavior``; ``FIRST_NUMBER`` or more
-            for a behavior of one's own.
+            for a user's own behavior.
         params: Dataclass of its parameters, all with defaults; None if it has none.
         check: Called with parameters and the path of their field before they are
-            applied; raises ``InvalidMessageError`` for what it cannot take.
-        caption: Of the picture while it is active; empty means its name.
-        color: In figures, such as ``#7cb342``.
+            applied; raises ``InvalidMessageError`` for invalid parameters.
+        caption: Caption of the picture while the behavior is active; empty means its
+            name.
+        color: Color in figures, such as ``#7cb342``.
         description: What the behavior does, in one sentence.
         params_field: Field of the command that holds the parameters.
     """
@@ -76,12 +77,12 @@ class BehaviorInterface(Frozen):
 
     @cached_property
     def behavior(self) -> Behavior:
-        """The value that reports, requests and ``current_behavior`` have."""
+        """The behavior's value in reports, requests and ``current_behavior``."""
         return Behavior.named(self.number, self.name)
 
     @property
     def title(self) -> str:
-        """Its caption, or else its name without underscores."""
+        """The caption, or the name without underscores if there is no caption."""
         return self.caption or self.name.replace("_", " ")
 
 
@@ -90,13 +91,13 @@ class BehaviorCatalog(Frozen):
     """All behaviors of a controller.
 
     Attributes:
-        entries: In the order in which they are shown.
+        entries: The behaviors in the order of display.
     """
 
     entries: tuple[BehaviorInterface, ...]
 
     def __post_init__(self) -> None:
-        """Check that names and numbers are sound, and each there once.
+        """Check that names and numbers are valid and unique.
 
         Raises:
             BehaviorError: If they are not.
@@ -130,11 +131,11 @@ class BehaviorCatalog(Frozen):
         return names | {entry.number: entry for entry in self.entries}
 
     def entry(self, behavior: Behavior) -> BehaviorInterface:
-        """The entry of a behavior of this catalog."""
+        """Return the entry of a behavior of this catalog."""
         return self._by_behavior[behavior]
 
     def find(self, value: object, field: str = "behavior") -> Behavior:
-        """Find the behavior that a message asks for.
+        """Find the behavior that a message requests.
 
         Args:
             value: A ``Behavior``, its number, or its name in any case; hyphens and
@@ -161,7 +162,7 @@ class BehaviorCatalog(Frozen):
         )
 
     def check_params(self, message: AtlasSimInterfaceCommand) -> Behavior:
-        """Check which behavior a message asks for, and all its parameters.
+        """Check the requested behavior of a message, and all its parameters.
 
         Raises:
             InvalidMessageError: If anything in them cannot be applied; it names the
@@ -170,7 +171,8 @@ class BehaviorCatalog(Frozen):
         behavior = self.find(message.behavior)
         asked = self.entry(behavior)
         for entry in self.entries:
-            # The fields of the original interface are checked whoever is asked for.
+            # The fields of the original interface are checked for any requested
+            # behavior.
             if entry.params is None or entry.params_field == "params":
                 continue
             _check(entry, getattr(message, entry.params_field))
@@ -200,7 +202,7 @@ def _check(entry: BehaviorInterface, params: object) -> None:
     except InvalidMessageError:
         raise
     except Exception as error:
-        # A check that fails by itself must not end the simulation.
+        # An exception in a user's check must not end the simulation.
         raise InvalidMessageError(
             entry.params_field,
             params,
@@ -209,10 +211,10 @@ def _check(entry: BehaviorInterface, params: object) -> None:
 
 
 def _check_sound(entry: BehaviorInterface) -> None:
-    """Refuses an entry that could not be used.
+    """Check that an entry can be used.
 
     Raises:
-        BehaviorError: It names the entry and what is wrong.
+        BehaviorError: If not; it names the entry and the problem.
     """
     if not isinstance(entry, BehaviorInterface):
         raise BehaviorError(

@@ -1,6 +1,6 @@
-"""What the behaviors report: transitions, progress, and what they made of a wish.
+"""Feedback of the behaviors: transitions, progress, and saturated commands.
 
-What they are asked to do is in ``behavior_params``.
+The parameters of the behaviors are in ``behavior_params``.
 """
 
 from dataclasses import dataclass, field
@@ -22,13 +22,13 @@ class BehaviorStatus(IntFlag):
     OK = 0
     """Nothing to report."""
     TRANSITION_IN_PROGRESS = 1
-    """The behavior that is left comes to an end in good order first."""
+    """A transition is pending: the behavior that is left completes its motion first."""
     TRANSITION_SUCCESS = 2
-    """The behavior asked for is active."""
+    """The requested behavior is active."""
     FAILED_TRANS_UNKNOWN_BEHAVIOR = 4
-    """There is no such behavior."""
+    """The requested behavior does not exist."""
     FAILED_TRANS_ILLEGAL_BEHAVIOR = 8
-    """It may not follow the active one."""
+    """The requested behavior may not follow the active one."""
     FAILED_TRANS_COM_POS = 16
     """The center of mass is not over the feet, or the robot falls or lies."""
     FAILED_TRANS_COM_VEL = 32
@@ -49,7 +49,7 @@ class WalkStatus(IntFlag):
     SUBSTATE_SWAYING = 1
     """The weight moves over the first stance foot."""
     SUBSTATE_STEPPING = 2
-    """Steps are taken."""
+    """The robot takes steps."""
     SUBSTATE_CATCHING = 4
     """The last step is taken, and the robot comes to rest."""
     WARNING_INSUFFICIENT_STEP_DATA = 8
@@ -65,14 +65,14 @@ class StepStatus(IntFlag):
     OKAY = 0
     """Nothing to report."""
     SUBSTATE_SWAYING = 1
-    """The weight moves over the foot that stays, or back."""
+    """The weight moves over the stance foot, or back."""
     SUBSTATE_STEPPING = 2
     """A foot is in the air."""
 
 
 @dataclass(slots=True, eq=False)
 class AtlasBehaviorFeedback(Message):
-    """How the last change of behavior went.
+    """Result of the last transition.
 
     Attributes:
         status_flags: ``STATUS_...`` bits. They latch until the next transition.
@@ -98,10 +98,10 @@ class AtlasBehaviorFeedback(Message):
 
 @dataclass(slots=True, eq=False)
 class AtlasBehaviorStandFeedback(Message):
-    """How STAND goes.
+    """State of STAND.
 
     Attributes:
-        status_flags: 0, as STAND has no flags of its own.
+        status_flags: Always 0: STAND has no flags.
     """
 
     status_flags: int = 0
@@ -109,15 +109,15 @@ class AtlasBehaviorStandFeedback(Message):
 
 @dataclass(slots=True, eq=False)
 class AtlasBehaviorWalkFeedback(Message):
-    """How WALK goes.
+    """State of WALK.
 
     Attributes:
-        t_step_rem: Time until the foot in the air touches down, or else the next one
-            [s]; 0 when none is to come.
+        t_step_rem: Time until the swing foot touches down, or in double support until
+            the next touchdown [s]; 0 if no step follows.
         current_step_index: Number of the step being taken; 0 before the first.
         next_step_index_needed: First index that the next step queue should hold.
         status_flags: ``WALK_...`` bits; exactly one substate while WALK is active.
-        step_queue_saturated: The steps as they will really be taken.
+        step_queue_saturated: The steps after saturation, as they will be taken.
     """
 
     WALK_OKAY = WalkStatus.OKAY
@@ -138,18 +138,18 @@ class AtlasBehaviorWalkFeedback(Message):
 
 @dataclass(slots=True, eq=False)
 class AtlasBehaviorStepFeedback(Message):
-    """How STEP goes.
+    """State of STEP.
 
     Attributes:
-        t_step_rem: Time until the next step is needed, as planned [s]; 0 while the
-            behavior waits for it.
-        current_step_index: Number of the step being taken or taken last; 0 before the
-            first.
+        t_step_rem: Planned time until the next step is needed [s]; 0 while the behavior
+            waits for a step.
+        current_step_index: Number of the present or last step; 0 before the first.
         next_step_index_needed: Index that the next desired step should have.
         status_flags: ``STEP_...`` bits; exactly one substate while STEP is active:
             SWAYING with both feet on the ground, STEPPING with one in the air.
-        desired_step_saturated: The step as it is really taken.
-        desired_step_spec_saturated: Likewise, with everything that it is taken with.
+        desired_step_saturated: The step after saturation, as it is taken.
+        desired_step_spec_saturated: The step after saturation in full, with the action
+            values in use.
     """
 
     STEP_OKAY = StepStatus.OKAY
@@ -170,13 +170,13 @@ class AtlasBehaviorStepFeedback(Message):
 
 @dataclass(slots=True, eq=False)
 class AtlasBehaviorManipulateFeedback(Message):
-    """How MANIPULATE goes.
+    """State of MANIPULATE.
 
     Attributes:
-        status_flags: It has no flags of its own: 0.
-        clamped: The pelvis pose that is really pursued.
-        internal_desired: The reference at this moment, on its way there.
-        internal_sensed: The pose that the robot is in.
+        status_flags: Always 0: MANIPULATE has no flags.
+        clamped: The desired pelvis pose, clamped to feasible values.
+        internal_desired: The present reference on the way to ``clamped``.
+        internal_sensed: The measured pose of the robot.
     """
 
     status_flags: int = 0

@@ -1,6 +1,6 @@
-"""What a behavior is asked to do: steps, a pelvis pose.
+"""Parameters of the behaviors: steps, a pelvis pose.
 
-What a behavior reports back is in ``behavior_feedback``.
+The feedback of the behaviors is in ``behavior_feedback``.
 """
 
 from dataclasses import dataclass, field
@@ -10,24 +10,24 @@ from atlas_drake.messages.base import Message
 from atlas_drake.messages.geometry import Pose, Vector3
 
 NUM_REQUIRED_WALK_STEPS = 4
-"""Steps that WALK looks ahead; the length of a step queue."""
+"""Number of steps that WALK previews; the length of a step queue."""
 
 NO_STEP = -1
-"""The ``step_index`` of an entry that asks for no step."""
+"""The ``step_index`` of an entry that requests no step."""
 
 
 @dataclass(slots=True, eq=False)
 class AtlasBehaviorStepData(Message):
-    """One step: which foot goes where, and how.
+    """One step: foot, landing pose, duration and swing height.
 
     Attributes:
-        step_index: Number of the step, counted from 1; -1 means no step. 0 is where
-            the foot stood when the behavior began, and only reported.
+        step_index: Number of the step, counted from 1; -1 means no step. 0 is the pose
+            of the foot when the behavior began; it appears in reports only.
         foot_index: 0 left, 1 right.
-        duration: Of the whole step, from one touchdown to the next [s]; 0.63 s is
-            customary.
-        pose: Where the foot shall land, in the world frame. The z axis of its
-            orientation is the ground's normal.
+        duration: Duration of the whole step, from one touchdown to the next [s]; 0.63 s
+            is customary.
+        pose: Landing pose of the foot in the world frame. The z axis of its orientation
+            is the ground's normal.
         swing_height: Apex of the foot's path [m], from the midpoint between the feet.
     """
 
@@ -39,18 +39,18 @@ class AtlasBehaviorStepData(Message):
 
 
 def empty_step_queue() -> list[AtlasBehaviorStepData]:
-    """Return a queue of distinct entries that ask for no step."""
+    """Return a queue of distinct entries that request no step."""
     return [AtlasBehaviorStepData() for _ in range(NUM_REQUIRED_WALK_STEPS)]
 
 
 @dataclass(slots=True, eq=False)
 class AtlasBehaviorWalkParams(Message):
-    """What WALK shall do.
+    """Parameters of WALK.
 
     Attributes:
         step_queue: The next four steps. Indices increase and feet alternate; entries
             at the end may be empty.
-        use_demo_walk: Ignore the queue and walk a path of the behavior's own.
+        use_demo_walk: Ignore the queue and walk a predefined path.
         use_relative_step_height: A step's z is relative to the stance foot instead of
             to the world.
     """
@@ -66,9 +66,9 @@ class ToeOff(IntEnum):
     DISABLE = 0
     """Both soles stay flat."""
     ENABLE = 1
-    """The heel of the foot left behind may rise where the leg would be too short."""
+    """The heel of the trailing foot may rise if the leg would be too short."""
     FORCE_ENABLE = 2
-    """It shall rise."""
+    """The heel of the trailing foot rises in every step."""
 
 
 def _upward() -> Vector3:
@@ -77,12 +77,12 @@ def _upward() -> Vector3:
 
 @dataclass(slots=True, eq=False)
 class AtlasBehaviorFootData(Message):
-    """Where a foot shall stand, in the world frame.
+    """Landing pose of a foot in the world frame.
 
     Attributes:
-        position: Of the sole's middle [m].
+        position: Position of the center of the sole [m].
         yaw: Heading of the toes [rad].
-        normal: Of the ground, of any length but zero.
+        normal: Normal of the ground, of any length but zero.
     """
 
     position: Vector3 = field(default_factory=Vector3)
@@ -92,31 +92,31 @@ class AtlasBehaviorFootData(Message):
 
 @dataclass(slots=True, eq=False)
 class AtlasBehaviorStepAction(Message):
-    """How one step of STEP is taken.
+    """Timing and motion of one step of STEP.
 
-    A value that its threshold rules out is ignored, and the behavior's own is used:
-    that is what an empty message asks for, but for ``step_duration``.
+    A value beyond its threshold is ignored, and the behavior's default is used. An
+    empty message so requests the defaults, except for ``step_duration``.
 
     Attributes:
-        step_duration: Of single support [s]; ignored from 0 down.
-        sway_duration: Of the weight shift in double support before it [s]; ignored
-            below 0.2 s.
-        swing_height: How far the foot rises above the lift height while it moves [m];
-            ignored below 0.1 m.
-        lift_height: How far the foot is lifted straight up, above the higher of its two
-            footholds, before it moves in x and y [m]; ignored below 0.1 m.
-        toe_off: Whether the heel left behind may rise in the sway, as a ``ToeOff``. The
-            feedback says DISABLE or ENABLE: whether it does.
+        step_duration: Duration of single support [s]; ignored if 0 or negative.
+        sway_duration: Duration of the weight shift in double support before the step
+            [s]; ignored below 0.2 s.
+        swing_height: Rise of the foot above the lift height while it moves [m]; ignored
+            below 0.1 m.
+        lift_height: Height of the straight lift above the higher of the foot's two
+            footholds, before the foot moves in x and y [m]; ignored below 0.1 m.
+        toe_off: Use of toe-off in the weight shift, as a ``ToeOff``. In the feedback
+            ENABLE means that the heel rises, DISABLE that it does not.
         knee_nominal: Flexion of the standing knee in the step [rad]; ignored below
             0.3 rad.
-        max_body_accel: Of the body in the sway [m/s²], which bounds its duration from
-            below; 0 is ignored.
-        max_foot_vel: Of the foot in the air [m/s], which bounds the step's duration
-            from below; 0 is ignored.
-        sway_end_dist: How far short of the standing foot the sway ends [m]; ignored
-            unless it is within ±0.05 m.
-        step_end_dist: How far the body leans into the step while the foot is lowered
-            [m]; ignored unless it is within ±0.05 m.
+        max_body_accel: Greatest acceleration of the body in the weight shift [m/s²],
+            which bounds its duration from below; 0 is ignored.
+        max_foot_vel: Greatest speed of the swing foot [m/s], which bounds the step's
+            duration from below; 0 is ignored.
+        sway_end_dist: Distance from the stance foot at which the weight shift ends [m];
+            ignored unless within ±0.05 m.
+        step_end_dist: Shift of the body toward the landing foot while the foot is
+            lowered [m]; ignored unless within ±0.05 m.
     """
 
     TOE_OFF_DISABLE = ToeOff.DISABLE
@@ -142,8 +142,8 @@ class AtlasBehaviorStepSpec(Message):
     Attributes:
         step_index: Number of the step, counted from 1; -1 means no step.
         foot_index: 0 left, 1 right.
-        foot: Where the foot shall stand.
-        action: How it gets there.
+        foot: Landing pose of the foot.
+        action: Timing and motion of the step.
     """
 
     step_index: int = NO_STEP
@@ -154,13 +154,14 @@ class AtlasBehaviorStepSpec(Message):
 
 @dataclass(slots=True, eq=False)
 class AtlasBehaviorStepParams(Message):
-    """What STEP shall do.
+    """Parameters of STEP.
 
     Attributes:
-        desired_step: The step to take. Its ``duration`` is that of single support.
-        desired_step_spec: The step to take, with everything that can be said about it.
+        desired_step: The step to take. Its ``duration`` is the duration of single
+            support.
+        desired_step_spec: The step to take, with all its action values.
         use_spec: Read ``desired_step_spec`` instead of ``desired_step``.
-        use_demo_walk: Ignore the desired step and take steps of the behavior's own.
+        use_demo_walk: Ignore the desired step and take predefined steps.
         use_relative_step_height: The step's z is relative to the stance foot instead
             of to the world.
     """
@@ -176,7 +177,7 @@ class AtlasBehaviorStepParams(Message):
 
 @dataclass(slots=True, eq=False)
 class AtlasBehaviorStandParams(Message):
-    """What STAND shall do: it takes no parameters."""
+    """Parameters of STAND, which has none."""
 
 
 @dataclass(slots=True, eq=False)
@@ -184,14 +185,14 @@ class AtlasBehaviorPelvisServoParams(Message):
     """A pose of the pelvis relative to the feet.
 
     Attributes:
-        pelvis_height: Of the pelvis' origin above the mean of the soles [m].
-        pelvis_yaw: From the mean yaw of the feet, positive to the left [rad].
-        pelvis_pitch: Positive leans forward [rad].
-        pelvis_roll: Positive leans to the right [rad].
+        pelvis_height: Height of the pelvis' origin above the mean of the soles [m].
+        pelvis_yaw: Yaw from the mean yaw of the feet, positive to the left [rad].
+        pelvis_pitch: Pitch, positive forward [rad].
+        pelvis_roll: Roll, positive to the right [rad].
         com_v0: Center of mass from the middle of the soles along the line between
             them, positive to the left foot [m].
-        com_v1: The same perpendicular to that line, positive forward when the feet
-            are side by side [m].
+        com_v1: Center of mass perpendicular to that line, positive forward when the
+            feet are side by side [m].
     """
 
     pelvis_height: float = 0.8
@@ -204,13 +205,14 @@ class AtlasBehaviorPelvisServoParams(Message):
 
 @dataclass(slots=True, eq=False)
 class AtlasBehaviorManipulateParams(Message):
-    """What MANIPULATE shall do.
+    """Parameters of MANIPULATE.
 
     Attributes:
-        use_desired: Go to the desired pose; otherwise stay at the last one, or as the
-            behavior began.
-        desired: The pose. What of it is out of reach is clamped and reported.
-        use_demo_mode: Ignore the desired pose and move the pelvis about.
+        use_desired: Go to the desired pose; otherwise keep the last desired pose, or
+            the pose at the start of the behavior.
+        desired: The desired pose. Values out of reach are clamped and reported.
+        use_demo_mode: Ignore the desired pose and move the pelvis through a
+            demonstration.
     """
 
     use_desired: bool = False

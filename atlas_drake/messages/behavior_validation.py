@@ -1,4 +1,4 @@
-"""Which steps and pelvis poses the robot accepts, whatever behavior is to use them.
+"""Validation of steps and pelvis poses, for any requested behavior.
 
 The rest of a command is checked in ``validation``.
 """
@@ -35,7 +35,7 @@ MIN_QUATERNION_NORM = 1e-6
 """Below this norm a quaternion's direction is rounding noise."""
 
 MIN_NORMAL_LENGTH = 1e-6
-"""Likewise of a ground normal."""
+"""Below this norm a ground normal's direction is rounding noise."""
 
 _ACTION_FIELDS = (
     "step_duration",
@@ -62,7 +62,7 @@ def check_walk_params(params: AtlasBehaviorWalkParams) -> None:
     """Check the steps of WALK, empty ones included.
 
     Raises:
-        InvalidMessageError: If anything in them cannot be applied; it names the field.
+        InvalidMessageError: If a value cannot be applied; it names the field.
     """
     check_kind(params, AtlasBehaviorWalkParams, "walk_params")
     check_flag(params.use_demo_walk, "walk_params.use_demo_walk")
@@ -96,10 +96,10 @@ def check_walk_params(params: AtlasBehaviorWalkParams) -> None:
 
 
 def check_step_params(params: AtlasBehaviorStepParams) -> None:
-    """Check the step of STEP in both its forms, whichever is to be read.
+    """Check the step of STEP in both its forms.
 
     Raises:
-        InvalidMessageError: If anything in it cannot be applied; it names the field.
+        InvalidMessageError: If a value cannot be applied; it names the field.
     """
     check_kind(params, AtlasBehaviorStepParams, "step_params")
     check_flag(params.use_spec, "step_params.use_spec")
@@ -113,7 +113,7 @@ def check_manipulate_params(params: AtlasBehaviorManipulateParams) -> None:
     """Check the pelvis pose of MANIPULATE.
 
     Raises:
-        InvalidMessageError: If anything in it cannot be applied; it names the field.
+        InvalidMessageError: If a value cannot be applied; it names the field.
     """
     check_kind(params, AtlasBehaviorManipulateParams, "manipulate_params")
     check_flag(params.use_desired, "manipulate_params.use_desired")
@@ -125,7 +125,7 @@ def check_manipulate_params(params: AtlasBehaviorManipulateParams) -> None:
 
 
 def _check_step(step: AtlasBehaviorStepData, field: str) -> int:
-    """Check a step and return its index; of an empty one nothing else is read."""
+    """Check a step and return its index; only the index of an empty step is read."""
     check_kind(step, AtlasBehaviorStepData, field)
     if _check_indices(step, field) == NO_STEP:
         return NO_STEP
@@ -136,7 +136,7 @@ def _check_step(step: AtlasBehaviorStepData, field: str) -> int:
 
 
 def _check_spec(spec: AtlasBehaviorStepSpec, field: str) -> None:
-    """Check a step in full; of an empty one nothing but the index is read."""
+    """Check a step in full; only the index of an empty step is read."""
     check_kind(spec, AtlasBehaviorStepSpec, field)
     if _check_indices(spec, field) == NO_STEP:
         return
@@ -147,7 +147,7 @@ def _check_spec(spec: AtlasBehaviorStepSpec, field: str) -> None:
 def _check_indices(
     step: AtlasBehaviorStepData | AtlasBehaviorStepSpec, field: str
 ) -> int:
-    """Check and return the step's index; the foot's matters only if it is a step."""
+    """Check and return the step index; the foot index counts only for a real step."""
     index = step.step_index
     if not is_whole(index) or not (1 <= index <= MAX_INDEX or index == NO_STEP):
         raise InvalidMessageError(
@@ -188,7 +188,7 @@ def _check_foot(foot: AtlasBehaviorFootData, field: str) -> None:
 
 
 def _check_action(action: AtlasBehaviorStepAction, field: str) -> None:
-    """Check that all is finite; what a threshold rules out is ignored, not refused."""
+    """Check that all values are finite; values beyond a threshold are not refused."""
     check_kind(action, AtlasBehaviorStepAction, field)
     for name in _ACTION_FIELDS:
         check_number(getattr(action, name), f"{field}.{name}")

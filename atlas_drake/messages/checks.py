@@ -1,6 +1,6 @@
-"""Checks of one value each: is it a finite number, a whole one, a joint array?
+"""Checks of one value each: a finite number, a whole number, a joint array.
 
-Which field must pass which check is in ``validation``.
+``validation`` assigns the checks to the fields.
 """
 
 import math
@@ -24,7 +24,7 @@ def check_kind(value: object, kind: type[Message], field: str) -> None:
 
 
 LARGEST = 1e12
-"""Largest size of a number in a message, whatever its unit: products of larger ones
+"""Largest magnitude of a number in a message, in any unit: products of larger numbers
 could leave the range of floating point."""
 
 
@@ -40,7 +40,7 @@ def check_number(
 
     Args:
         value: The value; truth values are not numbers.
-        field: Its path in the message.
+        field: Path of the value in its message.
         lower: The least value allowed, without the unit.
         upper: The largest value allowed.
         strictly: The value must be greater than ``lower``.
@@ -49,7 +49,7 @@ def check_number(
         The number.
 
     Raises:
-        InvalidMessageError: If it is none, not finite, beyond ``LARGEST``, too
+        InvalidMessageError: If it is not a number, not finite, beyond ``LARGEST``, too
             small or too large.
     """
     number = as_float(value)
@@ -105,7 +105,7 @@ def check_vector(
 
 
 def check_flag(value: object, field: str) -> None:
-    """Raise InvalidMessageError unless the value says yes or no."""
+    """Raise InvalidMessageError unless the value is True or False."""
     yes_or_no = isinstance(value, (bool, np.bool_)) or is_whole(value)
     if not (yes_or_no and value in (0, 1)):
         raise InvalidMessageError(
@@ -122,11 +122,11 @@ def check_joint_array(
     *,
     whole: bool = False,
 ) -> NDArray[np.float64]:
-    """Check that a value has one good number per joint, or none at all.
+    """Check that a value has one valid number per joint, or is empty.
 
     Args:
         values: A list, tuple or one-dimensional array.
-        field: Its path in the message.
+        field: Path of the value in its message.
         joint_names: The robot's joints in message order.
         lower: The least number allowed, without the unit.
         upper: The greatest number allowed, without the unit.
@@ -136,8 +136,9 @@ def check_joint_array(
         The numbers; shape (number of joints,) or (0,).
 
     Raises:
-        InvalidMessageError: If it is no such list, has another length, or an element
-            is no number, not finite, beyond ``LARGEST``, out of bounds, or not whole.
+        InvalidMessageError: If it is not such a list, has another length, or an element
+            is not a number, not finite, beyond ``LARGEST``, out of bounds, or not
+            whole.
     """
     numbers = _joint_numbers(values, field, joint_names)
     bad = ~np.isfinite(numbers)
@@ -155,7 +156,7 @@ def check_joint_array(
         requirement = "must be a whole number"
     if bad.any():
         index = int(np.argmax(bad))
-        # The value as it was sent: 10**400 reads better than infinity.
+        # The error shows the value as it was sent: 10**400 reads better than infinity.
         value = values[index]  # type: ignore[index]
         raise InvalidMessageError(
             f"{field}[{index}]",
@@ -198,7 +199,9 @@ def _joint_numbers(
             f"{len(elements)}",
         )
     if is_array and elements.dtype.kind in "iuf":
-        with np.errstate(over="ignore"):  # Too large is infinite, and refused as such.
+        with np.errstate(
+            over="ignore"
+        ):  # An overflow gives infinity, which is refused.
             return np.asarray(elements, dtype=float)
     numbers = np.empty(len(elements))
     for index, element in enumerate(elements):

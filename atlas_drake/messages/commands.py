@@ -54,7 +54,8 @@ class BehaviorRequest(Frozen):
     Attributes:
         behavior: Asked for.
         command: The message, a snapshot.
-        number: Counts accepted messages, so that a repeated request is noticed.
+        number: Of the message, of all received on both ports; grows from request to
+            request, and is 0 for the one that nobody sent.
         time: When it was accepted [s].
     """
 
@@ -71,7 +72,7 @@ class Refusal:
     Attributes:
         time: At which it came [s].
         error: Why.
-        port: The field of ``CommandsInForce`` that remembers the messages of its port.
+        port: On which: ``atlas_command`` or ``sim_command``.
     """
 
     time: float
@@ -221,8 +222,23 @@ def latch(
     if len(new) == 2 and _stamp(new[0][1]) > _stamp(new[1][1]):
         new.reverse()
     for port, value in new:
-        force = _take(force, port, value, robot, time)
+        force = replace(_take(force, port, value, robot, time), **{port: value})
     return force
+
+
+def receive(
+    force: CommandsInForce, message: Command, robot: Robot, time: float
+) -> CommandsInForce:
+    """Takes in a message that is handed over, and so is new whatever it says.
+
+    Args:
+        force: In force so far.
+        message: A snapshot or not.
+        robot: Whose joints the message is about.
+        time: Now [s].
+    """
+    port = "atlas_command" if isinstance(message, AtlasCommand) else "sim_command"
+    return _take(force, port, frozen(message), robot, time)
 
 
 def _stamp(message: object) -> float:
@@ -235,15 +251,10 @@ def _take(
     force: CommandsInForce, port: str, message: Any, robot: Robot, time: float
 ) -> CommandsInForce:
     """Applies the message of one port, whatever it is, or notes why not."""
-    seen = message
-    if any(message is request.command for request in force.requests):
-        # Behaviors tell requests apart by their objects.
-        message = message.mutable_copy().snapshot()
     noted = replace(
         force,
         messages=append_recent(force.messages, Received(time, message), KEPT),
         received=force.received + 1,
-        **{port: seen},
     )
     try:
         return replace(
@@ -303,7 +314,7 @@ def _apply_sim_command(
     behavior = validate_sim_interface_command(
         message, robot.joint_names, force.sim_stamp, force.catalog
     )
-    request = BehaviorRequest(behavior, message, force.request.number + 1, time)
+    request = BehaviorRequest(behavior, message, force.received, time)
     given = _given(message, SERVO_FIELDS, robot)
     if behavior is Behavior.USER:
         # USER returns every joint to the user at once, whatever the message says.
@@ -321,7 +332,7 @@ _APPLY: dict[str, Callable[[CommandsInForce, Any, Robot, float], CommandsInForce
     "atlas_command": _apply_atlas_command,
     "sim_command": _apply_sim_command,
 }
-"""By the field that remembers the message."""
+"""By port."""
 
 
 def _given(

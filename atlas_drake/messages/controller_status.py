@@ -1,7 +1,7 @@
-"""What a controller tells of itself: the one value that others read of it.
+"""The status of a controller: the one value that other systems read.
 
 Viewers, logs, replay, the summary and ``AtlasSimInterfaceState`` are made from it.
-Efforts are a port of their own.
+Efforts have a separate port.
 """
 
 from __future__ import annotations
@@ -25,20 +25,21 @@ from atlas_drake.messages.behavior_feedback import (
     AtlasBehaviorWalkFeedback,
 )
 from atlas_drake.messages.event import Event
+from atlas_drake.numeric import as_float, is_whole
 
 LARGEST_SUPPORT = 8
-"""Corners that the support polygon of two rectangular soles has at most."""
+"""Greatest number of corners of the support polygon of two rectangular soles."""
 
 
 @dataclass(frozen=True)
 class PlannedPaths(Frozen):
-    """Motion that is planned from now on, as points in W [m]; each may be None.
+    """Planned motion from the present on, as points in W [m]; each path may be None.
 
     Attributes:
-        com: Of the center of mass, horizontal, shape (k, 2).
-        dcm: Of the divergent component of motion, shape (k, 2).
-        cop: Of the center of pressure, shape (k, 2).
-        swing: Of the sole in the air, from lift-off to touchdown, shape (k, 3).
+        com: Path of the center of mass, horizontal, shape (k, 2).
+        dcm: Path of the divergent component of motion, shape (k, 2).
+        cop: Path of the center of pressure, shape (k, 2).
+        swing: Path of the swing foot's sole from lift-off to touchdown, shape (k, 3).
     """
 
     com: np.ndarray | None = None
@@ -47,10 +48,10 @@ class PlannedPaths(Frozen):
     swing: np.ndarray | None = None
 
     def __post_init__(self) -> None:
-        """Take points as arrays.
+        """Convert points to arrays.
 
         Raises:
-            ValueError: If they are no points; it names the field.
+            ValueError: If a field does not hold points; it names the field.
         """
         for name in ("com", "dcm", "cop"):
             _take_array(self, name, (-1, 2))
@@ -62,8 +63,8 @@ class PlannedStep(Frozen):
     """A footstep to come.
 
     Attributes:
-        foot: 0 for the left one, 1 for the right one.
-        p_WF: Middle of the sole in W [m], shape (3,).
+        foot: 0 for the left foot, 1 for the right foot.
+        p_WF: Center of the sole in W [m], shape (3,).
         yaw: Heading of the sole [rad].
     """
 
@@ -71,21 +72,37 @@ class PlannedStep(Frozen):
     p_WF: np.ndarray
     yaw: float
 
+    def __post_init__(self) -> None:
+        """Take the point as an array.
+
+        Raises:
+            ValueError: If a field is none of these; it names the field.
+        """
+        if self.foot not in (0, 1):
+            raise ValueError(
+                f"foot of a PlannedStep must be 0 or 1, is {shown(self.foot)}"
+            )
+        _take_array(self, "p_WF", (3,), optional=False)
+        if as_float(self.yaw) is None:
+            raise ValueError(
+                f"yaw of a PlannedStep must be a number, is {shown(self.yaw)}"
+            )
+
 
 @dataclass(frozen=True)
 class Plan(Frozen):
-    """What a controller intends now; every field may be left out.
+    """Present plan of a controller; every field may be left out.
 
     Attributes:
-        support: Corners of the region for the CoP, counter-clockwise in W [m], shape
-            (k, 2) with k at most ``LARGEST_SUPPORT``.
-        omega: Natural frequency of the pendulum that the DCM refers to [1/s].
-        com_reference: Of the center of mass, horizontal in W [m], shape (2,).
-        dcm_reference: Of the DCM in W [m], shape (2,).
-        cop_reference: Of the CoP in W [m], shape (2,).
-        footsteps: To come, the next one first.
-        preview: Computes ``paths``. It is called only if somebody looks at them, as
-            paths often cost more than a control tick.
+        support: Corners of the support polygon, counter-clockwise in W [m], shape (k,
+            2) with k at most ``LARGEST_SUPPORT``.
+        omega: Natural frequency of the pendulum that defines the DCM [1/s].
+        com_reference: Reference of the center of mass, horizontal in W [m], shape (2,).
+        dcm_reference: Reference of the DCM in W [m], shape (2,).
+        cop_reference: Reference of the CoP in W [m], shape (2,).
+        footsteps: Footsteps to come, the next one first.
+        preview: Computes ``paths``. It is called only if the paths are read, because
+            they often cost more than a control tick.
     """
 
     support: np.ndarray | None = None
@@ -97,10 +114,11 @@ class Plan(Frozen):
     preview: Callable[[], PlannedPaths] | None = None
 
     def __post_init__(self) -> None:
-        """Take points as arrays.
+        """Convert points to arrays.
 
         Raises:
-            ValueError: If they are no points; it names the field.
+            TypeError: If another field is of the wrong type; it names the field.
+            ValueError: If a field does not hold points, or ``omega`` is not positive.
         """
         _take_array(self, "support", (-1, 2))
         if self.support is not None and len(self.support) > LARGEST_SUPPORT:
@@ -110,17 +128,53 @@ class Plan(Frozen):
             )
         for name in ("com", "dcm", "cop"):
             _take_array(self, f"{name}_reference", (2,))
+        if self.omega is not None and not (as_float(self.omega) or 0.0) > 0.0:
+            raise ValueError(
+                f"omega must be a positive number or None, is {shown(self.omega)}"
+            )
+        _take_tuple(self, "footsteps", PlannedStep)
+        if self.preview is not None and not callable(self.preview):
+            raise TypeError(
+                "preview must be a callable () -> PlannedPaths or None, is "
+                f"{shown(self.preview)}"
+            )
 
     @cached_property
     def paths(self) -> PlannedPaths:
-        """The motion that is planned from now on."""
-        return PlannedPaths() if self.preview is None else self.preview()
+        """The motion that is planned from now on.
+
+        Raises:
+            TypeError: If ``preview`` returns something else.
+        """
+        paths = PlannedPaths() if self.preview is None else self.preview()
+        if not isinstance(paths, PlannedPaths):
+            raise TypeError(
+                f"preview of a Plan must return PlannedPaths, returned {shown(paths)}"
+            )
+        return paths
 
 
-def _take_array(values: object, name: str, shape: tuple[int, ...]) -> None:
+def _take_tuple(values: object, name: str, kind: type) -> None:
+    """Makes a tuple of a field; TypeError unless it has values of one type alone."""
+    given = getattr(values, name)
+    # By their types at once: a status has up to 200 events in every tick.
+    sound = isinstance(given, (tuple, list)) and all(
+        issubclass(found, kind) for found in set(map(type, given))
+    )
+    if not sound:
+        raise TypeError(
+            f"{name} must be a tuple of {kind.__name__} values, is {shown(given)}"
+        )
+    if type(given) is not tuple:
+        object.__setattr__(values, name, tuple(given))
+
+
+def _take_array(
+    values: object, name: str, shape: tuple[int, ...], *, optional: bool = True
+) -> None:
     """Makes an array of a field unless it is None; -1 stands for any length."""
     given = getattr(values, name)
-    if given is None:
+    if given is None and optional:
         return
     try:
         array = np.asarray(given, dtype=float)
@@ -136,38 +190,50 @@ def _take_array(values: object, name: str, shape: tuple[int, ...]) -> None:
     object.__setattr__(values, name, array)
 
 
+_FEEDBACK = {
+    "behavior_feedback": AtlasBehaviorFeedback,
+    "stand_feedback": AtlasBehaviorStandFeedback,
+    "step_feedback": AtlasBehaviorStepFeedback,
+    "walk_feedback": AtlasBehaviorWalkFeedback,
+    "manipulate_feedback": AtlasBehaviorManipulateFeedback,
+}
+"""Types of a status' fields."""
+
 KEPT_EVENTS = 200
-"""Number of events that a status of ours has, beside those of the last
-``recent.READ_WITHIN`` seconds; as many as displays show."""
+"""Number of events in a status, beside those of the last ``recent.READ_WITHIN``
+seconds; as many as displays show."""
 
 
 @dataclass(frozen=True)
 class ControllerStatus(Frozen):
-    """What a controller tells of itself; every field has a default.
+    """Status of a controller; every field has a default.
 
-    The time that a tick took is not here: it is a fact about the machine, and the
-    Context holds only what is the same in every run. A controller that wants it in
-    summary and log appends it to its attribute ``tick_seconds``, see
-    ``diagrams.controller_socket``.
+    The status does not hold the computing time of a tick, because it depends on the
+    machine, and the Context holds only values that are the same in every run. To get
+    the computing time into summary and log, a controller appends it to its attribute
+    ``tick_seconds``, see ``diagrams.controller_socket``.
 
     Attributes:
         current_behavior: The active behavior.
-        desired_behavior: The behavior asked for; leads the active one while a
-            transition takes time.
-        error_code: Of the last command.
-        behavior_feedback: How the last transition went.
-        stand_feedback: How STAND goes.
-        step_feedback: How STEP goes.
-        walk_feedback: How WALK goes.
-        manipulate_feedback: How MANIPULATE goes.
-        events: The latest events. Older ones are dropped; those of the last
+        desired_behavior: The requested behavior; differs from the active one during a
+            transition.
+        error_code: Error of the last command.
+        behavior_feedback: Result of the last transition.
+        stand_feedback: State of STAND.
+        step_feedback: State of STEP.
+        walk_feedback: State of WALK.
+        manipulate_feedback: State of MANIPULATE.
+        events: The latest events. Older events are dropped; those of the last
             ``recent.READ_WITHIN`` seconds must be there.
-        event_count: Number of events since the diagram was built, those that were
-            dropped among them.
-        solved: Whether the last tick's optimization had a solution; None if the
-            controller has none.
+        event_count: Number of events since the diagram was built, including dropped
+            ones. It may restart at a reset, with only new events in ``events``, and
+            decreases nowhere else.
+        solved: True if the last tick's optimization had a solution; None if the
+            controller does not optimize.
         unsolved: Number of ticks without a solution.
-        plan: What the controller intends.
+        why_unsolved: Reason for which the last tick had no solution, in words, as far
+            as it is known.
+        plan: Present plan of the controller.
     """
 
     current_behavior: Behavior = Behavior.NONE
@@ -192,13 +258,14 @@ class ControllerStatus(Frozen):
     event_count: int = 0
     solved: bool | None = None
     unsolved: int = 0
+    why_unsolved: str = ""
     plan: Plan = field(default_factory=Plan)
 
     def __post_init__(self) -> None:
-        """Check what everybody relies on.
+        """Check the invariants that readers rely on.
 
         Raises:
-            TypeError: If a behavior is none; it names the field.
+            TypeError: If a field is of the wrong type; it names the field.
             ValueError: If not all events are counted.
         """
         for name in ("current_behavior", "desired_behavior"):
@@ -207,6 +274,21 @@ class ControllerStatus(Frozen):
                 raise TypeError(f"{name} must be a Behavior, is {shown(value)}")
         if not isinstance(self.plan, Plan):
             raise TypeError(f"plan must be a Plan, is {shown(self.plan)}")
+        for name, kind in _FEEDBACK.items():
+            value = getattr(self, name)
+            if not isinstance(value, kind):
+                raise TypeError(f"{name} must be {kind.__name__}, is {shown(value)}")
+        for name in ("error_code", "event_count", "unsolved"):
+            value = getattr(self, name)
+            if type(value) is not int and not is_whole(value):
+                raise TypeError(f"{name} must be a whole number, is {shown(value)}")
+        if self.solved is not None and not isinstance(self.solved, (bool, np.bool_)):
+            raise TypeError(
+                f"solved must be True, False or None, is {shown(self.solved)}"
+            )
+        if not isinstance(self.why_unsolved, str):
+            raise TypeError(f"why_unsolved must be text, is {shown(self.why_unsolved)}")
+        _take_tuple(self, "events", Event)
         if self.event_count < len(self.events):
             raise ValueError(
                 f"event_count must count all events, is {self.event_count} with "
@@ -224,18 +306,18 @@ REPORTED = (
     "walk_feedback",
     "manipulate_feedback",
 )
-"""Fields of ``ControllerStatus`` that ``AtlasSimInterfaceState`` has, too."""
+"""Fields that ``ControllerStatus`` and ``AtlasSimInterfaceState`` share."""
 
 
 def check_status(value: object, catalog: BehaviorCatalog) -> ControllerStatus:
-    """Return what a controller's port holds.
+    """Check the value of a controller's status port and return it.
 
     Args:
-        value: In the port.
-        catalog: Of the behaviors that are registered.
+        value: Value of the port.
+        catalog: The registered behaviors.
 
     Raises:
-        TypeError: If it is no status.
+        TypeError: If it is not a status.
         ValueError: If it names a behavior that is not registered.
     """
     if not isinstance(value, ControllerStatus):
@@ -253,6 +335,6 @@ def check_status(value: object, catalog: BehaviorCatalog) -> ControllerStatus:
 
 
 def fill_in(state: AtlasSimInterfaceState, status: ControllerStatus) -> None:
-    """Puts what both have in common from a status into a state message."""
+    """Copy the shared fields from a status into a state message."""
     for name in REPORTED:
         setattr(state, name, getattr(status, name))

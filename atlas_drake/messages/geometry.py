@@ -1,6 +1,6 @@
-"""Positions, orientations, velocities and forces as messages carry them.
+"""Positions, orientations, velocities and forces in messages.
 
-Only data: a rotation or a rigid transform is computed with Drake, not with these.
+Data only: compute rotations and rigid transforms with Drake.
 """
 
 from dataclasses import dataclass, field
@@ -13,7 +13,7 @@ from atlas_drake.messages.base import Message
 
 @dataclass(slots=True, eq=False)
 class Header(Message):
-    """When a message was made, and in which frame it is expressed.
+    """Time and frame of a message.
 
     Attributes:
         stamp: Simulation time [s]. 0 or ``None`` in a command means "now".
@@ -26,7 +26,7 @@ class Header(Message):
 
 @dataclass(slots=True, eq=False)
 class Vector3(Message):
-    """A position [m], a velocity [m/s or rad/s], a force [N], ..."""
+    """A vector: a position [m], a velocity [m/s or rad/s], a force [N], ..."""
 
     x: float = 0.0
     y: float = 0.0
@@ -34,7 +34,7 @@ class Vector3(Message):
 
     @classmethod
     def from_array(cls, xyz: ArrayLike) -> "Vector3":
-        """Make one from numbers.
+        """Make a vector from numbers.
 
         Args:
             xyz: x, y, z; shape (3,).
@@ -51,8 +51,8 @@ class Vector3(Message):
 class Quaternion(Message):
     """An orientation; x, y, z, w in this order, the scalar last.
 
-    An empty one is the identity, so that a pose that names a position only is valid.
-    Who reads it normalises it.
+    The default is the identity, so that a pose with only a position is valid. Readers
+    normalise the quaternion.
     """
 
     x: float = 0.0
@@ -62,7 +62,7 @@ class Quaternion(Message):
 
     @classmethod
     def from_wxyz(cls, wxyz: ArrayLike) -> "Quaternion":
-        """Make one from numbers in the order of Drake and Eigen.
+        """Make a quaternion from numbers in the order of Drake and Eigen.
 
         Args:
             wxyz: w, x, y, z; shape (4,).
@@ -77,7 +77,7 @@ class Quaternion(Message):
 
 @dataclass(slots=True, eq=False)
 class Pose(Message):
-    """Where a frame is [m] and how it is turned."""
+    """Position [m] and orientation of a frame."""
 
     position: Vector3 = field(default_factory=Vector3)
     orientation: Quaternion = field(default_factory=Quaternion)

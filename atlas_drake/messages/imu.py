@@ -1,6 +1,6 @@
-"""What the inertial measurement unit in the pelvis reports.
+"""The report of the inertial measurement unit (IMU) in the pelvis.
 
-How it is simulated, noise included, is not in this file.
+Its simulation is in ``systems``, its noise in ``scenario.noise``.
 """
 
 from dataclasses import dataclass, field
@@ -11,7 +11,7 @@ from atlas_drake.messages.geometry import Header, Quaternion, Vector3
 
 @dataclass(slots=True, eq=False)
 class Imu(Message):
-    """One measurement.
+    """One measurement of the IMU.
 
     Attributes:
         header: Time of the measurement.

@@ -1,7 +1,6 @@
 """Set-points, gains and shares of the joint controllers, as data.
 
-Made by ``commands`` from messages, used by ``control.joints.joint_pid``. No law, no
-messages.
+``commands`` makes the values from messages; ``control.joints.joint_pid`` holds the law.
 """
 
 from dataclasses import dataclass
@@ -16,16 +15,16 @@ class JointCommand(Frozen):
     """Set-points, gains and shares of the joint PIDs; arrays (n,) in message order.
 
     Attributes:
-        position: [rad]
-        velocity: [rad/s]
+        position: Desired positions [rad].
+        velocity: Desired velocities [rad/s].
         effort: Feed-forward effort [N·m].
-        kp_position: [N·m/rad]
-        ki_position: [N·m/(rad·s)]
-        kd_position: [N·m·s/rad]
-        kp_velocity: [N·m·s/rad]
+        kp_position: Proportional gains [N·m/rad].
+        ki_position: Integral gains [N·m/(rad·s)].
+        kd_position: Gains on the rate of the position error [N·m·s/rad].
+        kp_velocity: Gains on the velocity error [N·m·s/rad].
         i_effort_min: Least effort of the integral term [N·m].
         i_effort_max: Greatest effort of the integral term [N·m].
-        k_effort: The user's share of each joint, 0 to 255.
+        k_effort: Shares of user control, 0 to 255.
     """
 
     position: np.ndarray

@@ -1,4 +1,4 @@
-"""Where each joint of the 28-joint Atlas stands in the arrays of a message.
+"""Index of each joint of the 28-joint Atlas in the arrays of a message.
 
 For scripts that index arrays by name, as ``AtlasState.neck_ry``. The library itself
 takes the joint order from the description of the robot, which may have other joints.

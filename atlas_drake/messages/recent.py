@@ -1,6 +1,6 @@
-"""Lists of what happened last, which drop nothing before it can be read.
+"""Bounded lists of recent items that keep each item until it can be read.
 
-For frozen values in a Context, which are read from time to time.
+For frozen values in a Context, which readers poll.
 """
 
 from __future__ import annotations
@@ -8,16 +8,16 @@ from __future__ import annotations
 from typing import Protocol, TypeVar
 
 READ_WITHIN = 0.1
-"""Time within which every reader looks [s]: several times the longest control period,
-and several chunks of a simulation."""
+"""Longest time between two reads of any reader [s]: several times the longest control
+period, and several chunks of a simulation."""
 
 
 class Timed(Protocol):
-    """Something that happened at a time."""
+    """An item with a time."""
 
     @property
     def time(self) -> float:
-        """When [s]."""
+        """Time of the item [s]."""
 
 
 _T = TypeVar("_T")
@@ -27,9 +27,9 @@ _Timed = TypeVar("_Timed", bound=Timed)
 def append_recent(
     items: tuple[_Timed, ...], item: _Timed, kept: int
 ) -> tuple[_Timed, ...]:
-    """Append an item, and drop the oldest ones beyond ``kept``.
+    """Append an item, and drop the oldest items beyond ``kept``.
 
-    However many there are, none is dropped that is younger than ``READ_WITHIN``.
+    Items younger than ``READ_WITHIN`` are never dropped.
     """
     drop = 0
     while len(items) - drop >= kept and items[drop].time < item.time - READ_WITHIN:
@@ -38,12 +38,12 @@ def append_recent(
 
 
 def items_since(items: tuple[_T, ...], total: int, seen: int) -> tuple[_T, ...]:
-    """Return what came after the first ``seen`` items.
+    """Return the items after the first ``seen`` ones.
 
     Args:
-        items: The latest ones, oldest first.
-        total: How many there have been in all.
-        seen: How many the reader has had.
+        items: The latest items, oldest first.
+        total: Number of all items so far.
+        seen: Number of items that the reader has already read.
     """
     count = total - seen
     return items[-count:] if count > 0 else ()

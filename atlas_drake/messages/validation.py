@@ -1,8 +1,8 @@
-"""Which messages the robot accepts; called on delivery, before anything is applied.
+"""Validation of messages, on delivery and before any value is applied.
 
-Single values are checked in ``checks``, steps and poses in ``behavior_validation``.
-What contradicts the robot's situation, such as a transition that is not allowed, is for
-the behaviors to refuse.
+Single values are checked in ``checks``, steps and poses in ``behavior_validation``. The
+behaviors refuse commands that contradict the state of the robot, such as a transition
+that is not allowed.
 """
 
 from collections.abc import Sequence
@@ -18,10 +18,10 @@ from atlas_drake.messages.checks import check_joint_array, check_kind, check_num
 from atlas_drake.messages.geometry import Header
 
 K_EFFORT_MAX = 255
-"""``k_effort`` of a joint that the user alone controls."""
+"""``k_effort`` of a joint that the user controls alone."""
 
 CONTROLLER_PERIOD_MAX_MS = 255
-"""Longest controller period that a message can name [ms]: it is one byte."""
+"""Longest controller period in a message [ms]: the field is one byte."""
 
 _SETPOINTS = ("position", "velocity", "effort")
 _GAINS = ("kp_position", "ki_position", "kd_position", "kp_velocity")
@@ -33,15 +33,15 @@ def check_command(
     joint_names: Sequence[str],
     catalog: BehaviorCatalog = SHIPPED,
 ) -> None:
-    """Check a command of either kind by itself, whatever was sent before.
+    """Check a command of either kind, independent of earlier commands.
 
     Args:
         message: The command.
         joint_names: The robot's joints in message order.
-        catalog: The behaviors that can be asked for.
+        catalog: The behaviors that can be requested.
 
     Raises:
-        InvalidMessageError: If anything in it cannot be applied; it names the field.
+        InvalidMessageError: If a value cannot be applied; it names the field.
     """
     if isinstance(message, AtlasCommand):
         validate_atlas_command(message, joint_names)
@@ -56,9 +56,8 @@ def validate_atlas_command(
 ) -> None:
     """Check a command to the joint controllers.
 
-    An ``i_effort_min`` above an ``i_effort_max`` is found only where the message has
-    both; a message with one of them is checked against the value in force by whoever
-    merges the two.
+    An ``i_effort_min`` above an ``i_effort_max`` is found only if the message has both;
+    ``commands`` checks a message with one of them against the value in force.
 
     Args:
         message: The command.
@@ -66,7 +65,7 @@ def validate_atlas_command(
         previous_stamp: Stamp of the last accepted ``AtlasCommand`` [s], if any.
 
     Raises:
-        InvalidMessageError: If anything in it cannot be applied; it names the field.
+        InvalidMessageError: If a value cannot be applied; it names the field.
     """
     check_kind(message, AtlasCommand, "message")
     _check_header(message.header, previous_stamp)
@@ -101,13 +100,13 @@ def validate_sim_interface_command(
         joint_names: The robot's joints in message order.
         previous_stamp: Stamp of the last accepted ``AtlasSimInterfaceCommand`` [s],
             if any.
-        catalog: The behaviors that can be asked for.
+        catalog: The behaviors that can be requested.
 
     Returns:
-        The behavior that the command asks for.
+        The behavior that the command requests.
 
     Raises:
-        InvalidMessageError: If anything in it cannot be applied; it names the field.
+        InvalidMessageError: If a value cannot be applied; it names the field.
     """
     check_kind(message, AtlasSimInterfaceCommand, "message")
     _check_header(message.header, previous_stamp)
@@ -125,7 +124,7 @@ def _check_header(header: Header, previous_stamp: float | None) -> None:
     if header.stamp is None:
         return
     stamp = check_number(header.stamp, "header.stamp", 0.0)
-    # A message that leaves the stamp at 0 means "now", which is never too early.
+    # A stamp of 0 means "now", which is never too early.
     if previous_stamp is not None and 0.0 < stamp < previous_stamp:
         raise InvalidMessageError(
             "header.stamp",

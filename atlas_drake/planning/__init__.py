@@ -1,4 +1,4 @@
-"""Footsteps for a goal: where the feet shall go.
+"""Footstep planning: landing poses of the feet for a goal.
 
-Geometry and messages only; how a step is taken is in ``behaviors``.
+Geometry and messages only; the motion of a step is in ``behaviors``.
 """

@@ -18,13 +18,13 @@ DEMO_STEPS = 25
 def demo_steps(
     feet: Sequence[FootPose], first_index: int, foot: int, gait: Gait
 ) -> tuple[Footstep, ...]:
-    """Straight ahead from where the feet are; the last step puts them side by side.
+    """Plans steps straight ahead; the last step puts the feet side by side.
 
     Args:
         feet: Left and right sole.
-        first_index: Of the first step.
-        foot: Of the first step.
-        gait: How to walk.
+        first_index: Index of the first step.
+        foot: Foot of the first step.
+        gait: Gait of the walk.
     """
     yaw = mean_yaw(feet[0].yaw, feet[1].yaw)
     ahead = np.array([math.cos(yaw), math.sin(yaw)])

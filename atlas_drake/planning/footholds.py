@@ -1,7 +1,7 @@
-"""Footholds beside each other: where a foot goes from the one that stays.
+"""Footholds relative to the stance foot.
 
-Plane geometry and the message that it becomes. Which way to go is planned in
-``footstep_planner`` and steered in ``teleop.walking``.
+Plane geometry, and the message of a step. Ways are planned in ``footstep_planner`` and
+steered in ``teleop.walking``.
 """
 
 from __future__ import annotations
@@ -17,24 +17,24 @@ from atlas_drake.messages import AtlasBehaviorStepData, Pose
 from atlas_drake.robot import Robot, RobotFile, StepLimits, UsualSteps
 
 BACKWARD_SHARE = 0.6
-"""Of the stride, when walking backward: the knees bend the other way."""
+"""Share of the stride when walking backward: the knees bend the other way."""
 SIDEWAYS_SHARE = 0.5
-"""Of the stride, for each pair of steps to the side."""
+"""Share of the stride for each pair of steps to the side."""
 
 _ROUNDING = 1e-9
 
 
 @dataclass(frozen=True)
 class Gait:
-    """How to walk, with Atlas' values as defaults; ``of`` has those of any robot.
+    """Parameters of a walk; defaults are Atlas' values, ``of`` has any robot's.
 
     Attributes:
-        stride: From one footprint to the next [m]; Atlas' at most 0.35.
-        turn: Of each step when turning [rad]; Atlas' at most 0.25.
-        duration: Of each step [s]; Atlas' at most 3.0, less with a stride that takes
-            the feet far apart, about 1.4 with the longest.
-        swing_height: [m]
-        limits: What one step of the robot can be.
+        stride: Distance from one footprint to the next [m]; at most 0.35 for Atlas.
+        turn: Turn of each step [rad]; at most 0.25 for Atlas.
+        duration: Duration of each step [s]; at most 3.0 for Atlas, less with a stride
+            that takes the feet far apart, about 1.4 with the longest.
+        swing_height: Apex of the swing above the middle of its ends [m].
+        limits: Limits of one step of the robot.
         stance_width: Distance between the soles' middles of feet side by side [m].
 
     Raises:
@@ -50,12 +50,12 @@ class Gait:
 
     @classmethod
     def of(cls, robot: Robot, **wishes: float) -> Self:
-        """Returns how a robot usually walks.
+        """Returns the usual gait of a robot.
 
         Args:
-            robot: Whose limits and stance count.
-            **wishes: Of stride, turn, duration and swing_height, those that shall
-                differ from what is usual.
+            robot: Robot with the limits and the stance.
+            **wishes: Values of stride, turn, duration and swing_height that differ from
+                the usual ones.
 
         Raises:
             ValueError: If the robot cannot walk like that.
@@ -69,10 +69,10 @@ class Gait:
 
     @classmethod
     def nearest(cls, robot: Robot, **wishes: float) -> Self:
-        """Returns how a robot can walk that is nearest to wishes beyond its limits.
+        """Returns the feasible gait nearest to wishes beyond the limits.
 
         Args:
-            robot: Whose limits and stance count.
+            robot: Robot with the limits and the stance.
             **wishes: As for ``of``.
         """
         usual = cls.of(robot)
@@ -119,7 +119,7 @@ class Gait:
     def _farthest_apart(self) -> float:
         """Upper bound of the distance between the feet in any step [m].
 
-        That of a full stride that goes to the side and turns in at once.
+        The bound is the distance in a full stride with a side step and an inward turn.
         """
         aside = SIDEWAYS_SHARE * self.stride
         turned = 2.0 * self.stride * aside * math.sin(0.5 * self.turn)
@@ -135,29 +135,29 @@ class Foothold(NamedTuple):
 
 
 def foothold(pose: Pose) -> Foothold:
-    """Place and heading of a sole."""
+    """Returns place and heading of a sole."""
     yaw = yaw_of(rotation_matrix(pose.orientation.to_wxyz()))
     return Foothold(pose.position.x, pose.position.y, wrap_angle(yaw))
 
 
 def middle_beside(sole: Foothold, foot: int, gait: Gait) -> Foothold:
-    """The middle between both feet, were the other one beside this ``foot``."""
+    """Computes the middle between the feet if the other foot stood beside ``foot``."""
     return moved(sole, 0.0, -outward(foot) * gait.half_width, 0.0)
 
 
 def sole_beside(middle: Foothold, foot: int, gait: Gait) -> Foothold:
-    """Where a foot stands when ``middle`` is between both."""
+    """Computes the place of a foot for a ``middle`` between both feet."""
     return moved(middle, 0.0, outward(foot) * gait.half_width, 0.0)
 
 
 def moved(place: Foothold, ahead: float, left: float, turn: float) -> Foothold:
-    """A place moved ahead on its way round a turn, then to the new left.
+    """Moves a place ahead and round a turn, then to the new left.
 
     Args:
-        place: Where it begins.
-        ahead: [m], along the heading half-way through the turn.
-        left: [m]
-        turn: To the left [rad].
+        place: Start of the motion.
+        ahead: Distance along the heading half-way through the turn [m].
+        left: Distance to the left after the turn [m].
+        turn: Turn to the left [rad].
     """
     yaw, half = place.yaw + turn, place.yaw + 0.5 * turn
     return Foothold(
@@ -168,12 +168,12 @@ def moved(place: Foothold, ahead: float, left: float, turn: float) -> Foothold:
 
 
 def way_to(place: Foothold, goal: Foothold, turn: float) -> tuple[float, float]:
-    """How far ahead and to the left ``moved`` leads to the place of ``goal`` [m].
+    """Computes the ``ahead`` and ``left`` with which ``moved`` reaches ``goal`` [m].
 
     Args:
-        place: Where it begins.
-        goal: Where it ends; its heading does not count.
-        turn: On the way, to the left [rad], less than a right angle.
+        place: Start of the motion.
+        goal: End of the motion; its heading is ignored.
+        turn: Turn on the way to the left [rad], less than a right angle.
     """
     half = place.yaw + 0.5 * turn
     dx, dy = goal.x - place.x, goal.y - place.y
@@ -187,16 +187,16 @@ def way_to(place: Foothold, goal: Foothold, turn: float) -> tuple[float, float]:
 def step_from(
     stance: Foothold, foot: int, gait: Gait, stride: float, shift: float, turn: float
 ) -> Foothold:
-    """Where a foot goes beside the one that stays.
+    """Computes the foothold of a step relative to the stance foot.
 
     Args:
-        stance: The foot that stays.
-        foot: The one that steps.
-        gait: How far apart the feet are.
-        stride: Ahead of the other one [m].
-        shift: To the left [m]; only the foot on that side takes it, the other one
-            then closes up.
-        turn: To the left [rad], of the middle between the feet, on the spot.
+        stance: Place of the stance foot.
+        foot: Foot that steps.
+        gait: Gait, which gives the distance between the feet.
+        stride: Distance ahead of the stance foot [m].
+        shift: Side step to the left [m]; only the foot on that side takes it, the
+            other foot then closes up.
+        turn: Turn of the middle between the feet to the left, on the spot [rad].
     """
     left = shift if shift * outward(foot) > 0.0 else 0.0
     middle = moved(middle_beside(stance, 1 - foot, gait), stride, left, turn)
@@ -206,7 +206,7 @@ def step_from(
 def step_data(
     index: int, foot: int, place: Foothold, gait: Gait
 ) -> AtlasBehaviorStepData:
-    """A step for a message, on the level of z = 0."""
+    """Makes the message of a step, at the height z = 0."""
     step = AtlasBehaviorStepData()
     step.step_index, step.foot_index = index, foot
     step.duration, step.swing_height = gait.duration, gait.swing_height

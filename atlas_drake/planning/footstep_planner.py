@@ -1,10 +1,10 @@
-"""Footsteps from wishes: some way ahead, a turn, an arc, or to a pose.
+"""Footstep plans: a distance ahead, a turn, an arc, or to a pose.
 
 Each function takes the robot's latest report and returns steps for
-``walk_params.step_queue``, from where the feet are to feet side by side, within the
+``walk_params.step_queue``, from the present footholds to feet side by side, within the
 limits of the gait's robot: Atlas, unless ``Gait.of`` names another. ``step_stream``
-sends more of them than the queue holds. The ground is taken to be level; nothing in the
-way is seen.
+sends more steps than the queue holds. The ground is assumed to be level; obstacles are
+not detected.
 """
 
 from __future__ import annotations
@@ -37,33 +37,34 @@ from atlas_drake.planning.footholds import (
 )
 
 FAR = 0.8
-"""To a pose farther away than this the robot turns and walks ahead; to a nearer one it
-goes as it stands, also backwards and sideways [m]."""
+"""Distance to a pose beyond which the robot turns and walks ahead; to a nearer pose it
+walks without turning first, also backward and sideways [m]."""
 CLOSING = 0.02
-"""A foot comes nearer to the other one than side by side by no more than this [m]."""
+"""Greatest decrease of the distance between the feet from the side-by-side stance
+[m]."""
 FARTHEST = 1000.0
-"""Longest way of a plan, ahead or along each axis of the world [m]."""
+"""Longest distance of a plan, ahead or along each axis of the world [m]."""
 MOST_TURN = 1000.0
-"""Largest angle that is asked for [rad]."""
+"""Largest angle of a plan [rad]."""
 WORLD = 1e6
-"""Feet are no farther than this from the world's origin [m]."""
+"""Greatest distance of the feet from the world's origin [m]."""
 UNEVEN = 0.02
-"""Feet that differ in height by more do not stand on level ground [m]."""
+"""Difference in height of the feet above which the ground is not level [m]."""
 THERE, THERE_YAW = 1e-6, 1e-6
-"""A place that is reached but for rounding [m], [rad]."""
+"""Tolerance for rounding with which a place counts as reached [m], [rad]."""
 ASTRIDE, ASTRIDE_YAW = 0.03, 0.05
-"""How exactly feet have to stand side by side already [m], [rad]."""
+"""Tolerance with which feet count as side by side [m], [rad]."""
 
 
 def steps_ahead(
     report: AtlasSimInterfaceState, distance: float, gait: Gait | None = None
 ) -> list[AtlasBehaviorStepData]:
-    """Steps straight ahead.
+    """Plans steps straight ahead.
 
     Args:
-        report: The latest one, of a robot that stands.
-        distance: Of the middle between the feet [m]; negative is backwards.
-        gait: How to walk.
+        report: Latest report of a standing robot.
+        distance: Way of the middle between the feet [m]; negative is backward.
+        gait: Gait of the walk.
 
     Returns:
         Steps in order, counted from 1; none if there is nothing to do.
@@ -79,12 +80,12 @@ def steps_ahead(
 def steps_turning(
     report: AtlasSimInterfaceState, angle: float, gait: Gait | None = None
 ) -> list[AtlasBehaviorStepData]:
-    """Steps that turn on the spot.
+    """Plans steps that turn on the spot.
 
     Args:
-        report: The latest one, of a robot that stands.
-        angle: By how much [rad], positive to the left.
-        gait: How to walk.
+        report: Latest report of a standing robot.
+        angle: Turn of the robot [rad], positive to the left.
+        gait: Gait of the walk.
 
     Returns:
         Steps in order, counted from 1; none if there is nothing to do.
@@ -102,13 +103,13 @@ def steps_along_arc(
     angle: float,
     gait: Gait | None = None,
 ) -> list[AtlasBehaviorStepData]:
-    """Steps along an arc of a circle.
+    """Plans steps along an arc of a circle.
 
     Args:
-        report: The latest one, of a robot that stands.
-        length: Of the arc [m]; negative is backwards.
-        angle: By which it turns [rad], positive to the left.
-        gait: How to walk.
+        report: Latest report of a standing robot.
+        length: Length of the arc [m]; negative is backward.
+        angle: Turn over the arc [rad], positive to the left.
+        gait: Gait of the walk.
 
     Returns:
         Steps in order, counted from 1; none if there is nothing to do.
@@ -131,17 +132,17 @@ def steps_to(
     yaw: float,
     gait: Gait | None = None,
 ) -> list[AtlasBehaviorStepData]:
-    """Steps to a pose in the world.
+    """Plans steps to a pose in the world.
 
     Args:
-        report: The latest one, of a robot that stands.
-        x: Where the middle between the feet shall be [m].
-        y: Likewise.
-        yaw: Where the robot shall look [rad].
-        gait: How to walk.
+        report: Latest report of a standing robot.
+        x: Goal of the middle between the feet in W [m].
+        y: Goal of the middle between the feet in W [m].
+        yaw: Heading of the robot at the goal [rad].
+        gait: Gait of the walk.
 
     Returns:
-        Steps in order, counted from 1; none if the robot is there.
+        Steps in order, counted from 1; none if the robot is at the goal.
 
     Raises:
         ValueError: If ``x`` or ``y`` is farther than FARTHEST from the robot, ``yaw``
@@ -166,7 +167,7 @@ def steps_to(
 
 
 def _arc(start: Foothold, length: float, angle: float, gait: Gait) -> list[Foothold]:
-    """Places on an arc, a step from each to the next; at least its end."""
+    """Divides an arc into places one step apart; returns at least its end."""
     stride = gait.stride if length >= 0.0 else BACKWARD_SHARE * gait.stride
     count = max(_ceil(abs(length) / stride), _ceil(abs(angle) / gait.turn), 1)
     turn = angle / count
@@ -183,7 +184,7 @@ def _arc(start: Foothold, length: float, angle: float, gait: Gait) -> list[Footh
 def _steps(
     report: AtlasSimInterfaceState, way: Sequence[Foothold], gait: Gait
 ) -> list[AtlasBehaviorStepData]:
-    """Steps from one place to the next, the last two to the last place."""
+    """Plans steps from one place to the next, the last two to the last place."""
     feet = _feet(report)
     height = 0.5 * sum(pose.position.z for pose in report.foot_pos_est)
     here = _middle(report)
@@ -200,7 +201,7 @@ def _steps(
         feet[foot] = sole_beside(middle, foot, gait)
         step = step_data(len(steps) + 1, foot, feet[foot], gait)
         step.pose.position.z = height
-        # Feet may be farther apart before the first step than the gait takes them.
+        # Before the first step the feet may be farther apart than in the gait.
         step.duration = min(gait.duration, longest_duration(apart, gait.limits))
         steps.append(step)
         reached = _is_there(middle, remaining[0])
@@ -215,13 +216,13 @@ def _steps(
 
 
 def _next_middle(stance: Foothold, goal: Foothold, foot: int, gait: Gait) -> Foothold:
-    """The middle between the feet after a step towards ``goal``.
+    """Computes the middle between the feet after a step toward ``goal``.
 
     Args:
-        stance: The middle were ``foot`` beside the one that stays.
-        goal: Where the middle shall come to.
-        foot: The one that steps.
-        gait: How far and how much at once.
+        stance: The middle if ``foot`` stood beside the stance foot.
+        goal: Goal of the middle.
+        foot: Foot that steps.
+        gait: Gait with the limits of the step.
     """
     side = outward(foot)
     turn = clip(wrap_angle(goal.yaw - stance.yaw), -gait.turn, gait.turn)
@@ -233,16 +234,16 @@ def _next_middle(stance: Foothold, goal: Foothold, foot: int, gait: Gait) -> Foo
 
 
 def _farthest_ahead(out: float, turn: float, gait: Gait) -> float:
-    """How far ahead of the stance foot the middle can come within the limits [m].
+    """Computes how far ahead of the stance foot the middle can come [m].
 
-    Only a foot that turns in comes near a limit: it gets ahead by its turn as well,
-    and nearer to the stance foot with every bit that it goes ahead. No ``Gait`` leads
-    to the other limits.
+    Only a foot that turns inward comes near a limit: the turn also moves the foot
+    ahead, and each distance ahead brings it nearer to the stance foot. No ``Gait``
+    reaches the other limits.
 
     Args:
         out: Way of the middle to the side of the stepping foot [m].
-        turn: Outward [rad], no more inward than ``StepLimits.toe_in``.
-        gait: Of the robot with these limits.
+        turn: Outward turn [rad], at least -``StepLimits.toe_in``.
+        gait: Gait with the limits of the robot.
     """
     limits, width = gait.limits, gait.half_width + out
     farthest = (limits.forward + width * math.sin(turn)) / math.cos(0.5 * turn)
@@ -253,7 +254,7 @@ def _farthest_ahead(out: float, turn: float, gait: Gait) -> float:
 
 
 def _first_foot(here: Foothold, way: Sequence[Foothold]) -> int:
-    """The foot on the side to which the way leads."""
+    """Returns the foot on the side to which the way leads."""
     for place in way:
         _, left = way_to(here, place, 0.0)
         turn = wrap_angle(place.yaw - here.yaw)
@@ -264,7 +265,7 @@ def _first_foot(here: Foothold, way: Sequence[Foothold]) -> int:
 
 
 def _feet(report: AtlasSimInterfaceState) -> list[Foothold]:
-    """Both soles, which stand on one level."""
+    """Returns both soles after checking that they are on one level."""
     for index, pose in enumerate(report.foot_pos_est):
         for field in ("position", "orientation"):
             for name, value in asdict(getattr(pose, field)).items():
@@ -299,7 +300,7 @@ def _is_there(place: Foothold, goal: Foothold) -> bool:
 
 
 def _check_range(name: str, number: float, size: float, about: float = 0.0) -> None:
-    # Compared, not computed with: a number may be too large for a float.
+    # Comparisons only: a number may be too large for a float.
     low, high = about - size, about + size
     if not low <= number <= high:
         text = f"{name} is {shown(number)}, and not between {low:g} and {high:g}"
@@ -307,5 +308,5 @@ def _check_range(name: str, number: float, size: float, about: float = 0.0) -> N
 
 
 def _ceil(share: float) -> int:
-    """Steps for so many strides, but none for rounding."""
+    """Rounds up to whole steps, with a tolerance for rounding errors."""
     return math.ceil(share - 1e-9)

@@ -1,6 +1,7 @@
-"""Sends footsteps to WALK as it asks for them: any number, four at a time.
+"""Feeds any number of footsteps to WALK, four at a time.
 
-Makes commands out of steps and reports; plans nothing and sends nothing itself.
+Makes commands from steps and reports; the caller plans the steps and publishes the
+commands.
 """
 
 from __future__ import annotations
@@ -16,20 +17,19 @@ from atlas_drake.messages import (
 )
 
 AHEAD = 2
-"""With so many steps known and not begun the next ones are sent."""
+"""Number of steps in the queue and not begun at which the next steps are sent."""
 
 ANSWER = 0.02
-"""Time after which a report knows of a command [s]."""
+"""Time after which a report reflects a command [s]."""
 
 
 class StepStream:
-    """One walk over given steps, by a robot that is not in WALK yet.
+    """One walk over given steps, for a robot that is not in WALK yet.
 
-    Steps are counted from 1, as in a walk that begins; a robot in WALK has begun to
-    count already.
+    Steps are counted from 1, as at the start of a walk.
 
-    Ask ``next_command`` about ten times a second, publish what it returns, and go on
-    until the walk ``is_over``.
+    Call ``next_command`` about ten times a second, publish the result, and continue
+    until ``is_over`` returns True.
     """
 
     def __init__(self, steps: Sequence[AtlasBehaviorStepData]):
@@ -52,10 +52,10 @@ class StepStream:
     def next_command(
         self, report: AtlasSimInterfaceState
     ) -> AtlasSimInterfaceCommand | None:
-        """The command to publish now, if any.
+        """Returns the command to publish now, if any.
 
         Args:
-            report: The latest one.
+            report: Latest report of the behaviors.
         """
         if self._sent == len(self._steps) or self.is_over(report):
             return None
@@ -72,10 +72,12 @@ class StepStream:
         return command
 
     def is_over(self, report: AtlasSimInterfaceState) -> bool:
-        """Whether the walk has ended, done or not; the report's events say which.
+        """Returns True once the walk has ended, completed or not.
+
+        The events of the run tell if the walk was completed.
 
         Args:
-            report: The latest one.
+            report: Latest report of the behaviors.
         """
         if not self._steps:
             return True

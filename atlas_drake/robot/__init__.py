@@ -1,7 +1,7 @@
-"""Robots: everything that is a robot's own, read from its YAML file and its URDF.
+"""Robots: all properties of a robot, read from its YAML file and its URDF.
 
-Nothing here knows a particular robot. What a file holds is in ``file``, the layout that
-its legs must have in ``leg``. No control law and no state.
+Nothing here is specific to one robot. The schema of the file is in ``file``, the
+required layout of the legs in ``leg``. Control laws and state are elsewhere.
 """
 
 from atlas_drake.robot.file import (

@@ -1,10 +1,10 @@
-"""What stands in a robot's YAML file: everything that is the robot's own.
+"""The schema of a robot's YAML file.
 
-The schema, its defaults, which are Atlas' values, and the checks of the file by itself.
-Whether file and URDF belong together is checked in ``load``.
+The schema, its defaults, which are Atlas' values, and the checks of the file alone.
+Consistency of file and URDF is checked in ``fit``.
 """
 
-# Annotations stay types, not strings: Drake's YAML loader reads them.
+# Annotations must be types, not strings: Drake's YAML loader reads them.
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -24,16 +24,16 @@ class JointEntry:
     name: str = ""
     """Name in the URDF."""
     alias: str = ""
-    """Second name by which users may ask for the joint; Atlas' joints have those of
-    its first version."""
+    """Second name of the joint for users; for Atlas' joints the name in its first
+    version."""
     limb: str = ""
-    """What the joint is part of: back, neck, l_leg, r_leg, l_arm or r_arm."""
+    """Limb of the joint: back, neck, l_leg, r_leg, l_arm or r_arm."""
     kp: float = 0.0
     """Default position gain in force before any command [N·m/rad]."""
     kd: float = 0.0
     """Default derivative gain in force before any command [N·m·s/rad]."""
     stand_prep: Signed = 0.0
-    """Position in the pose from which STAND can begin [rad]."""
+    """Position in the stand-prep pose, from which STAND can begin [rad]."""
 
 
 @dataclass
@@ -43,7 +43,8 @@ class FootEntry:
     body: str = ""
     """Name in the URDF."""
     sole_frame: str = ""
-    """Center of the sole on its bottom plane, x ahead, z along the normal."""
+    """Frame at the center of the sole on its bottom plane, x ahead, z along the
+    normal."""
 
 
 @dataclass
@@ -51,9 +52,9 @@ class SoleSize:
     """Contact rectangle of each sole."""
 
     length: float = 0.0
-    """Along the sole's x [m]."""
+    """Size along the sole's x [m]."""
     width: float = 0.0
-    """Along the sole's y [m]."""
+    """Size along the sole's y [m]."""
 
 
 @dataclass
@@ -61,7 +62,7 @@ class ContactEntry:
     """A surface of the robot, beside the soles, that can carry load."""
 
     name: str = ""
-    """By which tasks and behaviors ask for the contact."""
+    """Name of the contact for tasks and behaviors."""
     frame: str = ""
     """Frame or body F of the URDF that the surface belongs to."""
     p_FC: list[Signed] = field(default_factory=lambda: [0.0, 0.0, 0.0])
@@ -70,17 +71,17 @@ class ContactEntry:
     """Roll, pitch and yaw of the contact frame C in F [rad]; z of C points from the
     touched object into the robot, as a sole's does."""
     length: float = 0.0
-    """Of the contact rectangle along x of C [m]."""
+    """Size of the contact rectangle along x of C [m]."""
     width: float = 0.0
-    """Of the contact rectangle along y of C [m]."""
+    """Size of the contact rectangle along y of C [m]."""
 
 
 @dataclass
 class StepLimits:
-    """What one step can be, relative to the foot that stays on the ground.
+    """Limits of one step relative to the stance foot.
 
-    Lateral distances count away from the stance foot, turns likewise: a left foot
-    turns its toes to the left.
+    Lateral distances and turns are positive away from the stance foot: a left foot
+        turns its toes to the left.
     """
 
     forward: float = 0.42
@@ -88,31 +89,32 @@ class StepLimits:
     backward: float = 0.32
     """Longest step back [m]."""
     min_width: float = 0.18
-    """Nearest the feet come to each other sideways, center to center [m]."""
+    """Least lateral distance between the feet, center to center [m]."""
     max_width: float = 0.50
-    """Farthest that the feet go from each other sideways, center to center [m]."""
+    """Greatest lateral distance between the feet, center to center [m]."""
     rise: float = 0.10
     """Largest step up or down [m]."""
     meant_rise: float = 0.40
     """Heights farther than this from the stance foot are treated as not given [m]: on
     level ground a step may have the height of the pelvis."""
     tilt: float = 0.30
-    """Steepest ground to step on [rad]."""
+    """Steepest slope of the ground at a foothold [rad]."""
     toe_out: float = 0.5
     """Largest turn outward [rad]."""
     toe_in: float = 0.25
     """Largest turn inward [rad]."""
     min_duration: Positive = 0.60
-    """Shortest step [s]."""
+    """Shortest duration of a step [s]."""
     max_duration: float = 3.0
-    """Longest step from and to a place near the other foot [s]."""
+    """Longest duration of a step from and to a place near the other foot [s]."""
     near: float = 0.40
-    """Feet no farther apart than this give a step all the time it wants [m]."""
+    """Distance of the feet up to which a step may take the longest duration [m]."""
     far: float = 0.60
-    """Feet this far apart or farther give a step ``far_duration`` at most [m]."""
+    """Distance of the feet from which a step takes ``far_duration`` at most [m]."""
     far_duration: float = 1.0
-    """Longest step with the feet far apart [s]: in more time the center of mass would
-    have to come over the stance foot before the other leg is long enough."""
+    """Longest duration of a step with the feet far apart [s]: in a slower step the
+    center of mass would have to be over the stance foot while the other leg cannot
+    reach."""
     min_swing_height: float = 0.03
     """Lowest apex of a swing above the middle of its ends [m]."""
     max_swing_height: float = 0.30
@@ -120,7 +122,7 @@ class StepLimits:
 
 
 def quasi_static_limits() -> StepLimits:
-    """Returns the default limits of STEP, wider than a walk's: there is time."""
+    """Returns the default limits of STEP; slow steps may be larger than a walk's."""
     return StepLimits(
         forward=0.42,
         backward=0.36,
@@ -136,34 +138,34 @@ def quasi_static_limits() -> StepLimits:
 
 @dataclass
 class GaitTiming:
-    """Durations of a walk's phases that a step's own duration does not give."""
+    """Durations of a walk's phases that the duration of a step does not define."""
 
     first_shift: float = 0.80
     """Weight shift before the first lift-off [s]."""
     transfer_share: ProperShare = 0.39
-    """Share of a step's duration in double support [-]. On one foot an error of the DCM
-    grows; the less time there is for the swing, though, the harder the almost straight
-    trailing leg jerks the robot at lift-off."""
+    """Share of a step's duration in double support [-]. The error of the DCM grows in
+    single support; but the shorter the swing, the harder the almost straight trailing
+    leg jerks the robot at lift-off."""
     settle: float = 0.70
-    """Shift to the middle of the feet after the last step [s]."""
+    """Weight shift to the middle of the feet after the last step [s]."""
     rest: float = 0.50
     """Time at rest before STAND takes over [s]."""
 
     def transfer(self, duration: float) -> float:
-        """Double support before the lift-off of a step of this duration [s]."""
+        """Computes the double support before the lift-off of a step [s]."""
         return self.transfer_share * duration
 
     def swing(self, duration: float) -> float:
-        """Single support of a step of this duration [s]."""
+        """Computes the single support of a step of this duration [s]."""
         return (1.0 - self.transfer_share) * duration
 
 
 @dataclass
 class UsualSteps:
-    """Steps of a walk for which nothing else is asked: demonstrations and planners."""
+    """Default steps of a walk, for demonstrations and planners."""
 
     stride: Positive = 0.20
-    """From one footprint to the next [m]."""
+    """Distance from one footprint to the next [m]."""
     turn: Positive = 0.15
     """Turn of each step on a bend or on the spot [rad]."""
     duration: Positive = 0.63
@@ -174,22 +176,23 @@ class UsualSteps:
 
 @dataclass
 class PelvisRange:
-    """Poses of the pelvis that MANIPULATE may be asked for.
+    """Range of pelvis poses for MANIPULATE.
 
-    What legs, motors and feet allow in a pose is computed; these are the limits of
-    everything else. Each is a least and a greatest value.
+    The limits of legs, motors and feet are computed for each pose; these ranges are the
+    other limits. Each is a least and a greatest value.
     """
 
     height: list[Signed] = field(default_factory=lambda: [0.55, 0.95])
-    """Of the pelvis' origin above the mean of the soles [m]."""
+    """Height of the pelvis' origin above the mean of the soles [m]."""
     yaw: list[Signed] = field(default_factory=lambda: [-0.6, 0.6])
-    """Of the pelvis, from the mean heading of the feet, to the left [rad]."""
+    """Yaw of the pelvis from the mean heading of the feet, to the left [rad]."""
     pitch: list[Signed] = field(default_factory=lambda: [-0.3, 0.5])
-    """Of the pelvis, forward and down [rad]."""
+    """Pitch of the pelvis, forward and down [rad]."""
     roll: list[Signed] = field(default_factory=lambda: [-0.3, 0.3])
-    """Of the pelvis, to the right [rad]."""
+    """Roll of the pelvis, to the right [rad]."""
     com: list[Signed] = field(default_factory=lambda: [-0.5, 0.5])
-    """Of the center of mass along either axis [m]; the support polygon decides."""
+    """Offset of the center of mass along either axis [m]; the support polygon limits it
+    further."""
 
 
 @dataclass
@@ -205,7 +208,7 @@ class RobotFile:
     hands: list[str] = field(default_factory=list)
     """Bodies of the left and the right hand; none for a robot without hands."""
     imu_frame: str = ""
-    """Frame of the inertial sensor; the pelvis' where nothing is given."""
+    """Frame of the inertial sensor; the pelvis if left out."""
     feet: list[FootEntry] = field(default_factory=list)
     """Left foot, right foot: the order of foot_index."""
     sole: SoleSize = field(default_factory=SoleSize)
@@ -213,38 +216,37 @@ class RobotFile:
     contacts: list[ContactEntry] = field(default_factory=list)
     """Further surfaces that can carry load, such as hands."""
     pushed: list[str] = field(default_factory=list)
-    """Bodies that teleoperation offers to push; pelvis, chest and hands where nothing
-    is given."""
+    """Bodies that teleoperation can push; pelvis, chest and hands if left out."""
     joints: list[JointEntry] = field(default_factory=list)
     """Every actuated joint in the order of the messages' arrays."""
     com_drop: float = 0.02
-    """Standing and walking are this much lower than the stand-prep pose [m]: the bent
-    knees give the trailing leg its reach."""
+    """Lowering of the center of mass in standing and walking below the stand-prep pose
+    [m]: bent knees give the trailing leg its reach."""
     stance_width: Positive = 0.24
     """Distance between the soles' middles of feet side by side [m]."""
     least_knee_flexion: float = 0.30
-    """Knees stay bent by this much, counted from the straight leg [rad]: near it they
-    lose their grip on the height."""
+    """Least flexion of the knee, from the straight leg [rad]: a nearly straight leg
+    loses control of the height."""
     most_knee_flexion: float = 1.9
-    """Flexion of the knee, counted from the straight leg, to which a leg folds with its
-    sole level [rad]: beyond, the ankle comes to its stop and the leg lifts the body."""
+    """Greatest flexion of the knee, from the straight leg, with the sole level [rad]:
+    beyond it the ankle reaches its end stop and the leg lifts the body."""
     balance_effort: float = 15.0
-    """What a behavior must be able to give hip pitch and ankle pitch of a leg to
-    balance with it [N·m]."""
+    """Effort that a behavior must be able to apply at hip pitch and ankle pitch of a
+    leg to balance with the leg [N·m]."""
     walk_limits: StepLimits = field(default_factory=StepLimits)
-    """What one step of a walk can be."""
+    """Limits of one step of WALK."""
     step_limits: StepLimits = field(default_factory=quasi_static_limits)
-    """What one step of STEP can be."""
+    """Limits of one step of STEP."""
     gait_timing: GaitTiming = field(default_factory=GaitTiming)
     """Durations of a walk's phases."""
     usual_steps: UsualSteps = field(default_factory=UsualSteps)
-    """Steps of a walk for which nothing else is asked."""
+    """Default steps of a walk."""
     pelvis_range: PelvisRange = field(default_factory=PelvisRange)
-    """Poses of the pelvis that MANIPULATE may be asked for."""
+    """Range of pelvis poses for MANIPULATE."""
 
 
 def check_file(file: RobotFile) -> None:
-    """Checks the file by itself; kinds and bounds of its values are right already.
+    """Checks the file alone; types and bounds of its values are already checked.
 
     Raises:
         RobotDescriptionError: Naming the first field that cannot be used.
@@ -294,7 +296,7 @@ def _check_given(name: str, value: float) -> None:
 
 
 def _check_order(path: str, owner: object, names: Sequence[str]) -> None:
-    """Checks that fields do not become smaller in order."""
+    """Checks that the values of fields do not decrease in order."""
     for low, high in itertools.pairwise(names):
         least = getattr(owner, low)
         if getattr(owner, high) < least:

@@ -1,7 +1,7 @@
-"""Checks that a robot's file and its URDF belong together, and that it can stand.
+"""Checks of a robot's file against its URDF, and of its stand-prep pose.
 
-Each raises a RobotDescriptionError that names the first field that cannot be used. The
-file by itself is checked in ``file``, the layout of the legs in ``leg``.
+Each check raises a RobotDescriptionError that names the first invalid field. The file
+alone is checked in ``file``, the layout of the legs in ``leg``.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ from atlas_drake.errors import RobotDescriptionError, did_you_mean, shown
 from atlas_drake.robot.file import RobotFile
 
 LEAST_COM_HEIGHT = 0.35
-"""Height of the center of mass above the soles of a robot that stands, at least [m]:
-the feedback of balance takes a shorter pendulum for a longer one."""
+"""Least height of the center of mass above the soles of a standing robot [m]: the
+balance feedback would treat a shorter pendulum as a longer one."""
 _LEVEL, _TILT = 0.01, 0.1
-"""How exactly the stand-prep pose has the soles on one level [m], and flat [rad]."""
+"""Tolerances for level [m] and flat [rad] soles in the stand-prep pose."""
 
 
 def check_names(plant: Any, instance: Any, file: RobotFile) -> None:
@@ -60,7 +60,7 @@ def _missing(
 
 
 def check_base(plant: Any, instance: Any, file: RobotFile) -> Any:
-    """Checks that the pelvis, and nothing else, is free in the world; returns it."""
+    """Checks that the pelvis is the only free body; returns the pelvis."""
     pelvis = plant.GetBodyByName(file.pelvis)
     free = sorted(
         plant.get_body(index).name() for index in plant.GetFloatingBaseBodies()
@@ -134,7 +134,7 @@ def check_limits(
 
 
 def check_pose(file: RobotFile, lower: np.ndarray, upper: np.ndarray) -> None:
-    """Checks that the stand-prep pose keeps the limits of position."""
+    """Checks that the stand-prep pose is within the position limits."""
     for index, joint in enumerate(file.joints):
         if not lower[index] <= joint.stand_prep <= upper[index]:
             raise RobotDescriptionError(

@@ -1,11 +1,10 @@
-"""The one description of a leg, read from the URDF, and the layout that it must have.
+"""The description of a leg, read from the URDF, and its required layout.
 
 The closed-form laws of the controller need a leg of six joints, from the pelvis down
 hip z, hip x, hip y, knee y, ankle y, ankle x. With all joints at zero every joint's
 frame and the sole's are parallel to the pelvis', hip z and hip x meet in the hip's
 center, ankle y and ankle x in the ankle, and all six lie in one plane x-z. Positive
-angles bend the knee backward. What follows from the lengths is computed in
-``control.feet``.
+angles bend the knee backward. Kinematics with these lengths is in ``control.feet``.
 """
 
 from __future__ import annotations
@@ -22,11 +21,11 @@ from atlas_drake.errors import RobotDescriptionError
 from atlas_drake.robot.file import LEGS, RobotFile
 
 JOINTS = ("hip z", "hip x", "hip y", "knee y", "ankle y", "ankle x")
-"""A leg's joints from the pelvis down, with the axes they turn about."""
+"""Joints of a leg from the pelvis down, with their axes."""
 HIP_PITCH, KNEE, ANKLE_PITCH = 2, 3, 4
-"""Places among a leg's joints."""
+"""Indices among a leg's joints."""
 _TOLERANCE = 1e-6
-"""Of positions and axes [m], [-]."""
+"""Tolerance of positions and axes [m], [-]."""
 
 
 @dataclass(frozen=True)
@@ -37,12 +36,12 @@ class Leg:
         joints: Indices of the six joints in message order, shape (6,).
         p_PH: Hip center, where hip z and hip x meet, in the pelvis frame [m].
         hip: Hip y axis from the hip center, in the leg's plane (x, z) [m].
-        thigh: Knee from the hip y axis at zero angles, likewise [m].
-        shank: Ankle from the knee, likewise [m].
+        thigh: Knee from the hip y axis at zero angles, in the leg's plane [m].
+        shank: Ankle from the knee at zero angles, in the leg's plane [m].
         p_FA: Ankle, where its axes meet, in the sole frame [m].
-        mass_beyond: Of all bodies beyond each joint [kg], shape (6,).
-        least_flexion: Of the knee, counted from the straight leg [rad].
-        most_flexion: Likewise.
+        mass_beyond: Mass of all bodies beyond each joint [kg], shape (6,).
+        least_flexion: Least flexion of the knee, from the straight leg [rad].
+        most_flexion: Greatest flexion of the knee, from the straight leg [rad].
     """
 
     joints: np.ndarray
@@ -88,11 +87,11 @@ def read_legs(plant: Any, pelvis: Any, file: RobotFile) -> tuple[Leg, Leg]:
 
     Args:
         plant: A ``MultibodyPlant``.
-        pelvis: Its body.
-        file: The robot's.
+        pelvis: Body of the pelvis.
+        file: File of the robot.
 
     Raises:
-        RobotDescriptionError: If a leg is built differently; it says where.
+        RobotDescriptionError: If a leg has another layout; it names the joints.
     """
     left, right = (_read_leg(plant, pelvis, file, foot) for foot in (0, 1))
     return left, right
@@ -138,7 +137,7 @@ def _read_leg(plant: Any, pelvis: Any, file: RobotFile, foot: int) -> Leg:
 def _check_chain(
     plant: Any, pelvis: Any, joints: Sequence[Any], file: RobotFile, foot: int
 ) -> None:
-    """Checks that each joint hangs on the one before, the first one on the pelvis."""
+    """Checks that each joint's parent is the joint before, or first the pelvis."""
     limb, names = LEGS[foot], [joint.name() for joint in joints]
     above = pelvis
 
@@ -167,7 +166,7 @@ def _check_layout(
     poses: Sequence[Any],
     sole: str,
 ) -> None:
-    """Checks axes and places of a leg's joints and its sole with joints at zero."""
+    """Checks axes and positions of a leg's joints and sole with joints at zero."""
     for name, joint, known in zip(names, joints, JOINTS, strict=True):
         axis, wanted = joint.revolute_axis(), np.eye(3)["xyz".index(known[-1])]
         if not np.allclose(axis, wanted, atol=_TOLERANCE):

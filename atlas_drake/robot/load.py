@@ -1,7 +1,7 @@
-"""Reads a robot: one that comes with the package by name, any other by its path.
+"""Reads a robot: by name if it comes with the package, otherwise by path.
 
-Every error that a robot's files give rise to leaves here with the file's name. What is
-checked is in ``file``, ``fit`` and ``leg``.
+Every error about a robot's files carries the file's name. The checks are in ``file``,
+``fit`` and ``leg``.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ _ENDINGS = (".yaml", ".yml")
 
 
 def available_robots() -> list[str]:
-    """Names of the robots that come with the package, the default first."""
+    """Lists the names of the robots in the package, the default first."""
     names = sorted(path.stem for path in MODELS_FOLDER.glob("*.yaml"))
     return sorted(names, key=lambda name: name != DEFAULT_ROBOT)
 
@@ -80,7 +80,7 @@ def find_robot(model: str | Path) -> Path:
 
 
 def model_beside(model: str, folder: Path) -> str:
-    """Returns a robot's name as it is, and its path made absolute from ``folder``."""
+    """Returns a robot's name unchanged, or its path made absolute from ``folder``."""
     if model in available_robots() or Path(model).suffix not in _ENDINGS:
         return model
     return str((folder / Path(model).expanduser()).absolute())
@@ -93,8 +93,8 @@ def load_robot(model: str | Path = DEFAULT_ROBOT) -> Robot:
         model: As for ``find_robot``.
 
     Raises:
-        RobotDescriptionError: If there is no such robot, its description or its URDF
-            is faulty, they do not belong together, or the controller cannot use it.
+        RobotDescriptionError: If there is no such robot, its description or its URDF is
+            faulty, they do not match, or the controller cannot use it.
     """
     path = find_robot(model)
     try:
@@ -143,12 +143,12 @@ def _load(path: Path, name: str | None) -> Robot:
 
 
 def _read_file(path: Path) -> RobotFile:
-    """The YAML file, checked by itself."""
+    """Reads the YAML file and checks it alone."""
     try:
         text = path.read_text()
         raw = yaml_load(data=text) if text.strip() else None
     except Exception as error:
-        # The parser raises many kinds of exception for what is always a faulty file.
+        # The parser raises many kinds of exception for a faulty file.
         raise RobotDescriptionError(
             "file", str(path), f"cannot be read: {error}"
         ) from error
@@ -175,7 +175,7 @@ def _read_file(path: Path) -> RobotFile:
 
 
 def _parse(urdf: Path, name: str) -> Any:
-    """A finalized plant of the robot alone; meshes are looked for, too."""
+    """Makes a finalized plant of the robot alone; missing meshes are found, too."""
     if not urdf.is_file():
         raise RobotDescriptionError(
             "urdf", str(urdf), f"there is no file {urdf}; give its path from this file"

@@ -1,7 +1,7 @@
-"""A robot as it was read: joints, limits, legs, and its place in a plant.
+"""A loaded robot: joints, limits, legs, and its indices in a plant.
 
-The one place that converts between message order and a plant's order. Made by ``load``;
-holds no control law and no state.
+The only module that converts between message order and a plant's order. ``load`` makes
+the robot; control laws and state are elsewhere.
 """
 
 from __future__ import annotations
@@ -22,13 +22,13 @@ from atlas_drake.robot.leg import Leg
 
 @dataclass(frozen=True)
 class PelvisParts:
-    """Parts of a plant's state [q; v] that are the free pelvis'.
+    """Parts of a plant's state [q; v] that belong to the free pelvis.
 
     Attributes:
         orientation: Quaternion, w first.
-        position: In W [m].
-        angular_velocity: In W [rad/s].
-        velocity: In W [m/s].
+        position: Position in W [m].
+        angular_velocity: Angular velocity in W [rad/s].
+        velocity: Velocity in W [m/s].
     """
 
     orientation: slice
@@ -39,10 +39,10 @@ class PelvisParts:
 
 @dataclass(frozen=True)
 class PlantIndices:
-    """Where each joint lies in the robot's own vectors, in message order.
+    """Index of each joint in the robot's own vectors, in message order.
 
-    The robot's own vectors are those of its model instance: as in a plant that holds
-    nothing but the robot, whatever else is in the plant.
+    The robot's own vectors belong to its model instance: they are the same for a plant
+    with other models and for a plant with the robot alone.
 
     Attributes:
         q: Index of each joint into the robot's positions, shape (n,).
@@ -67,10 +67,10 @@ class Robot:
 
     Attributes:
         name: Name of the robot, and of its model instance in a plant.
-        path: Its YAML file, absolute.
-        model: What ``load_robot`` takes: the name of a robot that comes with the
-            package, else the path.
-        file: The description as read; what may be left out is filled in.
+        path: Path of its YAML file, absolute.
+        model: Argument for ``load_robot``: the name of a robot in the package, or the
+            path.
+        file: The description as read, with omitted values filled in.
         joint_names: Names in message order.
         position_lower: Lower position limits [rad].
         position_upper: Upper position limits [rad].
@@ -122,17 +122,17 @@ class Robot:
         return 50.0 * self.effort_limit / self.velocity_limit
 
     def limb(self, *names: str) -> np.ndarray:
-        """Which joints belong to any of the limbs named, bool, shape (n,)."""
+        """Returns the mask of joints in the named limbs, bool, shape (n,)."""
         return np.array([joint.limb in names for joint in self.file.joints])
 
     def joint_index(self, name: str) -> int:
-        """Index of a joint in the messages' arrays, by name or by v1 alias.
+        """Returns the index of a joint in the messages' arrays, by name or by v1 alias.
 
         Raises:
             RobotDescriptionError: If the robot has no such joint.
         """
         for index, joint in enumerate(self.file.joints):
-            # A joint without an alias has an empty one, which names nothing.
+            # The empty alias of a joint without an alias must not match.
             if name and name in (joint.name, joint.alias):
                 return index
         raise RobotDescriptionError(
@@ -143,7 +143,7 @@ class Robot:
         )
 
     def contact(self, name: str) -> ContactEntry:
-        """The surface beside the soles that the robot's file calls so.
+        """Returns the contact of this name in the robot's file.
 
         Raises:
             RobotDescriptionError: If the file has no such contact.
@@ -161,7 +161,7 @@ class Robot:
         return self.path.parent / self.file.urdf
 
     def make_plant(self) -> MultibodyPlant:
-        """A finalized plant of the robot alone, for models: no geometry, no ground."""
+        """Makes a finalized plant of the robot alone, without geometry and ground."""
         plant = MultibodyPlant(time_step=0.0)
         self.add_to(plant)
         plant.Finalize()
@@ -176,7 +176,7 @@ class Robot:
         return plant.GetModelInstanceByName(self.name)
 
     def indices(self, plant: MultibodyPlant) -> PlantIndices:
-        """Where the joints lie in the robot's vectors of the finalized ``plant``."""
+        """Finds the joints' indices in the robot's vectors of a finalized ``plant``."""
         instance = self.instance(plant)
         joints = [plant.GetJointByName(name, instance) for name in self.joint_names]
         starts = {
@@ -217,7 +217,7 @@ class Robot:
 
 
 def _places(own: np.ndarray) -> dict[int, int]:
-    """Place in the robot's own vector by index into the plant's."""
+    """Maps an index of the plant's vector to the index of the robot's own vector."""
     return {int(index): place for place, index in enumerate(own)}
 
 

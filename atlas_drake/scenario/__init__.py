@@ -1,6 +1,6 @@
-"""Scenarios as data: what is simulated, from YAML or Python.
+"""Scenarios as data: robot, world and settings of a run, from YAML or Python.
 
-Nothing here simulates.
+The simulation is in ``simulation``.
 """
 
 from atlas_drake.scenario.models import Model

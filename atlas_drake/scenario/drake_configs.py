@@ -1,6 +1,6 @@
-"""Drake's own configurations in a scenario: their defaults here, and their checks.
+"""Drake's own configurations in a scenario: defaults and checks.
 
-Drake itself judges the values; only what the station decides is refused.
+Drake itself checks the values; fields that the station sets are refused here.
 """
 
 from typing import Any
@@ -21,25 +21,25 @@ def plant_config(**fields: Any) -> MultibodyPlantConfig:
     """Returns the default: point contact, and friction that never exceeds its cone.
 
     Args:
-        **fields: Of ``MultibodyPlantConfig``, which shall be different.
+        **fields: Fields of ``MultibodyPlantConfig`` with other values.
     """
     own = {
         "contact_model": "point",
         "discrete_contact_approximation": "similar",
         # Sampled ports would make the plant's step an unrestricted update, which could
-        # not see what the controller's update of the same instant decided.
+        # not read the result of the controller's update at the same instant.
         "use_sampled_output_ports": False,
     }
     return MultibodyPlantConfig(**(own | fields))
 
 
 def check_plant_config(config: MultibodyPlantConfig, physics_step: float) -> None:
-    """Checks the plant's configuration, and completes it by what the station decides.
+    """Checks the plant's configuration, and sets the fields that the station decides.
 
     Args:
-        config: Its ``time_step`` becomes the physics step. One made in Python has
-            Drake's defaults for what the station decides; they are replaced as well.
-        physics_step: [s]
+        config: Configuration; its ``time_step`` becomes the physics step. Drake's
+            defaults of the other fields that the station decides are replaced too.
+        physics_step: Step of plant and joint controllers [s].
 
     Raises:
         ScenarioError: Naming the field that cannot be used.
@@ -74,7 +74,8 @@ def _decide(config: object, path: str, name: str, own: object, problem: str) -> 
     """Gives a field the station's own value.
 
     Raises:
-        ScenarioError: If it has another one, which is not Drake's default either.
+        ScenarioError: If the field has a value that is neither the station's nor
+            Drake's default.
     """
     value = getattr(config, name)
     if value not in (own, getattr(type(config)(), name)):

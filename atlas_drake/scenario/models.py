@@ -1,6 +1,6 @@
-"""Models beside the robot in a scenario: files that Drake's parser reads, and where.
+"""Models beside the robot in a scenario: files for Drake's parser, and their poses.
 
-How a user's own callables add to a plant is in ``world``.
+Callables that add models to a plant are in ``world``.
 """
 
 from __future__ import annotations
@@ -31,24 +31,24 @@ class Model:
     """URDF, SDFormat, MJCF or Drake's Model Directives (``.dmd.yaml``), relative to the
     scenario's file; or a URI such as ``package://drake_models/...``."""
     name: str = ""
-    """Of the model in the plant; the file's name if left out."""
+    """Name of the model in the plant; the file's name if left out."""
     X_WB: Transform | None = None
     """Pose of the model's base body in W, a ``Transform`` of Drake's schema, such as
-    ``{translation: [1, 0, 0.5], rotation: !Rpy {deg: [0, 0, 90]}}``; null where the
-    file has it."""
+    ``{translation: [1, 0, 0.5], rotation: !Rpy {deg: [0, 0, 90]}}``; null for the pose
+    in the file."""
     V_WB: list[float] | None = None
-    """Velocity of the base body at the start, rotation first [rad/s; m/s]; null is
-    at rest."""
+    """Velocity of the base body at the start, rotation first [rad/s; m/s]; null for at
+    rest."""
     weld: bool = False
-    """Fixes the base body in W, at X_WB or at W's origin."""
+    """True to fix the base body in W, at X_WB or at W's origin."""
 
     def add_to(self, plant: MultibodyPlant, name: str, path: str = "models") -> None:
         """Add the models of the file to a plant that is not finalized yet.
 
         Args:
-            plant: Where to.
-            name: Of the model, where the file has one.
-            path: Of this entry in its scenario.
+            plant: Plant to add to.
+            name: Name of the model, for a file with one model.
+            path: Path of this entry in its scenario.
 
         Raises:
             ScenarioError: Naming the field that cannot be used.
@@ -89,7 +89,7 @@ class Model:
         """Check every field.
 
         Args:
-            path: Where the model is in its scenario, such as ``models[0]``.
+            path: Path of the model in its scenario, such as ``models[0]``.
 
         Raises:
             ScenarioError: Naming the first field that cannot be used.
@@ -130,7 +130,7 @@ class Model:
     def _base(
         plant: MultibodyPlant, instance: ModelInstanceIndex, path: str
     ) -> RigidBody:
-        """The one body of a model that no joint hangs on another one."""
+        """Finds the one body of a model that is no joint's child."""
         children = {
             int(plant.get_joint(index).child_body().index())
             for index in plant.GetJointIndices(instance)
@@ -167,7 +167,7 @@ def models_beside(models: Any, folder: Path) -> Any:
 
 
 def world_of(models: Sequence[Model]) -> list[WorldMaker]:
-    """Return what adds the models of a scenario to a plant."""
+    """Return callables that add the models of a scenario to a plant."""
     return [
         functools.partial(model.add_to, name=name, path=f"models[{index}]")
         for index, (model, name) in enumerate(zip(models, _names(models), strict=True))
@@ -177,12 +177,12 @@ def world_of(models: Sequence[Model]) -> list[WorldMaker]:
 def set_velocities(
     models: Sequence[Model], plant: MultibodyPlant, context: Context
 ) -> None:
-    """Give the models of a scenario the velocity they begin with.
+    """Give the models of a scenario their initial velocities.
 
     Args:
-        models: Of the scenario.
-        plant: With the models.
-        context: Of the plant.
+        models: Models of the scenario.
+        plant: Plant with the models.
+        context: Context of the plant.
     """
     for model, name in zip(models, _names(models), strict=True):
         if model.V_WB is not None:
@@ -200,7 +200,7 @@ def _free_base(plant: MultibodyPlant, name: str, path: str) -> RigidBody:
 
 
 def _names(models: Sequence[Model]) -> list[str]:
-    """A name for each model: its own, or that of its file with a number if needed."""
+    """Name each model: its own name, or its file's name with a number if needed."""
     names: list[str] = []
     for model in models:
         stem = name = model.name or Path(model.file).name.split(".")[0]

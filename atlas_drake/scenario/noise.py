@@ -51,12 +51,13 @@ NOISE_MODELS = {
     "reference": NoiseModel(**REFERENCE_IMU),
     "rough": NoiseModel(**REFERENCE_IMU, joint_position=2.0e-4, joint_velocity=2.0e-2),
 }
-"""Models by name: exact sensors, the reference IMU, and that with noisy encoders."""
+"""Models by name: exact sensors, the reference IMU, and the reference IMU with noisy
+encoders."""
 
 
 @dataclass(frozen=True)
 class NoiseSample:
-    """What is added to one set of measurements."""
+    """Noise of one set of measurements."""
 
     angular_velocity: np.ndarray
     specific_force: np.ndarray
@@ -65,7 +66,7 @@ class NoiseSample:
 
 
 class SensorNoise(Frozen):
-    """Draws the noise of one robot. Never changes, so that a Context can hold it."""
+    """Draws the noise of one robot. Immutable, so that a Context can hold it."""
 
     def __init__(self, model: NoiseModel, seed: int, num_joints: int, period: float):
         """Draws the biases; measurements are ``period`` [s] apart."""

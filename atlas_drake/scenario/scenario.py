@@ -1,7 +1,6 @@
-"""Scenarios: what is simulated, read from typed YAML.
+"""Scenarios: robot, world and settings of a run, read from typed YAML.
 
-One dataclass, one comment per field, all defaults here. What is done with it is in
-``simulation``.
+One dataclass, one comment per field, all defaults here. ``simulation`` runs a scenario.
 """
 
 from collections.abc import Collection, Iterable, Mapping
@@ -40,55 +39,55 @@ from atlas_drake.scenario.timed_message import TimedMessage
 from atlas_drake.scenario.world_file import World, world_beside, world_from
 
 PHYSICS_STEPS = Bounds(1e-5, 0.002)
-"""Physics steps [s]. With shorter ones a second takes minutes; with 3 ms joints do not
-come to rest under the tutorial's gains, and with 4 ms rough.yaml's robot falls."""
+"""Range of the physics step [s]. Below it a simulated second takes minutes; with 3 ms
+joints do not come to rest under the tutorial's gains, and with 4 ms rough.yaml's robot
+falls."""
 LARGEST_SEED = 2**64 - 1
-"""What the generator of the sensors' noise takes."""
+"""Largest seed of the random generator."""
 LONGEST_PERIOD = 0.02
 """Longest control period on offer [s]."""
 PROGRAMMES = ("none", "tutorial", "tutorial_literal")
 STATES = ("true", "estimated")
 IN_THE_AIR = (Behavior.USER, Behavior.FREEZE)
-"""Behaviors that a robot without ground under its feet can begin with."""
+"""Behaviors in which a robot can start in the harness."""
 
 
 @dataclass
 class Jitter:
-    """Random changes of the start and of the physics, drawn from the scenario's seed.
+    """Random variations of the start and the physics, drawn from the scenario's seed.
 
-    Every value is the half width of a uniform distribution; 0 changes nothing.
+    Every value is the half width of a uniform distribution; 0 is no variation.
     """
 
     position: float = 0.0
-    """Of the pelvis along x and y [m]."""
+    """Position of the pelvis along x and y [m]."""
     orientation: float = 0.0
-    """Of the pelvis' roll, pitch and yaw [rad]."""
+    """Roll, pitch and yaw of the pelvis [rad]."""
     joints: float = 0.0
-    """Of each joint [rad]."""
+    """Position of each joint [rad]."""
     mass: float = 0.0
-    """Of each link's mass and inertia, as a share of what the controller believes;
-    below 1."""
+    """Mass and inertia of each link, as a share of the controller's model; below 1."""
 
 
 @dataclass
 class Start:
-    """Where the robot begins, on its feet on whatever terrain is there."""
+    """Start of the robot, on its feet on the terrain."""
 
     position: list[float] | None = None
-    """Of the pelvis along x and y in W [m]; null is where the world has it."""
+    """Position of the pelvis along x and y in W [m]; null for the world's start."""
     yaw: float | None = None
-    """Heading [rad]; null is the world's."""
+    """Heading of the pelvis in W [rad]; null for the world's start."""
     harnessed: bool = False
-    """Hangs with its feet in the air, in a harness that holds the pelvis."""
+    """True to start in a harness that holds the pelvis, with the feet in the air."""
     release_time: float | None = None
-    """Time after the start, or the reset, at which the harness lets the robot down by
-    itself [s]; null for not by itself."""
+    """Time after the start, or the reset, at which the harness lowers and releases the
+    robot [s]; null for no automatic release."""
 
     def validate(self, behavior: Behavior) -> None:
         """Checks every field against each other and the behavior to begin with.
 
         Args:
-            behavior: The one to begin with.
+            behavior: The initial behavior.
 
         Raises:
             ScenarioError: Naming the first field that cannot be used.
@@ -126,33 +125,33 @@ class Start:
 
 @dataclass(eq=False)
 class Scenario:
-    """Everything that can be chosen about a run."""
+    """All settings of a run."""
 
     name: str = "sandbox"
-    """Shown to the user."""
+    """Text that is shown to the user."""
     model: str = DEFAULT_ROBOT
     """Robot: a name from ``models/``, or the path of a robot's YAML file, relative to
     the scenario's file, and in Python and on the command line to the working folder."""
     programme: str = "none"
-    """Commands that are sent by themselves: one of PROGRAMMES."""
+    """Commands that are sent automatically: one of PROGRAMMES."""
     messages: list[TimedMessage] = field(default_factory=list)
-    """Commands that are sent by themselves beside the programme, each at its time."""
+    """Commands that are sent automatically beside the programme, each at its time."""
     duration: float = 10.0
     """Length of the run on the command line [s]."""
     initial_behavior: str = "STAND"
     """Behavior active at the start; USER gives all joints to the user."""
     physics_step: float = 0.001
-    """Step of plant and joint controllers [s], within PHYSICS_STEPS. Stands here rather
-    than in ``plant`` because joint controllers and sensors share the step."""
+    """Step of plant and joint controllers [s], within PHYSICS_STEPS. The field is here
+    rather than in ``plant`` because joint controllers and sensors share the step."""
     control_period: float = 0.002
     """Step of the behaviors [s], a multiple of physics_step."""
     plant: MultibodyPlantConfig = field(default_factory=plant_config)
-    """How Drake solves contact: all fields of Drake's ``MultibodyPlantConfig`` but
+    """Contact model and solver: all fields of Drake's ``MultibodyPlantConfig`` but
     ``time_step``, which is physics_step, and ``use_sampled_output_ports``, which is
     false."""
     simulator: SimulatorConfig = field(default_factory=SimulatorConfig)
-    """Drake's ``SimulatorConfig``: how continuous systems that a user adds are
-    integrated, and the real-time rate. ``start_time`` is 0."""
+    """Drake's ``SimulatorConfig``: the integration of continuous systems that a user
+    adds, and the real-time rate. ``start_time`` is 0."""
     controller: Annotated[ControllerConfig, NOT_NEGATIVE] = field(
         default_factory=ControllerConfig
     )
@@ -161,44 +160,44 @@ class Scenario:
     estimator: Annotated[OdometryTuning, NOT_NEGATIVE] = field(
         default_factory=OdometryTuning
     )
-    """How far the state estimator trusts each sensor."""
+    """Noise parameters of the state estimator."""
     ground_friction: float = 0.9
-    """Coefficient of the ground."""
+    """Friction coefficient of the ground [-]."""
     friction_jitter: float = 0.0
-    """Half width of a uniform change of it."""
+    """Half width of a uniform random variation of ``ground_friction`` [-]."""
     world: World | str | Mapping[str, Any] = field(default_factory=World)
-    """What stands around the robot, and where it starts: a name from
-    ``models/worlds``, the path of a world's YAML file, relative as ``model``, or fields
-    of a world, such as ``{name: stairs, stairs: {rise: 0.06}}``."""
+    """World around the robot, and start of the robot: a name from ``models/worlds``,
+    the path of a world's YAML file, relative as ``model``, or fields of a world, such
+    as ``{name: stairs, stairs: {rise: 0.06}}``."""
     terrain: list[Block] = field(default_factory=list)
     """Boxes on the level ground at z = 0, beside those of the world."""
     models: list[Model] = field(default_factory=list)
-    """What else there is beside the robot, from files, beside those of the world."""
+    """Models beside the robot, from files, beside those of the world."""
     start: Start = field(default_factory=Start)
-    """Where the robot begins."""
+    """Start of the robot."""
     noise: str = "none"
     """Sensor noise, a name from NOISE_MODELS."""
     state: str | bool = "true"
-    """What the behaviors see, one of STATES: the true state with the noise of the
-    sensors, or what an estimator makes of IMU, joints and loads on the feet. A bare
-    ``true``, which YAML takes for a truth value, means the word."""
+    """State that the behaviors read, one of STATES: the true state with the noise of
+    the sensors, or the state estimated from IMU, joints and loads on the feet. A bare
+    ``true``, which YAML reads as a truth value, means the word."""
     seed: int = 0
-    """Of noise and jitter."""
+    """Seed of noise and jitter."""
     jitter: Jitter = field(default_factory=Jitter)
-    """Random changes at the start."""
+    """Random variations at the start."""
 
     def __eq__(self, other: object) -> bool:
-        """Tells whether all fields are equal; Drake's configurations cannot tell."""
+        """Compares all fields; Drake's configurations have no comparison."""
         if not isinstance(other, Scenario):
             return NotImplemented
         return bool(as_plain(self) == as_plain(other))
 
-    __hash__ = None  # type: ignore[assignment]  # It can be changed.
+    __hash__ = None  # type: ignore[assignment]  # A scenario is mutable.
 
     def validate(self) -> "Scenario":
         """Checks every field.
 
-        A truth value for ``state`` becomes the word, and numbers become Python's own.
+        Replaces a truth value for ``state`` by the word, and numbers by Python's own.
 
         Returns:
             The scenario itself.
@@ -217,7 +216,7 @@ class Scenario:
         if self.state is True:
             self.state = "true"
         _one_of("state", self.state, STATES)
-        # A step that was put on a common grid may be longer by a rounding error.
+        # A step on the common grid may be longer by a rounding error.
         if not PHYSICS_STEPS.allow(round(self.physics_step, 12)):
             raise ScenarioError(
                 "physics_step",
@@ -306,7 +305,7 @@ class Scenario:
         """The initial behavior.
 
         Raises:
-            ScenarioError: If it cannot be started in.
+            ScenarioError: If a run cannot start in it.
         """
         try:
             return starting_behavior(self.initial_behavior, "initial_behavior")
@@ -320,7 +319,7 @@ def check_seed(value: object) -> int:
     """Checks a seed of noise and jitter.
 
     Args:
-        value: What was given.
+        value: The given value.
 
     Returns:
         The seed as Python's own number.
@@ -339,15 +338,15 @@ def check_seed(value: object) -> int:
 def starting_behavior(
     value: object, name: str, catalog: BehaviorCatalog = SHIPPED
 ) -> Behavior:
-    """A behavior that the robot can begin with.
+    """Finds a behavior that a run can start in.
 
     Args:
         value: Its name in any case, its number, or the behavior itself.
-        name: Of the field it comes from, for the error.
-        catalog: Of the behaviors that there are.
+        name: Name of the field, for the error.
+        catalog: The registered behaviors.
 
     Raises:
-        InvalidMessageError: If there is no such behavior, or none can begin with it.
+        InvalidMessageError: If there is no such behavior, or a run cannot start in it.
     """
     behavior = catalog.find(value, name)
     allowed = (Behavior.STAND, Behavior.STAND_PREP, Behavior.USER, Behavior.FREEZE)
@@ -363,7 +362,7 @@ def load_scenario(path: str | Path) -> Scenario:
     """Reads and validates one YAML file; fields left out have their defaults.
 
     Args:
-        path: Of the file.
+        path: Path of the file.
 
     Raises:
         ScenarioError: If the file cannot be read, has unknown keys or bad values.
@@ -372,7 +371,7 @@ def load_scenario(path: str | Path) -> Scenario:
         text = Path(path).read_text()
         raw = yaml_load(data=text) if text.strip() else None
     except Exception as error:
-        # The parser raises many kinds of exception for what is always a faulty file.
+        # The parser raises many kinds of exception for a faulty file.
         problem = f"{path} cannot be read: {error}"
         raise ScenarioError("file", str(path), problem) from error
     try:
@@ -388,7 +387,7 @@ def load_scenario(path: str | Path) -> Scenario:
 
 
 def _with_full_paths(raw: Mapping[str, Any], folder: Path) -> Mapping[str, Any]:
-    """The same with the files of robot, world and models as seen from ``folder``."""
+    """Makes the files of robot, world and models relative to ``folder`` absolute."""
     seen = dict(raw)
     if isinstance(raw.get("model"), str):
         seen["model"] = model_beside(raw["model"], folder)
@@ -402,11 +401,12 @@ def _with_full_paths(raw: Mapping[str, Any], folder: Path) -> Mapping[str, Any]:
 def scenario_from(
     fields: Mapping[str, Any], default: Scenario | None = None
 ) -> Scenario:
-    """Makes a scenario of what a YAML file has.
+    """Makes a scenario from the fields of a YAML file.
 
     Args:
-        fields: Some or all, as YAML reads them.
-        default: Has the fields left out; None has the defaults. It is not changed.
+        fields: Some or all fields, as YAML reads them.
+        default: Scenario with the values of omitted fields; None for the defaults. It
+            is not changed.
 
     Raises:
         ScenarioError: Naming the first field that cannot be used.
@@ -423,7 +423,7 @@ def with_settings(scenario: Scenario, settings: Iterable[str]) -> Scenario:
     """Returns a scenario with some fields set as on the command line.
 
     Args:
-        scenario: With all other fields.
+        scenario: Scenario with the values of all other fields.
         settings: Such as ``controller.gains.dcm_gain=2.5``: path and value as in YAML;
             of two for one field the later counts.
 

@@ -1,6 +1,6 @@
-"""Terrain: boxes that lie on the level ground, and how high the surface is.
+"""Terrain: boxes on the level ground, and the height of the surface.
 
-Geometry and its checks; the plant and the 3D view get the boxes in ``diagrams``.
+Geometry and its checks; ``diagrams`` adds the boxes to plant and 3D view.
 """
 
 import math
@@ -15,29 +15,29 @@ from atlas_drake.errors import ScenarioError, shown
 BLOCK_COLOR = np.array([0.80, 0.70, 0.56, 1.0])
 """Red, green, blue, alpha of boxes without a color: light wood on the pale ground."""
 _PARALLEL = 1e-12
-"""A component of a unit vector below this leads along a face, not through it [-]."""
+"""Component of a unit vector below which the vector is parallel to a face [-]."""
 
 
 @dataclass
 class Block:
-    """A box that does not move. Its frame T lies in the middle of the top face."""
+    """A fixed box. The origin of its frame T is the middle of the top face."""
 
     size: list[float] = field(default_factory=lambda: [1.0, 1.0, 0.1])
-    """Along its own x, y and z [m]."""
+    """Size along the axes of T [m]."""
     position: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.1])
-    """Of the middle of the top face in W [m]."""
+    """Position of the middle of the top face in W [m]."""
     rpy: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
-    """Roll, pitch and yaw in W [rad]."""
+    """Roll, pitch and yaw of T in W [rad]."""
     friction: float | None = None
-    """Coefficient; that of the ground if left out."""
+    """Friction coefficient [-]; the ground's coefficient if left out."""
     color: list[float] | None = None
-    """Red, green and blue, from 0 to 1; that of light wood if left out."""
+    """Red, green and blue, from 0 to 1; light wood if left out."""
 
     def validate(self, path: str) -> None:
         """Checks every field.
 
         Args:
-            path: Where the block is in its scenario, such as ``terrain[0]``.
+            path: Path of the block in its scenario, such as ``terrain[0]``.
 
         Raises:
             ScenarioError: Naming the first field that cannot be used.
@@ -84,22 +84,22 @@ class Block:
 
 
 def surface_height(terrain: Iterable[Block], x: float, y: float) -> float:
-    """Height of the highest surface above a point of the ground [m].
+    """Computes the height of the highest surface above a point of the ground [m].
 
     Args:
         terrain: The boxes on the ground at z = 0.
-        x: Of the point in W [m].
-        y: Of the point in W [m].
+        x: Position of the point in W [m].
+        y: Position of the point in W [m].
     """
     heights = (_height_on(block, x, y) for block in terrain)
     return max((z for z in heights if z is not None), default=0.0)
 
 
 def _height_on(block: Block, x: float, y: float) -> float | None:
-    """Where the vertical through (x, y) leaves the box [m]; None if it misses it.
+    """Computes the height at which the vertical through (x, y) leaves the box [m].
 
-    The box is the intersection of three slabs. In each the vertical runs between two
-    heights; the box has what they have in common.
+    The box is the intersection of three slabs. In each slab the vertical spans a range
+    of heights; the box contains the intersection of these ranges. None if it is empty.
     """
     X_CW = block.X_WC.inverse()
     foot = X_CW @ np.array([x, y, 0.0])

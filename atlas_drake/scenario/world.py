@@ -1,14 +1,15 @@
-"""Models beside the robot: how they get into a plant, and back to where they began.
+"""Models beside the robot: adding them to a plant, and resetting their state.
 
-A world is a sequence of callables (plant) -> None. Each adds what it likes to a plant
-that holds the robot and the ground, and is not finalized yet. They are called for every
-plant that simulates or films the world, and so must do the same each time.
+A world is a sequence of callables (plant) -> None. Each may add models to a plant that
+holds the robot and the ground, and is not finalized yet. The callables run for every
+plant that simulates or films the world, and so must add the same models each time. The
+check that the robot does not begin inside a model is here, too.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from typing import TypeAlias
+from collections.abc import Callable, Collection, Iterable, Sequence
+from typing import Any, NamedTuple, TypeAlias
 
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
@@ -18,18 +19,18 @@ from atlas_drake.errors import AtlasError, shown
 from atlas_drake.robot import Robot
 
 WorldMaker: TypeAlias = Callable[[MultibodyPlant], None]
-"""Adds to a plant before it is finalized."""
+"""A callable that adds models to a plant before it is finalized."""
 
 
 class WorldError(AtlasError, ValueError):
-    """A world that cannot be added to a plant."""
+    """Raised if a world cannot be added to a plant."""
 
 
 def listed(world: Iterable[WorldMaker]) -> tuple[WorldMaker, ...]:
     """Return the callables of a world.
 
     Raises:
-        WorldError: If it is no list of callables.
+        WorldError: If it is not a list of callables.
     """
     if not isinstance(world, Iterable):
         raise WorldError(
@@ -48,7 +49,7 @@ def add_world(plant: MultibodyPlant, world: Sequence[WorldMaker]) -> None:
     """Add everything beside robot and ground to a plant (before Finalize).
 
     Args:
-        plant: Where to.
+        plant: Plant to add to.
         world: The callables, in order.
 
     Raises:
@@ -74,12 +75,12 @@ def world_instances(
 
 
 def put_world_back(plant: MultibodyPlant, context: Context, robot: Robot) -> None:
-    """Put every model beside the robot where it is by default, and at rest.
+    """Reset every model beside the robot to its default state.
 
     Args:
-        plant: With the robot.
-        context: Of the plant; the robot's state stays.
-        robot: In the plant.
+        plant: Plant with the robot.
+        context: Context of the plant; the robot's state stays.
+        robot: Robot in the plant.
     """
     instances = world_instances(plant, robot)
     if not instances:
@@ -88,3 +89,52 @@ def put_world_back(plant: MultibodyPlant, context: Context, robot: Robot) -> Non
     for instance in instances:
         state = plant.GetPositionsAndVelocities(default, instance)
         plant.SetPositionsAndVelocities(context, instance, state)
+
+
+class Overlap(NamedTuple):
+    """A body of the robot that is inside something else.
+
+    Attributes:
+        body: Of the robot, by name.
+        model: Name of the other model, or of the geometry if it is the world's own.
+        depth: Length of the shortest way out [m].
+    """
+
+    body: str
+    model: str
+    depth: float
+
+
+def overlaps_with_world(
+    plant: MultibodyPlant, context: Context, robot: Robot, but: Collection[str] = ()
+) -> list[Overlap]:
+    """Return where the robot is inside other models; a touch is a small depth.
+
+    Args:
+        plant: With the robot.
+        context: Of the plant. Where it is not part of the context of a diagram with
+            the scene graph, nothing is known, and nothing returned.
+        robot: In the plant.
+        but: Names of geometries of the world body that do not count.
+    """
+    port = plant.get_geometry_query_input_port()
+    if not port.HasValue(context):
+        return []
+    query: Any = port.Eval(context)
+    inspector = query.inspector()
+    own = robot.instance(plant)
+    found = []
+    for pair in query.ComputePointPairPenetration():
+        ids = (pair.id_A, pair.id_B)
+        bodies = [plant.GetBodyFromFrameId(inspector.GetFrameId(g)) for g in ids]
+        is_own = [body.model_instance() == own for body in bodies]
+        if is_own[0] == is_own[1]:
+            continue
+        mine, other = (0, 1) if is_own[0] else (1, 0)
+        model = plant.GetModelInstanceName(bodies[other].model_instance())
+        if bodies[other].index() == plant.world_body().index():
+            model = inspector.GetName(ids[other])
+            if model in but:
+                continue
+        found.append(Overlap(bodies[mine].name(), model, pair.depth))
+    return found

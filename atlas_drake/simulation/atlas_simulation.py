@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import copy
 import functools
-import itertools
 import math
 import time
 import weakref
 from array import array
-from collections.abc import Callable, Iterable, MutableSequence, Sequence
+from collections.abc import Callable, Iterable, Iterator, MutableSequence, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -39,7 +39,7 @@ from atlas_drake.errors import (
     did_you_mean,
     shown,
 )
-from atlas_drake.frozen import NOTHING, replace
+from atlas_drake.frozen import replace
 from atlas_drake.kinds import typed
 from atlas_drake.messages import (
     AtlasCommand,
@@ -52,7 +52,7 @@ from atlas_drake.messages import (
 )
 from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.messages.checks import check_number
-from atlas_drake.messages.commands import Command
+from atlas_drake.messages.commands import Command, Refusal
 from atlas_drake.messages.event import Event
 from atlas_drake.numeric import as_float
 from atlas_drake.robot import load_robot
@@ -60,7 +60,13 @@ from atlas_drake.scenario import Scenario, Start
 from atlas_drake.scenario.models import set_velocities, world_of
 from atlas_drake.scenario.noise import NOISE_MODELS
 from atlas_drake.scenario.scenario import check_seed, starting_behavior
-from atlas_drake.scenario.world import WorldMaker, listed, put_world_back
+from atlas_drake.scenario.world import (
+    WorldError,
+    WorldMaker,
+    listed,
+    put_world_back,
+)
+from atlas_drake.simulation.arguments import check_arguments
 from atlas_drake.simulation.drake_log import only_news
 from atlas_drake.simulation.fall_watch import FallWatch
 from atlas_drake.simulation.pace import Pace
@@ -71,8 +77,6 @@ from atlas_drake.simulation.start import Variation, draw_variation, scale_masses
 from atlas_drake.simulation.steady import steady_ticks
 from atlas_drake.simulation.summary import estimator_drift, make_summary
 from atlas_drake.simulation.turns import Turns
-from atlas_drake.systems.command_interface import CommandInterface
-from atlas_drake.systems.command_scheduler import CommandScheduler
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.viewer_gate import show_latest
 
@@ -150,20 +154,17 @@ class AtlasSimulation:
                 .parquet. ``close`` completes it, and so does the end of the program.
 
         Raises:
-            TypeError: If the scenario is none.
+            TypeError: If an argument is of the wrong type; it names the argument.
             ScenarioError: If the scenario has a value that cannot be used.
             RobotDescriptionError: If the robot's files cannot be used.
             LogError: If the log cannot be written.
             VideoError: If the video cannot be made.
             ControllerError: If the controller does not fit the station.
-            WorldError: If the world cannot be added.
+            WorldError: If the world cannot be added, or the robot would begin inside
+                a model of it.
             BehaviorError: If a behavior cannot be registered.
         """
-        if not isinstance(scenario, Scenario | None):
-            raise TypeError(
-                f"scenario must be a Scenario, is {shown(scenario)}; load_scenario "
-                "reads one from a file"
-            )
+        check_arguments(scenario, meshcat, overlays, video, on_event, log)
         self.scenario = copy.deepcopy((scenario or Scenario()).validate())
         self.robot = load_robot(self.scenario.model)
         self._own_behaviors = configured(
@@ -172,7 +173,9 @@ class AtlasSimulation:
         self.behaviors = BehaviorCatalog((*SHIPPED_ENTRIES, *self._own_behaviors))
         # A path stays right wherever the program, or its log, goes on.
         self.scenario.model = self.robot.model
-        self._programme = scheduled_programme(self.scenario, self.robot, self.behaviors)
+        self._programme = tuple(
+            scheduled_programme(self.scenario, self.robot, self.behaviors)
+        )
         self._tick_seconds = array("d")
         self._turns = Turns()
         self._terrain = self.scenario.all_terrain()
@@ -233,7 +236,6 @@ class AtlasSimulation:
             self._film = self.diagram.GetSubsystemByName("video")
         self.station = self.diagram.GetSubsystemByName("station")
         self.plant = self.station.GetSubsystemByName("plant")
-        self._scheduler = self.diagram.GetSubsystemByName("scheduler")
         self._interface = self.station.GetSubsystemByName("command_interface")
         own = self.station.GetSubsystemByName(CONTROLLER)
         if hasattr(own, "tick_seconds"):
@@ -257,8 +259,6 @@ class AtlasSimulation:
         context = self.context
         self.diagram.SetDefaultContext(context)
         context.SetTime(0.0)
-        for name in ("other_atlas_command", "other_atlas_sim_interface_command"):
-            self.diagram.GetInputPort(name).FixValue(context, NOTHING)
         self._pushes: list[Push] = []
         self._exert(())
         self._variation = draw_variation(self.scenario, self.robot)
@@ -273,8 +273,8 @@ class AtlasSimulation:
         set_velocities(self._models, self.plant, self._plant_context())
         del self._tick_seconds[:]
         self._log = RunLog(*self._listeners)
+        self._error: str | None = None
         self._faults: list[AtlasError] = []
-        self._numbers = itertools.count(1)
         self._wall_time = 0.0
         self._shown = 0.0
         self._release_time: float | None = None
@@ -309,13 +309,20 @@ class AtlasSimulation:
         """
         if self._recorder is not None:
             with self._turns:
+                told = self._error
                 try:
                     self._look()
-                finally:  # Who listens may raise anything.
-                    self._recorder.flush(
-                        self._recorder.GetMyContextFromRoot(self.context)
-                    )
-                    self._finalizer()
+                except Exception:
+                    # What ended the run, a last look finds again.
+                    if told is None or self._error != told:
+                        raise
+                finally:  # Who listens may raise anything, and so may a port.
+                    try:
+                        self._recorder.flush(
+                            self._recorder.GetMyContextFromRoot(self.context)
+                        )
+                    finally:
+                        self._finalizer()
 
     def __enter__(self) -> AtlasSimulation:
         return self
@@ -350,32 +357,22 @@ class AtlasSimulation:
                 "publish takes an AtlasCommand or an AtlasSimInterfaceCommand, not "
                 f"{type(message).__name__}"
             )
-        numbered = message.numbered(next(self._numbers))
-        if self._turns.leave(functools.partial(self._deliver, numbered)):
-            check_command(numbered, self.robot.joint_names, self.behaviors)
+        snapshot = message.snapshot()
+        if self._turns.leave(functools.partial(self._deliver, snapshot)):
+            check_command(snapshot, self.robot.joint_names, self.behaviors)
             return
         with self._turns:
-            refused = self.output("commands").refused
-            self._deliver(numbered)
-            refusals = self.output("commands").refusals_since(refused)
-            if refusals:
+            refusal = self._deliver(snapshot)
+            if refusal is not None:
                 self._look()
-        if refusals:
+        if refusal is not None:
             # A new one: what is raised collects a traceback.
-            raise InvalidMessageError(*refusals[-1].error.args)
+            raise InvalidMessageError(*refusal.error.args)
 
-    def _deliver(self, message: Command) -> None:
-        """Puts a numbered message on its port, and takes it in."""
-        is_joint_command = isinstance(message, AtlasCommand)
-        name = "atlas_command" if is_joint_command else "atlas_sim_interface_command"
-        # It must not take the place of what the programme has just sent.
-        self._take_in(self._interface)
-        self.diagram.GetInputPort(f"other_{name}").FixValue(self.context, message)
-        self._take_in(self._scheduler)
-        self._take_in(self._interface)
-
-    def _take_in(self, system: CommandScheduler | CommandInterface) -> None:
-        system.take_in(system.GetMyMutableContextFromRoot(self.context))
+    def _deliver(self, message: Command) -> Refusal | None:
+        """Hands a message to the command interface; returns why it is refused."""
+        context = self._interface.GetMyMutableContextFromRoot(self.context)
+        return self._interface.receive(context, message)
 
     def apply_push(
         self, body: str, force_W: Sequence[float] | np.ndarray, duration: float
@@ -432,7 +429,7 @@ class AtlasSimulation:
             )
         begin = time.perf_counter()
         try:
-            with steady_ticks():
+            with steady_ticks(), self._noted_error():
                 while self.time < end - 1e-9:
                     with self._turns:
                         # Another thread may have had a turn meanwhile.
@@ -576,6 +573,7 @@ class AtlasSimulation:
             InvalidMessageError: If the robot cannot begin with that behavior.
             ScenarioError: If it cannot begin in that pose or with that seed, or while a
                 log or a video is written, which hold one run.
+            WorldError: If the robot would begin inside a model of the world.
         """
         if seed is not None:
             self._begin_anew(check_seed(seed))
@@ -600,15 +598,29 @@ class AtlasSimulation:
         with self._turns:
             # What a run that an error stopped has not told yet came before the reset.
             self._look()
+            self._put_back(moved, start)
             self._pushes = []
             self._exert(())
             reset_station(self.station, self.context, begin)
-            put_world_back(self.plant, self._plant_context(), self.robot)
-            set_velocities(self._models, self.plant, self._plant_context())
-            self._place(moved, start)
             self._log.note(Event(self.time, "reset", f"reset, {begin.name} begins"))
             self.simulator.Initialize()
-            self._look()
+            self._look(anew=True)
+
+    def _put_back(self, moved: Variation, start: Start) -> None:
+        """Puts robot and world where they begin; nothing moves if they would overlap.
+
+        Raises:
+            WorldError: If the robot would begin inside a model.
+        """
+        plant, context = self.plant, self._plant_context()
+        before = plant.GetPositionsAndVelocities(context).copy()
+        try:
+            put_world_back(plant, context, self.robot)
+            set_velocities(self._models, plant, context)
+            self._place(moved, start)
+        except WorldError:
+            plant.SetPositionsAndVelocities(context, before)
+            raise
 
     def _begin_anew(self, seed: int) -> None:
         """Begins a run with another seed."""
@@ -641,7 +653,6 @@ class AtlasSimulation:
     def _place(self, variation: Variation, start: Start) -> None:
         """Puts the robot where it begins, and into the harness if there is one."""
         clearance = CLEARANCE if start.harnessed else 0.0
-        self._release_time = None
         plant, context = self.plant, self._plant_context()
         place_robot(
             plant,
@@ -653,6 +664,7 @@ class AtlasSimulation:
             terrain=self._terrain,
             clearance=clearance,
         )
+        self._release_time = None
         if not self.scenario.start.harnessed:
             return
         harness = self.station.GetSubsystemByName("harness")
@@ -813,14 +825,28 @@ class AtlasSimulation:
             self.context, forces
         )
 
-    def _look(self) -> None:
-        """Takes in what happened since the last look."""
+    def _look(self, *, anew: bool = False) -> None:
+        """Takes in what happened since the last look, which a reset may follow."""
+        with self._noted_error():
+            self._take_notice(anew)
+
+    @contextmanager
+    def _noted_error(self) -> Iterator[None]:
+        """Keeps which error comes out, so that ``close`` does not tell it again."""
+        try:
+            yield
+        except Exception as error:  # Not itself: its traceback holds the simulation.
+            self._error = f"{type(error).__name__}: {error}"
+            raise
+
+    def _take_notice(self, anew: bool) -> None:
         status = self.output("controller_status")
         self._log.collect(
-            self._scheduler.programme,
-            self.output("sent"),
+            self._programme,
+            self.output("sent") if self._programme else 0,
             self.output("commands"),
             status,
+            anew=anew,
         )
         self._log.watch_solver(self.time, status)
         if not self._log.fallen():

@@ -11,7 +11,7 @@ from typing import Any
 from atlas_drake.frozen import replace
 from atlas_drake.messages.commands import CommandsInForce
 from atlas_drake.messages.controller_status import ControllerStatus, check_status
-from atlas_drake.messages.event import Event
+from atlas_drake.messages.event import FOOTSTEP, Event
 from atlas_drake.messages.recent import items_since
 from atlas_drake.systems.command_scheduler import ScheduledCommand
 
@@ -45,9 +45,34 @@ class RunLog:
         sent: int,
         commands: CommandsInForce,
         status: ControllerStatus,
+        *,
+        anew: bool = False,
     ) -> None:
-        """Notes what was sent, refused and done since the last look."""
+        """Notes what was sent, refused and done since the last look.
+
+        Args:
+            programme: All of it.
+            sent: How many of its commands were sent.
+            commands: In force.
+            status: Of the controller.
+            anew: Whether the controller was reset since then, and so may have begun to
+                count its events anew.
+
+        Raises:
+            TypeError: If the status is none.
+            ValueError: If it names a behavior that is not registered, or counts back.
+        """
         check_status(status, commands.catalog)
+        seen, self._seen_events = self._seen_events, status.event_count
+        if status.event_count < seen:
+            if not anew:
+                raise ValueError(
+                    "event_count in the controller's status went back from "
+                    f"{seen} to {status.event_count}: it must count all events of the "
+                    "run, those that were dropped among them; only a reset may begin "
+                    "anew"
+                )
+            seen = 0
         fresh = [
             Event(entry.time, "command", entry.text)
             for entry in programme[self._seen_sent : sent]
@@ -58,8 +83,7 @@ class RunLog:
             for refusal in commands.refusals_since(self._seen_refusals)
         )
         self._seen_refusals = commands.refused
-        fresh.extend(items_since(status.events, status.event_count, self._seen_events))
-        self._seen_events = status.event_count
+        fresh.extend(items_since(status.events, status.event_count, seen))
         self.note(*sorted(fresh, key=lambda event: event.time))
 
     def watch_solver(self, time: float, status: ControllerStatus) -> None:
@@ -78,6 +102,8 @@ class RunLog:
                 f"the controller has found no solution in {unsolved} control ticks so "
                 "far; a fallback holds the robot, badly"
             )
+            if status.why_unsolved:
+                text += f" ({status.why_unsolved})"
             self.note(Event(time, "warning", text))
 
     def note(self, *events: Event) -> None:
@@ -87,7 +113,7 @@ class RunLog:
         kept = [e for e in events if not (fallen and e.kind == "fall")]
         for event in kept:
             self.events.append(replace(event, time=round(event.time, 6)))
-            if event.kind == "footstep":
+            if event.kind == FOOTSTEP:
                 self.footsteps.append(event.data)
         for heard in self._listeners:
             for event in kept:

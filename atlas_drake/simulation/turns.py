@@ -25,10 +25,10 @@ class Turns:
         self._owner: int | None = None
         self._depth = 0
         self._waiting: deque[tuple[int, threading.Lock]] = deque()
-        self._left: deque[Callable[[], None]] = deque()
+        self._left: deque[Callable[[], object]] = deque()
         self._ending = False
 
-    def leave(self, task: Callable[[], None]) -> bool:
+    def leave(self, task: Callable[[], object]) -> bool:
         """Leaves a task, which must not raise, to the thread that has the lock.
 
         Returns:
@@ -76,7 +76,7 @@ class Turns:
             with self._guard:
                 self._let_go()
 
-    def _next_left(self) -> Callable[[], None] | None:
+    def _next_left(self) -> Callable[[], object] | None:
         with self._guard:
             if self._depth > 1:
                 return None

@@ -14,10 +14,13 @@ from atlas_drake.messages import Behavior
 from atlas_drake.messages.base import frozen
 from atlas_drake.messages.behavior_catalog import SHIPPED, BehaviorCatalog
 from atlas_drake.messages.commands import (
+    Command,
     CommandsInForce,
+    Refusal,
     commands_at_start,
     latch,
     log_refusals,
+    receive,
 )
 from atlas_drake.robot import Robot
 from atlas_drake.systems.collectable_system import CollectableSystem
@@ -96,7 +99,7 @@ class CommandInterface(CollectableSystem):
     def reset(self, context: Context, behavior: Behavior) -> None:
         """Puts in force what was at the start, with ``behavior`` asked for.
 
-        What lies on the ports counts as seen; the log of messages is kept.
+        What is on the ports counts as received; the log of messages is kept.
         """
         before = context.get_abstract_state(self._state).get_value()
         atlas_command, sim_command = map(frozen, self._messages(context))
@@ -111,19 +114,29 @@ class CommandInterface(CollectableSystem):
         )
         context.get_mutable_abstract_state(self._state).set_value(after)
 
-    def take_in(self, context: Context) -> None:
-        """Puts in force what lies on the ports now, so that more can be laid there.
+    def receive(self, context: Context, message: Command) -> Refusal | None:
+        """Takes in a message of a sender outside the diagram.
 
-        For senders outside the diagram, who are faster than its clock.
+        It counts as new whatever it says, and comes after those on the ports. Several
+        may come at one instant.
+
+        Args:
+            context: Of this system; changed.
+            message: A snapshot or not.
+
+        Returns:
+            Why the message is refused; None if it is in force.
         """
-        after = self._latched(context)
+        before: CommandsInForce = self._commands.Eval(context)
+        after = receive(before, message, self._robot, context.get_time())
+        self._log_refusals(context, after)
         context.get_mutable_abstract_state(self._state).set_value(after)
+        refusals = after.refusals_since(before.refused)
+        return refusals[-1] if refusals else None
 
-    def _latched(self, context: Context) -> CommandsInForce:
-        """What is in force from now on; tells of what was refused."""
-        after: CommandsInForce = self._commands.Eval(context)
+    def _log_refusals(self, context: Context, after: CommandsInForce) -> None:
+        """Warns of what ``after`` refuses and the state does not yet."""
         log_refusals(context.get_abstract_state(self._state).get_value(), after)
-        return after
 
     def _messages(self, context: Context) -> list[Any]:
         """What the two ports hold; NOTHING where nobody sent anything."""
@@ -140,5 +153,6 @@ class CommandInterface(CollectableSystem):
         )
 
     def _update(self, context: Context, state: State) -> None:
-        after = self._latched(context)
+        after: CommandsInForce = self._commands.Eval(context)
+        self._log_refusals(context, after)
         state.get_mutable_abstract_state(self._state).set_value(after)

@@ -1,4 +1,4 @@
-"""Sends a programme of commands at given times, and passes on those of others.
+"""Sends a programme of commands at given times.
 
 A programme is a list of messages, or of functions that make one from the latest
 feedback: footsteps, for example, are thought of in the robot's frame and have to be
@@ -8,19 +8,17 @@ order, one in each tick, so that none takes another's place on its port.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from pydrake.common.value import AbstractValue
-from pydrake.systems.framework import Context, State, ValueProducer
+from pydrake.systems.framework import Context, State
 
-from atlas_drake.frozen import NOTHING, Frozen, replace
+from atlas_drake.frozen import NOTHING
 from atlas_drake.messages import (
     AtlasCommand,
     AtlasSimInterfaceState,
     AtlasState,
     Imu,
 )
-from atlas_drake.messages.base import frozen, is_new
 from atlas_drake.messages.commands import Command
 from atlas_drake.systems.collectable_system import CollectableSystem
 
@@ -51,37 +49,15 @@ class ScheduledCommand:
     text: str = ""
 
 
-@dataclass(frozen=True)
-class SchedulerState(Frozen):
-    """What has been sent.
-
-    Attributes:
-        sent: Entries of the programme sent so far.
-        atlas_command: On the output port; NOTHING at first.
-        sim_command: Likewise.
-        seen_atlas: What ``is_new`` has seen of other commanders' joint commands.
-        seen_sim: Likewise of behavior commands.
-    """
-
-    sent: int = 0
-    atlas_command: Any = NOTHING
-    sim_command: Any = NOTHING
-    seen_atlas: Any = NOTHING
-    seen_sim: Any = NOTHING
-
-
 class CommandScheduler(CollectableSystem):
-    """A programme and other commanders' messages in, the two command ports out.
+    """A programme in, the two command ports out.
 
     Input ports:
         atlas_state, atlas_sim_interface_state, imu: The latest feedback.
-        other_atlas_command, other_atlas_sim_interface_command: Messages of a script or
-            a panel; optional, and like those of a ``CommandInterface``. Passed on at
-            once; the later message wins.
 
-    Output ports:
-        atlas_command: ``AtlasCommand`` or NOTHING.
-        atlas_sim_interface_command: ``AtlasSimInterfaceCommand`` or NOTHING.
+    Output ports, which are state:
+        atlas_command: ``AtlasCommand`` that was sent last; NOTHING at first.
+        atlas_sim_interface_command: ``AtlasSimInterfaceCommand``, likewise.
         sent: How many entries of the programme have been sent.
     """
 
@@ -95,75 +71,26 @@ class CommandScheduler(CollectableSystem):
             self.DeclareAbstractInputPort(name, AbstractValue.Make(NOTHING))
             for name in ("atlas_state", "atlas_sim_interface_state", "imu")
         ]
-        self._others = [
-            self.DeclareAbstractInputPort(name, AbstractValue.Make(NOTHING))
-            for name in ("other_atlas_command", "other_atlas_sim_interface_command")
-        ]
-        self._state = self.DeclareAbstractState(AbstractValue.Make(SchedulerState()))
-        others = {self.input_port_ticket(port.get_index()) for port in self._others} | {
-            self.xa_ticket()
-        }
-        self._now = self.DeclareCacheEntry(
-            "messages on the output ports",
-            ValueProducer(
-                allocate=lambda: AbstractValue.Make(SchedulerState()),
-                calc=self.callback(self._calc_now),
-            ),
-            others,
+        self._atlas_command, self._sim_command = (
+            self.DeclareAbstractState(AbstractValue.Make(NOTHING)) for _ in range(2)
         )
-        now = {self._now.ticket()}
-        self.DeclareAbstractOutputPort(
-            "atlas_command",
-            lambda: AbstractValue.Make(NOTHING),
-            lambda context, out: out.set_value(self._now.Eval(context).atlas_command),
-            prerequisites_of_calc=now,
-        )
-        self.DeclareAbstractOutputPort(
-            "atlas_sim_interface_command",
-            lambda: AbstractValue.Make(NOTHING),
-            lambda context, out: out.set_value(self._now.Eval(context).sim_command),
-            prerequisites_of_calc=now,
-        )
-        self.DeclareAbstractOutputPort(
-            "sent",
-            lambda: AbstractValue.Make(0),
-            lambda context, out: out.set_value(self._now.Eval(context).sent),
-            prerequisites_of_calc=now,
-        )
+        self._sent = self.DeclareAbstractState(AbstractValue.Make(0))
+        for name, index in (
+            ("atlas_command", self._atlas_command),
+            ("atlas_sim_interface_command", self._sim_command),
+            ("sent", self._sent),
+        ):
+            self.DeclareStateOutputPort(name, index)
         self.DeclarePeriodicUnrestrictedUpdateEvent(period, 0.0, self._update)
 
-    def take_in(self, context: Context) -> None:
-        """Passes on what lies on the ports now, so that more can be laid there."""
-        after = self._now.Eval(context)
-        context.get_mutable_abstract_state(self._state).set_value(after)
-
-    def _calc_now(self, context: Context, result: AbstractValue) -> None:
-        state: SchedulerState = context.get_abstract_state(self._state).get_value()
-        atlas, sim = (
-            port.Eval(context) if port.HasValue(context) else NOTHING
-            for port in self._others
-        )
-        if is_new(atlas, state.seen_atlas):
-            message = frozen(atlas)
-            state = replace(state, atlas_command=message, seen_atlas=message)
-        if is_new(sim, state.seen_sim):
-            message = frozen(sim)
-            state = replace(state, sim_command=message, seen_sim=message)
-        result.set_value(state)
-
     def _update(self, context: Context, state: State) -> None:
-        after = self._now.Eval(context)
+        sent: int = context.get_abstract_state(self._sent).get_value()
         # A hair of slack: times are sums of rounded periods.
         now = context.get_time() + 1e-9
-        if after.sent < len(self.programme) and self.programme[after.sent].time <= now:
-            after = self._send(context, after, self.programme[after.sent])
-        state.get_mutable_abstract_state(self._state).set_value(after)
-
-    def _send(
-        self, context: Context, state: SchedulerState, entry: ScheduledCommand
-    ) -> SchedulerState:
-        state = replace(state, sent=state.sent + 1)
-        command = entry.command
+        if sent == len(self.programme) or self.programme[sent].time > now:
+            return
+        state.get_mutable_abstract_state(self._sent).set_value(sent + 1)
+        command = self.programme[sent].command
         if callable(command):
             command = command(
                 Feedback(
@@ -172,9 +99,9 @@ class CommandScheduler(CollectableSystem):
                 )
             )
         if command is None:
-            return state
-        # A programme counts down, and so uses no number of another commander's.
-        message = command.numbered(-state.sent)
-        if isinstance(message, AtlasCommand):
-            return replace(state, atlas_command=message)
-        return replace(state, sim_command=message)
+            return
+        is_joint_command = isinstance(command, AtlasCommand)
+        index = self._atlas_command if is_joint_command else self._sim_command
+        # By its number, a message is new beside an equal one.
+        message = command.numbered(sent + 1)
+        state.get_mutable_abstract_state(index).set_value(message)

@@ -52,12 +52,11 @@ class EffortSelector(CollectableSystem):
         )
 
     def _blend(self, context: Context) -> np.ndarray:
-        return blend(
-            self._user.Eval(context),
-            self._behavior.Eval(context),
-            self._share.Eval(context) * (1.0 / K_EFFORT_MAX),
-            self._limit,
-        )
+        share = self._share.Eval(context)
+        behavior = self._behavior.Eval(context)
+        # What nobody has a share of need not be computed, at every physics step.
+        user = self._user.Eval(context) if share.any() else behavior
+        return blend(user, behavior, share * (1.0 / K_EFFORT_MAX), self._limit)
 
 
 def blend(

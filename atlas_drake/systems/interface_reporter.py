@@ -74,9 +74,8 @@ class InterfaceReporter(CollectableSystem):
         message = AtlasSimInterfaceState()
         message.header.stamp = context.get_time()
         fill_in(message, status)
-        last = commands.messages[-1].message if commands.messages else None
-        if last is not commands.request.command:
-            # Another message than the one that the controller heard.
+        if commands.received != commands.request.number:
+            # Another message has come than the controller's last request.
             message.error_code = commands.error_code
         if commands.error_code is ErrorCode.NO_SUCH_BEHAVIOR:
             before = status.behavior_feedback

@@ -133,7 +133,8 @@ class JointPidBank(CollectableSystem):
         )
         self._behavior_input = self.DeclareVectorInputPort("behavior_effort", n)
         self._wrench_input = self.DeclareVectorInputPort("foot_wrenches", 12)
-        self._memory = self.DeclareDiscreteState(4 * n)
+        # In the order of ``PidState``.
+        self._memory = [self.DeclareDiscreteState(n) for _ in range(4)]
         self._nothing = np.zeros(n)
         # Output and update read the same step.
         self._step = self.DeclareCacheEntry(
@@ -164,15 +165,15 @@ class JointPidBank(CollectableSystem):
 
     def reset(self, context: Context) -> None:
         """Forgets integrals and everything else that the law remembers."""
-        context.SetDiscreteState(self._memory, np.zeros(4 * len(self._nothing)))
+        for group in self._memory:
+            context.SetDiscreteState(group, self._nothing)
         context.get_mutable_abstract_state(self._prepared).set_value(NOTHING)
 
     def _calc_step(self, context: Context, result: AbstractValue) -> None:
         source: JointCommand = self._command_input.Eval(context)
         state = self._state_input.Eval(context)
         v = state.take(self._v)
-        memory = context.get_discrete_state(self._memory).value()
-        last = PidState(*memory.reshape(4, -1))
+        last = self._remembered(context)
         if not source.k_effort.any():
             nothing = self._nothing
             after = PidState(last.integral, v, nothing, nothing)
@@ -197,11 +198,27 @@ class JointPidBank(CollectableSystem):
         output.SetFromVector(self._step.Eval(context).effort)
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
+        if not self._command_input.Eval(context).k_effort.any():
+            self._update_idle(context, discrete)
+            return
         after = self._step.Eval(context).after
-        discrete.get_mutable_vector(self._memory).SetFromVector(
-            np.concatenate(
-                [after.integral, after.velocity, after.applied, after.expected]
-            )
+        for group, values in zip(
+            self._memory,
+            (after.integral, after.velocity, after.applied, after.expected),
+            strict=True,
+        ):
+            discrete.set_value(group, values)
+
+    def _update_idle(self, context: Context, discrete: DiscreteValues) -> None:
+        """The same while the user has no joint, without the step: it is cheap."""
+        _, velocity, applied, expected = self._memory
+        discrete.set_value(velocity, self._state_input.Eval(context).take(self._v))
+        discrete.set_value(applied, self._nothing)
+        discrete.set_value(expected, self._nothing)
+
+    def _remembered(self, context: Context) -> PidState:
+        return PidState(
+            *(context.get_discrete_state(group).value() for group in self._memory)
         )
 
     def _calc_forecast(self, context: Context, output: AbstractValue) -> None:
@@ -211,7 +228,7 @@ class JointPidBank(CollectableSystem):
             return
         state = self._state_input.Eval(context)
         law = self._law(context, source)
-        integral = context.get_discrete_state(self._memory).value()[: len(law.q)]
+        integral = context.get_discrete_state(self._memory[0]).value()
         static, v = (
             law.static_effort(integral, state.take(self._q)),
             state.take(self._v),

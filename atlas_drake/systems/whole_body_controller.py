@@ -167,7 +167,7 @@ class WholeBodyController(CollectableSystem):
         )
         commands: CommandsInForce = self._command_input.Eval(context)
         share = commands.joints.k_effort * (1.0 / K_EFFORT_MAX)
-        seen = Observation(
+        observation = Observation(
             time=context.get_time(),
             dt=self._period,
             terms=terms,
@@ -175,7 +175,7 @@ class WholeBodyController(CollectableSystem):
             user_share=share,
         )
         supervisor, command = self._supervisor.update(
-            before.supervisor, seen, commands.requests
+            before.supervisor, observation, commands.requests
         )
         com = terms.com[:2].copy()
         omega = pendulum_frequency(float(terms.com[2]) - mean_sole_height(terms))
@@ -227,6 +227,7 @@ class WholeBodyController(CollectableSystem):
                 event_count=memory.supervisor.event_count,
                 solved=None if memory.solution is None else memory.solution.found,
                 unsolved=memory.unsolved,
+                why_unsolved="" if memory.solution is None else memory.solution.why,
                 plan=self._supervisor.plan(memory.supervisor, memory.com, memory.omega),
             )
         )

@@ -1,4 +1,5 @@
-"""Steering the robot by hand: a control panel in the browser and what it commands.
+"""Teleoperation: a control panel in the browser that sends commands.
 
-One more commander beside a programme; no control law and no physics.
+The panel is one more commander beside a programme. Control laws and physics are
+elsewhere.
 """

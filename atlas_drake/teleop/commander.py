@@ -1,7 +1,7 @@
-"""What the panel's buttons and sliders command: messages, pushes, a reset.
+"""Converts the panel's buttons and sliders to orders: messages, pushes, a reset.
 
-It sees the panel and the robot's reports, and writes nothing itself. Walking is in
-``driving``, joints are in ``limbs``.
+The commander reads the panel and the robot's reports; ``session`` sends the orders.
+Walking is in ``driving``, joints are in ``limbs``.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ from atlas_drake.teleop.limbs import (
 )
 
 PUSH_DURATION = 0.1
-"""Over which a push's impulse is spread [s]."""
+"""Duration of a push, over which its impulse is spread [s]."""
 
 _BEHAVIORS = {
     Action.STAND: Behavior.STAND,
@@ -72,14 +72,14 @@ class PushOrder:
 
 @dataclass
 class Orders:
-    """What is to be done now.
+    """Orders of one reading of the panel.
 
     Attributes:
-        atlas_command: To publish; None for nothing.
-        sim_command: Likewise.
-        push: To apply; None for none.
-        reset: Whether to put the robot back on its feet; nothing else then counts.
-        sliders: Where sliders shall go, as they show what is in force.
+        atlas_command: Command to publish, or None.
+        sim_command: Command to publish, or None.
+        push: Push to apply, or None.
+        reset: True to put the robot back on its feet; all other orders are ignored.
+        sliders: New positions of sliders, so that they show the values in force.
         joints: Joints that get sliders, with set-points [rad].
     """
 
@@ -92,10 +92,10 @@ class Orders:
 
 
 class Commander:
-    """Turns looks at the panel into orders."""
+    """Converts readings of the panel to orders."""
 
     def __init__(self, robot: Robot, report: AtlasSimInterfaceState) -> None:
-        """Takes over a robot as it reports itself."""
+        """Takes over a robot in its reported state."""
         self._robot = robot
         groups = group_of(robot)
         self._first_joint = {
@@ -120,13 +120,13 @@ class Commander:
         state: AtlasState,
         dt: float,
     ) -> Orders:
-        """What to do about the panel as it is.
+        """Makes the orders for the present state of the panel.
 
         Args:
-            controls: The panel.
-            report: The latest one of the behaviors.
-            state: The latest one of the joints.
-            dt: Time that passes until the next look [s].
+            controls: Reading of the panel.
+            report: Latest report of the behaviors.
+            state: Latest report of the joints.
+            dt: Time until the next reading [s].
         """
         orders = Orders()
         if Action.RESET in controls.clicks:
@@ -165,14 +165,14 @@ class Commander:
         return orders
 
     def restart(self, report: AtlasSimInterfaceState) -> Orders:
-        """After a reset: forgets everything; the sliders show what is in force."""
+        """Clears the state after a reset; the sliders show the values in force."""
         self._begin(report)
         return Orders(sliders={SHARES[g]: s for g, s in self._limbs.shares.items()})
 
     # ---- joints --------------------------------------------------------------
 
     def _in_force(self, report: AtlasSimInterfaceState) -> dict[str, int]:
-        """Shares by group, as far as a group has one; 0 for one without joints."""
+        """Returns the share of each group's first joint; 0 if it has no joints."""
         return {
             group: 0 if joint is None else int(report.k_effort[joint])
             for group, joint in self._first_joint.items()
@@ -186,10 +186,10 @@ class Commander:
         dt: float,
         orders: Orders,
     ) -> None:
-        """Hands limbs over as the sliders say, and moves the user's joints."""
+        """Hands limbs over by the sliders, and moves the user's joints."""
         in_force = self._in_force(report)
         if in_force != dict(self._limbs.shares):
-            # Somebody else has given or taken limbs: the sliders follow.
+            # Another commander has changed the shares: the sliders follow.
             self._limbs, _ = hand_over(self._limbs, in_force, state, self._robot)
             self._show_shares(in_force, orders)
             return
@@ -219,7 +219,7 @@ class Commander:
         state: AtlasState,
         orders: Orders,
     ) -> None:
-        """USER takes all limbs as they are; what follows it gives its own back."""
+        """Gives USER all limbs as they are, and the next behavior its limbs back."""
         was_users = report.current_behavior in _USERS
         if command.behavior == Behavior.USER:
             if not was_users:
@@ -259,7 +259,7 @@ class Commander:
         gait: Gait,
         report: AtlasSimInterfaceState,
     ) -> None:
-        """One step ahead, with the feet in turn."""
+        """Requests one step ahead, with alternating feet."""
         active = report.current_behavior == Behavior.STEP
         index = report.step_feedback.next_step_index_needed if active else 1
         foot = self._step_foot
@@ -276,7 +276,7 @@ class Commander:
         report: AtlasSimInterfaceState,
         orders: Orders,
     ) -> None:
-        """The sliders' pose once they were moved; until then the present one."""
+        """Returns the sliders' pose if they were moved, else the present pose."""
         params = command.manipulate_params
         params.use_desired = self._pose_wished
         if self._pose_wished:
@@ -291,7 +291,7 @@ class Commander:
     def _look_at_pose(
         self, controls: Controls, report: AtlasSimInterfaceState, orders: Orders
     ) -> None:
-        """Sends the pelvis where its sliders are, when they move in MANIPULATE."""
+        """Sends the pelvis to the sliders' pose when they move in MANIPULATE."""
         pose = controls.value(PELVIS_HEIGHT), controls.value(PELVIS_YAW)
         before, self._pose = self._pose, pose
         if before is None or pose == before:
@@ -301,7 +301,7 @@ class Commander:
             self._ask_for(Behavior.MANIPULATE, controls, report, orders)
 
     def _follow_stick(self, controls: Controls) -> None:
-        """A gamepad steers as long as its sticks are held."""
+        """Steers by gamepad while its sticks are held."""
         stick = controls.stick
         if stick is not None and any(stick):
             self._drive = steer(self._drive, stick)
@@ -314,7 +314,7 @@ class Commander:
 def push_of(
     controls: Controls, report: AtlasSimInterfaceState, robot: Robot
 ) -> PushOrder:
-    """The push that the sliders describe, its direction from the robot's heading."""
+    """Makes the push of the sliders, with its direction from the robot's heading."""
     heading = foothold(report.foot_pos_est[0]).yaw
     angle = heading + math.radians(controls.value(PUSH_DIRECTION))
     force = controls.value(PUSH_IMPULSE) / PUSH_DURATION

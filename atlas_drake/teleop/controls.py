@@ -1,7 +1,7 @@
-"""What there is on the control panel: buttons with their keys, sliders, a legend.
+"""The elements of the control panel: buttons with their keys, sliders, a legend.
 
-Data only; what shares a page is in ``pages``, how it gets into the browser in
-``panel``, what it does in ``commander``.
+Data only. ``pages`` arranges the elements, ``panel`` puts them into the browser,
+``commander`` defines their effects.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from atlas_drake.teleop.walking import Direction
 
 
 class Key(NamedTuple):
-    """A key of the keyboard: how a browser calls it, and what is printed on it."""
+    """A key of the keyboard: its name in the browser, and its label."""
 
     code: str
     cap: str
@@ -67,22 +67,22 @@ class Action(Enum):
 
     @property
     def label(self) -> str:
-        """Of the button."""
+        """Label of the button, with its key."""
         return f"{self.value[0]} ({self.key.cap})"
 
     @property
     def key(self) -> Key:
-        """That does the same as the button."""
+        """Key of the button."""
         return self.value[1]
 
 
 @dataclass(frozen=True)
 class BehaviorButton:
-    """The button of a behavior of one's own.
+    """The button of a user's own behavior.
 
     Attributes:
-        behavior: Asked for, with default parameters.
-        key: That does the same as the button; None where no digit is left.
+        behavior: Behavior that is requested, with default parameters.
+        key: Key of the button; None if no digit is left.
     """
 
     behavior: Behavior
@@ -90,20 +90,20 @@ class BehaviorButton:
 
     @property
     def label(self) -> str:
-        """Of the button."""
+        """Label of the button, with its key."""
         return self.behavior.name + (f" ({self.key.cap})" if self.key else "")
 
 
 Button = Action | BehaviorButton
 FREE_DIGITS = "890"
-"""Digits that no button of the panel has."""
+"""Digits that no shipped button uses."""
 
 
 def behavior_buttons(catalog: BehaviorCatalog) -> tuple[BehaviorButton, ...]:
-    """A button for each behavior of one's own.
+    """Makes a button for each of the user's own behaviors.
 
     Args:
-        catalog: Of the robot's behaviors.
+        catalog: The robot's behaviors.
     """
     own = [
         entry.behavior for entry in catalog if entry.name not in Behavior.__members__
@@ -126,17 +126,18 @@ DIRECTIONS = {
     Action.TURN_LEFT: Direction(turn=1.0),
     Action.TURN_RIGHT: Direction(turn=-1.0),
 }
-"""Where the keys lead to."""
+"""Direction of each walking key."""
 
 
 PAGE_TURNS = {Action.PREVIOUS_PAGE: -1, Action.NEXT_PAGE: 1}
-"""By how many pages these buttons turn the panel; they command nothing."""
+"""Number of pages by which these buttons turn the panel; they send no command."""
 
 
 class Slider(NamedTuple):
-    """A slider: its label, range and smallest change, and where it is at first.
+    """A slider: its label, range, smallest change and initial value.
 
-    The constants below have Atlas' ranges; ``fitted`` makes those of another robot.
+    The constants below have Atlas' ranges; ``fitted`` computes the ranges of another
+    robot.
     """
 
     label: str
@@ -147,7 +148,7 @@ class Slider(NamedTuple):
 
 
 def _walking_sliders(file: RobotFile) -> tuple[Slider, ...]:
-    """Stride, turn, duration and swing height, about what is usual."""
+    """Makes the sliders for stride, turn, duration and swing height."""
     usual, limits = file.usual_steps, file.walk_limits
     stride, height = usual.stride, usual.swing_height
     slowest = 2.0 * limits.min_duration
@@ -160,7 +161,7 @@ def _walking_sliders(file: RobotFile) -> tuple[Slider, ...]:
 
 
 def _pelvis_sliders(file: RobotFile) -> tuple[Slider, ...]:
-    """Height and yaw."""
+    """Makes the sliders for height and yaw."""
     pose, allowed = AtlasBehaviorPelvisServoParams(), file.pelvis_range
     (low, high), (left, right) = allowed.height, allowed.yaw
     height = clip(pose.pelvis_height, low, high)
@@ -171,7 +172,7 @@ def _pelvis_sliders(file: RobotFile) -> tuple[Slider, ...]:
 
 
 def _push_body(bodies: int) -> Slider:
-    """By which number a body is pushed."""
+    """Makes the slider that selects the pushed body by number."""
     return Slider("body", 1, bodies, 1, min(2, bodies))
 
 
@@ -181,7 +182,7 @@ PUSH_BODY = _push_body(5)
 PUSH_DIRECTION = Slider("direction [deg]", -180, 180, 5, 0)
 PUSH_IMPULSE = Slider("impulse [N.s]", 1, 60, 1, 15)
 SHARES = {group: Slider(f"k_effort {group}", 0, K_EFFORT_MAX, 1, 0) for group in GROUPS}
-"""By group of limbs."""
+"""Slider of each group of limbs."""
 
 SLIDERS = (
     STRIDE,
@@ -210,13 +211,13 @@ def fitted(robot: Robot) -> dict[str, Slider]:
 
 @dataclass(frozen=True)
 class Controls:
-    """The panel at one look.
+    """One reading of the panel.
 
     Attributes:
-        clicks: Buttons pressed since the last look.
-        sliders: Where the sliders are, by label.
-        joints: Where the joint sliders are [rad], by index of the joint.
-        stick: Where a gamepad's sticks point; None without a gamepad.
+        clicks: Buttons pressed since the last reading.
+        sliders: Positions of the sliders, by label.
+        joints: Positions of the joint sliders [rad], by index of the joint.
+        stick: Direction of a gamepad's sticks; None without a gamepad.
     """
 
     clicks: tuple[Button, ...] = ()
@@ -227,11 +228,11 @@ class Controls:
     stick: Direction | None = None
 
     def value(self, slider: Slider) -> float:
-        """Where a slider is."""
+        """Returns the position of a slider."""
         return self.sliders[slider.label]
 
     def gait(self, robot: Robot) -> Gait:
-        """How ``robot`` shall walk."""
+        """Returns the gait of ``robot`` that the sliders set."""
         return Gait.nearest(
             robot,
             stride=self.value(STRIDE),
@@ -260,7 +261,7 @@ Keys work where the 3D view has the focus; every key is a button there too.
 "Open Controls" unfolds the panel, page by page: modes, walking, pelvis, push, limbs,
 overlays, scene. Every key works on every page, and while the panel is folded.
 
-The robot goes on as told until another key; a gamepad's sticks steer it as long as they
+The robot keeps its direction until another key; a gamepad's sticks steer it while they
 are held. Sliders set the stride and, per limb, k_effort: 0 is the behavior, 255 you.
 A limb that is yours gets a page with a slider for each joint. A push goes ahead at
 0 deg and to the robot's left at 90 deg; bodies are
@@ -268,10 +269,10 @@ A limb that is yours gets a page with a slider for each joint. A push goes ahead
 
 
 def legend(robot: Robot) -> str:
-    """What the terminal says about the keys."""
+    """Makes the terminal's explanation of the keys."""
     return LEGEND.format(bodies=pushed_bodies(robot))
 
 
 def pushed_bodies(robot: Robot) -> str:
-    """The bodies that can be pushed by their number on the slider."""
+    """Lists the bodies that can be pushed, by their number on the slider."""
     return ", ".join(f"{i} {name}" for i, name in enumerate(robot.file.pushed, 1))

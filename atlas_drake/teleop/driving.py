@@ -1,7 +1,7 @@
-"""When to walk, to go on and to stop: behavior commands from a wished direction.
+"""Starts, continues and ends a walk: behavior commands from a desired direction.
 
-Pure: memory and report in, memory and perhaps a message out. Where the feet go is in
-``walking``.
+Pure functions: state and report in, state and an optional message out. Footsteps are
+planned in ``walking``.
 """
 
 from __future__ import annotations
@@ -28,20 +28,20 @@ from atlas_drake.teleop.walking import (
 )
 
 PATIENCE = 1.0
-"""Within this time a walk that was asked for begins, or it was refused [s]."""
+"""Time within which a requested walk begins; later it counts as refused [s]."""
 
 
 @dataclass(frozen=True)
 class Drive:
-    """What is remembered between looks.
+    """State between readings of the panel.
 
     Attributes:
-        direction: Where to walk; None is not at all.
-        walker: Of the walk that was asked for; None without one.
-        asked_at: When it was asked for [s].
-        started: Whether that walk has been seen to be active.
-        leaving: Whether STAND was asked for, so that all waits for it.
-        sent: What the last steps were made from, to notice that others are due.
+        direction: Direction of the walk; None for no walk.
+        walker: State of the requested walk; None without a walk.
+        asked_at: Time of the request [s].
+        started: True once a report has shown that walk as active.
+        leaving: True if STAND was requested, which all other commands wait for.
+        sent: Inputs of the last steps that were sent, to detect a change.
     """
 
     direction: Direction | None = None
@@ -53,21 +53,21 @@ class Drive:
 
 
 def steer(memory: Drive, direction: Direction | None) -> Drive:
-    """Takes in a new wish; None is to stop."""
+    """Sets a new direction; None stops the walk."""
     return replace(memory, direction=direction)
 
 
 def drive(
     memory: Drive, gait: Gait, report: AtlasSimInterfaceState
 ) -> tuple[Drive, AtlasSimInterfaceCommand | None]:
-    """What to send now, if anything.
+    """Returns the new state and the command to send now, if any.
 
-    From any behavior but WALK the way to WALK leads through STAND.
+    From every behavior but WALK the transition to WALK goes through STAND.
 
     Args:
-        memory: Of the driving so far.
-        gait: How to walk.
-        report: The latest one.
+        memory: State of the driving so far.
+        gait: Gait of the walk.
+        report: Latest report of the behaviors.
     """
     current = Behavior(report.current_behavior)
     memory = _notice(memory, current, report.header.stamp or 0.0)
@@ -86,13 +86,13 @@ def drive(
 
 
 def _notice(memory: Drive, current: Behavior, now: float) -> Drive:
-    """Whether the walk has begun, is over, or was refused."""
+    """Detects that the walk has begun, has ended, or was refused."""
     if memory.walker is None:
         return memory
     if current is Behavior.WALK:
         return replace(memory, started=True)
     if memory.started:
-        # A walk that ended by itself is not begun anew without being asked to.
+        # A walk that ended by itself starts again only on a new request.
         direction = memory.direction if memory.leaving else None
         return Drive(direction=direction)
     return Drive() if now > memory.asked_at + PATIENCE else memory
@@ -142,7 +142,7 @@ def _ask_for_stand(memory: Drive) -> tuple[Drive, AtlasSimInterfaceCommand | Non
 
 
 def walk_command(steps: list[AtlasBehaviorStepData]) -> AtlasSimInterfaceCommand:
-    """WALK over these steps; their heights count from the foot that stays."""
+    """Requests WALK with these steps; their heights are relative to the stance foot."""
     command = AtlasSimInterfaceCommand()
     command.behavior = Behavior.WALK
     command.walk_params.step_queue = steps

@@ -1,6 +1,6 @@
-"""Whose joints are whose, and where the user's joints go: joint commands from sliders.
+"""Shares of user control and set-points of joints: joint commands from sliders.
 
-Pure: memory, wishes and state in, memory and perhaps a message out.
+Pure functions: state, slider values and reports in, state and an optional message out.
 """
 
 from __future__ import annotations
@@ -21,14 +21,16 @@ GROUPS = {
     "neck": ("neck",),
     "legs": ("l_leg", "r_leg"),
 }
-"""What is handed over as one, and the limbs of the robot's description in it."""
+"""Groups that are handed over together, with their limbs of the robot's description."""
 SPEED = 1.0
-"""At which a set-point follows its slider, so that no click makes a jerk [rad/s]."""
+"""Speed at which a set-point follows its slider, so that a click causes no jerk
+[rad/s]."""
 DAMPING = 20.0
-"""``kp_velocity`` of the user's joints [N·m·s/rad]: the gains in force at the start
-hardly damp."""
+"""``kp_velocity`` of the user's joints [N·m·s/rad]: the initial gains have little
+damping."""
 SLIDER_STEP = 0.01
-"""Of the joints' sliders [rad]; what differs by less than half of it they cannot say.
+"""Resolution of the joints' sliders [rad]; smaller differences than half of it are
+lost.
 """
 ALL_USER = dict.fromkeys(GROUPS, K_EFFORT_MAX)
 ALL_BEHAVIOR = dict.fromkeys(GROUPS, 0)
@@ -36,10 +38,10 @@ ALL_BEHAVIOR = dict.fromkeys(GROUPS, 0)
 
 @dataclass(frozen=True)
 class Limbs:
-    """What the joint controllers were told last.
+    """The last command to the joint controllers.
 
     Attributes:
-        shares: Of user control by group, 0 to 255.
+        shares: Shares of user control by group, 0 to 255.
         position: Set-points [rad], shape (n,).
     """
 
@@ -48,7 +50,7 @@ class Limbs:
 
 
 def limbs_at_start(robot: Robot, shares: Mapping[str, int]) -> Limbs:
-    """As the robot begins: set-points are those of the stand-prep pose."""
+    """Returns the initial state: set-points of the stand-prep pose."""
     return Limbs(dict(shares), robot.stand_prep.copy())
 
 
@@ -64,22 +66,22 @@ def joint_shares(robot: Robot, shares: Mapping[str, int]) -> np.ndarray:
 
 
 def users_joints(robot: Robot, shares: Mapping[str, int]) -> list[int]:
-    """Indices of the joints of which the user has a share."""
+    """Indices of the joints with a user share above 0."""
     return np.flatnonzero(joint_shares(robot, shares)).tolist()
 
 
 def hand_over(
     limbs: Limbs, shares: Mapping[str, int], state: AtlasState, robot: Robot
 ) -> tuple[Limbs, AtlasCommand | None]:
-    """Gives limbs to the user or back.
+    """Hands limbs over to the user or back to the behavior.
 
-    A joint that the user gets stays where it is.
+    A joint that the user gets keeps its position.
 
     Args:
-        limbs: As told last.
-        shares: By group, 0 to 255.
-        state: The latest one.
-        robot: Whose limbs.
+        limbs: The last command.
+        shares: Shares by group, 0 to 255.
+        state: Latest report of the joints.
+        robot: Robot that has the limbs.
     """
     if dict(shares) == dict(limbs.shares):
         return limbs, None
@@ -98,12 +100,12 @@ def hand_over(
 def move_joints(
     limbs: Limbs, targets: Mapping[int, float], dt: float
 ) -> tuple[Limbs, AtlasCommand | None]:
-    """Moves set-points on towards their targets.
+    """Moves set-points toward their targets.
 
     Args:
-        limbs: As told last.
-        targets: Of the user's joints by index [rad].
-        dt: Time that passes until the next look [s].
+        limbs: The last command.
+        targets: Targets of the user's joints by index [rad].
+        dt: Time until the next reading of the panel [s].
     """
     position = limbs.position.copy()
     for index, target in targets.items():

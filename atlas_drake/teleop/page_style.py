@@ -1,9 +1,9 @@
-"""The style sheet that leaves one page of the control panel in sight.
+"""The style sheet that shows one page of the control panel and hides the others.
 
 A key works only as long as its button exists, so every button exists on every page.
 Meshcat cannot hide a button, nor its own folders; but it writes a button's name into
 the page as HTML, and a ``<style>`` there is obeyed (dat.GUI, in Drake 1.51 to 1.58).
-Without it nothing is lost but room: all buttons would show on all pages.
+Without the style sheet all buttons show on all pages.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ _TEXT = "display:block;line-height:17px;padding:5px 8px;background:#000"
 def page_style(
     title: str, note: str, shown: Sequence[bool], *, show_folders: bool
 ) -> str:
-    """The name of a button that brings the style and is itself hidden.
+    """Makes the name of a hidden button that contains the style.
 
     Args:
-        title: Of the page; it and the note are free of quotes and backslashes.
-        note: Below the page's controls; empty for none.
-        shown: For each button of the panel in its order whether it is on the page.
-            The buttons after these are hidden.
-        show_folders: Whether Meshcat's own folders are.
+        title: Title of the page, without quotes and backslashes.
+        note: Text below the page's controls, likewise; empty for none.
+        shown: True for each button of the panel, in order, that is on the page. Later
+            buttons are hidden.
+        show_folders: True to show Meshcat's own folders.
     """
     hidden = [
         f"{_ROWS}:nth-child({place} of .function)"
@@ -34,9 +34,9 @@ def page_style(
     ]
     hidden.append(f"{_ROWS}:nth-child(n+{len(shown) + 1} of .function)")
     rules = [
-        # What is open in the folders may be long: it scrolls by itself, not the view.
+        # An open folder may be long: it scrolls on its own, without the view.
         ".dg.main>ul{max-height:calc(100vh - 20px);overflow-y:auto}",
-        # The keys of the robot would hear what is typed into a slider's number.
+        # Text typed into a slider's number would otherwise act as keys of the robot.
         f"{_ROWS}.has-slider input{{pointer-events:none}}",
         f'{_OPEN}::before{{content:"{title}";font-weight:bold;{_TEXT}}}',
         ",".join(hidden) + "{display:none}",

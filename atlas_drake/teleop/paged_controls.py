@@ -1,7 +1,7 @@
-"""Buttons and sliders of Meshcat, one page of them at a time.
+"""Buttons and sliders of Meshcat, one page at a time.
 
-What was set stays in force while its slider is on another page. What the controls mean
-is in ``panel``.
+The value of a slider stays in force while another page is open. The meaning of the
+controls is in ``panel``.
 """
 
 from __future__ import annotations
@@ -33,16 +33,16 @@ class PagedControls:
         """Adds the buttons, and opens the first page.
 
         Args:
-            meshcat: Where to.
-            pages: At first.
-            more_buttons: Beside those of all panels.
+            meshcat: Meshcat instance that shows the panel.
+            pages: Initial pages.
+            more_buttons: Buttons beside those that every panel has.
         """
         self._meshcat = meshcat
         self._clicks: dict[Button, int] = dict.fromkeys((*Action, *more_buttons), 0)
         self._values: dict[Slider, float] = {}
-        self._in_view: dict[Slider, float] = {}  # As Meshcat had them when last seen.
+        self._in_view: dict[Slider, float] = {}  # Meshcat's values when last read.
         self._style: str | None = None
-        # Once and for all: a key works only as long as its button exists.
+        # Added once: a key works only while its button exists.
         for button in self._clicks:
             code = "" if button.key is None else button.key.code
             meshcat.AddButton(button.label, code)
@@ -51,11 +51,11 @@ class PagedControls:
 
     @property
     def page(self) -> Page:
-        """The one that is open."""
+        """The open page."""
         return self._pages[self._number]
 
     def read(self) -> tuple[Button, ...]:
-        """Takes over what was moved and turns pages; what else was pressed since."""
+        """Reads sliders and turns pages; returns the other buttons pressed since."""
         for slider, before in self._in_view.items():
             value = self._meshcat.GetSliderValue(slider.label)
             if value != before:
@@ -76,19 +76,19 @@ class PagedControls:
         return tuple(pressed)
 
     def value(self, slider: Slider) -> float:
-        """What is in force, whatever page is open."""
+        """Returns the value in force of a slider on any page."""
         return self._values.get(slider, slider.value)
 
     def set(self, slider: Slider, value: float) -> None:
-        """Moves a slider, on whatever page it is."""
+        """Moves a slider on any page."""
         self._values[slider] = min(max(value, slider.low), slider.high)
         if slider in self._in_view:
             self._in_view[slider] = self._meshcat.SetSliderValue(slider.label, value)
 
     def set_pages(self, pages: Sequence[Page]) -> None:
-        """Replaces the pages; the open one stays open, or the one before it opens.
+        """Replaces the pages; the open page stays open, or the page before it opens.
 
-        What only vanished sliders were set to is forgotten.
+        Values of removed sliders are dropped.
         """
         pages = tuple(pages)
         if pages == self._pages:
@@ -102,7 +102,7 @@ class PagedControls:
         self._open(number)
 
     def _open(self, number: int) -> None:
-        """Shows a page of those that there are."""
+        """Shows a page by number."""
         self._number = number
         page, meshcat = self.page, self._meshcat
         self._show_buttons()
@@ -116,7 +116,7 @@ class PagedControls:
         }
 
     def _show_buttons(self) -> None:
-        """Hides the buttons of other pages, and says which page it is."""
+        """Hides the buttons of other pages, and shows title and page number."""
         page, before = self.page, self._style
         self._style = page_style(
             f"{page.title}: page {self._number + 1} of {len(self._pages)}",
@@ -126,7 +126,7 @@ class PagedControls:
         )
         if self._style == before:
             return
-        # The new one first, so that no moment shows all buttons.
+        # Add the new style first, so that all buttons never show at once.
         self._meshcat.AddButton(self._style)
         if before is not None:
             self._meshcat.DeleteButton(before)

@@ -1,4 +1,4 @@
-"""What shares a page of the control panel.
+"""The pages of the control panel.
 
 Data only; ``paged_controls`` turns the pages.
 """
@@ -32,8 +32,8 @@ from atlas_drake.teleop.limbs import SLIDER_STEP, group_of
 from atlas_drake.visualization.overlays import OVERLAYS
 
 MAX_ROWS = 16
-"""Of a page with its title and the two buttons that turn it: 16 rows of 28 pixels
-leave room in a small window (657 pixels of height)."""
+"""Greatest number of rows of a page, with its title and the two buttons that turn it:
+16 rows of 28 pixels fit a small window (657 pixels of height)."""
 
 
 @dataclass(frozen=True)
@@ -41,11 +41,11 @@ class Page:
     """One page of the panel.
 
     Attributes:
-        title: Shown at the top.
+        title: Title at the top.
         actions: Buttons beside those that turn the page.
-        sliders: Below the buttons.
+        sliders: Sliders below the buttons.
         note: A line of explanation below the sliders.
-        scene: Whether Meshcat's own folders (Scene, Save, Animations) show as well.
+        scene: True to show Meshcat's own folders (Scene, Save, Animations) as well.
     """
 
     title: str
@@ -84,13 +84,13 @@ LIMBS = Page(
     "0 is the behavior, 255 you; your limbs get pages with their joints",
 )
 SWITCHES = {name: Slider(f"show {name}", 0, 1, 1, 0) for name in OVERLAYS}
-"""By overlay: off and on."""
+"""Button of each overlay, which switches it on and off."""
 VIEW = Page("overlays", (), tuple(SWITCHES.values()))
 SCENE = Page("scene", scene=True)
 
 
 def joint_slider(robot: Robot, index: int) -> Slider:
-    """The slider of a joint's set-point [rad]."""
+    """Makes the slider of a joint's set-point [rad]."""
     low, high = robot.position_lower[index], robot.position_upper[index]
     label = f"{robot.joint_names[index]} [rad]"
     return Slider(label, float(low), float(high), SLIDER_STEP, 0.0)
@@ -99,12 +99,13 @@ def joint_slider(robot: Robot, index: int) -> Slider:
 def pages_with(
     robot: Robot, joints: Collection[int], behaviors: Sequence[BehaviorButton] = ()
 ) -> tuple[Page, ...]:
-    """All pages, with one more for each limb of the user's.
+    """Makes all pages, with one more for each limb under user control.
 
     Args:
-        robot: Whose joints get sliders.
-        joints: That the user has.
-        behaviors: Buttons of behaviors of one's own, which get a page if there are any.
+        robot: Robot whose joints get sliders.
+        joints: Joints under user control.
+        behaviors: Buttons of the user's own behaviors, which get a page if there are
+            any.
     """
     groups = group_of(robot)
     own = fitted(robot)

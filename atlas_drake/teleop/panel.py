@@ -1,7 +1,7 @@
-"""The control panel in the browser: what its controls mean.
+"""The control panel in the browser.
 
-It says what was pressed and where the sliders are; it decides nothing and waits for
-nobody.
+The panel reports pressed buttons and slider positions without blocking; ``commander``
+converts them to orders.
 """
 
 from __future__ import annotations
@@ -26,22 +26,23 @@ from atlas_drake.teleop.walking import Direction
 from atlas_drake.visualization.overlays import Overlays
 
 DEAD_ZONE = 0.25
-"""Deflection of a stick that still means none."""
+"""Dead zone of a stick's deflection."""
 STICK_STEP = 0.25
-"""Deflections are rounded to it, so that a trembling hand is no news."""
+"""Resolution to which deflections are rounded, so that small tremor sends no
+command."""
 
 
 class PanelLike(Protocol):
-    """What a session needs of a panel."""
+    """The interface of a panel that a session needs."""
 
     def read(self) -> Controls:
-        """What was pressed since the last call, and where the sliders are."""
+        """Returns the buttons pressed since the last call, and the slider positions."""
 
     def set(self, slider: Slider, value: float) -> None:
         """Moves a slider."""
 
     def show_joints(self, positions: Mapping[int, float]) -> None:
-        """Offers sliders for these joints and no others, new ones at a position."""
+        """Shows sliders for these joints only; new sliders start at given positions."""
 
 
 class Panel:
@@ -57,10 +58,10 @@ class Panel:
         """Adds the first page.
 
         Args:
-            meshcat: Where to.
-            robot: Whose joints get sliders.
-            overlays: Which the panel switches on and off.
-            behaviors: Those of one's own get buttons.
+            meshcat: Meshcat instance that shows the panel.
+            robot: Robot whose joints get sliders.
+            overlays: Overlays that the panel switches on and off.
+            behaviors: Catalog whose user-defined behaviors get buttons.
         """
         self._meshcat = meshcat
         self._robot = robot
@@ -74,7 +75,7 @@ class Panel:
         self._show_overlays()
 
     def read(self) -> Controls:
-        """What was pressed since the last call, and where the sliders are."""
+        """Returns the buttons pressed since the last call, and the slider positions."""
         controls = self._controls
         pressed = controls.read()
         self._switch_overlays()
@@ -90,7 +91,7 @@ class Panel:
         self._controls.set(self._own.get(slider.label, slider), value)
 
     def show_joints(self, positions: Mapping[int, float]) -> None:
-        """Offers sliders for these joints and no others, new ones at a position."""
+        """Shows sliders for these joints only; new sliders start at given positions."""
         robot = self._robot
         new = [index for index in positions if index not in self._joints]
         self._joints = {index: joint_slider(robot, index) for index in positions}
@@ -99,7 +100,7 @@ class Panel:
         self._controls.set_pages(pages_with(robot, positions, self._buttons))
 
     def _switch_overlays(self) -> None:
-        """Takes over the switches, and shows where one turned another off."""
+        """Reads the switches, and updates those that another switch turned off."""
         overlays = self._overlays
         wanted = {
             name: self._controls.value(switch) > 0.5
@@ -112,7 +113,7 @@ class Panel:
             self._show_overlays()
 
     def _show_overlays(self) -> None:
-        """Sets the switches to what is shown."""
+        """Sets the switches to the visible overlays."""
         for name, switch in SWITCHES.items():
             self._controls.set(switch, float(self._overlays.is_on(name)))
 
@@ -122,7 +123,7 @@ class Panel:
 
 
 def stick_direction(axes: Sequence[float]) -> Direction:
-    """Where a gamepad's sticks point: the left one walks, the right one turns.
+    """Returns the direction of a gamepad's sticks: the left one walks, the right turns.
 
     Args:
         axes: Left x, left y, right x, ...; x to the right and y down, -1 to 1.

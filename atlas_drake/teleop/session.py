@@ -1,6 +1,6 @@
-"""A session at the panel: look, command, simulate a slice, keep to real time.
+"""A session at the panel: read, command, simulate a slice, keep to real time.
 
-It owns nothing but the clock: what to command is the commander's business.
+The session owns the clock only; ``commander`` makes the commands.
 """
 
 from __future__ import annotations
@@ -14,11 +14,11 @@ from atlas_drake.teleop.controls import Action, Button, Controls
 from atlas_drake.teleop.panel import PanelLike
 
 SLICE = 0.04
-"""Simulated time between looks at the panel [s]: a click acts after at most that."""
+"""Simulated time between readings of the panel [s]: the longest delay of a click."""
 SINGLE_STEP = 0.02
-"""What a single time step simulates [s]."""
+"""Simulated time of a single time step [s]."""
 PAUSED_LOOK = 0.03
-"""Between looks at the panel while time stands still [s of wall time]."""
+"""Wall time between readings of the panel while paused [s]."""
 _OF_TIME = {Action.PAUSE, Action.SINGLE_STEP}
 
 
@@ -28,12 +28,12 @@ class Session:
     def __init__(
         self, sim: AtlasSimulation, panel: PanelLike, *, real_time: bool = True
     ) -> None:
-        """Begins where the simulation is.
+        """Starts at the present state of the simulation.
 
         Args:
-            sim: The robot.
-            panel: Whoever steers.
-            real_time: Simulate at most as fast as time passes.
+            sim: Simulation of the robot.
+            panel: Panel that steers the robot.
+            real_time: True to simulate no faster than real time.
         """
         self._sim = sim
         self._panel = panel
@@ -43,9 +43,9 @@ class Session:
         self.paused = False
 
     def advance(self) -> None:
-        """Looks at the panel once, does what it says and simulates one slice.
+        """Reads the panel once, carries out its orders and simulates one slice.
 
-        While paused nothing is simulated; what is pressed then acts when time goes on.
+        While paused nothing is simulated; buttons pressed then act when time continues.
         """
         begin = time.perf_counter()
         controls = self._panel.read()
@@ -66,7 +66,7 @@ class Session:
         self._command(controls, span)
         self._sim.advance(span)
         if self._real_time and not self.paused:
-            # Lost time is not made up for: steering a robot that rushes is no fun.
+            # Lost time is not made up for: a robot that rushes is hard to steer.
             time.sleep(max(begin + span - time.perf_counter(), 0.0))
 
     def _command(self, controls: Controls, span: float) -> None:

@@ -1,7 +1,7 @@
-"""Footsteps from a direction: what WALK is told while somebody steers.
+"""Footsteps from a direction, for WALK under teleoperation.
 
-Pure functions of the wish, the settings and the latest report. When they are called,
-and with which keys, is decided in ``commander``.
+Pure functions of the direction, the gait and the latest report. ``driving`` calls them;
+``commander`` reads the keys.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ STRIDE_CHANGE = 0.15
 
 
 class Direction(NamedTuple):
-    """Where to walk: shares of the stride and of the turn per step, -1 to 1.
+    """Direction of the walk: shares of the stride and of the turn per step, -1 to 1.
 
     Attributes:
         forward: Negative is backward.
@@ -47,10 +47,10 @@ class Direction(NamedTuple):
 
 @dataclass(frozen=True)
 class Walker:
-    """What is remembered of one walk.
+    """State of one walk.
 
     Attributes:
-        first_foot: That takes step 1; feet alternate.
+        first_foot: Foot that takes step 1; feet alternate.
         strides: Forward share of each step that was sent [m], by step index.
         closing: Index of the step that puts the feet side by side; None while
             walking on.
@@ -61,21 +61,21 @@ class Walker:
     closing: int | None = None
 
     def foot(self, index: int) -> int:
-        """The foot that takes a step."""
+        """Returns the foot that takes a step."""
         return self.first_foot if index % 2 else 1 - self.first_foot
 
 
 def begin_walk(direction: Direction) -> Walker:
-    """A walk that begins with the foot on the side where it leads to."""
+    """Makes a walk that begins with the foot on the side of the direction."""
     towards_right = direction.left < 0.0 or (not direction.left and direction.turn < 0)
     return Walker(first_foot=RIGHT if towards_right else LEFT)
 
 
 def first_open_step(report: AtlasSimInterfaceState) -> int:
-    """Index of the first step that can still be changed without a stumble.
+    """Returns the index of the first step that can still be changed safely.
 
-    The step after the one in the air; with both feet down the weight moves already
-    for the next step, so it is the one after that.
+    In single support it is the step after the present one. In double support the weight
+    already shifts for the next step, so it is the step after that.
     """
     if report.current_behavior != Behavior.WALK:
         return 1
@@ -90,16 +90,16 @@ def next_steps(
     gait: Gait,
     report: AtlasSimInterfaceState,
 ) -> tuple[Walker, list[AtlasBehaviorStepData]]:
-    """The steps that can still be changed, as they shall be taken now.
+    """Plans the steps that can still be changed.
 
     Args:
-        walker: Of this walk.
-        direction: Where to.
-        gait: How.
-        report: The latest one.
+        walker: State of this walk.
+        direction: Direction of the walk.
+        gait: Gait of the walk.
+        report: Latest report of the behaviors.
 
     Returns:
-        The walker that remembers them, and steps for the queue.
+        The new state of the walk, and steps for the queue.
     """
     first = first_open_step(report)
     feet = feet_before(walker, first, report)
@@ -125,19 +125,19 @@ def next_steps(
 
 
 def close_feet(walker: Walker, report: AtlasSimInterfaceState) -> Walker:
-    """The walk is to end: the next step that is open puts the feet side by side."""
+    """Ends the walk: the next changeable step puts the feet side by side."""
     if walker.closing is not None:
         return walker
     return replace(walker, closing=first_open_step(report))
 
 
 def walk_on(walker: Walker) -> Walker:
-    """The walk is not to end after all."""
+    """Cancels the end of the walk."""
     return replace(walker, closing=None)
 
 
 def is_closing(walker: Walker, report: AtlasSimInterfaceState) -> bool:
-    """Whether the last step has begun, so that STAND may be asked for."""
+    """Returns True once the last step has begun, so that STAND may be requested."""
     index = report.walk_feedback.current_step_index
     return walker.closing is not None and index >= walker.closing
 
@@ -145,10 +145,10 @@ def is_closing(walker: Walker, report: AtlasSimInterfaceState) -> bool:
 def feet_before(
     walker: Walker, index: int, report: AtlasSimInterfaceState
 ) -> list[Foothold]:
-    """Where the feet will be when step ``index`` begins.
+    """Computes the poses of the feet when step ``index`` begins.
 
-    Those on the ground are where they are; those of steps on the way to ``index``
-    where the report says that they will land.
+    Feet on the ground keep their poses; feet of earlier steps have the landing poses of
+    the report.
     """
     feet = [foothold(pose) for pose in report.foot_pos_est]
     if report.current_behavior == Behavior.WALK:
@@ -159,7 +159,7 @@ def feet_before(
 
 
 def _in_air(report: AtlasSimInterfaceState) -> AtlasBehaviorStepData | None:
-    """The step whose foot is in the air."""
+    """Returns the step whose foot is in the air."""
     walk = report.walk_feedback
     for step in walk.step_queue_saturated:
         if 0 < step.step_index == walk.current_step_index:

@@ -1,7 +1,7 @@
-"""What is shown in Meshcat: the world around the robot, footsteps and a caption.
+"""The 3D view in Meshcat and videos: scene, footsteps, overlays and caption.
 
-Reads ports; nothing here changes what is simulated.
+The displays read ports and never change the simulation.
 """
 
 FRAME_RATE = 32.0
-"""Pictures per simulated second, of everything that is shown [1/s]."""
+"""Pictures of all displays per simulated second [1/s]."""

@@ -1,7 +1,7 @@
-"""Balance on the picture: CoM, DCM, CoP, support polygon, planned paths, swing path.
+"""Overlays of balance: CoM, DCM, CoP, support polygon, planned paths, swing path.
 
-Drawn from the station's ports while it is switched on. What is planned is in the
-controller's status; contact forces are in ``contact_forces``.
+Drawn from the station's ports while switched on. The plan comes from the controller's
+status; contact forces are in ``contact_forces``.
 """
 
 from __future__ import annotations
@@ -37,16 +37,19 @@ DISC = {"com": 0.018, "dcm": 0.022, "cop": 0.014}
 """Radii of the discs on the ground [m]."""
 DISC_HEIGHT = 0.004
 LIFT = {"support": 0.006, "plan": 0.010, "com": 0.012, "dcm": 0.014, "cop": 0.016}
-"""Above the ground, one over the other, so that none hides in another [m]."""
+"""Heights of the discs above the ground, all different, so that none hides another
+[m]."""
 TUBE = 0.005
 """Radius of the paths [m]."""
 LOWEST = 0.1
-"""The center of mass of a robot on the ground counts as this high at least [m]."""
+"""Lower bound of the center of mass' height, for a robot that lies on the ground
+[m]."""
 PATHS_EVERY = 4
-"""Pictures between looks at the paths, which are dear to compute and slow to change."""
+"""Pictures between updates of the paths, which are slow to compute and change
+slowly."""
 AREA_GRID, CURVE_GRID, BEND = 0.002, 0.001, 0.002
-"""Corners and points are rounded to a grid [m]; points are left out where a curve
-bends by less [m]: a recording keeps every shape there ever was."""
+"""Corners and points are rounded to a grid [m]; points are left out where a curve bends
+by less [m], because a recording keeps every shape."""
 _COLORS = {"com": COM, "dcm": DCM, "cop": COP}
 _CURVES = {"plan_com": COM, "plan_dcm": DCM, "swing": SWING}
 _NAMES = ("com", "dcm", "cop", "support", "plan", "swing")
@@ -55,12 +58,12 @@ Point = tuple[float, float, float]
 
 
 class BalanceMarks(Display):
-    """Draws what balance is about.
+    """Draws the balance overlays.
 
     Input ports:
-        state: Of the plant.
+        state: State of the plant.
         controller_status: ``ControllerStatus``
-        foot_wrenches: Of contact on both soles, see ``RobotSensors``.
+        foot_wrenches: Contact wrenches on both soles, see ``RobotSensors``.
     """
 
     __slots__ = ()
@@ -73,13 +76,13 @@ class BalanceMarks(Display):
         period: float,
         recorded: bool,
     ) -> None:
-        """Looks every ``period`` [s] at what is switched on.
+        """Draws the enabled overlays every ``period`` [s].
 
         Args:
-            meshcat: Where to draw.
-            robot: Whose balance.
-            overlays: What is switched on.
-            period: Between looks [s].
+            meshcat: Meshcat instance to draw in.
+            robot: Robot of the station.
+            overlays: Switches of the overlays.
+            period: Time between pictures [s].
             recorded: See ``Marks``.
         """
         super().__init__(period)
@@ -146,7 +149,7 @@ class BalanceMarks(Display):
             self._curves["swing"].show(_curve(plan.paths.swing), time)
 
     def _move_com(self, terms: WholeBodyTerms, ground: float, time: float) -> None:
-        """A ball, seen through the body that hides it, and where it is above."""
+        """Draws a ball, visible through the body, and its projection on the ground."""
         x, y, z = map(float, terms.com)
         if "com_ball" not in self._drawn:
             path = f"{PATH}/com_ball"
@@ -157,7 +160,7 @@ class BalanceMarks(Display):
         rod = f"{PATH}/com_line/rod"
         if "com_line" not in self._drawn:
             self._meshcat.SetObject(rod, Cylinder(PLUMB_LINE, 1.0), COM)
-        # Of a node of its own, as every transform resets its node's scale.
+        # A separate node, because every transform resets the scale of its node.
         self._meshcat.SetProperty(rod, "scale", [1.0, 1.0, height], time)
         self._move("com_line", [x, y, ground + 0.5 * height], time)
         self._move_disc("com", terms.com[:2], ground, time)
@@ -190,7 +193,7 @@ class BalanceMarks(Display):
         draw_flat(self._meshcat, path, *tube(np.array(points), TUBE), color)
 
     def _see_through(self, path: str, order: float = 2.0) -> None:
-        """Draws an object over whatever hides it, those of a higher order on top."""
+        """Draws an object over all others, a higher order on top."""
         target = f"{path}/<object>"
         self._meshcat.SetProperty(target, "material.depthTest", False)
         self._meshcat.SetProperty(target, "material.transparent", True)
@@ -198,7 +201,7 @@ class BalanceMarks(Display):
 
 
 def _area(corners: np.ndarray | None, ground: float) -> list[tuple[Point, ...]]:
-    """The polygon as a mark, if there is one."""
+    """Makes the mark of the polygon, if there is one."""
     if corners is None:
         return []
     z = np.full(len(corners), ground + LIFT["support"])
@@ -206,12 +209,12 @@ def _area(corners: np.ndarray | None, ground: float) -> list[tuple[Point, ...]]:
 
 
 def _curve(points: np.ndarray | None) -> list[tuple[Point, ...]]:
-    """The curve as a mark, if there is one."""
+    """Makes the mark of the curve, if there is one."""
     return [] if points is None else [_points(thinned(points, BEND), CURVE_GRID)]
 
 
 def _points(points: np.ndarray, grid: float) -> tuple[Point, ...]:
-    """Rounded to a grid [m], so that what looks the same is the same."""
+    """Rounds to a grid [m], so that marks that look the same are equal."""
     return tuple(
         (round(float(x), 4), round(float(y), 4), round(float(z), 4))
         for x, y, z in grid * np.round(points / grid)

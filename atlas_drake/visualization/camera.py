@@ -1,6 +1,6 @@
-"""A camera that goes along with the robot.
+"""A camera that follows the robot.
 
-While it is switched on the mouse does not turn the view; switched off, it does.
+While it is switched on the mouse cannot turn the view.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.scene import look_at
 
 LAG = 0.7
-"""Time constant with which it follows, so that it does not sway with the steps [s]."""
+"""Time constant of the camera, so that it does not sway with the steps [s]."""
 
 
 class FollowingCamera(Display):
@@ -32,7 +32,7 @@ class FollowingCamera(Display):
     __slots__ = ()
 
     def __init__(self, meshcat: Meshcat, overlays: Overlays, period: float) -> None:
-        """Looks every ``period`` [s]."""
+        """Updates the view every ``period`` [s]."""
         super().__init__(period)
         self._meshcat = meshcat
         self._overlays = overlays

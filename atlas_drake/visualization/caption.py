@@ -1,4 +1,4 @@
-"""A caption of what the robot is doing, fixed to the picture like a subtitle.
+"""A caption with the robot's behavior, fixed to the picture like a subtitle.
 
 The text is drawn in front of the camera, so it faces the viewer from everywhere, and
 appears in recordings, which a label beside the 3D view would not.
@@ -35,13 +35,14 @@ from atlas_drake.visualization.scene import CAMERA, FIELD_OF_VIEW
 from atlas_drake.visualization.stroke_font import text_segments
 
 DISTANCE = 0.5
-"""Of the text from the camera [m]: nearer than anything one looks at."""
+"""Distance of the text from the camera [m]: nearer than all visible objects."""
 HALF_PICTURE = DISTANCE * math.tan(0.5 * math.radians(FIELD_OF_VIEW))
-"""Half the height of the picture there [m]; the numbers below are shares of it."""
+"""Half the height of the picture at that distance [m]; the numbers below are shares of
+it."""
 TITLE_HEIGHT, NOTE_HEIGHT = 0.075, 0.034
-"""Of the letters."""
+"""Heights of the letters."""
 TITLE_Y, NOTE_Y, FLAGS_Y = 0.83, 0.74, 0.68
-"""Of the baselines, above the middle of the picture."""
+"""Heights of the baselines above the middle of the picture."""
 STROKE = 0.13
 """Width of a stroke as a share of the letters' height."""
 COLOR = Rgba(0.13, 0.17, 0.22, 1.0)
@@ -50,11 +51,11 @@ COLOR = Rgba(0.13, 0.17, 0.22, 1.0)
 def caption_of(
     report: AtlasSimInterfaceState, catalog: BehaviorCatalog = SHIPPED
 ) -> tuple[str, str]:
-    """Title and note about what the robot is doing.
+    """Makes title and note about the robot's behavior.
 
     Args:
-        report: Of the robot.
-        catalog: Of its behaviors.
+        report: Report of the robot.
+        catalog: Catalog of its behaviors.
     """
     shares = list(report.k_effort)
     users = sum(share >= K_EFFORT_MAX for share in shares)
@@ -70,7 +71,7 @@ def caption_of(
         return "falling", note
     if users == len(shares) or behavior is Behavior.USER:
         return "user", "all joints under user control"
-    if behavior is Behavior.NONE:  # So says a controller that has no behaviors.
+    if behavior is Behavior.NONE:  # A controller without behaviors reports NONE.
         return "no behavior", note
     title = entry.title
     if behavior is Behavior.WALK:
@@ -104,12 +105,12 @@ class CaptionDisplay(Display):
     def __init__(
         self, meshcat: Meshcat, overlays: Overlays, period: float, recorded: bool
     ) -> None:
-        """Looks every ``period`` [s].
+        """Updates the caption every ``period`` [s].
 
         Args:
-            meshcat: Where to draw.
-            overlays: They say whether flags are shown.
-            period: Between looks [s].
+            meshcat: Meshcat instance to draw in.
+            overlays: Switches of the overlays, among them the flags.
+            period: Time between pictures [s].
             recorded: See ``Marks``.
         """
         super().__init__(period)

@@ -1,6 +1,6 @@
-"""Forces of the ground where the robot touches it, as arrows.
+"""Contact forces on the robot, as arrows.
 
-What the physics exerts, not what the controller asked for.
+The arrows show the forces of the physics, not those that the controller requested.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ SCALE = 0.0012
 THICKNESS, HEAD_WIDTH, HEAD_LENGTH = 0.006, 0.018, 0.15
 """Radii of shaft and head [m]; the head's share of the length."""
 LEAST_FORCE = 5.0
-"""Weaker ones are not drawn [N]."""
+"""Force below which no arrow is drawn [N]."""
 
 
 class ContactForce(NamedTuple):
@@ -41,13 +41,13 @@ class ContactForce(NamedTuple):
 def contact_forces_of(results: Any) -> list[ContactForce]:
     """Returns the forces on the robot.
 
-    Two links that touch push each other: their force is the one that points up.
+    Two touching links push each other: the returned force is the one that points up.
     """
     world = int(world_index())
     forces = []
     for index in range(results.num_point_pair_contacts()):
         contact = results.point_pair_contact_info(index)
-        # Drake's is the force on body B, which may be the robot or the ground.
+        # Drake gives the force on body B, which may be the robot or the ground.
         force = np.array(contact.contact_force())
         ground = int(contact.bodyA_index()) == world
         if int(contact.bodyB_index()) == world or (not ground and force[2] < 0.0):
@@ -58,7 +58,7 @@ def contact_forces_of(results: Any) -> list[ContactForce]:
 
 
 def arrow_pose(force: ContactForce) -> RigidTransform:
-    """Pose in W of an arrow along z: from where a force acts to where it points."""
+    """Computes the pose in W of an arrow along z that starts where the force acts."""
     z = force.force_W / np.linalg.norm(force.force_W)
     x = np.cross([0.0, 1.0, 0.0], z)
     x /= np.linalg.norm(x)
@@ -67,7 +67,7 @@ def arrow_pose(force: ContactForce) -> RigidTransform:
 
 
 def arrow_length(force: ContactForce) -> float:
-    """How long the arrow of a force is [m]."""
+    """Computes the length of the arrow of a force [m]."""
     return SCALE * float(np.linalg.norm(force.force_W))
 
 
@@ -75,13 +75,13 @@ class ContactForces(Display):
     """Draws an arrow per point of contact while it is switched on.
 
     Input ports:
-        contact_results: Of the plant.
+        contact_results: Contact results of the plant.
     """
 
     __slots__ = ()
 
     def __init__(self, meshcat: Meshcat, overlays: Overlays, period: float) -> None:
-        """Looks every ``period`` [s]."""
+        """Updates the arrows every ``period`` [s]."""
         super().__init__(period)
         self._meshcat = meshcat
         self._overlays = overlays
@@ -103,14 +103,14 @@ class ContactForces(Display):
                 self._draw(f"{path}/arrow")
                 self._made += 1
             self._meshcat.SetTransform(path, arrow_pose(force), time)
-            # Of a node of its own, as every transform resets its node's scale.
+            # A separate node, because every transform resets the scale of its node.
             scale = [1.0, 1.0, arrow_length(force)]
             self._meshcat.SetProperty(f"{path}/arrow", "scale", scale, time)
         for number in range(self._made):
             self._timeline.show(f"{PATH}/{number}", number < len(forces), time)
 
     def _draw(self, path: str) -> None:
-        """An arrow from 0 to z = 1."""
+        """Draws an arrow from 0 to z = 1."""
         neck = 1.0 - HEAD_LENGTH
         shaft = tube(np.array([[0.0, 0.0, 0.0], [0.0, 0.0, neck]]), THICKNESS)
         rim = HEAD_WIDTH * np.array([[1, 0], [0, 1], [-1, 0], [0, -1]])

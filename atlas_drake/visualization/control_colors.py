@@ -1,6 +1,6 @@
-"""Links colored by who has the joint that moves them, or by how hard it works.
+"""Links colored by the user's share, or by the effort, of the joint that moves them.
 
-The pelvis, which no joint moves, keeps its looks.
+The pelvis, which no joint moves, keeps its own colors.
 """
 
 from __future__ import annotations
@@ -39,17 +39,17 @@ from atlas_drake.visualization.palette import (
 from atlas_drake.visualization.timeline import Timeline
 
 SHADES = 20
-"""Steps of a color scale: what looks the same is not sent again."""
+"""Steps of a color scale: equal colors are not sent again."""
 GAMMA = 2.2
-"""Meshcat takes the colors of materials as intensities of light."""
+"""Exponent of the conversion to light intensities, in which Meshcat takes colors."""
 COVER = "_colored"
-"""What the path of a link's copy ends in."""
+"""Suffix of the path of a link's copy."""
 
 Color = tuple[float, float, float]
 
 
 def owner_colors(k_effort: np.ndarray) -> list[Color]:
-    """From the behavior's color over that of shared joints to the user's.
+    """Colors joints from the behavior's color over shared joints to the user's color.
 
     Args:
         k_effort: User's share per joint, 0 to 255, shape (n,).
@@ -59,13 +59,13 @@ def owner_colors(k_effort: np.ndarray) -> list[Color]:
 
 
 def effort_colors(effort: np.ndarray, limit: np.ndarray) -> list[Color]:
-    """Over three colors, by the share of the limit [N·m], shapes (n,)."""
+    """Colors joints on a scale of three by effort over limit [N·m], shapes (n,)."""
     shares = np.minimum(np.abs(effort) / limit, 1.0)
     return [_between((IDLE_RGB, BUSY_RGB, SPENT_RGB), share) for share in shares]
 
 
 def _between(colors: Sequence[Color], share: float) -> Color:
-    """A color on a scale, in as many shades as there are."""
+    """Returns the color at a point of a scale, in discrete shades."""
     place = round(SHADES * float(share)) / SHADES * (len(colors) - 1)
     first = min(int(place), len(colors) - 2)
     into = place - first
@@ -79,14 +79,14 @@ def _between(colors: Sequence[Color], share: float) -> Color:
 class ControlColors(Display):
     """Colors the links while one of the two colorings is switched on.
 
-    A link that is colored is hidden behind a copy of one material. Browsers load the
-    link itself when they come to it, too late for a recording to reach its materials;
-    and once uncovered it has its own colors again.
+    A colored link is hidden behind a copy with one material. Browsers load the link
+    itself too late for a recording to reach its materials; without the copy the link
+    shows its own colors again.
 
     Input ports:
-        query_object: Of the scene graph.
+        query_object: Query object of the scene graph.
         commands: ``CommandsInForce``
-        effort: Of the motors [N·m], shape (n,).
+        effort: Efforts of the motors [N·m], shape (n,).
     """
 
     __slots__ = ()
@@ -99,14 +99,14 @@ class ControlColors(Display):
         overlays: Overlays,
         period: float,
     ) -> None:
-        """Looks every ``period`` [s].
+        """Updates the colors every ``period`` [s].
 
         Args:
-            meshcat: Where the links are.
-            prefix: Path under which Drake's visualiser draws them.
-            robot: Whose links.
-            overlays: What is switched on.
-            period: Between looks [s].
+            meshcat: Meshcat instance with the links.
+            prefix: Path under which Drake's visualiser draws the links.
+            robot: Robot that has the links.
+            overlays: Switches of the overlays.
+            period: Time between pictures [s].
         """
         super().__init__(period)
         self._meshcat = meshcat
@@ -120,7 +120,7 @@ class ControlColors(Display):
         )
         self._effort = self.DeclareVectorInputPort("effort", robot.num_joints)
         self._begin()
-        # Drake's visualiser then draws all anew, and what it deletes is gone here too.
+        # Drake's visualiser then draws everything anew, which also deletes the copies.
         self.DeclareInitializationPublishEvent(lambda _context: self._begin())
 
     def _begin(self) -> None:
@@ -158,7 +158,7 @@ class ControlColors(Display):
             self._timeline.show(path, not covered, time)
 
     def _draw(self, inspector: SceneGraphInspector, frame: FrameId) -> list[str]:
-        """Makes the copies of a link's meshes; the paths of these."""
+        """Makes copies of a link's meshes and returns their paths."""
         paths = []
         for geometry in inspector.GetGeometries(frame, Role.kIllustration):
             shape = inspector.GetShape(geometry)

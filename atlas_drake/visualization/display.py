@@ -1,6 +1,6 @@
-"""The base of what draws into Meshcat beside Drake's visualiser.
+"""Base of the displays that draw into Meshcat beside Drake's visualiser.
 
-When a picture is drawn is decided here; what is in it, in the files beside this one.
+This module decides when to draw; each display is in a file beside this one.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ class Display(CollectableSystem):
     """Draws at a fixed rate, unless a gate is closed.
 
     Attributes:
-        gate: Says whether viewers can take a picture; None lets all of them through.
+        gate: Allows a picture if viewers can take it; None allows all pictures.
     """
 
     __slots__ = ()
@@ -32,5 +32,5 @@ class Display(CollectableSystem):
             self._publish(context)
 
     def _publish(self, context: Context) -> None:
-        """Draws what is now, whatever was drawn before."""
+        """Draws the present state completely, independent of earlier pictures."""
         raise NotImplementedError

@@ -1,6 +1,6 @@
 """The feedback flags of a report in words.
 
-Text only; where it is written is the caption's business.
+Text only; ``caption`` draws it.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from atlas_drake.messages import (
 )
 
 ARRIVED = 1e-3
-"""Closer to its goal than this the pelvis' reference has arrived [m or rad]."""
+"""Distance to its goal below which the pelvis' reference has arrived [m or rad]."""
 _TRANSITION = {
     BehaviorStatus.TRANSITION_IN_PROGRESS: "transition in progress",
     BehaviorStatus.FAILED_TRANS_UNKNOWN_BEHAVIOR: "unknown behavior",
@@ -45,7 +45,7 @@ _STEP = {
 
 
 def feedback_words(report: AtlasSimInterfaceState) -> str:
-    """What the flags say: substate, transition, errors; "ok" when there is none."""
+    """Describes the flags: substate, transition, errors; "ok" if there is none."""
     words: list[str] = []
     if report.current_behavior == Behavior.WALK:
         words += _said(report.walk_feedback.status_flags, _WALK)
@@ -60,7 +60,7 @@ def feedback_words(report: AtlasSimInterfaceState) -> str:
 
 
 def _pelvis_words(feedback: AtlasBehaviorManipulateFeedback) -> list[str]:
-    """MANIPULATE has no flags, but says whether its reference has arrived."""
+    """Describes if the reference of MANIPULATE, which has no flags, has arrived."""
     goal, now = feedback.clamped, feedback.internal_desired
     arrived = all(
         abs(getattr(goal, field.name) - getattr(now, field.name)) < ARRIVED

@@ -1,6 +1,6 @@
 """The footsteps on the ground: as commanded, as they will be taken, as they landed.
 
-All poses are those of the sole frame, drawn level at the height of the ground there.
+All poses are poses of the sole frame, drawn level at the height of the ground.
 """
 
 from __future__ import annotations
@@ -34,24 +34,24 @@ from atlas_drake.visualization.marks import Marks
 from atlas_drake.visualization.ribbons import draw_flat, ribbons
 
 COLORS = (Rgba(0.10, 0.42, 0.85, 1.0), Rgba(0.90, 0.42, 0.08, 1.0))
-"""Of the left and the right foot."""
+"""Colors of the left and the right foot."""
 LANDED_OPACITY = 0.45
 KEPT = 40
-"""How many landed steps stay in view."""
+"""Number of landed steps that stay in view."""
 VISIBLE_SHIFT, VISIBLE_TURN = 0.01, 0.03
-"""A step moved by less [m] or turned by less [rad] is shown as commanded."""
+"""Changes of a step below this [m] or [rad] are shown as commanded."""
 HEIGHT_GRID = 0.002
-"""Heights are rounded to it, so that a stance foot's play is no new mark [m]."""
+"""Resolution of heights [m], so that a stance foot's small motion makes no new mark."""
 LINE_WIDTH = 0.008
-"""Of the outlines [m]."""
+"""Width of the outlines [m]."""
 CORNER_POINTS = 7
 """Points of each rounded corner."""
 TOE_ROUNDING, HEEL_ROUNDING = 1.0, 0.55
-"""Radius of the corners in half widths of the sole: one sees where the toes are."""
+"""Radius of the corners in half widths of the sole: rounder toes show the heading."""
 
 
 class Kind(Enum):
-    """What a mark says about a step, and how high above the ground it is drawn [m]."""
+    """Kind of a footstep mark; the value is its height above the ground [m]."""
 
     LANDED = 0.003
     COMMANDED = 0.004
@@ -71,7 +71,7 @@ class FootstepMark:
 
     @property
     def X_WF(self) -> RigidTransform:
-        """Pose of what is drawn."""
+        """Pose of the mark."""
         p_WF: Any = np.array([self.x, self.y, self.z + self.kind.value])
         return RigidTransform(RotationMatrix.MakeZRotation(self.yaw), p_WF)
 
@@ -82,14 +82,14 @@ def footstep_marks(
     events: Iterable[Event],
     plan: Plan,
 ) -> list[FootstepMark]:
-    """What there is to draw.
+    """Collects the footstep marks.
 
     Args:
         request: The behavior command in force.
-        report: Of the behaviors.
-        events: The latest events; those about footsteps count.
-        plan: Of the controller; its footsteps count where no feedback of WALK or STEP
-            says more about them.
+        report: Report of the behaviors.
+        events: The latest events; only footstep events are used.
+        plan: Plan of the controller; its footsteps are used where the feedback of WALK
+            or STEP does not have them.
     """
     marks = []
     for event in [e for e in events if e.kind == "footstep"][-KEPT:]:
@@ -126,7 +126,7 @@ def footstep_marks(
     first = max(report.walk_feedback.current_step_index, 1)
     queue = report.walk_feedback.step_queue_saturated
     taken = _poses(queue)
-    # What a commanded height means is known from how the step will be taken.
+    # The report of the step to be taken defines the commanded height.
     heights = {data.step_index: data.pose.position.z for data in queue}
     coming = {}
     params = request.command.walk_params
@@ -137,7 +137,7 @@ def footstep_marks(
                 z = heights.get(index, 0.0)
                 marks.append(_mark(Kind.COMMANDED, foot, pose, z))
     for index, (foot, pose) in taken.items():
-        # Steps of an earlier message are known from the report alone.
+        # Steps of an earlier message are in the report only.
         known = index in coming
         if index < first or (known and not _differ(coming[index], pose)):
             continue
@@ -155,9 +155,9 @@ def _poses(
 
 
 def _steady(pose: Sequence[float]) -> list[float]:
-    """Rounds x, y and yaw: balance moves a step a little all the time.
+    """Rounds x, y and yaw.
 
-    Not every move is a new mark.
+    Balance moves a step a little all the time; small moves make no new mark.
     """
     grid = (VISIBLE_SHIFT, VISIBLE_SHIFT, VISIBLE_TURN)
     return [g * round(value / g) for value, g in zip(pose, grid, strict=True)]
@@ -176,10 +176,10 @@ def _differ(a: Sequence[float], b: Sequence[float]) -> bool:
 
 
 def sole_outline(sole: SoleSize) -> NDArray[np.float64]:
-    """Outline of a sole, rounder at the toes.
+    """Computes the outline of a sole, rounder at the toes.
 
     Args:
-        sole: Its size.
+        sole: Size of the sole.
 
     Returns:
         Points in the sole frame, counter-clockwise and not closed [m], shape
@@ -201,11 +201,11 @@ def sole_outline(sole: SoleSize) -> NDArray[np.float64]:
 def mark_triangles(
     kind: Kind, outline: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
-    """The shape of a mark: filled, an outline, or dashes.
+    """Computes the shape of a mark: filled, an outline, or dashes.
 
     Args:
-        kind: Of the mark.
-        outline: Of the sole, see ``sole_outline``.
+        kind: Kind of the mark.
+        outline: Outline of the sole, see ``sole_outline``.
 
     Returns:
         Vertices in the sole frame [m], shape (3, any), and triangles, shape (3, any).
@@ -223,7 +223,7 @@ def mark_triangles(
 class FootstepDisplay(Display):
     """Draws footsteps: outlines where commanded, filled where landed.
 
-    A dashed outline shows where a step goes that is not taken as commanded.
+    A dashed outline shows a step that is not taken as commanded.
 
     Input ports:
         commands: ``CommandsInForce``
@@ -236,7 +236,7 @@ class FootstepDisplay(Display):
     def __init__(
         self, meshcat: Meshcat, sole: SoleSize, period: float, recorded: bool
     ) -> None:
-        """Looks every ``period`` [s]; ``recorded`` as in ``Marks``."""
+        """Updates the marks every ``period`` [s]; ``recorded`` as in ``Marks``."""
         super().__init__(period)
         self._meshcat = meshcat
         self._outline = sole_outline(sole)

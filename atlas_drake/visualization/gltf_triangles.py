@@ -1,6 +1,7 @@
 """Triangles of the robot's meshes, which browsers read too late to color them.
 
-Reads what ``models/generator`` writes: one node at the origin, data within the file.
+Reads files as ``tools/robot_models`` writes them: one node at the origin, data in the
+file.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ def gltf_triangles(file: Path) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
     """Reads all parts of a mesh as one.
 
     Args:
-        file: In glTF 2.0.
+        file: File in glTF 2.0.
 
     Returns:
         Vertices with z up [m], shape (3, any), and triangles, shape (3, any).
@@ -39,7 +40,7 @@ def gltf_triangles(file: Path) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
         for part in mesh["primitives"]:
             x, y, z = _values(document, buffers, part["attributes"]["POSITION"]).T
             corners = _values(document, buffers, part["indices"]).reshape(-1, 3).T
-            # Of glTF the y axis points up.
+            # In glTF the y axis points up.
             vertices.append(np.array([x, -z, y], dtype=float))
             faces.append(corners.astype(np.int32) + np.int32(count))
             count += len(x)
@@ -47,7 +48,7 @@ def gltf_triangles(file: Path) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
 
 
 def _values(document: Any, buffers: list[bytes], number: int) -> NDArray[Any]:
-    """Of an accessor, one row per element."""
+    """Reads the data of an accessor, one row per element."""
     accessor = document["accessors"][number]
     view = document["bufferViews"][accessor["bufferView"]]
     width = _WIDTHS[accessor["type"]]

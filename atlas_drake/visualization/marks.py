@@ -1,8 +1,8 @@
-"""Things that appear and disappear in Meshcat, live and in a recording alike.
+"""Objects that appear and disappear in Meshcat, live and in a recording.
 
 A recording holds motions and visibility but no new objects; so objects are made once
-and then shown or hidden. A recording has to be started before the simulation is built,
-or it lacks what is shown from the beginning.
+and then shown or hidden. A recording must be started before the simulation is built;
+otherwise it lacks the initial objects.
 """
 
 from __future__ import annotations
@@ -14,15 +14,15 @@ from pydrake.geometry import Meshcat
 from atlas_drake.visualization.timeline import Timeline
 
 SPARE = 16
-"""Hidden marks that are kept, if nothing is recorded, in case they come again."""
+"""Number of hidden marks that are kept for reuse when nothing is recorded."""
 
 
 class Marks:
     """Shows a changing set of objects under one path.
 
-    Recorded, every mark keeps its object, which the recording goes back to. Otherwise
-    a new mark takes the object of the one that was hidden first, so that a view that
-    is watched for hours does not grow.
+    In a recording every mark keeps its object, which the recording shows again.
+    Otherwise a new mark reuses the object of the mark that was hidden first, so that a
+    view does not grow over hours.
     """
 
     def __init__(
@@ -35,10 +35,10 @@ class Marks:
         """Draws under ``path``.
 
         Args:
-            meshcat: Where to.
-            path: Of all marks together.
-            draw: Makes the object of a mark at the path that it is given.
-            recorded: Whether a recording is to show them all.
+            meshcat: Meshcat instance to draw in.
+            path: Common path of all marks.
+            draw: Makes the object of a mark at a given path.
+            recorded: True if a recording must be able to show all marks.
         """
         self._meshcat = meshcat
         self._path = path
@@ -55,10 +55,10 @@ class Marks:
         self._shown: set[object] = set()
 
     def show(self, marks: Iterable[object], time: float) -> None:
-        """Shows these marks and no others.
+        """Shows exactly these marks.
 
         Args:
-            marks: Values that compare equal when they look the same.
+            marks: Values that compare equal if they look the same.
             time: Simulated time [s]; when it runs backward, a new run begins.
         """
         wanted = set(marks)

@@ -1,6 +1,6 @@
-"""Everything that Meshcat shows of a station, added to a diagram in one call.
+"""Adds all displays of a station in Meshcat to a diagram in one call.
 
-Wiring only; what is drawn is in the files beside this one.
+Wiring only; the displays are in the files beside this one.
 """
 
 from __future__ import annotations
@@ -33,16 +33,16 @@ def add_meshcat_view(
     overlays: Overlays | None = None,
     recorded: bool = False,
 ) -> None:
-    """Adds the robot's visualiser, footsteps and caption, and dresses the scene.
+    """Adds the robot's visualiser, footsteps, overlays and caption, and sets the scene.
 
     Args:
-        builder: Of the diagram that holds the station.
-        station: An AtlasStation, or what has some of its output ports.
-        robot: Its robot.
-        meshcat: Where to show it.
-        overlays: What of the controller's thoughts is shown; it may change later.
-        recorded: Whether a recording runs, which needs all that was ever shown;
-            otherwise pictures are left out that a slow viewer could not take in time.
+        builder: Builder of the diagram that holds the station.
+        station: An AtlasStation, or a diagram with some of its output ports.
+        robot: Robot of the station.
+        meshcat: Meshcat instance to draw in.
+        overlays: Switches of the overlays, which may change later.
+        recorded: True if a recording runs, which needs every picture; otherwise
+            pictures that a slow viewer could not take in time are left out.
     """
     overlays = overlays or Overlays()
     period = 1.0 / FRAME_RATE
@@ -81,7 +81,7 @@ def add_meshcat_view(
             display.get_input_port(index).get_name()
             for index in range(display.num_input_ports())
         }
-        # What replays a log has no single contacts to show.
+        # A replay has no contact results.
         if not wanted <= offered:
             continue
         display.gate = gate

@@ -1,6 +1,6 @@
-"""Which of the controller's thoughts are shown, by name.
+"""Switches of the overlays, by name.
 
-Switches only; what is drawn is in the files beside this one.
+Switches only; the overlays are drawn in the files beside this one.
 """
 
 from __future__ import annotations
@@ -17,28 +17,28 @@ OVERLAYS = {
     "plan": "planned paths of CoM and DCM",
     "swing": "path of the foot in the air",
     "forces": "contact forces where the feet touch",
-    "owner": "links colored by who has their joint",
+    "owner": "links colored by the user's share of their joint",
     "effort": "links colored by their joint's share of its effort limit",
     "flags": "feedback flags in words",
-    "follow": "the camera goes along with the robot; off, the mouse turns it",
+    "follow": "the camera follows the robot; off, the mouse turns it",
 }
-"""Names, and what they show."""
+"""Names and descriptions of the overlays."""
 
 LOGGED = tuple(name for name in OVERLAYS if name != "forces")
-"""Those that a log is enough for: of contacts it has the sums over each foot alone."""
+"""Overlays of a replay: a log has the sum of the contact forces on each foot only."""
 _COLORINGS = ("owner", "effort")
-"""Of these at most one is on: a link has one color."""
+"""Overlays of which at most one is on, because a link has one color."""
 
 
 class Overlays:
-    """What is switched on.
+    """State of the switches.
 
-    It may change while the simulation runs: it is a fact about the view, as with
-    Drake's own visualisers, and no part of the Context.
+    It may change while the simulation runs. It belongs to the view, as with Drake's own
+    visualisers, and not to the Context.
     """
 
     def __init__(self, on: Iterable[str] = ()) -> None:
-        """Switches some on.
+        """Switches overlays on.
 
         Raises:
             ScenarioError: If there is no such overlay.
@@ -49,11 +49,11 @@ class Overlays:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """All there are."""
+        """Names of all overlays."""
         return tuple(OVERLAYS)
 
     def is_on(self, name: str) -> bool:
-        """Whether one is shown.
+        """Returns True if an overlay is shown.
 
         Args:
             name: A key of ``OVERLAYS``.
@@ -61,11 +61,11 @@ class Overlays:
         return name in self._on
 
     def switch(self, name: str, on: bool) -> None:
-        """Shows one or hides it; of the two colorings the later one counts.
+        """Shows or hides an overlay; of the two colorings the later one counts.
 
         Args:
             name: A key of ``OVERLAYS``.
-            on: Whether to show it.
+            on: True to show the overlay.
 
         Raises:
             ScenarioError: If there is no such overlay.
@@ -82,11 +82,11 @@ class Overlays:
 
 
 def overlays_from(text: str, offered: Collection[str] = OVERLAYS) -> list[str]:
-    """Names from a list such as ``com,dcm``; ``all`` and ``none`` are known too.
+    """Parses a list such as ``com,dcm``, or ``all`` or ``none``.
 
     Args:
         text: The list.
-        offered: Which of them can be shown: all, or LOGGED.
+        offered: Overlays that can be shown: all, or LOGGED.
 
     Raises:
         ScenarioError: If there is no such overlay, or it is not offered.

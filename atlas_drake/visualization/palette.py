@@ -1,4 +1,4 @@
-"""The colors of what the controller thinks, the same wherever it is drawn."""
+"""Colors of quantities of the controller, the same in figures and 3D view."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""Lines with a width, because browsers draw those of Meshcat one pixel thin.
+"""Lines with a width, because browsers draw Meshcat's lines one pixel thin.
 
-Geometry, and the one call that hands it to Meshcat.
+Geometry, and the call that draws it in Meshcat.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ Array = NDArray[np.float64]
 def ribbons(
     starts: Array, ends: Array, width: float
 ) -> tuple[Array, NDArray[np.int32]]:
-    """Rectangles along line segments in the plane z = 0.
+    """Makes rectangles along line segments in the plane z = 0.
 
     Args:
-        starts: Where the segments begin [m], shape (3, n).
-        ends: Where they end [m], shape (3, n).
-        width: Of the lines [m]; the ends stick out by half of it, which closes the
-            corners of chains.
+        starts: Starts of the segments [m], shape (3, n).
+        ends: Ends of the segments [m], shape (3, n).
+        width: Width of the lines [m]; the ends extend by half the width, which closes
+            the corners of chains.
 
     Returns:
         Vertices [m], shape (3, 4 n), and triangles, shape (3, 2 n).
@@ -50,14 +50,14 @@ def draw_flat(
     faces: Any,
     color: Rgba,
 ) -> None:
-    """Draws triangles that throw no shadow: they are signs, not things.
+    """Draws triangles without shadow, for signs.
 
     Args:
-        meshcat: Where to.
-        path: Of the object.
-        vertices: [m], shape (3, any); in the object's own frame.
+        meshcat: Meshcat instance to draw in.
+        path: Path of the object.
+        vertices: Vertices in the object's frame [m], shape (3, any).
         faces: Triangles as indices of vertices, shape (3, any), int32.
-        color: Of the front and the back.
+        color: Color of the front and the back.
     """
     points: Any = np.asfortranarray(vertices)
     meshcat.SetTriangleMesh(path, points, faces, color)

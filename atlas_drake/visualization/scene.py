@@ -1,6 +1,6 @@
-"""The world around the robot in Meshcat: ground, grid, light and camera.
+"""The scene around the robot in Meshcat: ground, grid, light and camera.
 
-Only looks; the ground that the robot stands on is part of the plant.
+Appearance only; the plant has the ground for contact.
 """
 
 from __future__ import annotations
@@ -15,32 +15,33 @@ from atlas_drake.scenario import Scenario
 from atlas_drake.scenario.terrain import surface_height
 
 Array = Any
-"""An array for Meshcat, whose declared types those of numpy do not match."""
+"""Type of an array for Meshcat, whose stubs do not match numpy's types."""
 
 GROUND_SIZE, GROUND_THICKNESS = 80.0, 0.02
-"""Side and thickness of the slab that is drawn [m]."""
+"""Side and thickness of the ground slab in the view [m]."""
 GRID_SPACING, GRID_BOLD = 0.25, 4
-"""Between lines [m]; every so many lines are darker."""
+"""Distance between lines [m], and the interval of darker lines."""
 GRID_SIZE = 8.0
-"""[m]"""
+"""Side of the grid [m]."""
 GRID_LIFT = 0.001
-"""Of the lines above the ground, so that they are not hidden in it [m]."""
+"""Height of the lines above the ground, so that the ground does not hide them [m]."""
 
 CAMERA = "/Cameras/default/rotated/<object>"
-"""Path of Meshcat's camera; what hangs below it moves with the view."""
+"""Path of Meshcat's camera; objects below this path move with the view."""
 FIELD_OF_VIEW = 38.0
-"""Of the camera, upright [degree]: narrower than Meshcat's own, which distorts."""
+"""Vertical field of view of the camera [degree]: narrower than Meshcat's default, which
+distorts."""
 CAMERA_POSITION: Array = np.array([3.3, -2.5, 1.45])
 CAMERA_TARGET: Array = np.array([0.2, 0.0, 0.98])
-"""From the robot's first place on the ground, in axes W [m]: three quarters from the
-front, start and end of the tutorial in view."""
+"""Initial camera, from the robot's first place on the ground, in axes W [m]: from the
+front and side, with start and end of the tutorial in view."""
 
 SUN_POSITION = np.array([2.0, -3.0, 6.0])
-"""Of the lamp that throws the shadows, in W [m]."""
+"""Position of the lamp that throws the shadows, in W [m]."""
 
 
 def prepare_scene(meshcat: Meshcat) -> None:
-    """Dresses an empty Meshcat."""
+    """Sets up ground, light and camera of an empty Meshcat."""
     meshcat.SetProperty("/Grid", "visible", False)
     meshcat.SetProperty("/Axes", "visible", False)
     meshcat.SetProperty("/Background/<object>", "top_color", [0.80, 0.87, 0.94])
@@ -92,7 +93,7 @@ def _add_ground(meshcat: Meshcat) -> None:
 
 
 def _add_light(meshcat: Meshcat) -> None:
-    """One lamp from above with soft shadows; the others do not fade with distance."""
+    """Sets one lamp above with soft shadows; other lamps do not fade with distance."""
     for name, intensity in (
         ("PointLightNegativeX", 0.35),
         ("PointLightPositiveX", 0.35),

@@ -1,6 +1,6 @@
 """Letters as strokes, because Meshcat draws lines but no text.
 
-Geometry only: where the text is put and what it says is up to the caller.
+Geometry only; the caller gives text and place.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ import numpy as np
 GLYPH_WIDTH, GLYPH_HEIGHT = 4, 6
 """Size of the grid on which the letters are drawn; strokes join its points."""
 ADVANCE = 5.5
-"""From one letter to the next, on the same grid."""
+"""Distance from one letter to the next, on the same grid."""
 
 # Each stroke is a chain of grid points, written as two digits: x, then y.
 _GLYPHS = {
@@ -67,11 +67,11 @@ _UNKNOWN = ("00 06 46 40 00",)
 
 
 def text_segments(text: str, height: float) -> tuple[np.ndarray, np.ndarray]:
-    """One line of text as line segments, in capitals.
+    """Converts one line of text to line segments, in capitals.
 
     Args:
-        text: What to write; what the font lacks becomes an empty box.
-        height: Of the letters [m].
+        text: Text; characters that the font lacks become an empty box.
+        height: Height of the letters [m].
 
     Returns:
         Starts and ends of the segments [m], each of shape (3, number of segments), x to

@@ -1,7 +1,8 @@
-"""Changes of what Meshcat shows, which a recording plays back as they were seen.
+"""Property changes in Meshcat that a recording plays back correctly.
 
-Between two keys a recording fades numbers from one to the other, and its first key
-counts from the very beginning. What jumps, or comes later, has to say so; here it does.
+Between two keys a recording interpolates numbers, and its first key is valid from the
+start. A jump, or a later first value, therefore needs an extra key, which this module
+sets.
 """
 
 from __future__ import annotations
@@ -11,28 +12,28 @@ from pydrake.geometry import Meshcat
 from atlas_drake.visualization import FRAME_RATE
 
 PERIOD = 1.0 / FRAME_RATE
-"""Between two pictures [s]."""
+"""Time between two pictures [s]."""
 
 
 class Timeline:
     """Sets properties at a time, each only when it changes.
 
-    What has been set is known here and not in a Context: it is a fact about the
+    The set values are kept here and not in a Context, because they belong to the
     browser, as with Drake's own visualisers.
     """
 
     def __init__(self, meshcat: Meshcat) -> None:
-        """Knows nothing yet of what ``meshcat`` shows."""
+        """Starts without any property set in ``meshcat``."""
         self._meshcat = meshcat
         self._visible: dict[str, bool] = {}
         self._numbers: dict[tuple[str, str], tuple[float, float]] = {}
 
     def show(self, path: str, visible: bool, time: float) -> None:
-        """Shows or hides; where a recording begins it was the other way round.
+        """Shows or hides an object; a recording starts with the opposite state.
 
         Args:
-            path: Of something that is there already.
-            visible: Whether it is seen from now on.
+            path: Path of an existing object.
+            visible: True to show the object from now on.
             time: Simulated time [s].
         """
         before = self._visible.get(path)
@@ -41,7 +42,7 @@ class Timeline:
         self._visible[path] = visible
         if before is None and time > 0.0:
             self._meshcat.SetProperty(path, "visible", not visible, 0.0)
-            # Seen while a browser still loads the recording.
+            # Visible while a browser still loads the recording.
             self._meshcat.SetProperty(path, "visible", not visible)
         self._meshcat.SetProperty(path, "visible", visible, time)
 
@@ -49,9 +50,9 @@ class Timeline:
         """Sets a number that stays until the next one.
 
         Args:
-            path: Of something that is there already.
-            name: Of the property.
-            number: What it is from now on.
+            path: Path of an existing object.
+            name: Name of the property.
+            number: Value from now on.
             time: Simulated time [s].
         """
         before = self._numbers.get((path, name))

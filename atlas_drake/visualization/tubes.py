@@ -9,17 +9,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 SIDES = 6
-"""Of a tube's cross section."""
+"""Number of sides of a tube's cross section."""
 
 
 def thinned(points: NDArray[np.float64], bend: float) -> NDArray[np.float64]:
-    """The points of a curve without which it would look different.
+    """Removes points of a curve that do not change its look.
 
     After Ramer (1972) and Douglas and Peucker (1973).
 
     Args:
-        points: Along the curve [m], shape (k, 3), k > 1.
-        bend: How far from the result a point that is left out may be [m].
+        points: Points along the curve [m], shape (k, 3), k > 1.
+        bend: Greatest distance of a removed point from the result [m].
 
     Returns:
         Some of the points, first and last among them, shape (any, 3).
@@ -47,18 +47,18 @@ def thinned(points: NDArray[np.float64], bend: float) -> NDArray[np.float64]:
 def tube(
     points: NDArray[np.float64], radius: float
 ) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
-    """A tube along a curve that nowhere runs straight up for long.
+    """Makes a tube along a curve without long vertical parts.
 
     Args:
-        points: Along the curve [m], shape (k, 3), k > 1.
-        radius: [m]
+        points: Points along the curve [m], shape (k, 3), k > 1.
+        radius: Radius of the tube [m].
 
     Returns:
         Vertices [m], shape (3, SIDES k), and triangles, shape (3, 2 SIDES (k - 1)).
     """
     along = np.gradient(points, axis=0)
     along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-9)
-    # Across a vertical piece any horizontal direction will do.
+    # Across a vertical part any horizontal direction is valid.
     across = np.column_stack([-along[:, 1], along[:, 0], np.zeros(len(points))])
     length = np.linalg.norm(across, axis=1, keepdims=True)
     across = np.where(length > 1e-6, across / np.maximum(length, 1e-9), [0.0, 1.0, 0.0])

@@ -1,6 +1,6 @@
 """A camera that follows the robot from the front and the side.
 
-Where it stands and looks; taking the picture is the business of ``video_stage``.
+Pose of the camera only; ``video_stage`` takes the picture.
 """
 
 from __future__ import annotations
@@ -15,20 +15,21 @@ from pydrake.math import RigidTransform, RotationMatrix
 Vector = NDArray[np.float64]
 
 OFFSET_H: Vector = np.array([3.6, -2.6, 0.45])
-"""From what is looked at to the lens, in axes H: x is the robot's first heading [m]."""
+"""From the target to the lens, in axes H: x is the robot's initial heading [m]."""
 TARGET_ABOVE_PELVIS: Vector = np.array([0.0, 0.0, 0.06])
-"""What is looked at: the middle of the robot's height, with room for a caption [m]."""
+"""Height of the target: the middle of the robot's height, with room for a caption
+[m]."""
 LAG = 0.5
 """Time constant with which the camera follows [s]: it does not sway with each step."""
 
 
 def follow(target: Vector | None, p_WP: Vector, elapsed: float) -> Vector:
-    """What the camera looks at next.
+    """Computes the next target of the camera.
 
     Args:
-        target: What it looked at last, in W [m]; None at the beginning.
+        target: Last target in W [m]; None at the start.
         p_WP: Position of the pelvis [m].
-        elapsed: Time since then [s].
+        elapsed: Time since the last target [s].
 
     Returns:
         A point in W [m], shape (3,).
@@ -41,11 +42,11 @@ def follow(target: Vector | None, p_WP: Vector, elapsed: float) -> Vector:
 
 
 def camera_pose(target: Vector, yaw: float) -> RigidTransform:
-    """Pose of the camera, x to the right in the picture, y down and z ahead.
+    """Computes the pose of the camera, x right in the picture, y down and z ahead.
 
     Args:
-        target: What it looks at, in W [m].
-        yaw: Of the axes H in W [rad].
+        target: Target of the camera in W [m].
+        yaw: Yaw of the axes H in W [rad].
     """
     p_TC: Any = RotationMatrix.MakeZRotation(yaw).multiply(OFFSET_H)
     ahead = -p_TC / np.linalg.norm(p_TC)

@@ -1,6 +1,6 @@
 """Films a run: the robot, its footsteps and a caption, followed by a camera.
 
-Reads ports and hands pictures to a file; nothing here changes what is simulated.
+Reads ports and passes pictures to a file; filming never changes the simulation.
 """
 
 from __future__ import annotations
@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,9 @@ from pydrake.common.value import AbstractValue
 from pydrake.math import RollPitchYaw
 from pydrake.systems.framework import Context, DiagramBuilder, System
 
+from atlas_drake.errors import shown
 from atlas_drake.frozen import NOTHING
+from atlas_drake.numeric import is_whole
 from atlas_drake.robot import Robot
 from atlas_drake.scenario.terrain import Block
 from atlas_drake.scenario.world import WorldMaker
@@ -32,41 +35,61 @@ from atlas_drake.visualization.video_stage import VideoStage
 VIDEO_RATE = 25
 """Pictures per simulated second [1/s]."""
 TITLE_HEIGHT, NOTE_HEIGHT, MARGIN = 0.055, 0.030, 0.045
-"""Of the caption's letters and its distance from the edges, as shares of the height."""
+"""Height of the caption's letters and distance from the edges, as shares of the
+height."""
 INK = (33, 43, 56)
 """Red, green and blue of the letters."""
 ACCENTS = ((60, 125, 225), (235, 135, 50), (160, 190, 230), (235, 195, 160))
-"""Red, green and blue of footsteps as they look in the light."""
+"""Red, green and blue of footsteps in the light of the scene."""
 
 
 STATES = ("state", "plant_state")
-"""Ports that say where robot and world are."""
+"""Ports with the state of robot and world."""
 
 
 @dataclass(frozen=True)
 class Video:
-    """What is asked of a video: where to, and how large its pictures are [pixel]."""
+    """Settings of a video: path, and size of its pictures [pixel]."""
 
     path: Path
     width: int = 960
     height: int = 540
 
+    def __post_init__(self) -> None:
+        """Take a name as a path.
+
+        Raises:
+            TypeError: If a field is of the wrong type; it names the field.
+        """
+        if not isinstance(self.path, str | PathLike):
+            raise TypeError(
+                f"path of a Video must be the name of a file, is {shown(self.path)}"
+            )
+        object.__setattr__(self, "path", Path(self.path))
+        for name in ("width", "height"):
+            value = getattr(self, name)
+            if not (is_whole(value) and value > 0):
+                raise TypeError(
+                    f"{name} of a Video must be a positive whole number, is "
+                    f"{shown(value)}"
+                )
+
 
 class VideoDisplay(CollectableSystem):
     """Takes a picture every 1 / VIDEO_RATE seconds.
 
-    What it has seen and where its camera looks is, as with Drake's own writers of
-    videos, a fact about the file and not state of the simulation.
+    Past pictures and the camera's target belong to the file, as with Drake's own video
+    writers, and not to the state of the simulation.
 
     Input ports:
-        state: Of the robot, the pelvis' orientation and position first.
-        plant_state: Of robot and world, configuration first.
+        state: State of the robot, the pelvis' orientation and position first.
+        plant_state: State of robot and world, configuration first.
         commands: ``CommandsInForce``
         controller_status: ``ControllerStatus``
         atlas_sim_interface_state: ``AtlasSimInterfaceState``
 
     Attributes:
-        fault: Why nothing is filmed any more; None while all is well.
+        fault: Error that ended the filming; None if there was none.
     """
 
     __slots__ = ()
@@ -82,11 +105,11 @@ class VideoDisplay(CollectableSystem):
         """Opens the file.
 
         Args:
-            video: What is asked for.
-            robot: Who is seen.
+            video: Settings of the video.
+            robot: Robot in the picture.
             terrain: Boxes on the ground.
-            world: What else there is.
-            sizes: Of the states, by port.
+            world: Models beside the robot.
+            sizes: Sizes of the states, by port.
 
         Raises:
             VideoError: If the video cannot be made.
@@ -110,19 +133,19 @@ class VideoDisplay(CollectableSystem):
 
     @property
     def closed(self) -> bool:
-        """Whether nothing is filmed any more."""
+        """True once filming has ended."""
         return not self._file.is_open
 
     @property
     def num_frames(self) -> int:
-        """How many pictures the video has."""
+        """Number of pictures of the video."""
         return self._file.num_frames
 
     def close(self) -> int:
-        """Finishes the file; what is simulated later is not filmed.
+        """Finishes the file and ends filming.
 
         Returns:
-            How many pictures the video has.
+            Number of pictures of the video.
 
         Raises:
             VideoError: If the file cannot be written, now or at an earlier picture.
@@ -154,19 +177,19 @@ class VideoDisplay(CollectableSystem):
         try:
             self._file.add(captioned)
         except VideoError as error:
-            # The simulation goes on.
+            # The simulation continues.
             self.fault = error
 
 
 def with_caption(
     picture: NDArray[np.uint8], title: str, note: str, time: float
 ) -> NDArray[np.uint8]:
-    """The picture with title and note in its upper left corner, and the time.
+    """Draws title and note into the upper left corner of a picture, and the time.
 
     Args:
-        picture: Shape (height, width, 3).
-        title: What the robot does.
-        note: Whose joints are whose.
+        picture: Picture, shape (height, width, 3).
+        title: Behavior of the robot.
+        note: Shares of user control.
         time: Simulated time [s].
     """
     from PIL import Image, ImageDraw
@@ -184,7 +207,7 @@ def with_caption(
 
 @cache
 def _font(size: float) -> Any:
-    """Letters of a height [pixel], whose outlines take a while to load."""
+    """Loads letters of a height [pixel]; cached, because loading is slow."""
     from PIL import ImageFont
 
     return ImageFont.load_default(size)
@@ -201,12 +224,12 @@ def add_video(
     """Adds a ``VideoDisplay`` named ``video`` to a diagram that holds a station.
 
     Args:
-        builder: Of the diagram.
+        builder: Builder of the diagram.
         station: An AtlasStation.
-        robot: Its robot.
-        terrain: Its boxes.
-        video: What is asked for.
-        world: What else is in its plant.
+        robot: Robot of the station.
+        terrain: Boxes on the ground of the station.
+        video: Settings of the video.
+        world: Models beside the robot in the station.
 
     Raises:
         VideoError: If the video cannot be made.

@@ -1,6 +1,6 @@
 """Pictures into a file: MP4 with H.264, or an animated GIF, one picture at a time.
 
-Knows nothing of robots. Its packages are an extra, loaded when needed.
+Nothing here is specific to robots. The packages are an extra, loaded when needed.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ from atlas_drake.whole_file import why_not_writable
 ENDINGS = (".mp4", ".gif")
 INSTALL = 'pip install "atlas-drake[video]"'
 PACKAGES = ("av", "PIL")
-"""What the extra installs: encoders, and text and palettes."""
+"""Packages of the extra: encoders, text and palettes."""
 QUALITY = "23"
-"""Constant rate factor of H.264: 18 is faultless, 28 visibly poor."""
+"""Constant rate factor of H.264: 18 has no visible loss, 28 is visibly poor."""
 
 
 class VideoError(AtlasError):
@@ -31,12 +31,12 @@ class VideoError(AtlasError):
 
 
 def check_video(path: Path, width: int, height: int) -> None:
-    """Refuses what could not be made, before anything is.
+    """Checks that a video can be made, before the run.
 
     Args:
-        path: Of the file to be; its ending is one of ENDINGS.
-        width: Of the pictures [pixel].
-        height: Of the pictures [pixel].
+        path: Path of the video; its ending is one of ENDINGS.
+        width: Width of the pictures [pixel].
+        height: Height of the pictures [pixel].
 
     Raises:
         VideoError: If the ending is unknown, a package is missing, the format cannot
@@ -59,7 +59,7 @@ def check_video(path: Path, width: int, height: int) -> None:
 
 
 class VideoFile:
-    """Encodes pictures as they come, so that a long video needs no memory."""
+    """Encodes each picture at once, so that a long video needs little memory."""
 
     def __init__(
         self,
@@ -72,12 +72,12 @@ class VideoFile:
         """Opens the file.
 
         Args:
-            path: Where to; the ending is one of ENDINGS.
+            path: Path of the video; its ending is one of ENDINGS.
             rate: Pictures per second.
-            width: Of the pictures [pixel].
-            height: Of the pictures [pixel].
-            accents: Red, green and blue of colors that come later in a video and
-                that a GIF, whose first picture decides its palette, shall have.
+            width: Width of the pictures [pixel].
+            height: Height of the pictures [pixel].
+            accents: Red, green and blue of colors that appear later in a video. A GIF,
+                whose palette comes from its first picture, reserves them.
 
         Raises:
             VideoError: See ``check_video``.
@@ -108,7 +108,7 @@ class VideoFile:
             picture: Red, green and blue, shape (height, width, 3).
 
         Raises:
-            VideoError: If it cannot be written. The file is then gone.
+            VideoError: If it cannot be written. The file is then deleted.
         """
         if self._container is None:
             return
@@ -119,10 +119,10 @@ class VideoFile:
         self.num_frames += 1
 
     def close(self) -> None:
-        """Finishes the file; only then it can be played.
+        """Finishes the file, which cannot be played before.
 
         Raises:
-            VideoError: If it cannot be written. The file is then gone.
+            VideoError: If it cannot be written. The file is then deleted.
         """
         if self._container is None:
             return
@@ -134,12 +134,12 @@ class VideoFile:
 
     @property
     def is_open(self) -> bool:
-        """Whether pictures can be added."""
+        """True while pictures can be added."""
         return self._container is not None
 
     @contextmanager
     def _named_faults(self) -> Iterator[None]:
-        """Says which file cannot be written, and deletes what no one could play."""
+        """Names the file in a write error, and deletes the unplayable file."""
         import av
 
         try:
@@ -149,7 +149,7 @@ class VideoFile:
             if container is not None:
                 with suppress(av.error.FFmpegError, OSError):
                     container.close()
-            # A device or a pipe is not ours to delete.
+            # Never delete a device or a pipe.
             if self._path.is_file():
                 self._path.unlink()
             problem = getattr(error, "strerror", None) or error
@@ -161,7 +161,7 @@ class VideoFile:
         return av.VideoFrame.from_ndarray(picture, format="rgb24")
 
     def _indexed(self, picture: NDArray[np.uint8]) -> Any:
-        """In the 256 colors that suit the first picture: nothing flickers."""
+        """Reduces a picture to the 256 colors of the first picture, without flicker."""
         import av
         from PIL import Image
 
@@ -177,7 +177,7 @@ class VideoFile:
 
 
 def _palette(image: Any, accents: Sequence[tuple[int, int, int]]) -> Any:
-    """An image whose palette has the colors of another and the accents."""
+    """Makes an image whose palette has the colors of another image and the accents."""
     from PIL import Image
 
     indexed = image.quantize(256 - len(accents), method=Image.Quantize.FASTOCTREE)

@@ -1,7 +1,7 @@
-"""The robot's world for Drake's own renderer, which needs neither window nor browser.
+"""The video's scene for Drake's own renderer, which needs neither window nor browser.
 
-A copy of robot and terrain to be posed and looked at. The simulation never sees it, so
-that filming changes nothing. What is done with the pictures is in ``video_display``.
+A copy of robot, terrain and world that is posed and rendered. The copy is separate from
+the simulation, so that filming changes nothing. ``video_display`` uses the pictures.
 """
 
 from __future__ import annotations
@@ -51,23 +51,24 @@ Picture = NDArray[np.uint8]
 """Red, green and blue of each pixel, shape (height, width, 3)."""
 
 FIELD_OF_VIEW = 32.0
-"""Of the camera, upright [degree]."""
+"""Vertical field of view of the camera [degree]."""
 NEAR, FAR = 0.1, 100.0
-"""What the camera sees, from its lens [m]."""
+"""Near and far limit of the camera's view from its lens [m]."""
 SKY = np.array([0.84, 0.90, 0.95])
 GROUND_COLOR = np.array([0.86, 0.87, 0.88, 1.0])
 GROUND_SIZE, GROUND_THICKNESS = 160.0, 0.02
-"""[m]"""
+"""Side and thickness of the ground slab [m]."""
 GRID_SIZE, GRID_SPACING, GRID_LIFT = 12.0, 0.5, 0.002
-"""[m]"""
+"""Side, line spacing and height above the ground of the grid [m]."""
 GRID_WIDTH, GRID_COLOR = 0.012, np.array([0.75, 0.78, 0.81, 1.0])
 SHADOW_MAP = 1280
-"""Side of the shadow map [pixel]; without a graphics card it is filled at the expense
-of a third of a small picture's time."""
+"""Side of the shadow map [pixel]; without a graphics card it takes a third of the time
+of a small picture."""
 LAMP, LAMP_INTENSITY, LAMP_CONE = np.array([3.0, -5.0, 9.0]), 1.7, 62.0
-"""From what is looked at, in axes H [m]; brightness; half angle [degree]."""
+"""The lamp with shadow: position from the target, in axes H [m]; brightness; half angle
+[degree]."""
 FILL, FILL_INTENSITY = np.array([45.0, 3.0, 45.0]), 2.0
-"""The lamp without shadow: from what is looked at, in axes H [m]; brightness."""
+"""The lamp without shadow: position from the target, in axes H [m]; brightness."""
 _RENDERER = "vtk"
 
 
@@ -85,11 +86,11 @@ class VideoStage:
         """Sets up the scene.
 
         Args:
-            robot: Who is seen.
+            robot: Robot in the picture.
             terrain: Boxes on the ground.
-            width: Of the pictures [pixel].
-            height: Of the pictures [pixel].
-            world: Adds what else is seen.
+            width: Width of the pictures [pixel].
+            height: Height of the pictures [pixel].
+            world: Callables that add models beside the robot.
         """
         self._outline = sole_outline(robot.file.sole)
         builder = DiagramBuilder()
@@ -133,8 +134,8 @@ class VideoStage:
         """Takes one picture.
 
         Args:
-            q: Configuration of robot and world, as the plant orders it.
-            marks: Footsteps to be seen.
+            q: Configuration of robot and world, in plant order.
+            marks: Footstep marks in the picture.
             X_WC: Pose of the camera, z ahead and y down.
         """
         context = self._plant.GetMyMutableContextFromRoot(self._context)
@@ -179,7 +180,7 @@ class VideoStage:
 
 
 def _mesh(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> Mesh:
-    """Triangles that are seen from above, as the renderer reads them."""
+    """Writes triangles, visible from above, in the renderer's format."""
     lines = [f"v {x:.5f} {y:.5f} {z:.5f}" for x, y, z in vertices.T]
     lines.append("vn 0 0 1")
     lines += ["f " + " ".join(f"{i + 1}//1" for i in face) for face in faces.T]
@@ -188,7 +189,7 @@ def _mesh(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> Mesh:
 
 
 def _color(mark: FootstepMark) -> Rgba:
-    """Of a mark; a landed one is pale, as see-through ones are not drawn reliably."""
+    """Color of a mark; pale if landed, because transparency is not drawn reliably."""
     color = COLORS[mark.foot]
     if mark.kind is not Kind.LANDED:
         return color

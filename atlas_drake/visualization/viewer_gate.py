@@ -1,7 +1,7 @@
-"""Leaves pictures out that a slow viewer could not take in time.
+"""A gate that leaves out pictures that a slow viewer could not take in time.
 
-What a viewer has not yet taken waits in buffers, without bound: the picture would be
-seconds, and then minutes, behind the robot. What is drawn is not known here.
+Data that a viewer has not yet read waits in unbounded buffers: the picture would lag
+seconds, and then minutes, behind the robot. The gate is independent of the displays.
 """
 
 from __future__ import annotations
@@ -16,34 +16,34 @@ from pydrake.systems.framework import Context, Diagram
 from atlas_drake.systems.collectable_system import CollectableSystem
 
 LIMIT = 48_000
-"""More than this on its way to a viewer is too much [byte]: eight pictures or so."""
+"""Amount of unread data above which the gate closes [byte]: about eight pictures."""
 LOOK_EVERY = 4
-"""Pictures between looks at what is on its way."""
+"""Pictures between checks of the unread data."""
 TABLES = ("/proc/net/tcp", "/proc/net/tcp6")
-"""Where Linux lists its sockets. Elsewhere no picture is left out."""
+"""Linux' lists of sockets. On other systems no picture is left out."""
 GATE = "viewer_gate"
 """Name of the gate in a diagram."""
 _ESTABLISHED = "01"
 
 
 class ViewerGate(CollectableSystem):
-    """Is closed while a viewer still has too much to take; the slowest one counts.
+    """A gate that is closed while the slowest viewer has too much unread data.
 
-    Drake's visualiser then records, without showing, and the recording is thrown away:
-    that is the one way to keep it from sending. A diagram whose view is recorded must
-    not have a gate. Meshcat does not say whether a recording runs: one that somebody
-    else began would be thrown away, too. Our own displays ask ``is_open``. All of them
-    draw what is, not what has changed, so that the first picture through an open gate
-    is the latest.
+    While the gate is closed Drake's visualiser records without showing, and the
+    recording is deleted: no other way keeps it from sending. A diagram whose view is
+    recorded must not have a gate. Meshcat does not report a running recording, so that
+    a recording from elsewhere would be deleted, too. The displays of this project read
+    ``is_open``. All displays draw the full state, not changes, so that the first
+    picture through an open gate is the latest.
 
-    Whether it is open is a fact about the browser, and no part of the Context. It has
-    to be added to a diagram before the systems that draw.
+    The state of the gate belongs to the browser and not to the Context. The gate must
+    be added to a diagram before the systems that draw.
     """
 
     __slots__ = ()
 
     def __init__(self, meshcat: Meshcat, period: float) -> None:
-        """Looks at the viewers of ``meshcat``; a picture comes every ``period`` [s]."""
+        """Watches the viewers of ``meshcat``; a picture comes every ``period`` [s]."""
         super().__init__()
         self._meshcat = meshcat
         self._pictures = 0
@@ -51,7 +51,7 @@ class ViewerGate(CollectableSystem):
         self.DeclarePeriodicPublishEvent(period, 0.0, self._publish)
 
     def open(self) -> None:
-        """Lets pictures through until the next look."""
+        """Opens the gate until the next check."""
         if not self.is_open:
             self._meshcat.StopRecording()
             self._meshcat.DeleteRecording()
@@ -70,15 +70,15 @@ class ViewerGate(CollectableSystem):
             self._meshcat.StartRecording(set_visualizations_while_recording=False)
             self.is_open = False
         else:
-            self._meshcat.DeleteRecording()  # It would grow as long as it is closed.
+            self._meshcat.DeleteRecording()  # It would grow while the gate is closed.
 
 
 def show_latest(diagram: Diagram, context: Context) -> None:
-    """Draws what is now, through a closed gate too: where a simulation ends or rests.
+    """Draws the present state, also through a closed gate, when a simulation stops.
 
     Args:
-        diagram: Whose gate has the name GATE, if there is one.
-        context: Of the diagram.
+        diagram: Diagram whose gate has the name GATE, if there is one.
+        context: Context of the diagram.
     """
     if diagram.HasSubsystemNamed(GATE):
         gate: Any = diagram.GetSubsystemByName(GATE)
@@ -88,20 +88,20 @@ def show_latest(diagram: Diagram, context: Context) -> None:
 
 
 def read_sockets() -> Iterator[list[str]]:
-    """The rows of the kernel's tables of sockets, each of them split into words."""
+    """Reads the rows of the kernel's tables of sockets, each split into words."""
     for table in map(Path, TABLES):
         if table.is_file():
             yield from (line.split() for line in table.read_text().splitlines()[1:])
 
 
 def bytes_on_the_way(rows: Iterable[list[str]], port: int) -> list[int]:
-    """What each connection of a port has sent that the other end has not yet read.
+    """Computes the unread data of each connection of a port [byte].
 
-    If that end is on this computer, what waits there is known and counts, too.
+    If the other end is on this computer, the data in its receive buffer counts, too.
 
     Args:
-        rows: As ``read_sockets`` gives them.
-        port: Of the server.
+        rows: Rows of ``read_sockets``.
+        port: Port of the server.
     """
     ending = f":{port:04X}"
     sent: dict[tuple[str, str], int] = {}

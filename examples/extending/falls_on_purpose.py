@@ -1,9 +1,9 @@
-"""A controller that falls on purpose: what events, summary and log say of it.
+"""A controller that falls on purpose: its events, summary and log.
 
     python examples/extending/falls_on_purpose.py
 
-Joint springs hold the robot, and its ankles let go after a second. The controller tells
-so in its status; that it falls is noticed by the simulation, whoever controls.
+Joint springs hold the robot, and its ankles let go after a second. The controller
+reports this in its status; the simulation detects the fall for any controller.
 """
 
 import argparse
@@ -53,7 +53,7 @@ class Fainting(LeafSystem):
 
 
 def main():
-    """Falls, and tells what is known about it afterwards."""
+    """Falls, and prints the report of the fall."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--log", type=Path, help="default: in a temporary folder")
     path = parser.parse_args().log or Path(tempfile.mkdtemp()) / "fall.npz"

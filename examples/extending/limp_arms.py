@@ -1,9 +1,9 @@
-"""Our controller, changed: its efforts pass through a system of your own.
+"""The shipped controller, changed: its efforts pass through your own system.
 
     python examples/extending/limp_arms.py
 
-The arms get no torque; balance, QP and behaviors are ours. A diagram is a System,
-too, and so fits the socket if it has the ports by their names.
+The arms get no torque; balance, QP and behaviors are the shipped ones. A diagram is a
+System, too, and so fits the socket if its ports have the right names.
 """
 
 import numpy as np
@@ -28,7 +28,7 @@ class LimpArms(LeafSystem):
 
 
 def make_controller(robot, config):
-    """Wires our controller and the system behind it; what the station calls."""
+    """Wires the shipped controller and the system behind it; the station calls it."""
     builder = DiagramBuilder()
     ours = builder.AddNamedSystem("ours", make_whole_body_controller(robot, config))
     limp = builder.AddNamedSystem("limp", LimpArms(robot))

@@ -28,8 +28,8 @@ class WavingWalker(LeafSystem):
         self._raise, self._wag = map(robot.joint_index, ("r_arm_shx", "r_arm_elx"))
         model = AbstractValue.Make(AtlasSimInterfaceState())
         self._report = self.DeclareAbstractInputPort("report", model)
-        # What the source sees goes through a state: a diagram allows no loop in which
-        # messages depend at once on a report, and the report on messages.
+        # The input of the source goes through a state: a diagram allows no algebraic
+        # loop from messages to the report and back.
         walks = self.DeclareDiscreteState(1)
         self.DeclarePeriodicDiscreteUpdateEvent(0.1, 0.0, self._look)
         self._declare("atlas_command", AtlasCommand, self._wave, self.time_ticket())

@@ -2,8 +2,8 @@
 
     python examples/extending/own_behavior.py
 
-One class and one entry. From then on BOW is asked for by name, refused where it cannot
-begin, logged, drawn and captioned like the behaviors that are shipped.
+One class and one entry. Then BOW is requested by name, refused if it cannot begin,
+logged, drawn and captioned like the shipped behaviors.
 """
 
 from dataclasses import dataclass, replace
@@ -20,13 +20,13 @@ LOWERING = 0.05  # of the center of mass in a bow of 1 rad [m]
 
 @dataclass
 class BowParams:
-    """What a command says about it."""
+    """Parameters of BOW."""
 
     depth: float = 0.4  # of the bow [rad]
 
 
 def check_bow(params, field):
-    """Refuses a bow that no back can make."""
+    """Refuses a bow beyond the range of the back."""
     check_number(params.depth, f"{field}.depth", 0.0, 0.6)
 
 
@@ -37,19 +37,19 @@ class Bow(Stand):
         super().__init__(tools.balance, tools.nominal_height, tools.rates)
         self._robot = tools.robot
 
-    def target(self, memory, seen, request, leaving):
-        """Where trunk and posture go; back upright once STAND is asked for."""
-        depth = 0.0 if leaving else (request.params or BowParams()).depth
-        upright = super().target(memory, seen, request, leaving)
+    def target(self, memory, observation, request, leaving):
+        """Goals of trunk and posture; upright again once STAND is requested."""
+        depth = 0.0 if leaving else (request.command.params or BowParams()).depth
+        upright = super().target(memory, observation, request, leaving)
         joints = self._robot.stand_prep.copy()
         joints[self._robot.joint_index("back_bky")] += depth
         height = upright.height - LOWERING * depth
         chest_tilt = np.array([0.0, depth])
         return replace(upright, chest_tilt=chest_tilt, joints=joints, height=height)
 
-    def update(self, memory, seen, body, request, leaving):
+    def update(self, memory, observation, body, request, leaving):
         """One tick; the behavior is over when the chest is upright again."""
-        outcome = super().update(memory, seen, body, request, leaving)
+        outcome = super().update(memory, observation, body, request, leaving)
         return replace(outcome, finished=leaving and outcome.body.chest_tilt[1] < 0.01)
 
 

@@ -1,9 +1,9 @@
-"""A controller of your own: joint PD with gravity compensation, in place of ours.
+"""Your own controller: joint PD with gravity compensation.
 
     python examples/extending/own_controller.py
 
 Atlas stands on joint springs; the ground's reaction on each foot is taken from the
-measured loads. A push at 2 s shows how little that is: springs know no balance.
+measured loads. A push at 2 s shows the limits of joint springs: they do not balance.
 """
 
 import argparse
@@ -19,7 +19,7 @@ class GravityCompensatedPd(LeafSystem):
     """Holds the stand-prep pose: τ = kp (q₀ - q) - kd v + gravity - Jᵀ f."""
 
     def __init__(self, robot, config):
-        """Takes the robot, and the station's choices, of which none matters here."""
+        """Takes the robot, and the station's settings, which are not used here."""
         super().__init__()
         self._robot = robot
         self._plant = robot.make_plant()

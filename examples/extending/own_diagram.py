@@ -37,7 +37,7 @@ X_HC = RigidTransform(  # of the camera in the head: z ahead, y down
 
 
 def add_scenery(plant):
-    """Gives the camera something to see: a floor, and boxes ahead."""
+    """Adds a floor, and boxes ahead, for the camera."""
     for name, size, p_WB, color in (
         ("floor", (20.0, 20.0, 0.02), (0.0, 0.0, -0.01), (0.75, 0.78, 0.80, 1.0)),
         ("red", (0.4, 0.4, 0.4), (1.9, 0.4, 0.2), (0.85, 0.25, 0.2, 1.0)),
@@ -48,7 +48,7 @@ def add_scenery(plant):
 
 
 def add_head_camera(builder, station, files):
-    """Adds a camera on the head, and what saves its pictures."""
+    """Adds a camera on the head, and a writer of its pictures."""
     renderer = MakeRenderEngineVtk(RenderEngineVtkParams(lights=[LIGHT]))
     station.GetSubsystemByName("scene_graph").AddRenderer("vtk", renderer)
     plant = station.GetSubsystemByName("plant")

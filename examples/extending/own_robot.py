@@ -33,7 +33,7 @@ def main():
     sim.advance(1.0)
     start = sim.pelvis_pose.translation()
 
-    # How long and how fast its steps are usually is in its file, too.
+    # The usual length and duration of its steps are in its file, too.
     report = sim.atlas_sim_interface_state
     walk = StepStream(steps_ahead(report, options.distance, Gait.of(robot)))
     while not walk.is_over(sim.atlas_sim_interface_state) and not sim.has_fallen:

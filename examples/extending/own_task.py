@@ -23,7 +23,7 @@ GAINS, WEIGHT = PdGains(kp=150.0, kd=25.0), 20.0  # [1/sÂ²], [1/s]; [cost]/[m/sÂ
 
 
 def circle(time):
-    """Where the hand shall be in P [m], and how fast it shall move there [m/s]."""
+    """Computes desired position in P [m] and velocity [m/s] of the hand."""
     rate = 2.0 * pi / PERIOD
     c, s = cos(rate * time), sin(rate * time)
     return CENTER + RADIUS * np.array([0.0, c, s]), RADIUS * rate * np.array([0, -s, c])
@@ -36,13 +36,13 @@ class WalkWithHand(Walk):
         super().__init__(tools.balance, tools.nominal_height, tools.rates, config)
         self._arm = tools.robot.limb("l_arm")
 
-    def update(self, memory, seen, body, request, leaving):
-        """One tick: what WALK wants, and the task."""
-        outcome = super().update(memory, seen, body, request, leaving)
-        P = seen.terms.frame("pelvis")
-        p_PD, v_PD = circle(seen.time)
+    def update(self, memory, observation, body, request, leaving):
+        """Computes one tick: the command of WALK with the task added."""
+        outcome = super().update(memory, observation, body, request, leaving)
+        terms, P = observation.terms, observation.terms.frame("pelvis")
+        p_PD, v_PD = circle(observation.time)
         p_WD, v_WD = P.p_WF + P.R_WF @ p_PD, P.V_WF[3:] + P.R_WF @ v_PD
-        hand = PositionTask.tracking(seen.terms, "l_hand", p_WD, GAINS, WEIGHT, v_WD)
+        hand = PositionTask.tracking(terms, "l_hand", p_WD, GAINS, WEIGHT, v_WD)
         command = outcome.command.with_posture_scaled(self._arm, 0.01).plus(hand)
         return replace(outcome, command=command)
 

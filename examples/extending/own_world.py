@@ -1,4 +1,4 @@
-"""A world of your own: a ball is thrown at Atlas, and the log tells how it hit.
+"""Your own world: a ball is thrown at Atlas, and the log shows the impact.
 
     python examples/extending/own_world.py
 
@@ -47,7 +47,7 @@ def throw(sim, speed):
 
 
 def find_hit(log):
-    """When the ball was hit first [s], and by which impulse [N·s], shape (3,)."""
+    """Finds the time of the first impact [s], and its impulse [N·s], shape (3,)."""
     axes = [log.column("world.v", f"ball_ball_v{axis}") for axis in "xyz"]
     step = np.diff(log.time)[:, None]
     change = np.diff(np.column_stack(axes), axis=0)

@@ -14,6 +14,8 @@ from atlas_drake.control.gains import ControlGains
 from atlas_drake.control.pelvis.pelvis_reach import PelvisReach
 from atlas_drake.messages import AtlasSimInterfaceState, Behavior, BehaviorStatus
 
+from .as_request import as_request
+
 POSE_FIELDS = (
     "pelvis_height",
     "pelvis_yaw",
@@ -39,6 +41,11 @@ def message(use_desired=True, demo=False, **desired):
     for name, value in desired.items():
         setattr(params.desired, name, value)
     return command
+
+
+def asked(use_desired=True, demo=False, **desired):
+    """Like ``message``, as a behavior gets it."""
+    return as_request(message(use_desired, demo, **desired))
 
 
 def numbers(pose):
@@ -93,11 +100,11 @@ def start(parts, observe):
 
 
 def test_without_a_wish_it_stays_as_it_began(start, observe):
-    robot = start(message(use_desired=False))
+    robot = start(asked(use_desired=False))
     began = numbers(robot.feedback.internal_desired)
     np.testing.assert_allclose(numbers(robot.feedback.clamped), began, atol=1e-9)
     np.testing.assert_allclose(began, numbers(robot.feedback.internal_sensed))
-    request = message(use_desired=False)
+    request = asked(use_desired=False)
     for _ in range(50):
         robot.tick(observe(), request)
     now = numbers(robot.feedback.internal_desired)
@@ -111,7 +118,7 @@ def test_it_takes_over_from_stand_and_gives_back_without_a_jump(parts, observe, 
     body = dataclasses.replace(
         capture_body(observe().terms), height=capture_body(seen.terms).height + 0.01
     )
-    quiet = message(use_desired=False)
+    quiet = asked(use_desired=False)
     memory = stand.enter(seen, body, quiet)
     first = stand.update(memory, seen, body, quiet, False)
     memory = manipulate.enter(seen, first.body, quiet)
@@ -129,31 +136,31 @@ def test_it_takes_over_from_stand_and_gives_back_without_a_jump(parts, observe, 
 
 
 def test_the_goal_is_what_can_be_had_of_the_wish(start):
-    feedback = start(message(pelvis_height=0.85, pelvis_pitch=0.1)).feedback
+    feedback = start(asked(pelvis_height=0.85, pelvis_pitch=0.1)).feedback
     expected = [0.85, 0.0, 0.1, 0.0, 0.0, 0.0]
     np.testing.assert_allclose(numbers(feedback.clamped), expected)
-    assert start(message(pelvis_height=-3.0)).feedback.clamped.pelvis_height > 0.5
-    assert start(message(pelvis_height=30.0)).feedback.clamped.pelvis_height < 1.0
+    assert start(asked(pelvis_height=-3.0)).feedback.clamped.pelvis_height > 0.5
+    assert start(asked(pelvis_height=30.0)).feedback.clamped.pelvis_height < 1.0
 
 
 def test_messages_change_the_goal_and_no_desired_keeps_it(start, observe):
-    robot = start(message(pelvis_height=0.85))
-    robot.tick(observe(), message(pelvis_height=0.83))
+    robot = start(asked(pelvis_height=0.85))
+    robot.tick(observe(), asked(pelvis_height=0.83))
     assert robot.feedback.clamped.pelvis_height == 0.83
-    robot.tick(observe(), message(use_desired=False, pelvis_height=0.7))
+    robot.tick(observe(), asked(use_desired=False, pelvis_height=0.7))
     assert robot.feedback.clamped.pelvis_height == 0.83
 
 
 def test_the_demo_is_not_begun_anew_and_stops_where_it_is(start, observe):
-    demo = message(demo=True)
+    demo = asked(demo=True)
     robot = start(demo)
     for _ in range(700):
         robot.tick(observe(), demo)
     moved = robot.feedback.clamped
     assert moved.pelvis_height < 0.9
-    robot.tick(observe(), message(demo=True))
+    robot.tick(observe(), asked(demo=True))
     assert robot.feedback.clamped.pelvis_height < moved.pelvis_height
-    stopped = message(use_desired=False)
+    stopped = asked(use_desired=False)
     robot.tick(observe(), stopped)
     held = robot.feedback.clamped.pelvis_height
     assert held == pytest.approx(moved.pelvis_height, abs=1e-3)
@@ -164,7 +171,7 @@ def test_the_demo_is_not_begun_anew_and_stops_where_it_is(start, observe):
 def test_arms_stay_and_hands_are_taken_back_where_the_user_leaves_them(
     start, observe, model
 ):
-    quiet = message(use_desired=False)
+    quiet = asked(use_desired=False)
     robot = start(quiet)
     arm = AtlasState.l_arm_ely
     raised = dataclasses.replace(
@@ -183,7 +190,7 @@ def test_arms_stay_and_hands_are_taken_back_where_the_user_leaves_them(
 
 
 def test_a_user_who_has_a_leg_is_waited_for(start, observe):
-    request = message(pelvis_height=0.85)
+    request = asked(pelvis_height=0.85)
     robot = start(request)
     held = observe(users={"r_leg_kny": 1.0})
     for _ in range(20):
@@ -200,8 +207,8 @@ def test_a_user_who_has_a_leg_is_waited_for(start, observe):
 
 
 def test_it_leaves_when_it_is_back_at_stands_pose(start, observe):
-    robot = start(message(pelvis_height=0.85))
-    request = message(pelvis_height=0.85)
+    robot = start(asked(pelvis_height=0.85))
+    request = asked(pelvis_height=0.85)
     for _ in range(300):
         robot.tick(observe(), request)
     assert robot.feedback.internal_desired.pelvis_height < 0.88

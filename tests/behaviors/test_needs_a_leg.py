@@ -15,6 +15,8 @@ from atlas_drake.control.pelvis.pelvis_reach import PelvisReach
 from atlas_drake.control.whole_body import ComTask
 from atlas_drake.messages import AtlasSimInterfaceState
 
+from .as_request import as_request
+
 HEIGHT = 0.9
 """Of the CoM above the soles in STAND [m]."""
 
@@ -66,9 +68,9 @@ def test_a_share_counts_by_the_effort_it_leaves(robot, stand, observe):
     assert not balances_with(robot.file.balance_effort - 0.1)
 
 
-def run(behavior, memory, observations, request=None, leaving=False):
+def run(behavior, memory, observations, command=None, leaving=False):
     """Outcomes of one tick after the other; ``memory`` None enters first."""
-    request = request or AtlasSimInterfaceCommand()
+    request = as_request(command or AtlasSimInterfaceCommand())
     outcomes = []
     for seen in observations:
         body = capture_body(seen.terms)

@@ -20,6 +20,8 @@ from atlas_drake.frozen import replace
 from atlas_drake.messages import AtlasSimInterfaceState, StepStatus, Vector3
 from atlas_drake.messages.event import STEPS_LEFT
 
+from .as_request import as_request
+
 LEFT, RIGHT = 0, 1
 RULES = StepRules()
 
@@ -43,7 +45,7 @@ def request(index=1, foot=LEFT, x=0.15, y=0.14):
     spec = command.step_params.desired_step_spec
     spec.step_index, spec.foot_index = index, foot
     spec.foot.position = Vector3(x, y, 0.0)
-    return command
+    return as_request(command)
 
 
 def entered(step, seen, command):
@@ -87,7 +89,7 @@ def test_a_weight_shift_starts_where_the_robot_is_and_how_it_moves(
 def test_a_slope_that_is_too_steep_is_told(step, observe, tilt, less):
     seen, command = observe(), request()
     normal = Vector3(math.sin(tilt), 0.0, math.cos(tilt))
-    command.step_params.desired_step_spec.foot.normal = normal
+    command.command.step_params.desired_step_spec.foot.normal = normal
     outcome = tick(step, entered(step, seen, command), seen, command)
     assert isinstance(outcome.memory, Shift)
     told = [] if less is None else [f"step 1 is tilted {less} rad less than its normal"]

@@ -12,6 +12,8 @@ from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.frozen import replace
 
+from .as_request import as_request
+
 RULES = WalkRules()
 
 
@@ -31,9 +33,9 @@ def raised(pose, height):
 def test_feet_that_lie_elsewhere_at_lift_off_may_end_the_walk(
     walk, observe, walk_message, height
 ):
-    seen, command = observe(), walk_message((1, 0, 0.2, 0.14))
+    seen, request = observe(), as_request(walk_message((1, 0, 0.2, 0.14)))
     body = capture_body(seen.terms)
-    phase = walk.enter(seen, body, command)
+    phase = walk.enter(seen, body, request)
     # The walk last saw the feet level with the step; since, they have come down.
     feet = tuple(raised(foot, height) for foot in phase.course.feet)
     (step,) = phase.course.pending
@@ -44,7 +46,7 @@ def test_feet_that_lie_elsewhere_at_lift_off_may_end_the_walk(
         elapsed=phase.duration + RULES.longest_wait,
         course=replace(phase.course, feet=feet, pending=pending),
     )
-    outcome = walk.update(phase, seen, body, command, leaving=False)
+    outcome = walk.update(phase, seen, body, request, leaving=False)
     if height == 0.0:
         assert isinstance(outcome.memory, Swing)
         return

@@ -51,7 +51,7 @@ def step(index, x=0.0, *, yaw=0.0, z=GROUND, foot=None, y=None, **changes):
 
 def outlook_of(steps, feet=None, aimed=None, in_air=None, **changes):
     feet = feet or (foot_at(LEFT), foot_at(RIGHT))
-    course = Course(feet, aimed or feet, tuple(steps), next_index=1, params=None)
+    course = Course(feet, aimed or feet, tuple(steps), next_index=1, request=None)
     course = dataclasses.replace(course, **changes)
     return look_ahead(course, in_air, LIMITS, SLACK)
 

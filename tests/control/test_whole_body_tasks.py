@@ -1,6 +1,7 @@
 """Each task alone: its rows mean what it says, and the QP meets its target."""
 
 import dataclasses
+import re
 
 import numpy as np
 import pytest
@@ -30,6 +31,7 @@ from atlas_drake.control.whole_body.model import GRAVITY
 
 HAND = "l_hand"
 GAINS = PdGains(kp=100.0, kd=20.0)
+ZERO = np.zeros(3)
 SIZES = {FrameTask: 6, OrientationTask: 3, PositionTask: 3}
 PATCH = ContactPatch.rectangle((-0.1, 0.1), (-0.05, 0.05), 0.6, 0.05)
 
@@ -368,3 +370,109 @@ def test_a_task_with_too_few_numbers_is_named(terms, changes, words):
     )
     with pytest.raises(ValueError, match=words):
         TaskStack([task], terms, [])
+
+
+class OwnTask(Task):
+    """Rows as they are given."""
+
+    def __init__(self, A=None, b=ZERO, G=None, weight=1.0):
+        self.given, self.target, self.weight = (A, b, G), ZERO, weight
+
+    def rows(self, terms, contacts):
+        return TaskRows(*self.given)
+
+
+class RowlessTask(OwnTask):
+    """A task whose author forgot to return."""
+
+    def rows(self, terms, contacts):
+        return None
+
+
+@pytest.mark.parametrize(
+    ("task", "words"),
+    [
+        (OwnTask(A=np.zeros((3, 33))), r"A of OwnTask .* \(3, 34\), has \(3, 33\)"),
+        (OwnTask(A=ZERO), r"A of OwnTask must have shape \(3, 34\), has \(3,\)"),
+        (OwnTask(b=np.zeros((3, 1))), r"b of OwnTask must have shape \(3,\), has"),
+        (OwnTask(b=0.0), r"b of OwnTask must have shape \(1,\), has \(\)"),
+        (OwnTask(G=np.zeros((3, 6))), r"G of OwnTask .* \(3, 12\), has \(3, 6\)"),
+        (OwnTask(A=np.eye(3, 34), G=np.eye(3)), r"G of OwnTask .* \(3, 12\), has"),
+        (OwnTask(A=np.eye(3, 34), weight="x"), "weight of OwnTask must be numbers"),
+        (PostureTask(ZERO, 1.0), r"target of PostureTask .* \(28,\), has \(3,\)"),
+        (RowlessTask(), "rows of RowlessTask must return TaskRows, returned None"),
+    ],
+)
+def test_rows_of_the_wrong_shape_are_named(robot, qp, bounds, terms, task, words):
+    with pytest.raises((TypeError, ValueError), match=words):
+        qp.solve(terms, still(robot, task, contacts=soles(robot)), bounds)
+
+
+def test_a_command_with_parts_of_the_wrong_shape_is_refused(robot, qp, bounds, terms):
+    good = still(robot)
+    short = dataclasses.replace(good.posture, target=np.zeros(27))
+    with pytest.raises(ValueError, match=r"command's posture .* \(28,\), has \(27,\)"):
+        qp.solve(terms, dataclasses.replace(good, posture=short), bounds)
+    with pytest.raises(TypeError, match="tasks must be Task values, has 3"):
+        good.plus(3)
+    limits = TaskBounds(ComTask(ZERO, 1.0), np.zeros(2), 1.0)
+    with pytest.raises(ValueError, match=r"lower of TaskBounds of ComTask .* \(3,\)"):
+        qp.solve(terms, good.plus(constraints=[limits]), bounds)
+
+
+@pytest.mark.parametrize(
+    ("reference", "words"),
+    [
+        ({"R_WD": ZERO}, r"R_WD of OrientationTask on 'l_hand' .* \(3, 3\), has"),
+        ({"R_WD": np.eye(3), "w_WD": ZERO[:2]}, r"w_WD of OrientationTask .* has \(2,"),
+        ({"p_WD": ZERO[:2]}, r"p_WD of PositionTask on 'l_hand' .* \(3,\), has \(2,"),
+        ({"p_WD": 1.0}, r"p_WD of PositionTask .* \(3,\), has \(\)"),
+        ({"p_WD": "up"}, r"p_WD of PositionTask on 'l_hand' must be numbers of shape"),
+    ],
+)
+def test_a_reference_of_the_wrong_shape_is_named(terms, reference, words):
+    kind = OrientationTask if "R_WD" in reference else PositionTask
+    with pytest.raises(ValueError, match=words):
+        kind.tracking(terms, HAND, gains=GAINS, weight=1.0, **reference)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        (
+            {"target": np.full(3, np.nan)},
+            "target of PositionTask on 'l_hand' is not fi",
+        ),
+        ({"weight": np.inf}, "weight of PositionTask on 'l_hand' is not finite"),
+        ({"weight": 1e20}, r"weight of PositionTask on 'l_hand' is 1e\+20, too large"),
+        ({"weight": -5.0}, "weight of PositionTask on 'l_hand' is negative"),
+    ],
+)
+@pytest.mark.filterwarnings("ignore:invalid value")
+def test_a_task_without_which_there_were_a_solution_is_named(
+    robot, qp, bounds, terms, changes, words
+):
+    good = {"frame": HAND, "target": np.ones(3), "weight": 1.0}
+    command = still(robot, PositionTask(**good), contacts=soles(robot))
+    answer = qp.solve(terms, command, bounds)
+    assert answer.found
+    assert answer.why == ""
+    answer = qp.solve(terms, command.plus(PositionTask(**good | changes)), bounds)
+    assert not answer.found
+    assert re.match(words, answer.why)
+
+
+def test_rows_and_bounds_without_which_there_were_a_solution_are_named(
+    robot, qp, bounds, terms
+):
+    command = still(robot, contacts=soles(robot))
+    nothing = OwnTask(A=np.full((3, 34), np.nan))
+    answer = qp.solve(terms, command.plus(nothing), bounds)
+    assert answer.why == "A of OwnTask is not finite"
+    crossed = TaskBounds(ComTask(ZERO, 1.0), np.ones(3), -np.ones(3))
+    answer = qp.solve(terms, command.plus(constraints=[crossed]), bounds)
+    assert answer.why.startswith("bounds of TaskBounds of ComTask contradict")
+    beyond = TaskBounds(ComTask(ZERO, 1.0), 50.0, 60.0, soft=False)
+    answer = qp.solve(terms, command.plus(constraints=[beyond]), bounds)
+    assert not answer.found
+    assert answer.why == "the hard bounds of the command may contradict others"

@@ -255,6 +255,7 @@ def test_a_task_that_nothing_can_solve_is_told_of(bow):
     texts = [event.text for event in sim.events if event.kind == "warning"]
     assert len(texts) == 1
     assert "found no solution" in texts[0]
+    assert "(target of PositionTask on 'l_hand' is not finite)" in texts[0]
     assert sim.summary()["unsolved_ticks"] > 40
 
 
@@ -385,4 +386,41 @@ def test_an_update_without_outcome_is_told(bow):
     )
     sim.publish(asked("BOW"))
     with pytest.raises(BehaviorError, match="update of BOW must return an Outcome"):
+        sim.advance(0.02)
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"events": ("oh",)}, "events in the Outcome of BOW must be Event values"),
+        ({"events": None}, "events in the Outcome of BOW must be tuple or list, is N"),
+        ({"body": None}, "body in the Outcome of BOW must be BodyReference, is None"),
+        ({"command": 3}, "command in the Outcome of BOW must be WholeBodyCommand or"),
+        ({"status_flags": "x"}, "status_flags in the Outcome of BOW must be int"),
+    ],
+)
+def test_an_outcome_with_a_field_that_cannot_be_used_is_told(bow, changes, words):
+    class Wrong(Idle):
+        def update(self, *arguments, **keywords):
+            return replace(super().update(*arguments, **keywords), **changes)
+
+    sim = AtlasSimulation(
+        COARSE, behaviors=[replace(bow, make=lambda _tools, _config: Wrong())]
+    )
+    sim.publish(asked("BOW"))
+    with pytest.raises(BehaviorError, match=words):
+        sim.advance(0.02)
+
+
+def test_a_plan_that_is_none_is_told(bow):
+    class Planless(Stand):
+        def __init__(self, tools, config):
+            super().__init__(tools.balance, tools.nominal_height, tools.rates)
+
+        def plan(self, memory, com, omega):
+            return None
+
+    sim = AtlasSimulation(COARSE, behaviors=[replace(bow, make=Planless)])
+    sim.publish(asked("BOW"))
+    with pytest.raises(BehaviorError, match="plan of BOW must return a Plan, returned"):
         sim.advance(0.02)

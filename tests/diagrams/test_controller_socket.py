@@ -101,6 +101,7 @@ def test_a_controller_without_status_holds_the_robot(gravity_pd, tmp_path):
         assert sim.summary()["controller_tick_ms"]["median"] is None
     log = read_log(path)
     assert np.abs(log["joints.behavior_effort"][-1]).max() > 10.0
+    assert (log["controller.solved"] == -1).all()
     assert np.isnan(log["balance.dcm_reference"]).all()
     assert np.isfinite(log["balance.dcm"]).all()
 
@@ -183,6 +184,7 @@ def test_what_a_controller_tells_is_shown_logged_and_summed_up(tmp_path):
         assert sim.station.GetSubsystemByName("controller").resets == [Behavior.STAND]
     log = read_log(path)
     assert log["controller.unsolved"][-1] > 20
+    assert (log["controller.solved"] == 1).all()
     np.testing.assert_allclose(log["balance.support"][-1][:8], SQUARE.ravel())
 
 
@@ -210,6 +212,39 @@ def told(robot, status):
         (lambda: Plan(support=np.zeros((4, 3))), r"support must have shape \(k, 2\)"),
         (lambda: Plan(com_reference=[0.0] * 3), r"com_reference must have shape \(2,"),
         (lambda: PlannedPaths(swing=["up"]), r"swing must have shape \(k, 3\)"),
+        (
+            lambda: ControllerStatus(events=("hello",), event_count=1),
+            "events must be a t",
+        ),
+        (lambda: ControllerStatus(events=None), "events must be a tuple of Event"),
+        (
+            lambda: ControllerStatus(event_count="1"),
+            "event_count must be a whole number",
+        ),
+        (lambda: ControllerStatus(unsolved=0.5), "unsolved must be a whole number"),
+        (lambda: ControllerStatus(solved="yes"), "solved must be True, False or None"),
+        (lambda: ControllerStatus(walk_feedback=3), "walk_feedback must be AtlasBehav"),
+        (lambda: Event("now", "x", "y"), "time of an Event must be a number, is 'now'"),
+        (lambda: Event(np.nan, "x", "y"), "time of an Event must be finite"),
+        (lambda: Event(0.0, "x", 3), "text of an Event must be text, is 3"),
+        (lambda: Event(0.0, "x", "y", None), "data of an Event must be a dict"),
+        (lambda: Event(0.0, "footstep", "y", {"foot": 0}), "it lacks commanded, satur"),
+        (lambda: Plan(footsteps=("a",)), "footsteps must be a tuple of PlannedStep"),
+        (lambda: Plan(preview="a"), "preview must be a callable"),
+        (lambda: Plan(omega=-1.0), "omega must be a positive number or None, is -1.0"),
+        (
+            lambda: Plan(preview=lambda: None).paths,
+            "must return PlannedPaths, returned",
+        ),
+        (
+            lambda: PlannedStep(2, np.zeros(3), 0.0),
+            "foot of a PlannedStep must be 0 or",
+        ),
+        (lambda: PlannedStep(0, None, 0.0), r"p_WF must have shape \(3,\), is None"),
+        (
+            lambda: PlannedStep(0, np.zeros(3), None),
+            "yaw of a PlannedStep must be a num",
+        ),
     ],
 )
 def test_a_status_that_cannot_be_read_is_told(status, words):
@@ -218,6 +253,69 @@ def test_a_status_that_cannot_be_read_is_told(status, words):
     )
     with pytest.raises((TypeError, ValueError), match=words):
         sim.advance(0.01)
+
+
+@pytest.mark.parametrize(
+    "status",
+    [
+        lambda: "hello",
+        lambda: ControllerStatus(plan=Plan(preview=lambda: None)),
+        lambda: ControllerStatus(current_behavior=Behavior.named(200, "HOLD")),
+    ],
+)
+def test_one_fault_is_one_error_with_a_log_too(tmp_path, status):
+    sim = AtlasSimulation(
+        Scenario(**COARSE),
+        controller=lambda robot, _: told(robot, status),
+        log=tmp_path / "run.npz",
+    )
+    with pytest.raises((TypeError, ValueError)) as caught, sim:
+        sim.advance(0.01)
+    assert caught.value.__context__ is None
+    assert not sim._finalizer.alive
+
+
+class Counting(LeafSystem):
+    """Tells an event in each tick, and two from the start; it knows of no resets."""
+
+    def __init__(self, robot, config):
+        super().__init__()
+        period = config.control_period
+        self._count = self.DeclareDiscreteState([2.0])
+        self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._tick)
+        self.DeclareVectorOutputPort(
+            "behavior_effort", robot.num_joints, lambda _context, out: out.SetZero()
+        )
+        self.DeclareAbstractOutputPort(
+            "controller_status",
+            lambda: AbstractValue.Make(ControllerStatus()),
+            self._tell,
+        )
+
+    def _tick(self, context, discrete):
+        discrete.set_value(context.get_discrete_state_vector().value() + 1)
+
+    def _tell(self, context, out):
+        count = int(context.get_discrete_state_vector().value()[0])
+        if context.get_time() > 0.15:
+            count = max(count - 9, 0)
+        events = tuple(Event(0.0, "note", f"{i}") for i in range(count))
+        out.set_value(ControllerStatus(events=events, event_count=count))
+
+
+def test_events_that_are_counted_anew_after_a_reset_are_all_told():
+    sim = AtlasSimulation(Scenario(**COARSE), controller=Counting)
+    sim.advance(0.04)
+    assert [event.text for event in sim.events] == [f"{i}" for i in range(12)]
+    sim.reset()
+    sim.advance(0.02)
+    texts = [event.text for event in sim.events]
+    assert texts[12].startswith("reset")
+    assert texts[13:] == [f"{i}" for i in range(7)]
+    with pytest.raises(ValueError, match="went back from 27 to 23: it must count"):
+        sim.advance(0.15)
+    sim.reset()
+    assert sim.events[-1].kind == "reset"
 
 
 def test_lists_of_points_count_as_arrays(tmp_path):

@@ -81,6 +81,48 @@ def test_set_points_are_shown_where_the_user_has_a_share(log, page):
     assert not any(line.dashed for line in panel(page, "Left arm").items)
 
 
+def test_references_are_dashed_where_there_are_any(log):
+    """STAND and WALK plan different ones, and a controller may plan none."""
+    names = [f"balance.{name}_reference" for name in ("com", "dcm", "cop")]
+    titles = ("From above", "Balance ahead", "Balance sideways")
+    for given in (names, names[:1], []):
+        arrays = {**log.arrays}
+        for name in set(names) - set(given):
+            arrays[name] = np.full_like(arrays[name], np.nan)
+        page = make_page(Log(log.path, log.header, arrays, log.notes))
+        for title, column in zip(titles, (1, 0, 1), strict=True):
+            drawn = [
+                item.y
+                for item in panel(page, title).items
+                if isinstance(item, Line) and item.dashed
+            ]
+            assert len(drawn) == len(given), title
+            for name, y in zip(given, drawn, strict=True):
+                np.testing.assert_array_equal(y, arrays[name][:, column])
+    # Logs of earlier versions lack some.
+    arrays = {n: a for n, a in log.arrays.items() if n != "balance.com_reference"}
+    make_page(Log(log.path, log.header, arrays, log.notes))
+
+
+def test_a_qp_that_is_not_told_of_is_not_shown_as_solved(log):
+    rows = len(log)
+    solved = np.ones(rows, dtype=int)
+    solved[: rows // 2] = -1
+    solved[-5:] = 0
+
+    def labels(**changes):
+        arrays = {**log.arrays, **changes}
+        page = make_page(Log(log.path, log.header, arrays, log.notes))
+        return [span.label for span in panel(page, "Whole-body QP").items]
+
+    assert labels() == ["solved"]
+    assert labels(**{"controller.solved": solved}) == ["solved", "no QP", "no solution"]
+    assert labels(**{"controller.solved": np.full(rows, -1)}) == ["no QP"]
+    arrays = {n: a for n, a in log.arrays.items() if n != "controller.solved"}
+    page = make_page(Log(log.path, log.header, arrays, log.notes))
+    assert [s.label for s in panel(page, "Whole-body QP").items] == ["solved"]
+
+
 def test_the_cop_lies_in_the_support(log, page):
     items = panel(page, "Balance sideways").items
     (support,) = [item for item in items if isinstance(item, Band)]

@@ -23,6 +23,7 @@ from atlas_drake.messages.commands import (
     commands_at_start,
     latch,
     log_refusals,
+    receive,
 )
 from atlas_drake.messages.controller_status import ControllerStatus
 from atlas_drake.robot import load_robot
@@ -145,7 +146,7 @@ def test_a_behavior_command_sets_the_joints_too(robot, start, everything, field)
     command = AtlasSimInterfaceCommand(behavior=Behavior.STAND)
     setattr(command, field, values)
     after = sent(before, robot, sim=command)
-    assert after.request.number == before.request.number + 1
+    assert after.request.number == after.received == before.received + 1
     for name in JOINT_FIELDS:
         expected = values if name == field else getattr(before.joints, name)
         np.testing.assert_array_equal(getattr(after.joints, name), expected)
@@ -326,7 +327,7 @@ def test_a_message_seen_before_is_not_new(robot, start):
     once = latch(start, bad, good, robot, 1.0)
     assert latch(once, bad, good, robot, 2.0) is once
     assert once.refused == 1
-    assert once.request.number == 1
+    assert once.request.number == once.received == 2
 
 
 def test_an_equal_message_is_new_only_with_another_number_or_stamp(robot, start):
@@ -349,16 +350,27 @@ def test_an_equal_message_is_new_only_with_another_number_or_stamp(robot, start)
         assert force.received == number
 
 
-def test_requests_are_objects_of_their_own(robot, start):
-    """By which behaviors notice that one was sent again."""
+def test_a_request_that_is_sent_again_has_another_number(robot, start):
     message = AtlasSimInterfaceCommand(behavior=Behavior.WALK).snapshot()
     force = latch(start, NOTHING, message, robot, 1.0)
     other = AtlasSimInterfaceCommand(behavior=Behavior.STAND).snapshot()
     force = latch(force, NOTHING, other, robot, 1.0)
     force = latch(force, NOTHING, message, robot, 1.0)
-    _, first, _, again = (request.command for request in force.requests)
-    assert first == again
-    assert first.walk_params is not again.walk_params
+    _, first, _, again = force.requests
+    assert first.command == again.command
+    assert (first.number, again.number) == (1, 3)
+
+
+def test_a_message_that_is_handed_over_is_new_whatever_it_says(robot, start):
+    message = AtlasSimInterfaceCommand(behavior=Behavior.WALK)
+    force = latch(start, NOTHING, message, robot, 1.0)
+    force = receive(force, message, robot, 1.0)
+    assert [request.number for request in force.requests] == [0, 1, 2]
+    # What is on the port has been received already, and so counts no second time.
+    assert latch(force, NOTHING, message, robot, 1.0) is force
+    refused = receive(force, AtlasCommand(k_effort=[300]), robot, 2.0)
+    assert (refused.received, refused.refused) == (3, 1)
+    assert refused.request is force.request
 
 
 def test_a_message_that_changes_on_its_port_is_new(robot, start):

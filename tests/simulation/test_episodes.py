@@ -61,7 +61,7 @@ def record(sim):
     timing = ("wall_time", "real_time_factor", "controller_tick_ms")
     plain = {key: value for key, value in summary.items() if key not in timing}
     assert len(sim.tick_seconds) == 50
-    return seen, plain, sim.output("sent"), sim.output("commands").received
+    return seen, plain, sim.output("commands").received
 
 
 def same(one, other):

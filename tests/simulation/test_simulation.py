@@ -3,6 +3,7 @@
 import json
 import threading
 from fractions import Fraction
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -26,6 +27,7 @@ from atlas_drake import (
 )
 from atlas_drake.errors import ErrorCode
 from atlas_drake.simulation.tutorial import FIRST_COMMAND
+from atlas_drake.visualization.video_display import Video
 
 TICK = 0.002
 """Control period of the default scenario [s]."""
@@ -34,6 +36,34 @@ TICK = 0.002
 @pytest.fixture
 def sim():
     return AtlasSimulation()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"scenario": "x.yaml"}, "scenario must be a Scenario, is 'x.yaml'; load_sc"),
+        ({"video": "x.mp4"}, r"video must be a Video of .*, is 'x.mp4', such as Video"),
+        ({"overlays": ["com"]}, r"overlays must be Overlays of .*, is \['com'\]"),
+        ({"meshcat": True}, "meshcat must be a Meshcat of pydrake.geometry, is True"),
+        ({"on_event": "print"}, "on_event must be a callable"),
+        ({"log": True}, "log must be the name of a file, is True"),
+        ({"log": b"run.npz"}, "log must be the name of a file, is b'run.npz'"),
+    ],
+)
+def test_an_argument_of_the_wrong_type_is_named(arguments, words):
+    with pytest.raises(TypeError, match=words):
+        AtlasSimulation(**arguments)
+
+
+def test_a_video_that_cannot_be_is_refused():
+    assert Video("run.mp4").path == Path("run.mp4")
+    for fields, words in (
+        ({"path": 3}, "path of a Video must be the name of a file, is 3"),
+        ({"path": "x.mp4", "width": "wide"}, "width of a Video must be a positive who"),
+        ({"path": "x.mp4", "height": 0}, "height of a Video must be a positive whole"),
+    ):
+        with pytest.raises(TypeError, match=words):
+            Video(**fields)
 
 
 def joint_command(**fields):
@@ -272,7 +302,7 @@ def test_time_does_not_go_back_nor_on_for_ever(sim, t):
 def test_every_output_port_can_be_read_by_its_name(sim):
     ports = range(sim.diagram.num_output_ports())
     names = [sim.diagram.get_output_port(i).get_name() for i in ports]
-    assert {"effort", "state", "atlas_state", "sent"} <= set(names)
+    assert {"effort", "state", "atlas_state", "imu"} <= set(names)
     for name in names:
         assert sim.output(name) is not None
     sim.advance(TICK)
@@ -540,7 +570,7 @@ def test_an_error_of_who_listens_is_its_own_and_loses_no_event(tmp_path):
         on_event=on_event,
         log=tmp_path / "run.npz",
     )
-    sim.diagram.GetInputPort("other_atlas_command").FixValue(
+    sim.diagram.GetInputPort("atlas_command").FixValue(
         sim.context, AtlasCommand(position=[0.0])
     )
     sim.publish(behavior_command(Behavior.WALK))

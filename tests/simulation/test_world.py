@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pydrake.common.schema import Transform
 from pydrake.geometry import Box, Sphere
 from pydrake.math import RigidTransform
 from pydrake.multibody.math import SpatialVelocity
@@ -14,11 +15,19 @@ from pydrake.multibody.tree import (
     UnitInertia,
 )
 
-from atlas_drake import AtlasSimulation, Scenario, Start, load_scenario, read_log
+from atlas_drake import (
+    AtlasSimulation,
+    Block,
+    Scenario,
+    Start,
+    load_scenario,
+    read_log,
+)
+from atlas_drake.diagrams.atlas_station import StationConfig, make_atlas_station
 from atlas_drake.diagrams.replay import make_replay
-from atlas_drake.diagrams.standing import place_robot
 from atlas_drake.robot import load_robot
 from atlas_drake.scenario import Jitter
+from atlas_drake.scenario.models import Model
 from atlas_drake.scenario.world import WorldError
 
 EXAMPLES = Path(__file__).parents[2] / "examples/scenarios"
@@ -120,8 +129,6 @@ def test_the_robot_feels_a_ball_and_a_reset_puts_it_back():
 
 def test_what_the_feet_stand_on_counts_in_their_wrenches():
     sim = AtlasSimulation(Scenario(**COARSE), world=[plate])
-    context = sim.plant.GetMyMutableContextFromRoot(sim.context)
-    place_robot(sim.plant, context, sim.robot, clearance=0.04)
     sim.advance(0.6)
     wrenches = sim.output("foot_wrenches").reshape(2, 6)
     weight = sim.robot.mass * 9.81
@@ -139,6 +146,78 @@ def test_what_the_feet_stand_on_counts_in_their_wrenches():
             touched |= pair - feet
     assert touched == {"plate"}
     assert not sim.has_fallen
+
+
+def table(height, x=0.0):
+    """Adds a table top without legs; its upper side is at a height [m]."""
+
+    def add(plant):
+        pose = RigidTransform([x, 0.0, height - 0.15])
+        top = Box(1.0, 1.0, 0.3)
+        plant.RegisterCollisionGeometry(
+            plant.world_body(), pose, top, "table", FRICTION
+        )
+
+    return add
+
+
+PLATFORM = """<sdf version="1.9"><model name="platform"><link name="platform">
+  <collision name="box"><geometry><box><size>2 2 0.4</size></box></geometry></collision>
+</link></model></sdf>"""
+
+
+def test_the_robot_begins_on_what_is_below_it(tmp_path):
+    file = tmp_path / "platform.sdf"
+    file.write_text(PLATFORM)
+    X_WB = Transform(RigidTransform([0.0, 0.0, 0.1]))
+    model = Model(file=str(file), X_WB=X_WB, weld=True)
+    block = Block(position=[0.0, 0.0, 0.2])
+    flat = AtlasSimulation(Scenario(**COARSE)).pelvis_pose.translation()[2]
+    for sim in (
+        AtlasSimulation(Scenario(models=[model], **COARSE)),
+        AtlasSimulation(Scenario(**COARSE), world=[table(0.3)]),
+        # The higher one counts, be it terrain or not.
+        AtlasSimulation(Scenario(terrain=[block], models=[model], **COARSE)),
+    ):
+        height = sim.pelvis_pose.translation()[2] - flat
+        assert height == pytest.approx(0.3, abs=1e-4)
+    sim.advance(0.3)
+    assert not sim.has_fallen
+    sim.reset(pose=Start(position=[3.0, 0.0]))
+    assert sim.pelvis_pose.translation()[2] == pytest.approx(flat, abs=1e-4)
+    harnessed = AtlasSimulation(
+        Scenario(
+            start=Start(harnessed=True),
+            initial_behavior="FREEZE",
+            models=[model],
+            **COARSE,
+        )
+    )
+    height = harnessed.pelvis_pose.translation()[2] - flat
+    assert height == pytest.approx(0.4, abs=1e-4)
+    config = StationConfig(**COARSE)
+    station = make_atlas_station(config=config, world=[table(0.3)])
+    plant = station.GetSubsystemByName("plant")
+    pelvis = plant.GetBodyByName("pelvis")
+    context = plant.CreateDefaultContext()
+    height = pelvis.EvalPoseInWorld(context).translation()[2]
+    assert height == pytest.approx(flat + 0.3, abs=1e-4)
+
+
+def test_a_robot_that_would_begin_inside_a_model_is_refused():
+    with pytest.raises(WorldError, match=r"of atlas would begin 0\.\d+ m inside table"):
+        AtlasSimulation(Scenario(**COARSE), world=[table(1.0)])
+    # Where it begins elsewhere, nothing is in its way.
+    aside = Scenario(start=Start(position=[-2.0, 0.0]), **COARSE)
+    sim = AtlasSimulation(aside, world=[table(1.0), ball])
+    sim.apply_push("utorso", [5.0, 0.0, 0.0], 1.0)
+    sim.advance(0.1)
+    before = sim.output("plant_state").copy(), sim.output("commands"), len(sim.events)
+    with pytest.raises(WorldError, match="inside table: put one of them elsewhere"):
+        sim.reset("USER", pose=Start(position=[0.0, 0.0]))
+    np.testing.assert_array_equal(sim.output("plant_state"), before[0])
+    assert sim.output("commands") is before[1]
+    assert len(sim.events) == before[2]
 
 
 def second_head(plant):

@@ -1,4 +1,4 @@
-"""The programme: in order, on time, from feedback; other commanders pass through."""
+"""The programme: in order, on time, from feedback."""
 
 import pytest
 from pydrake.systems.analysis import Simulator
@@ -139,44 +139,3 @@ def test_what_was_sent_does_not_change_with_the_programmers_message():
     message.effort = [2.0]
     run.to(0.25)
     assert run.out(ATLAS) == joint_command(1.0)
-
-
-@pytest.mark.parametrize(
-    ("port", "other"), [(ATLAS, joint_command(8.0)), (SIM, behavior_command("USER"))]
-)
-def test_others_pass_through_at_once_and_stay(port, other):
-    run = Run()
-    run.to(0.013)
-    message = other.snapshot()
-    run.put(f"other_{port}", message)
-    assert run.out(port) is message
-    run.to(0.5)
-    assert run.out(port) is message
-    assert run.out({ATLAS: SIM, SIM: ATLAS}[port]) is NOTHING
-    assert run.out("sent") == 0
-
-
-def turned_pelvis(number):
-    """A behavior command that differs from others by a number."""
-    command = behavior_command(Behavior.MANIPULATE)
-    command.manipulate_params.desired.pelvis_yaw = number
-    return command
-
-
-@pytest.mark.parametrize(
-    ("port", "make"), [(ATLAS, joint_command), (SIM, turned_pelvis)], ids=[ATLAS, SIM]
-)
-def test_of_programme_and_others_the_later_message_counts(port, make):
-    run = Run((0.1, make(1.0)), (0.3, make(3.0)))
-    run.put(f"other_{port}", make(-1.0).snapshot())
-    run.to(0.05)
-    assert run.out(port) == make(-1.0)
-    run.to(0.15)
-    assert run.out(port) == make(1.0)
-    run.put(f"other_{port}", make(-2.0).snapshot())
-    assert run.out(port) == make(-2.0)
-    run.to(0.25)
-    assert run.out(port) == make(-2.0)
-    run.to(0.35)
-    assert run.out(port) == make(3.0)
-    assert run.out("sent") == 2

@@ -78,8 +78,11 @@ def test_a_context_knows_nothing_of_another_that_runs_in_turns(diagram, start):
     disturbance = AtlasCommand()
     disturbance.position = [0.5] * 28
     disturbance.k_effort = [200] * 28
-    other = diagram.GetInputPort("other_atlas_command")
-    other.FixValue(second.get_mutable_context(), disturbance.snapshot())
+    station = diagram.GetSubsystemByName("station")
+    interface = station.GetSubsystemByName("command_interface")
+    interface.receive(
+        interface.GetMyMutableContextFromRoot(second.get_mutable_context()), disturbance
+    )
     for k in range(1, 11):
         second.AdvanceTo(0.1 * k * END)
         first.AdvanceTo(END if k == 10 else 0.1 * k * END + 0.01)

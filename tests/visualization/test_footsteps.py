@@ -50,7 +50,7 @@ def walking(steps, taken=(), current=0):
 
 def landed(index, commanded, saturated=None, at=None, z=0.0):
     data = {"index": index, "foot": (index - 1) % 2, "commanded": commanded}
-    data |= {"landed_height": z}
+    data |= {"landed_height": z, "error_m": 0.0, "error_rad": 0.0}
     data |= {"saturated": saturated or commanded, "landed": at or commanded}
     return Event(1.0, "footstep", f"step {index} landed", data)
 

@@ -1,4 +1,4 @@
-"""What the robot models are made of: figures, shapes and the URDF writer.
+"""Sources of the robot models: figures, shapes and the URDF writer.
 
-Only ``build_models.py`` and the tests use this; nothing at run time does.
+Used by ``build_models.py`` and the tests only, never at run time.
 """

@@ -1,4 +1,4 @@
-"""What the robots look like: materials, and a mesh for every link.
+"""Appearance of the robots: materials, and a mesh for every link.
 
 The shapes themselves are in `appearance_trunk` and `appearance_limbs`.
 """

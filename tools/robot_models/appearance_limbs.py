@@ -1,4 +1,4 @@
-"""What the left arm and leg look like, as surfaces by link and material.
+"""Appearance of the left arm and leg, as surfaces by link and material.
 
 The right ones are their mirror images. Nothing here takes part in the physics.
 """

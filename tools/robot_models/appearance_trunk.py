@@ -1,4 +1,4 @@
-"""What pelvis, trunk and head look like, as surfaces by link and material.
+"""Appearance of pelvis, trunk and head, as surfaces by link and material.
 
 Arms and legs are in `appearance_limbs`; nothing here takes part in the physics.
 """

@@ -1,7 +1,7 @@
 """Collision shapes of both robots, and which pairs of links never collide.
 
-What the robots look like is in `appearance`. Shapes are few and plain, so that a
-step costs little and a robot that fell still lies on the ground as it should.
+Visual meshes are in `appearance`. Shapes are few and plain, so that a step is fast and
+a fallen robot still lies on the ground correctly.
 """
 
 from __future__ import annotations
@@ -167,6 +167,6 @@ IGNORED_PAIRS: tuple[tuple[str, str], ...] = tuple(
 )
 """Pairs of groups whose links never collide with each other.
 
-What lies side by side in a chain overlaps on purpose, and what a moving arm or leg
-cannot reach need not be looked at. Every other pair of groups collides.
+Neighbors in a chain overlap on purpose, and pairs that no motion of arm or leg can
+bring together need no check. Every other pair of groups collides.
 """

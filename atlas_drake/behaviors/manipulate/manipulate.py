@@ -30,9 +30,9 @@ from atlas_drake.control.rotations import tilt_of
 from atlas_drake.frozen import replace
 from atlas_drake.messages import (
     AtlasBehaviorPelvisServoParams,
-    AtlasSimInterfaceCommand,
     AtlasSimInterfaceState,
 )
+from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan
 
 
@@ -48,7 +48,7 @@ class ManipulateMemory:
         motion: The reference on its way to the goal.
         upper: Trunk and arms as they were when the goal was found.
         sensed: The pose that the robot is in.
-        heard: The last command listened to.
+        request_number: Of the last request taken in; None takes it in again.
         demo_time: Since the demo began [s]; None without demo.
         demo_share: How much of its movement the legs allow [-].
         waits: Whether the user has a leg, and the wish waits for it to be back.
@@ -61,7 +61,7 @@ class ManipulateMemory:
     motion: PelvisMotion
     upper: UpperBody
     sensed: PelvisPose
-    heard: AtlasSimInterfaceCommand | None = None
+    request_number: int | None = None
     demo_time: float | None = None
     demo_share: float = 0.0
     waits: bool = False
@@ -100,57 +100,65 @@ class Manipulate:
 
     def enter(
         self,
-        seen: Observation,
+        observation: Observation,
         body: BodyReference,
-        request: AtlasSimInterfaceCommand,
+        request: BehaviorRequest,
     ) -> ManipulateMemory:
         """Starts from where the reference and the DCM are."""
-        return self._pursue(self._listen(self._here(seen, body), seen, request), seen)
+        return self._pursue(
+            self._listen(self._here(observation, body), observation, request),
+            observation,
+        )
 
     def update(
         self,
         memory: ManipulateMemory,
-        seen: Observation,
+        observation: Observation,
         body: BodyReference,
-        request: AtlasSimInterfaceCommand,
+        request: BehaviorRequest,
         leaving: bool,
     ) -> Outcome:
         """One tick; ``leaving`` brings the robot back to STAND's pose."""
-        waited, waits = memory.waits, bool(seen.user_held[self._legs].any())
+        waited, waits = memory.waits, bool(observation.user_held[self._legs].any())
         memory = replace(memory, waits=waits)
         if leaving:
-            home = self._home(seen, memory.stance)
-            memory = replace(memory, goal=home, demo_time=None, heard=None)
-        elif request is not memory.heard:
-            memory = self._pursue(self._listen(memory, seen, request), seen)
-        elif (waited and not waits) or self._arms_moved(memory, seen):
-            memory = self._pursue(memory, seen)
-        if self._slipped(memory.stance, seen):
-            memory = replace(memory, stance=self._note_feet(seen))
-            memory = memory if leaving else self._pursue(memory, seen)
+            home = self._home(observation, memory.stance)
+            memory = replace(memory, goal=home, demo_time=None, request_number=None)
+        elif request.number != memory.request_number:
+            memory = self._pursue(
+                self._listen(memory, observation, request), observation
+            )
+        elif (waited and not waits) or self._arms_moved(memory, observation):
+            memory = self._pursue(memory, observation)
+        if self._slipped(memory.stance, observation):
+            memory = replace(memory, stance=self._note_feet(observation))
+            memory = memory if leaving else self._pursue(memory, observation)
         if waits:
             # The user decides where the legs are: a pelvis that went elsewhere could
             # only tip the robot over.
             memory = replace(memory, goal=memory.motion.pose(memory.stance))
         elif memory.demo_time is not None:
-            time = memory.demo_time + seen.dt
+            time = memory.demo_time + observation.dt
             goal = demo_pose(memory.home, memory.demo_share, time)
             memory = replace(memory, goal=goal, demo_time=time)
 
-        motion = memory.motion.held_near(seen.terms, self._lead)
-        motion = motion.towards(memory.goal, memory.stance, self._rates, seen.dt)
+        motion = memory.motion.held_near(observation.terms, self._lead)
+        motion = motion.towards(memory.goal, memory.stance, self._rates, observation.dt)
         memory = replace(
-            memory, motion=motion, sensed=memory.stance.measure(seen.terms)
+            memory, motion=motion, sensed=memory.stance.measure(observation.terms)
         )
-        body = self._body(seen, body, motion)
-        omega = self._omega(seen, memory.stance)
+        body = self._body(observation, body, motion)
+        omega = self._omega(observation, memory.stance)
         command = self._balance.command(
-            seen,
+            observation,
             body,
             memory.dcm_reference(omega),
             omega,
             memory.stance.support,
-            (self._balance.planted(seen, 0), self._balance.planted(seen, 1)),
+            (
+                self._balance.planted(observation, 0),
+                self._balance.planted(observation, 1),
+            ),
         )
         there = motion.pose(memory.stance)
         remaining = max(abs(x - y) for x, y in zip(there, memory.goal, strict=True))
@@ -161,26 +169,28 @@ class Manipulate:
             finished=leaving and (waits or remaining < self._config.home),
         )
 
-    def idle(self, memory: ManipulateMemory, seen: Observation) -> ManipulateMemory:
+    def idle(
+        self, memory: ManipulateMemory, observation: Observation
+    ) -> ManipulateMemory:
         """Wish and reference wait while the pose is held; the robot is looked at."""
-        return replace(memory, sensed=memory.stance.measure(seen.terms))
+        return replace(memory, sensed=memory.stance.measure(observation.terms))
 
     def resume(
         self,
         memory: ManipulateMemory,
-        seen: Observation,
+        observation: Observation,
         body: BodyReference,
-        request: AtlasSimInterfaceCommand,
+        request: BehaviorRequest,
     ) -> ManipulateMemory:
         """Pursues the old wish, or goes on with the demo, from where the robot is."""
         resumed = replace(
-            self._here(seen, body),
+            self._here(observation, body),
             wish=memory.wish,
-            heard=memory.heard,
+            request_number=memory.request_number,
             demo_time=memory.demo_time,
             demo_share=memory.demo_share,
         )
-        return self._pursue(resumed, seen)
+        return self._pursue(resumed, observation)
 
     def plan(self, memory: ManipulateMemory, com: np.ndarray, omega: float) -> Plan:
         """The reference of the center of mass on its way to the pose asked for."""
@@ -200,19 +210,19 @@ class Manipulate:
         feedback.internal_desired = _params(memory.motion.pose(memory.stance))
         feedback.internal_sensed = _params(memory.sensed)
 
-    def _here(self, seen: Observation, body: BodyReference) -> ManipulateMemory:
+    def _here(self, observation: Observation, body: BodyReference) -> ManipulateMemory:
         """Memory that asks for nothing but what is."""
-        stance = self._note_feet(seen)
-        motion = self._motion_from(seen, body, stance)
+        stance = self._note_feet(observation)
+        motion = self._motion_from(observation, body, stance)
         pose = motion.pose(stance)
         return ManipulateMemory(
             stance=stance,
             wish=pose,
             goal=pose,
-            home=self._home(seen, stance),
+            home=self._home(observation, stance),
             motion=motion,
-            upper=self._reach.upper_body(seen.terms, stance),
-            sensed=stance.measure(seen.terms),
+            upper=self._reach.upper_body(observation.terms, stance),
+            sensed=stance.measure(observation.terms),
         )
 
     # ---- what is wished ------------------------------------------------------
@@ -220,16 +230,16 @@ class Manipulate:
     def _listen(
         self,
         memory: ManipulateMemory,
-        seen: Observation,
-        request: AtlasSimInterfaceCommand,
+        observation: Observation,
+        request: BehaviorRequest,
     ) -> ManipulateMemory:
         """Takes in a message."""
-        memory = replace(memory, heard=request)
-        params = request.manipulate_params
+        memory = replace(memory, request_number=request.number)
+        params = request.command.manipulate_params
         if params.use_demo_mode:
             if memory.demo_time is not None:
                 return memory
-            upper = self._reach.upper_body(seen.terms, memory.stance)
+            upper = self._reach.upper_body(observation.terms, memory.stance)
             share = demo_amplitude(
                 memory.home,
                 lambda pose: self._reach.allows(pose, memory.stance, upper),
@@ -244,27 +254,31 @@ class Manipulate:
             wish = memory.wish
         return replace(memory, wish=wish, demo_time=None)
 
-    def _pursue(self, memory: ManipulateMemory, seen: Observation) -> ManipulateMemory:
+    def _pursue(
+        self, memory: ManipulateMemory, observation: Observation
+    ) -> ManipulateMemory:
         """Makes the goal what can be had of the wish."""
-        upper = self._reach.upper_body(seen.terms, memory.stance)
-        home = self._home(seen, memory.stance)
+        upper = self._reach.upper_body(observation.terms, memory.stance)
+        home = self._home(observation, memory.stance)
         home = self._reach.attainable(home, memory.stance, upper)
         goal = self._reach.clamp(memory.wish, home, memory.stance, upper)
         return replace(memory, home=home, goal=goal, upper=upper)
 
-    def _arms_moved(self, memory: ManipulateMemory, seen: Observation) -> bool:
-        upper = self._reach.upper_body(seen.terms, memory.stance)
+    def _arms_moved(self, memory: ManipulateMemory, observation: Observation) -> bool:
+        upper = self._reach.upper_body(observation.terms, memory.stance)
         moved = upper.p_PU - memory.upper.p_PU
         return float(moved @ moved) > self._config.arms_moved**2
 
     # ---- references ----------------------------------------------------------
 
     def _motion_from(
-        self, seen: Observation, body: BodyReference, stance: Stance
+        self, observation: Observation, body: BodyReference, stance: Stance
     ) -> PelvisMotion:
         """The reference in force, in terms of the pelvis."""
-        terms = seen.terms
-        com = stance.support.clamp(feedback.dcm(terms, self._omega(seen, stance)))
+        terms = observation.terms
+        com = stance.support.clamp(
+            feedback.dcm(terms, self._omega(observation, stance))
+        )
         height = body.height - float(terms.com[2] - terms.p_WP[2])
         roll, pitch = body.pelvis_tilt
         return PelvisMotion(
@@ -276,7 +290,7 @@ class Manipulate:
         )
 
     def _body(
-        self, seen: Observation, body: BodyReference, motion: PelvisMotion
+        self, observation: Observation, body: BodyReference, motion: PelvisMotion
     ) -> BodyReference:
         """The reference of trunk and posture that goes with ``motion``.
 
@@ -284,22 +298,22 @@ class Manipulate:
         above the pelvis at present makes it follow the pelvis: the difference drops
         out of position and speed alike.
         """
-        terms = seen.terms
+        terms = observation.terms
         yaw, pitch, roll = motion.turn.position
         tilt = np.array([roll, pitch])
         # Trunk and pelvis turn as one, after whatever bend there was is straightened.
-        step = self._posture_rates.tilt * seen.dt
-        if seen.user_held[self._back].any():
+        step = self._posture_rates.tilt * observation.dt
+        if observation.user_held[self._back].any():
             bend = tilt_of(terms.R_WC) - tilt
         else:
             bend = body.chest_tilt - body.pelvis_tilt
             bend = bend - np.clip(bend, -step, step)
         # Arms and neck stay where they are, or where the user leaves them. So do the
         # legs: pelvis and feet leave them no choice.
-        follow = seen.user_held | self._legs
+        follow = observation.user_held | self._legs
         joints = np.where(follow, terms.q, body.joints)
-        straighten = self._back & ~seen.user_held
-        step = self._posture_rates.joints * seen.dt
+        straighten = self._back & ~observation.user_held
+        step = self._posture_rates.joints * observation.dt
         joints[straighten] += np.clip(
             self._balance.robot.stand_prep[straighten] - joints[straighten],
             -step,
@@ -317,24 +331,26 @@ class Manipulate:
             joints=joints,
         )
 
-    def _home(self, seen: Observation, stance: Stance) -> PelvisPose:
+    def _home(self, observation: Observation, stance: Stance) -> PelvisPose:
         """STAND's pose with the arms as they are."""
-        above = float(seen.terms.com[2] - seen.terms.p_WP[2])
+        above = float(observation.terms.com[2] - observation.terms.p_WP[2])
         return PelvisPose(height=self._nominal_height - above)
 
-    def _omega(self, seen: Observation, stance: Stance) -> float:
-        return feedback.pendulum_frequency(float(seen.terms.com[2] - stance.middle[2]))
+    def _omega(self, observation: Observation, stance: Stance) -> float:
+        return feedback.pendulum_frequency(
+            float(observation.terms.com[2] - stance.middle[2])
+        )
 
     # ---- feet ----------------------------------------------------------------
 
-    def _note_feet(self, seen: Observation) -> Stance:
-        left, right = seen.foot_pose(0), seen.foot_pose(1)
+    def _note_feet(self, observation: Observation) -> Stance:
+        left, right = observation.foot_pose(0), observation.foot_pose(1)
         return make_stance(left, right, self._balance.support(left, right))
 
-    def _slipped(self, stance: Stance, seen: Observation) -> bool:
+    def _slipped(self, stance: Stance, observation: Observation) -> bool:
         return any(
             float(np.abs(now.p_WF - noted.p_WF).max()) > self._config.foot_slip
-            for noted, now in zip(stance.feet, seen.terms.feet, strict=True)
+            for noted, now in zip(stance.feet, observation.terms.feet, strict=True)
         )
 
 

@@ -19,7 +19,8 @@ from atlas_drake.behaviors.base import BehaviorProtocol, Observation, Outcome
 from atlas_drake.behaviors.body_reference import BodyReference
 from atlas_drake.behaviors.freeze import Freeze, FreezeMemory
 from atlas_drake.frozen import replace
-from atlas_drake.messages import AtlasSimInterfaceCommand, AtlasSimInterfaceState
+from atlas_drake.messages import AtlasSimInterfaceState
+from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan
 from atlas_drake.messages.event import Event
 from atlas_drake.robot import ANKLE_PITCH, HIP_PITCH
@@ -43,15 +44,15 @@ class Holding:
 class StandingBehavior(BehaviorProtocol, Protocol):
     """A behavior that can be interrupted while its pose is held."""
 
-    def idle(self, memory: Any, seen: Observation) -> Any:
+    def idle(self, memory: Any, observation: Observation) -> Any:
         """The memory after a tick in which the pose was held."""
 
     def resume(
         self,
         memory: Any,
-        seen: Observation,
+        observation: Observation,
         body: BodyReference,
-        request: AtlasSimInterfaceCommand,
+        request: BehaviorRequest,
     ) -> Any:
         """The memory with which it goes on from where the robot is now."""
 
@@ -85,40 +86,42 @@ class StanceGuard:
 
     def enter(
         self,
-        seen: Observation,
+        observation: Observation,
         body: BodyReference,
-        request: AtlasSimInterfaceCommand,
+        request: BehaviorRequest,
     ) -> Any:
         """The behavior's own memory."""
-        return self.behavior.enter(seen, body, request)
+        return self.behavior.enter(observation, body, request)
 
     def update(
         self,
         memory: Any,
-        seen: Observation,
+        observation: Observation,
         body: BodyReference,
-        request: AtlasSimInterfaceCommand,
+        request: BehaviorRequest,
         leaving: bool,
     ) -> Outcome:
         """One tick."""
-        if self.has_a_leg(seen):
+        if self.has_a_leg(observation):
             if isinstance(memory, Holding):
-                memory = self.behavior.resume(memory.before, seen, body, request)
-            return self.behavior.update(memory, seen, body, request, leaving)
+                memory = self.behavior.resume(memory.before, observation, body, request)
+            return self.behavior.update(memory, observation, body, request, leaving)
         if not isinstance(memory, Holding):
-            memory = Holding(self._freeze.enter(seen, body, request), before=memory)
+            memory = Holding(
+                self._freeze.enter(observation, body, request), before=memory
+            )
         # Who takes every joint knows that nobody balances.
-        warn = not memory.warned and not seen.user_held.all()
-        outcome = self._freeze.update(memory.pose, seen, body, request, leaving)
+        warn = not memory.warned and not observation.user_held.all()
+        outcome = self._freeze.update(memory.pose, observation, body, request, leaving)
         return replace(
             outcome,
             memory=Holding(
                 pose=outcome.memory,
-                before=self.behavior.idle(memory.before, seen),
+                before=self.behavior.idle(memory.before, observation),
                 warned=memory.warned or warn,
             ),
             finished=leaving,
-            events=(Event(seen.time, "warning", self._warning),) if warn else (),
+            events=(Event(observation.time, "warning", self._warning),) if warn else (),
         )
 
     def plan(self, memory: Any, com: np.ndarray, omega: float) -> Plan:
@@ -133,12 +136,12 @@ class StanceGuard:
             memory = memory.before
         self.behavior.report(memory, state)
 
-    def has_a_leg(self, seen: Observation) -> bool:
+    def has_a_leg(self, observation: Observation) -> bool:
         """Whether there is a leg to balance with.
 
         It takes hip and ankle pitch of the same leg: one keeps the trunk upright, the
         other moves the center of pressure. Sideways the stance of two feet is stable
         whoever holds the joints.
         """
-        left_over = (1.0 - seen.user_share[self._pitch]) * self._limit
+        left_over = (1.0 - observation.user_share[self._pitch]) * self._limit
         return any(min(leg) >= self._least_effort for leg in left_over.tolist())

@@ -28,7 +28,8 @@ from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.feet.leg_reach import highest_com, hips_from_com
 from atlas_drake.control.rotations import mean_yaw
 from atlas_drake.frozen import replace
-from atlas_drake.messages import AtlasSimInterfaceCommand, AtlasSimInterfaceState
+from atlas_drake.messages import AtlasSimInterfaceState
+from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan
 
 _UPRIGHT = np.zeros(2)
@@ -73,22 +74,22 @@ class Stand:
 
     def enter(
         self,
-        seen: Observation,
+        observation: Observation,
         body: BodyReference,
-        request: AtlasSimInterfaceCommand,
+        request: BehaviorRequest,
     ) -> StandMemory:
         """Starts from where the DCM is, so that nothing moves abruptly."""
-        memory = self._note_feet(seen, com=np.zeros(2))
-        omega = _pendulum_frequency(seen, memory)
-        com = memory.support.clamp(feedback.dcm(seen.terms, omega))
+        memory = self._note_feet(observation, com=np.zeros(2))
+        omega = _pendulum_frequency(observation, memory)
+        com = memory.support.clamp(feedback.dcm(observation.terms, omega))
         return replace(memory, com=com)
 
     def update(
         self,
         memory: StandMemory,
-        seen: Observation,
+        observation: Observation,
         body: BodyReference,
-        request: AtlasSimInterfaceCommand,
+        request: BehaviorRequest,
         leaving: bool,
     ) -> Outcome:
         """One tick of standing.
@@ -96,41 +97,46 @@ class Stand:
         It is over as soon as it is to be left; a behavior that is derived from it may
         take its time.
         """
-        com = _towards(memory.com, memory.middle, self._config.com_speed * seen.dt)
-        if self._slipped(memory, seen):
-            memory = self._note_feet(seen, com)
+        com = _towards(
+            memory.com, memory.middle, self._config.com_speed * observation.dt
+        )
+        if self._slipped(memory, observation):
+            memory = self._note_feet(observation, com)
         elif com is not memory.com:
             memory = replace(memory, com=com)
         body = advance_body(
             body,
-            self.target(memory, seen, request, leaving),
+            self.target(memory, observation, request, leaving),
             self._rates,
-            seen.dt,
-            seen.terms.q,
-            seen.user_held,
+            observation.dt,
+            observation.terms.q,
+            observation.user_held,
         )
         command = self._balance.command(
-            seen,
+            observation,
             body,
             DcmReference(dcm=com, cop=com),
-            _pendulum_frequency(seen, memory),
+            _pendulum_frequency(observation, memory),
             memory.support,
-            (self._balance.planted(seen, 0), self._balance.planted(seen, 1)),
+            (
+                self._balance.planted(observation, 0),
+                self._balance.planted(observation, 1),
+            ),
         )
         return Outcome(memory=memory, body=body, command=command, finished=leaving)
 
     def target(
         self,
         memory: StandMemory,
-        seen: Observation,
-        request: AtlasSimInterfaceCommand,
+        observation: Observation,
+        request: BehaviorRequest,
         leaving: bool,
     ) -> BodyTarget:
         """Where trunk and posture go: upright, in the stand-prep pose.
 
         Args:
             memory: Where the robot stands.
-            seen: What is seen in this tick.
+            observation: What the robot measures in this tick.
             request: The command in force.
             leaving: Whether another behavior is to follow.
         """
@@ -141,19 +147,19 @@ class Stand:
             pelvis_tilt=_UPRIGHT,
         )
 
-    def idle(self, memory: StandMemory, seen: Observation) -> StandMemory:
+    def idle(self, memory: StandMemory, observation: Observation) -> StandMemory:
         """Nothing moves on while the pose is held."""
         return memory
 
     def resume(
         self,
         memory: StandMemory,
-        seen: Observation,
+        observation: Observation,
         body: BodyReference,
-        request: AtlasSimInterfaceCommand,
+        request: BehaviorRequest,
     ) -> StandMemory:
         """Begins anew: the feet may have moved."""
-        return self.enter(seen, body, request)
+        return self.enter(observation, body, request)
 
     def plan(self, memory: StandMemory, com: np.ndarray, omega: float) -> Plan:
         """The reference of the center of mass, where DCM and CoP shall rest, too."""
@@ -168,13 +174,16 @@ class Stand:
     def report(self, memory: StandMemory, state: AtlasSimInterfaceState) -> None:
         """There is nothing to report beyond the behavior's name."""
 
-    def _note_feet(self, seen: Observation, com: np.ndarray) -> StandMemory:
-        left, right = seen.foot_pose(0), seen.foot_pose(1)
+    def _note_feet(self, observation: Observation, com: np.ndarray) -> StandMemory:
+        left, right = observation.foot_pose(0), observation.foot_pose(1)
         middle = 0.5 * (left.p_WF + right.p_WF)
         legs = self._balance.robot.legs
         # With one foot high up the other leg may be too short for the full height.
         reach = highest_com(
-            legs, hips_from_com(seen.terms, legs), middle[:2], enumerate((left, right))
+            legs,
+            hips_from_com(observation.terms, legs),
+            middle[:2],
+            enumerate((left, right)),
         )
         return StandMemory(
             feet=(left, right),
@@ -185,18 +194,20 @@ class Stand:
             com=com,
         )
 
-    def _slipped(self, memory: StandMemory, seen: Observation) -> bool:
+    def _slipped(self, memory: StandMemory, observation: Observation) -> bool:
         slip = self._config.foot_slip
         return any(
             abs(x - noted_x) > slip
-            for noted, now in zip(memory.feet, seen.terms.feet, strict=True)
+            for noted, now in zip(memory.feet, observation.terms.feet, strict=True)
             for x, noted_x in zip(now.p_WF.tolist(), noted.p_WF.tolist(), strict=True)
         )
 
 
-def _pendulum_frequency(seen: Observation, memory: StandMemory) -> float:
+def _pendulum_frequency(observation: Observation, memory: StandMemory) -> float:
     """Of the pendulum on both feet [1/s]."""
-    return feedback.pendulum_frequency(float(seen.terms.com[2] - memory.middle[2]))
+    return feedback.pendulum_frequency(
+        float(observation.terms.com[2] - memory.middle[2])
+    )
 
 
 def _towards(value: np.ndarray, goal: np.ndarray, step: float) -> np.ndarray:

@@ -72,7 +72,7 @@ class StepBeginning:
         plan = self._planner.plan(observation.terms, feet, wanted)
         if plan is None:
             text = f"step {wanted.step.index} is not taken: it is out of reach"
-            progress = replace(phase.progress, refused=phase.progress.params)
+            progress = replace(phase.progress, refused=phase.progress.request)
             event = Event(observation.time, STEPS_LEFT, text)
             return replace(phase, progress=progress), (event,)
         step = plan.taken

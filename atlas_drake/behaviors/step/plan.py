@@ -70,7 +70,7 @@ class StepPlan:
         taken: The step as it can be taken.
         com: Where the center of mass stands over the stance foot, horizontal in W [m],
             shape (2,).
-        hips: As seen from it, in W [m], shape (2, 3).
+        hips: As observation from it, in W [m], shape (2, 3).
         lean: Pitch of the trunk [rad].
         heel: Angle by which the leaving heel has risen at lift-off [rad].
         height: Of the center of mass in W, as the legs reach [m].

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from atlas_drake.behaviors.step.action import DesiredStep, StepAction
 from atlas_drake.control.feet.footstep import Footstep
 from atlas_drake.control.feet.step_swing import StepSwing
-from atlas_drake.messages import AtlasBehaviorStepParams
+from atlas_drake.messages.commands import BehaviorRequest
 
 
 @dataclass(frozen=True)
@@ -17,14 +17,14 @@ class Progress:
     Attributes:
         index: Of the step being taken or taken last; 0 before the first step.
         leaving: Whether STAND was asked for with a foot in the air.
-        params: Parameters that were read last, to notice new ones.
-        refused: Parameters whose step cannot be taken.
+        request: The last one that was read; None before the first.
+        refused: The request whose step cannot be taken.
     """
 
     index: int = 0
     leaving: bool = False
-    params: AtlasBehaviorStepParams | None = None
-    refused: AtlasBehaviorStepParams | None = None
+    request: BehaviorRequest | None = None
+    refused: BehaviorRequest | None = None
 
 
 @dataclass(frozen=True)

@@ -44,10 +44,10 @@ from atlas_drake.control.whole_body.command import WholeBodyCommand
 from atlas_drake.frozen import replace
 from atlas_drake.messages import (
     NO_STEP,
-    AtlasSimInterfaceCommand,
     AtlasSimInterfaceState,
     StepStatus,
 )
+from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan
 from atlas_drake.messages.event import STEPS_LEFT, Event
 from atlas_drake.planning.footholds import Gait
@@ -89,7 +89,7 @@ class Step:
         self,
         observation: Observation,
         body: BodyReference,
-        request: AtlasSimInterfaceCommand,
+        request: BehaviorRequest,
     ) -> Rest:
         """Rests on both feet; the first step begins at the first tick."""
         return self._beginning.enter(observation)
@@ -99,7 +99,7 @@ class Step:
         phase: Phase,
         observation: Observation,
         body: BodyReference,
-        request: AtlasSimInterfaceCommand,
+        request: BehaviorRequest,
         leaving: bool,
     ) -> Outcome:
         """Steps for one tick.
@@ -171,11 +171,9 @@ class Step:
 
     # ---- what is asked -------------------------------------------------------
 
-    def _next(
-        self, phase: Phase, request: AtlasSimInterfaceCommand
-    ) -> DesiredStep | None:
+    def _next(self, phase: Phase, request: BehaviorRequest) -> DesiredStep | None:
         """Returns the step in force that has not begun, if any."""
-        params, progress = request.step_params, phase.progress
+        params, progress = request.command.step_params, phase.progress
         if params.use_demo_walk:
             index = progress.index + 1
             wanted = demo_step(phase.feet, index, self._default, self._gait)
@@ -184,25 +182,29 @@ class Step:
             wanted = desired_step(params, feet_z, self._default)
         if wanted is None or wanted.step.index <= progress.index:
             return None
-        return None if progress.refused is params else wanted
+        refused = progress.refused
+        if refused is not None and refused.number == request.number:
+            return None
+        return wanted
 
     def _read(
         self,
         phase: Phase,
         observation: Observation,
-        request: AtlasSimInterfaceCommand,
+        request: BehaviorRequest,
     ) -> tuple[Phase, tuple[Event, ...]]:
         """Warns of a new message whose step comes too late to be taken."""
-        params, progress = request.step_params, phase.progress
-        if params is progress.params:
+        params, last = request.command.step_params, phase.progress.request
+        if last is not None and request.number == last.number:
             return phase, ()
-        phase = replace(phase, progress=replace(progress, params=params))
+        progress = replace(phase.progress, request=request)
+        phase = replace(phase, progress=progress)
         if params.use_demo_walk:
             return phase, ()
         step = params.desired_step_spec if params.use_spec else params.desired_step
         if step.step_index == NO_STEP or step.step_index > progress.index:
             return phase, ()
-        if params == progress.params:
+        if last is not None and params == last.command.step_params:
             return phase, ()
         following = progress.index + 1
         text = f"step {step.step_index} is not taken: the next one is {following}"
@@ -224,12 +226,12 @@ class Step:
         self,
         phase: Phase,
         observation: Observation,
-        request: AtlasSimInterfaceCommand,
+        request: BehaviorRequest,
     ) -> tuple[Event, ...]:
         """Names the steps that STAND leaves: one that has begun, one still to come."""
         left = list(phase.not_begun)
         wanted = self._next(phase, request)
-        if wanted is not None and not request.step_params.use_demo_walk:
+        if wanted is not None and not request.command.step_params.use_demo_walk:
             left.append(wanted.step.index)
         if not left:
             return ()

@@ -15,7 +15,8 @@ from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet import swing_foot
 from atlas_drake.control.feet.footstep import FootPose, Footstep
 from atlas_drake.frozen import replace
-from atlas_drake.messages import AtlasBehaviorWalkParams, WalkStatus
+from atlas_drake.messages import WalkStatus
+from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.robot import GaitTiming
 
 
@@ -28,7 +29,7 @@ class Course:
         aimed: Poses in which the soles were to land; at first, where they were.
         pending: Steps not begun, by index.
         next_index: Index of the next step to begin.
-        params: Parameters that were read last, to notice new ones.
+        request: The last one whose steps were read.
         last_foot: Foot of the step begun last; None before the first step.
         last_index: Index of the step begun last; 0 before the first step.
         told: Warnings given before: indices of steps, and what of them.
@@ -38,7 +39,7 @@ class Course:
     aimed: tuple[FootPose, FootPose]
     pending: tuple[Footstep, ...]
     next_index: int
-    params: AtlasBehaviorWalkParams
+    request: BehaviorRequest
     last_foot: int | None = None
     last_index: int = 0
     told: frozenset[tuple[int, str]] = frozenset()

@@ -41,7 +41,8 @@ from atlas_drake.behaviors.walk.steps import feet_to_come, steps_asked_for
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.rotations import mean_yaw
 from atlas_drake.frozen import replace
-from atlas_drake.messages import AtlasSimInterfaceCommand, AtlasSimInterfaceState
+from atlas_drake.messages import AtlasSimInterfaceState
+from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan
 from atlas_drake.planning.footholds import Gait
 
@@ -85,14 +86,14 @@ class Walk:
         self,
         observation: Observation,
         body: BodyReference,
-        request: AtlasSimInterfaceCommand,
+        request: BehaviorRequest,
     ) -> Shift:
         """Begins to shift the weight to the first stance foot."""
         feet = (observation.foot_pose(0), observation.foot_pose(1))
-        params = request.walk_params
+        params = request.command.walk_params
         pending = steps_asked_for((), params, feet, 1, self._gait)
         first = pending[0].index if pending else 1
-        course = Course(feet, feet, pending, first, params)
+        course = Course(feet, feet, pending, first, request)
         dcm = feedback.dcm(observation.terms, self._omega)
         return self._planner.shift(course, dcm, self._balance.support(*feet).clamp(dcm))
 
@@ -101,7 +102,7 @@ class Walk:
         phase: Phase,
         observation: Observation,
         body: BodyReference,
-        request: AtlasSimInterfaceCommand,
+        request: BehaviorRequest,
         leaving: bool,
     ) -> Outcome:
         """Walks for one tick; ``leaving`` drops the steps that have not begun."""
@@ -161,13 +162,13 @@ class Walk:
         phase = replace(phase, course=replace(phase.course, pending=()))
         return self._control(phase).leave(phase)
 
-    def _read_queue(self, phase: Phase, request: AtlasSimInterfaceCommand) -> Phase:
+    def _read_queue(self, phase: Phase, request: BehaviorRequest) -> Phase:
         """Merges the steps of a new message with those that have not begun."""
         course = phase.course
-        params, last = request.walk_params, course.params
-        if params is last:
+        if request.number == course.request.number:
             return phase
-        course = replace(course, params=params)
+        params, last = request.command.walk_params, course.request.command.walk_params
+        course = replace(course, request=request)
         if params.use_demo_walk and last.use_demo_walk:
             return replace(phase, course=course)
         pending = steps_asked_for(

@@ -1,6 +1,6 @@
-"""Where the ground's force acts, from the wrenches on both soles.
+"""Measured center of pressure (CoP), from the wrenches on both soles.
 
-What is measured; where it may lie is in ``support_polygon``.
+The region in which the CoP may lie is in ``support_polygon``.
 """
 
 from __future__ import annotations
@@ -16,15 +16,16 @@ LEAST_LOAD = 20.0
 def center_of_pressure(
     soles: Sequence[np.ndarray], wrenches: np.ndarray
 ) -> np.ndarray | None:
-    """Where the ground's force acts on both soles together.
+    """Computes the center of pressure of both soles together.
 
     Args:
         soles: Positions of the soles' centers in W [m], each of shape (3,).
-        wrenches: Moment and force on each, at its center in W [N·m; N], shape (12,).
+        wrenches: Moment and force on each sole, at its center in W [N·m; N], shape
+            (12,).
 
     Returns:
-        Position in W [m], shape (3,), as high as the soles are in the mean of their
-        loads; None without enough load.
+        Position in W [m], shape (3,), at the load-weighted mean height of the soles;
+        None if the load is below LEAST_LOAD.
     """
     total, moment = 0.0, np.zeros(3)
     for sole, wrench in zip(soles, wrenches.reshape(2, 6), strict=True):

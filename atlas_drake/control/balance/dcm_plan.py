@@ -1,9 +1,9 @@
 """Reference motion of the divergent component of motion (DCM) over future steps.
 
 The linear inverted pendulum with a piecewise-linear center of pressure (CoP),
-solved backward in time from where the robot shall come to rest. After Englsberger,
+solved backward in time from the point where the robot comes to rest. After Englsberger,
 Ott, Albu-Schäffer, "Three-dimensional bipedal walking control based on divergent
-component of motion", T-RO 2015. Knows nothing of feet or phases.
+component of motion", T-RO 2015. Feet and phases of a gait are not modelled here.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ class CopSegment:
     """The CoP moves on a straight line at constant speed.
 
     Attributes:
-        duration: [s], positive.
-        start: CoP at the beginning, horizontal, in W [m], shape (2,).
+        duration: Time that the motion takes [s], positive.
+        start: CoP at the start, horizontal, in W [m], shape (2,).
         end: CoP at the end [m], shape (2,).
     """
 
@@ -47,7 +47,7 @@ class DcmPlan:
         """Solves the plan.
 
         Args:
-            segments: At least one, in order of time, starting at time 0.
+            segments: One or more segments in order of time; the first starts at time 0.
             omega: Natural frequency of the pendulum √(g/z) [1/s].
         """
         self.omega = omega
@@ -63,7 +63,7 @@ class DcmPlan:
 
     @property
     def segments(self) -> tuple[CopSegment, ...]:
-        """What it was made from."""
+        """Segments of the plan, in order of time."""
         return self._segments
 
     @property
@@ -72,7 +72,7 @@ class DcmPlan:
         return self._ends[-1]
 
     def evaluate(self, time: float) -> DcmReference:
-        """The reference at ``time`` [s], held beyond either end."""
+        """Computes the reference at ``time`` [s]; constant beyond the plan's ends."""
         time = min(max(time, 0.0), self.duration)
         index = min(bisect_right(self._ends, time), len(self._pieces) - 1)
         piece = self._pieces[index]
@@ -81,7 +81,7 @@ class DcmPlan:
 
 @dataclass(frozen=True)
 class _Piece:
-    """The DCM's motion within one segment, all but what depends on time.
+    """Constants of the DCM's motion within one segment.
 
     With the CoP at p = p₀ + ṗ·t the DCM is ξ = p + ṗ/ω + e^{ω(t-T)}·(ξ_T - p_T - ṗ/ω).
     """
@@ -91,20 +91,20 @@ class _Piece:
     start: np.ndarray
     rate: np.ndarray
     ahead: np.ndarray
-    """ṗ/ω: the DCM that keeps its distance leads the CoP by this."""
+    """ṗ/ω: lead of the DCM over the CoP at which their distance stays constant."""
     apart: np.ndarray
-    """How far from there the DCM ends."""
+    """Distance between the final DCM and that lead point."""
 
     @classmethod
     def before(cls, final: np.ndarray, segment: CopSegment, omega: float) -> _Piece:
-        """The segment that ends with the DCM at ``final``."""
+        """Makes the piece for a segment that ends with the DCM at ``final``."""
         rate = (segment.end - segment.start) / segment.duration
         ahead = rate / omega
         apart = final - segment.end - ahead
         return cls(segment.duration, omega, segment.start, rate, ahead, apart)
 
     def evaluate(self, into: float) -> DcmReference:
-        """The reference ``into`` the segment [s]."""
+        """Computes the reference at the time ``into`` the segment [s]."""
         cop = self.start + self.rate * into
         decay = math.exp(self.omega * (into - self.duration))
         return DcmReference(dcm=cop + self.ahead + decay * self.apart, cop=cop)

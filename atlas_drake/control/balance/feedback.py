@@ -1,7 +1,7 @@
-"""Desired accelerations of single tasks: the feedback laws below the QP.
+"""Feedback laws that compute the desired accelerations of single tasks of the QP.
 
-Pure functions from reference and measurement to an acceleration. Which tasks are
-active, and what they refer to, is the behaviors' business.
+Pure functions from reference and measurement to an acceleration. Behaviors choose the
+active tasks and their references.
 """
 
 from __future__ import annotations
@@ -15,15 +15,15 @@ from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.control.whole_body.terms import FrameTerms, WholeBodyTerms
 
 LEAST_HEIGHT = 0.3
-"""A pendulum is taken to be at least this high, which keeps the frequency of a robot
-that lies on the ground finite [m]."""
+"""Lower bound of the pendulum's height [m]. It keeps the natural frequency finite for a
+robot that lies on the ground."""
 
 
 def pendulum_frequency(height: float) -> float:
     """Natural frequency of the inverted pendulum √(g/z) [1/s].
 
     Args:
-        height: z, of the center of mass above what it stands on [m].
+        height: Height z of the center of mass above the ground at the feet [m].
     """
     return math.sqrt(GRAVITY / max(height, LEAST_HEIGHT))
 

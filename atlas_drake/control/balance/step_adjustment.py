@@ -1,10 +1,10 @@
-"""Moves the place of the next footstep when the ankles alone cannot save balance.
+"""Shifts the next footstep when the ankles alone cannot keep balance.
 
 In single support the DCM error grows as e^{ωt}. A shift of the center of pressure
-within the stance sole takes up what it can until touchdown; the rest is taken up by
-the place of the next foot. The idea of stepping to a shifted DCM follows Khadiv,
+within the stance sole corrects what it can until touchdown; a shift of the next
+footstep corrects the rest. The idea of stepping to a shifted DCM follows Khadiv,
 Herzog, Moosavian, Righetti, "Walking control based on step timing adaptation", T-RO
-2020. Reads no sensors and moves no foot.
+2020. This module computes the shift only; it reads no sensors and commands no foot.
 """
 
 from __future__ import annotations
@@ -19,19 +19,19 @@ from atlas_drake.control.feet.footstep import FootPose
 
 @dataclass(frozen=True)
 class StepAdjustmentLimits:
-    """How much of the error is left to the ankles and to double support.
+    """Part of the DCM error that the ankles and double support correct.
 
-    How far a step can be moved is for the limits of steps to say.
+    ``StepLimits`` bounds the shift of the step itself.
     """
 
     cop_forward: float = 0.10
     """Shift of the CoP that the stance foot can hold along the sole [m]."""
     cop_sideways: float = 0.035
-    """Likewise across the sole [m]."""
+    """Shift of the CoP that the stance foot can hold across the sole [m]."""
     tolerated_forward: float = 0.05
-    """DCM error at touchdown that double support will take up, along the sole [m]."""
+    """DCM error at touchdown that double support can correct, along the sole [m]."""
     tolerated_sideways: float = 0.02
-    """Likewise across the sole [m]."""
+    """DCM error at touchdown that double support can correct, across the sole [m]."""
 
 
 def step_shift(
@@ -42,19 +42,19 @@ def step_shift(
     stance: FootPose,
     limits: StepAdjustmentLimits,
 ) -> np.ndarray:
-    """Shift of the next landing place that keeps the DCM's plan within reach.
+    """Computes the shift of the next footstep that keeps the DCM plan feasible.
 
     Args:
         dcm_error: ξ - ξ_ref in W now [m], shape (2,).
         remaining: Time to touchdown [s].
         omega: Natural frequency [1/s].
-        sensitivity: How far the planned DCM at touchdown moves per metre that the
-            next foot moves [-].
+        sensitivity: Shift of the planned DCM at touchdown per shift of the next foot
+            [-].
         stance: The foot on the ground.
-        limits: What the ankles can do.
+        limits: Part of the error that the ankles and double support correct.
 
     Returns:
-        Horizontal shift in W [m], shape (2,), zero for errors that need no step.
+        Horizontal shift in W [m], shape (2,); zero if the error needs no shift.
     """
     c, s = math.cos(stance.yaw), math.sin(stance.yaw)
     x, y = dcm_error.tolist()

@@ -1,4 +1,4 @@
-"""Convex regions of the ground that the center of pressure can lie in.
+"""Convex regions of the ground in which the center of pressure can lie.
 
 Plane geometry only.
 """
@@ -31,11 +31,11 @@ class SupportPolygon:
         self._offsets = (self._normals * self.vertices).sum(axis=1)
 
     def distance_outside(self, point: np.ndarray) -> float:
-        """How far ``point`` lies beyond the nearest edge line [m]; < 0 inside."""
+        """Signed distance of ``point`` beyond the nearest edge line [m]; < 0 inside."""
         return float((self._normals @ point - self._offsets).max())
 
     def clamp(self, point: np.ndarray) -> np.ndarray:
-        """The point of the polygon nearest to ``point``, shape (2,)."""
+        """Returns the point of the polygon nearest to ``point`` [m], shape (2,)."""
         outside = self._normals @ point - self._offsets
         if outside.max() <= 0.0:
             return point

@@ -1,7 +1,7 @@
-"""Quasi-static weight shift: the center of mass goes from one place of rest to another.
+"""Quasi-static weight shift: the center of mass moves between two places of rest.
 
-A quintic on a straight line, and the DCM and CoP that belong to it. Decides neither
-where to go nor when.
+The motion is a quintic on a straight line, with the DCM and CoP that result from it.
+Behaviors decide the goal and the time of a weight shift.
 """
 
 from __future__ import annotations
@@ -16,26 +16,27 @@ from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.swing_foot import quintic_progress
 
 PEAK_ACCELERATION = 10.0 / math.sqrt(3.0)
-"""Of a quintic from rest to rest, over distance per duration squared [-]."""
+"""Peak acceleration of a quintic from rest to rest, over distance per duration squared
+[-]."""
 CHECKED = np.linspace(0.0, 1.0, 11)
 """Shares of its duration at which the CoP of a weight shift is checked [-]."""
 START_INSIDE = 2.0
-"""How far inside the support a weight shift begins, over how far its CoP stays inside
-[-]: room for the push that the beginning takes."""
+"""Margin to the edge of the support at the start of a weight shift, over the margin
+that its CoP keeps [-]: the initial acceleration moves the CoP outward."""
 LONGER = 1.15
-"""Ratio of one duration that is tried to the one before [-]."""
+"""Ratio of each tried duration to the one tried before [-]."""
 TRIES = 16
-"""Most durations that are tried."""
+"""Greatest number of durations that are tried."""
 
 
 @dataclass(frozen=True)
 class WeightShift:
-    """The center of mass goes from rest to rest; all horizontal in W, shape (2,).
+    """Motion of the center of mass from rest to rest, horizontal in W, shape (2,).
 
     Attributes:
-        start: Where it begins [m].
-        end: Where it comes to rest [m].
-        duration: [s], positive.
+        start: Start of the motion [m].
+        end: Place where the center of mass comes to rest [m].
+        duration: Time that the motion takes [s], positive.
     """
 
     start: np.ndarray
@@ -43,10 +44,10 @@ class WeightShift:
     duration: float
 
     def evaluate(self, time: float, omega: float) -> DcmReference:
-        """The reference at ``time`` [s], held beyond either end.
+        """Computes the reference; it is constant before and after the motion.
 
         Args:
-            time: Since the beginning [s].
+            time: Time since the start [s].
             omega: Natural frequency of the pendulum [1/s].
         """
         com, velocity, acceleration = self.motion(time)
@@ -55,7 +56,7 @@ class WeightShift:
         )
 
     def motion(self, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Position, velocity and acceleration at ``time`` [s]."""
+        """Computes position, velocity and acceleration of the CoM at ``time`` [s]."""
         way, duration = self.end - self.start, self.duration
         s, ds, dds = quintic_progress(min(max(time / duration, 0.0), 1.0))
         return (
@@ -68,7 +69,7 @@ class WeightShift:
         """Computes how far the CoP leaves ``support`` at most [m]; negative inside.
 
         Args:
-            support: Where the CoP may lie.
+            support: Region in which the CoP may lie.
             omega: Natural frequency of the pendulum [1/s].
         """
         return max(
@@ -78,7 +79,12 @@ class WeightShift:
 
 
 def sway_duration(distance: float, max_acceleration: float) -> float:
-    """Least duration [s] of a sway over ``distance`` [m] within an acceleration."""
+    """Computes the least duration [s] of a weight shift over ``distance`` [m].
+
+    Args:
+        distance: Distance that the center of mass moves [m].
+        max_acceleration: Greatest acceleration of the center of mass [m/s²].
+    """
     return math.sqrt(PEAK_ACCELERATION * distance / max_acceleration)
 
 
@@ -92,25 +98,26 @@ def plan_weight_shift(
 ) -> WeightShift:
     """Plans the shortest weight shift that the feet can bring about.
 
-    The weight shift begins at rest at the DCM of the robot, where the center of mass
-    would come to rest by itself: the reference of the DCM is then continuous, whatever
-    the velocity, and never leads farther outward. Where the DCM is not START_INSIDE
-    times ``inside`` within the support, the weight shift begins nearer to ``end``
-    instead, at the first tenth of the way that is; the reference of the DCM then jumps.
+    The weight shift starts at rest at the DCM of the robot, where the center of mass
+    would come to rest by itself: the reference of the DCM is then continuous for any
+    velocity, and never leads farther outward. If the DCM is less than START_INSIDE
+    times ``inside`` within the support, the way to ``end`` is searched in steps of a
+    tenth, and the weight shift starts at the first point that is far enough inside; the
+    reference of the DCM then jumps.
 
     Args:
-        dcm: Of the robot, horizontal in W [m], shape (2,).
-        end: Where the center of mass shall rest [m], shape (2,).
-        least_duration: [s]
-        support: Where the CoP may lie.
-        inside: How far inside it shall stay, for feedback to have room [m].
+        dcm: DCM of the robot, horizontal in W [m], shape (2,).
+        end: Place where the center of mass comes to rest [m], shape (2,).
+        least_duration: First duration that is tried [s].
+        support: Region in which the CoP may lie.
+        inside: Margin of the CoP to the edge of the support, reserved for feedback [m].
         omega: Natural frequency of the pendulum [1/s].
 
     Returns:
         The weight shift, in the shortest of the durations tried that keeps its CoP
         ``inside`` the support. If none does, the longest of them, which is
-        LONGER ** (TRIES - 1) = 8.1 times ``least_duration``, and the CoP does not stay
-        ``inside``; nothing else tells of it.
+        LONGER ** (TRIES - 1) = 8.1 times ``least_duration``; its CoP leaves the margin,
+        and no error is raised.
     """
     start = _pulled_inside(dcm, end, support, START_INSIDE * inside)
     for attempt in range(TRIES):
@@ -123,9 +130,9 @@ def plan_weight_shift(
 def _pulled_inside(
     dcm: np.ndarray, end: np.ndarray, support: SupportPolygon, inside: float
 ) -> np.ndarray:
-    """The first tenth of the way from ``dcm`` to ``end`` that lies so far inside.
+    """Finds the first tenth of the way from ``dcm`` to ``end`` inside the margin.
 
-    ``dcm`` itself if it does; ``end`` if none of them does.
+    Returns ``dcm`` itself if it is inside the margin, ``end`` if no point is.
     """
     for share in CHECKED:
         point = dcm + share * (end - dcm)

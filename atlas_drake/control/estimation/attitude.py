@@ -1,7 +1,7 @@
-"""Orientation from a gyroscope, kept upright by gravity.
+"""Orientation from a gyroscope, with the tilt corrected by gravity.
 
-Unit quaternions [w, x, y, z], written out on floats as it runs every control tick.
-Where the robot is, and how fast, is ``leg_odometry``.
+Unit quaternions [w, x, y, z], written out on floats because the code runs every control
+tick. Position and velocity are estimated in ``leg_odometry``.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from atlas_drake.control.whole_body.model import GRAVITY
 
 
 def rotation_matrix(q_WB: np.ndarray) -> np.ndarray:
-    """The same orientation as a matrix.
+    """Converts an orientation to a rotation matrix.
 
     Args:
         q_WB: Unit quaternion, shape (4,).
@@ -33,7 +33,7 @@ def rotation_matrix(q_WB: np.ndarray) -> np.ndarray:
 
 
 def turned(q_WB: np.ndarray, turn_B: np.ndarray) -> np.ndarray:
-    """The orientation after a rotation about an axis fixed in B.
+    """Rotates an orientation about an axis fixed in B.
 
     Exact for any angle: the exponential map of SO(3).
 
@@ -48,19 +48,19 @@ def turned(q_WB: np.ndarray, turn_B: np.ndarray) -> np.ndarray:
 
 
 def turned_in_world(q_WB: np.ndarray, turn_W: np.ndarray) -> np.ndarray:
-    """The orientation after a rotation about an axis fixed in W; see ``turned``."""
+    """Rotates an orientation about an axis fixed in W; see ``turned``."""
     return _normalized(_product(_exponential(turn_W), q_WB.tolist()))
 
 
 def turn_between(q_WA: np.ndarray, q_WB: np.ndarray) -> np.ndarray:
-    """The shortest rotation from A to B, the inverse of ``turned``.
+    """Computes the shortest rotation from A to B, the inverse of ``turned``.
 
     Args:
         q_WA: Unit quaternion, shape (4,).
-        q_WB: Likewise.
+        q_WB: Unit quaternion, shape (4,).
 
     Returns:
-        Rotation vector in A, and as well in B [rad], shape (3,).
+        Rotation vector [rad], the same in A and in B, shape (3,).
     """
     w, x, y, z = q_WA.tolist()
     w, x, y, z = _product((w, -x, -y, -z), q_WB.tolist())
@@ -72,18 +72,19 @@ def turn_between(q_WA: np.ndarray, q_WB: np.ndarray) -> np.ndarray:
 
 
 def upright_correction(force_W: np.ndarray, dt: float, settling: float) -> np.ndarray:
-    """A small rotation that brings the specific force nearer to the vertical.
+    """Computes a small rotation that brings the specific force nearer to the vertical.
 
-    A first-order filter that forgets an error of tilt within ``settling``. Heading is
-    left alone. All that it adds up to over any time is the robot's change of horizontal
-    velocity divided by ``settling`` and gravity, as the rest of the specific force is
-    gravity itself: walking at 0.5 m/s disturbs the tilt by no more than half a
-    milliradian at 100 s. No gate is needed that tells rest from motion.
+    A first-order filter corrects an error of tilt with the time constant ``settling``
+    and leaves the heading alone. The motion of the robot disturbs the tilt by its
+    change of horizontal velocity divided by ``settling`` and gravity, because the rest
+    of the specific force is gravity itself: walking at 0.5 m/s disturbs the tilt by no
+    more than half a milliradian at 100 s. The filter therefore needs no detection of
+    rest.
 
     Args:
-        force_W: Specific force, of a robot at rest 9.81 m/s² upwards, in W as the
-            present estimate of orientation has it [m/s²], shape (3,).
-        dt: How long it was that [s].
+        force_W: Specific force in W by the present estimate of orientation; 9.81 m/s²
+            upward for a robot at rest [m/s²], shape (3,).
+        dt: Time over which the specific force was measured [s].
         settling: Time constant [s].
 
     Returns:

@@ -1,8 +1,8 @@
-"""Where the robot is and how fast, from its accelerometer and its legs.
+"""Position and velocity of the robot, from its accelerometer and its legs.
 
-A linear Kalman filter on top of an orientation that is taken as known: the idea is that
-of Bloesch et al., "State estimation for legged robots" (RSS 2012), with the orientation
-left to ``attitude``. Pure: what it remembers is a frozen value.
+A linear Kalman filter that takes the orientation as known: the method of Bloesch et
+al., "State estimation for legged robots" (RSS 2012), with the orientation estimated in
+``attitude``. Pure functions; the state of the filter is a frozen value.
 """
 
 from __future__ import annotations
@@ -27,40 +27,41 @@ _EYE = np.eye(5)
 
 @dataclass(frozen=True)
 class OdometryTuning:
-    """How far each source is trusted: standard deviations per axis.
+    """Standard deviations of each source of the estimate, per axis.
 
     White noise is given per √s, so that it does not depend on the control period.
     """
 
     gravity_settling: float = 100.0
-    """In which a tilt that contradicts gravity is forgotten [s]."""
+    """Time constant with which an error of tilt is corrected by gravity [s]."""
     acceleration: float = 0.005
-    """Of the accelerometer's white noise [m/s² √s]."""
+    """White noise of the accelerometer [m/s² √s]."""
     bias: float = 0.1
-    """Of its constant bias before anything is known [m/s²]."""
+    """Initial uncertainty of the accelerometer's constant bias [m/s²]."""
     foot_position: float = 0.001
-    """Of a sole as kinematics sees it from the pelvis [m]."""
+    """Position of a sole relative to the pelvis, by kinematics [m]."""
     slip: float = 0.001
-    """Of a foot that stands firmly [m/√s]."""
+    """Drift of a foot that stands firmly [m/√s]."""
     loose_slip: float = 0.1
-    """Of one that hardly carries anything, or that the other sensors see sliding or
-    turning over an edge [m/√s]."""
+    """Drift of a foot that carries almost no load, or that slides or tilts over an edge
+    by the other sensors [m/√s]."""
     no_load: float = 0.03
-    """A foot that carries less of the weight is in the air [-]."""
+    """Share of the weight below which a foot counts as in the air [-]."""
     full_load: float = 0.40
-    """One that carries more stands as firmly as it ever does [-]."""
+    """Share of the weight above which a foot counts as standing firmly [-]."""
     still: float = 0.05
-    """A foot that seems slower does not slide: joint velocities have noise [m/s]."""
+    """Measured speed of a foot below which it does not slide: joint velocities have
+    noise [m/s]."""
     sliding: float = 0.12
-    """One that seems faster does [m/s]."""
+    """Measured speed of a foot above which it slides [m/s]."""
     rest: float = 1.0
-    """Speed of a robot without a foot on the ground, which is believed to hang still
-    for want of anything better to go by [m/s]."""
+    """Speed of a robot without a foot on the ground [m/s]. It is assumed to hang still,
+    because no other measurement of its velocity exists."""
 
 
 @dataclass(frozen=True)
 class OdometryState(Frozen):
-    """What the filter believes. I is the IMU's place, P the pelvis, F a sole.
+    """State of the filter. I is the place of the IMU, P the pelvis, F a sole.
 
     Attributes:
         q_WP: Orientation of the pelvis, unit quaternion [w, x, y, z], shape (4,).
@@ -83,12 +84,12 @@ class OdometryState(Frozen):
 
     @property
     def v_WI(self) -> np.ndarray:
-        """Its velocity [m/s], shape (3,)."""
+        """Velocity of the IMU [m/s], shape (3,)."""
         return self.mean[_VELOCITY]
 
     @property
     def bias_P(self) -> np.ndarray:
-        """The accelerometer's bias [m/s²], shape (3,)."""
+        """Bias of the accelerometer [m/s²], shape (3,)."""
         return self.mean[_BIAS]
 
     @property
@@ -104,14 +105,14 @@ def start_odometry(
     p_WF: np.ndarray,
     tuning: OdometryTuning,
 ) -> OdometryState:
-    """What is known of a robot that was put somewhere.
+    """Makes the state of the filter for a robot whose pose is known.
 
     Args:
         q_WP: Orientation of the pelvis, unit quaternion, shape (4,).
         p_WI: Position of the IMU [m], shape (3,).
-        v_WI: Its velocity [m/s], shape (3,).
+        v_WI: Velocity of the IMU [m/s], shape (3,).
         p_WF: Positions of left and right sole [m], shape (2, 3).
-        tuning: Says how little is known of the bias.
+        tuning: Gives the initial uncertainty of the bias.
     """
     mean = np.vstack([p_WI, v_WI, np.zeros(3), p_WF])
     covariance = np.zeros((5, 5))
@@ -126,15 +127,15 @@ def predict(
     dt: float,
     tuning: OdometryTuning,
 ) -> OdometryState:
-    """Moves on by what the IMU felt.
+    """Predicts the state from the measurements of the IMU.
 
     Args:
-        state: Before.
+        state: State before the prediction.
         turn_P: Rotation since then, the gyroscope's integral [rad], shape (3,).
         velocity_P: The accelerometer's integral, specific force times time, in the
             pelvis' axes halfway through the turn [m/s], shape (3,).
         dt: Time since then [s], positive.
-        tuning: Of the filter.
+        tuning: Tuning of the filter.
     """
     R_WP = rotation_matrix(turned(state.q_WP, 0.5 * turn_P))
     mean = state.mean.copy()
@@ -162,20 +163,21 @@ def correct(
     dt: float,
     tuning: OdometryTuning,
 ) -> OdometryState:
-    """Takes in where the legs say that the feet are.
+    """Corrects the state with the kinematics of the legs.
 
-    A foot that carries load stays where it is, the more surely the more it carries.
-    One that seems to slide, as the accelerometer knows better for a while, is hardly
-    believed: otherwise all of its way would be taken for the pelvis'. One in the air is
-    where kinematics puts it: it is anchored anew when it lands.
+    A foot is assumed to stay in place, with less drift the more load it carries. A foot
+    that seems to slide gets a large drift, because the accelerometer is the better
+    measurement for a while: otherwise the filter would take the whole slip for motion
+    of the pelvis. A foot in the air is placed by kinematics, and so gets a new anchor
+    when it lands.
 
     Args:
-        state: As predicted.
-        p_IF_W: From the IMU to left and right sole, in W [m], shape (2, 3).
-        v_IF_W: Its rate of change, in W [m/s], shape (2, 3).
+        state: The predicted state.
+        p_IF_W: Positions of left and right sole from the IMU, in W [m], shape (2, 3).
+        v_IF_W: Rate of change of ``p_IF_W``, in W [m/s], shape (2, 3).
         load: Vertical force on each foot as a share of the weight [-], shape (2,).
         dt: Time since the last correction [s].
-        tuning: Of the filter.
+        tuning: Tuning of the filter.
     """
     standing = [foot for foot in (0, 1) if load[foot] > tuning.no_load]
     covariance = state.covariance.copy()
@@ -193,14 +195,14 @@ def correct(
     across = covariance @ H.T
     gain = np.linalg.solve(H @ across + variance * np.eye(len(H)), across.T).T
     change = gain @ (seen - H @ state.mean)
-    # Learned in W, kept in P.
+    # The bias is corrected in W and stored in P, where it is constant.
     change[_BIAS] = change[_BIAS] @ rotation_matrix(state.q_WP)
     mean = state.mean + change
     covariance -= gain @ across.T
     covariance = 0.5 * (covariance + covariance.T)
     for foot in (0, 1):
         if foot not in standing:
-            # The limit of a filter for which a foot in the air may go anywhere.
+            # Limit of the filter for an infinite drift of a foot in the air.
             own = _FEET[foot]
             mean[own] = mean[_POSITION] + p_IF_W[foot]
             covariance[own] = covariance[_POSITION]
@@ -210,7 +212,7 @@ def correct(
 
 
 def _slip(load: float, speed: float, tuning: OdometryTuning) -> float:
-    """Of a foot under ``load`` shares of the weight that seems to move [m/√s]."""
+    """Drift of a foot that carries ``load`` and moves at ``speed`` [m/√s]."""
     light = (tuning.full_load - load) / (tuning.full_load - tuning.no_load)
     fast = (speed - tuning.still) / (tuning.sliding - tuning.still)
     loose = min(max(light, fast, 0.0), 1.0)

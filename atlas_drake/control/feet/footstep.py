@@ -1,7 +1,8 @@
-"""Footsteps as geometry: where a sole shall land, and what the legs can reach.
+"""Footsteps as geometry: landing poses of the soles, and the limits of a step.
 
-A foot's pose is that of its sole frame: the center of the sole on its bottom plane,
-x to the toes, z along the sole's normal. No messages, no timing of a gait.
+The pose of a foot is the pose of its sole frame: origin at the center of the sole on
+its bottom plane, x to the toes, z along the sole's normal. Messages and the timing of a
+gait are elsewhere.
 """
 
 from __future__ import annotations
@@ -27,11 +28,11 @@ UP = np.array([0.0, 0.0, 1.0])
 
 @dataclass(frozen=True)
 class FootPose:
-    """Where a sole is.
+    """Pose of a sole.
 
     Attributes:
         p_WF: Center of the sole in W [m], shape (3,).
-        R_WF: Orientation, shape (3, 3).
+        R_WF: Orientation of the sole, shape (3, 3).
     """
 
     p_WF: np.ndarray
@@ -50,12 +51,14 @@ class Footstep:
     Attributes:
         index: The caller's step index.
         foot: LEFT or RIGHT.
-        p_WF: Where the sole's center lands in W [m], shape (3,).
+        p_WF: Landing point of the sole's center in W [m], shape (3,).
         yaw: Heading of the toes on landing [rad].
-        duration: From one touchdown to the next [s].
+        duration: Time from one touchdown to the next [s].
         swing_height: Apex of the swing above the middle of its ends [m].
-        normal: Of the ground there, a unit vector in W, shape (3,).
-        relative: The height in ``p_WF`` counts from the stance foot, not in W.
+        normal: Normal of the ground at the landing point, a unit vector in W, shape
+            (3,).
+        relative: True if the height in ``p_WF`` is relative to the stance foot, not in
+            W.
     """
 
     index: int
@@ -69,27 +72,27 @@ class Footstep:
 
     @property
     def pose(self) -> FootPose:
-        """The landing pose, once the height is one in W."""
+        """Returns the landing pose of a step whose height is in W."""
         return FootPose(self.p_WF, rotation_with_normal(self.yaw, self.normal))
 
 
 @dataclass(frozen=True)
 class StepSlack:
-    """How far beyond its limits a step may go to make up for where the feet landed.
+    """Tolerance beyond the limits of a step, to make up for landing errors.
 
-    Limits count from where the stance foot is or was sent. A foot that landed a little
-    short of its place would else shorten the next step too, and the next.
+    Limits are relative to the actual or the commanded place of the stance foot. Without
+    the tolerance a foot that landed a little short would shorten every later step.
     """
 
     distance: float = 0.02
-    """[m]"""
+    """Tolerance of the horizontal distance [m]."""
     turn: float = 0.05
-    """[rad]"""
+    """Tolerance of the heading [rad]."""
     rise: float = 0.01
-    """Of ground that is not quite where the step says [m]."""
+    """Tolerance of the height, for ground that differs from the step's height [m]."""
 
     def loosen(self, limits: StepLimits) -> StepLimits:
-        """What a step can be from where the stance foot really is."""
+        """Returns the limits of a step from the actual place of the stance foot."""
         return replace(
             limits,
             forward=limits.forward + self.distance,
@@ -103,15 +106,15 @@ class StepSlack:
 
 
 def outward(foot: int) -> float:
-    """Sign of y that leads away from the other foot."""
+    """Returns the sign of y that points away from the other foot."""
     return 1.0 if foot == LEFT else -1.0
 
 
 def resolve_height(step: Footstep, stance: FootPose, limits: StepLimits) -> Footstep:
-    """The step with its height in W.
+    """Returns the step with its height in W.
 
-    A height that cannot be meant for a foot is ignored together with the normal: the
-    step is then level with the stance foot.
+    A height beyond ``limits.meant_rise`` is ignored together with the normal:
+    the step is then level with the stance foot.
     """
     x, y, z = step.p_WF
     ground = float(stance.p_WF[2])
@@ -123,12 +126,12 @@ def resolve_height(step: Footstep, stance: FootPose, limits: StepLimits) -> Foot
 
 
 def saturate(step: Footstep, stance: FootPose, limits: StepLimits) -> Footstep:
-    """The step nearest to ``step`` that the robot can take from ``stance``.
+    """Returns the step nearest to ``step`` that the robot can take from ``stance``.
 
     Args:
-        step: The wish, its height in W.
+        step: The commanded step, with its height in W.
         stance: The foot that stays on the ground.
-        limits: What the legs can do.
+        limits: Limits of one step.
     """
     R_WS = rotation_z(stance.yaw)
     sign = outward(step.foot)
@@ -156,13 +159,13 @@ def saturate(step: Footstep, stance: FootPose, limits: StepLimits) -> Footstep:
 
 
 def ensure_clearance(step: Footstep, start: FootPose, limits: StepLimits) -> Footstep:
-    """The step with a swing high enough for the difference in height that it climbs.
+    """Returns the step with a swing high enough for its difference in height.
 
     Args:
-        step: Saturated.
-        start: Where its foot lifts off.
-        limits: The lowest swing is that on level ground; it grows with the climb, so
-            that the foot also clears the higher end by more.
+        step: A saturated step.
+        start: Pose of the foot at lift-off.
+        limits: Give the lowest swing on level ground. It grows with the climb, so that
+            the foot also clears the higher end by more.
     """
     climb = abs(float(step.p_WF[2] - start.p_WF[2]))
     lowest = min(limits.min_swing_height + climb, limits.max_swing_height)
@@ -172,11 +175,11 @@ def ensure_clearance(step: Footstep, start: FootPose, limits: StepLimits) -> Foo
 
 
 def longest_duration(apart: float, limits: StepLimits) -> float:
-    """Longest time that a step may take [s].
+    """Computes the longest time that a step may take [s].
 
     Args:
         apart: Largest distance between the feet, before the step or after it [m].
-        limits: How long a step between which distances may take.
+        limits: Give the longest duration by distance.
     """
     share = clip((apart - limits.near) / (limits.far - limits.near), 0.0, 1.0)
     return limits.max_duration + share * (limits.far_duration - limits.max_duration)
@@ -185,13 +188,15 @@ def longest_duration(apart: float, limits: StepLimits) -> float:
 def limit_duration(
     step: Footstep, start: FootPose, stance: FootPose, limits: StepLimits
 ) -> Footstep:
-    """The step in no more time than feet so far apart allow, before it or after it.
+    """Returns the step with its duration limited by the distance between the feet.
+
+    The larger distance, before the step or after it, counts.
 
     Args:
-        step: Saturated.
-        start: Where its foot lifts off.
+        step: A saturated step.
+        start: Pose of the foot at lift-off.
         stance: The foot that stays on the ground.
-        limits: How long a step between which distances may take.
+        limits: Give the longest duration by distance.
     """
     apart = max(
         float(np.hypot(*(place - stance.p_WF)[:2])) for place in (start.p_WF, step.p_WF)
@@ -203,7 +208,7 @@ def limit_duration(
 
 
 def _tilted_at_most(normal: np.ndarray, tilt: float) -> np.ndarray:
-    """The unit vector nearest to ``normal`` within ``tilt`` [rad] of the vertical."""
+    """Limits the angle of ``normal`` from the vertical to ``tilt`` [rad]."""
     across = math.hypot(normal[0], normal[1])
     if math.atan2(across, normal[2]) <= tilt:
         return normal
@@ -214,12 +219,12 @@ def _tilted_at_most(normal: np.ndarray, tilt: float) -> np.ndarray:
 
 
 def clip(value: float, low: float, high: float) -> float:
-    """The number between ``low`` and ``high`` that is nearest to ``value``."""
+    """Returns the number from ``low`` to ``high`` that is nearest to ``value``."""
     return float(min(max(value, low), high))
 
 
 def landing_error(step: Footstep, landed: FootPose) -> float:
-    """Horizontal distance between where a step was sent and where it landed [m]."""
+    """Computes the horizontal distance from the commanded to the actual landing [m]."""
     return math.hypot(
         landed.p_WF[0] - step.p_WF[0],
         landed.p_WF[1] - step.p_WF[1],
@@ -227,5 +232,5 @@ def landing_error(step: Footstep, landed: FootPose) -> float:
 
 
 def heading_error(step: Footstep, landed: FootPose) -> float:
-    """Angle between the heading a step was sent with and the one it has [rad]."""
+    """Computes the angle between the commanded and the actual heading [rad]."""
     return abs(wrap_angle(landed.yaw - step.yaw))

@@ -1,7 +1,7 @@
 """Joint angles and joint torques of one leg in closed form.
 
-For the one layout of legs that ``robot.leg`` describes and reads. Feasibility of a pose
-is decided elsewhere.
+For the one layout of legs that ``robot.leg`` describes and reads. Joint limits and
+effort limits are checked in ``control.pelvis.pelvis_reach``.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ class LegPose:
     """One leg's joints in one pose; all vectors in the pelvis frame.
 
     Attributes:
-        angles: [rad], shape (6,).
+        angles: Joint angles [rad], shape (6,).
         axes: Unit vectors of the joints' axes, shape (6, 3).
         points: A point on each axis [m], shape (6, 3).
     """
@@ -30,25 +30,25 @@ class LegPose:
     points: np.ndarray
 
     def torques(self, p_PC: np.ndarray, f_P: np.ndarray) -> np.ndarray:
-        """Joint torques that hold forces at the sole [N·m], shape (6,).
+        """Computes the joint torques that hold forces at the sole [N·m], shape (6,).
 
         Args:
-            p_PC: Where the forces act [m].
-            f_P: One force [N], shape (3,), or one for each joint, shape (6, 3).
+            p_PC: Point at which the forces act [m].
+            f_P: One force [N], shape (3,), or one force for each joint, shape (6, 3).
         """
         return -(self.axes * np.cross(p_PC - self.points, f_P)).sum(axis=1)
 
 
 def solve_leg(leg: Leg, p_PF: np.ndarray, R_PF: np.ndarray) -> LegPose | None:
-    """The joints that put the sole where it is, knee bent forward.
+    """Solves the inverse kinematics of a leg for a pose of the sole, knee bent forward.
 
     Args:
         leg: Which leg.
-        p_PF: Sole in the pelvis frame [m].
-        R_PF: Its orientation.
+        p_PF: Position of the sole in the pelvis frame [m].
+        R_PF: Orientation of the sole.
 
     Returns:
-        The pose; None when the leg is too short, or the hip is below the ankle.
+        The pose; None if the leg is too short, or the hip is below the ankle.
     """
     p_PA = p_PF + R_PF @ leg.p_FA
     # Seen from the foot, the hip center lies in the leg's plane, which ankle x tilts.

@@ -1,6 +1,6 @@
-"""How high the center of mass can be for the legs to reach their footholds.
+"""Heights of the center of mass at which the legs reach their footholds.
 
-Geometry of hip, knee and ankle alone; which footholds count, the caller says.
+Geometry of hip, knee and ankle only; the caller chooses the footholds.
 """
 
 from __future__ import annotations
@@ -15,26 +15,26 @@ from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.robot import Leg
 
 DEEPEST_SQUAT = 0.40
-"""Range below the highest position in which the lowest is looked for [m]."""
+"""Range below the highest position in which the lowest is searched [m]."""
 HALVINGS = 9
-"""Of that range: it is found to within a millimetre."""
+"""Halvings of that range: the result is exact to a millimetre."""
 
 
 def leg_length(leg: Leg, knee: float) -> float:
-    """Distance from hip to ankle [m] with the knee joint at ``knee`` [rad]."""
+    """Computes the distance from hip to ankle [m] for a knee angle ``knee`` [rad]."""
     a, b = leg.thigh_length, leg.shank_length
     return math.sqrt(a * a + b * b + 2.0 * a * b * math.cos(knee - leg.straight))
 
 
 def knee_for_length(leg: Leg, length: float) -> float:
-    """Position of the bent knee joint [rad] for a distance from hip to ankle [m]."""
+    """Computes the bent knee joint's position [rad] for a distance hip to ankle [m]."""
     a, b = leg.thigh_length, leg.shank_length
     cosine = (length * length - a * a - b * b) / (2.0 * a * b)
     return leg.straight + math.acos(min(max(cosine, -1.0), 1.0))
 
 
 def hips_from_com(terms: WholeBodyTerms, legs: Sequence[Leg]) -> np.ndarray:
-    """Where the hips are now, seen from the center of mass, in W [m], shape (2, 3)."""
+    """Computes the hips' positions from the center of mass, in W [m], shape (2, 3)."""
     p_PT = np.array([leg.p_PT for leg in legs])
     return terms.p_WP + p_PT @ terms.R_WP.T - terms.com
 
@@ -45,13 +45,13 @@ def highest_com(
     com: np.ndarray,
     footholds: Iterable[tuple[int, FootPose]],
 ) -> float:
-    """Greatest height of the center of mass in W [m] with which all legs reach.
+    """Computes the greatest height of the CoM in W [m] at which all legs reach.
 
     Args:
         legs: Left and right leg.
-        hips: The hips as seen from the center of mass, in W [m], shape (2, 3).
+        hips: Positions of the hips from the center of mass, in W [m], shape (2, 3).
         com: Center of mass, horizontal in W [m], shape (2,).
-        footholds: Feet that shall reach, with the poses of their soles.
+        footholds: Indices of the feet, with the poses that their soles have to reach.
     """
     heights = []
     for foot, pose in footholds:
@@ -67,13 +67,13 @@ def highest_com(
 def highest_sole(
     legs: Sequence[Leg], hips: np.ndarray, height: float, foot: int
 ) -> float:
-    """Height in W [m] to which a leg that folds can lift its sole, kept level.
+    """Computes the height in W [m] to which a folding leg can lift its level sole.
 
     Args:
         legs: Left and right leg.
-        hips: The hips as seen from the center of mass, in W [m], shape (2, 3).
-        height: Of the center of mass in W [m].
-        foot: The one that is lifted.
+        hips: Positions of the hips from the center of mass, in W [m], shape (2, 3).
+        height: Height of the center of mass in W [m].
+        foot: Index of the lifted foot.
     """
     leg = legs[foot]
     folded = leg_length(leg, leg.straight + leg.most_flexion)
@@ -89,15 +89,15 @@ def lowest_com(
     pose: FootPose,
     lever: float,
 ) -> float:
-    """Least height of the center of mass in W [m] that the standing knee can carry.
+    """Computes the least height of the CoM in W [m] that the standing knee can carry.
 
     Args:
         legs: Left and right leg.
-        hips: The hips as seen from the center of mass, in W [m], shape (2, 3).
+        hips: Positions of the hips from the center of mass, in W [m], shape (2, 3).
         com: Center of mass, horizontal in W [m], shape (2,).
-        foot: The one that carries the robot alone.
-        pose: Of its sole.
-        lever: How far the knee may lie ahead of the center of mass [m].
+        foot: Index of the foot that carries the robot alone.
+        pose: Pose of the sole of that foot.
+        lever: Greatest distance of the knee ahead of the center of mass [m].
     """
     high = highest_com(legs, hips, com, [(foot, pose)])
     low = high - DEEPEST_SQUAT
@@ -111,7 +111,7 @@ def lowest_com(
 
 
 def _knee_ahead(leg: Leg, hip: np.ndarray, com: np.ndarray, pose: FootPose) -> float:
-    """How far the knee of a leg that stands lies ahead of the center of mass [m]."""
+    """Distance of the standing leg's knee ahead of the center of mass [m]."""
     forward = np.array([math.cos(pose.yaw), math.sin(pose.yaw), 0.0])
     ankle = pose.p_WF + pose.R_WF @ leg.p_FA
     to_hip = com + hip - ankle

@@ -1,4 +1,4 @@
-"""The rectangle of a sole. Where the CoP may lie in it is in ``support_polygon``."""
+"""The rectangle of a sole. Regions for the CoP are in ``support_polygon``."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 def sole_corners(
     p_WF: np.ndarray, R_WF: np.ndarray, half_length: float, half_width: float
 ) -> np.ndarray:
-    """Corners of a rectangle about a sole's center in W [m], shape (4, 3)."""
+    """Computes the corners of a rectangle about a sole's center in W [m], (4, 3)."""
     corners = np.array(
         [
             [half_length, half_width, 0.0],

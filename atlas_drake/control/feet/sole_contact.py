@@ -1,4 +1,4 @@
-"""Parts of a sole that the ground may push on, as contact patches of the QP."""
+"""Contact patches of a sole, for the contacts of the QP."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from atlas_drake.control.whole_body.contact import ContactPatch
 from atlas_drake.robot import SoleSize
 
 MIDDLE = 0.01
-"""Half the size of what counts as the middle of a sole [m]."""
+"""Half the side of the square that counts as the middle of a sole [m]."""
 
 
 @dataclass(frozen=True)
 class SolePatches:
-    """Where the center of pressure of one sole is kept.
+    """Regions in which the QP keeps the center of pressure of one sole.
 
     Attributes:
         whole: The sole less its margins.
-        middle: The middle of the sole: a foot that stands on an edge is turned flat.
+        middle: The middle of the sole, which turns a foot that stands on an edge flat.
         toes: The strip at the front of the sole, while the heel is up.
     """
 
@@ -33,7 +33,7 @@ def sole_patches(sole: SoleSize, contact: ContactModel) -> SolePatches:
 
     Args:
         sole: Size of the sole.
-        contact: Friction, and the margins that the center of pressure stays out of.
+        contact: Friction, and the margins that are closed to the center of pressure.
     """
 
     def patch(x: tuple[float, float], half_width: float) -> ContactPatch:

@@ -1,7 +1,7 @@
-"""Motion of a foot that is lifted straight up, moved across, and let straight down.
+"""Motion of a foot that is lifted straight up, moved across, and lowered straight down.
 
-The quasi-static counterpart of ``swing_foot``: planned once at lift-off, because its
-landing place does not move. Knows nothing of balance.
+The quasi-static counterpart of ``swing_foot``: planned once at lift-off, because the
+landing pose does not change. Balance is in ``control.balance``.
 """
 
 from __future__ import annotations
@@ -17,23 +17,26 @@ from atlas_drake.control.feet.swing_foot import SwingReference, bump, quintic_pr
 from atlas_drake.control.rotations import rotation_about, rotation_vector
 
 PEAK_SPEED = 1.875
-"""Of a quintic from rest to rest, over distance per duration [-]."""
+"""Peak speed of a quintic from rest to rest, over distance per duration [-]."""
 TURN_RADIUS = 0.25
-"""Distance that a point of a turning foot is taken to move per angle [m/rad]."""
+"""Assumed distance that a point of a turning foot moves per angle [m/rad]."""
 
 
 @dataclass(frozen=True)
 class StepSwingProfile:
-    """How a step's swing looks, whatever the step."""
+    """Parameters of the swing that are the same for all steps of STEP."""
 
     press_depth: float = 0.005
-    """Landing is aimed this far below the ground, so that it is not missed [m]."""
+    """Depth of the landing goal below the ground, so that the foot meets the ground
+    [m]."""
     late_descent: Positive = 0.10
-    """Speed at which a foot that found no ground goes on down [m/s]."""
+    """Descent speed of a foot that has not met the ground at the planned touchdown
+    [m/s]."""
     deepest: float = 0.06
-    """How far below the ground expected it looks for it [m]."""
+    """Depth below the expected ground to which the foot descends in search of it
+    [m]."""
     shortest_part: Positive = 0.15
-    """Least duration of lifting, of moving and of lowering [s]."""
+    """Least duration of each phase: lifting, moving and lowering [s]."""
 
 
 @dataclass(frozen=True)
@@ -42,14 +45,14 @@ class StepSwing:
 
     Attributes:
         start: Pose at lift-off; the heel may be up.
-        flat: Orientation that it has once it is lifted.
+        flat: Orientation of the sole after lifting.
         goal: Pose on landing.
-        top: Height in W at which the foot moves across [m].
-        arc: How far it rises above that in between [m].
+        top: Height in W at which the move across starts and ends [m].
+        arc: Rise of the foot above ``top`` midway [m].
         lift: Duration of lifting [s].
         move: Duration of moving across [s].
         lower: Duration of lowering [s].
-        profile: What is the same for all steps.
+        profile: Parameters that are the same for all steps.
     """
 
     start: FootPose
@@ -64,19 +67,19 @@ class StepSwing:
 
     @property
     def duration(self) -> float:
-        """From lift-off to the planned touchdown [s]."""
+        """Time from lift-off to the planned touchdown [s]."""
         return self.lift + self.move + self.lower
 
     def is_lowering(self, time: float) -> bool:
-        """Whether the foot is on its way down at ``time`` [s]."""
+        """Returns True while the foot is being lowered at ``time`` [s] or later."""
         return time >= self.lift + self.move
 
     def has_missed(self, time: float) -> bool:
-        """Whether the foot has looked for the ground as deep as it shall."""
+        """Returns True once the foot has reached the greatest search depth."""
         return self._late(time) * self.profile.late_descent >= self.profile.deepest
 
     def evaluate(self, time: float) -> SwingReference:
-        """The reference at ``time`` [s] since lift-off."""
+        """Computes the reference at ``time`` [s] since lift-off."""
         start, goal = self.start, self.goal
         z = np.array([0.0, 0.0, 1.0])
         if time < self.lift:
@@ -122,17 +125,17 @@ def plan_step_swing(
     max_speed: float,
     profile: StepSwingProfile,
 ) -> StepSwing:
-    """Plans a swing that takes ``duration``, or longer if its speed is bounded.
+    """Plans a swing that takes ``duration``, or longer if the speed limit requires it.
 
     Args:
         start: Pose at lift-off.
-        home: Pose in which the foot stood flat before.
+        home: Pose in which the foot stood flat before the heel rose.
         goal: Pose on landing.
-        lift_height: Lift above the higher of the two [m].
-        swing_height: Rise above that while moving across [m].
-        duration: Wanted from lift-off to touchdown [s].
-        max_speed: That the foot shall not exceed in any part [m/s].
-        profile: What is the same for all steps.
+        lift_height: Lift above the higher of ``home`` and ``goal`` [m].
+        swing_height: Rise above the lifted height while moving across [m].
+        duration: Wanted time from lift-off to touchdown [s].
+        max_speed: Speed that the foot does not exceed in any phase [m/s].
+        profile: Parameters that are the same for all steps.
     """
     top = max(home.p_WF[2], goal.p_WF[2], start.p_WF[2] - lift_height) + lift_height
     way = math.hypot(*(goal.p_WF - start.p_WF)[:2])
@@ -157,7 +160,7 @@ def plan_step_swing(
 def _along(
     time: float, duration: float, way: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Distance gone of ``way``, velocity and acceleration, from rest to rest."""
+    """Displacement along ``way``, velocity and acceleration, from rest to rest."""
     s, ds, dds = quintic_progress(time / duration)
     return s * way, ds / duration * way, dds / duration**2 * way
 
@@ -165,7 +168,7 @@ def _along(
 def _turning(
     time: float, duration: float, R_WA: np.ndarray, R_WB: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Orientation and angular velocity on the way from A to B, from rest to rest."""
+    """Orientation and angular velocity of a turn from A to B, from rest to rest."""
     turn = rotation_vector(R_WA.T @ R_WB)
     share, rate, _ = quintic_progress(time / duration)
     return R_WA @ rotation_about(share * turn), R_WA @ turn * (rate / duration)

@@ -1,8 +1,8 @@
 """Motion of a swinging sole from lift-off to landing.
 
-Horizontal motion follows a quintic that is solved anew every tick from its own
-present reference, so that the landing place may move during the swing without a
-jump. Knows nothing of balance or of why the target moved.
+Horizontal motion follows a quintic that is solved anew every tick from the present
+reference, so that the landing place may move during the swing without a jump. Balance
+and the choice of the landing place are in ``control.balance``.
 """
 
 from __future__ import annotations
@@ -25,33 +25,35 @@ from atlas_drake.frozen import replace
 
 @dataclass(frozen=True)
 class SwingProfile:
-    """How a swing looks, whatever the step."""
+    """Parameters of the swing that are the same for all steps of WALK."""
 
     landing_speed: Positive = 0.15
-    """Speed at which the sole meets the ground, and at which a foot that found none
-    goes on down [m/s]: the faster, the less an error of height matters in time."""
+    """Speed of the sole at touchdown, and of its descent past the planned touchdown
+    [m/s]. The higher the speed, the smaller the timing error from an error of
+    height."""
     landing_time: Positive = 0.5
-    """Last part of a swing that leads up to that speed, at most [s]."""
+    """Longest final part of a swing, in which the sole reaches ``landing_speed``
+    [s]."""
     toe_down: float = 1.6
-    """Pitch of the toes at the apex per metre of swing height [rad/m]; climbing does
-    without it, lest the toes catch the edge."""
+    """Pitch of the toes at the apex per swing height [rad/m]. A climb reduces it, so
+    that the toes do not catch the edge."""
     climb_share: ProperShare = 0.5
-    """Share of the swing in which a difference in height is overcome: the first one
-    upwards, the last one downwards, which keeps the sole off the edge [-]."""
+    """Share of the swing in which the height changes: the first part of a step up, the
+    last part of a step down, which keeps the sole off the edge [-]."""
     edge_share: Share = 0.25
-    """Share of the swing at that end in which the foot keeps still horizontally, when
-    there is an edge between the ends [-]."""
+    """Share of the swing, at the same end as ``climb_share``, without horizontal motion
+    if there is an edge between lift-off and landing [-]."""
     edge_height: Positive = 0.04
-    """Difference in height from which on an edge is one in full [m]."""
+    """Difference in height from which ``edge_share`` applies in full [m]."""
 
 
 @dataclass(frozen=True)
 class Swing:
-    """Reference of the swinging sole, advanced by one tick at a time.
+    """State of the swing reference, advanced once per control tick.
 
     Attributes:
         start: Pose at lift-off.
-        duration: Of the swing [s].
+        duration: Duration of the swing [s].
         elapsed: Time since lift-off [s].
         xy, xy_velocity, xy_acceleration: Horizontal reference in W, shape (2,).
     """
@@ -70,16 +72,17 @@ class Swing:
 
     @property
     def progress(self) -> float:
-        """Share of the swing that is over, 0 to 1."""
+        """Share of the swing that has passed, 0 to 1."""
         return min(self.elapsed / self.duration, 1.0)
 
 
 @dataclass(frozen=True)
 class SwingReference:
-    """Where the sole shall be now: position, velocity, acceleration in W.
+    """Reference of the sole at one instant: pose, velocity, acceleration in W.
 
     Attributes:
-        p_WF, v_WF, a_WF: Of the sole's center, shape (3,).
+        p_WF, v_WF, a_WF: Position, velocity and acceleration of the sole's center,
+            shape (3,).
         R_WF, w_WF, alpha_WF: Orientation, angular velocity, angular acceleration.
     """
 
@@ -92,7 +95,7 @@ class SwingReference:
 
 
 def begin_swing(start: FootPose, duration: float) -> Swing:
-    """A swing that lifts off from ``start`` at rest."""
+    """Makes a swing that lifts off from ``start`` at rest."""
     zero = np.zeros(2)
     return Swing(start, duration, 0.0, start.p_WF[:2].copy(), zero, zero)
 
@@ -100,7 +103,7 @@ def begin_swing(start: FootPose, duration: float) -> Swing:
 def advance_swing(
     swing: Swing, target: Footstep, profile: SwingProfile, dt: float
 ) -> tuple[Swing, SwingReference]:
-    """Moves the swing on by ``dt`` [s] towards ``target``."""
+    """Advances the swing by ``dt`` [s] toward ``target``."""
     elapsed = swing.elapsed + dt
     begin, end = _horizontal_window(swing, target, profile)
     if elapsed < begin:
@@ -130,9 +133,9 @@ def advance_swing(
 def _horizontal_window(
     swing: Swing, target: Footstep, profile: SwingProfile
 ) -> tuple[float, float]:
-    """When the foot begins and ends to move horizontally, in time since lift-off [s].
+    """Computes the start and end of the horizontal motion since lift-off [s].
 
-    Up an edge it rises first, down an edge it sinks last.
+    On a step up the foot rises first; on a step down it sinks last.
     """
     climb = float(target.p_WF[2] - swing.start.p_WF[2])
     edge = min(abs(climb) / profile.edge_height, 1.0)
@@ -157,7 +160,7 @@ def _reference(swing: Swing, target: Footstep, profile: SwingProfile) -> SwingRe
         a_WF=np.array([swing.xy_acceleration[0], swing.xy_acceleration[1], az]),
         R_WF=R @ rotation_y(toes * tipped),
         w_WF=w + tip * pitch_axis,
-        # The turn's own axis hardly moves, which is left out.
+        # The rotation axis of the turn hardly moves; its rate is neglected.
         alpha_WF=(
             turn * (dds / T**2)
             + (toes * tip_push / T**2) * pitch_axis
@@ -169,7 +172,7 @@ def _reference(swing: Swing, target: Footstep, profile: SwingProfile) -> SwingRe
 def _sole_on_ground(
     start: FootPose, target: Footstep, s: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Orientation between start and target, were the foot not lifted, and its rate.
+    """Orientation between start and target without toe pitch, and its rate.
 
     Heading and normal go from one to the other with the progress ``s``, 0 to 1; the
     rate is the angular velocity per unit of it, shape (3,).
@@ -181,11 +184,11 @@ def _sole_on_ground(
     along = start_normal + s * difference
     length = math.sqrt(along @ along)
     normal = along / length
-    # The normal's rate, but for a part along itself that drops out further down.
+    # The rate of the normal, but for a part along the normal that drops out below.
     tilting = difference / length
     R = rotation_with_normal(yaw, normal)
-    # The turn about the normal follows from x staying above the heading: x goes along
-    # u = [cos, sin, slope], and only the part of u's rate along y turns it.
+    # The turn about the normal follows from x staying above the heading: x points along
+    # u = [cos, sin, slope], and only the part of u's rate along y turns x.
     c, si = math.cos(yaw), math.sin(yaw)
     n, t = normal.tolist(), tilting.tolist()
     slope = -(c * n[0] + si * n[1]) / n[2]
@@ -230,7 +233,7 @@ def _height(
     r, dr, ddr = quintic_progress(min(max((swing.progress - begin) / share, 0.0), 1.0))
     b, db, ddb = bump(swing.progress)
     above, rate, push = _landing(swing.elapsed, T, profile)
-    # Midway, where the bump is highest, the foot has climbed to the higher end.
+    # Midway, where the bump is highest, the foot is as high as the higher end.
     midway, _, _ = _landing(0.5 * T, T, profile)
     height = target.swing_height - 0.5 * abs(climb) - midway
     return (
@@ -243,10 +246,10 @@ def _height(
 def _landing(
     elapsed: float, T: float, profile: SwingProfile
 ) -> tuple[float, float, float]:
-    """v·τ·u³(1-u) with its first and second derivative in time.
+    """Computes v·τ·u³(1-u) with its first and second derivative in time.
 
-    It ends at 0 with the landing speed downwards; u goes from 0 to 1 in the last τ of
-    the swing's T [s].
+    It ends at 0 with the landing speed v downward; u grows from 0 to 1 during the last
+    τ of the swing's duration T [s].
     """
     tau, speed = min(T, profile.landing_time), profile.landing_speed
     u = max((elapsed - T) / tau + 1.0, 0.0)
@@ -258,7 +261,7 @@ def _landing(
 
 
 def bump(s: float) -> tuple[float, float, float]:
-    """64 s³(1-s)³ with its first and second derivative: 0 at both ends, 1 midway."""
+    """Computes 64 s³(1-s)³, 0 at both ends and 1 midway, with two derivatives."""
     r = 1.0 - s
     p = s * r
     return (
@@ -269,7 +272,7 @@ def bump(s: float) -> tuple[float, float, float]:
 
 
 def quintic_progress(s: float) -> tuple[float, float, float]:
-    """10s³ - 15s⁴ + 6s⁵ with its first and second derivative."""
+    """Computes 10s³ - 15s⁴ + 6s⁵ with its first and second derivative."""
     r = 1.0 - s
     return (
         s**3 * (10.0 - 15.0 * s + 6.0 * s * s),
@@ -286,8 +289,8 @@ def quintic_step(
     T: float,
     dt: float,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """State after ``dt`` on the quintic from (p, v, a) to rest at ``goal`` in ``T``."""
-    # On floats: numpy's own arithmetic on vectors of two costs ten times as much.
+    """Advances by ``dt`` on the quintic from (p, v, a) to rest at ``goal`` in ``T``."""
+    # On floats: numpy's arithmetic on vectors of two costs ten times as much.
     after = []
     for x, vx, ax, goal_x in zip(
         p.tolist(), v.tolist(), a.tolist(), goal.tolist(), strict=True

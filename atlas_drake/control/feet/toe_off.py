@@ -1,6 +1,6 @@
-"""A foot that raises its heel: it stands on its toes, which stay where they are.
+"""Toe-off: the motion of a foot that raises its heel and stands on its toes.
 
-Geometry of the sole and its motion. When a heel rises is the behavior's business.
+Geometry of the sole and its motion. The behavior decides when a heel rises.
 """
 
 from __future__ import annotations
@@ -13,16 +13,16 @@ from atlas_drake.control.feet.swing_foot import SwingReference
 from atlas_drake.control.rotations import rotation_y
 
 TOES = 0.03
-"""Length of the strip at the front of a sole that bears a foot on its toes [m]."""
+"""Length of the strip at the front of a sole that carries a foot on its toes [m]."""
 
 
 def on_toes(flat: FootPose, angle: float, half_length: float) -> FootPose:
-    """The pose of a sole whose heel rose.
+    """Computes the pose of a sole with its heel raised.
 
     Args:
-        flat: Where it lay flat.
-        angle: Of the rise [rad].
-        half_length: Of the sole [m].
+        flat: Pose of the flat sole.
+        angle: Pitch of the sole about its toes [rad].
+        half_length: Half the length of the sole [m].
     """
     toes = flat.p_WF + half_length * flat.R_WF[:, 0]
     R_WF = flat.R_WF @ rotation_y(angle)
@@ -32,7 +32,7 @@ def on_toes(flat: FootPose, angle: float, half_length: float) -> FootPose:
 def toe_off_reference(
     flat: FootPose, angle: float, rate: float, acceleration: float, half_length: float
 ) -> SwingReference:
-    """Motion of a sole about its toes, at an angle [rad] with its derivatives."""
+    """Computes the motion of a sole about its toes from the angle [rad] over time."""
     pose = on_toes(flat, angle, half_length)
     y, arm = flat.R_WF[:, 1], -half_length * pose.R_WF[:, 0]
     return SwingReference(
@@ -45,6 +45,6 @@ def toe_off_reference(
 
 
 def toe_corners(flat: FootPose, half_length: float, half_width: float) -> np.ndarray:
-    """Corners of the strip that carries a foot on its toes, in W [m], shape (4, 3)."""
+    """Computes the corners of the strip that carries the toes, in W [m], (4, 3)."""
     middle = flat.p_WF + (half_length - 0.5 * TOES) * flat.R_WF[:, 0]
     return sole_corners(middle, flat.R_WF, 0.5 * TOES, half_width)

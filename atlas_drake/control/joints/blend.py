@@ -1,9 +1,8 @@
-"""How joints under user control, whole or in part, enter the whole-body QP.
+"""Bounds of the whole-body QP for joints under full or partial user control.
 
-The QP reasons about total efforts. A joint's total lies between what the behavior's
-own limits can add to the user's share; where the user has the joint alone it is the
-user's effort and nothing else. Whether and why a joint is shared is the user's
-business.
+The unknown efforts of the QP are total efforts. The total effort of a joint is the
+user's share plus what the behavior can add within its limits; for a joint that the
+user controls alone it is the user's effort. The user chooses the blend weights.
 """
 
 from __future__ import annotations
@@ -20,11 +19,11 @@ class UserForecast:
     """The user's effort over one control tick: effort - inertia·v̇.
 
     Attributes:
-        effort: For a joint that does not accelerate [N·m], shape (n,).
-        inertia: How much less per acceleration of the joint, because the user's
-            damping and stiffness resist within the tick [kg·m²], shape (n,).
-        excess: By how much the user's effort is beyond the motor's limit, with its
-            sign; 0 within [N·m], shape (n,).
+        effort: Effort for a joint that does not accelerate [N·m], shape (n,).
+        inertia: Decrease of the effort per acceleration of the joint, because the
+            user's damping and stiffness resist within the tick [kg·m²], shape (n,).
+        excess: Signed amount by which the user's effort exceeds the motor's limit; 0
+            within the limit [N·m], shape (n,).
     """
 
     effort: np.ndarray
@@ -41,36 +40,36 @@ def forecast_user_effort(
     dt: float,
     step: float,
 ) -> UserForecast:
-    """What the user's law will do in the coming tick.
+    """Predicts the effort of the user's law in the coming tick.
 
-    A user's damper can stop a joint in less time than a tick. A QP that took the
-    present effort for constant would see the joint as free where it is nearly locked,
-    would answer each of the damper's short corrections, and would be late with its
-    answer to every oscillation: enough to shake a standing robot down. So the law is
-    taken as it will be in the tick on average for its stiffness and, since it is
-    stiff, at the end for its damping. The spring is sampled at the beginning of every
-    step h; with v̇ constant and q_j = q + j·h·v + j·(j+1)/2·h²·v̇ its mean over the
-    dt/h steps is
+    The user's damping can stop a joint in less time than a tick. A QP that assumed a
+    constant effort would treat a nearly locked joint as free, would react to each short
+    correction of the damping, and would react late to every oscillation: enough to make
+    a standing robot fall. The forecast therefore takes the stiffness on average over
+    the tick and the damping, because it is stiff, at the end of the tick. The spring is
+    sampled at the beginning of every step h; with v̇ constant and q_j = q + j·h·v +
+    j·(j+1)/2·h²·v̇ its mean over the dt/h steps is
 
         τ = τ_static - kp·(v·(dt - h)/2 + v̇·(dt² - h²)/6) - d·(v + v̇·dt)
 
-    A mean that runs ahead by as little as half a step has the body's answer pump up a
-    stiff joint of little damping, such as a back under the default gains, until the
-    robot falls.
+    A mean that leads by as little as half a step makes the body excite a stiff joint
+    of little damping, such as a back under the default gains, until the robot falls.
 
-    Whether the motor's limit cuts is not to be seen from this: a damper with d·v beyond
-    the limit may bring the joint to rest within the tick, by an effort far smaller. It
-    is for the law itself to say, with damping at the velocity that its step ends with.
+    The forecast does not show if the motor's limit is reached: damping with d·v beyond
+    the limit may bring the joint to rest within the tick with a far smaller effort. The
+    law itself gives the ``excess``, with damping at the velocity at the end of its
+    step.
 
     Args:
-        static_effort: kp·e, integral and all that does not depend on the joint's
-            velocity [N·m], shape (n,).
+        static_effort: kp·e, the integral and all other terms that do not depend on the
+            joint's velocity [N·m], shape (n,).
         stiffness: kp [N·m/rad], shape (n,).
-        damping: All gains on velocity together d [N·m·s/rad], shape (n,).
+        damping: Sum d of all gains on velocity [N·m·s/rad], shape (n,).
         v: Joint velocities [rad/s], shape (n,).
-        excess: By how much the law's effort is beyond the limit now [N·m], shape (n,).
+        excess: Signed amount by which the law's effort exceeds the limit [N·m], shape
+            (n,).
         dt: Length of the tick [s].
-        step: Of the user's law h [s].
+        step: Step h of the user's law [s].
     """
     return UserForecast(
         effort=static_effort - (0.5 * (dt - step) * stiffness + damping) * v,
@@ -82,16 +81,16 @@ def forecast_user_effort(
 def effort_bounds(
     share: np.ndarray, user: UserForecast, effort_limit: np.ndarray
 ) -> EffortBounds:
-    """Range of each joint's total effort k·user + (1 - k)·behavior.
+    """Computes the range of each joint's total effort k·user + (1 - k)·behavior.
 
-    Its limit cuts the total, not the user's part: what the user has in excess narrows
-    the range from one side, until there is nothing left that the behavior could do
-    about the joint.
+    The effort limit applies to the total, not to the user's part: an excess of the
+    user's effort narrows the range from one side, until the behavior has no influence
+    left.
 
     Args:
-        share: The user's share k, 0 to 1, shape (n,).
-        user: What the user will do.
-        effort_limit: [N·m], shape (n,).
+        share: Blend weight k of the user, 0 to 1, shape (n,).
+        user: Forecast of the user's effort.
+        effort_limit: Effort limits [N·m], shape (n,).
     """
     middle = share * user.effort
     reach = (1.0 - share) * effort_limit
@@ -116,11 +115,11 @@ def behavior_share(
     user: UserForecast,
     effort_limit: np.ndarray,
 ) -> np.ndarray:
-    """The behavior's own effort that makes up ``total`` [N·m], shape (n,).
+    """Computes the behavior's effort that adds up to ``total`` [N·m], shape (n,).
 
-    For a joint that the user has alone it is the total itself: what the behavior
-    would go on with if it were given the joint now. Likewise for one that the user
-    keeps at its limit whatever the behavior does.
+    For a joint that the user controls alone the result is the total itself, with which
+    the behavior would continue if it received the joint now. The same holds for a joint
+    that the user keeps at its limit for any effort of the behavior.
     """
     rest = 1.0 - share
     shared = (rest > 0.0) & ~_at_the_limit(share, user, effort_limit)
@@ -132,5 +131,5 @@ def behavior_share(
 def _at_the_limit(
     share: np.ndarray, user: UserForecast, effort_limit: np.ndarray
 ) -> np.ndarray:
-    """Which joints the user keeps at their limit, whatever the behavior does, (n,)."""
+    """Finds joints that the user keeps at their limit for any behavior effort."""
     return share * np.abs(user.excess) > 2.0 * (1.0 - share) * effort_limit

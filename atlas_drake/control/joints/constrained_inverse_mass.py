@@ -1,6 +1,6 @@
-"""The constrained inverse mass matrix: what the joint PID's damping relies on.
+"""The constrained inverse mass matrix, which the joint PID's implicit damping needs.
 
-A model evaluation only; the law that uses it is ``joint_pid``.
+A model evaluation only; the law that uses the matrix is in ``joint_pid``.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ class ConstrainedInverseMass:
     """The joints' block of M⁻¹, the pelvis free. Holds no state."""
 
     def __init__(self, robot: Robot):
-        """Builds a plant of its own without geometry."""
+        """Builds a separate plant without geometry."""
         # Untyped, because pydrake's stubs misname the type of every array.
         self._plant: Any = robot.make_plant()
         indices = robot.indices(self._plant)
@@ -32,22 +32,21 @@ class ConstrainedInverseMass:
         ]
 
     def create_context(self) -> Context:
-        """A scratch context for ``evaluate``."""
+        """Creates a scratch context for ``evaluate``."""
         return self._plant.CreateDefaultContext()
 
     def evaluate(
         self, context: Context, positions: np.ndarray, planted: Sequence[bool]
     ) -> np.ndarray:
-        """Joint accelerations per effort Λ [rad/s² per N·m], shape (n, n).
+        """Computes the joint accelerations per effort Λ [rad/s² per N·m], shape (n, n).
 
-        A planted sole does not move: with N the projection on motions that leave it
-        where it is, Λ = N·M⁻¹. A leg on the ground gives way far less than one in
-        the air.
+        A planted sole does not move: with N the projection on the motions that keep it
+        in place, Λ = N·M⁻¹. A leg on the ground yields far less than a leg in the air.
 
         Args:
             context: A scratch context; overwritten.
-            positions: Of the plant, in plant order.
-            planted: Whether the left and the right sole are held by the ground.
+            positions: Positions of the plant, in plant order.
+            planted: True for the left and the right sole if the ground holds it.
         """
         plant = self._plant
         plant.SetPositions(context, positions)

@@ -1,6 +1,7 @@
-"""The joint controllers' law: PID with velocity gain and feed-forward, per joint.
+"""Control law of the joints: PID with velocity gain and feed-forward, per joint.
 
-Pure. What makes it stable for any damping gain at any step is in ``user_effort``.
+Pure functions. ``user_effort`` explains why the law is stable for any damping gain at
+any step.
 """
 
 from __future__ import annotations
@@ -19,15 +20,14 @@ from atlas_drake.messages.joint_command import JointCommand
 
 @dataclass(frozen=True)
 class PidState:
-    """What the law remembers; arrays (n,).
+    """State of the law; arrays (n,).
 
     Attributes:
-        integral: Of the position error times its gain [N·m].
-        velocity: At the last step [rad/s].
-        applied: Effort that the motors gave in the last step, within their limits
-            [N·m].
-        expected: How much the velocity was expected to change in the last step, by
-            the motors and by all other forces [rad/s].
+        integral: Integral of the position error times its gain [N·m].
+        velocity: Velocity at the last step [rad/s].
+        applied: Effort of the motors in the last step, within their limits [N·m].
+        expected: Change of velocity expected in the last step, by the motors and by
+            all other forces [rad/s].
     """
 
     integral: np.ndarray
@@ -39,9 +39,10 @@ class PidState:
 def integrate(
     state: PidState, command: JointCommand, q: np.ndarray, active: np.ndarray, dt: float
 ) -> np.ndarray:
-    """The integral term after a step, within its clamps [N·m], shape (n,).
+    """Advances the integral term by one step, within its clamps [N·m], shape (n,).
 
-    It holds still where ``active`` is False, and cannot wind up beyond its clamps.
+    The term is constant where ``active`` is False, and cannot wind up beyond its
+    clamps.
     """
     grown = state.integral + command.ki_position * (command.position - q) * dt
     clamped = np.minimum(np.maximum(grown, command.i_effort_min), command.i_effort_max)
@@ -51,7 +52,7 @@ def integrate(
 def static_effort(
     command: JointCommand, integral: np.ndarray, q: np.ndarray
 ) -> np.ndarray:
-    """All of the law but what depends on the joint's velocity [N·m], shape (n,)."""
+    """Computes the terms of the law that do not depend on velocity [N·m], (n,)."""
     return (
         command.kp_position * (command.position - q)
         + integral
@@ -61,28 +62,29 @@ def static_effort(
 
 
 DRIFT_TIME = 0.002
-"""Time in which the estimate of what is not the motors' doing follows it [s]."""
+"""Time constant of the estimate of velocity changes not caused by the motors [s]."""
 
 LIGHT_DAMPING = 1e-3
-"""Where motors saturate, no more than this is taken explicitly [N·m·s/rad].
+"""Greatest damping that is taken explicitly where motors saturate [N·m·s/rad].
 
-It is far from the bound of stability, which for the lightest joint is 1 at 2 ms.
+It is far below the bound of stability, which for the lightest joint is 1 at 2 ms.
 """
 
 ROUNDING = 1e-9
-"""A motor that lacks no more than this share of its limit is at it [-]."""
+"""Distance from the effort limit, as a share of it, within which a motor counts as
+saturated [-]."""
 
 
 @dataclass(frozen=True)
 class StepModel:
-    """How velocities respond to efforts within a step.
+    """Response of the velocities to efforts within a step.
 
     Attributes:
         response: h·Λ, velocity change per effort [rad/s per N·m], shape (n, n).
-        damping: d, all gains on velocity together [N·m·s/rad], shape (n,).
-        share: The user's share k of each joint, 0 to 1, shape (n,).
+        damping: Sum d of all gains on velocity [N·m·s/rad], shape (n,).
+        share: Blend weight k of the user for each joint, 0 to 1, shape (n,).
         gain: G = (1 + D·h·Λ·K)⁻¹, shape (n, n).
-        blend: How much of a new change of velocity enters the estimate [-].
+        blend: Weight of a new change of velocity in the estimate [-].
     """
 
     response: np.ndarray
@@ -95,11 +97,11 @@ class StepModel:
 def step_model(
     damping: np.ndarray, share: np.ndarray, inverse_mass: np.ndarray, dt: float
 ) -> StepModel:
-    """What ``user_effort`` needs to know of the robot.
+    """Makes the model of the robot that ``user_effort`` needs.
 
     Args:
-        damping: All gains on velocity together d [N·m·s/rad], shape (n,).
-        share: The user's share k of each joint, 0 to 1.
+        damping: Sum d of all gains on velocity [N·m·s/rad], shape (n,).
+        share: Blend weight k of the user for each joint, 0 to 1.
         inverse_mass: Λ, accelerations per effort [rad/s² per N·m], shape (n, n).
         dt: The step h [s].
     """
@@ -113,20 +115,20 @@ def step_model(
 def change_without_user(
     state: PidState, v: np.ndarray, others: np.ndarray, model: StepModel
 ) -> np.ndarray:
-    """How velocities would change in this step by all but the user [rad/s], (n,).
+    """Predicts the change of velocity in this step without the user's effort, (n,).
 
-    Gravity, contact and the body's own motion are the part of the last change of
-    velocity that the motors do not explain, smoothed: an unsmoothed estimate answers
-    every jolt twice, and rings. What is smoothed is the whole change, which stays what
-    it was when the model becomes another one, such as that of a foot in the air: a
-    drift remembered from the old one would belong to efforts many times as large, and
-    each change of the model would be a jolt.
+    Gravity, contact and the motion of the body cause the part of the last change of
+    velocity that the motors do not explain. The estimate is smoothed: an unsmoothed
+    estimate answers every jolt twice, and rings. The smoothed quantity is the whole
+    change of velocity, which is continuous when the model changes, as when a foot lifts
+    off. The unexplained part is not: under the old model it belongs to efforts many
+    times as large, so that smoothing it would cause a jolt at each change of the model.
 
     Args:
-        state: Of the last step.
+        state: State of the last step.
         v: Velocities [rad/s].
         others: The behavior's part of the motors' efforts (1 - K)·τ_behavior [N·m].
-        model: From ``step_model``.
+        model: Model from ``step_model``.
     """
     change = state.expected + model.blend * (v - state.velocity - state.expected)
     return change + model.response @ (others - state.applied)
@@ -139,35 +141,35 @@ def user_effort(
     model: StepModel,
     effort_limit: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """The law with its damping taken implicitly, and what the motors then give.
+    """Computes the law with implicit damping, and the resulting effort of the motors.
 
     An explicit torque -d·v at step h diverges when d·h exceeds twice the inertia of
-    the joint, which the tutorial's own gains do at the wrists. The implicit law asks
-    for the damping of the velocity at the step's end,
+    the joint, as it does with the tutorial's own gains at the wrists. The implicit law
+    damps the velocity at the end of the step,
 
         v⁺ = v_c + h·Λ·K·τ,
 
-    where v_c is what it would be without the user's efforts:
+    where v_c is the velocity without the user's efforts:
 
         τ = τ_static - D·v⁺   ⇒   τ = G·(τ_static - D·v_c),   G = (1 + D·h·Λ·K)⁻¹
 
-    When joints move steadily v⁺ is v, and this is the law itself: set-points and
-    gravity droop are those of the gains, whatever the step. The scalar loop is stable
-    for any damping as long as Λ is not below 3/4 of the true inverse mass matrix.
+    When joints move steadily v⁺ equals v, and this is the explicit law: set-points and
+    gravity droop follow from the gains for any step. The scalar loop is stable for any
+    damping as long as Λ is not below 3/4 of the true inverse mass matrix.
 
-    A motor gives the blend of both efforts within its limit. Where that limit cuts, v⁺
-    is another one for all joints, and ``_saturated`` finds it.
+    A motor gives the blend of both efforts within its limit. Where a motor saturates,
+    v⁺ changes for all joints, and ``_saturated`` computes it.
 
     Args:
         static: The law without its velocity terms, ``static_effort`` [N·m].
         coasting: v_c, velocities and ``change_without_user`` together [rad/s].
         others: The behavior's part of the motors' efforts (1 - K)·τ_behavior [N·m].
-        model: From ``step_model``.
-        effort_limit: [N·m]
+        model: Model from ``step_model``.
+        effort_limit: Effort limits [N·m].
 
     Returns:
-        The user's effort τ, not limited, and the motors' effort, within the limits of
-        all joints that the user has a share of [N·m], shapes (n,).
+        The user's effort τ, not limited, and the motors' effort, limited for all joints
+        with a user share above 0 [N·m], shapes (n,).
     """
     effort = model.gain @ (static - model.damping * coasting)
     total = others + model.share * effort
@@ -184,7 +186,7 @@ def _saturated(
     model: StepModel,
     effort_limit: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """``user_effort`` where a motor reaches its limit L.
+    """Computes ``user_effort`` if a motor reaches its limit L.
 
     With v_0 the velocities without any motor, the motors' efforts solve
 
@@ -210,7 +212,8 @@ def _saturated(
         effort_limit[damped],
     )
     effort = static - model.damping * (idle + response @ total)
-    # The same for a motor within its limit, without the rounding of a large damping.
+    # The same effort for a motor within its limit, without the rounding error of a
+    # large damping.
     within = (np.abs(total) < effort_limit) & (share > 0.0)
     effort[within] = (total - others)[within] / share[within]
     return effort, total
@@ -223,7 +226,7 @@ def _saturated_damped(
     response: np.ndarray,
     limit: np.ndarray,
 ) -> np.ndarray:
-    """The program of ``_saturated`` for damped joints; arrays (m,) and (m, m).
+    """Solves the program of ``_saturated`` for damped joints; arrays (m,) and (m, m).
 
     Args:
         wanted: K·τ_static + others [N·m].
@@ -235,8 +238,8 @@ def _saturated_damped(
     Returns:
         Efforts t [N·m].
     """
-    # An effort beyond all that the damping can take back is as good as any larger one,
-    # which could cost the solver its digits.
+    # Efforts beyond all that the damping can compensate are equivalent; a smaller one
+    # keeps the solver accurate.
     beyond = limit + damping * (np.abs(idle) + np.abs(response) @ limit + 1.0)
     wanted = np.clip(wanted, -beyond, beyond)
     # In units in which the Hessian's diagonal is 1.
@@ -252,6 +255,6 @@ def _saturated_damped(
         kind=np.full(len(unit), INEQUALITY, dtype=np.int32),
     )
     effort = unit * solve(program).x
-    # To the bit: whether a motor is at its limit must not be a matter of rounding.
+    # Exact to the bit: rounding must not decide if a motor is at its limit.
     at_limit = np.abs(effort) >= limit * (1.0 - ROUNDING)
     return np.where(at_limit, np.sign(effort) * limit, effort)

@@ -1,7 +1,7 @@
 """Poses of pelvis and center of mass relative to two feet on the ground.
 
-What the numbers mean, and how they move. Which poses are possible is in
-``pelvis_reach``.
+This module defines the coordinates of a pose and their motion. Feasibility of a pose is
+in ``pelvis_reach``.
 """
 
 from __future__ import annotations
@@ -25,16 +25,16 @@ from atlas_drake.control.whole_body.terms import WholeBodyTerms
 
 
 class PelvisPose(NamedTuple):
-    """A pose relative to a stance.
+    """A pose of pelvis and center of mass relative to a stance.
 
     Attributes:
-        height: Of the pelvis' origin above the mean of the soles [m].
-        yaw: Of the pelvis, from the feet's mean heading, to the left [rad].
-        pitch: Of the pelvis, forward and down [rad].
-        roll: Of the pelvis, to the right [rad].
+        height: Height of the pelvis' origin above the mean of the soles [m].
+        yaw: Yaw of the pelvis from the mean heading of the feet, to the left [rad].
+        pitch: Pitch of the pelvis, forward and down [rad].
+        roll: Roll of the pelvis, to the right [rad].
         com_v0: Center of mass from the middle of the soles along the line from the
-            right to the left one [m].
-        com_v1: The same across that line, forward for feet side by side [m].
+            right to the left sole [m].
+        com_v1: Center of mass across that line, forward for feet side by side [m].
     """
 
     height: float
@@ -51,11 +51,11 @@ class Stance:
 
     Attributes:
         feet: Left and right sole.
-        support: Where the CoP may lie on them.
-        middle: Between the soles in W [m], shape (3,).
-        yaw: Their mean heading [rad].
+        support: Region in which the CoP may lie on both soles.
+        middle: Middle between the soles in W [m], shape (3,).
+        yaw: Mean heading of the soles [rad].
         along: Horizontal unit vector from the right to the left sole, shape (2,).
-        across: ``along`` turned to the right by a quarter, shape (2,).
+        across: ``along`` turned to the right by a quarter turn, shape (2,).
     """
 
     feet: tuple[FootPose, FootPose]
@@ -66,16 +66,16 @@ class Stance:
     across: np.ndarray
 
     def com(self, pose: PelvisPose) -> np.ndarray:
-        """Where ``pose`` has the center of mass, horizontal in W [m], shape (2,)."""
+        """Computes the CoM of ``pose``, horizontal in W [m], shape (2,)."""
         offset = pose.com_v0 * self.along + pose.com_v1 * self.across
         return self.middle[:2] + offset
 
     def R_WP(self, pose: PelvisPose) -> np.ndarray:
-        """Orientation of the pelvis in ``pose``."""
+        """Computes the orientation of the pelvis in ``pose``."""
         return orientation(self.yaw + pose.yaw, np.array([pose.roll, pose.pitch]))
 
     def measure(self, terms: WholeBodyTerms) -> PelvisPose:
-        """The pose that the robot is in."""
+        """Computes the present pose of the robot."""
         roll, pitch = tilt_of(terms.R_WP)
         return self.pose_of(
             terms.p_WP[2], yaw_of(terms.R_WP), pitch, roll, terms.com[:2]
@@ -84,7 +84,7 @@ class Stance:
     def pose_of(
         self, z: float, yaw: float, pitch: float, roll: float, com: np.ndarray
     ) -> PelvisPose:
-        """The pose given by the pelvis' height and angles and the CoM in W."""
+        """Makes the pose from the pelvis' height and angles and the CoM in W."""
         offset = com - self.middle[:2]
         return PelvisPose(
             height=float(z - self.middle[2]),
@@ -97,7 +97,7 @@ class Stance:
 
 
 def make_stance(left: FootPose, right: FootPose, support: SupportPolygon) -> Stance:
-    """The stance on two feet."""
+    """Makes the stance on two feet."""
     between = left.p_WF[:2] - right.p_WF[:2]
     along = between / np.hypot(*between)
     return Stance(
@@ -112,45 +112,45 @@ def make_stance(left: FootPose, right: FootPose, support: SupportPolygon) -> Sta
 
 @dataclass(frozen=True)
 class PelvisRates:
-    """How fast pelvis and center of mass are moved."""
+    """Limits on the motion of pelvis and center of mass."""
 
     height: MotionLimits = field(
         default_factory=lambda: MotionLimits(speed=0.12, acceleration=0.4)
     )
-    """[m]"""
+    """Height of the pelvis [m]."""
     turn: MotionLimits = field(
         default_factory=lambda: MotionLimits(speed=0.4, acceleration=1.2)
     )
-    """[rad]"""
+    """Yaw, pitch and roll of the pelvis [rad]."""
     com: MotionLimits = field(
         default_factory=lambda: MotionLimits(speed=0.08, acceleration=0.25)
     )
-    """[m]"""
+    """Horizontal position of the center of mass [m]."""
 
 
 @dataclass(frozen=True)
 class PelvisLead:
-    """How far the reference may be ahead of a robot that does not follow.
+    """Greatest lead of the reference over a robot that does not follow.
 
-    A user who holds the legs, or a push, keeps it from following. Far beyond the lag
-    of a free robot. The center of mass has no such limit: a reference that gave way
-    to it would balance nothing.
+    The robot does not follow when a user holds the legs, or during a push. The limits
+    are far beyond the lag of a free robot. The center of mass has no such limit: a
+    reference that yields to the center of mass would not balance the robot.
     """
 
     height: float = 0.06
-    """[m]"""
+    """Lead in height [m]."""
     turn: float = 0.25
-    """[rad]"""
+    """Lead in yaw, pitch and roll [rad]."""
 
 
 @dataclass(frozen=True)
 class PelvisMotion:
-    """The reference on its way, in W, so that it stays when a sole slips.
+    """The moving reference. It is kept in W, so that it stays when a sole slips.
 
     Attributes:
-        height: Of the pelvis' origin, shape (1,) [m].
+        height: Height of the pelvis' origin, shape (1,) [m].
         turn: Yaw, pitch and roll of the pelvis, shape (3,) [rad].
-        com: Horizontal place of the center of mass, shape (2,) [m].
+        com: Horizontal position of the center of mass, shape (2,) [m].
     """
 
     height: Motion
@@ -160,7 +160,7 @@ class PelvisMotion:
     def towards(
         self, goal: PelvisPose, stance: Stance, rates: PelvisRates, dt: float
     ) -> PelvisMotion:
-        """Moved on to ``goal`` by ``dt`` [s]."""
+        """Advances the reference toward ``goal`` by ``dt`` [s]."""
         yaw = self.turn.position[0]
         ahead = wrap_angle(stance.yaw + goal.yaw - yaw)
         turn = np.array([yaw + ahead, goal.pitch, goal.roll])
@@ -172,7 +172,7 @@ class PelvisMotion:
         )
 
     def held_near(self, terms: WholeBodyTerms, lead: PelvisLead) -> PelvisMotion:
-        """No further from the robot than ``lead``."""
+        """Limits the distance between reference and robot to ``lead``."""
         roll, pitch = tilt_of(terms.R_WP)
         yaw = self.turn.position[0] + wrap_angle(
             yaw_of(terms.R_WP) - self.turn.position[0]
@@ -184,7 +184,7 @@ class PelvisMotion:
         )
 
     def pose(self, stance: Stance) -> PelvisPose:
-        """The reference relative to ``stance``."""
+        """Returns the reference relative to ``stance``."""
         yaw, pitch, roll = self.turn.position
         return stance.pose_of(
             self.height.position[0], yaw, pitch, roll, self.com.position
@@ -192,7 +192,7 @@ class PelvisMotion:
 
 
 def _held_near(motion: Motion, measured: np.ndarray, lead: float) -> Motion:
-    """The motion; begun anew at the edge of what is allowed when it is beyond."""
+    """Returns the motion, or one at rest at the limit if it is beyond ``lead``."""
     ahead = motion.position - measured
     if np.abs(ahead).max() <= lead:
         return motion

@@ -1,7 +1,7 @@
-"""Which poses of the pelvis the legs, their motors and the feet allow.
+"""Feasibility of pelvis poses: limits of the legs, their motors and the feet.
 
-A static judgement from the legs' closed-form kinematics: it neither solves for the
-whole body nor moves anything.
+A static check with the closed-form kinematics of the legs. Motion between poses is in
+``pelvis_pose``.
 """
 
 from __future__ import annotations
@@ -17,46 +17,46 @@ from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.robot import KNEE, Leg, Robot
 
 LEGS_COM = 0.5
-"""Where the legs' own center of mass lies on the way from ankles to pelvis [-]."""
+"""Position of the legs' center of mass on the line from ankles to pelvis [-]."""
 _BISECTIONS = 10
-"""Halvings between what is possible and what is wished: 0.1 % of the way."""
+"""Halvings between a feasible and a wished value: exact to 0.1 % of the distance."""
 _HEIGHT_SEARCH = 0.01
-"""Step down in search of a height that a wide stance allows [m]."""
+"""Step of the downward search for a height that a wide stance allows [m]."""
 
 
 @dataclass(frozen=True)
 class PelvisReserves:
-    """What is kept for balance of what the legs, their motors and the feet allow.
+    """Reserves for balance within the limits of the legs, their motors and the feet.
 
     Measured on both robots in simulation: docs/control.md.
     """
 
     com_margin: float = 0.04
-    """Of the center of mass inside the polygon of possible CoPs [m]."""
+    """Distance of the center of mass to the edge of the support polygon [m]."""
     joint_margin: float = 0.05
-    """Of leg joints from their end stops [rad]."""
+    """Distance of leg joints to their end stops [rad]."""
     least_flexion: float = 0.12
-    """Knees stay bent by this much, counted from the straight leg [rad]."""
+    """Least flexion of the knees, from the straight leg [rad]."""
     effort_share: float = 0.8
-    """Share of a leg joint's effort that standing still may take [-]."""
+    """Greatest share of a leg joint's effort limit for standing still [-]."""
 
 
 @dataclass(frozen=True)
 class UpperBody:
-    """Everything above the legs, as it is held now.
+    """Everything above the legs, in its present posture.
 
     Attributes:
-        p_PU: Its center of mass in the pelvis frame [m], shape (3,).
+        p_PU: Center of mass of the upper body in the pelvis frame [m], shape (3,).
     """
 
     p_PU: np.ndarray
 
 
 class PelvisReach:
-    """Judges poses of one robot. Holds constants only."""
+    """Checks poses of one robot. Holds constants only."""
 
     def __init__(self, robot: Robot, reserves: PelvisReserves | None = None):
-        """Judges within the range of poses of ``robot``."""
+        """Takes the limits from ``robot``."""
         self.range = robot.file.pelvis_range
         self.reserves = reserves or PelvisReserves()
         self._legs: tuple[Leg, Leg] = robot.legs
@@ -76,22 +76,22 @@ class PelvisReach:
             )
 
     def upper_body(self, terms: WholeBodyTerms, stance: Stance) -> UpperBody:
-        """How trunk and arms are held at present."""
+        """Computes the present posture of trunk and arms."""
         share = self._legs_share
         p_WL = LEGS_COM * terms.p_WP + (1.0 - LEGS_COM) * self._ankles(stance)
         p_WU = (terms.com - share * p_WL) / (1.0 - share)
         return UpperBody(terms.R_WP.T @ (p_WU - terms.p_WP))
 
     def allows(self, pose: PelvisPose, stance: Stance, upper: UpperBody) -> bool:
-        """Whether the robot can stand like that."""
+        """Returns True if the robot can stand in the pose."""
         com = stance.com(pose)
         if stance.support.distance_outside(com) > -self.reserves.com_margin:
             return False
         R_WP = stance.R_WP(pose)
         p_WP = self.pelvis_position(pose, stance, upper)
         loads = self._loads(pose, stance)
-        # The center of pressure lies on both soles as the center of mass lies
-        # between them.
+        # The CoP on each sole has the same relative position as the CoM between the
+        # soles.
         left, right = stance.feet
         middle = loads[0] * left.p_WF + loads[1] * right.p_WF
         offset = np.append(com - middle[:2], 0.0)
@@ -105,8 +105,8 @@ class PelvisReach:
             if (angles < self._lower[i]).any() or (angles > self._upper[i]).any():
                 return False
             p_PC = p_PF + R_WP.T @ offset
-            # What a link weighs is not carried by the joints above it. It counts as
-            # if it lay on the foot.
+            # The joints above a link do not carry its weight. The weight counts as if
+            # it acted on the foot.
             forces = loads[i] * self._weight - GRAVITY * leg.mass_beyond
             torques = held.torques(p_PC, forces[:, None] * up_P)
             if (np.abs(torques) > self._effort[i]).any():
@@ -116,16 +116,16 @@ class PelvisReach:
     def clamp(
         self, wish: PelvisPose, home: PelvisPose, stance: Stance, upper: UpperBody
     ) -> PelvisPose:
-        """The pose nearest to ``wish`` that can be stood in.
+        """Returns the feasible pose nearest to ``wish``.
 
-        Starting from ``home``, its numbers are granted one after the other, each as
-        far as those before it allow: height, CoM, yaw, pitch, roll.
+        Starting from ``home``, one coordinate after the other is moved toward ``wish``
+        as far as the coordinates before it allow: height, CoM, yaw, pitch, roll.
 
         Args:
             wish: Any finite pose.
             home: An ``attainable`` pose.
-            stance: Where the feet are.
-            upper: How trunk and arms are held.
+            stance: Poses of the feet.
+            upper: Posture of trunk and arms.
         """
         wish = self._boxed(wish)
         if self.allows(wish, stance, upper):
@@ -138,9 +138,9 @@ class PelvisReach:
     def attainable(
         self, home: PelvisPose, stance: Stance, upper: UpperBody
     ) -> PelvisPose:
-        """``home``, lowered until the legs allow it, as when the feet are far apart.
+        """Lowers ``home`` until the legs allow it, as when the feet are far apart.
 
-        ``home`` itself if no height will do.
+        Returns ``home`` itself if no height is feasible.
         """
         height = home.height
         while height >= self.range.height[0]:
@@ -175,7 +175,7 @@ class PelvisReach:
         stance: Stance,
         upper: UpperBody,
     ) -> PelvisPose:
-        """``granted`` with one number moved towards ``wish`` as far as can be."""
+        """Moves one coordinate of ``granted`` toward ``wish`` as far as is feasible."""
         best = granted
         begin = getattr(granted, name)
         low, high = 0.0, 1.0
@@ -194,7 +194,7 @@ class PelvisReach:
     def pelvis_position(
         self, pose: PelvisPose, stance: Stance, upper: UpperBody
     ) -> np.ndarray:
-        """Where in W the pelvis is when the center of mass is where ``pose`` says."""
+        """Computes the pelvis' position in W for the center of mass of ``pose`` [m]."""
         legs = self._legs_share
         p_PU_W = stance.R_WP(pose) @ upper.p_PU
         ankles = self._ankles(stance)
@@ -203,7 +203,7 @@ class PelvisReach:
         return np.append(place, stance.middle[2] + pose.height)
 
     def _ankles(self, stance: Stance) -> np.ndarray:
-        """The middle between both ankles in W [m]."""
+        """Computes the middle between both ankles in W [m]."""
         left, right = (
             foot.p_WF + foot.R_WF @ leg.p_FA
             for foot, leg in zip(stance.feet, self._legs, strict=True)
@@ -211,7 +211,7 @@ class PelvisReach:
         return 0.5 * (left + right)
 
     def _loads(self, pose: PelvisPose, stance: Stance) -> tuple[float, float]:
-        """Shares of the weight on the left and the right foot."""
+        """Computes the shares of the weight on the left and the right foot [-]."""
         apart = float(
             (stance.feet[0].p_WF[:2] - stance.feet[1].p_WF[:2]) @ stance.along
         )

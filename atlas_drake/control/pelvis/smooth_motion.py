@@ -1,7 +1,7 @@
-"""A point that is moved to a goal without jerks, wherever the goal jumps.
+"""Smooth motion of a point to a goal that may jump.
 
-A critically damped spring pulls it, at bounded acceleration and speed. Knows
-nothing of what the point stands for.
+A critically damped spring pulls the point, with bounded acceleration and speed. The
+coordinates of the point may have any meaning and unit.
 """
 
 from __future__ import annotations
@@ -16,19 +16,20 @@ from atlas_drake.bounds import Positive
 
 @dataclass(frozen=True)
 class MotionLimits:
-    """How fast a point moves, whatever its unit.
+    """Limits on the motion of a point, in any unit.
 
     Raises:
-        ValueError: If the acceleration is too small to brake from full speed as the
-            spring wants to, which would let the point run over its goal.
+        ValueError: If the acceleration is too small to brake from full speed as fast as
+            the spring requires, so that the point would overshoot its goal.
     """
 
     speed: float
-    """[1/s]"""
+    """Greatest speed [1/s]."""
     acceleration: float
-    """[1/s²]"""
+    """Greatest acceleration [1/s²]."""
     rate: Positive = 4.0
-    """Of the spring: what is left of the way shrinks by e in 1/rate [1/s]."""
+    """Rate of the spring: the distance to the goal shrinks by a factor e in 1/rate
+    [1/s]."""
 
     def __post_init__(self) -> None:
         """Checks that the point can brake."""
@@ -41,12 +42,12 @@ class MotionLimits:
 
 @dataclass(frozen=True)
 class Motion:
-    """A point on its way; any number of coordinates.
+    """Motion of a point with any number of coordinates.
 
     Attributes:
-        position: Shape (k,).
-        velocity: Shape (k,).
-        acceleration: Of the last tick, shape (k,).
+        position: Position, shape (k,).
+        velocity: Velocity, shape (k,).
+        acceleration: Acceleration during the last tick, shape (k,).
     """
 
     position: np.ndarray
@@ -54,7 +55,7 @@ class Motion:
     acceleration: np.ndarray
 
     def towards(self, goal: np.ndarray, limits: MotionLimits, dt: float) -> Motion:
-        """Moved on by ``dt`` [s]; from rest it goes to ``goal`` in a straight line."""
+        """Advances by ``dt`` [s]; from rest the path to ``goal`` is a straight line."""
         w = limits.rate
         wanted = w * w * (goal - self.position) - 2.0 * w * self.velocity
         pull = _bounded(wanted, limits.acceleration)
@@ -67,7 +68,7 @@ class Motion:
 
 
 def at_rest(position: np.ndarray, velocity: np.ndarray | None = None) -> Motion:
-    """A motion that begins at ``position``, by default at rest."""
+    """Makes a motion that starts at ``position``, by default at rest."""
     still = np.zeros_like(position)
     return Motion(position, still if velocity is None else velocity, still)
 

@@ -1,6 +1,6 @@
 """The whole-body QP: model terms, tasks, contacts, constraints, solver.
 
-What a behavior of one's own needs is here by name; see ``WholeBodyCommand.plus``.
+Names that a user's own behavior needs are exported here; see ``WholeBodyCommand.plus``.
 """
 
 from atlas_drake.control.whole_body.command import WholeBodyCommand

@@ -1,4 +1,4 @@
-"""What a behavior asks of the whole-body QP in one control tick."""
+"""The command of a behavior to the whole-body QP for one control tick."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import numpy as np
 from atlas_drake.control.whole_body.constraints import Constraint
 from atlas_drake.control.whole_body.contact import Contact
 from atlas_drake.control.whole_body.tasks import PostureTask, Task
+from atlas_drake.errors import shown
 from atlas_drake.frozen import replace
 
 
@@ -19,10 +20,10 @@ class WholeBodyCommand:
 
     Attributes:
         posture: Accelerations of all joints. Required, with a positive weight for
-            each joint: it settles whatever the tasks leave open.
-        tasks: Open list: what shall be met as well as the weights say.
-        contacts: Open list: where the surroundings may push on the robot. A frame
-            that is in no contact gets no force.
+            each joint: it determines every motion that the tasks leave free.
+        tasks: Open list of tasks, met as well as their weights allow.
+        contacts: Open list of contacts with the surroundings. A frame without a contact
+            gets no force.
         constraints: Open list of bounds beyond those that always hold (joint limits,
             effort bounds, friction).
     """
@@ -44,7 +45,13 @@ class WholeBodyCommand:
             *tasks: Appended to the tasks.
             contacts: Appended to the contacts.
             constraints: Appended to the constraints.
+
+        Raises:
+            TypeError: If a task is none.
         """
+        for task in tasks:
+            if not isinstance(task, Task):
+                raise TypeError(f"tasks must be Task values, has {shown(task)}")
         return replace(
             self,
             tasks=(*self.tasks, *tasks),
@@ -59,8 +66,8 @@ class WholeBodyCommand:
 
         Args:
             joints: Which joints, bool or indices into the messages' order.
-            factor: Factor of their weight, positive: small where a task shall have
-                the joints, such as 0.01 for the arm whose hand is moved [-].
+            factor: Factor of their weight, positive [-]; small for joints that a task
+                moves, such as 0.01 for the arm of a hand task.
         """
         weight = self.posture.weight.copy()
         weight[joints] *= factor

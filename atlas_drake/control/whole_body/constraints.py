@@ -1,7 +1,7 @@
-"""Bounds of the whole-body QP: joint limits, efforts, friction, and a user's own.
+"""Bounds of the whole-body QP: joint limits, efforts, friction, and the user's own.
 
-Every constraint says how many rows it has and writes them into its block of the
-program. What is asked within the bounds is the business of ``tasks``.
+Every constraint gives its number of rows and writes them into its block of the program.
+Objectives within the bounds are in ``tasks``.
 """
 
 from __future__ import annotations
@@ -16,17 +16,19 @@ from atlas_drake.control.gains import JointLimitGains
 from atlas_drake.control.whole_body.contact import WRENCH, Contact
 from atlas_drake.control.whole_body.elimination import ReducedDynamics
 from atlas_drake.control.whole_body.quadratic_program import EQUALITY, SOFT
+from atlas_drake.control.whole_body.shapes import shaped, task_name
 from atlas_drake.control.whole_body.tasks import Task
 from atlas_drake.robot import Robot
 
 INFINITE = 1e30
-"""What the solver takes for infinity."""
+"""Value that the solver treats as infinite."""
 
 
 class Block(NamedTuple):
-    """Views of a constraint's own part of the program: lower ≤ A z ≤ upper.
+    """Views of one constraint's part of the program: lower ≤ A z ≤ upper.
 
-    All of it is preset: A zero, the bounds infinite, every kind INEQUALITY.
+    The preset values are zero for A, infinite for the bounds, INEQUALITY for every
+    kind.
 
     Attributes:
         A: A ∈ R^{k × size}.
@@ -62,14 +64,14 @@ class Constraint(Protocol):
 class TaskBounds:
     """Keeps the quantities of a task between bounds: lower ≤ A v̇ + b + G λ ≤ upper.
 
-    A hard bound that nothing can keep leaves the QP without a solution, and the robot
-    with gravity compensation: make bounds on motions soft.
+    An infeasible hard bound leaves the QP without a solution, and the robot falls back
+    to gravity compensation: make bounds on motions soft.
 
     Attributes:
-        task: Whose rows are bounded; its target and weight do not count.
+        task: Task whose rows are bounded; its target and weight are ignored.
         lower: Lower bounds in the unit of the task's target, shape (k,).
         upper: Upper bounds, shape (k,).
-        soft: Whether the bounds yield where they contradict others.
+        soft: True if the bounds yield where they contradict others.
     """
 
     task: Task
@@ -85,6 +87,15 @@ class TaskBounds:
     def write(self, dynamics: ReducedDynamics, block: Block) -> None:
         """Writes the task's rows and the bounds less their constant part."""
         rows = dynamics.rows_of(self.task)
+        owner = f"TaskBounds of {task_name(self.task)}"
+        if len(rows) != self.num_rows:
+            raise ValueError(
+                f"target of {owner} must have shape ({len(rows)},), one for each row, "
+                f"has {np.shape(self.task.target)}"
+            )
+        for name in ("lower", "upper"):
+            bound = getattr(self, name)
+            shaped(bound, (len(rows),) if np.ndim(bound) else (), name, owner)
         block.A[:] = rows[:, :-1]
         block.lower[:] = np.maximum(self.lower - rows[:, -1], -INFINITE)
         block.upper[:] = np.minimum(self.upper - rows[:, -1], INFINITE)
@@ -94,19 +105,19 @@ class TaskBounds:
 
 @dataclass(frozen=True)
 class EffortBounds:
-    """What each joint's effort can be this tick, in message order.
+    """Range of each joint's effort in this tick, in message order.
 
-    A joint that the behavior commands alone ranges over its limits; a joint under user
-    control has its user's effort as both bounds; a blend lies between.
+    A joint that the behavior controls alone has its effort limits as bounds; a joint
+    under user control has the user's effort as both bounds; a blend lies between.
 
     Attributes:
         lower: Least total effort [N·m], shape (n,).
         upper: Greatest total effort [N·m], shape (n,).
         user_held: Joints whose effort the user decides alone, bool, shape (n,).
-        added_inertia: By how much the bounds fall per acceleration of the joint,
-            because the user's law resists it [kg·m²], shape (n,); None for nowhere.
-        authority: The behavior's share of each joint, 0 to 1, shape (n,); None for 1
-            everywhere.
+        added_inertia: Decrease of the bounds per acceleration of the joint, because the
+            user's law resists it [kg·m²], shape (n,); None for zero.
+        authority: Blend weight 1 - k of the behavior for each joint, 0 to 1, shape
+            (n,); None for 1 everywhere.
     """
 
     lower: np.ndarray
@@ -133,7 +144,7 @@ class EffortBounds:
 
 
 class FrictionCones(NamedTuple):
-    """Wrenches that contacts can give: friction, center of pressure, normal force.
+    """Limits of the contact wrenches: friction, center of pressure, normal force.
 
     Attributes:
         contacts: All contacts, in the order of their wrenches among the unknowns.
@@ -179,8 +190,8 @@ class JointLimits:
     ) -> None:
         """Writes the bounds of the joint accelerations [rad/s²].
 
-        A joint that the user has a share of is not the behavior's to bound: it would
-        throw the whole body about to hold one that the user drives into its stop.
+        A joint with a user share above 0 is not bounded: the QP would accelerate the
+        whole body to hold a joint that the user drives into its stop.
 
         Args:
             dynamics: The tick's dynamics.

@@ -1,7 +1,8 @@
 """Contacts of the robot with its surroundings, as the whole-body QP assumes them.
 
-A ``ContactPatch`` is the constant part: where forces can act, and with which friction.
-A ``Contact`` is what a behavior allows of it in one tick. Nothing here detects contact.
+A ``ContactPatch`` is the constant part: the surface on which forces can act, and its
+friction. A ``Contact`` holds what a behavior allows in one tick. Contact detection is
+not part of this module.
 """
 
 from __future__ import annotations
@@ -22,16 +23,17 @@ _MOMENT_X, _MOMENT_Y, _MOMENT_Z, _FORCE_X, _FORCE_Y, _NORMAL = range(WRENCH)
 
 @dataclass(frozen=True)
 class ContactPatch:
-    """A flat part of the robot that its surroundings can push on.
+    """A flat part of the robot on which its surroundings can push.
 
     The patch lies in the xy plane of a contact frame C, whose z axis points from the
     surroundings into the robot. C is fixed in a frame F of the robot; wrenches are
     at the origin of F.
 
     Attributes:
-        corners: Convex polygon that the center of pressure is kept in: vertices in C,
+        corners: Convex polygon that contains the center of pressure: vertices in C,
             counterclockwise seen from +z [m], shape (m, 2), m ≥ 3.
-        friction: Coefficient of friction, of which the inscribed pyramid is used.
+        friction: Coefficient of friction; the QP uses the inscribed pyramid of the
+            cone.
         yaw_moment_arm: Greatest moment about the normal, as a lever of the friction
             force [m].
         R_FC: Orientation of the contact frame in F.
@@ -71,7 +73,7 @@ class ContactPatch:
             x: Rear and front edge [m].
             y: Right and left edge [m].
             friction: See ``ContactPatch``.
-            yaw_moment_arm: Likewise [m].
+            yaw_moment_arm: See ``ContactPatch`` [m].
         """
         (rear, front), (right, left) = x, y
         corners = [[front, left], [rear, left], [rear, right], [front, right]]
@@ -98,7 +100,7 @@ class ContactPatch:
     def cone(self) -> np.ndarray:
         """Rows C ∈ R^{r × 6} with C [moment; force] ≤ 0, axes of F.
 
-        The last row is the normal force, which has bounds of its own.
+        The last row is the normal force, which has separate bounds.
         """
         pyramid = self.friction / np.sqrt(2.0)
         yaw = self.friction * self.yaw_moment_arm
@@ -140,8 +142,8 @@ class ContactPatch:
 class Contact:
     """One contact in one tick: the QP finds its wrench within these bounds.
 
-    The contact does not hold its frame still; that is the business of a task on the
-    frame, which says how firmly.
+    The contact does not hold its frame still; a task on the frame does, with its
+    weight.
 
     Attributes:
         frame: Name of the frame F in the robot's URDF.

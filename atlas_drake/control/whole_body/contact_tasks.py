@@ -82,12 +82,13 @@ class InternalContactTask(Task):
     The rows are the differences of the yaw moments and of the horizontal forces of
     the two contacts in W. They are zero where one of the contacts is missing.
 
-    What two feet do against each other moves nothing, and so would be all but free.
-    Yet the QP finds a use for it. Across a sole rolled by 0.002 rad, 160 N count as
-    0.3 N more on the sole, and so as 0.04 N·m more at its toe: whenever the pressure
-    is at the edge the feet would push apart or together, as the soles happen to lie,
-    and rub over the ground. An uneven split of a force that both have to give is
-    charged too, which shifts it by less than a hundredth.
+    Internal forces and moments of two feet move nothing, and without this task they
+    would cost almost nothing. The QP would use them: across a sole rolled by 0.002 rad,
+    160 N count as 0.3 N more on the sole, and so as 0.04 N·m more at its toe: whenever
+    the center of pressure is at the edge, the feet would push apart or together,
+    depending on the tilt of the soles, and slide on the ground. The task also penalizes
+    an uneven split of a force that both feet have to give, which shifts the split by
+    less than a hundredth.
 
     Attributes:
         frames: Frames of the two contacts.
@@ -106,7 +107,7 @@ class InternalContactTask(Task):
         return TaskRows(None, _ZERO, _difference(self.frames, found))
 
 
-# The same in most ticks, and so computed once.
+# Cached, because the value is the same in most ticks.
 
 
 @lru_cache(maxsize=64)

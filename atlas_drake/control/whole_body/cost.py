@@ -12,12 +12,12 @@ from atlas_drake.control.whole_body.tasks import PostureTask
 def cost(
     dynamics: ReducedDynamics, stack: TaskStack, posture: PostureTask
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Adds up ½ ‖error‖²_weight of all tasks, and what wrenches cost by themselves.
+    """Adds up ½ ‖error‖²_weight of all tasks, and the cost of the contact wrenches.
 
     Args:
         dynamics: Dynamics of the tick, reduced together with the stack.
         stack: All tasks but the posture.
-        posture: The posture, whose weights go on the diagonal.
+        posture: The posture task, whose weights go on the diagonal.
 
     Returns:
         Hessian H ∈ R^{size × size} and gradient f ∈ R^{size} at z = 0.

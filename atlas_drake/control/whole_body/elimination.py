@@ -13,8 +13,10 @@ import numpy as np
 
 from atlas_drake.control.whole_body.contact import WRENCH, Contact
 from atlas_drake.control.whole_body.inertia import inverse_inertia
-from atlas_drake.control.whole_body.tasks import Task
+from atlas_drake.control.whole_body.shapes import shaped, task_name
+from atlas_drake.control.whole_body.tasks import Task, TaskRows
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
+from atlas_drake.errors import shown
 
 BASE = 6
 """Number of generalized velocities of the free pelvis."""
@@ -50,8 +52,8 @@ class TaskStack:
         moving: list[Task] = []
         others: list[Task] = []
         for task in tasks:
-            A, b, G = task.rows(terms, contacts)
-            _check_shapes(task, b)
+            A, b, G = rows_of(task, terms, contacts)
+            _check_shapes(task, len(b))
             if A is not None:
                 if G is not None:
                     self.mixed.append((sum(map(len, self.b)), G))
@@ -67,19 +69,50 @@ class TaskStack:
         self.weight = np.concatenate([_NONE, *[row_weights(task) for task in ordered]])
 
 
-def _check_shapes(task: Task, b: np.ndarray) -> None:
+def rows_of(task: Task, terms: WholeBodyTerms, contacts: Sequence[Contact]) -> TaskRows:
+    """Returns the rows of a task as arrays, checked: a user's own may be anything.
+
+    Args:
+        task: Whose rows.
+        terms: Model terms of the tick.
+        contacts: In the order of their wrenches.
+
+    Raises:
+        TypeError: If the task returns no rows.
+        ValueError: If their shapes do not fit the robot and the contacts; it names the
+            task.
+    """
+    rows = task.rows(terms, contacts)
+    if not (isinstance(rows, tuple) and len(rows) == len(TaskRows._fields)):
+        raise TypeError(
+            f"rows of {task_name(task)} must return TaskRows, returned {shown(rows)}"
+        )
+    A, b, G = rows
+    # Quick where all is well: this runs for every task of every tick.
+    k = len(b) if type(b) is np.ndarray and b.ndim == 1 else np.size(b)
+    motion, wrenches = (k, len(terms.h)), (k, WRENCH * len(contacts))
+    if (
+        type(b) is np.ndarray
+        and b.ndim == 1
+        and (A is None or (type(A) is np.ndarray and A.shape == motion))
+        and (G is None or (type(G) is np.ndarray and G.shape == wrenches))
+    ):
+        return TaskRows(A, b, G)
+    name = task_name(task)
+    return TaskRows(
+        None if A is None else shaped(A, motion, "A", name),
+        shaped(b, (k,), "b", name),
+        None if G is None else shaped(G, wrenches, "G", name),
+    )
+
+
+def _check_shapes(task: Task, k: int) -> None:
     """Raises ValueError unless a task has one target and weight per row."""
-    shape = b.shape
-    for name in ("target", "weight"):
-        value = getattr(task, name)
-        # Quick where all is well: this runs for every task of every tick.
-        if getattr(value, "shape", None) == shape or (
-            name == "weight" and isinstance(value, float)
-        ):
-            continue
-        given = np.shape(value)
-        if given != shape and (name == "target" or given):
-            raise ValueError(f"{name} of {task!r} must have shape {shape}, has {given}")
+    shape, weight = (k,), task.weight
+    if getattr(task.target, "shape", None) != shape:
+        shaped(task.target, shape, "target", task_name(task))
+    if not isinstance(weight, float) and getattr(weight, "shape", None) != shape:
+        shaped(weight, shape if np.ndim(weight) else (), "weight", task_name(task))
 
 
 def row_weights(task: Task) -> np.ndarray:
@@ -99,7 +132,7 @@ class ReducedDynamics:
         num_joints: Number of joints n.
         size: Number of unknowns n + 6 c.
         effort: Joint efforts [N·m] as rows R ∈ R^{n × (size + 1)} on [z; 1].
-        tasks: Quantities of the stacked tasks, likewise.
+        tasks: Quantities of the stacked tasks, as rows on [z; 1].
     """
 
     def __init__(
@@ -138,7 +171,7 @@ class ReducedDynamics:
     def rows_of(self, task: Task) -> np.ndarray:
         """Returns the quantities of one task as rows R ∈ R^{k × (size + 1)}."""
         n = self.num_joints
-        A, b, G = task.rows(self.terms, self.contacts)
+        A, b, G = rows_of(task, self.terms, self.contacts)
         rows = np.empty((len(b), self.size + 1))
         self._reduce(np.zeros((len(b), n + BASE)) if A is None else A, b, rows)
         if G is not None:

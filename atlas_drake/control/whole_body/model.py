@@ -1,7 +1,7 @@
-"""Kinematics and dynamics of the robot as the controller believes it to be.
+"""Kinematics and dynamics of the controller's model of the robot.
 
-Evaluates every term that the whole-body QP and the behaviors need, once per tick,
-from a plant of its own without geometry. Makes no decision about control.
+Evaluates every term that the whole-body QP and the behaviors need, once per tick, from
+a separate plant without geometry. Control laws are elsewhere.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ GRAVITY = 9.81
 _ORIGIN = np.zeros(3)
 _NO_BIAS = np.zeros(6)
 _PARTS = (slice(0, 6), slice(6, 12), slice(12, 18))
-"""Rows of the frames that every tick needs, one below the other."""
+"""Rows of the frames that every tick needs, stacked."""
 
 
 class WholeBodyModel:
-    """The controller's own plant. Holds no state: contexts are the caller's."""
+    """The plant of the controller. Holds no state: the caller owns the contexts."""
 
     def __init__(self, robot: Robot):
         # Untyped, because pydrake's stubs misname the type of every array.
@@ -60,7 +60,7 @@ class WholeBodyModel:
         return self._plant
 
     def create_context(self) -> Context:
-        """A scratch context for ``evaluate``."""
+        """Creates a scratch context for ``evaluate``."""
         return self._plant.CreateDefaultContext()
 
     def evaluate(self, context: Context, state: np.ndarray) -> WholeBodyTerms:
@@ -68,7 +68,7 @@ class WholeBodyModel:
 
         Args:
             context: A scratch context from ``create_context``; overwritten, and read
-                again when a further frame is asked of the terms.
+                again when ``terms.frame`` computes a further frame.
             state: Positions and velocities in plant order, the free pelvis first.
         """
         plant, indices = self._plant, self._indices
@@ -78,8 +78,8 @@ class WholeBodyModel:
         order = indices.generalized
         v = velocity.take(order)
 
-        # Drake's matrices come column by column: their transposes are read in order.
-        # Any mode but the default one spares a copy of the result.
+        # Drake's matrices are column-major: their transposes are read in memory order.
+        # Any mode but the default one avoids a copy of the result.
         size = len(order)
         M = np.empty((size, size))
         plant.CalcMassMatrix(context).T.take(self._square, out=M, mode="clip")

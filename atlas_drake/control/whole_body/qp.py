@@ -1,8 +1,8 @@
 """The whole-body QP: accelerations, contact wrenches and efforts of one tick.
 
 Minimizes the weighted errors of a ``WholeBodyCommand``'s tasks subject to the
-floating-base dynamics and the constraints. It plans nothing and remembers nothing:
-which tasks, contacts and constraints there are is the command's business.
+floating-base dynamics and the constraints. The QP has no state and makes no plan: the
+command gives all tasks, contacts and constraints.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ from atlas_drake.control.whole_body.constraints import (
 )
 from atlas_drake.control.whole_body.contact import WRENCH, Contact
 from atlas_drake.control.whole_body.cost import cost
+from atlas_drake.control.whole_body.diagnosis import why_unsolved
 from atlas_drake.control.whole_body.elimination import (
     BASE,
     ReducedDynamics,
@@ -37,6 +38,7 @@ from atlas_drake.control.whole_body.quadratic_program import (
     QuadraticProgram,
     solve,
 )
+from atlas_drake.control.whole_body.shapes import shaped
 from atlas_drake.control.whole_body.tasks import PostureTask
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.robot import Robot
@@ -45,17 +47,18 @@ USER_JOINT_WEIGHT = 1e-5
 """Least weight of a posture: keeps the QP well posed, far below any task
 [1/(rad/s²)²]."""
 YIELDING = 100.0
-"""How much weaker a posture is at the user's full share than at none, before it fades
-altogether [-]. While nothing else asks for the joint, any weight holds the posture;
-when the user moves it fast, a strong one would fight them with the whole body."""
+"""Factor of a posture's weight at the user's full share relative to no share, before it
+fades to zero [-]. Any weight holds the posture of a joint that no other task moves;
+when the user moves the joint fast, a large weight would make the whole body work
+against the user."""
 
 
 @dataclass(frozen=True)
 class WholeBodySolution:
-    """The QP's answer; n joints in message order.
+    """Solution of the QP; n joints in message order.
 
     Attributes:
-        effort: Joint efforts [N·m], shape (n,), within the bounds given but for the
+        effort: Joint efforts [N·m], shape (n,), within the given bounds up to the
             solver's tolerance.
         joint_acceleration: [rad/s²], shape (n,).
         contact_wrenches: Wrench on each contact's frame at its origin, in W
@@ -63,6 +66,7 @@ class WholeBodySolution:
         found: False when there was no solution; the other fields then hold gravity
             compensation.
         iterations: Active-set changes of the solver.
+        why: Why there was no solution, in words, as far as it is known.
     """
 
     effort: np.ndarray
@@ -70,6 +74,7 @@ class WholeBodySolution:
     contact_wrenches: dict[str, np.ndarray]
     found: bool
     iterations: int
+    why: str = ""
 
 
 class WholeBodyQp:
@@ -89,7 +94,7 @@ class WholeBodyQp:
         Args:
             terms: Model terms at the tick's state.
             command: Tasks, contacts and constraints.
-            bounds: What each joint's effort can be.
+            bounds: Range of each joint's effort.
 
         Raises:
             RobotDescriptionError: If a task or contact names a frame that the robot
@@ -98,13 +103,16 @@ class WholeBodyQp:
         contacts = command.contacts
         stack = TaskStack(command.tasks, terms, contacts)
         dynamics = ReducedDynamics(terms, contacts, stack)
+        _check_posture(command.posture, len(terms.q))
         posture = _within_authority(command.posture, terms, bounds)
         H, f = cost(dynamics, stack, posture)
         constraints: list[Constraint] = [bounds, FrictionCones(contacts)]
         constraints += command.constraints
-        answer = solve(self._program(dynamics, bounds, constraints, H, f))
+        program = self._program(dynamics, bounds, constraints, H, f)
+        answer = solve(program)
         if not answer.found:
-            return _gravity_compensation(terms, bounds, contacts)
+            why = why_unsolved(terms, command, program, constraints)
+            return _gravity_compensation(terms, bounds, contacts, why)
         n = dynamics.num_joints
         wrenches = answer.x[n:].reshape(-1, WRENCH)
         return WholeBodySolution(
@@ -126,7 +134,7 @@ class WholeBodyQp:
         H: np.ndarray,
         f: np.ndarray,
     ) -> QuadraticProgram:
-        """Puts the constraints' blocks one below the other."""
+        """Stacks the blocks of the constraints."""
         n, size = dynamics.num_joints, dynamics.size
         num_rows = [constraint.num_rows for constraint in constraints]
         preset = _layout(n, size, sum(num_rows))
@@ -144,7 +152,7 @@ class WholeBodyQp:
 
 @lru_cache(maxsize=64)
 def _layout(n: int, size: int, rows: int) -> Block:
-    """The program's constraints before any of them is written."""
+    """Preset constraints of the program, before any of them is written."""
     kind = np.full(size + rows, INEQUALITY, dtype=np.int32)
     kind[:n] = SOFT
     return Block(
@@ -156,9 +164,9 @@ def _layout(n: int, size: int, rows: int) -> Block:
 
 
 def _gravity_compensation(
-    terms: WholeBodyTerms, bounds: EffortBounds, contacts: Sequence[Contact]
+    terms: WholeBodyTerms, bounds: EffortBounds, contacts: Sequence[Contact], why: str
 ) -> WholeBodySolution:
-    """Efforts that balance gravity alone, the weight shared by the contacts."""
+    """Computes efforts that balance gravity alone, the weight shared by contacts."""
     effort = terms.h[BASE:].copy()
     total = sum(contact.support_share for contact in contacts)
     wrenches = {}
@@ -173,18 +181,25 @@ def _gravity_compensation(
         contact_wrenches=wrenches,
         found=False,
         iterations=0,
+        why=why,
     )
+
+
+def _check_posture(posture: PostureTask, n: int) -> None:
+    """Raises ValueError unless a posture has one target and weight per joint."""
+    shaped(posture.target, (n,), "target", "the command's posture")
+    shaped(posture.weight, (n,), "weight", "the command's posture")
 
 
 def _within_authority(
     posture: PostureTask, terms: WholeBodyTerms, bounds: EffortBounds
 ) -> PostureTask:
-    """The posture as far as it is the behavior's to ask for.
+    """Limits the posture to what the behavior's share of each joint can achieve.
 
-    How a joint moves that the user has is the user's business. A posture asked of it,
-    or of a shared joint beyond what the behavior's share can do, would make the QP
-    steer it by moving its neighbors. So the weight fades with the behavior's share,
-    and the acceleration asked for is one that the total effort can give to the joint.
+    The user decides the motion of a joint under user control. A posture target for such
+    a joint, or for a shared joint beyond what the behavior's share can do, would make
+    the QP move the joint through its neighbors. The weight therefore fades with the
+    behavior's share, and the target is an acceleration that the total effort can give.
     """
     if bounds.authority is None or bounds.added_inertia is None:
         return posture

@@ -1,7 +1,7 @@
-"""A dense quadratic program as a value, and the solver behind it.
+"""A dense quadratic program as a value, and its solver.
 
-Not about robots. The solver is a dual active-set method started cold: exact, the
-same for the same input, and so free of hidden state between calls.
+Nothing here is specific to robots. The solver is a dual active-set method with a cold
+start: exact, deterministic, and without hidden state between calls.
 """
 
 from __future__ import annotations
@@ -38,12 +38,12 @@ class QuadraticProgram:
 
 @dataclass(frozen=True)
 class QpSolution:
-    """What the solver found.
+    """Result of the solver.
 
     Attributes:
         x: The minimiser, shape (n,).
-        found: False when the constraints contradict each other, the solver gave up,
-            or the program holds values that are no numbers.
+        found: False if the constraints contradict each other, the solver gave up, or
+            the program holds values that are not finite.
         iterations: Active-set changes.
     """
 
@@ -55,8 +55,7 @@ class QpSolution:
 def solve(problem: QuadraticProgram) -> QpSolution:
     """Solves one program from a cold start."""
     if not (problem.lower <= problem.upper).all():
-        # The solver takes some crossed bounds, and bounds that are no numbers, for
-        # satisfied.
+        # The solver treats some crossed bounds, and bounds that are NaN, as satisfied.
         return QpSolution(x=np.zeros(len(problem.f)), found=False, iterations=0)
     x, _, flag, info = daqp.solve(
         problem.H,

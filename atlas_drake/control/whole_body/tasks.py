@@ -16,6 +16,7 @@ import numpy as np
 
 from atlas_drake.control.gains import PdGains
 from atlas_drake.control.whole_body.contact import Contact
+from atlas_drake.control.whole_body.shapes import shaped
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.control.whole_body.tracking import (
     orientation_acceleration,
@@ -29,8 +30,7 @@ class TaskRows(NamedTuple):
     """The k quantities of a task as A v̇ + b + G λ.
 
     v̇ ∈ R^{n_v} are the generalized accelerations, λ ∈ R^{6 c} the wrenches of the c
-    contacts, one below the other, each [moment; force] at the origin of the contact's
-    frame in W.
+    contacts, stacked, each [moment; force] at the origin of the contact's frame in W.
 
     Attributes:
         A: A ∈ R^{k × n_v}; None for zero.
@@ -125,8 +125,15 @@ class OrientationTask(FrameTask):
             weight: [cost]/[rad/s²]².
             w_WD: Desired angular velocity in W [rad/s], shape (3,).
             alpha_WD: Desired angular acceleration in W [rad/s²], shape (3,).
+
+        Raises:
+            ValueError: If one of these has another shape; it names it.
         """
         F = terms.frame(frame)
+        name = f"{cls.__name__} on {frame!r}"
+        R_WD = shaped(R_WD, (3, 3), "R_WD", name)
+        w_WD = shaped(w_WD, (3,), "w_WD", name)
+        alpha_WD = shaped(alpha_WD, (3,), "alpha_WD", name)
         toward = orientation_acceleration(R_WD, w_WD, F.R_WF, F.V_WF[:3], gains)
         return cls(frame, alpha_WD + toward, weight)
 
@@ -164,8 +171,15 @@ class PositionTask(FrameTask):
             weight: [cost]/[m/s²]².
             v_WD: Desired velocity in W [m/s], shape (3,).
             a_WD: Desired acceleration in W [m/s²], shape (3,).
+
+        Raises:
+            ValueError: If one of these has another shape; it names it.
         """
         F = terms.frame(frame)
+        name = f"{cls.__name__} on {frame!r}"
+        p_WD = shaped(p_WD, (3,), "p_WD", name)
+        v_WD = shaped(v_WD, (3,), "v_WD", name)
+        a_WD = shaped(a_WD, (3,), "a_WD", name)
         toward = position_acceleration(p_WD, v_WD, F.p_WF, F.V_WF[3:], gains)
         return cls(frame, a_WD + toward, weight)
 
@@ -185,8 +199,8 @@ class PostureTask(Task):
     def rows(self, terms: WholeBodyTerms, contacts: Sequence[Contact]) -> TaskRows:
         """Returns the identity on the joints [0 I] ∈ R^{n × n_v}.
 
-        A command's own posture is not asked: its weights go on the diagonal of the
-        Hessian, which costs a tenth of the time.
+        The QP does not call this method for a command's posture: the posture's weights
+        go on the diagonal of the Hessian, which costs a tenth of the time.
         """
-        n = len(self.target)
+        n = len(terms.q)
         return TaskRows(np.eye(n, n + 6, 6), np.zeros(n))

@@ -1,6 +1,6 @@
-"""Model terms of one control tick, as values: what tasks and behaviors compute with.
+"""Model terms of one control tick, as values, for tasks and behaviors.
 
-Evaluation is in ``model``; nothing here knows a plant.
+Evaluation is in ``model``; this module does not use a plant.
 """
 
 from __future__ import annotations
@@ -75,7 +75,7 @@ class WholeBodyTerms:
     compute_frame: Callable[[str], FrameTerms]
 
     def frame(self, name: str) -> FrameTerms:
-        """Kinematics of any frame of the robot, computed when first asked for.
+        """Returns the kinematics of any frame; computed at the first request.
 
         Args:
             name: Name of a frame or body in the robot's URDF.

@@ -1,7 +1,7 @@
 """PD laws that turn a reference of one frame into an acceleration for its task.
 
-Pure functions from reference and measurement. Which tasks are active, and what they
-refer to, is the behaviors' business.
+Pure functions from reference and measurement. Behaviors choose the active tasks and
+their references.
 """
 
 from __future__ import annotations

@@ -1,0 +1,65 @@
+"""Systems of the user's own in the simulation's diagram."""
+
+import pytest
+from pydrake.common.value import AbstractValue
+from pydrake.systems.framework import LeafSystem
+from pydrake.systems.primitives import ConstantValueSource
+
+from atlas_drake import (
+    AtlasCommand,
+    AtlasSimInterfaceCommand,
+    AtlasSimulation,
+    Behavior,
+    Scenario,
+)
+from atlas_drake.errors import AtlasError
+
+COARSE = {"physics_step": 0.002, "control_period": 0.004}
+
+
+def manipulate(builder, station):
+    """Adds a source that asks for MANIPULATE, always."""
+    message = AtlasSimInterfaceCommand(behavior="MANIPULATE").snapshot()
+    source = builder.AddNamedSystem(
+        "source", ConstantValueSource(AbstractValue.Make(message))
+    )
+    builder.Connect(
+        source.get_output_port(), station.GetInputPort("atlas_sim_interface_command")
+    )
+
+
+def test_a_system_may_command_beside_publish():
+    sim = AtlasSimulation(Scenario(**COARSE), extend=manipulate)
+    assert not sim.diagram.HasInputPort("atlas_sim_interface_command")
+    sim.advance(0.02)
+    assert sim.current_behavior is Behavior.MANIPULATE
+    sim.publish(AtlasCommand(k_effort=[0] * 27 + [255]))
+    sim.publish(AtlasSimInterfaceCommand(behavior="FREEZE"))
+    sim.advance(0.02)
+    assert sim.output("commands").k_effort[-1] == 255
+    # The message that stays on its port was received before; the later one counts.
+    assert sim.current_behavior is Behavior.FREEZE
+
+
+def test_the_programme_has_the_ports_to_itself():
+    with pytest.raises(AtlasError, match="programme has the station's command ports"):
+        AtlasSimulation(Scenario(programme="tutorial"), extend=manipulate)
+
+
+@pytest.mark.parametrize(
+    ("names", "words"),
+    [
+        (["scheduler"], "extend adds a system named 'scheduler', but the simulation"),
+        (["mine", "mine"], "extend adds a system named 'mine', but it adds two"),
+        ([], "extend must not build the diagram"),
+    ],
+)
+def test_an_extension_that_drake_would_abort_on_is_refused(names, words):
+    def extend(builder, station):
+        for name in names:
+            builder.AddNamedSystem(name, LeafSystem())
+        if not names:
+            builder.Build()
+
+    with pytest.raises(AtlasError, match=words):
+        AtlasSimulation(Scenario(programme="tutorial", **COARSE), extend=extend)
