@@ -26,12 +26,12 @@ _KINDS: dict[str, type[Message]] = {
 
 @dataclass
 class TimedMessage:
-    """One message, and when it is sent."""
+    """One message with the time at which it is sent."""
 
     time: float = 0.0
-    """When it is sent [s]."""
+    """Time at which the message is sent [s]."""
     text: str = ""
-    """What the user is told then."""
+    """Text that is shown to the user then."""
     atlas_command: dict[str, Any] = field(default_factory=dict)
     """Fields of an ``AtlasCommand``, such as ``{k_effort: 255}``; one number in the
     place of a list stands for all joints."""

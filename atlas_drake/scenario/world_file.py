@@ -29,22 +29,22 @@ _OBSTACLES = ("stairs", "ramp", "blocks", "strewn")
 
 @dataclass(frozen=True)
 class WorldStart:
-    """Where the robot starts in a world, unless its scenario says otherwise."""
+    """Start of the robot in a world; ``start`` of the scenario overrides it."""
 
     position: list[float] = field(default_factory=lambda: [0.0, 0.0])
-    """Of the pelvis along x and y in W [m]."""
+    """Position of the pelvis along x and y in W [m]."""
     yaw: float = 0.0
-    """Heading [rad]."""
+    """Heading of the pelvis in W [rad]."""
 
 
 @dataclass(frozen=True)
 class View:
-    """From where the 3D view shows the world first."""
+    """Initial camera of the 3D view."""
 
     lens: list[float] = field(default_factory=lambda: [3.3, -2.5, 1.45])
-    """Where the camera is in W [m]."""
+    """Position of the camera in W [m]."""
     target: list[float] = field(default_factory=lambda: [0.2, 0.0, 0.98])
-    """What the camera looks at in W [m]."""
+    """Point that the camera looks at in W [m]."""
 
     def validate(self, path: str) -> None:
         """Check every field.
@@ -78,11 +78,11 @@ class World:
     name: str = DEFAULT_WORLD
     """A name from ``models/worlds``, or the path of a world's YAML file."""
     description: str = ""
-    """What there is to see, in a few words."""
+    """Contents in a few words, for ``--help``."""
     start: WorldStart = field(default_factory=WorldStart)
-    """Where the robot starts."""
+    """Start of the robot."""
     view: View | None = None
-    """From where the 3D view shows the world first; null is in front of the robot."""
+    """Initial camera of the 3D view; null for one in front of the robot."""
     boxes: list[Block] = field(default_factory=list)
     """Boxes that do not move, as a scenario's ``terrain``."""
     models: list[Model] = field(default_factory=list)

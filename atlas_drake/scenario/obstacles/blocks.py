@@ -28,18 +28,17 @@ class Blocks(Obstacle):
     """Rows and columns of blocks, each tilted to another side than its neighbors."""
 
     rows: Annotated[int, Bounds(1, 50)] = 4
-    """Number along x."""
+    """Number of blocks along x."""
     columns: Annotated[int, Bounds(1, 50)] = 2
-    """Number along y."""
+    """Number of blocks along y."""
     size: Length = 0.36
     """Length and width of each block [m]."""
     gap: Annotated[float, Bounds(0.0, 10.0)] = 0.02
-    """Between blocks [m]."""
+    """Distance between blocks [m]."""
     tilt: Tilt = 0.10
-    """Of each top against the level [rad]."""
+    """Angle of each top against the level [rad]."""
     heights: list[Length] = field(default_factory=lambda: [0.06, 0.10, 0.14, 0.10])
-    """Of the middles of the tops, row by row; after the last one it begins again
-    [m]."""
+    """Heights of the middles of the tops, row by row; the list repeats [m]."""
 
     def validate(self, path: str) -> None:
         """Check what bounds of single numbers do not.

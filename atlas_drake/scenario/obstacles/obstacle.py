@@ -28,7 +28,7 @@ class Obstacle:
     """Boxes that a few numbers describe."""
 
     position: list[float] = field(default_factory=lambda: [0.25, 0.0, 0.0])
-    """Of the middle of the near edge in W [m]."""
+    """Position of the middle of the near edge in W [m]."""
     yaw: float = 0.0
     """Direction in which the obstacle lies ahead of that edge [rad]."""
 

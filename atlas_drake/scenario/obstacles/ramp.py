@@ -18,11 +18,11 @@ class Ramp(Obstacle):
     """A slope that rises along x, and a landing on top."""
 
     angle: Tilt = 0.14
-    """Between slope and ground [rad]."""
+    """Angle between slope and ground [rad]."""
     length: Length = 2.0
-    """Of the slope, along its face [m]."""
+    """Length of the slope, along its face [m]."""
     width: Length = 1.6
-    """[m]"""
+    """Width of slope and landing [m]."""
     landing: Annotated[float, Bounds(0.0, 100.0)] = 1.2
     """Length of the landing behind the slope [m]; 0 leaves it out."""
 

@@ -18,13 +18,14 @@ class Stairs(Obstacle):
     """A flight of steps that rises along x, and a landing on top."""
 
     rise: Length = 0.10
-    """Height of each step [m]. Atlas manages 0.10 m, ``atlas_v3`` 0.06 m."""
+    """Height of each step [m]. WALK takes 0.10 m with ``atlas``, 0.06 m with
+    ``atlas_v3``."""
     run: Length = 0.35
     """Depth of each step [m]."""
     number: Annotated[int, Bounds(1, 100)] = 4
-    """Of steps; the last one is level with the landing."""
+    """Number of steps; the last one is level with the landing."""
     width: Length = 1.6
-    """[m]"""
+    """Width of the steps [m]."""
     landing: Annotated[float, Bounds(0.0, 100.0)] = 1.2
     """Length of the landing behind the last step [m]."""
 

@@ -24,14 +24,14 @@ class Strewn(Obstacle):
     """Bricks at random places of an area, none on top of another."""
 
     number: Annotated[int, Bounds(0, 1000)] = 60
-    """Of bricks."""
+    """Number of bricks."""
     size: list[Length] = field(default_factory=lambda: [0.20, 0.10, 0.05])
     """Length, width and height of a brick [m]."""
     area: list[Length] = field(default_factory=lambda: [4.0, 3.0])
-    """Along x and y, where the bricks' middles lie [m]."""
+    """Area of the bricks' middles, along x and y [m]."""
     seed: Annotated[int, Bounds(0, _LARGEST_SEED)] = 0
-    """What the places are drawn from; not the scenario's, so that runs of several seeds
-    meet the same bricks."""
+    """Seed of the places; independent of the scenario's seed, so that runs of several
+    seeds meet the same bricks."""
 
     def validate(self, path: str) -> None:
         """Check what bounds of single numbers do not.
