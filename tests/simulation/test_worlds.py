@@ -80,6 +80,7 @@ def test_a_reset_goes_back_to_where_the_world_has_the_robot_start():
         np.testing.assert_allclose(sim.pelvis_pose.translation(), begin, atol=1e-9)
 
 
+@pytest.mark.usefixtures("restored_loggers")
 def test_the_command_line_takes_a_world(capsys):
     arguments = ["run", str(EXAMPLE), "--headless"]
     arguments += ["--set", "duration=0.1", "--set", "programme=none"]
