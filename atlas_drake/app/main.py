@@ -23,6 +23,7 @@ from atlas_drake.app.options import (
     rate,
 )
 from atlas_drake.app.parts import behaviors_told
+from atlas_drake.app.worlds import worlds_told
 from atlas_drake.errors import AtlasError
 from atlas_drake.visualization.overlays import LOGGED
 
@@ -149,7 +150,7 @@ def _parser(given: Sequence[str]) -> argparse.ArgumentParser:
     if {"-h", "--help"} & set(given) and {"demo", "run", "script", "teleop"} & set(
         given
     ):
-        told = f". {behaviors_told(given)}"
+        told = f". {behaviors_told(given)} {worlds_told()}"
     parser = argparse.ArgumentParser(
         prog="atlas-drake",
         description="Simulate the humanoid robot Atlas, under your own joint commands "
@@ -270,7 +271,7 @@ def _parser(given: Sequence[str]) -> argparse.ArgumentParser:
         metavar="SCENARIO.yaml",
         type=Path,
         nargs="?",
-        help="scenario to simulate (default: Atlas on level ground)",
+        help="scenario to simulate (default: Atlas on level ground, or in --world)",
     )
     teleop.add_argument(
         "--duration",

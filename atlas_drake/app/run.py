@@ -139,7 +139,7 @@ def with_options(scenario: Scenario, options: argparse.Namespace) -> Scenario:
     Raises:
         ScenarioError: If a resulting value cannot be used.
     """
-    for name in ("model", "seed", "physics_step"):
+    for name in ("model", "world", "seed", "physics_step"):
         if getattr(options, name) is not None:
             setattr(scenario, name, getattr(options, name))
     return with_settings(scenario, options.set)
