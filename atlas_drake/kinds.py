@@ -106,14 +106,18 @@ def typed(
     structures = [one for one in kinds if _is_structure(one)]
     nested = structures or any(typing.get_origin(one) is list for one in kinds)
     if nested:
-        (only,) = (one for one in kinds if one is not type(None))
+        # What words and paths stand for has been read before: a structure is left.
+        only = next(one for one in kinds if one is not type(None))
         return typed(
             value, only, path, default=default, bounds=bounds, from_text=from_text
         )
     if not any(_is(value, one, from_text) for one in kinds):
         raise _wrong(path, value, " or ".join(_NAMES[one] for one in kinds))
     if float not in kinds:
-        return plain_number(value)
+        plain: Any = plain_number(value)
+        if int in kinds and bounds is not None and not bounds.allow(plain):
+            raise _wrong(path, plain, str(bounds))
+        return plain
     return _number(value, path, bounds)
 
 

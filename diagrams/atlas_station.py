@@ -36,7 +36,7 @@ from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.robot import Robot, load_robot
 from atlas_drake.scenario.drake_configs import check_plant_config, plant_config
 from atlas_drake.scenario.noise import NoiseModel
-from atlas_drake.scenario.terrain import BLOCK_COLOR, Block
+from atlas_drake.scenario.terrain import Block
 from atlas_drake.scenario.time_grid import on_common_grid
 from atlas_drake.scenario.world import (
     WorldError,
@@ -389,4 +389,4 @@ def _add_block(
     plant.RegisterCollisionGeometry(
         world, block.X_WC, shape, name, CoulombFriction(coefficient, coefficient)
     )
-    plant.RegisterVisualGeometry(world, block.X_WC, shape, name, BLOCK_COLOR)
+    plant.RegisterVisualGeometry(world, block.X_WC, shape, name, block.rgba)

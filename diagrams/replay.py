@@ -51,18 +51,20 @@ def make_replay(
     """
     builder = DiagramBuilder()
     robot = log.robot  # Loaded first, so that a missing robot is the first error.
-    world = (*world_of(log.scenario.models), *world)
+    world = (*world_of(log.scenario.all_models()), *world)
     builder.AddNamedSystem("station", _make_station(log, world))
     station: Any = builder.GetSubsystemByName("station")
     # The modules of displays load only if needed.
     if meshcat is not None:
         from atlas_drake.visualization.meshcat_view import add_meshcat_view
+        from atlas_drake.visualization.scene import show_start
 
         add_meshcat_view(builder, station, robot, meshcat, overlays, recorded=recorded)
+        show_start(meshcat, log.scenario)
     if video is not None:
         from atlas_drake.visualization.video_display import add_video
 
-        add_video(builder, station, robot, log.scenario.terrain, video, world)
+        add_video(builder, station, robot, log.scenario.all_terrain(), video, world)
     diagram = builder.Build()
     diagram.set_name("replay")
     return diagram
@@ -76,7 +78,7 @@ def _make_station(log: Log, world: Sequence[WorldMaker]) -> Diagram:
     source = plant.RegisterAsSourceForSceneGraph(scene_graph)
     log.robot.add_to(plant)
     scenario = log.scenario
-    add_scenery(plant, scenario.terrain, scenario.ground_friction)
+    add_scenery(plant, scenario.all_terrain(), scenario.ground_friction)
     add_world(plant, world)
     plant.Finalize()
     player = builder.AddNamedSystem("log_player", LogPlayer(log, plant))

@@ -49,7 +49,7 @@ def make_extending_pictures(folder: Path, photograph: Photograph) -> None:
         meshcat.SetCameraPose(lens + middle, TARGET + middle)
         picture = folder / f"extending_{name}.png"
         photograph(meshcat.StaticHtml(), picture)
-        _shrink(picture)
+        shrink(picture)
     _draw_fall(_program("falls_on_purpose"), folder / "extending_falls_on_purpose.png")
     _save_head_view(_program("own_diagram"), folder / "extending_own_diagram.png")
 
@@ -59,7 +59,7 @@ def _program(name: str) -> dict[str, Any]:
     return runpy.run_path(str(PROGRAMS / f"{name}.py"))
 
 
-def _shrink(picture: Path) -> None:
+def shrink(picture: Path) -> None:
     """Makes a picture small, in both senses."""
     from PIL import Image
 

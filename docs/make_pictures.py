@@ -1,8 +1,8 @@
-"""Makes the pictures and the film of the README, and the pictures of extending.md.
+"""Makes the pictures and the film of the README, those of extending.md and worlds.md.
 
 Needs Chromium for the views, Graphviz for the diagram and the extra ``video``::
 
-    python docs/make_pictures.py [--browser chromium] [--only readme|extending]
+    python docs/make_pictures.py [--browser chromium] [--only readme|extending|worlds]
 """
 
 # ruff: noqa: T201
@@ -15,6 +15,7 @@ from functools import partial
 from pathlib import Path
 
 from extending_pictures import make_extending_pictures
+from worlds_pictures import make_worlds_pictures
 
 from atlas_drake import (
     AtlasSimInterfaceCommand,
@@ -27,6 +28,7 @@ from atlas_drake.app.main import main as atlas_drake
 from atlas_drake.app.viewer import start_meshcat
 from atlas_drake.visualization.overlays import Overlays
 
+PAGES = ("readme", "extending", "worlds")
 IMAGES = Path(__file__).parent / "images"
 FILM, FILM_SIZE = "demo.mp4", "400x224"
 MOMENTS = {"atlas.png": 10.5, "walk.png": 11.72}
@@ -76,13 +78,16 @@ def main() -> None:
     """Makes all pictures, or those of one page."""
     parser = argparse.ArgumentParser(description="Make the pictures of the pages.")
     parser.add_argument("--browser", default="chromium", help="default: %(default)s")
-    parser.add_argument("--only", choices=("readme", "extending"), help="of one page")
+    parser.add_argument("--only", choices=PAGES, help="of one page")
     options = parser.parse_args()
     IMAGES.mkdir(exist_ok=True)
-    if options.only != "extending":
+    pages = PAGES if options.only is None else (options.only,)
+    if "readme" in pages:
         make_readme_pictures(options.browser)
-    if options.only != "readme":
+    if "extending" in pages:
         make_extending_pictures(IMAGES, partial(photograph, options.browser))
+    if "worlds" in pages:
+        make_worlds_pictures(IMAGES, partial(photograph, options.browser))
 
 
 def make_readme_pictures(browser: str) -> None:

@@ -263,18 +263,33 @@ def _fields_of(value: Any, path: str) -> list[str]:
         told += " Other than in Drake:"
         return [f"## {path}", told, table(("name", "value"), rows)]
     told = source_docs.attributes(type(value))
-    told |= source_docs.trailing_strings(type(value))
+    for cls in reversed(type(value).__mro__[:-1]):
+        told |= source_docs.trailing_strings(cls)
     rows, parts = [], []
     for field in dataclasses.fields(value):
         item, where = getattr(value, field.name), f"{path}.{field.name}".lstrip(".")
-        if dataclasses.is_dataclass(item) or hasattr(item, "__fields__"):
+        absent = _absent_structure(type(value), field.name) if item is None else None
+        if absent is not None:
+            rows.append((f"`{field.name}`", _value(item), told.get(field.name, "")))
+            parts += _fields_of(absent, where)
+        elif dataclasses.is_dataclass(item) or hasattr(item, "__fields__"):
             parts += _fields_of(item, where)
         else:
             rows.append((f"`{field.name}`", _value(item), told.get(field.name, "")))
+            if not path and (element := _absent_structure(type(value), field.name)):
+                parts += _fields_of(element, f"{where}[i]")
     head = [f"## {path}", source_docs.head(type(value).__doc__)] if path else []
     if rows:
         head.append(table(("name", "value", "meaning"), rows))
     return [*head, *parts]
+
+
+def _absent_structure(cls: type, name: str) -> Any:
+    """Defaults of a structure that may be left out, or be listed; otherwise None."""
+    for kind in typing.get_args(typing.get_type_hints(cls)[name]):
+        if dataclasses.is_dataclass(kind):
+            return kind()
+    return None
 
 
 def index_page(pages: list[str]) -> str:

@@ -18,6 +18,7 @@ EXPECTED = {
     "07_step": "Atlas stands on the block.",
     "08_walk_streaming": "Atlas walked its circle.",
     "09_teleop": "Atlas stands after 9 steps.",
+    "10_obstacles": "Atlas stands behind it.",
 }
 """What each prints last when all is well."""
 

@@ -1,5 +1,8 @@
 """Walking on uneven ground: up and down a step, and over tilted footholds."""
 
+import runpy
+from pathlib import Path
+
 import numpy as np
 import pytest
 from pydrake.math import RollPitchYaw, RotationMatrix
@@ -18,6 +21,8 @@ from atlas_drake.scenario import Jitter, Start
 from atlas_drake.scenario.terrain import Block
 
 pytestmark = pytest.mark.slow
+
+EXAMPLE = Path(__file__).parents[1] / "examples/10_obstacles.py"
 
 HALF_WIDTH = 0.12
 """Of each foot from the middle [m]."""
@@ -140,3 +145,17 @@ def _rotation(quaternion):
             [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
         ]
     )
+
+
+@pytest.mark.parametrize("world", ["ramp", "blocks"])
+def test_over_the_obstacle_of_a_world(world):
+    example = runpy.run_path(str(EXAMPLE))
+    scenario = Scenario(world=world, physics_step=0.002, control_period=0.004)
+    sim = AtlasSimulation(scenario)
+    steps = example["steps_over"](sim.scenario.world)
+    sim.advance(0.5)
+    example["walk"](sim, steps)
+    assert not sim.has_fallen
+    assert sim.current_behavior is Behavior.STAND
+    assert [s["index"] for s in sim.footsteps] == [s.step_index for s in steps]
+    assert max(s["error_m"] for s in sim.footsteps) <= LANDING_ERROR

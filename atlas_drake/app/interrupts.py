@@ -15,16 +15,23 @@ from types import FrameType
 
 
 @contextmanager
-def ctrl_c() -> Iterator[threading.Event]:
+def ctrl_c(
+    may_interrupt: Callable[[], bool] = lambda: False,
+) -> Iterator[threading.Event]:
     """Turns Ctrl-C into a flag, so that no simulation step is interrupted.
 
-    A second Ctrl-C interrupts at once.
+    A second Ctrl-C interrupts at once, and so does the first where that does no harm.
+
+    Args:
+        may_interrupt: Tells whether a KeyboardInterrupt does no harm now.
     """
     asked = threading.Event()
 
     def notice(_number: int, _frame: FrameType | None) -> None:
         asked.set()
         signal.signal(signal.SIGINT, signal.default_int_handler)
+        if may_interrupt():
+            raise KeyboardInterrupt
 
     with _on_ctrl_c(notice):
         yield asked

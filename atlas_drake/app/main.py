@@ -23,6 +23,7 @@ from atlas_drake.app.options import (
     rate,
 )
 from atlas_drake.app.parts import behaviors_told
+from atlas_drake.app.worlds import worlds_told
 from atlas_drake.errors import AtlasError
 from atlas_drake.visualization.overlays import LOGGED
 
@@ -44,8 +45,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         The exit status.
     """
     given = sys.argv[1:] if arguments is None else list(arguments)
+    own: list[str] = []
+    if given[:1] == ["script"] and "--" in given:
+        end = given.index("--")
+        given, own = given[:end], given[end + 1 :]
     try:
         options = _parser(given).parse_args(given)
+        options.arguments = own
         _check_files_read(options)
         return options.run(options)
     except AtlasError as error:
@@ -95,6 +101,16 @@ def _run(options: argparse.Namespace) -> int:
     return run_scenario(load_scenario(options.scenario), options)
 
 
+def _script(options: argparse.Namespace) -> int:
+    from atlas_drake.app.script import run_script
+    from atlas_drake.scenario import Scenario, load_scenario
+
+    scenario = Scenario(name=options.file.stem)
+    if options.scenario is not None:
+        scenario = load_scenario(options.scenario)
+    return run_script(scenario, options)
+
+
 def _plot(options: argparse.Namespace) -> int:
     from atlas_drake.app.log import plot_log
 
@@ -131,8 +147,10 @@ def _diagram(options: argparse.Namespace) -> int:
 
 def _parser(given: Sequence[str]) -> argparse.ArgumentParser:
     told = ""
-    if {"-h", "--help"} & set(given) and {"demo", "run", "teleop"} & set(given):
-        told = f". {behaviors_told(given)}"
+    if {"-h", "--help"} & set(given) and {"demo", "run", "script", "teleop"} & set(
+        given
+    ):
+        told = f". {behaviors_told(given)} {worlds_told()}"
     parser = argparse.ArgumentParser(
         prog="atlas-drake",
         description="Simulate the humanoid robot Atlas, under your own joint commands "
@@ -173,6 +191,33 @@ def _parser(given: Sequence[str]) -> argparse.ArgumentParser:
     run.add_argument("scenario", metavar="SCENARIO.yaml", type=Path)
     add_run_options(run)
     run.set_defaults(run=_run, reads=("scenario", "parts"))
+
+    script = commands.add_parser(
+        "script",
+        help="run a program that was written for DRCSim and ROS, as it is",
+        description="Run a Python program written for DRCSim: what it imports from "
+        "ROS is stood in for, and what it publishes commands the simulated robot. "
+        "Time passes where the program waits. See docs/scripts.md.",
+        usage="atlas-drake script [options] FILE.py [-- ARGUMENT ...]",
+        epilog="What follows -- is for the program. " + _EXIT_STATUS + told,
+    )
+    script.add_argument("file", metavar="FILE.py", type=Path)
+    script.add_argument(
+        "--scenario",
+        metavar="SCENARIO.yaml",
+        type=Path,
+        help="what is simulated (default: Atlas in STAND on level ground); the program "
+        "decides how long",
+    )
+    script.add_argument(
+        "--duration",
+        type=rate,
+        metavar="SECONDS",
+        help="simulate for so long: end a program that goes on, and go on after one "
+        "that has ended (default: as long as the program runs)",
+    )
+    add_run_options(script)
+    script.set_defaults(run=_script, reads=("file", "scenario", "parts"))
 
     plot = commands.add_parser(
         "plot",
@@ -226,7 +271,7 @@ def _parser(given: Sequence[str]) -> argparse.ArgumentParser:
         metavar="SCENARIO.yaml",
         type=Path,
         nargs="?",
-        help="scenario to simulate (default: Atlas on level ground)",
+        help="scenario to simulate (default: Atlas on level ground, or in --world)",
     )
     teleop.add_argument(
         "--duration",

@@ -18,13 +18,19 @@ from atlas_drake.visualization.overlays import OVERLAYS, overlays_from
 
 
 def add_robot_options(parser: argparse.ArgumentParser) -> None:
-    """Adds the options of the scenario: robot, seed, physics step, any other field."""
+    """Adds the options of the scenario: robot, world, seed, step, any other field."""
     robot = parser.add_argument_group("what is simulated")
     robot.add_argument(
         "--model",
         metavar="MODEL",
         help="the robot: atlas (91 kg, the default), atlas_v3 (148 kg), or the path of "
         "a robot's YAML file",
+    )
+    robot.add_argument(
+        "--world",
+        metavar="WORLD",
+        help="what stands around the robot, and where it starts: a name (below), or "
+        "the path of a world's YAML file; --set world.stairs.rise=0.06 changes a part",
     )
     robot.add_argument(
         "--seed",

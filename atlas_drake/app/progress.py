@@ -43,7 +43,7 @@ class Progress:
 
     def say(self, line: str) -> None:
         """Prints a line that stays."""
-        self._clear()
+        self.clear()
         self._stream.write(line + "\n")
         self._stream.flush()
 
@@ -73,7 +73,8 @@ class Progress:
             self._last_line = now
             self.say(text)
 
-    def _clear(self) -> None:
+    def clear(self) -> None:
+        """Takes the rewritten line away, for somebody else to print there."""
         if self._shown:
             self._stream.write("\r" + " " * self._shown + "\r")
             self._shown = 0

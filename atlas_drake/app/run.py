@@ -10,6 +10,7 @@ import json
 import logging
 import math
 import sys
+from collections.abc import Callable
 from typing import Any
 
 from atlas_drake.app import exit_status
@@ -41,13 +42,24 @@ PIECE = 0.1
 AFTER_FALL = 2.0
 """Time after a fall at which the run ends [s]."""
 
+Simulate = Callable[[AtlasSimulation, Progress], str | None]
+"""Simulates a run; returns None, or why it ended early, other than by a fall."""
 
-def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
+
+def run_scenario(
+    scenario: Scenario,
+    options: argparse.Namespace,
+    simulate: Simulate | None = None,
+    end: float | None = None,
+) -> int:
     """Runs a scenario with the options of the command line.
 
     Args:
         scenario: The scenario as read; options override its fields.
-        options: Options of ``atlas-drake demo`` and ``atlas-drake run``.
+        options: Options of ``atlas-drake demo``, ``run`` and ``script``.
+        simulate: Simulates the run; None simulates until the scenario's duration.
+        end: Simulated time of the end [s], infinite if unknown; None is the scenario's
+            duration.
 
     Returns:
         The exit status.
@@ -63,7 +75,7 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
     quiet_logs()
 
     parts = load_parts(options.parts)
-    progress = Progress(sys.stdout, scenario.duration)
+    progress = Progress(sys.stdout, scenario.duration if end is None else end)
     meshcat = open_view(options, progress)
     sim = AtlasSimulation(
         scenario,
@@ -81,7 +93,7 @@ def run_scenario(scenario: Scenario, options: argparse.Namespace) -> int:
 
     with nothing_cut_off():
         try:
-            stopped = _simulate(sim, progress)
+            stopped = (simulate or _simulate)(sim, progress)
         finally:
             # Also after a second Ctrl-C: unfinished files cannot be read.
             kept = _keep_what_grew(sim, options, progress)
@@ -127,7 +139,7 @@ def with_options(scenario: Scenario, options: argparse.Namespace) -> Scenario:
     Raises:
         ScenarioError: If a resulting value cannot be used.
     """
-    for name in ("model", "seed", "physics_step"):
+    for name in ("model", "world", "seed", "physics_step"):
         if getattr(options, name) is not None:
             setattr(scenario, name, getattr(options, name))
     return with_settings(scenario, options.set)
@@ -151,12 +163,17 @@ def _simulate(sim: AtlasSimulation, progress: Progress) -> str | None:
                     return INTERRUPTED
                 sim.advance_to(min(sim.time + PIECE, end))
                 progress.update(sim.time, sim.current_behavior.name)
-                if sim.has_fallen:
-                    falls = [e.time for e in sim.events if e.kind == "fall"]
-                    end = min(end, falls[0] + AFTER_FALL)
+                end = min(end, end_after_fall(sim))
         except SimulationError as error:
             return str(error)
         return INTERRUPTED if asked_to_stop.is_set() else None
+
+
+def end_after_fall(sim: AtlasSimulation) -> float:
+    """Returns the time at which a fall ends the run [s]; infinite without a fall."""
+    if not sim.has_fallen:
+        return math.inf
+    return min(e.time for e in sim.events if e.kind == "fall") + AFTER_FALL
 
 
 def verdict(summary: dict[str, Any]) -> str:
@@ -190,8 +207,11 @@ def verdict(summary: dict[str, Any]) -> str:
 
 def quiet_logs() -> None:
     """Silences log messages that repeat the run's own lines or are irrelevant."""
-    # Refusals are events, which are printed with the others.
-    logging.getLogger("atlas_drake").propagate = False
+    # Refusals are events, which are printed with the others. A logger without any
+    # handler would still print to standard error.
+    ours = logging.getLogger("atlas_drake")
+    ours.propagate = False
+    ours.addHandler(logging.NullHandler())
     drake = logging.getLogger("drake")
     # The address of the 3D view is printed separately.
     drake.setLevel(logging.WARNING)

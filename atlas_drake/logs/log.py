@@ -21,10 +21,10 @@ from atlas_drake.logs.notes import (
     LogError,
     Note,
     event_from_note,
-    message_from,
 )
 from atlas_drake.messages import Behavior, Message
 from atlas_drake.messages.event import Event
+from atlas_drake.messages.plain import message_from
 from atlas_drake.robot import Robot, load_robot
 from atlas_drake.scenario import Scenario, scenario_from
 
@@ -127,7 +127,9 @@ class Log:
     def commands(self) -> list[LoggedCommand]:
         """The commands as they were sent, in order."""
         return [
-            LoggedCommand(note.time, message_from(COMMANDS[note.kind], note.data))
+            LoggedCommand(
+                note.time, message_from(COMMANDS[note.kind], note.data, strict=False)
+            )
             for note in self.notes
             if note.kind in COMMANDS
         ]

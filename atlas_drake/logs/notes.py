@@ -250,21 +250,3 @@ def to_plain(value: Any, path: tuple[int, ...] = ()) -> Any:
 
 LARGEST_INTEGER = 2**63 - 1
 """Largest integer that every reader of a log can represent."""
-
-
-def message_from(kind: type[Message], plain: Mapping[str, Any]) -> Message:
-    """Converts the result of ``to_plain`` back to a message."""
-    message = kind()
-    for field in fields(message):  # type: ignore[arg-type]
-        if field.name in plain:
-            default = getattr(message, field.name)
-            setattr(message, field.name, _like(default, plain[field.name]))
-    return message
-
-
-def _like(default: Any, plain: Any) -> Any:
-    if isinstance(default, Message) and isinstance(plain, Mapping):
-        return message_from(type(default), plain)
-    if isinstance(default, list) and default and isinstance(default[0], Message):
-        return [_like(default[0], item) for item in plain]
-    return plain

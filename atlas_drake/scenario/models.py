@@ -6,9 +6,10 @@ Callables that add models to a plant are in ``world``.
 from __future__ import annotations
 
 import functools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from pydrake.common.schema import Transform
 from pydrake.math import RigidTransform
@@ -148,6 +149,21 @@ class Model:
             for index in plant.GetBodyIndices(instance)
             if int(index) == bases[0]
         )
+
+
+def models_beside(models: Any, folder: Path) -> Any:
+    """Return the models of a YAML file with their files as seen from ``folder``."""
+    if not isinstance(models, list):
+        return models
+    return [
+        {**model, "file": str((folder / model["file"]).absolute())}
+        if isinstance(model, Mapping)
+        and isinstance(model.get("file"), str)
+        and model["file"]
+        and "://" not in model["file"]
+        else model
+        for model in models
+    ]
 
 
 def world_of(models: Sequence[Model]) -> list[WorldMaker]:

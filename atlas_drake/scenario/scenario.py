@@ -31,10 +31,12 @@ from atlas_drake.scenario.drake_configs import (
     check_simulator_config,
     plant_config,
 )
-from atlas_drake.scenario.models import Model
+from atlas_drake.scenario.models import Model, models_beside
 from atlas_drake.scenario.noise import NOISE_MODELS
 from atlas_drake.scenario.terrain import Block
 from atlas_drake.scenario.time_grid import on_common_grid
+from atlas_drake.scenario.timed_message import TimedMessage
+from atlas_drake.scenario.world_file import World, world_beside, world_from
 
 PHYSICS_STEPS = Bounds(1e-5, 0.002)
 """Range of the physics step [s]. Below it a simulated second takes minutes; with 3 ms
@@ -71,10 +73,10 @@ class Jitter:
 class Start:
     """Start of the robot, on its feet on the terrain."""
 
-    position: list[float] = field(default_factory=lambda: [0.0, 0.0])
-    """Position of the pelvis along x and y in W [m]."""
-    yaw: float = 0.0
-    """Heading of the pelvis in W [rad]."""
+    position: list[float] | None = None
+    """Position of the pelvis along x and y in W [m]; null for the world's start."""
+    yaw: float | None = None
+    """Heading of the pelvis in W [rad]; null for the world's start."""
     harnessed: bool = False
     """True to start in a harness that holds the pelvis, with the feet in the air."""
     release_time: float | None = None
@@ -91,11 +93,13 @@ class Start:
             ScenarioError: Naming the first field that cannot be used.
         """
         position = self.position
-        if len(position) != 2 or not np.isfinite(position).all():
+        if position is not None and not (
+            len(position) == 2 and np.isfinite(position).all()
+        ):
             raise ScenarioError(
                 "start.position", position, f"is {shown(position)}; must be two numbers"
             )
-        if not np.isfinite(self.yaw):
+        if self.yaw is not None and not np.isfinite(self.yaw):
             raise ScenarioError(
                 "start.yaw", self.yaw, f"is {shown(self.yaw)}; must be a number"
             )
@@ -130,6 +134,8 @@ class Scenario:
     the scenario's file, and in Python and on the command line to the working folder."""
     programme: str = "none"
     """Commands that are sent automatically: one of PROGRAMMES."""
+    messages: list[TimedMessage] = field(default_factory=list)
+    """Commands that are sent automatically beside the programme, each at its time."""
     duration: float = 10.0
     """Length of the run on the command line [s]."""
     initial_behavior: str = "STAND"
@@ -159,10 +165,14 @@ class Scenario:
     """Friction coefficient of the ground [-]."""
     friction_jitter: float = 0.0
     """Half width of a uniform random variation of ``ground_friction`` [-]."""
+    world: World | str | Mapping[str, Any] = field(default_factory=World)
+    """World around the robot, and start of the robot: a name from ``models/worlds``,
+    the path of a world's YAML file, relative as ``model``, or fields of a world, such
+    as ``{name: stairs, stairs: {rise: 0.06}}``."""
     terrain: list[Block] = field(default_factory=list)
-    """Boxes on the level ground at z = 0."""
+    """Boxes on the level ground at z = 0, beside those of the world."""
     models: list[Model] = field(default_factory=list)
-    """Models beside the robot, from files."""
+    """Models beside the robot, from files, beside those of the world."""
     start: Start = field(default_factory=Start)
     """Start of the robot."""
     noise: str = "none"
@@ -195,6 +205,7 @@ class Scenario:
         Raises:
             ScenarioError: Naming the first field that cannot be used.
         """
+        self.world = world_from(self.world)
         typed(self, Scenario)
         try:
             find_robot(self.model)
@@ -251,12 +262,44 @@ class Scenario:
                 f"is {shown(self.friction_jitter)}; must be 0 or more, and below the "
                 f"ground's friction ({self.ground_friction})",
             )
+        self.surroundings().validate()
         for index, block in enumerate(self.terrain):
             block.validate(f"terrain[{index}]")
         for index, model in enumerate(self.models):
             model.validate(f"models[{index}]")
+        for index, message in enumerate(self.messages):
+            message.validate(f"messages[{index}]")
         self.start.validate(self.behavior())
         return self
+
+    def surroundings(self) -> World:
+        """Return the world that ``world`` stands for.
+
+        Raises:
+            ScenarioError: If there is no such world, or it has a value that cannot be
+                used.
+        """
+        return world_from(self.world)
+
+    def all_terrain(self) -> list[Block]:
+        """Return the boxes of the world and those of the scenario, in this order."""
+        return [*self.surroundings().terrain(), *self.terrain]
+
+    def all_models(self) -> list[Model]:
+        """Return the models of the world and those of the scenario, in this order."""
+        return [*self.surroundings().models, *self.models]
+
+    def start_pose(self, start: Start | None = None) -> tuple[list[float], float]:
+        """Return where the robot begins: x and y of the pelvis [m], and yaw [rad].
+
+        Args:
+            start: What does not say it has it from the world; None is the scenario's.
+        """
+        start, world = start or self.start, self.surroundings().start
+        return (
+            world.position if start.position is None else start.position,
+            world.yaw if start.yaw is None else start.yaw,
+        )
 
     def behavior(self) -> Behavior:
         """The initial behavior.
@@ -344,24 +387,15 @@ def load_scenario(path: str | Path) -> Scenario:
 
 
 def _with_full_paths(raw: Mapping[str, Any], folder: Path) -> Mapping[str, Any]:
-    """Makes the files of robot and models relative to ``folder`` absolute."""
+    """Makes the files of robot, world and models relative to ``folder`` absolute."""
+    seen = dict(raw)
     if isinstance(raw.get("model"), str):
-        raw = {**raw, "model": model_beside(raw["model"], folder)}
-    models = raw.get("models")
-    if not isinstance(models, list):
-        return raw
-    return {
-        **raw,
-        "models": [
-            {**model, "file": str((folder / model["file"]).absolute())}
-            if isinstance(model, Mapping)
-            and isinstance(model.get("file"), str)
-            and model["file"]
-            and "://" not in model["file"]
-            else model
-            for model in models
-        ],
-    }
+        seen["model"] = model_beside(raw["model"], folder)
+    if "world" in raw:
+        seen["world"] = world_beside(raw["world"], folder)
+    if "models" in raw:
+        seen["models"] = models_beside(raw["models"], folder)
+    return seen
 
 
 def scenario_from(
@@ -378,6 +412,9 @@ def scenario_from(
         ScenarioError: Naming the first field that cannot be used.
     """
     base = Scenario() if default is None else default
+    if "world" in fields:
+        world = world_from(fields["world"], base.surroundings())
+        fields = {**fields, "world": world}
     scenario: Scenario = typed(fields, Scenario, default=base, from_text=True)
     return scenario.validate()
 
@@ -409,7 +446,9 @@ def with_settings(scenario: Scenario, settings: Iterable[str]) -> Scenario:
         place = fields
         for name in names[:-1]:
             if not isinstance(place.get(name), dict):
-                place[name] = {}
+                # Of a world its name alone may have been given before.
+                named = name == "world" and isinstance(place.get(name), str)
+                place[name] = {"name": place[name]} if named else {}
             place = place[name]
         place[names[-1]] = value
     return scenario_from(fields, scenario)

@@ -13,7 +13,7 @@ from pydrake.math import RigidTransform, RollPitchYaw
 from atlas_drake.errors import ScenarioError, shown
 
 BLOCK_COLOR = np.array([0.80, 0.70, 0.56, 1.0])
-"""Red, green, blue, alpha of the boxes: light wood on the pale ground."""
+"""Red, green, blue, alpha of boxes without a color: light wood on the pale ground."""
 _PARALLEL = 1e-12
 """Component of a unit vector below which the vector is parallel to a face [-]."""
 
@@ -30,6 +30,8 @@ class Block:
     """Roll, pitch and yaw of T in W [rad]."""
     friction: float | None = None
     """Friction coefficient [-]; the ground's coefficient if left out."""
+    color: list[float] | None = None
+    """Red, green and blue, from 0 to 1; light wood if left out."""
 
     def validate(self, path: str) -> None:
         """Checks every field.
@@ -55,6 +57,20 @@ class Block:
             raise ScenarioError(
                 f"{path}.friction", friction, f"is {shown(friction)}; must be positive"
             )
+        color = self.color
+        if color is not None and not (
+            len(color) == 3 and all(0.0 <= share <= 1.0 for share in color)
+        ):
+            raise ScenarioError(
+                f"{path}.color",
+                color,
+                f"is {shown(color)}; must be red, green and blue, each from 0 to 1",
+            )
+
+    @property
+    def rgba(self) -> np.ndarray:
+        """Red, green, blue and alpha of the box, shape (4,)."""
+        return BLOCK_COLOR if self.color is None else np.array([*self.color, 1.0])
 
     @property
     def X_WT(self) -> RigidTransform:

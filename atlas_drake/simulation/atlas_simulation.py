@@ -70,13 +70,13 @@ from atlas_drake.simulation.arguments import check_arguments
 from atlas_drake.simulation.drake_log import only_news
 from atlas_drake.simulation.fall_watch import FallWatch
 from atlas_drake.simulation.pace import Pace
+from atlas_drake.simulation.programme import scheduled_programme
 from atlas_drake.simulation.pushes import Push, make_push
 from atlas_drake.simulation.run_log import RunLog
 from atlas_drake.simulation.start import Variation, draw_variation, scale_masses
 from atlas_drake.simulation.steady import steady_ticks
 from atlas_drake.simulation.summary import estimator_drift, make_summary
 from atlas_drake.simulation.turns import Turns
-from atlas_drake.simulation.tutorial import scheduled_programme
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.viewer_gate import show_latest
 
@@ -173,10 +173,14 @@ class AtlasSimulation:
         self.behaviors = BehaviorCatalog((*SHIPPED_ENTRIES, *self._own_behaviors))
         # A path stays right wherever the program, or its log, goes on.
         self.scenario.model = self.robot.model
-        self._programme = tuple(scheduled_programme(self.scenario, self.robot))
+        self._programme = tuple(
+            scheduled_programme(self.scenario, self.robot, self.behaviors)
+        )
         self._tick_seconds = array("d")
         self._turns = Turns()
-        world = (*world_of(self.scenario.models), *listed(world))
+        self._terrain = self.scenario.all_terrain()
+        self._models = self.scenario.all_models()
+        world = (*world_of(self._models), *listed(world))
         self._recorder = None if log is None else self._start_log(Path(log), world)
         log_event = None if self._recorder is None else self._recorder.event
         self._listeners = (log_event, on_event)
@@ -203,7 +207,7 @@ class AtlasSimulation:
             physics_step=self.scenario.physics_step,
             control_period=self.scenario.control_period,
             ground_friction=self.scenario.ground_friction,
-            terrain=tuple(self.scenario.terrain),
+            terrain=tuple(self._terrain),
             plant=self.scenario.plant,
             controller=self.scenario.controller,
             estimator=self.scenario.estimator,
@@ -244,6 +248,11 @@ class AtlasSimulation:
         ApplySimulatorConfig(self.scenario.simulator, self.simulator)
         self._pace = Pace(self.simulator)
         self._begin()
+        if meshcat is not None:
+            # Meshcat's part loads only where there is something to see.
+            from atlas_drake.visualization.scene import show_start
+
+            show_start(meshcat, self.scenario)
 
     def _begin(self) -> None:
         """Begins a run at time 0, with what is drawn from the scenario's seed."""
@@ -258,10 +267,10 @@ class AtlasSimulation:
             self.station,
             context,
             self.scenario.seed,
-            self.scenario.terrain,
+            self._terrain,
             self._variation.ground_friction,
         )
-        set_velocities(self.scenario.models, self.plant, self._plant_context())
+        set_velocities(self._models, self.plant, self._plant_context())
         del self._tick_seconds[:]
         self._log = RunLog(*self._listeners)
         self._error: str | None = None
@@ -580,10 +589,11 @@ class AtlasSimulation:
             )
         moved = self._variation
         if pose is not None:
+            position, yaw = self.scenario.start_pose(pose)
             moved = replace(
                 moved,
-                position=np.array(pose.position, dtype=float),
-                rpy=np.array([0.0, 0.0, pose.yaw]),
+                position=np.array(position, dtype=float),
+                rpy=np.array([0.0, 0.0, yaw]),
             )
         with self._turns:
             # What a run that an error stopped has not told yet came before the reset.
@@ -606,7 +616,7 @@ class AtlasSimulation:
         before = plant.GetPositionsAndVelocities(context).copy()
         try:
             put_world_back(plant, context, self.robot)
-            set_velocities(self.scenario.models, plant, context)
+            set_velocities(self._models, plant, context)
             self._place(moved, start)
         except WorldError:
             plant.SetPositionsAndVelocities(context, before)
@@ -651,7 +661,7 @@ class AtlasSimulation:
             position=variation.position,
             rpy=variation.rpy,
             joints=variation.joints,
-            terrain=self.scenario.terrain,
+            terrain=self._terrain,
             clearance=clearance,
         )
         self._release_time = None

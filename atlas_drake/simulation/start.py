@@ -47,10 +47,10 @@ def draw_variation(scenario: Scenario, robot: Robot) -> Variation:
     friction = scenario.ground_friction + random.uniform(
         -scenario.friction_jitter, scenario.friction_jitter
     )
-    start = scenario.start
+    start, yaw = scenario.start_pose()
     return Variation(
-        position=np.array(start.position) + position,
-        rpy=rpy + np.array([0.0, 0.0, start.yaw]),
+        position=np.array(start) + position,
+        rpy=rpy + np.array([0.0, 0.0, yaw]),
         joints=np.clip(joints, robot.position_lower, robot.position_upper),
         mass_factor={
             name: 1.0 + random.uniform(-jitter.mass, jitter.mass)

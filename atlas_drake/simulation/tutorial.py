@@ -21,7 +21,6 @@ from atlas_drake.messages import (
     Vector3,
 )
 from atlas_drake.robot import Robot
-from atlas_drake.scenario import Scenario
 from atlas_drake.systems.command_scheduler import Feedback, ScheduledCommand
 
 FIRST_COMMAND = 2.0
@@ -67,18 +66,6 @@ SWING_HEIGHT = 0.3
 """[m]"""
 HALF_STANCE = 0.15
 """Sideways distance of each foot from the robot's middle [m]."""
-
-
-def scheduled_programme(scenario: Scenario, robot: Robot) -> list[ScheduledCommand]:
-    """The commands that a scenario sends by itself.
-
-    Raises:
-        ScenarioError: If the robot lacks joints that the programme commands.
-    """
-    if scenario.programme == "none":
-        return []
-    literal = scenario.programme == "tutorial_literal"
-    return control_mode_switch_programme(robot, literal)
 
 
 def control_mode_switch_programme(

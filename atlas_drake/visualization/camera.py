@@ -16,7 +16,7 @@ from pydrake.systems.framework import Context
 from atlas_drake.messages import AtlasSimInterfaceState
 from atlas_drake.visualization.display import Display
 from atlas_drake.visualization.overlays import Overlays
-from atlas_drake.visualization.scene import CAMERA_POSITION, CAMERA_TARGET
+from atlas_drake.visualization.scene import look_at
 
 LAG = 0.7
 """Time constant of the camera, so that it does not sway with the steps [s]."""
@@ -40,15 +40,15 @@ class FollowingCamera(Display):
             "atlas_sim_interface_state", AbstractValue.Make(AtlasSimInterfaceState())
         )
         self._share = 1.0 - math.exp(-period / LAG)
-        self._place = np.zeros(3)
+        self._place: np.ndarray | None = None
 
     def _publish(self, context: Context) -> None:
         if not self._overlays.is_on("follow"):
             return
         report: Any = self._report.Eval(context)
         pelvis = report.pos_est.position
-        goal = np.array([pelvis.x, pelvis.y, 0.0])
-        self._place = self._place + self._share * (goal - self._place)
-        self._meshcat.SetCameraPose(
-            CAMERA_POSITION + self._place, CAMERA_TARGET + self._place
-        )
+        ground = min(foot.position.z for foot in report.foot_pos_est)
+        goal = np.array([pelvis.x, pelvis.y, ground])
+        place = goal if self._place is None else self._place
+        self._place = place + self._share * (goal - place)
+        look_at(self._meshcat, self._place)

@@ -11,6 +11,9 @@ import numpy as np
 from pydrake.geometry import Box, Meshcat, Rgba
 from pydrake.math import RigidTransform
 
+from atlas_drake.scenario import Scenario
+from atlas_drake.scenario.terrain import surface_height
+
 Array = Any
 """Type of an array for Meshcat, whose stubs do not match numpy's types."""
 
@@ -30,8 +33,8 @@ FIELD_OF_VIEW = 38.0
 distorts."""
 CAMERA_POSITION: Array = np.array([3.3, -2.5, 1.45])
 CAMERA_TARGET: Array = np.array([0.2, 0.0, 0.98])
-"""Initial camera in W [m]: from the front and side, with start and end of the tutorial
-in view."""
+"""Initial camera, from the robot's first place on the ground, in axes W [m]: from the
+front and side, with start and end of the tutorial in view."""
 
 SUN_POSITION = np.array([2.0, -3.0, 6.0])
 """Position of the lamp that throws the shadows, in W [m]."""
@@ -46,7 +49,27 @@ def prepare_scene(meshcat: Meshcat) -> None:
     _add_ground(meshcat)
     _add_light(meshcat)
     meshcat.SetProperty(CAMERA, "fov", FIELD_OF_VIEW)
-    meshcat.SetCameraPose(CAMERA_POSITION, CAMERA_TARGET)
+    look_at(meshcat, np.zeros(3))
+
+
+def look_at(meshcat: Meshcat, p_WG: np.ndarray) -> None:
+    """Puts the camera beside a robot.
+
+    Args:
+        meshcat: Whose camera.
+        p_WG: Place on the ground where the robot stands, in W [m], shape (3,).
+    """
+    meshcat.SetCameraPose(CAMERA_POSITION + p_WG, CAMERA_TARGET + p_WG)
+
+
+def show_start(meshcat: Meshcat, scenario: Scenario) -> None:
+    """Shows the world as its file says, or else the robot where it begins."""
+    view = scenario.surroundings().view
+    if view is not None:
+        meshcat.SetCameraPose(np.array(view.lens), np.array(view.target))
+        return
+    x, y = scenario.start_pose()[0]
+    look_at(meshcat, np.array([x, y, surface_height(scenario.all_terrain(), x, y)]))
 
 
 def _add_ground(meshcat: Meshcat) -> None:

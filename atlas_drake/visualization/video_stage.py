@@ -34,7 +34,7 @@ from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.sensors import CameraInfo
 
 from atlas_drake.robot import Robot
-from atlas_drake.scenario.terrain import BLOCK_COLOR, Block
+from atlas_drake.scenario.terrain import Block
 from atlas_drake.scenario.world import WorldMaker, add_world
 from atlas_drake.visualization.footsteps import (
     COLORS,
@@ -176,7 +176,7 @@ class VideoStage:
         for number, block in enumerate(terrain):
             box = Box(np.array(block.size))
             name = f"terrain_{number}"
-            plant.RegisterVisualGeometry(world, block.X_WC, box, name, BLOCK_COLOR)
+            plant.RegisterVisualGeometry(world, block.X_WC, box, name, block.rgba)
 
 
 def _mesh(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> Mesh:

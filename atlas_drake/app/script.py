@@ -1,0 +1,120 @@
+"""``atlas-drake script``: runs a program that was written for DRCSim.
+
+The program runs in ``ros_scripts``; views, output files and verdict are in ``run``.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import math
+import sys
+import threading
+from collections.abc import Callable
+from typing import TextIO
+
+from atlas_drake.app import exit_status
+from atlas_drake.app.interrupts import ctrl_c
+from atlas_drake.app.progress import Progress
+from atlas_drake.app.run import INTERRUPTED, PIECE, end_after_fall, run_scenario
+from atlas_drake.ros_scripts.program import Program
+from atlas_drake.scenario import Scenario
+from atlas_drake.simulation import AtlasSimulation
+
+
+def run_script(scenario: Scenario, options: argparse.Namespace) -> int:
+    """Runs a program on the robot of a scenario.
+
+    Args:
+        scenario: The scenario as read; options override its fields.
+        options: Options of ``atlas-drake script``.
+
+    Returns:
+        The exit status.
+
+    Raises:
+        ScriptError: If the program is not valid Python.
+        ScenarioError: If an option cannot be used; raised before the run.
+    """
+    program = Program(options.file, options.arguments)
+    end = math.inf if options.duration is None else options.duration
+
+    def simulate(sim: AtlasSimulation, progress: Progress) -> str | None:
+        return _simulate(sim, progress, program, options.duration)
+
+    status = run_scenario(scenario, options, simulate, end)
+    if status == exit_status.FAILED and program.at_fault:
+        return exit_status.BAD_INPUT
+    return status
+
+
+def _simulate(
+    sim: AtlasSimulation, progress: Progress, program: Program, duration: float | None
+) -> str | None:
+    """Runs the program, then simulates until ``duration`` [s] if it is given."""
+    end = math.inf if duration is None else duration
+
+    def may_interrupt() -> bool:
+        return not program.simulating
+
+    def complain(text: str) -> None:
+        progress.clear()
+        print(text, file=sys.stderr)
+
+    with ctrl_c(may_interrupt) as asked_to_stop, _shared_output(progress):
+        ended = _watcher(sim, progress, asked_to_stop)
+        try:
+            problem = program.run(sim, ended, end, progress.say, complain)
+            if problem is None and duration is not None:
+                program.wait()
+        except KeyboardInterrupt:
+            return INTERRUPTED
+        finally:
+            program.close()
+        if asked_to_stop.is_set():
+            return INTERRUPTED
+    if problem is None and program.last_command >= sim.time:
+        progress.say(
+            f"{program.path.name} ended when it had sent its last command; --duration "
+            "lets Atlas go on."
+        )
+    return problem
+
+
+def _watcher(
+    sim: AtlasSimulation, progress: Progress, asked_to_stop: threading.Event
+) -> Callable[[], bool]:
+    """Returns a function that tells whether the run is over and shows progress."""
+    shown = -math.inf
+
+    def ended() -> bool:
+        nonlocal shown
+        if sim.time >= shown + PIECE - 1e-9:
+            shown = sim.time
+            progress.update(sim.time, sim.current_behavior.name)
+        return asked_to_stop.is_set() or sim.time >= end_after_fall(sim)
+
+    return ended
+
+
+class _Shared:
+    """Standard output that clears the line of progress before each text."""
+
+    def __init__(self, stream: TextIO, progress: Progress) -> None:
+        self._stream, self._progress = stream, progress
+
+    def write(self, text: str) -> int:
+        self._progress.clear()
+        return self._stream.write(text)
+
+    def __getattr__(self, name: str) -> object:
+        return getattr(self._stream, name)
+
+
+def _shared_output(
+    progress: Progress,
+) -> contextlib.AbstractContextManager[object]:
+    """Keeps the program's output and the line of progress apart on a terminal."""
+    if not sys.stdout.isatty():
+        return contextlib.nullcontext()
+    return contextlib.redirect_stdout(_Shared(sys.stdout, progress))  # type: ignore[type-var]

@@ -1,0 +1,80 @@
+"""Messages from plain data: what YAML or JSON has of them, by the names of the fields.
+
+The reverse, which takes whatever a refused message holds, is in ``logs.notes``. Values
+are for ``validation`` to check.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import Any
+
+from atlas_drake.errors import InvalidMessageError, did_you_mean, shown
+from atlas_drake.messages.base import Message
+from atlas_drake.numeric import is_number
+
+
+def message_from(
+    kind: type[Message],
+    plain: Mapping[str, Any],
+    *,
+    num_joints: int | None = None,
+    path: str = "",
+    strict: bool = True,
+) -> Message:
+    """Make a message from its fields; those left out stay as in an empty message.
+
+    Args:
+        kind: Of the message.
+        plain: Values by field; of messages within it, likewise. A list of messages may
+            be shorter than in an empty message, as a step queue with fewer steps.
+        num_joints: Lets one number stand for as many in the place of a list; None
+            leaves it a number.
+        path: Of the message within another one, for errors.
+        strict: Raise an error for what fits no message; otherwise unknown fields are
+            left out, and other faults kept, as in the log of a refused message.
+
+    Raises:
+        InvalidMessageError: If there is no such field, or a message within is no
+            mapping.
+    """
+    message = kind()
+    known = [field.name for field in fields(message)]  # type: ignore[arg-type]
+    for name, value in plain.items():
+        place = f"{path}.{name}".lstrip(".")
+        if name not in known and not strict:
+            continue
+        if name not in known:
+            hint = did_you_mean(str(name), known) or f" There are {', '.join(known)}."
+            problem = f"{kind.__name__} has no such field.{hint}"
+            raise InvalidMessageError(place, value, problem)
+        default = getattr(message, name)
+        setattr(message, name, _like(default, value, num_joints, place, strict))
+    return message
+
+
+def _like(
+    default: Any, plain: Any, num_joints: int | None, path: str, strict: bool
+) -> Any:
+    """The value of a field, made of plain data."""
+    if isinstance(default, Message):
+        if not isinstance(plain, Mapping) and not strict:
+            return plain
+        if not isinstance(plain, Mapping):
+            wanted = f"must be fields of {type(default).__name__}"
+            raise InvalidMessageError(path, plain, f"is {shown(plain)}; {wanted}")
+        return message_from(
+            type(default), plain, num_joints=num_joints, path=path, strict=strict
+        )
+    if not isinstance(default, list):
+        return plain
+    if default and isinstance(default[0], Message) and isinstance(plain, list | tuple):
+        given = [
+            _like(default[0], item, num_joints, f"{path}[{index}]", strict)
+            for index, item in enumerate(plain)
+        ]
+        return given + (default[len(given) :] if strict else [])
+    if not default and num_joints is not None and is_number(plain):
+        return [plain] * num_joints
+    return plain

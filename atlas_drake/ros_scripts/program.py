@@ -1,0 +1,158 @@
+"""Runs one program on a simulation.
+
+Views, output files and the verdict on a run are in ``app``.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import sys
+import traceback
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+from atlas_drake.ros_scripts.clock import Clock, RunEnded
+from atlas_drake.ros_scripts.node import RosInterruptError
+from atlas_drake.ros_scripts.rospy_module import RosNode
+from atlas_drake.ros_scripts.source_file import compile_program, read_source
+from atlas_drake.ros_scripts.stand_ins import in_place, installed, stand_ins
+from atlas_drake.ros_scripts.unknown import ScriptError, unknown
+from atlas_drake.ros_scripts.world import World, as_main, is_in_world
+from atlas_drake.simulation import AtlasSimulation, SimulationError
+
+
+class Program:
+    """A program's file, read and compiled.
+
+    Attributes:
+        path: Path of the file.
+        at_fault: Whether the program asked for something unknown; set by ``run``.
+    """
+
+    def __init__(self, path: Path, arguments: Sequence[str] = ()) -> None:
+        """Reads and compiles the file.
+
+        Args:
+            path: Path of the file.
+            arguments: Arguments of the program.
+
+        Raises:
+            ScriptError: If the file is not valid Python.
+        """
+        self.path, self._arguments = path, list(arguments)
+        self._source = read_source(path)
+        self._code = compile_program(path, self._source)
+        self.at_fault = False
+        self._clock: Clock | None = None
+
+    @property
+    def simulating(self) -> bool:
+        """Whether an operation runs that Ctrl-C must not interrupt."""
+        return self._clock is not None and self._clock.simulating
+
+    @property
+    def last_command(self) -> float:
+        """Time of the last published message [s]; -infinity without one."""
+        return -math.inf if self._clock is None else self._clock.last_command
+
+    def run(
+        self,
+        sim: AtlasSimulation,
+        ended: Callable[[], bool],
+        end: float,
+        say: Callable[[str], object],
+        complain: Callable[[str], object],
+    ) -> str | None:
+        """Runs the program until it or the run ends.
+
+        Args:
+            sim: The simulation.
+            ended: Tells whether the run is over; called at least every 0.1 s of
+                simulated time.
+            end: Latest simulated time of the run [s].
+            say: Prints a line.
+            complain: Prints an error of the program.
+
+        Returns:
+            None, or a description of what went wrong.
+
+        Raises:
+            KeyboardInterrupt: If Ctrl-C came while the program computed.
+        """
+        self._clock = clock = Clock(sim, ended, end)
+        node = RosNode(clock, say)
+        self._modules = modules = stand_ins(node.names(), sim.robot)
+        for name, place in installed(modules).items():
+            say(f"{name} is installed ({place}); the stand-in for it is used.")
+        world = World(clock, say)
+        with (
+            in_place(modules, sys.modules),
+            as_main(self.path, self._arguments, world) as main,
+        ):
+            problem = self._outcome(
+                lambda: world.run(self.path, self._source, self._code, main), complain
+            )
+            return problem or self._outcome(node.end, complain)
+
+    def close(self) -> None:
+        """Ends the run also for threads that the program has left."""
+        if self._clock is not None:
+            self._clock.shut_down()
+
+    def wait(self) -> None:
+        """Advances from the end of the program to the end of the run.
+
+        Raises:
+            SimulationError: If the physics could not be solved.
+        """
+        if self._clock is not None:
+            self._clock.wait()
+
+    def _outcome(
+        self, part: Callable[[], object], complain: Callable[[str], object]
+    ) -> str | None:
+        """Runs a part of the program; returns what went wrong, if anything."""
+        try:
+            part()
+        except (RunEnded, RosInterruptError):
+            # The run ended while the program waited.
+            return None
+        except SystemExit as stop:
+            if stop.code in (None, 0):
+                return None
+            if isinstance(stop.code, str):
+                complain(stop.code)
+                return f"{self.path.name} gave up: {stop.code}"
+            return f"{self.path.name} ended with status {stop.code}"
+        except SimulationError as error:
+            return str(error)
+        except Exception as error:
+            self.at_fault = isinstance(error, (ScriptError, ImportError))
+            complain(self._told(error))
+            brief = error.brief if isinstance(error, ScriptError) else str(error)
+            return f"{self.path.name}: {type(error).__name__}: {brief}".rstrip(".")
+        return None
+
+    def _told(self, error: Exception) -> str:
+        """Return the traceback, with the program's own lines only."""
+        own = [
+            traceback.FrameSummary(frame.f_code.co_filename, line, frame.f_code.co_name)
+            for frame, line in traceback.walk_tb(error.__traceback__)
+            if is_in_world(frame)
+        ]
+        lines = ["Traceback (most recent call last):\n", *traceback.format_list(own)]
+        lines.append(f"{type(error).__name__}: {error}")
+        if isinstance(error, ImportError) and error.name:
+            lines.append(f"\n{self._hint(error)}")
+        return "".join(lines)
+
+    def _hint(self, error: ImportError) -> str:
+        """Return the names that can be imported instead."""
+        module = str(error.name)
+        if module in self._modules:
+            found = re.search(r"cannot import name '(\w+)'", str(error))
+            name = found[1] if found else ""
+            return str(unknown(f"{module}.{name}", name, self._modules[module].names))
+        packages = {name.partition(".")[0] for name in self._modules}
+        return str(unknown(f"module {module}", module, packages))

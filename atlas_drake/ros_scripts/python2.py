@@ -1,0 +1,167 @@
+"""Operators, methods and builtins whose meaning differs between Python 2 and 3.
+
+Programs for ROS 1 and DRCSim were written for Python 2, in which ``1 / 2`` is 0 and
+``range(3)`` is a list. ``old_meaning`` rewrites operators and methods in the syntax
+tree; ``BUILTINS`` has the functions. Syntax that Python 3 cannot read is for
+``python2_syntax``.
+"""
+
+from __future__ import annotations
+
+import ast
+import builtins
+import functools
+import math
+from collections.abc import Callable
+from numbers import Integral
+from typing import Any
+
+DIVIDE, DIVIDE_IN_PLACE = "__python2_div__", "__python2_idiv__"
+"""Names of the functions for ``/`` and ``/=`` in the program's builtins."""
+METHOD = "__python2_method__"
+"""Name of the function that looks up methods that Python 3 lacks or changed."""
+
+
+class WholeFloat(float):
+    """A float that may be used as an index, as in Python 2."""
+
+    def __index__(self) -> int:
+        return int(self)
+
+
+def _divide(one: Any, other: Any) -> Any:
+    return one // other if _whole(one) and _whole(other) else one / other
+
+
+def _divide_in_place(one: Any, other: Any) -> Any:
+    if _whole(one) and _whole(other):
+        one //= other
+    else:
+        one /= other
+    return one
+
+
+def _whole(value: Any) -> bool:
+    kind = getattr(getattr(value, "dtype", None), "kind", "")
+    return isinstance(value, Integral) or (bool(kind) and kind in "iu")
+
+
+_METHODS: dict[str, Callable[..., Any]] = {
+    "has_key": lambda mapping, key: key in mapping,
+    "iteritems": lambda mapping: iter(mapping.items()),
+    "iterkeys": iter,
+    "itervalues": lambda mapping: iter(mapping.values()),
+    "next": next,
+}
+"""Methods that Python 3 lacks."""
+_LISTS = ("keys", "values", "items")
+"""Methods of dictionaries that returned lists."""
+
+
+def _method(owner: Any, name: str) -> Any:
+    """Return ``owner.name`` as in Python 2."""
+    if name in _LISTS and isinstance(owner, dict):
+        return lambda: list(getattr(owner, name)())
+    if name in _METHODS and not hasattr(owner, name):
+        return functools.partial(_METHODS[name], owner)
+    return getattr(owner, name)
+
+
+def _execfile(path: str, names: dict[str, Any]) -> None:
+    with open(path, "rb") as file:
+        exec(compile(file.read(), path, "exec"), names)
+
+
+def _listed(function: Callable[..., Any]) -> Callable[..., list[Any]]:
+    return lambda *arguments: list(function(*arguments))
+
+
+def _cmp(one: Any, other: Any) -> int:
+    return (one > other) - (one < other)
+
+
+def _round(number: float, digits: int = 0) -> float:
+    """Round halves away from zero; return a float."""
+    scale = 10.0**digits
+    return WholeFloat(
+        math.copysign(math.floor(abs(number) * scale + 0.5) / scale, number)
+    )
+
+
+BUILTINS: dict[str, Any] = {
+    DIVIDE: _divide,
+    DIVIDE_IN_PLACE: _divide_in_place,
+    METHOD: _method,
+    "basestring": str,
+    "cmp": _cmp,
+    "execfile": _execfile,
+    "file": open,
+    "filter": _listed(builtins.filter),
+    "long": int,
+    "map": _listed(builtins.map),
+    "range": _listed(builtins.range),
+    "raw_input": input,
+    "reduce": functools.reduce,
+    "round": _round,
+    "unichr": chr,
+    "unicode": str,
+    "xrange": range,
+    "zip": _listed(builtins.zip),
+}
+"""Builtins of Python 2 that Python 3 lacks or changed."""
+
+MATH: dict[str, Any] = {
+    "ceil": lambda number: WholeFloat(math.ceil(number)),
+    "floor": lambda number: WholeFloat(math.floor(number)),
+}
+"""Functions of ``math`` that returned floats."""
+
+
+class _OldMeaning(ast.NodeTransformer):
+    """Replaces operators and methods by calls of the functions above."""
+
+    def __init__(self, *, division: bool) -> None:
+        self._division = division
+
+    def visit_BinOp(self, node: ast.BinOp) -> ast.AST:
+        self.generic_visit(node)
+        if not (self._division and isinstance(node.op, ast.Div)):
+            return node
+        return self._call(node, DIVIDE, node.left, node.right)
+
+    def visit_AugAssign(self, node: ast.AugAssign) -> ast.AST:
+        self.generic_visit(node)
+        if not (self._division and isinstance(node.op, ast.Div)):
+            return node
+        # The target once more, as an expression to read.
+        place = ast.parse(ast.unparse(node.target), mode="eval").body
+        value = self._call(node, DIVIDE_IN_PLACE, place, node.value)
+        return ast.copy_location(ast.Assign([node.target], value), node)
+
+    def visit_Call(self, node: ast.Call) -> ast.AST:
+        self.generic_visit(node)
+        if isinstance(node.func, ast.Attribute) and (
+            node.func.attr in _METHODS or node.func.attr in _LISTS
+        ):
+            name = ast.Constant(node.func.attr)
+            node.func = self._call(node, METHOD, node.func.value, name)
+        return node
+
+    def _call(self, node: ast.AST, name: str, *arguments: ast.expr) -> ast.Call:
+        function = ast.Name(name, ast.Load())
+        return ast.copy_location(ast.Call(function, list(arguments), []), node)
+
+
+def old_meaning(tree: ast.Module) -> ast.Module:
+    """Return a program's tree with the meaning of Python 2.
+
+    ``/`` stays as it is where the program imports ``division`` from ``__future__``.
+    """
+    new_division = any(
+        isinstance(node, ast.ImportFrom)
+        and node.module == "__future__"
+        and any(alias.name == "division" for alias in node.names)
+        for node in tree.body
+    )
+    result: ast.Module = _OldMeaning(division=not new_division).visit(tree)
+    return ast.fix_missing_locations(result)

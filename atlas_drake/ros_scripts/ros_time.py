@@ -1,0 +1,128 @@
+"""``Time`` and ``Duration`` as ROS 1 has them: whole seconds and nanoseconds.
+
+``rospy.Time.now``, which needs a clock, is in ``rospy_module``.
+"""
+
+from __future__ import annotations
+
+import functools
+from typing import Any, Self
+
+NANO = 1_000_000_000
+"""Nanoseconds in a second."""
+
+
+@functools.total_ordering
+class _Seconds:
+    """Common base of ``Time`` and ``Duration``."""
+
+    __slots__ = ("nsecs", "secs")
+
+    def __init__(self, secs: float = 0, nsecs: float = 0) -> None:
+        """Stores seconds and nanoseconds.
+
+        Args:
+            secs: Seconds; a float may have a fraction.
+            nsecs: Nanoseconds, added to the seconds.
+        """
+        total = round(secs * NANO) if isinstance(secs, float) else int(secs) * NANO
+        self.secs, self.nsecs = divmod(total + int(nsecs), NANO)
+
+    @classmethod
+    def from_sec(cls, seconds: float) -> Self:
+        """Return a value of so many seconds."""
+        return cls(float(seconds))
+
+    from_seconds = from_sec
+
+    def to_sec(self) -> float:
+        """Return the value in seconds."""
+        return self.secs + self.nsecs / NANO
+
+    def to_nsec(self) -> int:
+        """Return the value in nanoseconds."""
+        return self.secs * NANO + self.nsecs
+
+    def is_zero(self) -> bool:
+        """Tell whether the value is 0."""
+        return not self
+
+    def __bool__(self) -> bool:
+        return self.to_nsec() != 0
+
+    def __float__(self) -> float:
+        return self.to_sec()
+
+    def __hash__(self) -> int:
+        return hash(self.to_nsec())
+
+    def __eq__(self, other: object) -> bool:
+        number = self._number(other)
+        return NotImplemented if number is None else self.to_nsec() == number
+
+    def __lt__(self, other: object) -> bool:
+        number = self._number(other)
+        return NotImplemented if number is None else self.to_nsec() < number
+
+    def _number(self, other: object) -> int | None:
+        """Return the other operand [ns]; None if the types do not compare."""
+        both_times = isinstance(other, Time) and isinstance(self, Time)
+        both_durations = isinstance(other, Duration) and isinstance(self, Duration)
+        return other.to_nsec() if both_times or both_durations else None  # type: ignore[attr-defined]
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}[{self.to_nsec()}]"
+
+    def __str__(self) -> str:
+        return str(self.to_nsec())
+
+    def _like(self, nanoseconds: float) -> Self:
+        return type(self)(0, round(nanoseconds))
+
+
+class Duration(_Seconds):
+    """A span of time, of either sign."""
+
+    def __add__(self, other: object) -> Any:
+        if isinstance(other, Duration):
+            return self._like(self.to_nsec() + other.to_nsec())
+        return NotImplemented
+
+    def __sub__(self, other: object) -> Any:
+        if isinstance(other, Duration):
+            return self._like(self.to_nsec() - other.to_nsec())
+        return NotImplemented
+
+    def __mul__(self, factor: float) -> Any:
+        return self._like(self.to_nsec() * factor)
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, divisor: Any) -> Any:
+        if isinstance(divisor, Duration):
+            return self.to_nsec() / divisor.to_nsec()
+        return self._like(self.to_nsec() / divisor)
+
+    def __neg__(self) -> Duration:
+        return self._like(-self.to_nsec())
+
+    def __abs__(self) -> Duration:
+        return self._like(abs(self.to_nsec()))
+
+
+class Time(_Seconds):
+    """A moment of simulated time; 0 means "not set" in a header."""
+
+    def __add__(self, other: object) -> Any:
+        if isinstance(other, Duration):
+            return self._like(self.to_nsec() + other.to_nsec())
+        return NotImplemented
+
+    __radd__ = __add__
+
+    def __sub__(self, other: object) -> Any:
+        if isinstance(other, Time):
+            return Duration(0, self.to_nsec() - other.to_nsec())
+        if isinstance(other, Duration):
+            return self._like(self.to_nsec() - other.to_nsec())
+        return NotImplemented

@@ -1,0 +1,110 @@
+"""The modules that stand in for those of ROS.
+
+Their contents are in the other files of this folder. A missing name raises an error
+that lists the names of the module.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from types import ModuleType
+from typing import Any
+
+from atlas_drake.robot import Robot
+from atlas_drake.ros_scripts import kdl_frame, transformations
+from atlas_drake.ros_scripts.message_types import PACKAGES, with_joints_of
+from atlas_drake.ros_scripts.node import RosError, RosInterruptError
+from atlas_drake.ros_scripts.ros_message import RosMessage
+from atlas_drake.ros_scripts.ros_time import Duration, Time
+from atlas_drake.ros_scripts.unknown import UnknownNameError, unknown
+
+
+class StandIn(ModuleType):
+    """A module whose errors list its names."""
+
+    def __init__(self, name: str, content: Mapping[str, Any]) -> None:
+        """Makes a module with ``content``, by name."""
+        super().__init__(name, f"Stands in for ROS's {name}.")
+        self.__path__: list[str] = []
+        self.names = sorted(content)
+        vars(self).update(content)
+        self.__all__ = self.names
+
+    def __getattr__(self, name: str) -> Any:
+        # Python itself looks up such names.
+        if name.startswith("__"):
+            raise AttributeError(name)
+        what = f"{self.__name__}.{name}"
+        raise unknown(what, name, self.names, UnknownNameError)
+
+
+def stand_ins(rospy: Mapping[str, Any], robot: Robot) -> dict[str, StandIn]:
+    """Return all modules by full name.
+
+    Args:
+        rospy: Contents of ``rospy``.
+        robot: Robot whose joints ``AtlasState`` names.
+    """
+    flat: dict[str, Mapping[str, Any]] = {
+        "PyKDL": kdl_frame.NAMES,
+        "genpy": {"Time": Time, "Duration": Duration, "Message": RosMessage},
+        "roslib": {"load_manifest": lambda *_packages: None},
+        "rospy": {**rospy, "Message": RosMessage},
+        "rospy.exceptions": {
+            "ROSException": RosError,
+            "ROSInterruptException": RosInterruptError,
+        },
+        "rospy.rostime": {name: rospy[name] for name in ("Time", "Duration")},
+        "tf": {},
+        "tf.transformations": transformations.TRANSFORMATIONS,
+        "tf_conversions": transformations.POSEMATH,
+        "tf_conversions.posemath": transformations.POSEMATH,
+    }
+    for package, types in PACKAGES.items():
+        own = with_joints_of(robot, types) if "AtlasState" in types else types
+        flat |= {package: {}, f"{package}.msg": own}
+    modules: dict[str, StandIn] = {}
+    for name in sorted(flat):  # Packages come before their modules.
+        modules[name] = StandIn(name, flat[name])
+        package, _, last = name.rpartition(".")
+        if package:
+            setattr(modules[package], last, modules[name])
+            modules[package].names.append(last)
+    return modules
+
+
+def installed(names: Mapping[str, object]) -> dict[str, str]:
+    """Return the places of installed packages of these names."""
+    found = {}
+    for name in names:
+        if "." in name:
+            continue
+        try:
+            spec = importlib.util.find_spec(name)
+        except (ImportError, ValueError):
+            continue
+        if spec is not None:
+            found[name] = spec.origin or "a namespace package"
+    return found
+
+
+@contextmanager
+def in_place(
+    modules: Mapping[str, ModuleType], table: dict[str, Any]
+) -> Iterator[None]:
+    """Puts modules into ``sys.modules``; restores the previous ones at the end.
+
+    Args:
+        modules: The modules by full name.
+        table: ``sys.modules``.
+    """
+    before = {name: table[name] for name in modules if name in table}
+    table.update(modules)
+    try:
+        yield
+    finally:
+        for name in modules:
+            table.pop(name, None)
+        table.update(before)

@@ -1,0 +1,87 @@
+"""Strewn bricks, which do not move: at random places, the same for the same seed."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Annotated
+
+import numpy as np
+
+from atlas_drake.bounds import Bounds
+from atlas_drake.errors import ScenarioError, shown
+from atlas_drake.scenario.obstacles.obstacle import Length, Obstacle
+from atlas_drake.scenario.terrain import Block
+
+_COLORS = ([0.66, 0.33, 0.24], [0.72, 0.40, 0.28], [0.58, 0.29, 0.22])
+_TRIES = 200
+"""Places tried for each brick before the area counts as full."""
+_LARGEST_SEED = 2**53
+
+
+@dataclass
+class Strewn(Obstacle):
+    """Bricks at random places of an area, none on top of another."""
+
+    number: Annotated[int, Bounds(0, 1000)] = 60
+    """Number of bricks."""
+    size: list[Length] = field(default_factory=lambda: [0.20, 0.10, 0.05])
+    """Length, width and height of a brick [m]."""
+    area: list[Length] = field(default_factory=lambda: [4.0, 3.0])
+    """Area of the bricks' middles, along x and y [m]."""
+    seed: Annotated[int, Bounds(0, _LARGEST_SEED)] = 0
+    """Seed of the places; independent of the scenario's seed, so that runs of several
+    seeds meet the same bricks."""
+
+    def validate(self, path: str) -> None:
+        """Check what bounds of single numbers do not.
+
+        Args:
+            path: Where the obstacle is in its scenario.
+
+        Raises:
+            ScenarioError: Naming the first field that cannot be used.
+        """
+        super().validate(path)
+        for name, length in (("size", 3), ("area", 2)):
+            value = getattr(self, name)
+            if len(value) != length:
+                wanted = f"must be {'three' if length == 3 else 'two'} numbers"
+                raise ScenarioError(
+                    f"{path}.{name}", value, f"is {shown(value)}; {wanted}"
+                )
+        placed = len(self._places())
+        if placed < self.number:
+            raise ScenarioError(
+                f"{path}.number",
+                self.number,
+                f"is {self.number}; only {placed} bricks of {self.size} find room in "
+                f"an area of {self.area}",
+            )
+
+    def _blocks_O(self) -> list[Block]:
+        return [
+            Block(
+                size=list(self.size),
+                position=[x, y, self.size[2]],
+                rpy=[0.0, 0.0, yaw],
+                color=list(_COLORS[index % len(_COLORS)]),
+            )
+            for index, (x, y, yaw) in enumerate(self._places())
+        ]
+
+    def _places(self) -> list[tuple[float, float, float]]:
+        """Places of bricks in O: x, y [m], yaw [rad]; fewer where there is no room."""
+        random = np.random.default_rng(self.seed)
+        apart = math.hypot(self.size[0], self.size[1])
+        found = np.zeros((0, 3))
+        for _ in range(self.number):
+            low = [0.0, -0.5 * self.area[1], 0.0]
+            high = [self.area[0], 0.5 * self.area[1], math.pi]
+            tries = random.uniform(low, high, size=(_TRIES, 3))
+            offsets = tries[:, None, :2] - found[None, :, :2]
+            free = (np.linalg.norm(offsets, axis=2) >= apart).all(axis=1)
+            if not free.any():
+                break
+            found = np.vstack([found, tries[np.argmax(free)]])
+        return [(float(x), float(y), float(yaw)) for x, y, yaw in found]

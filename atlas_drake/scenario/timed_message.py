@@ -1,0 +1,101 @@
+"""Messages that a scenario sends by itself, each at its time.
+
+How they are delivered is the scheduler's business; the tutorial's own ones are in
+``simulation.tutorial``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from atlas_drake.errors import InvalidMessageError, ScenarioError, shown
+from atlas_drake.messages import AtlasCommand, AtlasSimInterfaceCommand
+from atlas_drake.messages.base import Message
+from atlas_drake.messages.behavior_catalog import SHIPPED, BehaviorCatalog
+from atlas_drake.messages.plain import message_from
+from atlas_drake.messages.validation import check_command
+
+_KINDS: dict[str, type[Message]] = {
+    "atlas_command": AtlasCommand,
+    "atlas_sim_interface_command": AtlasSimInterfaceCommand,
+}
+
+
+@dataclass
+class TimedMessage:
+    """One message with the time at which it is sent."""
+
+    time: float = 0.0
+    """Time at which the message is sent [s]."""
+    text: str = ""
+    """Text that is shown to the user then."""
+    atlas_command: dict[str, Any] = field(default_factory=dict)
+    """Fields of an ``AtlasCommand``, such as ``{k_effort: 255}``; one number in the
+    place of a list stands for all joints."""
+    atlas_sim_interface_command: dict[str, Any] = field(default_factory=dict)
+    """Fields of an ``AtlasSimInterfaceCommand``, such as ``{behavior: STAND}``,
+    likewise."""
+
+    def validate(self, path: str) -> None:
+        """Check what can be checked without the robot.
+
+        Args:
+            path: Where the message is in its scenario, such as ``messages[0]``.
+
+        Raises:
+            ScenarioError: Naming the first field that cannot be used.
+        """
+        if not (math.isfinite(self.time) and self.time >= 0.0):
+            raise ScenarioError(
+                f"{path}.time",
+                self.time,
+                f"is {shown(self.time)}; must be a number not below 0",
+            )
+        given = [name for name in _KINDS if getattr(self, name)]
+        if len(given) != 1:
+            raise ScenarioError(
+                path,
+                given,
+                f"must have one of {' and '.join(_KINDS)}, not "
+                f"{'both' if given else 'neither'}",
+            )
+        self._made(1, path)
+
+    def message(
+        self,
+        joint_names: Sequence[str],
+        path: str,
+        catalog: BehaviorCatalog = SHIPPED,
+    ) -> AtlasCommand | AtlasSimInterfaceCommand:
+        """Return the message for a robot.
+
+        Args:
+            joint_names: The robot's joints in message order.
+            path: Where the message is in its scenario.
+            catalog: The behaviors that can be asked for.
+
+        Raises:
+            ScenarioError: If the robot would refuse the message; it names the field.
+        """
+        name, made = self._made(len(joint_names), path)
+        try:
+            check_command(made, joint_names, catalog)
+        except InvalidMessageError as error:
+            raise ScenarioError(
+                f"{path}.{name}.{error.field}", error.value, error.problem
+            ) from None
+        return made
+
+    def _made(self, num_joints: int, path: str) -> tuple[str, Any]:
+        """The message, not checked, and the name of its field."""
+        (name,) = (one for one in _KINDS if getattr(self, one))
+        try:
+            plain = getattr(self, name)
+            return name, message_from(_KINDS[name], plain, num_joints=num_joints)
+        except InvalidMessageError as error:
+            raise ScenarioError(
+                f"{path}.{name}.{error.field}", error.value, error.problem
+            ) from None

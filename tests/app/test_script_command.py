@@ -1,0 +1,253 @@
+"""``atlas-drake script``: what it prints, writes and returns, and the examples."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from atlas_drake import read_log
+from atlas_drake.app import run as run_command
+from atlas_drake.app.main import main
+
+pytestmark = pytest.mark.usefixtures("restored_loggers")
+
+EXAMPLES = Path(__file__).parents[2] / "examples" / "scripts"
+BESIDE = Path(__file__).parents[3] / "shared" / "reference"
+TUTORIAL = (
+    Path(os.environ.get("ATLAS_DRAKE_REFERENCE", BESIDE))
+    / "atlas_switching_control_modes_tutorial.txt"
+)
+"""The tutorial's page, which is not part of the project."""
+COARSE = ["--headless", "--set", "physics_step=0.002", "--set", "control_period=0.004"]
+
+
+@pytest.fixture
+def program(tmp_path):
+    """Writes a program's file and gives its path."""
+
+    def write(text):
+        path = tmp_path / "program.py"
+        path.write_text(text)
+        return str(path)
+
+    return write
+
+
+def test_a_run_is_kept_and_judged_as_others_are(program, tmp_path, capsys):
+    path = program(
+        "import rospy, sys\n"
+        "rospy.init_node('test')\n"
+        "print(sys.argv[1:])\n"
+        "rospy.loginfo('at %s', 'work')\n"
+        "rospy.sleep(0.2)\n"
+    )
+    summary, log = tmp_path / "run.json", tmp_path / "run.npz"
+    kept = ["--json", str(summary), "--log", str(log)]
+    assert main(["script", path, *COARSE, *kept, "--", "-x", "--json"]) == 0
+    out = capsys.readouterr().out
+    assert "['-x', '--json']" in out
+    assert "[INFO] [0.004]: at work" in out
+    assert "Success: the robot is upright after 0.2 s." in out
+    told = json.loads(summary.read_text())
+    assert told["success"]
+    assert told["scenario"] == "program"
+    assert told["sim_time"] == pytest.approx(0.204)
+    assert read_log(log).time[-1] == pytest.approx(0.2, abs=0.01)
+
+
+@pytest.mark.parametrize(
+    ("text", "status", "words"),
+    [
+        ("import rospy\nrospy.Foo\n", 2, ["rospy.Foo", 'program.py", line 2']),
+        ("import nothing_like_it\n", 2, ["nothing_like_it", "stands in for"]),
+        ("x = (\n", 2, ["program.py:1:"]),
+        ("1 / 0\n", 1, ["ZeroDivisionError", 'program.py", line 1']),
+        ("raise SystemExit(4)\n", 1, ["ended with status 4"]),
+        ("raise SystemExit\n", 0, ["Success"]),
+    ],
+)
+def test_the_exit_status_says_whose_fault_it_is(program, text, status, words, capsys):
+    assert main(["script", program(text), *COARSE]) == status
+    told = "".join(capsys.readouterr())
+    for word in words:
+        assert word in told
+
+
+@pytest.mark.parametrize("text", ["import rospy\nrospy.spin()\n", "x = 1\n"])
+def test_the_duration_holds_whatever_the_program_does(program, text, capsys):
+    path = program(text)
+    assert main(["script", path, *COARSE, "--duration", "0.3"]) == 0
+    assert "upright after 0.3 s" in capsys.readouterr().out
+
+
+def test_a_program_that_ends_with_a_command_is_told_how_to_see_it_done(program, capsys):
+    path = program(
+        "import rospy\nfrom std_msgs.msg import String\n"
+        "rospy.Publisher('atlas/control_mode', String).publish('Manip')\n"
+    )
+    assert main(["script", path, *COARSE]) == 0
+    assert "--duration lets Atlas go on" in capsys.readouterr().out
+    assert main(["script", path, *COARSE, "--duration", "0.05"]) == 0
+    out = capsys.readouterr().out
+    assert "lets Atlas go on" not in out
+    assert "STAND -> MANIPULATE" in out
+
+
+def test_a_refused_message_is_a_run_that_failed(program, capsys):
+    path = program(
+        "import rospy\nfrom atlas_msgs.msg import AtlasCommand\n"
+        "p = rospy.Publisher('atlas/atlas_command', AtlasCommand)\n"
+        "p.publish(AtlasCommand(position=[0] * 3))\nrospy.sleep(0.05)\n"
+    )
+    assert main(["script", path, *COARSE]) == 1
+    assert "did not obey: refused: position" in capsys.readouterr().out
+
+
+def test_a_fall_ends_the_program_soon_after(program, capsys, monkeypatch):
+    monkeypatch.setattr(run_command, "AFTER_FALL", 0.1)
+    path = program("import rospy\nrospy.spin()\nprint('down')\n")
+    falls = ["--set", "initial_behavior=USER", "--set", "jitter.joints=0.6"]
+    assert main(["script", path, *COARSE, *falls, "--duration", "60"]) == 1
+    out = capsys.readouterr().out
+    assert "down" in out
+    assert "the robot fell" in out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["script", "--help"], ["FILE.py", "--scenario", "-- ARGUMENT", "--log"]),
+        (["--help"], ["script", "DRCSim"]),
+    ],
+)
+def test_help_tells_of_it(arguments, words, capsys):
+    with pytest.raises(SystemExit):
+        main(arguments)
+    out = " ".join(capsys.readouterr().out.split())
+    for word in words:
+        assert word in out
+
+
+def test_a_program_that_is_not_there_is_missed_at_once(tmp_path, capsys):
+    assert main(["script", str(tmp_path / "no.py"), *COARSE]) == 2
+    assert "no.py: there is no such file" in capsys.readouterr().err
+    assert main(["script", str(tmp_path), *COARSE]) == 2
+    assert "cannot be read" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("text", "printed"),
+    [
+        ("rospy.loginfo('now')\nrospy.sleep(1e3)\n", []),
+        (
+            "rospy.loginfo('now')\ntry:\n    sys.stdin.readline()\n"
+            "except KeyboardInterrupt:\n    print('heard')\n",
+            ["heard"],
+        ),
+    ],
+)
+def test_ctrl_c_ends_it_and_keeps_what_was_recorded(program, tmp_path, text, printed):
+    path = program("import rospy, sys\nrospy.init_node('test')\n" + text)
+    summary = tmp_path / "run.json"
+    command = ["-m", "atlas_drake", "script", path, *COARSE, "--json", str(summary)]
+    process = subprocess.Popen(
+        [sys.executable, "-u", *command],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    assert "now" in process.stdout.readline()
+    time.sleep(0.2)
+    process.send_signal(signal.SIGINT)
+    out, errors = process.communicate(timeout=60)
+    assert process.returncode == 130, out + errors
+    assert "Stopped at" in out
+    assert "Traceback" not in errors
+    for word in printed:
+        assert word in out
+    assert json.loads(summary.read_text())["stopped"] == "interrupted"
+
+
+# ---- examples and the tutorial -----------------------------------------------
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "arguments", "keys", "words"),
+    [
+        (
+            "trajectory",
+            ["--", str(EXAMPLES / "poses.yaml"), "wave"],
+            "",
+            ["wave back: there at 1.7 s"],
+        ),
+        ("keyboard", [], "s w 4.4\nx 0.1 q", ["4 steps taken", "there is no key x"]),
+        (
+            "step_up",
+            ["--scenario", str(EXAMPLES / "platform.yaml")],
+            "",
+            ["up there", "2 steps taken"],
+        ),
+    ],
+)
+def test_the_examples_run_to_a_good_end(name, arguments, keys, words):
+    path = str(EXAMPLES / f"{name}.py")
+    command = [sys.executable, "-m", "atlas_drake", "script", path, *COARSE, *arguments]
+    done = subprocess.run(
+        command, input=keys, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "not up there" not in done.stdout
+    for word in words:
+        assert word in done.stdout
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(TUTORIAL.exists(), reason="the tutorial's own program is run")
+def test_control_is_handed_over_and_back_as_in_the_tutorial(capsys):
+    path = Path(__file__).parents[1] / "ros_scripts" / "control_modes.py"
+    assert main(["script", str(path), *COARSE]) == 0
+    out = capsys.readouterr().out
+    assert "elbow at 2.1" in out
+    assert "walked 0.4 m" in out
+    assert "4 steps taken" in out
+
+
+def with_indentation(page):
+    """The tutorial's program as it was before the page lost its indentation."""
+    lines = page.splitlines()
+    level, program = 0, []
+    for line in lines[lines.index("#!/usr/bin/env python") :]:
+        if line.startswith(("class ", "if __name__")):
+            level = 0
+        elif line.startswith("def "):
+            level = 1
+        program.append("    " * level + line)
+        if line.startswith(("class ", "def ", "for ", "if __name__")):
+            level += 1
+        elif "step_queue[i] = " in line:  # The end of its only loop.
+            level -= 1
+        elif line == "d.demo()":
+            break
+    return "\n".join(program) + "\n"
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(
+    not TUTORIAL.exists(),
+    reason="the tutorial's page is not here; ATLAS_DRAKE_REFERENCE names its folder",
+)
+def test_the_program_of_the_tutorial_runs_as_it_was_published(program, capsys):
+    page = TUTORIAL.read_text(encoding="utf-8")
+    assert main(["script", program(with_indentation(page)), *COARSE]) == 0
+    out = capsys.readouterr().out
+    told = [line for line in out.splitlines() if line.startswith(("[USER", "[BDI"))]
+    assert len(told) == 6
+    assert "4 steps taken" in out
+    assert "upright after 17.0 s" in out

@@ -1,0 +1,361 @@
+"""Programs on the robot: time, topics, callbacks, and what goes wrong."""
+
+import pytest
+
+from atlas_drake import AtlasSimulation, Scenario
+from atlas_drake.messages import Behavior
+from atlas_drake.ros_scripts.topics import TOPICS
+
+from .conftest import QUICK
+
+HEAD = """\
+#!/usr/bin/env python
+from __future__ import print_function
+import roslib
+roslib.load_manifest("test")
+import rospy, time, threading
+from atlas_msgs.msg import *
+from osrf_msgs.msg import JointCommands
+from rosgraph_msgs.msg import Clock
+from sensor_msgs.msg import Imu, JointState
+from std_msgs.msg import String
+"""
+
+
+@pytest.mark.parametrize(
+    ("text", "seconds"),
+    [
+        ("time.sleep(0.1)", 0.1),
+        ("rospy.sleep(0.1)", 0.1),
+        ("rospy.sleep(rospy.Duration(0.1))", 0.1),
+        ("rospy.sleep(-1.0)", 0.0),
+        ("t = time.time()\nwhile time.time() - t < 0.1: pass", 0.1),
+        ("while rospy.get_time() < 0.1: pass", 0.1),
+        ("while rospy.Time.now() < rospy.Time(0.1): pass", 0.1),
+        ("rate = rospy.Rate(50)\nfor i in range(5): rate.sleep()", 0.1),
+        ("rate = rospy.Rate(50)\nrospy.sleep(0.03)\nrate.sleep()\nrate.sleep()", 0.04),
+        ("for i in range(10): print(rospy.Time.now(), rospy.is_shutdown())", 0.0),
+        ("m = rospy.wait_for_message('/clock', Clock)\nassert m.clock.to_sec()", 0.004),
+        ("rospy.init_node('test')", 0.004),
+    ],
+)
+def test_what_waits_lets_simulated_time_pass(run, text, seconds):
+    ran = run(HEAD + text)
+    assert ran.problem is None, ran.complained
+    assert ran.sim.time == pytest.approx(seconds, abs=0.005)
+
+
+def test_callbacks_come_while_the_program_waits(run):
+    ran = run(
+        HEAD
+        + """
+got = {}
+def keep(message, name):
+    got.setdefault(name, []).append(message)
+names = {"atlas/imu": Imu, "atlas/atlas_state": AtlasState, "/clock": Clock,
+    "/atlas/atlas_sim_interface_state": AtlasSimInterfaceState,
+    "joint_states": JointState, "/atlas/joint_states": JointState}
+subscribers = [rospy.Subscriber(n, t, keep, n) for n, t in names.items()]
+assert not got
+time.sleep(0.1)
+for name in names:
+    assert 24 <= len(got[name]) <= 26, (name, len(got[name]))
+    assert name == "/clock" or got[name][-1].header.stamp.to_sec() > 0.09
+assert got["joint_states"][-1].name[AtlasState.neck_ry] == "neck_ry"
+assert len(got["atlas/atlas_state"][-1].position) == 28
+state = got["/atlas/atlas_sim_interface_state"][-1]
+assert state.current_behavior == AtlasSimInterfaceState.STAND
+assert 0.7 < state.pos_est.position.z < 1.0
+assert list(bytearray(state.k_effort)) == [0] * 28
+for subscriber in subscribers:
+    subscriber.unregister()
+time.sleep(0.1)
+print(len(got["/clock"]) < 27)
+"""
+    )
+    assert ran.problem is None, ran.complained
+    assert ran.printed == ["True"]
+
+
+def test_a_callback_may_wait_and_others_go_on(run):
+    ran = run(
+        HEAD
+        + """
+slow, quick = [], []
+def wait(message):
+    slow.append(1)
+    rospy.sleep(0.03)
+rospy.Subscriber("/clock", Clock, wait)
+rospy.Subscriber("/clock", Clock, quick.append)
+rospy.Timer(rospy.Duration(0.02), lambda event: quick.append(None))
+rospy.sleep(0.1)
+print(len(slow), quick.count(None) in (5, 6), len(quick) - quick.count(None) > 20)
+"""
+    )
+    assert ran.printed == ["4 True True"], ran.complained
+
+
+def test_threads_of_the_program_wait_side_by_side(run):
+    ran = run(
+        HEAD
+        + """
+seen = []
+def work(period):
+    for i in range(3):
+        time.sleep(period)
+        seen.append(round(time.time(), 3))
+threads = [threading.Thread(target=work, args=(p,)) for p in (0.012, 0.02)]
+for thread in threads: thread.start()
+for thread in threads: thread.join()
+print(max(seen))
+"""
+    )
+    assert ran.problem is None, ran.complained
+    assert float(ran.printed[0]) == pytest.approx(0.06, abs=0.025)
+
+
+def test_commands_reach_the_robot(run):
+    ran = run(
+        HEAD
+        + """
+command = rospy.Publisher("atlas/atlas_command", AtlasCommand, queue_size=1)
+message = AtlasCommand()
+message.header.stamp = rospy.Time.now()
+message.position = [0.0] * 28
+message.position[AtlasState.neck_ry] = 0.3
+message.k_effort = [0] * 28
+message.k_effort[AtlasState.neck_ry] = 255
+command.publish(message)
+joints = rospy.Publisher("/atlas/joint_commands", JointCommands)
+gain = rospy.get_param("atlas_controller/gains/l_arm_uwy/p")
+joints.publish(name=["atlas::l_arm_uwy", "r_arm_wry"], position=[0.2, 0.1],
+               kp_position=[gain, gain])
+mode = rospy.Publisher("/atlas/control_mode", String, None, False, True, None)
+rospy.sleep(0.1)
+mode.publish("Manip")
+rospy.sleep(0.1)
+"""
+    )
+    assert ran.problem is None, ran.complained
+    in_force = ran.sim.output("commands").joints
+    assert in_force.position[[3, 20, 26]].tolist() == [0.3, 0.2, 0.1]
+    assert in_force.kp_position[26] == in_force.kp_position[20] == 50.0
+    assert ran.sim.current_behavior is Behavior.MANIPULATE
+    # The word gives the behavior all joints.
+    assert set(ran.sim.atlas_state.k_effort) == {0}
+
+
+def test_joint_commands_take_the_joints_that_they_name(run):
+    ran = run(
+        HEAD
+        + """
+joints = rospy.Publisher("/atlas/joint_commands", JointCommands)
+joints.publish(name=["atlas::l_arm_uwy"], position=[0.2])
+rospy.sleep(0.1)
+"""
+    )
+    assert [i for i, k in enumerate(ran.sim.atlas_state.k_effort) if k == 255] == [20]
+
+
+@pytest.mark.parametrize(
+    ("word", "behavior"),
+    [
+        ("User", Behavior.USER),
+        ("Freeze", Behavior.FREEZE),
+        ("walk", Behavior.WALK),
+        ("STEP", Behavior.STEP),
+        ("StandPrep", Behavior.STAND_PREP),
+        ("stand_prep", Behavior.STAND_PREP),
+    ],
+)
+def test_control_modes_are_behaviors(run, word, behavior):
+    text = f"rospy.Publisher('atlas/control_mode', String).publish({word!r})\n"
+    ran = run(HEAD + text + "rospy.sleep(0.05)\n")
+    assert ran.sim.current_behavior is behavior, ran.complained
+    assert set(ran.sim.atlas_state.k_effort) == {255 if word == "User" else 0}
+
+
+def test_the_harness_lets_go_when_the_mode_says_so(run):
+    scenario = Scenario(initial_behavior="FREEZE", **QUICK)
+    scenario.start.harnessed = True
+    ran = run(
+        HEAD
+        + """
+mode = rospy.Publisher("/atlas/mode", String)
+rospy.sleep(0.05)
+mode.publish("harnessed")
+rospy.sleep(0.05)
+mode.publish("nominal")
+rospy.sleep(0.05)
+""",
+        on=AtlasSimulation(scenario),
+    )
+    assert ran.problem is None, ran.complained
+    assert [event.kind for event in ran.sim.events][-2:] == ["reset", "harness"]
+
+
+def test_without_a_harness_the_mode_says_so_and_goes_on(run):
+    text = "p = rospy.Publisher('/atlas/mode', String)\np.publish('harnessed')\n"
+    ran = run(HEAD + text)
+    assert ran.problem is None
+    assert "start.harnessed=true" in ran.said[0]
+
+
+def test_a_command_that_moves_nothing_is_told_once(run):
+    text = "p = rospy.Publisher('atlas/atlas_command', AtlasCommand)\n" + (
+        "p.publish(AtlasCommand(position=[0.0] * 28))\n" * 2
+    )
+    ran = run(HEAD + text)
+    assert len(ran.said) == 1
+    assert "initial_behavior=USER" in ran.said[0]
+
+
+def test_what_the_robot_refuses_is_an_event_and_the_program_goes_on(run):
+    ran = run(
+        HEAD
+        + """
+p = rospy.Publisher("atlas/atlas_command", AtlasCommand)
+p.publish(AtlasCommand(position=[0.0] * 27, k_effort=[255] * 28))
+print("on")
+"""
+    )
+    assert ran.printed == ["on"]
+    refusals = [event.text for event in ran.sim.events if event.kind == "refusal"]
+    assert "position" in refusals[0]
+    assert set(ran.sim.atlas_state.k_effort) == {0}
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("rospy.Pubisher", ["rospy.Pubisher", "Did you mean 'Publisher'"]),
+        ("from rospy import Foo", ["rospy.Foo", "Publisher"]),
+        ("import foo_msgs.msg", ["foo_msgs", "atlas_msgs"]),
+        ("from atlas_msgs.msg import AtlasComand", ["Did you mean 'AtlasCommand'"]),
+        ("rospy.Publisher('/foo', String)", ["'/foo'", "/atlas/atlas_command"]),
+        (
+            "rospy.Subscriber('/atlas/atlas_stat', AtlasState)",
+            ["Did you mean '/atlas/atlas_state'"],
+        ),
+        (
+            "rospy.Publisher('/atlas/atlas_state', AtlasState)",
+            ["publishing on", "/atlas/atlas_command"],
+        ),
+        (
+            "rospy.Publisher('/atlas/mode', AtlasState)",
+            ["/atlas/mode has messages std_msgs/String, not atlas_msgs/AtlasState"],
+        ),
+        ("AtlasCommand().foo = 1", ["field foo of atlas_msgs/AtlasCommand"]),
+        ("rospy.get_param('foo')", ["parameter 'foo'"]),
+        (
+            "rospy.Publisher('/atlas/mode', String).publish('pinned')",
+            ["'pinned'", "harnessed"],
+        ),
+        (
+            "rospy.Publisher('/atlas/control_mode', String).publish('Dance')",
+            ["'Dance'", "Stand"],
+        ),
+        (
+            "rospy.Publisher('/atlas/joint_commands', JointCommands)"
+            ".publish(name=['tail'])",
+            ["name[0]", "tail"],
+        ),
+        (
+            "rospy.Publisher('/atlas/joint_commands', JointCommands)"
+            ".publish(name=['neck_ry'], effort=[1.0, 2.0])",
+            ["effort", "1 elements"],
+        ),
+    ],
+)
+def test_what_is_not_known_is_named(run, text, words):
+    ran = run(HEAD + text + "\n")
+    assert ran.at_fault
+    for word in words:
+        assert word in ran.complained
+    # Only the program's own lines.
+    assert ran.complained.count("File ") == 1
+    assert "program.py" in ran.complained
+
+
+def test_other_packages_can_be_asked_for_without_harm(run):
+    text = "print(hasattr(rospy, 'Foo'), getattr(rospy, 'Foo', 3))\n"
+    text += "print(rospy.get_param('~foo', 4), rospy.has_param('foo'))\n"
+    assert run(HEAD + text).printed == ["False 3", "4 False"]
+
+
+def test_a_message_of_another_type_is_a_type_error(run):
+    text = "p = rospy.Publisher('/atlas/mode', String)\np.publish(AtlasCommand())\n"
+    ran = run(HEAD + text)
+    assert "TypeError: /atlas/mode has messages std_msgs/String" in ran.complained
+    assert not ran.at_fault
+
+
+@pytest.mark.parametrize(
+    ("text", "problem"),
+    [
+        ("raise SystemExit", None),
+        ("import sys; sys.exit(0)", None),
+        ("import sys; sys.exit(3)", "program.py ended with status 3"),
+        ("import sys; sys.exit('no')", "program.py gave up: no"),
+        ("[][0]", "program.py: IndexError: list index out of range"),
+    ],
+)
+def test_how_it_ends_is_told(run, text, problem):
+    ran = run(HEAD + text)
+    assert ran.problem == problem
+    assert not ran.at_fault
+
+
+def test_at_the_end_of_the_run_a_program_is_shut_down(run):
+    ran = run(
+        HEAD
+        + """
+rospy.on_shutdown(lambda: print("bye"))
+rospy.spin()
+print(rospy.is_shutdown(), rospy.get_time())
+try:
+    rospy.sleep(1.0)
+except rospy.ROSInterruptException:
+    print("interrupted")
+try:
+    time.sleep(1.0)
+except Exception:
+    print("never")
+""",
+        end=0.1,
+    )
+    assert ran.problem is None
+    assert ran.printed == ["True 0.1", "interrupted", "bye"]
+    assert ran.sim.time == pytest.approx(0.1)
+
+
+def test_a_program_has_its_own_arguments(run):
+    text = "import sys\nprint(sys.argv[1:], rospy.myargv()[1:])\n"
+    ran = run(HEAD + text, "-a", "x:=y")
+    assert ran.printed == ["['-a', 'x:=y'] ['-a']"]
+
+
+def test_two_runs_are_the_same(run, sim):
+    text = HEAD + "rospy.Publisher('atlas/control_mode', String).publish('Manip')\n"
+    text += "rospy.sleep(0.1)\n"
+    first = run(text).sim.atlas_state
+    sim.reset(seed=0)
+    assert run(text).sim.atlas_state == first
+
+
+def test_ros_that_is_installed_is_not_used(run, tmp_path, monkeypatch):
+    (tmp_path / "PyKDL.py").write_text("raise SystemExit('the wrong one')\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    ran = run("from PyKDL import Vector\nprint(Vector(1, 2, 3).y())\n")
+    assert ran.printed == ["2.0"]
+    assert "PyKDL is installed" in ran.said[0]
+    assert "the stand-in for it is used" in ran.said[0]
+
+
+def test_all_topics_of_the_original_are_there():
+    assert {
+        "/atlas/atlas_command",
+        "/atlas/atlas_sim_interface_command",
+        "/atlas/control_mode",
+        "/atlas/mode",
+    } < {name for name, topic in TOPICS.items() if topic.write}

@@ -1,0 +1,136 @@
+"""Worlds in a simulation: the robot stands where it starts, and replays show them."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pydrake.geometry import Role
+
+from atlas_drake import (
+    AtlasSimulation,
+    Behavior,
+    Block,
+    Scenario,
+    Start,
+    load_scenario,
+    read_log,
+)
+from atlas_drake.app.main import main
+from atlas_drake.diagrams.replay import make_replay
+from atlas_drake.scenario.world_file import available_worlds
+
+EXAMPLE = Path(__file__).parents[2] / "examples/scenarios/qual_task_1.yaml"
+COARSE = {"physics_step": 0.002, "control_period": 0.004}
+
+
+@pytest.mark.parametrize("name", available_worlds())
+def test_the_robot_stands_in_every_world(name, tmp_path):
+    log = tmp_path / "run.npz"
+    sim = AtlasSimulation(Scenario(world=name, **COARSE), log=log)
+    boxes = sim.scenario.all_terrain()
+    inspector = sim.station.GetSubsystemByName("scene_graph").model_inspector()
+    world = inspector.world_frame_id()
+    ground = 1
+    assert (
+        inspector.NumGeometriesForFrameWithRole(world, Role.kProximity)
+        == len(boxes) + ground
+    )
+    assert inspector.NumGeometriesForFrameWithRole(world, Role.kIllustration) == len(
+        boxes
+    )
+    sim.advance(0.5)
+    assert not sim.has_fallen
+    assert sim.current_behavior is Behavior.STAND
+    surface = 1.0 if name == "qual_task_1" else 0.0
+    for foot in sim.atlas_sim_interface_state.foot_pos_est:
+        assert foot.position.z == pytest.approx(surface, abs=0.002)
+    place, _ = sim.scenario.start_pose()
+    np.testing.assert_allclose(sim.pelvis_pose.translation()[:2], place, atol=0.03)
+    sim.close()
+    replay = make_replay(read_log(log))
+    shown = replay.GetSubsystemByName("station").GetSubsystemByName("scene_graph")
+    shown = shown.model_inspector()
+    assert shown.NumGeometriesForFrameWithRole(
+        shown.world_frame_id(), Role.kIllustration
+    ) == len(boxes)
+
+
+def test_worlds_terrain_models_and_callables_come_together():
+    called = []
+    scenario = load_scenario(EXAMPLE.with_name("ball.yaml"))
+    scenario.world, scenario.terrain = "stairs", [Block(position=[0.0, 5.0, 0.1])]
+    sim = AtlasSimulation(scenario, world=[called.append])
+    assert sim.plant in called
+    assert sim.plant.HasModelInstanceNamed("ball")
+    names = [f"terrain_{index}" for index in range(5)]
+    inspector = sim.station.GetSubsystemByName("scene_graph").model_inspector()
+    for name in names:
+        inspector.GetGeometryIdByName(inspector.world_frame_id(), Role.kProximity, name)
+
+
+def test_a_reset_goes_back_to_where_the_world_has_the_robot_start():
+    sim = AtlasSimulation(Scenario(world="qual_task_1", **COARSE))
+    begin = sim.pelvis_pose.translation()
+    sim.reset(pose=Start(position=[3.0, 1.0]))
+    np.testing.assert_allclose(
+        sim.pelvis_pose.translation() - begin, [3.5, 1.0, 0.0], atol=1e-9
+    )
+    for pose in (None, Start()):
+        sim.reset(pose=pose)
+        np.testing.assert_allclose(sim.pelvis_pose.translation(), begin, atol=1e-9)
+
+
+@pytest.mark.usefixtures("restored_loggers")
+def test_the_command_line_takes_a_world(capsys):
+    arguments = ["run", str(EXAMPLE), "--headless"]
+    arguments += ["--set", "duration=0.1", "--set", "programme=none"]
+    assert main([*arguments, "--set", "messages=[]", "--world", "strewn"]) == 0
+    capsys.readouterr()
+    assert main([*arguments, "--world", "stares"]) == 2
+    assert "Did you mean 'stairs'" in capsys.readouterr().err
+
+
+def test_help_names_the_worlds(capsys):
+    with pytest.raises(SystemExit):
+        main(["teleop", "--help"])
+    told = " ".join(capsys.readouterr().out.split())
+    assert "--world WORLD" in told
+    for name in available_worlds():
+        assert f"{name} (" in told
+
+
+def test_the_tutorials_example_walks_past_the_first_gate():
+    scenario = load_scenario(EXAMPLE)
+    assert (scenario.world.name, scenario.programme) == ("qual_task_1", "tutorial")
+    steps = [
+        step
+        for entry in scenario.messages
+        for step in entry.atlas_sim_interface_command.get("walk_params", {}).get(
+            "step_queue", ()
+        )
+    ]
+    assert [step["step_index"] for step in steps] == list(range(1, len(steps) + 1))
+    gate = 1.1  # The far side of its posts [m].
+    assert all(step["pose"]["position"]["x"] - 0.13 > gate for step in steps[-2:])
+
+
+@pytest.mark.slow
+def test_atlas_does_the_tutorial_in_its_pen_and_walks_out():
+    scenario = load_scenario(EXAMPLE)
+    scenario.physics_step, scenario.control_period = 0.002, 0.004
+    sim = AtlasSimulation(scenario)
+    sim.advance_to(17.0)
+    # In the pen still, after the tutorial's four steps.
+    assert len(sim.footsteps) == 4
+    assert sim.pelvis_pose.translation()[0] < 0.3
+    sim.advance_to(29.0)
+    assert not sim.has_fallen
+    assert sim.current_behavior is Behavior.STAND
+    assert len(sim.footsteps) == 13
+    for foot, side in zip(
+        sim.atlas_sim_interface_state.foot_pos_est, (1.0, -1.0), strict=True
+    ):
+        assert foot.position.x == pytest.approx(2.0, abs=0.02)
+        assert foot.position.y == pytest.approx(0.12 * side, abs=0.02)
+        assert foot.position.z == pytest.approx(1.0, abs=0.01)
+    assert sim.summary()["success"]
