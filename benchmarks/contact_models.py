@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 
 from contact_trials import DIRECTIONS, INCREMENT, PARTS, Trial, run_trial
-from disturbed import Physics, disturbed_simulation, fresh_seed
+from disturbed import Physics, disturbed_simulation, fresh_seed, robots_at_hand
 from parallel import run_in_processes
 from realtime import PIECE, BarePlant
 from report import command_line, write_figures
@@ -185,7 +185,7 @@ def main() -> int:
     )
     parser.add_argument("--jobs", type=int, default=2, help="processes (default: 2)")
     parser.add_argument(
-        "--model", choices=available_robots(), help="one robot (default: all)"
+        "--model", choices=available_robots(), help="one robot (default: all at hand)"
     )
     parser.add_argument(
         "--physics-step",
@@ -201,7 +201,7 @@ def main() -> int:
         help="what to compare (default: all)",
     )
     options = command_line(parser)
-    models = [options.model] if options.model else available_robots()
+    models = [options.model] if options.model else robots_at_hand()
     first = fresh_seed() if options.seed is None else options.seed
     print(f"Seeds from {first}; again with --seed {first}.", flush=True)
     seeds = range(first, first + options.runs)

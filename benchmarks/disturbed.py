@@ -11,6 +11,7 @@ import random
 from dataclasses import dataclass
 
 from atlas_drake import AtlasSimulation, Scenario
+from atlas_drake.robot import available_robots, models_at_hand
 from atlas_drake.scenario import Jitter
 from atlas_drake.scenario.drake_configs import plant_config
 
@@ -75,6 +76,12 @@ def disturbed_simulation(
             ),
         )
     )
+
+
+def robots_at_hand() -> list[str]:
+    """Names of the package's robots whose files are available offline."""
+    names = available_robots()
+    return [name for name in names if name != "drake_atlas" or models_at_hand()]
 
 
 def fresh_seed() -> int:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import argparse
 import sys
 
-from disturbed import fresh_seed
+from disturbed import fresh_seed, robots_at_hand
 from parallel import run_in_processes
 from report import command_line, write_figures
 from walking import DIRECTIONS, Job, Push, as_record, walk_once
@@ -51,13 +51,13 @@ def main() -> int:
     )
     parser.add_argument("--jobs", type=int, default=2, help="processes (default: 2)")
     parser.add_argument(
-        "--model", choices=available_robots(), help="one robot (default: all)"
+        "--model", choices=available_robots(), help="one robot (default: all at hand)"
     )
     parser.add_argument(
         "--direction", choices=DIRECTIONS, help="one direction (default: all)"
     )
     options = command_line(parser)
-    models = [options.model] if options.model else available_robots()
+    models = [options.model] if options.model else robots_at_hand()
     directions = [options.direction] if options.direction else list(DIRECTIONS)
     first = fresh_seed() if options.seed is None else options.seed
     print(f"Seeds from {first}; again with --seed {first}.", flush=True)

@@ -1,4 +1,4 @@
-"""Twenty steps on both robots, with random variations.
+"""Twenty steps on each robot, with random variations.
 
 Steps are streamed as by a script: four at a time, on request of the robot. A walk may
 have a push; ``pushes`` measures the largest one.
@@ -13,7 +13,7 @@ import sys
 from dataclasses import dataclass
 
 import numpy as np
-from disturbed import disturbed_simulation, falls, fresh_seed
+from disturbed import disturbed_simulation, falls, fresh_seed, robots_at_hand
 from parallel import Outcome, run_in_processes
 from report import command_line, write_figures
 
@@ -218,10 +218,10 @@ def main() -> int:
     )
     parser.add_argument("--jobs", type=int, default=2, help="processes (default: 2)")
     parser.add_argument(
-        "--model", choices=available_robots(), help="one robot (default: all)"
+        "--model", choices=available_robots(), help="one robot (default: all at hand)"
     )
     options = command_line(parser)
-    models = [options.model] if options.model else available_robots()
+    models = [options.model] if options.model else robots_at_hand()
     first = fresh_seed() if options.seed is None else options.seed
     print(f"Seeds from {first}; again with --seed {first}.", flush=True)
     seeds = range(first, first + options.runs)

@@ -1,16 +1,23 @@
 """What several test files share."""
 
 import logging
+import os
+from pathlib import Path
 
 import numpy as np
 import pytest
 from pydrake.common.value import AbstractValue, Value
 
 from atlas_drake import AtlasCommand
+from atlas_drake.robot import LOCAL_MODELS, load_robot, models_at_hand
 
 from .poison import POISON
 
 SHORT = "duration: 0.1\n"
+DRAKE_MODELS = Path(__file__).parents[2] / "shared" / "reference" / "drake_models"
+"""A copy beside the repository, used where the environment names no other."""
+if DRAKE_MODELS.is_dir():
+    os.environ.setdefault(LOCAL_MODELS, str(DRAKE_MODELS))
 
 
 @pytest.fixture(autouse=True, scope="session")
@@ -30,6 +37,18 @@ def _no_none_in_abstract_values():
         of_python = Value[object]
         patch.setattr(of_python, "set_value", refused(of_python.set_value))
         yield
+
+
+@pytest.fixture(scope="session")
+def load_or_skip():
+    """Loads a robot by name; skips the test if its files are not available offline."""
+
+    def load(name):
+        if name == "drake_atlas" and not models_at_hand():
+            pytest.skip(f"Drake's models are not in its cache; {LOCAL_MODELS} is unset")
+        return load_robot(name)
+
+    return load
 
 
 @pytest.fixture

@@ -6,6 +6,7 @@ from pydrake.math import RollPitchYaw
 from pydrake.multibody.plant import MultibodyPlant
 
 from atlas_drake.errors import AtlasError, RobotDescriptionError
+from atlas_drake.messages import AtlasState
 from atlas_drake.robot import (
     DEFAULT_ROBOT,
     LIMBS,
@@ -19,8 +20,8 @@ MIRRORED_AXES = ("x", "z")
 
 
 @pytest.fixture(scope="module", params=available_robots())
-def robot(request):
-    return load_robot(request.param)
+def robot(request, load_or_skip):
+    return load_or_skip(request.param)
 
 
 @pytest.fixture(scope="module")
@@ -155,12 +156,34 @@ def test_names_and_aliases_find_their_joint(robot):
         ("neck_ay", "neck_ry"),
         ("l_leg_uhz", "l_leg_hpz"),
         ("r_leg_lax", "r_leg_akx"),
-        ("l_arm_usy", "l_arm_shy"),
+        ("l_arm_uwy", "l_arm_wry"),
         ("r_arm_mwx", "r_arm_wrx"),
     ],
 )
-def test_names_of_the_first_version(robot, alias, name):
-    assert robot.joint_names[robot.joint_index(alias)] == name
+def test_names_of_the_first_version_and_the_third(robot, alias, name):
+    index = robot.joint_index(name)
+    assert robot.joint_index(alias) == index
+    assert {alias, name} >= {robot.joint_names[index]}
+    assert getattr(robot.joints, alias) == getattr(robot.joints, name) == index
+
+
+def test_the_joints_of_a_robot_are_constants(robot):
+    joints = robot.joints
+    assert [getattr(joints, name) for name in robot.joint_names] == list(
+        range(robot.num_joints)
+    )
+    assert set(robot.joint_names) <= set(dir(joints))
+    with pytest.raises(AttributeError, match=f"'{robot.name}' has no joint 'l_leg_kn'"):
+        _ = joints.l_leg_kn
+    with pytest.raises(AttributeError, match="are constants"):
+        joints.l_leg_kny = 3
+
+
+def test_the_constants_of_messages_are_those_of_the_tutorials_robots():
+    for robot in map(load_robot, ("atlas", "atlas_v3")):
+        for joint in robot.file.joints:
+            for name in filter(None, (joint.name, joint.alias)):
+                assert getattr(robot.joints, name) == getattr(AtlasState, name)
 
 
 def test_names_and_aliases_are_unambiguous(robot):
@@ -365,6 +388,11 @@ def test_a_contact_points_from_the_touched_object_into_the_robot(robot, plant):
         R_FC = RollPitchYaw(entry.rpy_FC).ToRotationMatrix()
         inward = R_FC.matrix()[:, 2]
         assert inward @ (center - entry.p_FC) > 0.1
+        if robot.name == "drake_atlas":
+            # The tip of the gripper, which both arms have on the same side.
+            assert entry.p_FC == [0.0, -0.355, 0.0]
+            np.testing.assert_allclose(inward, [0.0, 1.0, 0.0], atol=1e-5)
+            continue
         # The tip of the capsule that stands for the hand.
         np.testing.assert_allclose(inward, [0.0, -outward, 0.0], atol=1e-5)
         assert entry.p_FC == [0.0, outward * 0.21, 0.005]

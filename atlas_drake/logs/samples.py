@@ -61,7 +61,7 @@ class RowSampler:
         self._num_q = plant.num_positions()
         self._hands = [plant.GetBodyByName(name) for name in robot.file.hands]
         # The robot is the first model in both plants: its bodies have the same indices.
-        self._hand_bodies = {int(body.index()): i for i, body in enumerate(self._hands)}
+        self._hand_bodies = robot.hand_bodies(plant)
 
     def create_context(self) -> Context:
         """Creates a scratch context for ``row``, which overwrites it."""

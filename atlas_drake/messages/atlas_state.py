@@ -15,7 +15,8 @@ class AtlasState(JointIndices, Message):
     """Measured joint states, gains in force, motion of the pelvis and contact wrenches.
 
     Every array has one element per joint in message order. ``AtlasState.neck_ry`` and
-    similar constants are joint indices.
+    similar constants are joint indices of the 28-joint Atlas; the indices of any robot
+    are in ``robot.joints``.
 
     Attributes:
         header: Time of the measurement.

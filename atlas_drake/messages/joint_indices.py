@@ -1,7 +1,8 @@
 """Index of each joint of the 28-joint Atlas in the arrays of a message.
 
-For scripts that index arrays by name, as ``AtlasState.neck_ry``. The library itself
-takes the joint order from the description of the robot, which may have other joints.
+For scripts that index arrays by name, as ``AtlasState.neck_ry``. They are the constants
+of the robots ``atlas`` and ``atlas_v3`` only: any other robot has its own, in
+``robot.joints``. The library itself takes the order from the description of the robot.
 """
 
 

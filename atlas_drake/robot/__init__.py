@@ -26,6 +26,7 @@ from atlas_drake.robot.load import (
     load_robot,
     model_beside,
 )
+from atlas_drake.robot.packages import LOCAL_MODELS, models_at_hand
 from atlas_drake.robot.robot import PelvisParts, PlantIndices, Robot
 
 __all__ = [
@@ -35,6 +36,7 @@ __all__ = [
     "KNEE",
     "LEGS",
     "LIMBS",
+    "LOCAL_MODELS",
     "MODELS_FOLDER",
     "ContactEntry",
     "FootEntry",
@@ -53,4 +55,5 @@ __all__ = [
     "find_robot",
     "load_robot",
     "model_beside",
+    "models_at_hand",
 ]

@@ -168,7 +168,9 @@ def check_stance(plant: Any, instance: Any, file: RobotFile) -> None:
         problem = f"in this pose, with the pelvis upright, {found}; {wanted}"
         return RobotDescriptionError("joints[].stand_prep", value, problem)
 
-    tilt = max(float(np.arccos(sole.rotation().matrix()[2, 2])) for sole in soles)
+    # Of a level sole the cosine may be a little more than 1.
+    lean = min(float(sole.rotation().matrix()[2, 2]) for sole in soles)
+    tilt = float(np.arccos(min(lean, 1.0)))
     apart = float(abs(left[2] - right[2]))
     if apart > _LEVEL or tilt > _TILT:
         found = f"the soles differ by {apart:.3f} m in height, tilted by {tilt:.2f} rad"

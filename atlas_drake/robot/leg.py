@@ -3,8 +3,9 @@
 The closed-form laws of the controller need a leg of six joints, from the pelvis down
 hip z, hip x, hip y, knee y, ankle y, ankle x. With all joints at zero every joint's
 frame and the sole's are parallel to the pelvis', hip z and hip x meet in the hip's
-center, ankle y and ankle x in the ankle, and all six lie in one plane x-z. Positive
-angles bend the knee backward. Kinematics with these lengths is in ``control.feet``.
+center, ankle y and ankle x in the ankle, and hip y, knee and ankle lie in one plane
+x-z, the leg's, through the hip's center or beside it. Positive angles bend the knee
+backward. Kinematics with these lengths is in ``control.feet``.
 """
 
 from __future__ import annotations
@@ -35,8 +36,10 @@ class Leg:
     Attributes:
         joints: Indices of the six joints in message order, shape (6,).
         p_PH: Hip center, where hip z and hip x meet, in the pelvis frame [m].
-        hip: Hip y axis from the hip center, in the leg's plane (x, z) [m].
-        thigh: Knee from the hip y axis at zero angles, in the leg's plane [m].
+        aside: Distance of the leg's plane, with hip y, knee and ankle, from the hip
+            center to the left [m].
+        hip: Hip y axis from the hip center along x and z [m].
+        thigh: Knee from the hip y axis at zero angles, in the leg's plane (x, z) [m].
         shank: Ankle from the knee at zero angles, in the leg's plane [m].
         p_FA: Ankle, where its axes meet, in the sole frame [m].
         mass_beyond: Mass of all bodies beyond each joint [kg], shape (6,).
@@ -46,6 +49,7 @@ class Leg:
 
     joints: np.ndarray
     p_PH: np.ndarray
+    aside: float
     hip: tuple[float, float]
     thigh: tuple[float, float]
     shank: tuple[float, float]
@@ -55,9 +59,14 @@ class Leg:
     most_flexion: float
 
     @cached_property
+    def p_HT(self) -> np.ndarray:
+        """Hip y from the hip center with all joints at zero [m], shape (3,)."""
+        return np.array([self.hip[0], self.aside, self.hip[1]])
+
+    @cached_property
     def p_PT(self) -> np.ndarray:
-        """Hip y axis in the pelvis frame with all joints at zero [m], shape (3,)."""
-        return self.p_PH + np.array([self.hip[0], 0.0, self.hip[1]])
+        """Hip y in the pelvis frame with all joints at zero [m], shape (3,)."""
+        return self.p_PH + self.p_HT
 
     @cached_property
     def thigh_length(self) -> float:
@@ -124,6 +133,7 @@ def _read_leg(plant: Any, pelvis: Any, file: RobotFile, foot: int) -> Leg:
     return Leg(
         joints=np.array(indices),
         p_PH=p[0],
+        aside=float(p[2][1] - p[0][1]),
         hip=plane(2, 1),
         thigh=plane(3, 2),
         shank=plane(4, 3),
@@ -181,9 +191,10 @@ def _check_layout(
         if not np.allclose(p[place], p[other], atol=_TOLERANCE):
             what = f"{names[place]} does not meet {names[other]} in one point"
             raise _unlike(limb, names, what)
-    for name, position in zip(names, p, strict=False):
-        if abs(position[1] - p[0][1]) > _TOLERANCE:
-            raise _unlike(limb, names, f"{name} lies beside the plane of {names[0]}")
+    for name, position in zip(names[KNEE:], p[KNEE:], strict=False):
+        if abs(position[1] - p[HIP_PITCH][1]) > _TOLERANCE:
+            where = f"{name} lies beside the plane of {names[HIP_PITCH]}"
+            raise _unlike(limb, names, where)
 
 
 def _unlike(limb: str, names: Sequence[str], problem: str) -> RobotDescriptionError:
@@ -191,6 +202,6 @@ def _unlike(limb: str, names: Sequence[str], problem: str) -> RobotDescriptionEr
         "joints",
         list(names),
         f"{problem}. The joints with limb {limb} are {', '.join(names) or 'none'}; must"
-        f" be, from the pelvis down, {', '.join(JOINTS)}, all in one plane, the two "
-        "outer hip joints and the two ankle joints each in one point",
+        f" be, from the pelvis down, {', '.join(JOINTS)}, the last four in one plane,"
+        " the two outer hip joints and the two ankle joints each in one point",
     )

@@ -33,6 +33,7 @@ from atlas_drake.robot.fit import (
     check_stance,
 )
 from atlas_drake.robot.leg import read_legs
+from atlas_drake.robot.packages import find_urdf
 from atlas_drake.robot.robot import Robot, add_urdf
 
 MODELS_FOLDER = Path(__file__).parent.parent / "models"
@@ -108,7 +109,7 @@ def load_robot(model: str | Path = DEFAULT_ROBOT) -> Robot:
 def _load(path: Path, name: str | None) -> Robot:
     file = _read_file(path)
     robot_name = name or path.stem
-    plant = _parse(path.parent / file.urdf, robot_name)
+    plant = _parse(find_urdf(path.parent, file.urdf), robot_name)
     instance = plant.GetModelInstanceByName(robot_name)
     check_names(plant, instance, file)
     pelvis = check_base(plant, instance, file)
@@ -137,7 +138,10 @@ def _load(path: Path, name: str | None) -> Robot:
         body_names=tuple(
             plant.get_body(index).name() for index in plant.GetBodyIndices(instance)
         ),
-        moved_links=tuple(str(joint.child_body().name()) for joint in joints),
+        moved_links=tuple(
+            tuple(str(body.name()) for body in plant.GetBodiesWeldedTo(link))
+            for link in (joint.child_body() for joint in joints)
+        ),
         legs=legs,
     )
 
@@ -176,10 +180,6 @@ def _read_file(path: Path) -> RobotFile:
 
 def _parse(urdf: Path, name: str) -> Any:
     """Makes a finalized plant of the robot alone; missing meshes are found, too."""
-    if not urdf.is_file():
-        raise RobotDescriptionError(
-            "urdf", str(urdf), f"there is no file {urdf}; give its path from this file"
-        )
     plant = MultibodyPlant(time_step=0.0)
     scene_graph = SceneGraph()
     plant.RegisterAsSourceForSceneGraph(scene_graph)

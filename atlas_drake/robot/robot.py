@@ -17,7 +17,10 @@ from pydrake.multibody.tree import ModelInstanceIndex
 
 from atlas_drake.errors import RobotDescriptionError, shown
 from atlas_drake.robot.file import ContactEntry, RobotFile
+from atlas_drake.robot.joint_constants import JointConstants
 from atlas_drake.robot.leg import Leg
+from atlas_drake.robot.packages import find_urdf, use_local_models
+from atlas_drake.robot.parser_warnings import each_warning_once
 
 
 @dataclass(frozen=True)
@@ -78,7 +81,8 @@ class Robot:
         effort_limit: Effort limits [N·m].
         mass: Total mass [kg].
         body_names: Names of all links.
-        moved_links: Name of the link that each joint moves.
+        moved_links: For each joint the names of the link that it moves and of all links
+            that are fixed to that one.
         legs: Left and right leg.
     """
 
@@ -93,7 +97,7 @@ class Robot:
     effort_limit: np.ndarray
     mass: float
     body_names: tuple[str, ...]
-    moved_links: tuple[str, ...]
+    moved_links: tuple[tuple[str, ...], ...]
     legs: tuple[Leg, Leg]
 
     @property
@@ -125,8 +129,13 @@ class Robot:
         """Returns the mask of joints in the named limbs, bool, shape (n,)."""
         return np.array([joint.limb in names for joint in self.file.joints])
 
+    @cached_property
+    def joints(self) -> JointConstants:
+        """Indices of joints in messages as constants: ``robot.joints.l_arm_elx``."""
+        return JointConstants(self.name, self.file.joints)
+
     def joint_index(self, name: str) -> int:
-        """Returns the index of a joint in the messages' arrays, by name or by v1 alias.
+        """Returns the index of a joint in the messages' arrays, by name or by alias.
 
         Raises:
             RobotDescriptionError: If the robot has no such joint.
@@ -158,7 +167,7 @@ class Robot:
     @cached_property
     def urdf(self) -> Path:
         """The URDF file."""
-        return self.path.parent / self.file.urdf
+        return find_urdf(self.path.parent, self.file.urdf)
 
     def make_plant(self) -> MultibodyPlant:
         """Makes a finalized plant of the robot alone, without geometry and ground."""
@@ -174,6 +183,19 @@ class Robot:
     def instance(self, plant: MultibodyPlant) -> ModelInstanceIndex:
         """The robot's model instance in ``plant``, which may hold other models."""
         return plant.GetModelInstanceByName(self.name)
+
+    def hand_bodies(self, plant: MultibodyPlant) -> dict[int, int]:
+        """Maps the index of each body of a hand in ``plant`` to 0, left, or 1, right.
+
+        Bodies that are fixed to a hand, such as a gripper, belong to it.
+        """
+        instance = self.instance(plant)
+        hands = [plant.GetBodyByName(name, instance) for name in self.file.hands]
+        return {
+            int(body.index()): side
+            for side, hand in enumerate(hands)
+            for body in plant.GetBodiesWeldedTo(hand)
+        }
 
     def indices(self, plant: MultibodyPlant) -> PlantIndices:
         """Finds the joints' indices in the robot's vectors of a finalized ``plant``."""
@@ -227,7 +249,10 @@ def add_urdf(plant: MultibodyPlant, urdf: Path, name: str) -> ModelInstanceIndex
     Raises:
         RuntimeError: From Drake, if the file or a mesh is missing or faulty.
     """
-    instance = Parser(plant).AddModels(str(urdf))[0]
+    parser = Parser(plant)
+    use_local_models(parser.package_map())
+    with each_warning_once():
+        instance = parser.AddModels(str(urdf))[0]
     if plant.GetModelInstanceName(instance) != name:
         plant.RenameModelInstance(instance, name)
     return instance

@@ -53,6 +53,10 @@ USER_TARGETS = {
 """Joints that the user takes while the behavior stands and walks, and where to
 [rad]."""
 
+NEEDED = [name for name in KP_POSITION if "_arm_" not in name or name in USER_TARGETS]
+"""Joints that a robot must have for the tutorial, by name or alias. Other joints of the
+arms may differ; they get the robot's own gains."""
+
 NUM_STEPS = 4
 STEP_LENGTH = 0.25
 """[m]"""
@@ -77,7 +81,8 @@ def control_mode_switch_programme(
     Raises:
         ScenarioError: If the robot lacks joints that the programme commands.
     """
-    missing = [name for name in KP_POSITION if name not in robot.joint_names]
+    known = {name for joint in robot.file.joints for name in (joint.name, joint.alias)}
+    missing = [name for name in NEEDED if name not in known]
     if missing:
         raise ScenarioError(
             "programme",
@@ -135,8 +140,8 @@ def _posture(robot: Robot, kp_velocity: float | None) -> AtlasCommand:
     message.velocity = [0.0] * num_joints
     message.effort = [0.0] * num_joints
     message.kp_position = [
-        KP_POSITION.get(name, kp)
-        for name, kp in zip(robot.joint_names, robot.default_kp.tolist(), strict=True)
+        KP_POSITION.get(joint.name, KP_POSITION.get(joint.alias, joint.kp))
+        for joint in robot.file.joints
     ]
     message.ki_position = [0.0] * num_joints
     message.kd_position = [0.0] * num_joints

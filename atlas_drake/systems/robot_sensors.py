@@ -82,7 +82,7 @@ class RobotSensors(NoisySystem):
         self._hands = [
             plant.GetBodyByName(name, own).index() for name in robot.file.hands
         ]
-        self._hand_bodies = {int(index): i for i, index in enumerate(self._hands)}
+        self._hand_bodies = robot.hand_bodies(plant)
         num_states = plant.num_multibody_states(own)
         self._num_q = plant.num_positions(own)
         self._state = self.DeclareVectorInputPort("state", num_states)
@@ -261,7 +261,7 @@ def contact_wrenches(
     Returns:
         For each place moment and force in W [N·m; N], six numbers.
     """
-    totals = [[0.0] * 6 for _ in bodies]
+    totals = [[0.0] * 6 for _ in set(bodies.values())]
     for k in range(results.num_point_pair_contacts()):
         info = results.point_pair_contact_info(k)
         # The force is that on body B.

@@ -112,7 +112,9 @@ class ControlColors(Display):
         self._meshcat = meshcat
         self._prefix = prefix
         self._limit = robot.effort_limit
-        self._frame_names = [f"{robot.name}::{link}" for link in robot.moved_links]
+        self._frame_names = [
+            [f"{robot.name}::{link}" for link in links] for links in robot.moved_links
+        ]
         self._overlays = overlays
         self._query, self._commands = (
             self.DeclareAbstractInputPort(name, AbstractValue.Make(value))
@@ -142,7 +144,8 @@ class ControlColors(Display):
             inspector = query.inspector()
             frames = {inspector.GetName(f): f for f in inspector.GetAllFrameIds()}
             self._links = [
-                self._draw(inspector, frames[name]) for name in self._frame_names
+                [path for name in names for path in self._draw(inspector, frames[name])]
+                for names in self._frame_names
             ]
         for paths, color in zip(self._links, colors, strict=True):
             for path in paths:

@@ -1,7 +1,7 @@
 """Triangles of the robot's meshes, which browsers read too late to color them.
 
-Reads files as ``tools/robot_models`` writes them: one node at the origin, data in the
-file.
+Reads files as ``tools/robot_models`` writes them, and those of Drake's models: one node
+at the origin, data in the file or in another file beside it.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ import base64
 import json
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,10 +30,7 @@ def gltf_triangles(file: Path) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
         Vertices with z up [m], shape (3, any), and triangles, shape (3, any).
     """
     document = json.loads(file.read_text())
-    buffers = [
-        base64.b64decode(buffer["uri"].split(",", 1)[1])
-        for buffer in document["buffers"]
-    ]
+    buffers = [_data(buffer["uri"], file.parent) for buffer in document["buffers"]]
     vertices: list[NDArray[np.float64]] = []
     faces: list[NDArray[np.int32]] = []
     count = 0
@@ -47,15 +45,23 @@ def gltf_triangles(file: Path) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
     return np.hstack(vertices), np.hstack(faces)
 
 
+def _data(uri: str, folder: Path) -> bytes:
+    """Returns the data of a buffer, from the text itself or from a file beside it."""
+    if uri.startswith("data:"):
+        return base64.b64decode(uri.split(",", 1)[1])
+    return (folder / unquote(uri)).read_bytes()
+
+
 def _values(document: Any, buffers: list[bytes], number: int) -> NDArray[Any]:
     """Reads the data of an accessor, one row per element."""
     accessor = document["accessors"][number]
     view = document["bufferViews"][accessor["bufferView"]]
+    kind = np.dtype(_TYPES[accessor["componentType"]])
     width = _WIDTHS[accessor["type"]]
-    values = np.frombuffer(
-        buffers[view["buffer"]],
-        dtype=_TYPES[accessor["componentType"]],
-        count=accessor["count"] * width,
+    return np.ndarray(
+        shape=(accessor["count"], width),
+        dtype=kind,
+        buffer=buffers[view["buffer"]],
         offset=view.get("byteOffset", 0) + accessor.get("byteOffset", 0),
+        strides=(view.get("byteStride", width * kind.itemsize), kind.itemsize),
     )
-    return values.reshape(-1, width)

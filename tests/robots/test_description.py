@@ -46,6 +46,27 @@ def test_its_legs_have_the_closed_form(heron, foot):
         np.testing.assert_allclose(held.angles, q[leg.joints], atol=1e-9)
 
 
+HIPS_ASIDE = [
+    (
+        f'<child link="{side}_thigh" />\n    <origin xyz="0 0 0"',
+        f'<child link="{side}_thigh" />\n    <origin xyz="0.01 {aside} 0"',
+    )
+    for side, aside in (("left", 0.03), ("right", -0.03))
+]
+"""As Drake's Atlas has them: hip y, knee and ankle beside the hip's center."""
+
+
+@pytest.mark.parametrize("foot", [0, 1])
+def test_legs_may_hang_beside_the_hips_center(copied, foot):
+    robot = load_robot(copied(*HIPS_ASIDE))
+    leg = robot.legs[foot]
+    assert leg.aside == pytest.approx((0.03, -0.03)[foot])
+    test_its_legs_have_the_closed_form(robot, foot)
+    # Nearer than the plane of the leg there is no way to turn it there.
+    beside = leg.p_PH + np.array([0.0, 0.0, -0.01]) - leg.p_FA
+    assert solve_leg(leg, beside, np.eye(3)) is None
+
+
 SHANK = '<child link="left_shank" />\n    <origin xyz="0 0 -0.32"'
 LAYOUTS = {
     "the hip's axes in another order": (
@@ -56,7 +77,7 @@ LAYOUTS = {
     "a knee to the side": (
         SHANK,
         SHANK.replace("0 0 -", "0 0.02 -"),
-        "left_knee lies beside the plane of left_hip_yaw",
+        "left_knee lies beside the plane of left_hip_pitch",
     ),
     "hip joints apart": (
         'link="right_hip_roll_link" />\n    <origin xyz="0 0 0"',

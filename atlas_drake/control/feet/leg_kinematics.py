@@ -51,11 +51,12 @@ def solve_leg(leg: Leg, p_PF: np.ndarray, R_PF: np.ndarray) -> LegPose | None:
         The pose; None if the leg is too short, or the hip is below the ankle.
     """
     p_PA = p_PF + R_PF @ leg.p_FA
-    # Seen from the foot, the hip center lies in the leg's plane, which ankle x tilts.
+    # Ankle x tilts the leg's plane to its constant distance from the hip center.
     to_hip = R_PF.T @ (leg.p_PH - p_PA)
-    if to_hip[2] <= 0.0:
+    away = math.hypot(to_hip[1], to_hip[2])
+    if to_hip[2] <= 0.0 or away <= abs(leg.aside):
         return None
-    ankle_x = math.atan2(to_hip[1], to_hip[2])
+    ankle_x = math.atan2(to_hip[1], to_hip[2]) + math.asin(leg.aside / away)
     R = R_PF @ rotation_x(-ankle_x)
     hip_x = math.asin(min(max(R[2, 1], -1.0), 1.0))
     hip_z = math.atan2(-R[0, 1], R[1, 1])
@@ -78,7 +79,7 @@ def solve_leg(leg: Leg, p_PF: np.ndarray, R_PF: np.ndarray) -> LegPose | None:
     ankle_y = math.remainder(pitch - hip_y - knee, math.tau)
 
     y_axis = R_PX[:, 1]
-    p_PT = leg.p_PH + R_PX @ np.array([leg.hip[0], 0.0, leg.hip[1]])
+    p_PT = leg.p_PH + R_PX @ leg.p_HT
     p_PK = p_PT + R_PX @ rotation_y(hip_y) @ np.array([leg.thigh[0], 0, leg.thigh[1]])
     x_axis = np.array([math.cos(hip_z), math.sin(hip_z), 0.0])
     return LegPose(

@@ -1,0 +1,122 @@
+"""Drake's own Atlas: another build, whose files are not here."""
+
+import numpy as np
+import pytest
+
+from atlas_drake import (
+    AtlasCommand,
+    AtlasSimulation,
+    Behavior,
+    Gait,
+    Scenario,
+    StepStream,
+    steps_ahead,
+)
+from atlas_drake.errors import InvalidMessageError
+from atlas_drake.robot import load_robot
+from atlas_drake.simulation.tutorial import control_mode_switch_programme
+from atlas_drake.visualization.gltf_triangles import gltf_triangles
+
+
+@pytest.fixture(scope="module")
+def robot(load_or_skip):
+    return load_or_skip("drake_atlas")
+
+
+@pytest.fixture
+def sim(robot):
+    return AtlasSimulation(
+        Scenario(model=robot.name, physics_step=0.002, control_period=0.004)
+    )
+
+
+def test_it_is_another_build(robot):
+    assert robot.num_joints == 30
+    assert robot.mass == pytest.approx(175.118, abs=1e-3)
+    assert robot.joints.neck_ry == robot.joints.neck_ay == 3
+    # What comes before the arms is where it always was; each arm has a seventh joint.
+    tutorials = load_robot()
+    assert robot.joints.r_leg_akx == tutorials.joints.r_leg_akx == 15
+    arm = [robot.joint_names[k] for k in np.flatnonzero(robot.limb("l_arm"))]
+    assert [name[-3:] for name in arm] == [
+        "shz",
+        "shx",
+        "ely",
+        "elx",
+        "uwy",
+        "mwx",
+        "lwy",
+    ]
+    leg = robot.legs[0]
+    assert leg.aside == pytest.approx(0.0225)
+    assert (leg.thigh, leg.shank) == (tutorials.legs[0].thigh, tutorials.legs[0].shank)
+
+
+def test_its_sole_is_where_its_contact_points_are(robot):
+    text = robot.urdf.read_text()
+    frame = robot.make_plant().GetFrameByName("l_foot_sole")
+    x, y, z = frame.GetFixedPoseInBodyFrame().translation()
+    half_length, half_width = 0.5 * robot.file.sole.length, 0.5 * robot.file.sole.width
+    for corner_x in (x - half_length, x + half_length):
+        for corner_y in (y - half_width, y + half_width):
+            assert f'"{corner_x:.4f} {corner_y:.4g} {z:.5f}"' in text
+
+
+def test_what_is_fixed_to_a_link_is_part_of_it(robot):
+    plant = robot.make_plant()
+    hands = robot.hand_bodies(plant)
+    for side, palm in enumerate(("left_palm", "right_palm")):
+        assert hands[int(plant.GetBodyByName(palm).index())] == side
+    head = robot.moved_links[robot.joints.neck_ay]
+    assert {"head", "hokuyo_link"} <= set(head)
+
+
+def test_its_meshes_can_be_colored(robot):
+    vertices, faces = gltf_triangles(robot.urdf.parent / "meshes" / "r_hand.gltf")
+    assert vertices.shape[0] == faces.shape[0] == 3
+    assert faces.max() < vertices.shape[1]
+
+
+def test_the_tutorial_knows_its_joints(robot):
+    *_, home = control_mode_switch_programme(robot)
+    kp = home.command.kp_position
+    assert kp[robot.joints.back_bky] == 4000.0
+    assert kp[robot.joints.neck_ay] == 20.0
+    assert kp[robot.joints.l_arm_mwx] == 100.0
+    # Its own where the tutorial's robot has no such joint.
+    assert kp[robot.joints.l_arm_shz] == robot.default_kp[robot.joints.l_arm_shz]
+
+
+def test_it_stands_and_takes_messages_of_its_own_length(sim):
+    sim.advance(0.3)
+    assert len(sim.atlas_state.position) == 30
+    assert sim.pelvis_pose.translation()[2] == pytest.approx(0.90, abs=0.01)
+    summary = sim.summary()
+    assert summary["success"]
+    assert max(summary["peak_effort_fraction"].values()) < 0.4
+    with pytest.raises(InvalidMessageError, match=r"must have 30 elements, .* 28"):
+        sim.publish(AtlasCommand(k_effort=[0] * 28))
+    elbow = sim.robot.joints.l_arm_elx
+    arms = AtlasCommand(k_effort=[0] * 30)
+    arms.k_effort[elbow] = 255
+    sim.publish(arms)
+    sim.advance(0.02)
+    assert sim.atlas_sim_interface_state.k_effort[elbow] == 255
+
+
+@pytest.mark.slow
+def test_it_walks(sim):
+    sim.advance(0.3)
+    report = sim.atlas_sim_interface_state
+    gait = Gait.of(sim.robot, stride=0.25)
+    stream = StepStream(steps_ahead(report, 0.75, gait))
+    while not stream.is_over(sim.atlas_sim_interface_state):
+        command = stream.next_command(sim.atlas_sim_interface_state)
+        if command is not None:
+            sim.publish(command)
+        sim.advance(0.1)
+        assert sim.time < 8.0
+    assert sim.current_behavior is Behavior.STAND
+    assert len(sim.footsteps) == 4
+    assert max(step["error_m"] for step in sim.footsteps) < 0.005
+    assert sim.summary()["success"]
