@@ -20,17 +20,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from pydrake.geometry import Meshcat
 from pydrake.math import RigidTransform
-from pydrake.systems.analysis import ApplySimulatorConfig, Simulator
 from pydrake.systems.framework import Context
 
 from atlas_drake.behaviors.entry import BehaviorEntry, configured
 from atlas_drake.behaviors.registration import registered
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
-from atlas_drake.diagrams.atlas_station import StationConfig
-from atlas_drake.diagrams.control_mode_switch import Extend, make_control_mode_switch
-from atlas_drake.diagrams.controller_socket import CONTROLLER, ControllerSource
-from atlas_drake.diagrams.standing import place_robot
-from atlas_drake.diagrams.station_reset import begin_run, reset_station
+from atlas_drake.diagrams.control_mode_switch import Extend
+from atlas_drake.diagrams.controller_socket import ControllerSource
 from atlas_drake.errors import (
     AtlasError,
     InvalidMessageError,
@@ -39,7 +35,6 @@ from atlas_drake.errors import (
     did_you_mean,
     shown,
 )
-from atlas_drake.frozen import replace
 from atlas_drake.kinds import typed
 from atlas_drake.messages import (
     AtlasCommand,
@@ -52,28 +47,23 @@ from atlas_drake.messages import (
 )
 from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.messages.checks import check_number
-from atlas_drake.messages.commands import Command, Refusal
 from atlas_drake.messages.event import Event
 from atlas_drake.numeric import as_float
 from atlas_drake.robot import load_robot
 from atlas_drake.scenario import Scenario, Start
-from atlas_drake.scenario.models import set_velocities, world_of
-from atlas_drake.scenario.noise import NOISE_MODELS
+from atlas_drake.scenario.models import world_of
 from atlas_drake.scenario.scenario import check_seed, starting_behavior
 from atlas_drake.scenario.world import (
-    WorldError,
     WorldMaker,
     listed,
-    put_world_back,
 )
 from atlas_drake.simulation.arguments import check_arguments
-from atlas_drake.simulation.drake_log import only_news
 from atlas_drake.simulation.fall_watch import FallWatch
 from atlas_drake.simulation.pace import Pace
 from atlas_drake.simulation.programme import scheduled_programme
-from atlas_drake.simulation.pushes import Push, make_push
+from atlas_drake.simulation.pushes import make_push
 from atlas_drake.simulation.run_log import RunLog
-from atlas_drake.simulation.start import Variation, draw_variation, scale_masses
+from atlas_drake.simulation.stage import Stage
 from atlas_drake.simulation.steady import steady_ticks
 from atlas_drake.simulation.summary import estimator_drift, make_summary
 from atlas_drake.simulation.turns import Turns
@@ -144,7 +134,7 @@ class AtlasSimulation:
             extend: Called with (builder, station) before the diagram is built, to add
                 systems of your own. ``output`` reads the ports that it exports.
             meshcat: Where to show it; None shows nothing.
-            overlays: What of the controller's thoughts is shown there.
+            overlays: What of the controller's plans is shown there.
             recorded: Whether Meshcat is recording already; then every picture is kept
                 for the recording. Otherwise pictures are left out while a viewer is too
                 slow for them, and a recording that runs then is lost.
@@ -173,113 +163,58 @@ class AtlasSimulation:
         self.behaviors = BehaviorCatalog((*SHIPPED_ENTRIES, *self._own_behaviors))
         # A path stays right wherever the program, or its log, goes on.
         self.scenario.model = self.robot.model
-        self._programme = tuple(
-            scheduled_programme(self.scenario, self.robot, self.behaviors)
-        )
+        self._programme = scheduled_programme(self.scenario, self.robot, self.behaviors)
         self._tick_seconds = array("d")
         self._turns = Turns()
-        self._terrain = self.scenario.all_terrain()
-        self._models = self.scenario.all_models()
-        world = (*world_of(self._models), *listed(world))
+        world = (*world_of(self.scenario.all_models()), *listed(world))
         self._recorder = None if log is None else self._start_log(Path(log), world)
         log_event = None if self._recorder is None else self._recorder.event
         self._listeners = (log_event, on_event)
         self._meshcat = meshcat
         try:
-            self._build(controller, world, extend, meshcat, overlays, recorded, video)
+            self._stage = Stage(
+                self.robot,
+                self.scenario,
+                self._programme,
+                self._tick_seconds,
+                controller=controller,
+                behaviors=self._own_behaviors,
+                world=world,
+                extend=extend,
+                meshcat=meshcat,
+                overlays=overlays,
+                recorded=recorded,
+                recorder=self._recorder,
+                video=video,
+            )
         except BaseException:
             if self._recorder is not None:
                 self._finalizer()
             raise
-
-    def _build(
-        self,
-        controller: ControllerSource | None,
-        world: Sequence[WorldMaker],
-        extend: Extend | None,
-        meshcat: Meshcat | None,
-        overlays: Overlays | None,
-        recorded: bool,
-        video: Video | None,
-    ) -> None:
-        """Builds the diagram and begins."""
-        config = StationConfig(
-            physics_step=self.scenario.physics_step,
-            control_period=self.scenario.control_period,
-            ground_friction=self.scenario.ground_friction,
-            terrain=tuple(self._terrain),
-            plant=self.scenario.plant,
-            controller=self.scenario.controller,
-            estimator=self.scenario.estimator,
-            noise=NOISE_MODELS[self.scenario.noise],
-            seed=self.scenario.seed,
-            initial_behavior=self.scenario.behavior(),
-            harnessed=self.scenario.start.harnessed,
-            estimated=self.scenario.state == "estimated",
-        )
-        self.diagram = make_control_mode_switch(
-            self.robot,
-            self._programme,
-            config,
-            meshcat,
-            overlays,
-            recorded,
-            self._recorder,
-            video,
-            controller=controller,
-            behaviors=self._own_behaviors,
-            extend=extend,
-            world=world,
-        )
+        self.diagram, self.station = self._stage.diagram, self._stage.station
+        self.plant, self.simulator = self._stage.plant, self._stage.simulator
         self._film: VideoDisplay | None = None
         if self.diagram.HasSubsystemNamed("video"):
             self._film = self.diagram.GetSubsystemByName("video")
-        self.station = self.diagram.GetSubsystemByName("station")
-        self.plant = self.station.GetSubsystemByName("plant")
-        self._interface = self.station.GetSubsystemByName("command_interface")
-        own = self.station.GetSubsystemByName(CONTROLLER)
-        if hasattr(own, "tick_seconds"):
-            own.tick_seconds = self._tick_seconds
         self._fall_watch = FallWatch(
             self.robot, self.plant, self.scenario.controller.fall
         )
-        with only_news():
-            self.simulator = Simulator(self.diagram)
-        ApplySimulatorConfig(self.scenario.simulator, self.simulator)
         self._pace = Pace(self.simulator)
-        self._begin()
+        self._note_begin()
         if meshcat is not None:
             # Meshcat's part loads only where there is something to see.
             from atlas_drake.visualization.scene import show_start
 
             show_start(meshcat, self.scenario)
 
-    def _begin(self) -> None:
-        """Begins a run at time 0, with what is drawn from the scenario's seed."""
-        context = self.context
-        self.diagram.SetDefaultContext(context)
-        context.SetTime(0.0)
-        self._pushes: list[Push] = []
-        self._exert(())
-        self._variation = draw_variation(self.scenario, self.robot)
-        scale_masses(self.plant, self._plant_context(), self.robot, self._variation)
-        begin_run(
-            self.station,
-            context,
-            self.scenario.seed,
-            self._terrain,
-            self._variation.ground_friction,
-        )
-        set_velocities(self._models, self.plant, self._plant_context())
+    def _note_begin(self) -> None:
+        """Starts the records of a run that begins."""
         del self._tick_seconds[:]
         self._log = RunLog(*self._listeners)
         self._error: str | None = None
         self._faults: list[AtlasError] = []
         self._wall_time = 0.0
         self._shown = 0.0
-        self._release_time: float | None = None
-        self._place(self._variation, self.scenario.start)
-        self.simulator.Initialize()
         self._pace.forget_all()
 
     # ---- log -----------------------------------------------------------------
@@ -358,21 +293,16 @@ class AtlasSimulation:
                 f"{type(message).__name__}"
             )
         snapshot = message.snapshot()
-        if self._turns.leave(functools.partial(self._deliver, snapshot)):
+        if self._turns.leave(functools.partial(self._stage.receive, snapshot)):
             check_command(snapshot, self.robot.joint_names, self.behaviors)
             return
         with self._turns:
-            refusal = self._deliver(snapshot)
+            refusal = self._stage.receive(snapshot)
             if refusal is not None:
                 self._look()
         if refusal is not None:
             # A new one: what is raised collects a traceback.
             raise InvalidMessageError(*refusal.error.args)
-
-    def _deliver(self, message: Command) -> Refusal | None:
-        """Hands a message to the command interface; returns why it is refused."""
-        context = self._interface.GetMyMutableContextFromRoot(self.context)
-        return self._interface.receive(context, message)
 
     def apply_push(
         self, body: str, force_W: Sequence[float] | np.ndarray, duration: float
@@ -389,7 +319,7 @@ class AtlasSimulation:
         """
         with self._turns:
             push = make_push(self.robot.body_names, body, force_W, duration, self.time)
-            self._pushes.append(push)
+            self._stage.pushes.add(push)
             force = np.round(push.force_W, 1).tolist()
             text = f"push of {force} N on {body} for {float(duration):g} s"
             self._log.note(Event(self.time, "push", text))
@@ -454,12 +384,13 @@ class AtlasSimulation:
     def _advance_chunk(self, t: float) -> None:
         """Simulates until the next look at the events, at most until ``t``."""
         self._pace.forget_lost_time()
-        self._exert_pushes()
-        if self._release_time is not None and self._release_time <= self.time + 1e-9:
+        pushes, suspension = self._stage.pushes, self._stage.suspension
+        pushes.update(self.context)
+        if suspension.is_due(self.time):
             self.release()
-        stops = [t, self.time + CHUNK, *(push.end for push in self._pushes)]
-        if self._release_time is not None:
-            stops.append(self._release_time)
+        stops = [t, self.time + CHUNK, *pushes.ends]
+        if suspension.release_time is not None:
+            stops.append(suspension.release_time)
         stop = min(stop for stop in stops if stop > self.time + 1e-9)
         try:
             self.simulator.AdvanceTo(stop)
@@ -587,40 +518,14 @@ class AtlasSimulation:
             raise ScenarioError(
                 "start.harnessed", True, "needs a scenario that began in a harness"
             )
-        moved = self._variation
-        if pose is not None:
-            position, yaw = self.scenario.start_pose(pose)
-            moved = replace(
-                moved,
-                position=np.array(position, dtype=float),
-                rpy=np.array([0.0, 0.0, yaw]),
-            )
+        where = None if pose is None else self.scenario.start_pose(pose)
         with self._turns:
             # What a run that an error stopped has not told yet came before the reset.
             self._look()
-            self._put_back(moved, start)
-            self._pushes = []
-            self._exert(())
-            reset_station(self.station, self.context, begin)
+            self._stage.reset(begin, start, where)
             self._log.note(Event(self.time, "reset", f"reset, {begin.name} begins"))
             self.simulator.Initialize()
             self._look(anew=True)
-
-    def _put_back(self, moved: Variation, start: Start) -> None:
-        """Puts robot and world where they begin; nothing moves if they would overlap.
-
-        Raises:
-            WorldError: If the robot would begin inside a model.
-        """
-        plant, context = self.plant, self._plant_context()
-        before = plant.GetPositionsAndVelocities(context).copy()
-        try:
-            put_world_back(plant, context, self.robot)
-            set_velocities(self._models, plant, context)
-            self._place(moved, start)
-        except WorldError:
-            plant.SetPositionsAndVelocities(context, before)
-            raise
 
     def _begin_anew(self, seed: int) -> None:
         """Begins a run with another seed."""
@@ -632,7 +537,8 @@ class AtlasSimulation:
             )
         with self._turns:
             self.scenario.seed = seed
-            self._begin()
+            self._stage.begin(self.scenario)
+            self._note_begin()
 
     def release(self) -> None:
         """Lets a harnessed robot down to the ground, and then go.
@@ -640,43 +546,9 @@ class AtlasSimulation:
         Raises:
             ScenarioError: If the scenario has no harness.
         """
-        if not self.scenario.start.harnessed:
-            raise ScenarioError(
-                "start.harnessed", False, "there is no harness to release"
-            )
-        harness = self.station.GetSubsystemByName("harness")
         with self._turns:
-            harness.release(harness.GetMyMutableContextFromRoot(self.context))
-            self._release_time = None
+            self._stage.suspension.release(self.context)
             self._log.note(Event(self.time, "harness", "harness lets the robot down"))
-
-    def _place(self, variation: Variation, start: Start) -> None:
-        """Puts the robot where it begins, and into the harness if there is one."""
-        clearance = CLEARANCE if start.harnessed else 0.0
-        plant, context = self.plant, self._plant_context()
-        place_robot(
-            plant,
-            context,
-            self.robot,
-            position=variation.position,
-            rpy=variation.rpy,
-            joints=variation.joints,
-            terrain=self._terrain,
-            clearance=clearance,
-        )
-        self._release_time = None
-        if not self.scenario.start.harnessed:
-            return
-        harness = self.station.GetSubsystemByName("harness")
-        own = harness.GetMyMutableContextFromRoot(self.context)
-        if start.harnessed:
-            X_WP = self.pelvis_pose
-            p_WP, R_WP = X_WP.translation(), X_WP.rotation().matrix()
-            harness.hold(own, p_WP, R_WP, clearance)
-            if start.release_time is not None:
-                self._release_time = self.time + start.release_time
-        else:
-            harness.let_go(own)
 
     # ---- state ---------------------------------------------------------------
 
@@ -754,7 +626,7 @@ class AtlasSimulation:
             )
         frame = self.plant.GetFrameByName(name, own)
         with self._turns:
-            return frame.CalcPoseInWorld(self._plant_context())
+            return frame.CalcPoseInWorld(self._stage.plant_context)
 
     @property
     def tick_seconds(self) -> MutableSequence[float]:
@@ -774,15 +646,8 @@ class AtlasSimulation:
         Raises:
             ValueError: If there is no such port.
         """
-        if not (isinstance(name, str) and self.diagram.HasOutputPort(name)):
-            ports = range(self.diagram.num_output_ports())
-            known = [self.diagram.get_output_port(i).get_name() for i in ports]
-            raise ValueError(
-                f"there is no output port {name!r}.{did_you_mean(str(name), known)} "
-                f"Known are {', '.join(known)}"
-            )
         with self._turns:
-            return self.diagram.GetOutputPort(name).Eval(self.context)
+            return self._stage.output(name)
 
     def summary(self) -> dict[str, Any]:
         """What happened so far, as plain numbers and text ready for JSON."""
@@ -807,23 +672,6 @@ class AtlasSimulation:
             return ""
         joint = self.robot.joint_names[wrong[0]]
         return f" The controller's behavior_effort of {joint} is no finite number."
-
-    def _plant_context(self) -> Context:
-        return self.plant.GetMyMutableContextFromRoot(self.context)
-
-    def _exert_pushes(self) -> None:
-        alive = [push for push in self._pushes if push.end > self.time + 1e-9]
-        if not alive and not self._pushes:
-            return
-        self._pushes = alive
-        self._exert(alive)
-
-    def _exert(self, pushes: Sequence[Push]) -> None:
-        """Puts forces on the plant's port."""
-        forces = [push.on(self.plant, self.robot) for push in pushes]
-        self.diagram.GetInputPort("applied_spatial_force").FixValue(
-            self.context, forces
-        )
 
     def _look(self, *, anew: bool = False) -> None:
         """Takes in what happened since the last look, which a reset may follow."""
@@ -850,7 +698,7 @@ class AtlasSimulation:
         )
         self._log.watch_solver(self.time, status)
         if not self._log.fallen():
-            sign = self._fall_watch.sign(self._plant_context())
+            sign = self._fall_watch.sign(self._stage.plant_context)
             if sign:
                 self._log.note(Event(self.time, "fall", f"falling ({sign})"))
         for system in (self._recorder, self._film):

@@ -12,8 +12,8 @@ from atlas_drake.systems.command_scheduler import ScheduledCommand
 
 def scheduled_programme(
     scenario: Scenario, robot: Robot, catalog: BehaviorCatalog = SHIPPED
-) -> list[ScheduledCommand]:
-    """Return the commands that a scenario sends by itself.
+) -> tuple[ScheduledCommand, ...]:
+    """Return the commands that a scenario sends by itself, in order of time.
 
     Args:
         scenario: With a programme, messages, both or neither.
@@ -32,7 +32,7 @@ def scheduled_programme(
         message = entry.message(robot.joint_names, f"messages[{index}]", catalog)
         text = entry.text or f"[{_kind(message, catalog)}]"
         programme.append(ScheduledCommand(entry.time, message, text))
-    return programme
+    return tuple(sorted(programme, key=lambda entry: entry.time))
 
 
 def _kind(

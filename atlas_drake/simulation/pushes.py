@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from pydrake.multibody.math import SpatialForce
 from pydrake.multibody.plant import ExternallyAppliedSpatialForce, MultibodyPlant
+from pydrake.systems.framework import Context, Diagram
 
 from atlas_drake.errors import InvalidMessageError, did_you_mean, shown
 from atlas_drake.messages.checks import check_number, check_vector
@@ -69,3 +70,51 @@ def make_push(
         problem = f"the robot has no body {shown(body)}.{hint}"
         raise InvalidMessageError("body", body, problem)
     return Push(body, force, time + duration)
+
+
+class ActivePushes:
+    """Pushes in force, as forces on the diagram's port.
+
+    A force stays on the port between two calls of ``update``, which must therefore be
+    called at the ends of pushes.
+    """
+
+    def __init__(self, diagram: Diagram, plant: MultibodyPlant, robot: Robot):
+        """Takes the diagram, and the plant with the robot in it."""
+        self._port = diagram.GetInputPort("applied_spatial_force")
+        self._plant, self._robot = plant, robot
+        self._pushes: list[Push] = []
+
+    @property
+    def ends(self) -> list[float]:
+        """Times at which pushes end [s]."""
+        return [push.end for push in self._pushes]
+
+    def add(self, push: Push) -> None:
+        """Adds a push, in force from the next ``update`` on."""
+        self._pushes.append(push)
+
+    def update(self, context: Context) -> None:
+        """Puts the forces of the pushes that have not ended on the port.
+
+        Args:
+            context: Root context of the diagram.
+        """
+        if not self._pushes:
+            return
+        now = context.get_time() + 1e-9
+        self._pushes = [push for push in self._pushes if push.end > now]
+        self._exert(context)
+
+    def clear(self, context: Context) -> None:
+        """Ends all pushes.
+
+        Args:
+            context: Root context of the diagram.
+        """
+        self._pushes = []
+        self._exert(context)
+
+    def _exert(self, context: Context) -> None:
+        forces = [push.on(self._plant, self._robot) for push in self._pushes]
+        self._port.FixValue(context, forces)

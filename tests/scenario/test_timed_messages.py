@@ -16,8 +16,9 @@ def sim_message(**fields):
 def test_messages_are_sent_at_their_time():
     fields = {
         "messages": [
-            sim_message(behavior="MANIPULATE") | {"text": "servo"},
+            # In any order: their times count.
             {"time": 0.2, "atlas_command": {"k_effort": 255}},
+            sim_message(behavior="MANIPULATE") | {"text": "servo"},
         ]
     }
     sim = AtlasSimulation(scenario_from(fields, Scenario(**COARSE)))

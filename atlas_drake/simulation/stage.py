@@ -1,0 +1,229 @@
+"""The diagram of a scenario with its simulator, and the begin of runs in it.
+
+What happens in a run is noted by ``atlas_simulation``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, MutableSequence, Sequence
+from typing import Any
+
+import numpy as np
+from pydrake.systems.analysis import ApplySimulatorConfig, Simulator
+from pydrake.systems.framework import Context
+
+from atlas_drake.behaviors.entry import BehaviorEntry
+from atlas_drake.diagrams.atlas_station import StationConfig
+from atlas_drake.diagrams.control_mode_switch import Extend, make_control_mode_switch
+from atlas_drake.diagrams.controller_socket import CONTROLLER, ControllerSource
+from atlas_drake.diagrams.standing import place_robot
+from atlas_drake.diagrams.station_reset import begin_run, reset_station
+from atlas_drake.errors import did_you_mean
+from atlas_drake.frozen import replace
+from atlas_drake.messages import Behavior
+from atlas_drake.messages.commands import Command, Refusal
+from atlas_drake.robot import Robot
+from atlas_drake.scenario import Scenario, Start
+from atlas_drake.scenario.models import set_velocities
+from atlas_drake.scenario.noise import NOISE_MODELS
+from atlas_drake.scenario.world import WorldError, WorldMaker, put_world_back
+from atlas_drake.simulation.drake_log import only_news
+from atlas_drake.simulation.pushes import ActivePushes
+from atlas_drake.simulation.start import Variation, draw_variation, scale_masses
+from atlas_drake.simulation.suspension import CLEARANCE, Suspension
+from atlas_drake.systems.command_scheduler import ScheduledCommand
+
+
+class Stage:
+    """A robot in its diagram, at the beginning of a run or in one.
+
+    Attributes:
+        robot: Description of the robot.
+        diagram: The ``control_mode_switch`` with all systems.
+        station: The ``AtlasStation`` in it.
+        plant: The ``MultibodyPlant`` of the station.
+        simulator: Drake's simulator of the diagram.
+        pushes: Pushes in force.
+        suspension: The harness, if the scenario has one.
+        variation: What the present run drew from its seed.
+    """
+
+    def __init__(
+        self,
+        robot: Robot,
+        scenario: Scenario,
+        programme: Sequence[ScheduledCommand],
+        tick_seconds: MutableSequence[float],
+        *,
+        controller: ControllerSource | None,
+        behaviors: Iterable[BehaviorEntry],
+        world: Sequence[WorldMaker],
+        extend: Extend | None,
+        **views: Any,
+    ):
+        """Builds the diagram and begins a run.
+
+        Args:
+            robot: Description of the robot.
+            scenario: A valid scenario.
+            programme: Commands that the scenario sends by itself.
+            tick_seconds: Takes the wall times of the controller's ticks, if it gives
+                them.
+            controller: As for ``make_control_mode_switch``, like the others.
+            behaviors: Behaviors beside the shipped ones.
+            world: Callables (plant) -> None.
+            extend: Callable (builder, station) -> None.
+            **views: Meshcat, overlays, recorder and video.
+        """
+        self.robot = robot
+        self._terrain = tuple(scenario.all_terrain())
+        self._models = scenario.all_models()
+        self.diagram = make_control_mode_switch(
+            robot,
+            programme,
+            _station_config(scenario),
+            controller=controller,
+            behaviors=behaviors,
+            extend=extend,
+            world=world,
+            **views,
+        )
+        self.station = self.diagram.GetSubsystemByName("station")
+        self.plant = self.station.GetSubsystemByName("plant")
+        self._interface = self.station.GetSubsystemByName("command_interface")
+        own = self.station.GetSubsystemByName(CONTROLLER)
+        if hasattr(own, "tick_seconds"):
+            own.tick_seconds = tick_seconds
+        self.pushes = ActivePushes(self.diagram, self.plant, robot)
+        self.suspension = Suspension(self.station, scenario.start.harnessed)
+        with only_news():
+            self.simulator = Simulator(self.diagram)
+        ApplySimulatorConfig(scenario.simulator, self.simulator)
+        self.begin(scenario)
+
+    @property
+    def context(self) -> Context:
+        """The root context of the diagram."""
+        return self.simulator.get_mutable_context()
+
+    @property
+    def plant_context(self) -> Context:
+        """The context of the plant."""
+        return self.plant.GetMyMutableContextFromRoot(self.context)
+
+    def begin(self, scenario: Scenario) -> None:
+        """Begins a run at time 0, with what is drawn from the scenario's seed.
+
+        Args:
+            scenario: Scenario with which the stage was built, but for its seed and the
+                start of the robot.
+        """
+        context = self.context
+        self.diagram.SetDefaultContext(context)
+        context.SetTime(0.0)
+        self.pushes.clear(context)
+        self.variation = draw_variation(scenario, self.robot)
+        scale_masses(self.plant, self.plant_context, self.robot, self.variation)
+        begin_run(
+            self.station,
+            context,
+            scenario.seed,
+            self._terrain,
+            self.variation.ground_friction,
+        )
+        set_velocities(self._models, self.plant, self.plant_context)
+        self._place(self.variation, scenario.start)
+        self.simulator.Initialize()
+
+    def reset(
+        self,
+        behavior: Behavior,
+        start: Start,
+        pose: tuple[Sequence[float], float] | None,
+    ) -> None:
+        """Puts robot and world back; time goes on.
+
+        Args:
+            behavior: The behavior to begin with.
+            start: How the robot begins.
+            pose: Position of the pelvis, horizontal in W [m], and its yaw [rad]; None
+                is where the run began.
+
+        Raises:
+            WorldError: If the robot would begin inside a model; nothing has then
+                changed.
+        """
+        moved = self.variation
+        if pose is not None:
+            position, yaw = pose
+            moved = replace(
+                moved,
+                position=np.array(position, dtype=float),
+                rpy=np.array([0.0, 0.0, yaw]),
+            )
+        plant, context = self.plant, self.plant_context
+        before = plant.GetPositionsAndVelocities(context).copy()
+        try:
+            put_world_back(plant, context, self.robot)
+            set_velocities(self._models, plant, context)
+            self._place(moved, start)
+        except WorldError:
+            plant.SetPositionsAndVelocities(context, before)
+            raise
+        self.pushes.clear(self.context)
+        reset_station(self.station, self.context, behavior)
+
+    def receive(self, message: Command) -> Refusal | None:
+        """Hands a message to the command interface; returns why it is refused."""
+        context = self._interface.GetMyMutableContextFromRoot(self.context)
+        return self._interface.receive(context, message)
+
+    def output(self, name: str) -> Any:
+        """Returns the present value of an output port of the diagram.
+
+        Raises:
+            ValueError: If there is no such port.
+        """
+        if not (isinstance(name, str) and self.diagram.HasOutputPort(name)):
+            ports = range(self.diagram.num_output_ports())
+            known = [self.diagram.get_output_port(i).get_name() for i in ports]
+            raise ValueError(
+                f"there is no output port {name!r}.{did_you_mean(str(name), known)} "
+                f"Known are {', '.join(known)}"
+            )
+        return self.diagram.GetOutputPort(name).Eval(self.context)
+
+    def _place(self, variation: Variation, start: Start) -> None:
+        """Puts the robot where it begins, and into the harness if there is one."""
+        plant, context = self.plant, self.plant_context
+        place_robot(
+            plant,
+            context,
+            self.robot,
+            position=variation.position,
+            rpy=variation.rpy,
+            joints=variation.joints,
+            terrain=self._terrain,
+            clearance=CLEARANCE if start.harnessed else 0.0,
+        )
+        pelvis = plant.GetBodyByName(self.robot.file.pelvis, self.robot.instance(plant))
+        X_WP = plant.EvalBodyPoseInWorld(context, pelvis)
+        self.suspension.update(self.context, start, X_WP)
+
+
+def _station_config(scenario: Scenario) -> StationConfig:
+    """Returns what of a scenario concerns the station."""
+    return StationConfig(
+        physics_step=scenario.physics_step,
+        control_period=scenario.control_period,
+        ground_friction=scenario.ground_friction,
+        terrain=tuple(scenario.all_terrain()),
+        plant=scenario.plant,
+        controller=scenario.controller,
+        estimator=scenario.estimator,
+        noise=NOISE_MODELS[scenario.noise],
+        seed=scenario.seed,
+        initial_behavior=scenario.behavior(),
+        harnessed=scenario.start.harnessed,
+        estimated=scenario.state == "estimated",
+    )
