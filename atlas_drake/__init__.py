@@ -1,6 +1,6 @@
 """An open humanoid control sandbox: Atlas under user and behavior control, on Drake.
 
-Messages are imported at once; the simulation, which needs Drake, when it is asked for.
+Messages are imported at once; names that need Drake, when they are first used.
 """
 
 from typing import TYPE_CHECKING, Any
@@ -97,7 +97,7 @@ __all__ = [  # noqa: PLE0604
 
 
 def __getattr__(name: str) -> Any:
-    """Imports what needs Drake when it is first used."""
+    """Imports a name that needs Drake when it is first used."""
     if name in _LAZY:
         from importlib import import_module
 

@@ -1,7 +1,4 @@
-"""Makes ``python -m atlas_drake`` the same as the command ``atlas-drake``.
-
-Nothing else lives here.
-"""
+"""Makes ``python -m atlas_drake`` the same as the command ``atlas-drake``."""
 
 import sys
 

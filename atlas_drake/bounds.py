@@ -12,7 +12,7 @@ from typing import Annotated
 class Bounds:
     """Range of a number, for ``Annotated[float, Bounds(...)]``.
 
-    Bounds of a dataclass hold for all numbers in it that have none of their own.
+    Bounds of a dataclass apply to all of its numbers without bounds of their own.
     """
 
     least: float = -math.inf
@@ -21,19 +21,19 @@ class Bounds:
     """True if the ends themselves are excluded."""
 
     def allow(self, number: float) -> bool:
-        """Tell whether ``number`` lies within the bounds; NaN never does."""
+        """Returns True if ``number`` lies within the bounds; False for NaN."""
         if self.strict:
             return self.least < number < self.most
         return self.least <= number <= self.most and math.isfinite(number)
 
     def __str__(self) -> str:
-        """Complete the sentence "must be ..."."""
+        """Completes the sentence "must be ..."."""
         if self == FINITE:
             return "a finite number"
         if self.most == math.inf:
             return f"above {self.least:g}" if self.strict else f"{self.least:g} or more"
         if self.strict:
-            return f"between {self.least:g} and {self.most:g}, and neither of them"
+            return f"above {self.least:g} and below {self.most:g}"
         return f"from {self.least:g} to {self.most:g}"
 
 
@@ -45,6 +45,6 @@ Positive = Annotated[float, Bounds(least=0.0, strict=True)]
 Share = Annotated[float, Bounds(least=0.0, most=1.0)]
 """A share of a whole [-]."""
 ProperShare = Annotated[float, Bounds(least=0.0, most=1.0, strict=True)]
-"""A share of a whole that leaves something of both parts [-]."""
+"""A share of a whole, neither 0 nor 1 [-]."""
 Signed = Annotated[float, FINITE]
 """A number that may be negative."""

@@ -1,6 +1,6 @@
-"""Every error that this package raises on purpose, and the error codes it reports.
+"""The base of this package's errors, shared errors, and the reported error codes.
 
-The checks that raise them live beside what they check, not here.
+The checks that raise them are beside the values that they check.
 """
 
 import difflib
@@ -14,36 +14,36 @@ class ErrorCode(IntEnum):
     NO_ERRORS = 0
     """The last message was accepted."""
     UNSPECIFIED = -1
-    """Something else went wrong. Never reported here: every fault has its code."""
+    """Any other fault. Never reported here: every fault has its own code."""
     VALUE_OUT_OF_RANGE = -2
-    """A number that cannot be used, or an array of the wrong length."""
+    """An invalid number, or an array of the wrong length."""
     INVALID_INDEX = -3
     """A joint, foot or step that does not exist, or steps out of order."""
     FAILED_TO_START_BEHAVIOR = -4
-    """The behavior cannot begin now; the status flags say why."""
+    """The behavior cannot begin now; the status flags give the reason."""
     NO_ACTIVE_BEHAVIOR = -5
-    """There is no behavior to do it. Never reported here: one is always active."""
+    """No behavior is active. Never reported here: one is always active."""
     NO_SUCH_BEHAVIOR = -6
-    """A name or number that no behavior has."""
+    """A name or number of no behavior."""
     BEHAVIOR_NOT_IMPLEMENTED = -7
-    """A behavior that this library lacks. Never reported here: it has all of them."""
+    """A behavior that the controller lacks. The shipped controller has all of them."""
     TIME_RAN_BACKWARD = -8
-    """The message is stamped earlier than the one before."""
+    """A time stamp earlier than that of the message before."""
 
 
 class AtlasError(Exception):
-    """Base of all errors of this package: catch it to catch them all."""
+    """Base of all errors of this package; catch it to catch all of them."""
 
 
 class InvalidMessageError(AtlasError, ValueError):
-    """A message that cannot be applied; nothing of it has been.
+    """A message that cannot be applied; no part of it was applied.
 
     Attributes:
-        field: Where the fault is, as a path from the message, for example
+        field: Field at fault, as a path from the message, for example
             ``walk_params.step_queue[2].duration``.
-        value: What the message has there.
-        problem: What is wrong with it and what would be right.
-        error_code: What the robot reports in ``AtlasSimInterfaceState.error_code``.
+        value: Value of the field.
+        problem: What is wrong, and what would be right.
+        error_code: Error code for ``AtlasSimInterfaceState.error_code``.
     """
 
     def __init__(
@@ -61,17 +61,17 @@ class InvalidMessageError(AtlasError, ValueError):
         self.error_code = error_code
 
     def __str__(self) -> str:
-        """Say what is wrong, where."""
+        """Names the field and the problem."""
         return f"{self.field}: {self.problem}"
 
 
 class _FileError(AtlasError, ValueError):
-    """What is wrong with the contents of a file, or with the same made in Python.
+    """A fault in the contents of a file, or in the equivalent Python value.
 
     Attributes:
-        field: Where the fault is, as a path from the top of the file.
-        value: What the file has there.
-        problem: What is wrong with it and what would be right.
+        field: Field at fault, as a path from the top of the file.
+        value: Value of the field.
+        problem: What is wrong, and what would be right.
     """
 
     def __init__(self, field: str, value: object, problem: str) -> None:
@@ -81,14 +81,14 @@ class _FileError(AtlasError, ValueError):
         self.problem = problem
 
     def __str__(self) -> str:
-        """Say what is wrong, where."""
+        """Names the field and the problem."""
         return f"{self.field}: {self.problem}"
 
 
 class RobotDescriptionError(_FileError):
     """A robot that does not exist, or whose files cannot be used.
 
-    It has the attributes ``field``, ``value`` and ``problem``, as a ScenarioError.
+    The attributes ``field``, ``value`` and ``problem`` are those of a ScenarioError.
     """
 
 
@@ -96,14 +96,14 @@ class ScenarioError(_FileError):
     """A scenario that cannot be run.
 
     Attributes:
-        field: Where the fault is, as a path from the top of the scenario.
-        value: What the scenario has there.
-        problem: What is wrong with it and what would be right.
+        field: Field at fault, as a path from the top of the scenario.
+        value: Value of the field.
+        problem: What is wrong, and what would be right.
     """
 
 
 class WaitTimeoutError(AtlasError, TimeoutError):
-    """What was waited for did not come about within the simulated time allowed."""
+    """The awaited condition was not met within the given simulated time."""
 
 
 SHOWN = 500
@@ -111,28 +111,28 @@ SHOWN = 500
 
 
 def shown(value: object) -> str:
-    """Return ``repr(value)`` for an error message: short, whatever the value is.
+    """Returns ``repr(value)``, shortened for an error message.
 
-    A value whose ``repr`` fails, as that of an integer of thousands of digits does, is
+    A value whose ``repr`` fails, such as an integer of thousands of digits, is
     described by its type.
     """
     try:
         text = repr(value)
-    except Exception:  # An object of the user's may raise anything.
+    except Exception:  # The user's own object may raise any error.
         return f"<{type(value).__name__} that cannot be shown>"
     return text if len(text) <= SHOWN else f"{text[: SHOWN - 3]}..."
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
-    """Name the known word nearest to a mistyped one.
+    """Names the valid word nearest to a mistyped word.
 
     Args:
-        word: What was written.
-        known: What could have been meant.
+        word: The word as written.
+        known: The valid words.
 
     Returns:
         A sentence with a leading space, to be appended to an error message; empty
-        when nothing known resembles the word.
+        when no valid word resembles the word.
     """
     close = difflib.get_close_matches(word, list(known), n=1)
     return f" Did you mean {close[0]!r}?" if close else ""

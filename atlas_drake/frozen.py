@@ -1,6 +1,6 @@
-"""What the frozen values in a Context have in common: cheap copies, cheap changes.
+"""Frozen values in a Context: cheap copies and cheap changes.
 
-It knows no value in particular.
+The values themselves are defined elsewhere.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ class Frozen:
     """Base of frozen dataclasses that pass through a Context."""
 
     def __deepcopy__(self: _T, memo: dict[int, Any]) -> _T:
-        """Itself, as it never changes: cloning a Context costs nothing."""
+        """Returns the value itself, which never changes: cloning a Context is cheap."""
         return self
 
 
@@ -26,22 +26,22 @@ class Nothing(Frozen):
 
 
 NOTHING = Nothing()
-"""The one value of a port, state or cache entry that has none yet.
+"""The value of a port, state or cache entry that has no value yet.
 
-An abstract value cannot hold None: Drake's bindings made with nanobind refuse it.
+An abstract value cannot hold None: Drake's nanobind bindings refuse it.
 """
 
 
 def replace(value: _T, **changes: Any) -> _T:
-    """The same value with some fields changed.
+    """Returns a copy of the value with some fields changed.
 
-    Does what ``dataclasses.replace`` does at a tenth of its cost, which matters where
-    it happens several times in a control tick. ``__post_init__`` is not run. Cached
-    properties are computed anew.
+    Works as ``dataclasses.replace`` at a tenth of its cost, which matters for several
+    calls in each control tick. ``__post_init__`` is not run. The copy computes cached
+    properties again.
 
     Args:
         value: A frozen dataclass without slots.
-        **changes: Its fields that shall be different.
+        **changes: New values of fields.
 
     Raises:
         TypeError: If there is no such field.
@@ -49,7 +49,7 @@ def replace(value: _T, **changes: Any) -> _T:
     fields = value.__dict__
     declared = value.__dataclass_fields__  # type: ignore[attr-defined]
     if len(fields) != len(declared):
-        # The rest are cached properties, which belong to the old fields.
+        # The other entries are cached properties, which belong to the old fields.
         fields = {name: fields[name] for name in declared if name in fields}
     if not changes.keys() <= fields.keys():
         unknown = ", ".join(sorted(changes.keys() - fields.keys()))

@@ -1,11 +1,11 @@
-"""Names, kinds and bounds of a scenario's values, checked against its dataclasses.
+"""Checks names, kinds and bounds of a scenario's values against its dataclasses.
 
-Serves a YAML file's mapping and a scenario made in Python alike, and Drake's own
-configurations as well as dataclasses. What values mean, and which go together, is for
-the dataclasses to check themselves.
+Accepts the mapping of a YAML file and a scenario made in Python, and Drake's own
+configurations as well as dataclasses. The dataclasses themselves check the meaning of
+values and their combinations.
 
-Drake's ``yaml_load_typed`` reads its YAML but builds no frozen dataclass, knows no
-bounds, and names neither the path of a fault nor the word that was meant.
+Drake's ``yaml_load_typed`` builds no frozen dataclass, checks no bounds, and names
+neither the path of a fault nor the nearest valid word.
 """
 
 from __future__ import annotations
@@ -28,8 +28,8 @@ from atlas_drake.errors import ScenarioError, did_you_mean, shown
 from atlas_drake.numeric import is_number, is_whole, plain_number
 
 LARGEST = 1e6
-"""Largest size of a number in a scenario, whatever its unit: a thousand kilometres from
-the origin positions are still exact to a nanometre."""
+"""Largest absolute value of a number in a scenario, in any unit: a thousand kilometres
+from the origin, positions are still exact to a nanometre."""
 _NAMES = {
     float: "a number",
     int: "a whole number",
@@ -48,25 +48,26 @@ def typed(
     bounds: Bounds | None = None,
     from_text: bool = False,
 ) -> Any:
-    """Check a value and all within it, and return it as its field declares it.
+    """Checks a value with all its parts, and converts it to its declared type.
 
-    Fractions, numpy's numbers and arrays become Python's own numbers and lists: they
-    mean the same, but cannot be written to a file or given to Drake.
+    Fractions, numpy's numbers and arrays become Python's own numbers and lists, because
+    they cannot be written to a file or given to Drake.
 
     Args:
-        value: Of a field: plain, a sequence, a dataclass or, from text, a mapping.
-        kind: What the field is declared to be.
-        path: Of the field, such as ``terrain[0].size``; empty for the whole.
-        default: Value of the fields that a mapping leaves out.
-        bounds: Of every number that declares none of its own.
-        from_text: Whether ``value`` was read from YAML, which takes 1e-3 for a word.
+        value: Value of a field: plain, a sequence, a dataclass or, from text, a
+            mapping.
+        kind: Declared type of the field.
+        path: Path of the field, such as ``terrain[0].size``; empty for the whole.
+        default: Values of the fields that a mapping leaves out.
+        bounds: Bounds of every number without bounds of its own.
+        from_text: True if ``value`` was read from YAML, which reads 1e-3 as a word.
 
     Returns:
         The value; lists, and dataclasses that are not frozen, are changed in place.
 
     Raises:
-        ScenarioError: Naming the first field that does not exist, is of another kind
-            or out of bounds.
+        ScenarioError: If a field does not exist, is of another type or out of bounds;
+            names the first one.
     """
     if typing.get_origin(kind) is Annotated:
         kind, *notes = typing.get_args(kind)
@@ -83,7 +84,7 @@ def typed(
     if origin in (list, tuple):
         if isinstance(value, str) or not isinstance(value, (Sequence, np.ndarray)):
             raise _wrong(path, value, "a list")
-        # In this package every element of a list or tuple is of the same kind.
+        # In this package all elements of a list or tuple have the same type.
         elements = [
             typed(
                 element,
@@ -122,7 +123,7 @@ def typed(
 
 
 def as_plain(value: Any) -> Any:
-    """Return the value as mappings, lists and plain values, as YAML has it."""
+    """Converts the value to mappings, lists and plain values, as in YAML."""
     if isinstance(value, Transform):
         return yaml_load(data=yaml_dump_typed(value))
     if isinstance(value, list | tuple):
@@ -134,7 +135,7 @@ def as_plain(value: Any) -> Any:
 
 
 def _transform(value: Any, path: str) -> Transform:
-    """A pose of Drake's schema, whose rotation is a word of several kinds."""
+    """Converts a value to Drake's ``Transform``, whose rotation has several forms."""
     if isinstance(value, Transform):
         return value
     try:
@@ -151,12 +152,12 @@ def _transform(value: Any, path: str) -> Transform:
 
 
 def _is_structure(kind: Any) -> bool:
-    """Tell a dataclass or a configuration of Drake's."""
+    """Returns True for a dataclass or one of Drake's configurations."""
     return dataclasses.is_dataclass(kind) or hasattr(kind, "__fields__")
 
 
 def _fields(kind: Any) -> dict[str, Any]:
-    """Kinds of a structure's fields by name."""
+    """Returns the types of a structure's fields by name."""
     if dataclasses.is_dataclass(kind):
         hints = typing.get_type_hints(kind, include_extras=True)
         return {field.name: hints[field.name] for field in dataclasses.fields(kind)}
@@ -171,11 +172,11 @@ def _structure(
     bounds: Bounds | None,
     from_text: bool,
 ) -> Any:
-    """Check a dataclass, a configuration of Drake's, or the mapping of one."""
+    """Checks a dataclass, one of Drake's configurations, or the mapping of either."""
     kinds = _fields(kind)
     if isinstance(value, kind):
         base = value
-        # What was set by a mistyped name shall be found, too.
+        # Attributes with a mistyped name shall be found, too.
         given: Mapping[Any, Any] = getattr(value, "__dict__", None) or {
             name: getattr(value, name) for name in kinds
         }
@@ -207,12 +208,12 @@ def _structure(
         return _changed(base, changes, in_place=base is value)
     except ScenarioError:
         raise
-    except ValueError as error:  # From a check of the structure's own.
+    except ValueError as error:  # From the structure's own check.
         raise ScenarioError(path, value, str(error)) from error
 
 
 def _changed(base: Any, changes: Mapping[str, Any], in_place: bool) -> Any:
-    """The structure with some fields changed; a frozen one is never changed itself."""
+    """Returns the structure with some fields changed, or a copy of a frozen one."""
     parameters = getattr(base, "__dataclass_params__", None)
     if parameters is not None and parameters.frozen:
         return dataclasses.replace(base, **changes)
@@ -224,11 +225,11 @@ def _changed(base: Any, changes: Mapping[str, Any], in_place: bool) -> Any:
 
 def _number(value: Any, path: str, bounds: Bounds | None) -> float:
     number: Any = float(value) if isinstance(value, str) else plain_number(value)
-    # Without bounds infinity and NaN are for each field to refuse in its own words.
+    # Without bounds, infinity and NaN are left to the field's own check.
     if number not in (math.inf, -math.inf) and abs(number) > LARGEST:
         raise _wrong(path, value, f"within ±{LARGEST:g}")
     if bounds is not None and not bounds.allow(number):
-        # Told as the number that it means: to YAML 1e-3 is a word.
+        # Show the number: YAML reads 1e-3 as a word.
         raise _wrong(path, float(number), str(bounds))
     return float(number)
 

@@ -1,6 +1,6 @@
-"""What counts as a number, and numbers of any type as Python's own.
+"""Recognizes numbers of any type, and converts them to Python's own.
 
-Bounds and the fields they belong to are in ``checks`` and in the scenario.
+Bounds of fields are in ``checks`` and in the scenario.
 """
 
 import math
@@ -14,17 +14,17 @@ _NOT_NUMBERS = (bool, np.bool_, np.timedelta64)
 
 
 def is_number(value: object) -> TypeGuard[Real]:
-    """Tell whether a value is a real number by its type."""
+    """Returns True if the type of a value is that of a real number."""
     return isinstance(value, Real) and not isinstance(value, _NOT_NUMBERS)
 
 
 def is_whole(value: object) -> TypeGuard[int]:
-    """Tell whether a value is a whole number by its type."""
+    """Returns True if the type of a value is that of a whole number."""
     return isinstance(value, Integral) and not isinstance(value, _NOT_NUMBERS)
 
 
 def as_float(value: object) -> float | None:
-    """Convert a number to float, infinite where it is too large; else return None."""
+    """Converts a number to float, infinite if too large; returns None for others."""
     if type(value) is float:
         return value
     if not is_number(value):
@@ -38,14 +38,14 @@ def as_float(value: object) -> float | None:
 
 
 def plain_number(value: object) -> object:
-    """Return a number as an ``int`` or ``float``, and everything else as it is.
+    """Converts a number to ``int`` or ``float``, and returns other values unchanged.
 
     Truth values of numpy become Python's, and numbers of numpy and fractions the
-    nearest float, so that no code behind a check meets a type that it cannot calculate
-    with. What is beyond the range of a float stays as it is, for a check to refuse.
+    nearest float, so that code after a check can calculate with them. A number beyond
+    the range of a float is not changed, for a check to refuse.
     """
     if isinstance(value, np.float64):
-        return float(value)  # A float to Python already, but a type of its own.
+        return float(value)  # A subclass of float.
     if isinstance(value, np.bool_):
         return bool(value)
     if isinstance(value, (float, int)) or not is_number(value):

@@ -1,6 +1,6 @@
-"""Files that appear under their name when they are whole, or not at all.
+"""Files that get their name only when they are complete.
 
-And whether one can be written there, asked before there is anything to write.
+Also checks in advance whether a file can be written.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ from typing import IO, Any
 
 
 def why_not_writable(path: Path) -> str | None:
-    """What keeps a file from being written there; None if nothing is known to."""
+    """Returns the reason why a file cannot be written at ``path``, or None."""
     try:
         folder = path.parent
         if path.is_dir():
             return f"{path} is a folder"
         if not folder.is_dir():
             return f"there is no folder {folder}"
-        # A file is replaced by a new one when that is whole; a device is written to.
+        # A file is replaced by the complete new one; a device is written to directly.
         ends = [path] if path.exists() else []
         if not ends or path.is_file():
             ends.append(_resolved(path).parent)
@@ -34,32 +34,32 @@ def why_not_writable(path: Path) -> str | None:
 
 
 def _resolved(path: Path) -> Path:
-    """The path without links.
+    """Resolves the links of a path.
 
     Raises:
-        OSError: Of links that go in a circle.
+        OSError: If the links form a circle.
     """
     try:
         target = path.resolve()
     except RuntimeError as error:
         raise OSError(errno.ELOOP, os.strerror(errno.ELOOP), str(path)) from error
-    if target.is_symlink():  # Python 3.13 and later leave a circle as it is.
+    if target.is_symlink():  # Python 3.13 and later do not resolve a circle.
         raise OSError(errno.ELOOP, os.strerror(errno.ELOOP), str(path))
     return target
 
 
 @contextmanager
 def whole_file(path: Path) -> Iterator[Path]:
-    """Gives a path to write to, whose file becomes ``path`` unless an error comes.
+    """Yields a path to write to, whose file becomes ``path`` if no error is raised.
 
-    The unfinished file is this call's own: two programs that write one ``path`` do not
-    meet in it, and the one that ends last stays. A ``path`` that is a device or a pipe
-    is written to directly.
+    Every call has its own unfinished file: when two programs write one ``path``, the
+    last one to finish replaces the file. A ``path`` that is a device or a pipe is
+    written to directly.
 
     Raises:
-        OSError: If no file can be made there.
+        OSError: If the file cannot be made.
     """
-    # A link stays one, and what it points to is written.
+    # Write the target of a link, and keep the link.
     path = _resolved(path)
     if path.is_dir():
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
@@ -67,9 +67,9 @@ def whole_file(path: Path) -> Iterator[Path]:
         yield path
         return
     token = secrets.token_hex(4)
-    # Not of its stem as well: names have a greatest length.
+    # Without the stem of the path, because the length of names is limited.
     unfinished = path.with_name(f".{token}.unfinished{path.suffix}")
-    # Fails where anything is already, also a link that leads elsewhere.
+    # Fails if the name exists, even as a link.
     os.close(os.open(unfinished, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666))
     try:
         yield unfinished
@@ -79,10 +79,10 @@ def whole_file(path: Path) -> Iterator[Path]:
 
 
 class WholeFile:
-    """The same for a file that stays open for long.
+    """A file that stays open, and gets its name when it is closed.
 
     Attributes:
-        file: To write to, in binary.
+        file: The open file, in binary mode.
     """
 
     def __init__(self, path: Path):
@@ -104,7 +104,7 @@ class WholeFile:
         return self._stack.__exit__(*error)
 
     def abandon(self) -> None:
-        """Closes and deletes the unfinished file; does nothing after the end."""
+        """Closes and deletes the unfinished file; does nothing after ``__exit__``."""
         error = OSError("abandoned")
         with suppress(OSError):
             self._stack.__exit__(type(error), error, None)

@@ -151,11 +151,11 @@ def _extended(builder: DiagramBuilder, station: Diagram, extend: Extend) -> None
     except SystemExit as error:
         # What Drake's bindings make of a condition that Drake demands.
         raise AtlasError(
-            f"extend asks Drake for what it cannot build: {error}. An input port "
-            "takes one connection; a programme has the station's command ports"
+            f"extend adds what Drake cannot build: {error}. An input port takes one "
+            "connection; a programme is connected to the station's command ports"
         ) from error
     if builder.already_built():
-        raise AtlasError("extend must not build the diagram, which happens after it")
+        raise AtlasError("extend must not build the diagram; it is built afterwards")
     names = [system.get_name() for system in builder.GetSystems()]
     for name in names:
         if names.count(name) > 1:

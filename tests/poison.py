@@ -1,4 +1,4 @@
-"""What a script may put into a field by mistake, and that no field can hold."""
+"""Invalid values that a script may assign to a field by mistake."""
 
 import numpy as np
 

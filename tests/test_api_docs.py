@@ -1,4 +1,4 @@
-"""Every public function and class is explained, and has a page."""
+"""Every public function and class has a docstring and a page."""
 
 import inspect
 import os

@@ -1,6 +1,6 @@
-"""Benchmarks: that they can be run, and that their figures have the names promised.
+"""Benchmarks: they run, and their figures have the documented names.
 
-What they measure is judged where they are run, not here.
+The measured values are not tested here.
 """
 
 import argparse

@@ -1,4 +1,4 @@
-"""Any mixture of user and behavior joints: nobody is thrown about."""
+"""Any mixture of joints under user and behavior control: no violent motion."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Errors: what they say, what they carry, one base for all."""
+"""Errors: their texts, their attributes, and their common base."""
 
 import pickle
 

@@ -1,4 +1,4 @@
-"""The tutorial and a push on what the robot measures; walks are in test_walking."""
+"""The tutorial and a push with the estimated state; walks are in test_walking."""
 
 import pytest
 

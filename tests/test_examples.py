@@ -1,4 +1,4 @@
-"""The examples: every one explains itself, runs without a view and ends well."""
+"""The examples: each has a docstring, runs without a view and ends with success."""
 
 import signal
 import subprocess

@@ -1,4 +1,4 @@
-"""The page on putting one's own part in: its programs run, its pictures are there."""
+"""The page on extending: its programs run, and its pictures exist."""
 
 import re
 import subprocess

@@ -1,4 +1,4 @@
-"""Frozen values: changed copies leave the original as it was, copies are free."""
+"""Frozen values: a changed copy leaves the original unchanged, and copies are cheap."""
 
 import copy
 import dataclasses

@@ -1,4 +1,4 @@
-"""Joints change hands without a jump, in either direction."""
+"""Hand-over of joints between user and behavior without a jump, in both directions."""
 
 import sys
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Whatever is sent, in whatever order: nothing breaks, and what stood still stands."""
+"""Any messages in any order: faulty ones are refused by name, and change nothing."""
 
 import copy
 import functools

@@ -1,4 +1,4 @@
-"""The layers of the package, as pyproject.toml has them."""
+"""The layers of the package, as defined in pyproject.toml."""
 
 from importlinter.cli import lint_imports
 

@@ -1,4 +1,4 @@
-"""The tutorial's notebook runs from top to bottom, and is kept as it ran."""
+"""The tutorial's notebook runs from top to bottom, and contains its outputs."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""The description of a robot: files that fit, orders, names, limbs, errors."""
+"""The description of a robot: matching files, orders, names, limbs, errors."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Legs under user control: what the behaviors make of what is left to them."""
+"""Legs under user control: the behaviors with their remaining joints."""
 
 import numpy as np
 import pytest
@@ -65,7 +65,7 @@ def test_without_a_leg_of_its_own_the_robot_holds_its_pose(take, behavior, joint
     moved = np.abs(np.array(sim.atlas_state.position) - pose)
     assert moved[~users].max() < 0.05
     (warning,) = warnings(sim)
-    assert "no leg to balance with" in warning
+    assert "no leg to balance on" in warning
     assert sim.current_behavior.name == behavior
     # Given back, the legs balance again.
     take(sim, users, k=0)

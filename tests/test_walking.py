@@ -1,4 +1,4 @@
-"""Walking beyond the tutorial: far, backwards, sideways, round and in curves."""
+"""Walking beyond the tutorial: far, backward, sideways, turning and along curves."""
 
 import math
 

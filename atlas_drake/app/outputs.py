@@ -42,7 +42,7 @@ def check_outputs(options: argparse.Namespace, names: Collection[str]) -> None:
     for name in ("scenario", "log"):
         read = getattr(options, name, None)
         if read is not None and name not in names:
-            taken[read.resolve()] = f"the {name} that is read"
+            taken[read.resolve()] = f"the file of the {name}"
     for name in names:
         path = getattr(options, name)
         if path is None:
@@ -55,7 +55,7 @@ def check_outputs(options: argparse.Namespace, names: Collection[str]) -> None:
             )
         before = taken.setdefault(path.resolve(), option)
         if before != option:
-            raise ScenarioError(option, str(path), f"{path} is {before} already")
+            raise ScenarioError(option, str(path), f"{path} is already {before}")
 
 
 def keep(

@@ -67,9 +67,8 @@ def start_meshcat(
             say(f"Port {port} is in use; the 3D view is on {candidate}.")
         if not local:
             say(
-                f"! The 3D view listens on {host} and asks for no password: whoever "
-                f"reaches port {meshcat.port()} sees the robot, and with teleop steers "
-                "it."
+                f"! The 3D view listens on {host} without a password: everyone with "
+                f"access to port {meshcat.port()} can watch, and with teleop steer."
             )
         return meshcat
     raise ScenarioError(

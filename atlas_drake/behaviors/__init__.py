@@ -1,4 +1,4 @@
-"""What each behavior wants, tick by tick, and the rules for changing between them.
+"""The behaviors, which command the QP in each tick, and the rules of their transitions.
 
 Plain Python on frozen values: no ports, no Context, no solver.
 """

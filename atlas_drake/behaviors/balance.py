@@ -1,7 +1,7 @@
 """Turns references of DCM, feet and body into the QP's command.
 
-The one place where behaviors meet the feedback laws of ``control``. It decides
-nothing: where to put feet and center of mass is each behavior's business.
+The only module of the behaviors that calls the feedback laws of ``control``. Each
+behavior chooses its own references of feet and center of mass.
 """
 
 from __future__ import annotations
@@ -42,15 +42,15 @@ from atlas_drake.control.whole_body.tracking import (
 from atlas_drake.robot import Robot
 
 FULL_LOAD = 3.0
-"""Largest normal force asked of one sole, in weights of the robot [-]."""
+"""Upper bound of the normal force on one sole, in weights of the robot [-]."""
 
 
 class FootCommand(NamedTuple):
-    """What one foot shall do.
+    """Command of one foot.
 
     Attributes:
         task: Motion of the sole.
-        contact: What the ground may push with; None for a foot in the air.
+        contact: Contact of the sole with the ground; None for a foot in the air.
     """
 
     task: FrameTask
@@ -99,7 +99,7 @@ class Balance:
         support: SupportPolygon,
         feet: tuple[FootCommand, FootCommand],
     ) -> WholeBodyCommand:
-        """The QP's command that tracks ``reference`` within ``support``."""
+        """Builds the QP's command that tracks ``reference`` within ``support``."""
         terms, gains = observation.terms, self.gains
         cop = self.wanted_cop(observation, reference, omega, support)
         # Enhanced centroidal moment pivot: g/ω² below the virtual repellent point.
@@ -112,8 +112,8 @@ class Balance:
         )
         turning = np.array([0.0, 0.0, body.yaw_rate])
         if observation.user_held[self._back].any():
-            # The user bends the back: the chest goes where the user puts it, and the
-            # pelvis must not be tilted to bring it upright.
+            # The user controls the back and so the chest: the pelvis must not be tilted
+            # to bring the chest upright.
             chest = np.zeros(3)
         else:
             chest = orientation_acceleration(
@@ -138,7 +138,7 @@ class Balance:
         posture: PostureTask,
         *tasks: Task,
     ) -> WholeBodyCommand:
-        """The QP's command of two feet, a posture and further tasks."""
+        """Builds the QP's command of two feet, a posture and further tasks."""
         left, right = feet
         contacts = tuple([foot.contact for foot in feet if foot.contact is not None])
         if len(contacts) == len(feet):
@@ -158,12 +158,15 @@ class Balance:
         return support.clamp(cop)
 
     def posture(self, observation: Observation, body: BodyReference) -> np.ndarray:
-        """Joint accelerations towards the posture [rad/s²], shape (n,)."""
+        """Computes joint accelerations towards the posture [rad/s²], shape (n,)."""
         gains, terms = self.gains.posture, observation.terms
         return gains.kp * (body.joints - terms.q) - gains.kd * terms.v
 
     def pressed(self, observation: Observation, foot: int, load: float) -> FootCommand:
-        """A new foot, loaded by at least ``load`` weights so that it turns flat."""
+        """Commands a foot that just landed, with a load of at least ``load`` weights.
+
+        The load turns the sole flat onto the ground.
+        """
         return FootCommand(
             self._resting(observation, foot, self._stance_weight),
             self._contact(foot, self._patches.middle, FULL_LOAD, load),
@@ -172,7 +175,7 @@ class Balance:
     def planted(
         self, observation: Observation, foot: int, max_load: float = FULL_LOAD
     ) -> FootCommand:
-        """A foot that stays where it is, loaded by at most ``max_load`` weights."""
+        """Commands a foot to stay planted, loaded by at most ``max_load`` weights."""
         return FootCommand(
             self._resting(observation, foot, self._stance_weight),
             self._soles[foot]
@@ -181,13 +184,13 @@ class Balance:
         )
 
     def hanging(self, observation: Observation, foot: int) -> FootCommand:
-        """A foot in the air that is to stop moving."""
+        """Commands a foot in the air to come to rest."""
         return FootCommand(self._resting(observation, foot, self._swing_weight))
 
     def swinging(
         self, observation: Observation, foot: int, reference: SwingReference
     ) -> FootCommand:
-        """A foot in the air that follows ``reference``."""
+        """Commands a foot in the air to follow ``reference``."""
         return FootCommand(
             self._following(observation, foot, reference, self._swing_weight)
         )
@@ -199,7 +202,7 @@ class Balance:
         reference: SwingReference,
         max_load: float,
     ) -> FootCommand:
-        """A foot on its toes, whose heel follows ``reference``."""
+        """Commands a foot on its toes, whose heel follows ``reference``."""
         return FootCommand(
             self._following(observation, foot, reference, self._stance_weight),
             self._contact(foot, self._patches.toes, max_load),
@@ -208,7 +211,7 @@ class Balance:
     def _resting(
         self, observation: Observation, foot: int, weight: np.ndarray
     ) -> FrameTask:
-        """The task that brings a sole to rest."""
+        """Builds the task that brings a sole to rest."""
         acceleration = feedback.stance_acceleration(
             observation.terms.feet[foot], self.gains.stance_foot_damping
         )
@@ -221,7 +224,7 @@ class Balance:
         reference: SwingReference,
         weight: np.ndarray,
     ) -> FrameTask:
-        """The task that moves a sole along ``reference``."""
+        """Builds the task that moves a sole along ``reference``."""
         gains, terms = self.gains, observation.terms.feet[foot]
         acceleration = np.empty(6)
         acceleration[:3] = reference.alpha_WF + orientation_acceleration(
@@ -253,31 +256,31 @@ class Balance:
         )
 
     def toes(self, toeing: FootPose) -> SupportPolygon:
-        """Where the CoP of a foot on its toes can lie.
+        """Computes the region of the CoP for a foot on its toes.
 
         Args:
-            toeing: The foot as it lay before its heel rose.
+            toeing: Pose of the foot before its heel rose.
         """
         contact, sole = self.gains.contact, self.robot.file.sole
         half_width = sole.width / 2 - contact.width_margin
         return SupportPolygon(toe_corners(toeing, sole.length / 2, half_width))
 
     def support_on_toes(self, flat: FootPose, toeing: FootPose) -> SupportPolygon:
-        """Where the CoP can lie with one foot flat and the other on its toes.
+        """Computes the region of the CoP with one foot flat and the other on its toes.
 
         Args:
-            flat: The foot that stays.
-            toeing: The other one, as it lay before its heel rose.
+            flat: Pose of the flat foot.
+            toeing: Pose of the other foot before its heel rose.
         """
         toes = self.toes(toeing).vertices
         return SupportPolygon(np.concatenate([self._corners(flat)[:, :2], toes]))
 
     def support(self, *feet: FootPose) -> SupportPolygon:
-        """Where the CoP can lie with these feet on the ground."""
+        """Computes the region of the CoP with these feet on the ground."""
         return SupportPolygon(np.concatenate([self._corners(foot) for foot in feet]))
 
     def _corners(self, foot: FootPose) -> np.ndarray:
-        """Corners of the part of a sole that the CoP can lie in, shape (4, 3)."""
+        """Computes the corners of a sole less its margins, in W [m], shape (4, 3)."""
         contact, sole = self.gains.contact, self.robot.file.sole
         return sole_corners(
             foot.p_WF,

@@ -1,7 +1,7 @@
-"""What all behaviors have in common: their inputs, outputs and protocol.
+"""Inputs, outputs and protocol of all behaviors.
 
-Behaviors are pure: everything they remember is a frozen value that they are given
-and hand back, so that the Context of a diagram can own it.
+Behaviors are pure: their state is a frozen value that each call receives and returns,
+so that the Context of a diagram can own it.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from atlas_drake.messages.event import Event
 
 @dataclass(frozen=True)
 class Observation:
-    """What a behavior sees in one tick; n joints in message order.
+    """Input of a behavior in one tick; n joints in message order.
 
     Attributes:
         time: [s]
@@ -42,26 +42,26 @@ class Observation:
 
     @cached_property
     def user_held(self) -> np.ndarray:
-        """Joints whose effort the user decides alone, bool, shape (n,)."""
+        """Joints that the user controls alone, bool, shape (n,)."""
         return self.user_share >= 1.0
 
     def foot_pose(self, foot: int) -> FootPose:
-        """Where a sole is now."""
+        """Present pose of a sole in W."""
         terms = self.terms.feet[foot]
         return FootPose(terms.p_WF.copy(), terms.R_WF.copy())
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a behavior answers in one tick.
+    """Output of a behavior in one tick.
 
     Attributes:
-        memory: What it wants to remember until the next tick; frozen.
-        body: The body reference moved on by one tick.
-        command: For the whole-body QP; None for no effort at all.
+        memory: State of the behavior for the next tick; frozen.
+        body: The body reference, advanced by one tick.
+        command: Command to the whole-body QP; None for zero effort.
         finished: True when the behavior is over and STAND shall follow.
         status_flags: The behavior's own feedback flags, which the supervisor latches.
-        events: For the log.
+        events: New events for the log.
     """
 
     memory: Any
@@ -81,7 +81,7 @@ class BehaviorProtocol(Protocol):
         body: BodyReference,
         request: BehaviorRequest,
     ) -> Any:
-        """The memory with which the behavior starts."""
+        """Returns the state in which the behavior starts."""
 
     def update(
         self,
@@ -91,16 +91,16 @@ class BehaviorProtocol(Protocol):
         request: BehaviorRequest,
         leaving: bool,
     ) -> Outcome:
-        """One tick; ``leaving`` asks it to come to an end in good order."""
+        """Computes one tick; ``leaving`` requests an orderly end of the behavior."""
 
     def report(self, memory: Any, state: AtlasSimInterfaceState) -> None:
-        """Fills in the behavior's own part of the state message, but its flags."""
+        """Fills in the behavior's own part of the state message, except its flags."""
 
     def plan(self, memory: Any, com: np.ndarray, omega: float) -> Plan:
-        """What the behavior intends, for viewers and logs.
+        """Returns the behavior's plan, for viewers and logs.
 
         Args:
-            memory: After the last tick.
+            memory: State of the behavior after the last tick.
             com: Center of mass at that tick, horizontal in W [m], shape (2,).
-            omega: Natural frequency of the pendulum there [1/s].
+            omega: Natural frequency of the pendulum at that tick [1/s].
         """

@@ -1,8 +1,8 @@
-"""Reference of trunk and posture, shared and handed on by all behaviors.
+"""Reference of trunk and posture, which each behavior passes on to the next.
 
-It starts from wherever the robot is and moves to the nominal posture at limited
-speed, so that no hand-over from the user, or between behaviors, is a jump. Where
-feet and center of mass go is each behavior's own business.
+The reference starts from the present posture and moves to the nominal posture at
+limited speed, so that no hand-over from the user, or between behaviors, is a jump.
+References of feet and horizontal center of mass are each behavior's own.
 """
 
 from __future__ import annotations
@@ -18,29 +18,29 @@ from atlas_drake.control.whole_body.terms import WholeBodyTerms
 
 @dataclass(frozen=True)
 class BodyRates:
-    """How fast the reference moves."""
+    """Speed limits of the reference of trunk and posture."""
 
     joints: float = 0.6
-    """[rad/s]"""
+    """Speed of each joint [rad/s]."""
     tilt: float = 0.3
-    """Roll and pitch of pelvis and chest [rad/s]."""
+    """Speed of roll and pitch of pelvis and chest [rad/s]."""
     yaw: float = 1.2
-    """[rad/s]"""
+    """Speed of the heading [rad/s]."""
     height: float = 0.12
-    """[m/s]"""
+    """Speed of the height of the center of mass [m/s]."""
     easing: Positive = 0.1
-    """Time in which height and heading take up their speed, and lose it [s]."""
+    """Time in which height and heading reach their speed, and slow down again [s]."""
 
 
 @dataclass(frozen=True)
 class BodyReference:
-    """Trunk and posture; n joints in message order.
+    """Reference of trunk and posture; n joints in message order.
 
     Attributes:
-        height: Of the center of mass in W [m].
-        height_rate: [m/s]
+        height: Height of the center of mass in W [m].
+        height_rate: Rate of the height [m/s].
         yaw: Heading of pelvis and chest [rad].
-        yaw_rate: [rad/s]
+        yaw_rate: Rate of the heading [rad/s].
         pelvis_tilt: Roll and pitch of the pelvis [rad], shape (2,).
         chest_tilt: Roll and pitch of the chest [rad], shape (2,).
         joints: Posture [rad], shape (n,).
@@ -56,25 +56,25 @@ class BodyReference:
 
     @property
     def R_WP(self) -> np.ndarray:
-        """Orientation wanted of the pelvis."""
+        """Desired orientation of the pelvis."""
         return orientation(self.yaw, self.pelvis_tilt)
 
     @property
     def R_WC(self) -> np.ndarray:
-        """Orientation wanted of the chest."""
+        """Desired orientation of the chest."""
         return orientation(self.yaw, self.chest_tilt)
 
 
 @dataclass(frozen=True)
 class BodyTarget:
-    """Where the reference shall go.
+    """Target of the reference of trunk and posture.
 
     Attributes:
-        height: Of the center of mass in W [m].
-        yaw: [rad]
+        height: Height of the center of mass in W [m].
+        yaw: Heading of pelvis and chest [rad].
         joints: Posture [rad], shape (n,).
         pelvis_tilt: Roll and pitch of the pelvis [rad], shape (2,).
-        chest_tilt: Roll and pitch of the chest [rad], shape (2,); None means those of
+        chest_tilt: Roll and pitch of the chest [rad], shape (2,); None for those of
             the pelvis.
     """
 
@@ -86,7 +86,7 @@ class BodyTarget:
 
 
 def capture_body(terms: WholeBodyTerms) -> BodyReference:
-    """The reference that asks for nothing but what is."""
+    """Returns the present posture as the reference, at rest."""
     return BodyReference(
         height=float(terms.com[2]),
         height_rate=0.0,
@@ -108,8 +108,8 @@ def advance_body(
 ) -> BodyReference:
     """Moves the reference towards ``target`` for ``dt`` [s].
 
-    Joints that the user holds follow what is measured, so that they are taken back
-    from where the user left them.
+    Joints under user control follow their measured positions, so that a behavior takes
+    them back from where the user left them.
     """
     height_rate = _eased(
         target.height - body.height, body.height_rate, rates.height, rates.easing, dt
@@ -133,12 +133,13 @@ def advance_body(
 
 
 def _eased(way: float, rate: float, limit: float, easing: float, dt: float) -> float:
-    """The next rate of what has ``way`` to go, and goes at most at ``limit``.
+    """Computes the next rate of a reference at distance ``way`` from its goal.
 
-    It takes up its speed over ``easing`` [s], and loses it as it comes near: a rate
-    that jumps is a jump of every effort, since the feedback laws damp the difference to
-    it. Behind a goal that moves it stays by ``easing`` times the goal's speed. A rate
-    that it inherits takes it beyond a goal close by, by limit·easing/2 at most.
+    The rate is at most ``limit``; it rises over ``easing`` [s], and falls near the
+    goal: a jump of the rate would be a jump of every effort, because the feedback laws
+    damp the difference to the rate. The reference lags a moving goal by ``easing``
+    times the goal's speed. With an initial rate it can overshoot a near goal by at most
+    limit·easing/2.
     """
     rate = min(max(rate, -limit), limit)
     wanted = min(max(way / easing, -limit), limit)

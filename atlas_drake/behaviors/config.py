@@ -1,7 +1,7 @@
-"""All numbers that tune our controller, in one value.
+"""All parameters of the whole-body controller, in one value.
 
-Gathers the configurations that live beside what they configure; holds no number of
-its own. What belongs to the robot stands in the robot's file.
+Gathers the configurations, each of which is defined beside the code that it configures;
+no parameter is defined here. Properties of the robot are in the robot's file.
 """
 
 from dataclasses import dataclass, field
@@ -20,14 +20,14 @@ from atlas_drake.control.gains import ControlGains
 
 @dataclass(frozen=True)
 class ControllerConfig:
-    """Tunes the controller; ``controller`` of a scenario."""
+    """Parameters of the controller; field ``controller`` of a scenario."""
 
     gains: ControlGains = field(default_factory=ControlGains)
     """Gains and weights of the whole-body controller."""
     body: BodyRates = field(default_factory=BodyRates)
-    """Speed of the reference of trunk and posture in STAND, WALK and MANIPULATE."""
+    """Speed limits of the trunk and posture reference in STAND, WALK and MANIPULATE."""
     entry: EntryLimits = field(default_factory=EntryLimits)
-    """Conditions under which STAND takes over."""
+    """Conditions under which STAND can take over."""
     fall: FallLimits = field(default_factory=FallLimits)
     """Posture that counts as a fall."""
     freeze: FreezeConfig = field(default_factory=FreezeConfig)

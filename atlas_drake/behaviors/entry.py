@@ -1,6 +1,6 @@
-"""The entry of a behavior: everything that others need to know to run and show it.
+"""The entry of a behavior: everything that is needed to run and show it.
 
-Those that are shipped are in ``shipped``; one of your own is made the same way.
+The shipped entries are in ``shipped``; an entry of your own is made the same way.
 """
 
 from __future__ import annotations
@@ -26,15 +26,15 @@ from atlas_drake.robot import Robot
 
 @dataclass(frozen=True)
 class BehaviorTools:
-    """What a behavior is built from; constants only.
+    """Parts that behaviors are built from; constants only.
 
     Attributes:
-        model: Of the robot.
+        model: Model of the robot.
         balance: Gains, support polygons, and the tasks that keep the robot upright.
-        nominal_height: Of the center of mass above the soles when standing [m].
-        rates: How fast trunk and posture references move.
-        entry_limits: When STAND can take over.
-        freeze: Holds the pose.
+        nominal_height: Height of the center of mass above the soles when standing [m].
+        rates: Speed limits of the reference of trunk and posture.
+        entry_limits: Conditions under which STAND can take over.
+        freeze: The behavior that holds the pose.
     """
 
     model: WholeBodyModel
@@ -50,19 +50,19 @@ class BehaviorTools:
         return self.model.robot
 
     def guarded(self, behavior: StandingBehavior) -> StanceGuard:
-        """The behavior, which holds its pose while the user leaves it no leg."""
+        """Adds the stance guard, which holds the pose while the user has both legs."""
         return StanceGuard(behavior, self.freeze, self.balance)
 
 
 @dataclass(frozen=True)
 class Transition:
-    """A change of behavior that is asked for.
+    """A requested change of behavior.
 
     Attributes:
         source: Entry of the active behavior.
-        observation: What the robot measures now.
-        tools: Of the behaviors.
-        command: That asks.
+        observation: Present observation of the robot.
+        tools: Parts that behaviors are built from.
+        command: The command that requests the change.
     """
 
     source: BehaviorEntry
@@ -72,32 +72,34 @@ class Transition:
 
 
 EntryCondition: TypeAlias = "Callable[[Transition], BehaviorStatus | str]"
-"""Tells why a behavior cannot begin: a flag or a reason in words; OK or empty if it
-can."""
+"""Returns why a behavior cannot begin, as a flag or a reason in words; OK or an empty
+string if it can."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class BehaviorEntry(BehaviorInterface):
-    """A behavior: how it is asked for, made, entered, left and shown.
+    """A behavior: how it is requested, made, entered, left and shown.
 
     The fields of ``BehaviorInterface`` come first: name, number, params, check,
     caption, color, description.
 
     Attributes:
-        make: The behavior's class, or whatever else returns a ``BehaviorProtocol`` when
-            called with (tools: BehaviorTools, config).
-        config: Instance of the behavior's configuration dataclass, with the values to
-            begin with; None if it has none.
-        conditions: All must be met when the behavior is to begin.
-        follows: Names of behaviors that it may follow.
-        leads_to: Names of behaviors that may follow it, besides itself and those that
-            may begin at any time.
-        at_any_time: Whether it may follow every other behavior.
-        upright: Whether it needs a robot on its feet.
-        balanced: Whether the robot balances in it, so that STAND may follow at once.
-        ends_in_order: Whether it comes to its own end when STAND is asked for.
-        lifts_feet: Whether it lifts feet, and so needs both legs for itself.
-        feedback: Field of ``AtlasSimInterfaceState`` that takes its status flags.
+        make: The behavior's class, or another callable with the arguments
+            (tools: BehaviorTools, config) that returns a ``BehaviorProtocol``.
+        config: Instance of the behavior's configuration dataclass, with the default
+            values; None if the behavior has no configuration.
+        conditions: Conditions that must all be met when the behavior begins.
+        follows: Names of behaviors that this behavior may follow.
+        leads_to: Names of behaviors that may follow this behavior, besides itself and
+            those that may begin at any time.
+        at_any_time: True if the behavior may follow every other behavior.
+        upright: True if the behavior needs a robot on its feet.
+        balanced: True if the behavior balances the robot, so that STAND may follow at
+            once.
+        ends_in_order: True if the behavior comes to an orderly end when STAND is
+            requested.
+        lifts_feet: True if the behavior lifts feet, and so needs both legs.
+        feedback: Field of ``AtlasSimInterfaceState`` for the behavior's status flags.
     """
 
     make: Callable[[BehaviorTools, Any], BehaviorProtocol]
@@ -113,7 +115,7 @@ class BehaviorEntry(BehaviorInterface):
     feedback: str = ""
 
     def may_follow(self, source: BehaviorEntry) -> bool:
-        """Whether the transition from ``source`` is a legal one."""
+        """True if the transition from ``source`` is legal."""
         return (
             self.at_any_time
             or self.name == source.name
@@ -125,16 +127,17 @@ class BehaviorEntry(BehaviorInterface):
 def configured(
     entries: Iterable[BehaviorEntry], settings: Mapping[str, Any]
 ) -> tuple[BehaviorEntry, ...]:
-    """Return the entries with the configurations that a scenario gives them.
+    """Returns the entries with the configurations of a scenario.
 
-    Shipped behaviors are configured by fields of ``ControllerConfig`` of their own.
+    Each shipped behavior is configured by its own field of ``ControllerConfig``.
 
     Args:
-        entries: Of registered behaviors; shipped ones stay as they are.
-        settings: Some fields of configurations, as from YAML, by name of the behavior.
+        entries: Entries of registered behaviors; shipped ones are not changed.
+        settings: Fields of configurations, as read from YAML, by name of the behavior;
+            fields that are left out keep their defaults.
 
     Raises:
-        ScenarioError: Naming the first field that cannot be used.
+        ScenarioError: If a field cannot be used; names the first one.
     """
     made = tuple(entries)
     if not settings:
@@ -165,7 +168,7 @@ def configured(
 def legal_transitions(
     entries: Iterable[BehaviorEntry],
 ) -> dict[str, frozenset[str]]:
-    """From the name of each behavior to the names of those that may follow it."""
+    """Maps the name of each behavior to the names of those that may follow it."""
     known = tuple(entries)
     return {
         source.name: frozenset(t.name for t in known if t.may_follow(source))
@@ -174,18 +177,18 @@ def legal_transitions(
 
 
 def refusal(target: BehaviorEntry, asked: Transition) -> tuple[BehaviorStatus, str]:
-    """Why a behavior cannot begin now.
+    """Determines why a behavior cannot begin now.
 
     Args:
-        target: Entry of the behavior asked for.
-        asked: The transition.
+        target: Entry of the requested behavior.
+        asked: The requested transition.
 
     Returns:
         The flag for the feedback, OK if the behavior can begin, and a reason in words,
         which may be empty.
 
     Raises:
-        BehaviorError: If a condition answers anything else.
+        BehaviorError: If a condition returns a value of another type.
     """
     if not target.may_follow(asked.source):
         return BehaviorStatus.FAILED_TRANS_ILLEGAL_BEHAVIOR, ""

@@ -1,4 +1,4 @@
-"""When STAND can take over a robot that does not balance.
+"""Limits within which STAND can take over a robot that does not balance.
 
 The condition that reads these limits is in ``shipped``.
 """
@@ -10,11 +10,11 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class EntryLimits:
-    """When STAND can take over; measured by ``benchmarks/entry_limits.py``."""
+    """Limits within which STAND can take over, from ``benchmarks/entry_limits.py``."""
 
     com_inside: float = 0.01
-    """The CoM must lie this far inside the soles' hull less its margins [m]."""
+    """Least distance of the CoM from the edge of the support polygon, inside it [m]."""
     dcm_inside: float = 0.03
-    """And the DCM this far, which is where it would come to rest by itself [m]."""
+    """Least distance of the DCM from the edge of the support polygon, inside it [m]."""
     joint_speed: float = 4.0
-    """Fastest joint that the behavior would have to catch [rad/s]."""
+    """Largest speed of any joint that STAND takes over [rad/s]."""

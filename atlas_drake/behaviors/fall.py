@@ -1,6 +1,6 @@
 """Detects a fall from pelvis tilt and height of the center of mass.
 
-What follows from a fall is not decided here.
+The reaction to a fall is in ``supervisor``.
 """
 
 from __future__ import annotations
@@ -14,22 +14,22 @@ from atlas_drake.control.whole_body.terms import WholeBodyTerms
 
 @dataclass(frozen=True)
 class FallLimits:
-    """When the robot counts as falling."""
+    """Limits of the posture beyond which the robot counts as falling."""
 
     tilt: float = 0.8
     """Angle of the pelvis' z axis from the vertical [rad]."""
     height: Share = 0.6
-    """Height of the CoM above the lower sole, as a share of the nominal one [-]."""
+    """Height of the CoM above the lower sole, relative to the nominal height [-]."""
 
 
 @dataclass(frozen=True)
 class Posture:
-    """What a fall shows in.
+    """Quantities from which a fall is detected.
 
     Attributes:
         upright: Cosine of the angle between the pelvis' z axis and the vertical [-].
-        com_height: Height of the center of mass above the lower sole [m]. It tells a
-            robot that lies from one that stands or hangs wherever the ground is.
+        com_height: Height of the center of mass above the lower sole [m]. It separates
+            a lying robot from a standing or hanging one at any height of the ground.
     """
 
     upright: float
@@ -37,18 +37,18 @@ class Posture:
 
 
 def posture_of(terms: WholeBodyTerms) -> Posture:
-    """The posture at a state of the robot."""
+    """Computes the posture at a state of the robot."""
     sole = min(float(terms.feet[0].p_WF[2]), float(terms.feet[1].p_WF[2]))
     return Posture(float(terms.R_WP[2, 2]), float(terms.com[2]) - sole)
 
 
 def sign_of_fall(posture: Posture, nominal_height: float, limits: FallLimits) -> str:
-    """What in a posture is that of a falling robot; empty if nothing is.
+    """Describes the sign of a fall in a posture; empty if the robot does not fall.
 
     Args:
-        posture: Of the robot now.
-        nominal_height: Of the center of mass above the soles when standing [m].
-        limits: From where on the robot falls.
+        posture: Present posture of the robot.
+        nominal_height: Height of the center of mass above the soles when standing [m].
+        limits: Limits beyond which the robot counts as falling.
     """
     tilt = math.acos(min(max(posture.upright, -1.0), 1.0))
     if tilt >= limits.tilt:

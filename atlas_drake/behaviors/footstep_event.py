@@ -1,4 +1,4 @@
-"""Events about a step, the same for every behavior that steps."""
+"""Events about a step, shared by all behaviors that step."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ from atlas_drake.messages.event import Event
 def footstep_event(
     time: float, sent: Footstep, taken: Footstep, landed: FootPose
 ) -> Event:
-    """What is logged at touchdown.
+    """Makes the event that is logged at touchdown.
 
     Args:
-        time: [s]
+        time: Time of the touchdown [s].
         sent: The step as commanded.
-        taken: The step as it was really aimed for.
-        landed: Where the sole is.
+        taken: The step as executed, after saturation.
+        landed: Pose of the sole at touchdown.
     """
     return Event(
         time,
@@ -44,22 +44,22 @@ def footstep_event(
 
 
 NOTABLE = 0.001
-"""Warn of a step that is moved by this much, before it lands [m]."""
+"""Warn at lift-off of a step that is saturated by at least this distance [m]."""
 NOTABLE_ANGLE = 0.01
-"""Warn of a step that is turned or tilted by this much [rad]."""
+"""Warn of a step that is turned or tilted by at least this angle [rad]."""
 ELSEWHERE = 0.05
-"""A step that lands this far from where it was sent is not the one asked for [m]."""
+"""A step that lands this far from its command counts as landed elsewhere [m]."""
 ELSEWHERE_ANGLE = 0.2
-"""A step that lands turned by this much is not the one asked for [rad]."""
+"""A step that lands turned by this angle counts as landed elsewhere [rad]."""
 
 
 def out_of_reach(time: float, sent: Footstep, taken: Footstep) -> tuple[Event, ...]:
-    """A warning if a step goes somewhere else than it was sent.
+    """Makes a warning if the place or heading of a step differs from its command.
 
     Args:
-        time: [s]
+        time: Time of the warning [s].
         sent: The step as commanded.
-        taken: The step as it is aimed for.
+        taken: The step as executed.
     """
     away, turned = landing_error(sent, taken.pose), heading_error(sent, taken.pose)
     off = []
@@ -80,12 +80,12 @@ def out_of_reach(time: float, sent: Footstep, taken: Footstep) -> tuple[Event, .
 
 
 def pace_changed(time: float, sent: Footstep, taken: Footstep) -> tuple[Event, ...]:
-    """A warning if a step takes another time, height or slope than it was sent with.
+    """Makes a warning if duration, height or slope of a step differ from its command.
 
     Args:
-        time: [s]
+        time: Time of the warning [s].
         sent: The step as commanded, its height in W.
-        taken: The step as it is taken.
+        taken: The step as executed.
     """
     changes = []
     if not math.isclose(sent.duration, taken.duration, abs_tol=1e-3):
@@ -106,9 +106,9 @@ def pace_changed(time: float, sent: Footstep, taken: Footstep) -> tuple[Event, .
 
 
 def landed_elsewhere(event: Event) -> bool:
-    """Whether an event tells of a landing that is not the one asked for.
+    """True if an event reports a landing far from the commanded one.
 
-    It may have been out of reach, or balance may have moved it.
+    The commanded pose may have been out of reach, or balance may have moved the step.
     """
     return event.kind == "footstep" and (
         event.data["error_m"] >= ELSEWHERE or event.data["error_rad"] >= ELSEWHERE_ANGLE

@@ -1,7 +1,7 @@
 """FREEZE: hold every joint where it is, and keep the feet still.
 
-The safety mode: it plans nothing and moves nothing. It holds what the ground lets it
-hold; a robot frozen in mid-stride falls as a statue would.
+The safety mode: FREEZE plans no motion and does not balance, so a robot frozen in
+mid-stride falls.
 """
 
 from __future__ import annotations
@@ -22,23 +22,23 @@ from atlas_drake.messages.controller_status import Plan
 
 @dataclass(frozen=True)
 class FreezeConfig:
-    """Tunes FREEZE."""
+    """Parameters of FREEZE."""
 
     stiffness_weight: float = 1.0
-    """Weight of holding each joint in the QP, all joints alike [1/(rad/s²)²]."""
+    """Weight of holding each joint in the QP, equal for all joints [1/(rad/s²)²]."""
     contact_force: Share = 0.02
     """A sole that carries this share of the weight counts as on the ground [-]."""
 
 
 @dataclass(frozen=True)
 class FreezeMemory:
-    """Joint positions to hold [rad], shape (n,)."""
+    """State of FREEZE: joint positions to hold [rad], shape (n,)."""
 
     joints: np.ndarray
 
 
 class Freeze:
-    """Holds still."""
+    """Holds every joint at its position and the feet still."""
 
     def __init__(self, balance: Balance, config: FreezeConfig | None = None):
         """Takes gains from ``balance``."""
@@ -53,7 +53,7 @@ class Freeze:
         body: BodyReference,
         request: BehaviorRequest,
     ) -> FreezeMemory:
-        """Notes where the joints are."""
+        """Stores the present joint positions."""
         return FreezeMemory(observation.terms.q.copy())
 
     def update(
@@ -64,8 +64,8 @@ class Freeze:
         request: BehaviorRequest,
         leaving: bool,
     ) -> Outcome:
-        """One tick of holding still."""
-        # Whoever comes next starts from the pose that is, not from one remembered.
+        """Computes one tick of holding the joints."""
+        # The next behavior starts from the measured pose, not from the stored one.
         body = capture_body(observation.terms)
         joints = np.where(observation.user_held, observation.terms.q, memory.joints)
         gains = self._balance.gains.posture
@@ -83,8 +83,8 @@ class Freeze:
         return Outcome(memory=FreezeMemory(joints), body=body, command=command)
 
     def plan(self, memory: FreezeMemory, com: np.ndarray, omega: float) -> Plan:
-        """Nothing is planned: the pose is held."""
+        """Returns an empty plan: FREEZE holds the pose."""
         return Plan()
 
     def report(self, memory: FreezeMemory, state: AtlasSimInterfaceState) -> None:
-        """There is nothing to report beyond the behavior's name."""
+        """Reports nothing beyond the behavior's name."""

@@ -1,7 +1,7 @@
 """NONE and USER: no behavior acts.
 
-In USER every joint is the user's; in NONE joints that the user does not hold get no
-effort at all.
+In USER all joints are under user control; in NONE all joints that are not under user
+control get zero effort.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from atlas_drake.messages.controller_status import Plan
 
 
 class Idle:
-    """Does nothing and remembers nothing."""
+    """Commands no effort and has no state."""
 
     def enter(
         self,
@@ -24,7 +24,7 @@ class Idle:
         body: BodyReference,
         request: BehaviorRequest,
     ) -> None:
-        """There is nothing to note."""
+        """Returns no state."""
 
     def update(
         self,
@@ -34,12 +34,12 @@ class Idle:
         request: BehaviorRequest,
         leaving: bool,
     ) -> Outcome:
-        """One tick: the body reference follows the robot."""
+        """Computes one tick: the body reference follows the robot."""
         return Outcome(memory=None, body=capture_body(observation.terms), command=None)
 
     def plan(self, memory: None, com: np.ndarray, omega: float) -> Plan:
-        """Nothing is planned."""
+        """Returns an empty plan."""
         return Plan()
 
     def report(self, memory: None, state: AtlasSimInterfaceState) -> None:
-        """There is nothing to report beyond the behavior's name."""
+        """Reports nothing beyond the behavior's name."""

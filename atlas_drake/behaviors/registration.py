@@ -1,6 +1,6 @@
-"""Checks behaviors of one's own before anything is built of them.
+"""Checks the entries of the user's own behaviors before the behaviors are built.
 
-Names, numbers and colors are checked where they are shown, in ``behavior_catalog``.
+Names, numbers and colors are checked in ``behavior_catalog``.
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from atlas_drake.messages.behavior_catalog import BehaviorCatalog, BehaviorError
 
 
 def registered(behaviors: Iterable[BehaviorEntry]) -> tuple[BehaviorEntry, ...]:
-    """Return behaviors of one's own, of which every field can be used.
+    """Returns the entries of the user's own behaviors after checking every field.
 
     Args:
-        behaviors: Added to those that are shipped.
+        behaviors: Entries to add to the shipped ones.
 
     Raises:
-        BehaviorError: If one cannot be registered; it names the behavior and the field.
+        BehaviorError: If an entry cannot be registered; names behavior and field.
     """
     if not isinstance(behaviors, Iterable):
         raise BehaviorError(
@@ -60,7 +60,7 @@ def _check(entry: Any, names: list[str]) -> None:
         refuse("config", "an instance of a frozen dataclass")
     if entry.check is not None and not callable(entry.check):
         refuse("check", "callable with (params, field)")
-    # One made from a shipped entry reads the parameters that its model reads.
+    # An entry made from a shipped entry reads the same parameters of the command.
     shared = getattr(AtlasSimInterfaceCommand(), str(entry.params_field), None)
     if entry.params_field != "params" and type(shared) is not entry.params:
         refuse("params_field", "'params', or a command's field for these parameters")

@@ -1,4 +1,4 @@
-"""The entries of the behaviors that are shipped, made as anybody makes one."""
+"""The entries of the shipped behaviors, made in the same way as the user's own."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from atlas_drake.messages.behavior_catalog import SHIPPED
 
 
 def at_rest_over_the_feet(asked: Transition) -> BehaviorStatus:
-    """STAND takes over a robot that does not fall and whose joints are not too fast."""
+    """Checks that CoM, DCM and joint speeds are within the limits of STAND's entry."""
     if asked.source.balanced:
         return BehaviorStatus.OK
     observation, limits = asked.observation, asked.tools.entry_limits
@@ -65,7 +65,7 @@ def _manipulate(tools: BehaviorTools, config: ManipulateConfig) -> Any:
 
 
 def _entry(behavior: Behavior, **how: Any) -> BehaviorEntry:
-    """The entry of a behavior of the original interface."""
+    """Makes the entry of a behavior of the original interface."""
     interface = SHIPPED.entry(behavior)
     shared = {field.name: getattr(interface, field.name) for field in fields(interface)}
     return BehaviorEntry(**{**shared, "follows": (), **how})
@@ -77,7 +77,7 @@ _UNBALANCED = {
     "ends_in_order": False,
 }
 _ANY_TIME = {**_UNBALANCED, "at_any_time": True, "upright": False}
-"""Safety comes first: such behaviors may be asked for at any moment."""
+"""Such behaviors may be requested at any time, for safety."""
 
 SHIPPED_ENTRIES = (
     _entry(Behavior.NONE, make=lambda _tools, _config: Idle(), **_ANY_TIME),
@@ -112,13 +112,13 @@ SHIPPED_ENTRIES = (
 
 
 def shipped_entry(behavior: Behavior) -> BehaviorEntry:
-    """Return the entry of a shipped behavior, to make one of your own from.
+    """Returns the entry of a shipped behavior, from which you can make your own.
 
     Example:
         >>> walk = shipped_entry(Behavior.WALK)
         >>> replace(walk, name="MARCH", number=100, make=March, follows=("STAND",))
 
     Args:
-        behavior: Of the original interface.
+        behavior: A behavior of the original interface.
     """
     return next(entry for entry in SHIPPED_ENTRIES if entry.behavior is behavior)

@@ -1,7 +1,7 @@
 """Runs the active behavior and changes it on request, by itself, or after a fall.
 
-The supervisor's state is one frozen value; the objects here hold constants only.
-What a behavior is, and which may follow which, is in its ``entry``.
+The supervisor's state is one frozen value; the objects here hold constants only. The
+legal transitions of a behavior are in its ``entry``.
 """
 
 from __future__ import annotations
@@ -43,27 +43,27 @@ from atlas_drake.messages.recent import append_recent
 
 @dataclass(frozen=True)
 class SupervisorState:
-    """Everything the behaviors remember from one tick to the next.
+    """State of supervisor and behaviors from one tick to the next.
 
     Attributes:
         current: Active behavior.
-        desired: Behavior asked for; leads ``current`` while a change takes time.
-        memory: The active behavior's own; None before its first tick.
-        entered: Whether it has had that tick.
+        desired: Requested behavior; differs from ``current`` during a transition.
+        memory: State of the active behavior; None before its first tick.
+        entered: True after the active behavior's first tick.
         body: Reference of trunk and posture; None before the first tick.
-        request_number: Of the last request taken, refused ones too.
-        request: The active behavior's last one: the one that it began with, or one of
-            its own kind since; None before the first tick.
+        request_number: Number of the last handled request, accepted or refused.
+        request: Last request for the active behavior: the one that started it, or a
+            later one for the same behavior; None before the first tick.
         status: Flags of the last transition.
-        trans_from: Behavior that the last transition left.
-        trans_to: Behavior that the last transition was to.
+        trans_from: Behavior before the last transition.
+        trans_to: Behavior after the last transition.
         behavior_flags: The active behavior's own flags, latched.
-        error_code: Of the last request.
-        warned: Whether the user was told that steps on legs of theirs are risky.
-        falling: Whether a fall was noticed, and no behavior begun since in another
-            posture than that of a fall.
+        error_code: Error code of the last request.
+        warned: True after the warning about steps with leg joints under user control.
+        falling: True from a detected fall until a behavior begins in a posture that is
+            not that of a fall.
         events: The latest events.
-        event_count: How many there have been.
+        event_count: Number of events so far.
     """
 
     current: Behavior
@@ -85,15 +85,15 @@ class SupervisorState:
 
     @property
     def in_damping_mode(self) -> bool:
-        """Whether a behavior has the robot and lets it sag, as it falls."""
+        """True if the robot falls in a behavior, and its joints are only damped."""
         return self.falling and self.current not in (Behavior.NONE, Behavior.USER)
 
 
 class Supervisor:
-    """Owns one object per behavior.
+    """Runs the active behavior; holds one object per behavior.
 
     Attributes:
-        behaviors: Who does what.
+        behaviors: The object of each behavior.
     """
 
     def __init__(
@@ -106,10 +106,11 @@ class Supervisor:
         """Makes the behaviors of all entries.
 
         Args:
-            model: Of the robot.
-            config: All numbers that tune the behaviors.
-            nominal_height: Of the center of mass above the soles when standing [m].
-            entries: Of the behaviors.
+            model: Model of the robot.
+            config: Parameters of the behaviors.
+            nominal_height: Height of the center of mass above the soles when standing
+                [m].
+            entries: Entries of the behaviors.
         """
         robot = model.robot
         balance = Balance(robot, config.gains)
@@ -131,11 +132,11 @@ class Supervisor:
         }
 
     def start(self, behavior: Behavior) -> SupervisorState:
-        """The state before the first tick, with ``behavior`` already active."""
+        """Returns the state before the first tick, with ``behavior`` active."""
         return SupervisorState(current=behavior, desired=behavior)
 
     def restart(self, state: SupervisorState, behavior: Behavior) -> SupervisorState:
-        """The state as at the start; events so far are kept."""
+        """Returns the state of a new start that keeps the events so far."""
         return replace(
             self.start(behavior), events=state.events, event_count=state.event_count
         )
@@ -146,13 +147,13 @@ class Supervisor:
         observation: Observation,
         requests: Sequence[BehaviorRequest],
     ) -> tuple[SupervisorState, WholeBodyCommand | None]:
-        """One tick.
+        """Computes one tick.
 
         Args:
-            state: After the last tick.
-            observation: What the robot measures now.
-            requests: The latest ones, at least one, oldest first; those that came
-                since the last tick are acted upon in their order.
+            state: State after the last tick.
+            observation: Present observation of the robot.
+            requests: The latest requests, at least one, oldest first; those that came
+                since the last tick are handled in their order.
 
         Returns:
             The next state, and the command for the whole-body QP; None when no
@@ -168,7 +169,7 @@ class Supervisor:
                 if new.number > state.request_number:
                     state = self._take_request(state, observation, new)
         if state.in_damping_mode:
-            # There is nothing left to do, nor to tell of.
+            # No behavior acts or reports while the joints are only damped.
             return replace(state, body=capture_body(observation.terms)), None
         request = state.request
         assert request is not None
@@ -206,7 +207,7 @@ class Supervisor:
         return state, None if state.falling else outcome.command
 
     def report(self, state: SupervisorState, message: AtlasSimInterfaceState) -> None:
-        """Fills in what the behaviors have to say."""
+        """Fills in the behaviors' part of the state message."""
         message.error_code = state.error_code
         message.current_behavior = state.current
         message.desired_behavior = state.desired
@@ -223,12 +224,12 @@ class Supervisor:
             getattr(message, field).status_flags = state.behavior_flags
 
     def plan(self, state: SupervisorState, com: np.ndarray, omega: float) -> Plan:
-        """What the active behavior intends.
+        """Returns the plan of the active behavior.
 
         Args:
-            state: After the last tick.
+            state: State after the last tick.
             com: Center of mass at that tick, horizontal in W [m], shape (2,).
-            omega: Natural frequency of the pendulum there [1/s].
+            omega: Natural frequency of the pendulum at that tick [1/s].
         """
         if state.memory is None or state.in_damping_mode:
             return Plan()
@@ -254,11 +255,11 @@ class Supervisor:
             state = replace(state, error_code=ErrorCode.BEHAVIOR_NOT_IMPLEMENTED)
             return _log(state, Event(observation.time, "refusal", text))
         if target is state.current and not state.in_damping_mode:
-            # More of the same, such as further steps, or second thoughts about
-            # leaving.
+            # A request for the active behavior: further steps, for example, or the
+            # withdrawal of a request to leave.
             status = state.status & ~BehaviorStatus.TRANSITION_IN_PROGRESS
             return replace(state, desired=target, status=status, request=request)
-        # In damping mode no behavior has the robot, whichever is active.
+        # In damping mode no behavior controls the robot, whichever is active.
         source = self._entries[
             Behavior.FREEZE if state.in_damping_mode else state.current
         ]
@@ -281,7 +282,7 @@ class Supervisor:
             )
             return _log(state, Event(observation.time, "refusal", text))
         if source.ends_in_order and target is Behavior.STAND:
-            # It comes to an end in good order, and says when it is done.
+            # The behavior comes to an orderly end, and then sets ``finished``.
             return replace(
                 state,
                 desired=target,
@@ -301,7 +302,7 @@ class Supervisor:
         target: Behavior,
         status: BehaviorStatus,
     ) -> SupervisorState:
-        """Makes ``target`` the active behavior; it is entered at its first tick."""
+        """Makes ``target`` the active behavior, to be entered at its first tick."""
         auto = " (by itself)" if status is BehaviorStatus.WARNING_AUTO_TRANS else ""
         text = f"{state.current.name} -> {target.name}{auto}"
         state = replace(
@@ -341,7 +342,7 @@ class Supervisor:
     def _warn_of_user_legs(
         self, state: SupervisorState, observation: Observation
     ) -> SupervisorState:
-        """Steps with a leg under user control are allowed, and seldom end well."""
+        """Warns once if a behavior steps with leg joints under user control."""
         held = self._legs[observation.user_held[self._legs]]
         if not held.size:
             return state
@@ -354,7 +355,7 @@ class Supervisor:
     def _watch_for_fall(
         self, state: SupervisorState, observation: Observation
     ) -> SupervisorState:
-        """Notices a fall before the robot hits the ground."""
+        """Detects a fall before the robot hits the ground."""
         if state.falling:
             return state
         sign = self._sign_of_fall(observation)
@@ -370,10 +371,10 @@ class Supervisor:
 
 
 def _made(entry: BehaviorEntry, tools: BehaviorTools, config: Any) -> BehaviorProtocol:
-    """The behavior that an entry makes.
+    """Makes the behavior of an entry.
 
     Raises:
-        BehaviorError: If it is none.
+        BehaviorError: If the result is not a behavior.
     """
     behavior = entry.make(tools, config)
     for name in ("enter", "update", "plan", "report"):
@@ -386,7 +387,7 @@ def _made(entry: BehaviorEntry, tools: BehaviorTools, config: Any) -> BehaviorPr
 
 
 def _check_outcome(outcome: object, behavior: Behavior) -> None:
-    """Raises BehaviorError unless an update returned an outcome that can be used."""
+    """Raises BehaviorError unless an update returned a valid outcome."""
     if not isinstance(outcome, Outcome):
         raise BehaviorError(
             f"update of {behavior.name} must return an Outcome, returned "
@@ -413,9 +414,9 @@ _OUTCOME = {
     "status_flags": (int, np.integer),
     "events": (tuple, list),
 }
-"""Types of an outcome's fields; ``finished`` may be whatever is true or not."""
+"""Types of an outcome's fields; ``finished`` may have any type."""
 _SUBSTATES = 7
-"""Bits of a behavior's flags that say where it is now, and so do not latch."""
+"""Bits of a behavior's flags for its present substate, which are not latched."""
 
 
 def _latch(before: int, now: int) -> int:

@@ -40,12 +40,12 @@ def robot_layout(
     """
     return Layout(
         [
-            Channel("time", "s", about="of the tick"),
+            Channel("time", "s", about="time of the tick"),
             *(entry.channel for entry in REPORT_CHANNELS),
             Channel(
                 "behavior.request_number",
                 kind="i8",
-                about="of the behavior command in force, among all messages received",
+                about="number of the behavior command in force among all messages",
             ),
             *_joints(robot.joint_names),
             *_body(),
@@ -54,7 +54,7 @@ def robot_layout(
             Channel(
                 "controller.solved",
                 kind="i8",
-                about="whether the last QP had a solution, 1 or 0; -1 is no QP",
+                about="1 if the last QP had a solution, 0 if not; -1 without a QP",
             ),
             Channel("state.q", labels=tuple(positions), about="true positions"),
             Channel("state.v", labels=tuple(velocities), about="true velocities"),
@@ -65,50 +65,55 @@ def robot_layout(
 
 def _world(world: WorldCoordinates) -> Iterable[Channel]:
     if world.q:
-        yield Channel("world.q", labels=tuple(world.q), about="of other models")
-        yield Channel("world.v", labels=tuple(world.v), about="of other models")
+        yield Channel("world.q", labels=tuple(world.q), about="other models' q")
+        yield Channel("world.v", labels=tuple(world.v), about="other models' v")
 
 
 def _joints(names: tuple[str, ...]) -> Iterable[Channel]:
     for name, unit, about in (
-        ("position", "rad", "measured"),
-        ("velocity", "rad/s", "measured"),
-        ("effort", "N·m", "applied by the motors"),
-        ("user_effort", "N·m", "of the joint controllers, before the limit"),
-        ("behavior_effort", "N·m", "of the behavior"),
-        ("position_setpoint", "rad", "in force for the user's share"),
-        ("velocity_setpoint", "rad/s", "in force for the user's share"),
-        ("effort_setpoint", "N·m", "in force for the user's share"),
+        ("position", "rad", "measured position"),
+        ("velocity", "rad/s", "measured velocity"),
+        ("effort", "N·m", "effort applied by the motors"),
+        ("user_effort", "N·m", "effort of the joint controllers, before the limit"),
+        ("behavior_effort", "N·m", "effort of the behavior"),
+        ("position_setpoint", "rad", "set-point in force for the user's share"),
+        ("velocity_setpoint", "rad/s", "set-point in force for the user's share"),
+        ("effort_setpoint", "N·m", "set-point in force for the user's share"),
     ):
         yield Channel(f"joints.{name}", unit, names, about=about)
     yield Channel("joints.k_effort", "", names, "u1", "the user's share, 0 to 255")
     for name, unit in GAINS.items():
-        yield Channel(f"gains.{name}", unit, names, about="in force")
+        yield Channel(f"gains.{name}", unit, names, about="gain in force")
 
 
 def _body() -> Iterable[Channel]:
-    yield Channel("pelvis.orientation", "", WXYZ, about="in W")
-    yield Channel("imu.orientation", "", WXYZ, about="in W")
-    yield Channel("imu.angular_velocity", "rad/s", XYZ, about="in its own frame")
+    yield Channel("pelvis.orientation", "", WXYZ, about="orientation in W")
+    yield Channel("imu.orientation", "", WXYZ, about="orientation in W")
+    yield Channel("imu.angular_velocity", "rad/s", XYZ, about="in the IMU's frame")
     yield Channel("imu.linear_acceleration", "m/s²", XYZ, about="specific force")
     for side in SIDES:
-        yield Channel(f"feet.{side}_torque", "N·m", XYZ, about="as of force")
+        yield Channel(
+            f"feet.{side}_torque",
+            "N·m",
+            XYZ,
+            about="contact moment about the sole's center, in W, of the tick before",
+        )
         yield Channel(
             f"feet.{side}_force",
             "N",
             XYZ,
-            about="of contact at the sole's center, in W, of the tick before",
+            about="contact force at the sole's center, in W, of the tick before",
         )
     for side in SIDES:
-        yield Channel(f"hands.{side}_torque", "N·m", XYZ, about="of contact, in W")
-        yield Channel(f"hands.{side}_force", "N", XYZ, about="of contact, in W")
+        yield Channel(f"hands.{side}_torque", "N·m", XYZ, about="contact moment, in W")
+        yield Channel(f"hands.{side}_force", "N", XYZ, about="contact force, in W")
     yield Channel("balance.com", "m", XYZ, about="center of mass, in W")
     yield Channel("balance.com_velocity", "m/s", XYZ)
     yield Channel("balance.dcm", "m", XY, about="divergent component of motion")
-    yield Channel("balance.cop", "m", XY, about="measured; NaN without load")
-    yield Channel("balance.com_reference", "m", XY, about="planned; NaN without plan")
-    yield Channel("balance.dcm_reference", "m", XY, about="planned; NaN without plan")
-    yield Channel("balance.cop_reference", "m", XY, about="planned; NaN without plan")
+    yield Channel("balance.cop", "m", XY, about="measured CoP; NaN without load")
+    yield Channel("balance.com_reference", "m", XY, about="planned CoM; NaN if none")
+    yield Channel("balance.dcm_reference", "m", XY, about="planned DCM; NaN if none")
+    yield Channel("balance.cop_reference", "m", XY, about="planned CoP; NaN if none")
     yield Channel(
         "balance.support",
         "m",

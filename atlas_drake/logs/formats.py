@@ -140,7 +140,7 @@ def read_file(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]:
     except Exception as error:
         # For a damaged file the reading libraries may raise any exception.
         raise LogError(
-            f"{path}: it is no {path.suffix} file of a log, or a damaged one"
+            f"{path}: it is not a {path.suffix} log file, or it is damaged"
         ) from error
 
 

@@ -166,7 +166,7 @@ class Log:
             ):
                 raise LogError(
                     f"{self.path}: its robot, {self.header.model}, has other joints "
-                    "than when the log was recorded; bring back the file of then"
+                    "than when the log was recorded; restore its file of that time"
                 )
         return robot
 
@@ -219,13 +219,13 @@ def _check_sound(log: Log) -> None:
         if array.shape != shape or array.dtype.kind not in NUMBERS:
             raise ValueError(f"{channel.name} is {array.dtype} of shape {array.shape}")
     if not (np.isfinite(log.time).all() and (np.diff(log.time) >= 0.0).all()):
-        raise ValueError("time does not go on")
+        raise ValueError("time is not finite or decreases")
     if not 0.0 < log.header.control_period < np.inf:
         raise ValueError(f"control_period is {log.header.control_period}")
     q = log.arrays.get("state.q", np.ones((0, 4)))
     # The first four positions are the quaternion of the pelvis.
     if not (np.isfinite(q).all() and (np.linalg.norm(q[:, :4], axis=1) > TINY).all()):
-        raise ValueError("state.q is no pose")
+        raise ValueError("state.q is not a pose")
     for behavior in np.unique(log.arrays.get("behavior.current", [])):
         log.behavior(int(behavior))
     # Both are made from the notes on first access, which checks the notes.

@@ -200,7 +200,7 @@ def _check_complete(log: Log) -> None:
     if missing:
         raise LogError(
             f"{log.path}: it was recorded without {', '.join(missing)}, so that it "
-            "cannot be replayed; record it anew"
+            "cannot be replayed; record it again"
         )
 
 

@@ -135,7 +135,7 @@ class Header:
                 ),
             )
         except (KeyError, TypeError, ValueError) as error:
-            raise LogError("its header cannot be understood") from error
+            raise LogError("its header is invalid") from error
 
 
 class LogWriter(Protocol):

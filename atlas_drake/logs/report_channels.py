@@ -119,7 +119,7 @@ def _steps_taken(topic: str) -> list[ReportChannel]:
         _number(
             f"{topic}.t_step_rem",
             f"{feedback}.t_step_rem",
-            "until the foot lands, or the next step is needed",
+            "time until the foot lands, or the next step is needed",
             "s",
             "f8",
         ),
@@ -131,27 +131,27 @@ def _steps_taken(topic: str) -> list[ReportChannel]:
 
 
 _FLAGS = {
-    "stand": "none are defined",
+    "stand": "no bits are defined",
     "walk": "bits of WalkStatus",
     "step": "bits of StepStatus",
-    "manipulate": "none are defined",
+    "manipulate": "no bits are defined",
 }
 REPORT_CHANNELS = (
     _number("behavior.current", "current_behavior", "active behavior"),
-    _number("behavior.desired", "desired_behavior", "behavior asked for"),
-    _number("behavior.error_code", "error_code", "of the last command"),
+    _number("behavior.desired", "desired_behavior", "requested behavior"),
+    _number("behavior.error_code", "error_code", "ErrorCode of the last command"),
     _number(
         "behavior.status_flags",
         "behavior_feedback.status_flags",
         "bits of BehaviorStatus",
     ),
     _number(
-        "behavior.trans_from", "behavior_feedback.trans_from", "behavior left last"
+        "behavior.trans_from", "behavior_feedback.trans_from", "last behavior left"
     ),
     _number(
         "behavior.trans_to",
         "behavior_feedback.trans_to",
-        "behavior entered or refused last",
+        "last behavior entered or refused",
     ),
     *(
         _number(f"{topic}.status_flags", f"{topic}_feedback.status_flags", about)
@@ -163,7 +163,7 @@ REPORT_CHANNELS = (
             f"walk.step_{place + 1}",
             ("walk_feedback", "step_queue_saturated", place),
             _STEP,
-            about="as it will be taken, in W [m, s]; index -1 is none",
+            about="coming step as executed, in W [m, s]; index -1 is none",
         )
         for place in range(NUM_REQUIRED_WALK_STEPS)
     ),
@@ -172,13 +172,13 @@ REPORT_CHANNELS = (
         "step.step",
         ("step_feedback", "desired_step_saturated"),
         _STEP,
-        about="as it is taken, in W [m, s]; index -1 is none",
+        about="present step as executed, in W [m, s]; index -1 is none",
     ),
     _group(
         "step.spec",
         ("step_feedback", "desired_step_spec_saturated"),
         _SPEC,
-        about="as it is taken, in full [m, rad, s]",
+        about="present step as executed, all parameters [m, rad, s]",
     ),
     *(
         _group(
@@ -188,9 +188,9 @@ REPORT_CHANNELS = (
             about=f"{about} [m, rad]",
         )
         for name, about in (
-            ("clamped", "pelvis pose that is pursued"),
-            ("internal_desired", "reference on the way there"),
-            ("internal_sensed", "pose that the robot is in"),
+            ("clamped", "goal of the pelvis pose"),
+            ("internal_desired", "present reference of the pelvis pose"),
+            ("internal_sensed", "measured pelvis pose"),
         )
     ),
     *(
@@ -199,7 +199,7 @@ REPORT_CHANNELS = (
             ("pos_est", name),
             dict(zip(XYZ, XYZ, strict=True)),
             unit=unit,
-            about="in W, as reported",
+            about="of the pelvis in W, as reported",
         )
         for name, unit in (("position", "m"), ("velocity", "m/s"))
     ),

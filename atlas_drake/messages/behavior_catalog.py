@@ -186,7 +186,7 @@ class BehaviorCatalog(Frozen):
                 raise InvalidMessageError(
                     "params",
                     message.params,
-                    f"is for behaviors of one's own; {asked.name} {where}",
+                    f"is for the user's own behaviors; {asked.name} {where}",
                 )
             _check(asked, message.params)
         return behavior
@@ -234,7 +234,8 @@ def _check_sound(entry: BehaviorInterface) -> None:
         )
     if not (isinstance(entry.color, str) and _COLOR.fullmatch(entry.color)):
         raise BehaviorError(
-            f"{label}: its color must be such as '#7cb342', is {shown(entry.color)}"
+            f"{label}: its color must be a hexadecimal color, such as '#7cb342', is "
+            f"{shown(entry.color)}"
         )
     if entry.params is not None and not (
         isinstance(entry.params, type) and dataclasses.is_dataclass(entry.params)

@@ -173,8 +173,8 @@ def _joint_numbers(
         raise InvalidMessageError(
             field,
             values,
-            "must be a list of numbers or a plain array, is a masked array: what shall "
-            "count instead of its masked elements? (its filled() says)",
+            "must be a list of numbers or a plain array, is a masked array; give the "
+            "masked elements values with its filled()",
         )
     is_array = isinstance(values, np.ndarray)
     if not (isinstance(values, (list, tuple)) or is_array):

@@ -1,7 +1,7 @@
-"""What is in force: the merge of all commands accepted so far.
+"""The commands in force: all commands accepted so far, merged.
 
-Pure functions on frozen values. Each message is checked whole before anything of it
-is applied; a refused message leaves everything as it was but for the error code.
+Pure functions on frozen values. Each message is checked completely before any part of
+it is applied; a refused message changes nothing but the error code.
 """
 
 import logging
@@ -36,11 +36,11 @@ Command = AtlasCommand | AtlasSimInterfaceCommand
 
 @dataclass(frozen=True)
 class Received(Frozen):
-    """A message as it came, accepted or refused.
+    """A message as received, accepted or refused.
 
     Attributes:
-        time: When [s].
-        message: A snapshot.
+        time: Time of receipt [s].
+        message: Snapshot of the message.
     """
 
     time: float
@@ -52,11 +52,11 @@ class BehaviorRequest(Frozen):
     """The behavior command in force.
 
     Attributes:
-        behavior: Asked for.
-        command: The message, a snapshot.
-        number: Of the message, of all received on both ports; grows from request to
-            request, and is 0 for the one that nobody sent.
-        time: When it was accepted [s].
+        behavior: The requested behavior.
+        command: Snapshot of the message.
+        number: Number of the message among all received on both ports; increases from
+            request to request, and is 0 for the initial request without a message.
+        time: Time of acceptance [s].
     """
 
     behavior: Behavior
@@ -70,9 +70,9 @@ class Refusal:
     """A message that was not applied.
 
     Attributes:
-        time: At which it came [s].
-        error: Why.
-        port: On which: ``atlas_command`` or ``sim_command``.
+        time: Time of receipt [s].
+        error: Reason of the refusal.
+        port: Port of the message: ``atlas_command`` or ``sim_command``.
     """
 
     time: float
@@ -86,31 +86,31 @@ class Refusal:
 
     @property
     def error_code(self) -> ErrorCode:
-        """What the robot reports."""
+        """Error code that the robot reports."""
         return self.error.error_code
 
     @property
     def text(self) -> str:
-        """For the user."""
+        """Text for the user."""
         return f"refused: {self.error}"
 
 
 @dataclass(frozen=True)
 class CommandsInForce(Frozen):
-    """Everything that commands have set.
+    """All values that commands have set.
 
     Attributes:
-        joints: For the PID bank, and who has which joint.
-        catalog: The behaviors that can be asked for.
-        requests: The latest for the behavior controller, oldest first.
-        error_code: Of the last message; NO_ERRORS once one is accepted.
+        joints: Set-points and gains of the PID bank, and the user's share per joint.
+        requests: The latest requests to the behavior controller, oldest first.
+        catalog: The behaviors that can be requested.
+        error_code: Error code of the last message; NO_ERRORS if it was accepted.
         refusals: The latest refused messages, oldest first.
-        refused: How many there were in all.
+        refused: Number of all refused messages.
         messages: The latest messages, refused ones too, oldest first.
-        received: How many there were in all.
-        atlas_command: The joint command last taken from the port, for ``is_new``;
+        received: Number of all messages.
+        atlas_command: The joint command last read from the port, for ``is_new``;
             NOTHING at first.
-        sim_command: Likewise of behavior commands.
+        sim_command: The behavior command last read from the port; NOTHING at first.
         atlas_stamp: Time stamp of the last accepted joint command [s].
         sim_stamp: Time stamp of the last accepted behavior command [s].
     """
@@ -134,11 +134,11 @@ class CommandsInForce(Frozen):
         return self.requests[-1]
 
     def messages_since(self, received: int) -> tuple[Received, ...]:
-        """Those that came after the first ``received``."""
+        """Returns the messages after the first ``received``."""
         return items_since(self.messages, self.received, received)
 
     def refusals_since(self, refused: int) -> tuple[Refusal, ...]:
-        """Those that came after the first ``refused``."""
+        """Returns the refusals after the first ``refused``."""
         return items_since(self.refusals, self.refused, refused)
 
     @property
@@ -156,20 +156,20 @@ SERVO_FIELDS = (
     "kp_velocity",
     "k_effort",
 )
-"""Joint arrays that a behavior command has too; the later message counts."""
+"""Joint arrays that a behavior command has, too; the later message counts."""
 
 KEPT = 50
-"""How many messages, requests and refusals are kept; none younger than READ_WITHIN is
+"""Number of messages, requests and refusals to keep; none younger than READ_WITHIN is
 dropped."""
 
 
 def commands_at_start(
     robot: Robot, behavior: Behavior, catalog: BehaviorCatalog = SHIPPED
 ) -> CommandsInForce:
-    """What is in force before any command.
+    """Returns the commands in force before any message.
 
-    The joints' set-points are the stand-prep pose with the robot's default gains.
-    In behavior USER all joints are the user's, else the behavior's.
+    The joints' set-points are the stand-prep pose with the robot's default gains. In
+    USER and NONE all joints are under user control, else under the behavior's.
     """
     zero = np.zeros(robot.num_joints)
     user = behavior in (Behavior.USER, Behavior.NONE)
@@ -200,16 +200,16 @@ def latch(
     robot: Robot,
     time: float,
 ) -> CommandsInForce:
-    """Takes in what the two command ports hold, where ``is_new`` says so.
+    """Applies the messages on the two command ports that ``is_new`` reports as new.
 
     When both are new the joint command is applied first, unless its stamp is later.
 
     Args:
-        force: In force so far.
-        atlas_command: A message, a snapshot or not; NOTHING where there is none.
-        sim_command: Likewise.
-        robot: Whose joints the messages are about.
-        time: Now [s].
+        force: Commands in force so far.
+        atlas_command: Joint command, a snapshot or not; NOTHING without a message.
+        sim_command: Behavior command, a snapshot or not; NOTHING without a message.
+        robot: The robot of the messages.
+        time: Present time [s].
     """
     new = [
         (port, frozen(value))
@@ -229,20 +229,20 @@ def latch(
 def receive(
     force: CommandsInForce, message: Command, robot: Robot, time: float
 ) -> CommandsInForce:
-    """Takes in a message that is handed over, and so is new whatever it says.
+    """Applies a message that is passed directly, and so is new in any case.
 
     Args:
-        force: In force so far.
-        message: A snapshot or not.
-        robot: Whose joints the message is about.
-        time: Now [s].
+        force: Commands in force so far.
+        message: The message, a snapshot or not.
+        robot: The robot of the message.
+        time: Present time [s].
     """
     port = "atlas_command" if isinstance(message, AtlasCommand) else "sim_command"
     return _take(force, port, frozen(message), robot, time)
 
 
 def _stamp(message: object) -> float:
-    """When a message that is yet to be checked was sent [s]; 0 where it is silent."""
+    """Returns the time stamp of an unchecked message [s]; 0 if it has none."""
     stamp = getattr(getattr(message, "header", None), "stamp", None)
     return as_float(stamp) or 0.0
 
@@ -250,7 +250,7 @@ def _stamp(message: object) -> float:
 def _take(
     force: CommandsInForce, port: str, message: Any, robot: Robot, time: float
 ) -> CommandsInForce:
-    """Applies the message of one port, whatever it is, or notes why not."""
+    """Applies the message of one port, or records its refusal."""
     noted = replace(
         force,
         messages=append_recent(force.messages, Received(time, message), KEPT),
@@ -271,7 +271,7 @@ def _take(
 
 
 def log_refusals(before: CommandsInForce, after: CommandsInForce) -> None:
-    """Warns of what was refused since ``before``, of a streamed fault once."""
+    """Warns of messages refused since ``before``, once for a repeated fault."""
     heard = {refusal.place: refusal.time for refusal in before.refusals}
     for refusal in after.refusals_since(before.refused):
         last = heard.get(refusal.place, -math.inf)
@@ -281,7 +281,7 @@ def log_refusals(before: CommandsInForce, after: CommandsInForce) -> None:
 
 
 SAME_FAULT = 1.0
-"""Time after which another refusal for the same field of a port is news [s]."""
+"""Time after which another refusal for the same field of a port is logged again [s]."""
 
 
 def _apply_atlas_command(
@@ -292,7 +292,7 @@ def _apply_atlas_command(
     joints = replace(force.joints, **given)
     crossed = np.flatnonzero(joints.i_effort_min > joints.i_effort_max)
     if crossed.size:
-        # The message has one of the two; the other is in force from before.
+        # The message has one of the two limits; the other was in force before.
         field = "i_effort_min" if "i_effort_min" in given else "i_effort_max"
         index = int(crossed[0])
         lower, upper = joints.i_effort_min[index], joints.i_effort_max[index]
@@ -300,7 +300,7 @@ def _apply_atlas_command(
             f"{field}[{index}]",
             float(given[field][index]),
             f"would put i_effort_min ({lower:g}) above i_effort_max ({upper:g}), one "
-            f"of them in force from before (joint {robot.joint_names[index]})",
+            f"of which was in force before (joint {robot.joint_names[index]})",
         )
     return replace(force, joints=joints, atlas_stamp=message.header.stamp or time)
 
@@ -317,11 +317,11 @@ def _apply_sim_command(
     request = BehaviorRequest(behavior, message, force.received, time)
     given = _given(message, SERVO_FIELDS, robot)
     if behavior is Behavior.USER:
-        # USER returns every joint to the user at once, whatever the message says.
+        # USER returns every joint to the user at once, for any k_effort of the message.
         given["k_effort"] = np.full(robot.num_joints, float(K_EFFORT_MAX))
     return replace(
         force,
-        # The same object when nothing changes, so that nothing is prepared anew.
+        # Keep the object when nothing changes, so that the joint law stays prepared.
         joints=replace(force.joints, **given) if given else force.joints,
         requests=append_recent(force.requests, request, KEPT),
         sim_stamp=message.header.stamp or time,
@@ -332,13 +332,13 @@ _APPLY: dict[str, Callable[[CommandsInForce, Any, Robot, float], CommandsInForce
     "atlas_command": _apply_atlas_command,
     "sim_command": _apply_sim_command,
 }
-"""By port."""
+"""The function that applies a message, by port."""
 
 
 def _given(
     message: object, names: tuple[str, ...], robot: Robot
 ) -> dict[str, np.ndarray]:
-    """Copies of a message's joint arrays that are not empty, as far as they count."""
+    """Copies a message's joint arrays that are not empty, with limited kp_velocity."""
     given = {
         name: np.array(getattr(message, name), dtype=float)
         for name in names

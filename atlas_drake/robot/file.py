@@ -327,7 +327,7 @@ def _check_contacts(contacts: Sequence[ContactEntry]) -> None:
             if not getattr(contact, name):
                 raise _wrong(f"{where}.{name}", "", "is missing")
         if any(contact.name == other.name for other in contacts[:index]):
-            raise _wrong(f"{where}.name", contact.name, "an earlier contact has it")
+            raise _wrong(f"{where}.name", contact.name, "an earlier one has that name")
         for name in ("p_FC", "rpy_FC"):
             vector = getattr(contact, name)
             if len(vector) != 3:

@@ -61,7 +61,7 @@ def check_simulator_config(config: SimulatorConfig) -> None:
     Raises:
         ScenarioError: Naming the field that cannot be used.
     """
-    _decide(config, "simulator", "start_time", 0.0, "must be 0: commands count from it")
+    _decide(config, "simulator", "start_time", 0.0, "must be 0: times count from 0")
     try:
         simulator = Simulator(ConstantVectorSource([0.0]))
         ApplySimulatorConfig(config, simulator)

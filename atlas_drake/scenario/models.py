@@ -65,8 +65,8 @@ class Model:
                     raise ScenarioError(
                         f"{path}.{field}",
                         getattr(self, field),
-                        f"is not for a file of {len(instances)} models, which says "
-                        "itself where they are",
+                        f"must not be given for a file of {len(instances)} models, "
+                        "which places them itself",
                     )
             return
         try:
@@ -141,8 +141,8 @@ class Model:
             raise ScenarioError(
                 path,
                 None,
-                f"needs a model with one base body, not {len(bases)}; a file that "
-                "fixes its model in the world says itself where that is",
+                f"needs a model with one base body, not {len(bases)}; leave the field "
+                "out for a file that welds its model to the world",
             )
         return next(
             plant.get_body(index)

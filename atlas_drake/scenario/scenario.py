@@ -119,7 +119,7 @@ class Start:
             raise ScenarioError(
                 "initial_behavior",
                 behavior.name,
-                "must be USER or FREEZE in a harness: nothing else knows how to hang",
+                "must be USER or FREEZE in a harness: other behaviors need the ground",
             )
 
 

@@ -1,6 +1,6 @@
-"""The front door for Python: one robot, one diagram, one simulator.
+"""The simulation for Python programs: one robot, one diagram, one simulator.
 
-What is simulated is in ``scenario``, the wiring in ``diagrams``.
+Scenarios are in ``scenario``, the connections of the systems in ``diagrams``.
 """
 
 from atlas_drake.simulation.atlas_simulation import AtlasSimulation, SimulationError

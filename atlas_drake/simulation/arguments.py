@@ -1,6 +1,6 @@
-"""Checks the arguments of ``AtlasSimulation`` that nothing else checks, by their types.
+"""Checks the types of those arguments of ``AtlasSimulation`` without other checks.
 
-Controllers, behaviors, worlds and extensions are checked by the parts that take them.
+Controllers, behaviors, worlds and extensions are checked by the parts that use them.
 """
 
 from __future__ import annotations
@@ -22,18 +22,19 @@ def check_arguments(
     on_event: object,
     log: object,
 ) -> None:
-    """Refuse what cannot be used, before anything is made.
+    """Checks arguments before the simulation is built.
 
     Args:
-        scenario: As given to ``AtlasSimulation``, like the others; each may be None.
-        meshcat: Likewise.
-        overlays: Likewise.
-        video: Likewise.
-        on_event: Likewise.
-        log: Likewise.
+        scenario: Argument of ``AtlasSimulation``, or None.
+        meshcat: Argument of ``AtlasSimulation``, or None.
+        overlays: Argument of ``AtlasSimulation``, or None.
+        video: Argument of ``AtlasSimulation``, or None.
+        on_event: Argument of ``AtlasSimulation``, or None.
+        log: Argument of ``AtlasSimulation``, or None.
 
     Raises:
-        TypeError: Naming the argument, and what to give instead.
+        TypeError: If an argument has another type; names the argument and a correct
+            value.
     """
     _check(
         isinstance(scenario, Scenario | None),
@@ -54,7 +55,7 @@ def check_arguments(
         ", such as Overlays(['com', 'dcm'])",
     )
     if video is not None:
-        # What films loads only where there is something to film.
+        # The modules for video are loaded only for a run with a video.
         from atlas_drake.visualization.video_display import Video
 
         _check(

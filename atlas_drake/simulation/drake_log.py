@@ -1,4 +1,4 @@
-"""What of Drake's log is no news to anybody who simulates Atlas."""
+"""Hides warnings of Drake's log that do not concern this simulation."""
 
 import logging
 from collections.abc import Iterator
@@ -6,17 +6,17 @@ from contextlib import contextmanager
 
 
 def is_news(record: logging.LogRecord) -> bool:
-    """A filter for Drake's logger.
+    """Filters a record of Drake's logger.
 
-    Drake warns whenever a world with a half space begins that nothing deformable can
-    touch it. Nothing here is deformable.
+    For every world with a half space Drake warns that deformable bodies cannot touch
+    it. This simulation has no deformable bodies.
     """
     return "deformable contact" not in record.getMessage()
 
 
 @contextmanager
 def only_news() -> Iterator[None]:
-    """Keeps from Drake's log, for as long as it lasts, what is no news."""
+    """Hides irrelevant warnings of Drake's log within a ``with`` block."""
     logger = logging.getLogger("drake")
     logger.addFilter(is_news)
     try:

@@ -1,6 +1,6 @@
-"""Notices a fall from outside, whichever controller the robot has.
+"""Detects a fall from the true state, for any controller of the robot.
 
-A controller may notice it, too, and earlier; then its event counts.
+A controller may detect the fall earlier; then the controller's event counts.
 """
 
 from __future__ import annotations
@@ -15,10 +15,10 @@ from atlas_drake.robot import Robot
 
 
 class FallWatch:
-    """Looks at the true state of a robot."""
+    """Detects a fall from the true state of a robot."""
 
     def __init__(self, robot: Robot, plant: MultibodyPlant, limits: FallLimits) -> None:
-        """Watches ``robot`` in ``plant``, by the controller's own limits."""
+        """Watches ``robot`` in ``plant``, with the limits of the controller."""
         self._plant: Any = plant
         self._limits = limits
         own = robot.instance(plant)
@@ -28,10 +28,10 @@ class FallWatch:
         self._nominal_height = self._standing_height(robot) - robot.file.com_drop
 
     def sign(self, context: Context) -> str:
-        """What in the posture is that of a falling robot; empty if nothing is.
+        """Describes the sign of a fall in the posture; empty if there is none.
 
         Args:
-            context: Of the plant.
+            context: Context of the plant.
         """
         X_WP = self._plant.EvalBodyPoseInWorld(context, self._pelvis)
         posture = Posture(
@@ -41,13 +41,13 @@ class FallWatch:
         return sign_of_fall(posture, self._nominal_height, self._limits)
 
     def _com_height(self, context: Context) -> float:
-        """Height of the center of mass above the lower sole [m]."""
+        """Computes the height of the center of mass above the lower sole [m]."""
         com = self._plant.CalcCenterOfMassPositionInWorld(context, self._instances)
         soles = [sole.CalcPoseInWorld(context).translation()[2] for sole in self._soles]
         return float(com[2] - min(soles))
 
     def _standing_height(self, robot: Robot) -> float:
-        """Height of the center of mass above the sole in the stand-prep pose [m]."""
+        """Computes the height of the center of mass in the stand-prep pose [m]."""
         context = self._plant.CreateDefaultContext()
         q = self._plant.GetPositions(context, *self._instances)
         q[robot.indices(self._plant).q] = robot.stand_prep

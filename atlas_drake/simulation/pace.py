@@ -1,6 +1,6 @@
-"""Keeps simulated time to real time, and makes up for no time that was lost.
+"""Keeps simulated time to real time, without catching up on lost time.
 
-About the clock alone; what is simulated is not known here.
+Concerns the clock only, and not the simulated system.
 """
 
 from __future__ import annotations
@@ -10,33 +10,33 @@ import time
 from pydrake.systems.analysis import Simulator
 
 SLACK = 0.1
-"""How far a simulation that falls behind may still hurry to catch up [s]."""
+"""Largest delay on which a slow simulation may still catch up [s]."""
 
 
 class Pace:
     """The pace of one simulator.
 
-    Drake counts real time from the simulator's initialization, so that whatever was
-    waited for since then, a browser or somebody's thoughts between two commands, would
-    be followed by a rush. Here real time stands still when the simulation does.
+    Drake counts real time from the simulator's initialization, so that the simulation
+    would run too fast after any delay, such as the start of a browser or a user's pause
+    between two commands. Here real time does not advance while the simulation pauses.
     """
 
     def __init__(self, simulator: Simulator) -> None:
-        """Begins now, as fast as can be."""
+        """Starts now, as fast as possible."""
         self._simulator = simulator
         self._begin()
 
     def set_rate(self, rate: float) -> None:
-        """Keeps to ``rate`` simulated seconds per second; 0 is as fast as can be."""
+        """Keeps to ``rate`` simulated seconds per second; 0 is as fast as possible."""
         self._simulator.set_target_realtime_rate(rate)
         self._begin()
 
     def forget_all(self) -> None:
-        """Begins anew, as the simulated time does."""
+        """Starts again, together with the simulated time."""
         self._begin()
 
     def forget_lost_time(self) -> None:
-        """Begins anew if time was lost; called before each piece of an advance."""
+        """Starts again if time was lost; called before each part of an advance."""
         rate = self._simulator.get_target_realtime_rate()
         if rate <= 0.0:
             return

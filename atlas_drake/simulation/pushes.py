@@ -1,6 +1,6 @@
-"""Pushes on the robot's bodies, each for some time.
+"""Pushes on the robot's bodies, each of limited duration.
 
-Forces for the plant's port; when they begin and end is asked by the simulation.
+Makes the forces for the plant's port; the simulation begins and ends them.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from atlas_drake.messages.checks import check_number, check_vector
 from atlas_drake.robot import Robot
 
 LARGEST_PUSH = 1e5
-"""Largest force along an axis [N]: a hundred times a robot's weight, above which the
-physics cannot be solved."""
+"""Largest force along an axis [N], a hundred times a robot's weight; Drake cannot solve
+the physics with larger forces."""
 
 
 @dataclass(frozen=True)
@@ -28,8 +28,8 @@ class Push:
 
     Attributes:
         body: Name of the link.
-        force_W: In W [N], shape (3,).
-        end: Simulated time at which it ends [s].
+        force_W: Force in W [N], shape (3,).
+        end: Simulated time at which the push ends [s].
     """
 
     body: str
@@ -37,7 +37,7 @@ class Push:
     end: float
 
     def on(self, plant: MultibodyPlant, robot: Robot) -> ExternallyAppliedSpatialForce:
-        """As the plant's port takes it."""
+        """Converts the push to the type of the plant's port."""
         force = ExternallyAppliedSpatialForce()
         force.body_index = plant.GetBodyByName(self.body, robot.instance(plant)).index()
         force.F_Bq_W = SpatialForce(np.zeros(3), self.force_W)
@@ -51,17 +51,17 @@ def make_push(
     duration: float,
     time: float,
 ) -> Push:
-    """A push that begins at ``time`` [s].
+    """Makes a push that begins at ``time`` [s].
 
     Args:
         bodies: Names of the robot's links.
-        body: One of them.
+        body: Name of the pushed link.
         force_W: Force in W [N], shape (3,).
-        duration: How long [s], positive.
-        time: Simulated time now [s].
+        duration: Duration of the push [s], positive.
+        time: Present simulated time [s].
 
     Raises:
-        InvalidMessageError: If there is no such body or a value is no number.
+        InvalidMessageError: If there is no such body or a value is invalid.
     """
     force = check_vector(force_W, "force_W", 3, LARGEST_PUSH)
     check_number(duration, "duration", 0.0, strictly=True)

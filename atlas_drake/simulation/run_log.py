@@ -1,6 +1,6 @@
-"""What happened in a run, read off the diagram's ports from time to time.
+"""The events of a run, read from the diagram's ports from time to time.
 
-It only listens. What a summary makes of it is in ``summary``.
+The log only reads; ``summary`` evaluates the events.
 """
 
 from __future__ import annotations
@@ -16,20 +16,20 @@ from atlas_drake.messages.recent import items_since
 from atlas_drake.systems.command_scheduler import ScheduledCommand
 
 LONG_UNSOLVED = 5
-"""Number of control ticks without a solution, between two looks, that is news: one or
-two in a hard moment are what the fallback is for."""
+"""Least number of control ticks without a solution, between two reads, for a warning;
+the fallback handles one or two."""
 
 
 class RunLog:
-    """The events of one run, in order of time within each look.
+    """The events of one run, in order of time within each read.
 
     Attributes:
-        events: All of them.
-        footsteps: The data of those that are about a landed foot.
+        events: All events.
+        footsteps: Data of the events of landed feet.
     """
 
     def __init__(self, *listeners: Callable[[Event], None] | None):
-        """Calls the listeners, as far as there are any, with each event."""
+        """Calls each listener that is not None with each event."""
         self.events: list[Event] = []
         self.footsteps: list[dict[str, Any]] = []
         self._listeners = [heard for heard in listeners if heard is not None]
@@ -48,19 +48,20 @@ class RunLog:
         *,
         anew: bool = False,
     ) -> None:
-        """Notes what was sent, refused and done since the last look.
+        """Adds the events of commands, refusals and controller since the last read.
 
         Args:
-            programme: All of it.
-            sent: How many of its commands were sent.
-            commands: In force.
-            status: Of the controller.
-            anew: Whether the controller was reset since then, and so may have begun to
-                count its events anew.
+            programme: The whole programme.
+            sent: Number of sent commands of the programme.
+            commands: Commands in force.
+            status: Status of the controller.
+            anew: True if the controller was reset since the last read, and so may have
+                started its event count again.
 
         Raises:
-            TypeError: If the status is none.
-            ValueError: If it names a behavior that is not registered, or counts back.
+            TypeError: If the status is not a ControllerStatus.
+            ValueError: If the status names a behavior that is not registered, or its
+                event count decreased.
         """
         check_status(status, commands.catalog)
         seen, self._seen_events = self._seen_events, status.event_count
@@ -69,8 +70,8 @@ class RunLog:
                 raise ValueError(
                     "event_count in the controller's status went back from "
                     f"{seen} to {status.event_count}: it must count all events of the "
-                    "run, those that were dropped among them; only a reset may begin "
-                    "anew"
+                    "run, including dropped ones; only a reset may start the count "
+                    "again"
                 )
             seen = 0
         fresh = [
@@ -87,11 +88,11 @@ class RunLog:
         self.note(*sorted(fresh, key=lambda event: event.time))
 
     def watch_solver(self, time: float, status: ControllerStatus) -> None:
-        """Tells once of a controller that finds no solution for many ticks.
+        """Warns once of a controller that finds no solution for many ticks.
 
         Args:
-            time: Now [s].
-            status: Of the controller.
+            time: Present time [s].
+            status: Status of the controller.
         """
         unsolved = status.unsolved
         many = unsolved - self._seen_unsolved >= LONG_UNSOLVED
@@ -100,15 +101,15 @@ class RunLog:
             self._told_unsolved = True
             text = (
                 f"the controller has found no solution in {unsolved} control ticks so "
-                "far; a fallback holds the robot, badly"
+                "far; a fallback that does not balance holds the robot"
             )
             if status.why_unsolved:
                 text += f" ({status.why_unsolved})"
             self.note(Event(time, "warning", text))
 
     def note(self, *events: Event) -> None:
-        """Adds events, and then tells the listeners: what one raises loses none."""
-        # A robot that has fallen falls no further, whoever notices it second.
+        """Adds events, and then calls the listeners, whose errors lose no event."""
+        # Keep the first event of a fall only: both controller and fall watch report it.
         fallen = self.fallen()
         kept = [e for e in events if not (fallen and e.kind == "fall")]
         for event in kept:
@@ -120,7 +121,7 @@ class RunLog:
                 heard(event)
 
     def fallen(self) -> bool:
-        """Whether the robot fell since it was last reset."""
+        """Returns True if the robot fell since its last reset."""
         for event in reversed(self.events):
             if event.kind in ("fall", "reset"):
                 return event.kind == "fall"

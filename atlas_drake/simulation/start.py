@@ -1,6 +1,6 @@
-"""The scenario's random changes of a run: where the robot begins, and its masses.
+"""The random variation of a run: initial pose, masses and friction.
 
-Where its soles meet the ground is in ``standing``.
+``standing`` places the soles on the ground.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ from atlas_drake.scenario import Scenario
 
 @dataclass(frozen=True)
 class Variation:
-    """Where the robot begins, and one draw of everything that a scenario jitters.
+    """Initial pose, and one draw of all values that a scenario varies.
 
     Attributes:
-        position: Of the pelvis, horizontal in W [m], shape (2,).
+        position: Position of the pelvis, horizontal in W [m], shape (2,).
         rpy: Roll, pitch and yaw of the pelvis [rad], shape (3,).
         joints: Joint positions [rad], shape (n,).
-        mass_factor: For each body by name.
-        ground_friction: Coefficient.
+        mass_factor: Factor of the mass of each body, by name [-].
+        ground_friction: Coefficient of friction of the ground [-].
     """
 
     position: np.ndarray
@@ -36,7 +36,7 @@ class Variation:
 
 
 def draw_variation(scenario: Scenario, robot: Robot) -> Variation:
-    """Draw from the scenario's seed."""
+    """Draws a variation from the scenario's seed."""
     random = np.random.default_rng(scenario.seed)
     jitter = scenario.jitter
     position = random.uniform(-jitter.position, jitter.position, size=2)
@@ -63,13 +63,13 @@ def draw_variation(scenario: Scenario, robot: Robot) -> Variation:
 def scale_masses(
     plant: MultibodyPlant, context: Context, robot: Robot, variation: Variation
 ) -> None:
-    """Make bodies heavier or lighter than the controller believes.
+    """Scales the masses of the plant's bodies; the controller's model keeps its masses.
 
     Args:
-        plant: With the robot.
-        context: Of the plant, with its default masses.
-        robot: In the plant.
-        variation: What was drawn.
+        plant: Plant with the robot.
+        context: Context of the plant, with its default masses.
+        robot: The robot in the plant.
+        variation: The drawn variation.
     """
     for name, factor in variation.mass_factor.items():
         if factor == 1.0:

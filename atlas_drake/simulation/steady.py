@@ -1,6 +1,6 @@
-"""Settings of the interpreter under which a control tick takes a steady time.
+"""Settings of the interpreter that make the time of a control tick steady.
 
-About the machine, not about robots: nothing here changes a result.
+They do not change any result.
 """
 
 import gc
@@ -14,12 +14,12 @@ _LINEAR_ALGEBRA = ThreadpoolController()
 
 @contextmanager
 def steady_ticks() -> Iterator[None]:
-    """One thread for numpy's linear algebra, and no cyclic garbage collection.
+    """Limits numpy's linear algebra to one thread, and stops cyclic garbage collection.
 
-    The threads of the libraries behind numpy are meant for large matrices: on the
-    small ones of a control tick they cost a third of it. The values that pass through
-    a diagram are frozen and without cycles, so that reference counts free them; the
-    collector only looks through all of them, milliseconds at a time.
+    The threads of the libraries behind numpy are meant for large matrices: with the
+    small matrices of a control tick they take a third of its time. The values that pass
+    through a diagram are frozen and without cycles, so that reference counts free them;
+    the collector would only traverse them, for milliseconds at a time.
     """
     collecting = gc.isenabled()
     gc.disable()

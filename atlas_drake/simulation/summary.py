@@ -1,6 +1,6 @@
 """The summary of a run as plain data, ready for JSON.
 
-Reads; computes only what a reader would otherwise have to work out.
+Reads the simulation, and computes a few derived figures.
 """
 
 from __future__ import annotations
@@ -18,13 +18,19 @@ if TYPE_CHECKING:
     from atlas_drake.simulation import AtlasSimulation
 
 UPRIGHT_TILT = 0.4
-"""A pelvis tilted by less is upright [rad]."""
+"""Tilt of the pelvis below which the robot is upright [rad]."""
 
 
 def make_summary(
     sim: AtlasSimulation, wall_time: float, extremes: np.ndarray
 ) -> dict[str, Any]:
-    """Everything worth keeping of a run."""
+    """Makes the summary of a run.
+
+    Args:
+        sim: The simulation at the end of the run.
+        wall_time: Wall time of the run [s].
+        extremes: Output of ``RunStatistics``, shape (n + 2,).
+    """
     ticks = 1e3 * np.asarray(sim.tick_seconds)
     X_WP = sim.pelvis_pose
     tilt = float(np.arccos(np.clip(X_WP.rotation().matrix()[2, 2], -1.0, 1.0)))
@@ -70,11 +76,11 @@ def make_summary(
 def estimator_drift(
     error: np.ndarray, largest: np.ndarray
 ) -> dict[str, dict[str, float]]:
-    """Final and largest errors of the state estimator.
+    """Names the final and the largest errors of the state estimator.
 
     Args:
-        error: Of the pelvis now, as ``EstimationError`` gives it, shape (9,).
-        largest: Of the run so far, likewise, shape (4,).
+        error: Present error of the pelvis from ``EstimationError``, shape (9,).
+        largest: Largest errors of the run from ``EstimationError``, shape (4,).
     """
     names = ("position_m", "velocity_m_s", "tilt_rad", "yaw_rad")
     final = map(float, error_sizes(error))
@@ -85,7 +91,7 @@ def estimator_drift(
 
 
 def _did_it_all(sim: AtlasSimulation) -> bool:
-    """Whether what was asked for was done: no refusal, no step missing or elsewhere."""
+    """Returns True if no command was refused, and no step missing or far off."""
     return not any(
         event.kind in ("refusal", STEPS_LEFT) or landed_elsewhere(event)
         for event in sim.events

@@ -1,6 +1,6 @@
-"""Threads that share a simulation: one at a time, in the order in which they ask.
+"""A lock for threads that share a simulation, granted in the order of requests.
 
-A Drake Context is for one thread at a time. What is done with it is not decided here.
+A Drake Context is for one thread at a time.
 """
 
 from __future__ import annotations
@@ -11,16 +11,16 @@ from collections.abc import Callable
 
 
 class Turns:
-    """A lock that a thread may take again, and a list of tasks that cannot wait for it.
+    """A fair reentrant lock, with a queue of tasks that do not wait for the lock.
 
-    Threads that wait come next when the lock is let go, so that a thread that takes it
-    again and again keeps nobody out. The thread that has the lock does the tasks which
-    others left, in their order, before it lets go. While it does them nothing more can
-    be left: who leaves task after task must in the end wait like everybody else.
+    The lock is granted to waiting threads in their order, so that a thread that takes
+    it repeatedly does not exclude others. Before it releases the lock, the owner runs
+    the tasks that other threads left, in their order. Meanwhile no further task is
+    accepted, so that a thread that leaves task after task finally has to wait, too.
     """
 
     def __init__(self) -> None:
-        """Nobody has the lock, and nothing is left to do."""
+        """Creates the lock without an owner and without tasks."""
         self._guard = threading.Lock()
         self._owner: int | None = None
         self._depth = 0
@@ -29,11 +29,11 @@ class Turns:
         self._ending = False
 
     def leave(self, task: Callable[[], object]) -> bool:
-        """Leaves a task, which must not raise, to the thread that has the lock.
+        """Leaves a task, which must not raise an error, to the owner of the lock.
 
         Returns:
-            False, with nothing left, if no other thread has it or it is about to let
-            go.
+            False, without leaving the task, if no other thread has the lock or the
+            owner is about to release it.
         """
         with self._guard:
             if self._ending or self._owner in (None, threading.get_ident()):
@@ -65,9 +65,9 @@ class Turns:
             raise
 
     def __exit__(self, *_error: object) -> None:
-        """Does what was left to do, and lets the next thread in.
+        """Runs the tasks that were left, and releases the lock to the next thread.
 
-        What interrupts a task is raised here; the tasks after it stay for the next.
+        An interrupt of a task is raised here; later tasks stay for the next owner.
         """
         try:
             while (task := self._next_left()) is not None:

@@ -1,7 +1,7 @@
 """The tutorial's programme: switching Atlas between user and behavior control.
 
-The commands and their times, message by message. How they are delivered is the
-scheduler's business; what the robot makes of them, the station's.
+The commands and their times, message by message. ``systems.command_scheduler`` sends
+them.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ from atlas_drake.robot import Robot
 from atlas_drake.systems.command_scheduler import Feedback, ScheduledCommand
 
 FIRST_COMMAND = 2.0
-"""The robot stands by itself before the first command [s]."""
+"""Time of the first command; the robot stands by itself until then [s]."""
 DURATION = 17.0
-"""From the start to the end of the last command's time [s]."""
+"""Duration of the programme, from the start to the end of the last motion [s]."""
 
 _TRUNK = {"back_bkz": 20.0, "back_bky": 4000.0, "back_bkx": 2000.0, "neck_ry": 20.0}
 _LEG = {"hpz": 5.0, "hpx": 100.0, "hpy": 2000.0, "kny": 1000.0, "aky": 900.0}
@@ -39,9 +39,9 @@ KP_POSITION = _TRUNK | {
     for side in ("l", "r")
     for joint, gain in gains.items()
 }
-"""Position gains of the commands that bring their own, by joint [N·m/rad]."""
+"""Position gains of the commands with gains, by joint [N·m/rad]."""
 KP_VELOCITY = 50.0
-"""Velocity gain of every joint in those commands [N·m·s/rad]."""
+"""Velocity gain of every joint in the commands with gains [N·m·s/rad]."""
 
 USER_TARGETS = {
     "neck_ry": -0.1,
@@ -50,7 +50,7 @@ USER_TARGETS = {
     "r_arm_ely": 2.1,
     "r_arm_wrx": -0.1,
 }
-"""Joints that the user takes while the behavior stands and walks, and where to
+"""Target positions of the joints under user control while the behavior stands and walks
 [rad]."""
 
 NEEDED = [name for name in KP_POSITION if "_arm_" not in name or name in USER_TARGETS]
@@ -59,11 +59,11 @@ arms may differ; they get the robot's own gains."""
 
 NUM_STEPS = 4
 STEP_LENGTH = 0.25
-"""[m]"""
+"""Length of each step [m]."""
 STEP_DURATION = 0.63
-"""[s]"""
+"""Duration of each step [s]."""
 SWING_HEIGHT = 0.3
-"""[m]"""
+"""Swing height of each step [m]."""
 HALF_STANCE = 0.15
 """Sideways distance of each foot from the robot's middle [m]."""
 
@@ -71,12 +71,12 @@ HALF_STANCE = 0.15
 def control_mode_switch_programme(
     robot: Robot, literal: bool = False
 ) -> list[ScheduledCommand]:
-    """The whole programme.
+    """Makes the whole programme.
 
     Args:
-        robot: Whose stand-prep pose is taken.
-        literal: Send the arm command exactly as the published script does, without
-            the velocity gains that its own comment intends.
+        robot: The robot, with its stand-prep pose.
+        literal: True to send the arm command exactly as the published script does,
+            without the velocity gains that the script's comment intends.
 
     Raises:
         ScenarioError: If the robot lacks joints that the programme commands.
@@ -134,7 +134,7 @@ def control_mode_switch_programme(
 
 
 def _posture(robot: Robot, kp_velocity: float | None) -> AtlasCommand:
-    """All joints to zero with the tutorial's gains."""
+    """Makes a command of all joints to zero with the tutorial's gains."""
     message, num_joints = AtlasCommand(), robot.num_joints
     message.position = [0.0] * num_joints
     message.velocity = [0.0] * num_joints
@@ -153,11 +153,11 @@ def _posture(robot: Robot, kp_velocity: float | None) -> AtlasCommand:
 
 
 def walk_command(feedback: Feedback) -> AtlasSimInterfaceCommand:
-    """Four steps ahead of the robot, feet together at the end.
+    """Makes a command of four steps ahead, with the feet side by side at the end.
 
-    The steps are laid out in the robot's frame and moved to the world frame with the
-    IMU's orientation and the estimated position of the pelvis, as the robot was when
-    the command was sent.
+    The steps are defined in the robot's frame, and transformed to the world frame with
+    the IMU's orientation and the estimated position of the pelvis at the time of the
+    command.
     """
     message = AtlasSimInterfaceCommand()
     message.behavior = message.WALK
@@ -179,7 +179,7 @@ def walk_command(feedback: Feedback) -> AtlasSimInterfaceCommand:
 
 
 def pose_message(X_WF: RigidTransform) -> Pose:
-    """The message's form of a pose."""
+    """Converts a pose to its message."""
     return Pose(
         position=Vector3.from_array(X_WF.translation()),
         orientation=Quaternion.from_wxyz(X_WF.rotation().ToQuaternion().wxyz()),

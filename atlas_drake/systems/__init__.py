@@ -1,5 +1,5 @@
-"""LeafSystems: thin shells between ports and the pure code below them.
+"""LeafSystems: thin shells between ports and pure functions.
 
-All state lives in the Context; what is computed is in ``behaviors``, ``control`` and
+All state lives in the Context; the computations are in ``behaviors``, ``control`` and
 ``messages.commands``.
 """

@@ -1,6 +1,6 @@
-"""The base of this package's LeafSystems: one that Python can free again.
+"""The base class of this package's LeafSystems, which Python can free.
 
-About memory alone; nothing here is simulated.
+Concerns memory only; nothing here is simulated.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ from pydrake.systems.framework import (
 
 
 class CachedValue:
-    """A cache entry by its number.
+    """A cache entry by its index.
 
-    Drake's own ``CacheEntry`` keeps its system, again where nobody can see it, and so
-    must not be kept by it.
+    Drake's own ``CacheEntry`` keeps its system alive by a reference that the garbage
+    collector does not see, so the system must not hold the entry.
     """
 
     def __init__(self, system: LeafSystem, entry: CacheEntry) -> None:
@@ -30,74 +30,74 @@ class CachedValue:
         self._index = entry.cache_index()
 
     def Eval(self, context: Context) -> Any:
-        """As Drake's."""
+        """Evaluates the entry, as Drake's ``CacheEntry.Eval``."""
         return self._system.get_cache_entry(self._index).Eval(context)
 
     def ticket(self) -> DependencyTicket:
-        """As Drake's."""
+        """Returns the entry's ticket, as Drake's ``CacheEntry.ticket``."""
         return self._system.get_cache_entry(self._index).ticket()
 
 
 class CollectableSystem(LeafSystem):
-    """A LeafSystem that is freed, with its diagram, when nobody uses it any more.
+    """A LeafSystem that is freed, with its diagram, when it is no longer used.
 
-    A plain LeafSystem in Python is immortal, for three reasons. Drake keeps the
-    callbacks of output ports and cache entries, which know their system, where Python's
-    garbage collector cannot see them: here Python keeps them, and Drake calls them
-    through weak references. A cache entry keeps its system likewise: here a
-    ``CachedValue`` stands for it. And Python 3.11 counts twice what is in the
-    ``__dict__`` of a subclass of a binding: every subclass has to say
+    A plain LeafSystem in Python is never freed, for three reasons. First, Drake holds
+    the callbacks of output ports and cache entries, which refer to their system, where
+    Python's garbage collector cannot see them: here Python holds them, and Drake calls
+    them through weak references. Second, a cache entry holds its system in the same
+    way: here a ``CachedValue`` replaces the entry. Third, Python 3.11 counts references
+    in the ``__dict__`` of a subclass of a binding twice: every subclass has to define
     ``__slots__ = ()``, and uses the ``__dict__`` of its base.
 
-    docs/memory.md has them in a table, and a system that shows the first.
+    docs/memory.md lists the reasons in a table, and shows a system with the first.
     """
 
-    if not TYPE_CHECKING:  # mypy does not know of the __dict__ of Drake's classes.
+    if not TYPE_CHECKING:  # mypy does not see the __dict__ of Drake's classes.
         __slots__ = ()
 
     def __init_subclass__(cls, **options: Any) -> None:
-        """Checks the rule that one easily forgets.
+        """Checks that a subclass defines ``__slots__``.
 
         Raises:
-            TypeError: If the class has a ``__dict__`` of its own.
+            TypeError: If the class does not, and so has its own ``__dict__``.
         """
         super().__init_subclass__(**options)
         if "__slots__" not in cls.__dict__:
             raise TypeError(
-                f"{cls.__name__} must say __slots__ = (), or is never freed"
+                f"{cls.__name__} must define __slots__ = (), or it is never freed"
             )
 
     def callback(self, function: Callable[..., Any]) -> Callable[..., Any]:
-        """What Drake may keep in place of a function that knows this system."""
+        """Returns a wrapper for Drake to hold in place of a function of this system."""
         try:
             reference = weakref.ref(function)
         except TypeError:
-            # One of C++'s own, such as ``AbstractValue.Clone``: it knows no system.
+            # A C++ function, such as ``AbstractValue.Clone``, refers to no system.
             return function
         self.__dict__.setdefault("_callbacks", []).append(function)
 
         def call(*arguments: Any) -> Any:
             known = reference()
-            assert known is not None, "Drake calls a system that is gone"
+            assert known is not None, "Drake calls a system that was freed"
             return known(*arguments)
 
         return call
 
     def DeclareVectorOutputPort(self, *args: Any, **kwargs: Any) -> OutputPort:
-        """As Drake's."""
+        """Declares the port, as Drake's method."""
         args, kwargs = self._callbacks_in(args, kwargs)
         return super().DeclareVectorOutputPort(*args, **kwargs)
 
     def DeclareAbstractOutputPort(self, *args: Any, **kwargs: Any) -> OutputPort:
-        """As Drake's."""
+        """Declares the port, as Drake's method."""
         args, kwargs = self._callbacks_in(args, kwargs)
         return super().DeclareAbstractOutputPort(*args, **kwargs)
 
     def DeclareCacheEntry(self, *args: Any, **kwargs: Any) -> CachedValue:
-        """As Drake's, but for what it returns.
+        """Declares the entry, as Drake's method, and returns a ``CachedValue``.
 
-        A ``calc`` that knows this system goes through ``callback``: what a
-        ``ValueProducer`` calls cannot be exchanged any more.
+        Wrap a ``calc`` that refers to this system with ``callback``: the functions of a
+        ``ValueProducer`` cannot be replaced later.
         """
         return CachedValue(self, super().DeclareCacheEntry(*args, **kwargs))
 

@@ -1,7 +1,6 @@
-"""Latches and merges the two command ports into what is in force.
+"""Latches and merges the two command ports into the commands in force.
 
-The rules of merging are in ``messages.commands``; this is only their place in a
-diagram.
+The rules of merging are in ``messages.commands``; this is their system in the diagram.
 """
 
 from typing import Any
@@ -27,21 +26,21 @@ from atlas_drake.systems.collectable_system import CollectableSystem
 
 
 class CommandInterface(CollectableSystem):
-    """Command ports in, what is in force out.
+    """Command ports in, commands in force out.
 
-    Input ports (both optional; they hold the sender's latest message, and NOTHING
-    while there is none):
+    Input ports (both optional; they hold the sender's latest message, or NOTHING
+    before the first message):
         atlas_command: ``AtlasCommand``
         atlas_sim_interface_command: ``AtlasSimInterfaceCommand``
 
-    A message counts once, for as long as its content stays the same; a sender that
-    wants to repeat itself changes the header's stamp, or sends ``message.numbered``.
-    Messages may be snapshots or not: a sender may change its message and send it again.
-    A snapshot that stays on the port costs least, as nobody need look at its fields.
+    A message counts once while its content stays the same; to repeat a message, a
+    sender changes the header's stamp, or sends ``message.numbered``. Messages may be
+    snapshots or not: a sender may change its message and send it again. A snapshot that
+    stays on the port costs least, because its fields are not compared.
 
     Output ports:
-        commands: ``CommandsInForce``; a new message is in force at the instant at
-            which it stands on the port, and stays so from the next update on.
+        commands: ``CommandsInForce``; a new message is in force as soon as it is on the
+            port, and remains in force after the next update.
         joint_command: ``JointCommand``
         k_effort: The user's share of each joint, 0 to 255, shape (n,).
     """
@@ -55,7 +54,7 @@ class CommandInterface(CollectableSystem):
         initial_behavior: Behavior,
         catalog: BehaviorCatalog = SHIPPED,
     ):
-        """Updates every ``period`` [s]; knows the behaviors of ``catalog``."""
+        """Updates every ``period`` [s]; accepts the behaviors of ``catalog``."""
         super().__init__()
         self._robot = robot
         start = commands_at_start(robot, initial_behavior, catalog)
@@ -97,9 +96,9 @@ class CommandInterface(CollectableSystem):
         self.DeclarePeriodicUnrestrictedUpdateEvent(period, 0.0, self._update)
 
     def reset(self, context: Context, behavior: Behavior) -> None:
-        """Puts in force what was at the start, with ``behavior`` asked for.
+        """Restores the initial commands, with ``behavior`` requested.
 
-        What is on the ports counts as received; the log of messages is kept.
+        Messages on the ports count as received; the log of messages is kept.
         """
         before = context.get_abstract_state(self._state).get_value()
         atlas_command, sim_command = map(frozen, self._messages(context))
@@ -115,17 +114,17 @@ class CommandInterface(CollectableSystem):
         context.get_mutable_abstract_state(self._state).set_value(after)
 
     def receive(self, context: Context, message: Command) -> Refusal | None:
-        """Takes in a message of a sender outside the diagram.
+        """Applies a message of a sender outside the diagram.
 
-        It counts as new whatever it says, and comes after those on the ports. Several
-        may come at one instant.
+        The message counts as new with any content, and is applied after those on the
+        ports. Several messages may be received at one instant.
 
         Args:
-            context: Of this system; changed.
-            message: A snapshot or not.
+            context: Context of this system; changed.
+            message: The message, a snapshot or not.
 
         Returns:
-            Why the message is refused; None if it is in force.
+            The refusal of the message; None if it is in force.
         """
         before: CommandsInForce = self._commands.Eval(context)
         after = receive(before, message, self._robot, context.get_time())
@@ -135,11 +134,11 @@ class CommandInterface(CollectableSystem):
         return refusals[-1] if refusals else None
 
     def _log_refusals(self, context: Context, after: CommandsInForce) -> None:
-        """Warns of what ``after`` refuses and the state does not yet."""
+        """Warns of the refusals in ``after`` that are not in the state yet."""
         log_refusals(context.get_abstract_state(self._state).get_value(), after)
 
     def _messages(self, context: Context) -> list[Any]:
-        """What the two ports hold; NOTHING where nobody sent anything."""
+        """Returns the messages on the two ports; NOTHING for a port without one."""
         return [
             port.Eval(context) if port.HasValue(context) else NOTHING
             for port in self._inputs

@@ -1,9 +1,9 @@
 """Sends a programme of commands at given times.
 
-A programme is a list of messages, or of functions that make one from the latest
-feedback: footsteps, for example, are thought of in the robot's frame and have to be
-moved to the world frame when they are sent. Entries of the same time are sent in their
-order, one in each tick, so that none takes another's place on its port.
+A programme is a list of messages, or of functions that make a message from the latest
+feedback: footsteps, for example, are defined in the robot's frame and transformed to
+the world frame when they are sent. Entries of the same time are sent in their order,
+one in each tick, so that none replaces another on its port.
 """
 
 from collections.abc import Callable, Sequence
@@ -25,7 +25,7 @@ from atlas_drake.systems.collectable_system import CollectableSystem
 
 @dataclass(frozen=True)
 class Feedback:
-    """What a commander knows of the robot when it sends a command."""
+    """Feedback that is available to a commander when it sends a command."""
 
     time: float
     atlas_state: AtlasState
@@ -38,10 +38,10 @@ class ScheduledCommand:
     """One entry of a programme.
 
     Attributes:
-        time: When to send it [s].
-        command: The message, or a pure function that makes it from the feedback;
-            None only says the text.
-        text: What to tell the user when it is sent.
+        time: Time to send the command [s].
+        command: The message, or a pure function that makes it from the feedback; None
+            for an entry with a text only.
+        text: Text for the user when the command is sent.
     """
 
     time: float
@@ -56,15 +56,16 @@ class CommandScheduler(CollectableSystem):
         atlas_state, atlas_sim_interface_state, imu: The latest feedback.
 
     Output ports, which are state:
-        atlas_command: ``AtlasCommand`` that was sent last; NOTHING at first.
-        atlas_sim_interface_command: ``AtlasSimInterfaceCommand``, likewise.
-        sent: How many entries of the programme have been sent.
+        atlas_command: The last sent ``AtlasCommand``; NOTHING at first.
+        atlas_sim_interface_command: The last sent ``AtlasSimInterfaceCommand``; NOTHING
+            at first.
+        sent: Number of sent entries of the programme.
     """
 
     __slots__ = ()
 
     def __init__(self, programme: Sequence[ScheduledCommand], period: float):
-        """Looks at the clock every ``period`` [s]."""
+        """Updates every ``period`` [s]."""
         super().__init__()
         self.programme = tuple(sorted(programme, key=lambda entry: entry.time))
         self._feedback = [
@@ -85,7 +86,7 @@ class CommandScheduler(CollectableSystem):
 
     def _update(self, context: Context, state: State) -> None:
         sent: int = context.get_abstract_state(self._sent).get_value()
-        # A hair of slack: times are sums of rounded periods.
+        # A small tolerance: times are sums of rounded periods.
         now = context.get_time() + 1e-9
         if sent == len(self.programme) or self.programme[sent].time > now:
             return
@@ -102,6 +103,6 @@ class CommandScheduler(CollectableSystem):
             return
         is_joint_command = isinstance(command, AtlasCommand)
         index = self._atlas_command if is_joint_command else self._sim_command
-        # By its number, a message is new beside an equal one.
+        # Number the message, so that it counts as new after an equal one.
         message = command.numbered(sent + 1)
         state.get_mutable_abstract_state(index).set_value(message)

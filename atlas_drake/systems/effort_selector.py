@@ -15,13 +15,13 @@ class EffortSelector(CollectableSystem):
     """The k_effort selector. It has no state.
 
     Input ports, shape (n,), message order:
-        user_effort: [N·m]
-        behavior_effort: [N·m]
+        user_effort: Efforts of the user's law [N·m].
+        behavior_effort: Efforts of the behavior [N·m].
         k_effort: The user's share, 0 to 255.
 
     Output ports:
-        effort: What the motors do [N·m], shape (n,), message order.
-        actuation: The same in the order of the plant's actuators.
+        effort: Efforts of the motors [N·m], shape (n,), message order.
+        actuation: The same efforts in the order of the plant's actuators.
     """
 
     __slots__ = ()
@@ -54,7 +54,8 @@ class EffortSelector(CollectableSystem):
     def _blend(self, context: Context) -> np.ndarray:
         share = self._share.Eval(context)
         behavior = self._behavior.Eval(context)
-        # What nobody has a share of need not be computed, at every physics step.
+        # Without a user share the user's efforts need no evaluation, which saves time
+        # at every physics step.
         user = self._user.Eval(context) if share.any() else behavior
         return blend(user, behavior, share * (1.0 / K_EFFORT_MAX), self._limit)
 
@@ -62,6 +63,6 @@ class EffortSelector(CollectableSystem):
 def blend(
     user: np.ndarray, behavior: np.ndarray, share: np.ndarray, limit: np.ndarray
 ) -> np.ndarray:
-    """k·user + (1 - k)·behavior within ±limit [N·m], shape (n,)."""
+    """Computes k·user + (1 - k)·behavior within ±limit [N·m], shape (n,)."""
     effort = behavior + share * (user - behavior)
     return np.minimum(np.maximum(effort, -limit), limit)

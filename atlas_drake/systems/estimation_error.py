@@ -1,6 +1,6 @@
-"""How far the estimated state is from the true one, now and at worst.
+"""The error of the estimated state, at present and at most.
 
-Only what a run reports; it controls nothing.
+For reports only; no controller reads it.
 """
 
 import math
@@ -19,24 +19,24 @@ from atlas_drake.systems.collectable_system import CollectableSystem
 
 
 class EstimationError(CollectableSystem):
-    """True and estimated state in, what lies between them out.
+    """True and estimated state in, their difference out.
 
     Input ports:
-        state: Positions and velocities of the robot.
-        estimated_state: Likewise.
+        state: True positions and velocities of the robot.
+        estimated_state: Estimated positions and velocities of the robot.
 
     Output ports:
-        estimation_error: Of the pelvis, estimated less true: position [m], velocity
-            [m/s] and rotation from the true to the estimated orientation [rad], each
-            in W; shape (9,).
-        largest_estimation_error: Of the run so far: distance [m], speed [m/s], tilt
-            [rad] and yaw [rad], shape (4,).
+        estimation_error: Error of the pelvis, estimated minus true: position [m],
+            velocity [m/s] and rotation from the true to the estimated orientation
+            [rad], each in W; shape (9,).
+        largest_estimation_error: Largest errors of the run so far: distance [m], speed
+            [m/s], tilt [rad] and yaw [rad], shape (4,).
     """
 
     __slots__ = ()
 
     def __init__(self, robot: Robot, plant: MultibodyPlant, period: float):
-        """Looks every ``period`` [s]."""
+        """Updates the largest errors every ``period`` [s]."""
         super().__init__()
         self._pelvis = robot.indices(plant).pelvis
         size = plant.num_multibody_states(robot.instance(plant))
@@ -77,7 +77,7 @@ class EstimationError(CollectableSystem):
 
 
 def error_sizes(error: np.ndarray) -> np.ndarray:
-    """Distance [m], speed [m/s], tilt [rad] and yaw [rad] of an error, shape (4,)."""
+    """Computes distance [m], speed [m/s], tilt and yaw [rad] of an error, (4,)."""
     x, y, z, vx, vy, vz, roll, pitch, yaw = error.tolist()
     return np.array(
         [

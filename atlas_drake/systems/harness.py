@@ -1,8 +1,8 @@
 """A harness that carries the pelvis until it is released, as a crane carries a robot.
 
-It pulls as springs and dampers do; nothing is welded and no position is set. Its
-dampers are taken implicitly, see ``implicit_pull``. Built into a station only where the
-scenario asks for it.
+The harness applies the forces of springs and dampers; nothing is welded and no position
+is set. The dampers are integrated implicitly, see ``implicit_pull``. A station has a
+harness only if the scenario requests it.
 """
 
 from collections.abc import Sequence
@@ -26,31 +26,31 @@ from atlas_drake.systems.scratch import declare_scratch_context
 
 @dataclass(frozen=True)
 class HarnessGains:
-    """Stiff enough to hold the robot; stable at every physics step on offer."""
+    """Gains that hold the robot, and are stable at every permitted physics step."""
 
     natural_frequency: float = 12.0
-    """Of the robot's mass on the harness [rad/s]."""
+    """Natural frequency of the robot's mass on the harness [rad/s]."""
     damping_ratio: float = 1.0
-    """[-]"""
+    """Damping ratio of the robot's mass on the harness [-]."""
     rotational_stiffness: float = 4000.0
-    """[N·m/rad]"""
+    """Rotational stiffness at the pelvis [N·m/rad]."""
     rotational_damping: float = 300.0
-    """[N·m·s/rad]"""
+    """Rotational damping at the pelvis [N·m·s/rad]."""
     lowering_speed: float = 0.10
-    """At which a released robot is let down [m/s]."""
+    """Speed at which a released robot is lowered [m/s]."""
     fading_time: float = 1.0
-    """In which the harness then gives its load to the legs [s]."""
+    """Time in which the harness transfers its load to the legs after lowering [s]."""
 
 
 @dataclass(frozen=True)
 class HarnessState(Frozen):
-    """What the harness does.
+    """State of the harness.
 
     Attributes:
-        p_WH: Where the pelvis is held [m]; None for a harness that hangs loose.
-        R_WH: In which orientation.
-        drop: How far it is to be let down before its feet can stand [m].
-        released: When it was released [s]; None while it holds.
+        p_WH: Position at which the pelvis is held [m]; None for a slack harness.
+        R_WH: Orientation in which the pelvis is held; None for a slack harness.
+        drop: Distance by which the robot is lowered until its feet can stand [m].
+        released: Time of release [s]; None before release.
     """
 
     p_WH: np.ndarray | None = None
@@ -60,16 +60,17 @@ class HarnessState(Frozen):
 
 
 class Harness(CollectableSystem):
-    """State and the forces of others in, these and the harness' own out.
+    """State and external forces in, external forces with that of the harness out.
 
     Input ports:
         state: Positions and velocities of the robot.
-        actuation: What its motors do, in the order of its actuators [N·m].
-        foot_wrenches: Of the ground on the soles [N·m; N], shape (12,).
+        actuation: Efforts of the motors, in the order of the actuators [N·m].
+        foot_wrenches: Wrenches of the ground on the soles [N·m; N], shape (12,).
         other_spatial_force: List of ``ExternallyAppliedSpatialForce``; optional.
 
     Output ports:
-        applied_spatial_force: The same and that on the pelvis.
+        applied_spatial_force: The list of ``other_spatial_force`` with the force of the
+            harness on the pelvis.
     """
 
     __slots__ = ()
@@ -92,7 +93,8 @@ class Harness(CollectableSystem):
         motors = np.arange(plant.num_actuated_dofs(), dtype=float)
         motors = plant.GetActuationFromArray(own, motors).astype(int)
         self._actuation_matrix = np.asarray(plant.MakeActuationMatrix())[:, motors]
-        # Numbers, as frames and bodies keep their plant where nobody can see it.
+        # Indices, because frames and bodies hold their plant where the garbage
+        # collector cannot see it.
         self._soles = [
             plant.GetFrameByName(f.sole_frame, own).index() for f in robot.file.feet
         ]
@@ -118,25 +120,25 @@ class Harness(CollectableSystem):
         """Holds the pelvis from now on.
 
         Args:
-            context: Of this system.
-            p_WH: Where [m].
-            R_WH: In which orientation.
-            drop: How far above its standing height that is [m].
+            context: Context of this system.
+            p_WH: Position of the pelvis in W [m], shape (3,).
+            R_WH: Orientation of the pelvis in W, shape (3, 3).
+            drop: Height of that position above the standing height [m].
         """
         self._remember(context, HarnessState(p_WH.copy(), R_WH.copy(), drop))
 
     def release(self, context: Context) -> None:
-        """Lets the robot down and then go; nothing where it holds nothing."""
+        """Lowers the robot and then unloads the harness; no effect if it is slack."""
         state = self.state(context)
         if state.p_WH is not None and state.released is None:
             self._remember(context, replace(state, released=context.get_time()))
 
     def let_go(self, context: Context) -> None:
-        """Hangs loose from now on."""
+        """Makes the harness slack from now on."""
         self._remember(context, HarnessState())
 
     def state(self, context: Context) -> HarnessState:
-        """What the harness does."""
+        """Returns the state of the harness."""
         return context.get_abstract_state(self._memory).get_value()
 
     def _remember(self, context: Context, state: HarnessState) -> None:
@@ -150,7 +152,7 @@ class Harness(CollectableSystem):
     def _pull(
         self, context: Context, others: Sequence[ExternallyAppliedSpatialForce]
     ) -> ExternallyAppliedSpatialForce | None:
-        """What the harness does to the pelvis; None once it is off."""
+        """Computes the force of the harness on the pelvis; None if it is slack."""
         state, gains = self.state(context), self._gains
         if state.p_WH is None or state.R_WH is None:
             return None
@@ -197,14 +199,14 @@ class Harness(CollectableSystem):
         scratch: Context,
         others: Sequence[ExternallyAppliedSpatialForce],
     ) -> tuple[np.ndarray, np.ndarray]:
-        """How the pelvis would move without the harness, and how it gives way to it.
+        """Computes the pelvis' acceleration without the harness, and its compliance.
 
-        Contact is that of the last control tick; friction in the joints is left out.
+        Contact forces are those of the last control tick; joint friction is neglected.
 
         Args:
-            context: Of this system.
-            scratch: Of the plant, at the present state.
-            others: Forces of others.
+            context: Context of this system.
+            scratch: Context of the plant, at the present state.
+            others: Other external forces.
 
         Returns:
             Spatial acceleration in W [rad/s²; m/s²], shape (6,), and accelerations per
@@ -230,7 +232,7 @@ class Harness(CollectableSystem):
         return answer[:, 0], answer[:, 1:]
 
     def _jacobian(self, scratch: Context, frame: Frame, p: np.ndarray) -> np.ndarray:
-        """Of the spatial velocity in W of a point fixed in ``frame``, shape (6, nv)."""
+        """Computes the Jacobian of a frame's point, spatial, in W, shape (6, nv)."""
         world = self._plant.world_frame()
         return self._plant.CalcJacobianSpatialVelocity(
             scratch, JacobianWrtVariable.kV, frame, p, world, world
@@ -240,22 +242,26 @@ class Harness(CollectableSystem):
 def implicit_pull(
     static: np.ndarray, damping: np.ndarray, free: np.ndarray, response: np.ndarray
 ) -> np.ndarray:
-    """Springs, and dampers at the velocity that the step ends with [N·m; N], (6,).
+    """Computes spring and damper forces with the velocity at the end of the step.
 
-    The pelvis alone, its joints free, has 0.2 kg·m²: an explicit damper of
-    300 N·m·s/rad diverges at a step of 2 ms, and at 1 ms as soon as joints are damped
-    too. So with V⁺ = V_free + h·Λ·F,
+    The pelvis alone, with free joints, has 0.2 kg·m²: an explicit damper of
+    300 N·m·s/rad diverges at a step of 2 ms, and at 1 ms with damped joints. So with
+    V⁺ = V_free + h·Λ·F,
 
         F = F_static - D·V⁺   ⇒   F = (1 + D·h·Λ)⁻¹·(F_static - D·V_free)
 
-    V_free has to contain what the motors do in the step: joint damping that is as stiff
-    would not be stable beside a damper that only knows the pelvis' present velocity.
+    V_free has to contain the effect of the motors in the step: joint damping of similar
+    stiffness would be unstable with a damper on the pelvis' present velocity.
 
     Args:
-        static: All but the dampers [N·m; N], shape (6,).
+        static: F_static, the force without the dampers [N·m; N], shape (6,).
         damping: D [N·m·s/rad; N·s/m], shape (6,).
-        free: V_free, of the step's end without this force [rad/s; m/s], shape (6,).
+        free: V_free, velocity at the end of the step without this force [rad/s; m/s],
+            shape (6,).
         response: h·Λ, change of velocity per force, shape (6, 6).
+
+    Returns:
+        F, the force of the harness [N·m; N], shape (6,).
     """
     return np.linalg.solve(
         np.eye(6) + damping[:, None] * response, static - damping * free

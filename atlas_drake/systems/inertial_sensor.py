@@ -1,7 +1,7 @@
-"""The IMU as a state estimator reads it: what it felt since the last control tick.
+"""The IMU for a state estimator: its increments since the last control tick.
 
-Built into a station only where there is an estimator; the ``Imu`` message, with what
-the IMU feels at an instant, is ``robot_sensors``'.
+A station has this sensor only with an estimator; ``robot_sensors`` makes the ``Imu``
+message with the values of an instant.
 """
 
 import numpy as np
@@ -24,25 +24,25 @@ from atlas_drake.systems.noisy_system import NoisySystem
 from atlas_drake.systems.scratch import declare_scratch_context
 
 _UNSET = -1.0
-"""Time of the last tick before there was one."""
+"""Time of the last tick before the first tick."""
 
 
 class InertialSensor(NoisySystem):
     """The plant's state in, increments of a strapdown IMU out.
 
-    Like the inertial sensors that navigate, it integrates inside at a rate far above
-    the control tick's. So nothing that happens between two ticks is lost, an impact
-    least of all, and no acceleration is needed before the plant's step at this
-    instant has been solved: the integral of acceleration is the change of velocity.
+    Like a navigation-grade inertial sensor, it integrates internally at a rate far
+    above that of the control ticks. So no motion between two ticks is lost, not even an
+    impact, and no acceleration is needed before the plant's step at this instant is
+    solved: the integral of acceleration is the change of velocity.
 
     Input ports:
         state: Positions and velocities of the robot.
 
     Output ports:
-        inertial: In the pelvis' axes, shape (9,): the angular velocity now [rad/s],
+        inertial: In the pelvis' axes, shape (9,): the present angular velocity [rad/s],
             the rotation since the last tick [rad], and the integral of the specific
-            force since then [m/s], in the axes halfway. The latter two are zero
-            before the first tick.
+            force since the last tick [m/s], in the axes halfway. Rotation and integral
+            are zero before the first tick.
     """
 
     __slots__ = ()
@@ -56,14 +56,15 @@ class InertialSensor(NoisySystem):
         physics_step: float,
         control_period: float,
     ):
-        """Measures ``robot`` in ``plant`` with the noise that ``RobotSensors`` has."""
+        """Measures ``robot`` in ``plant`` with the noise model of ``RobotSensors``."""
         super().__init__()
         self._plant = plant
         n = robot.num_joints
         self.declare_noise(lambda seed: SensorNoise(noise, seed, n, physics_step), seed)
         self._instance = own = robot.instance(plant)
         imu = plant.GetFrameByName(robot.file.imu_frame, own)
-        # A number, as a frame keeps its plant where nobody can see it.
+        # An index, because a frame holds its plant where the garbage collector cannot
+        # see it.
         self._imu = imu.index()
         self._R_PI = imu.GetFixedPoseInBodyFrame().rotation().matrix()
         self._orientation = robot.indices(plant).pelvis.orientation
@@ -77,11 +78,14 @@ class InertialSensor(NoisySystem):
         self.DeclarePeriodicDiscreteUpdateEvent(control_period, 0.0, self._update)
 
     def reset(self, context: Context) -> None:
-        """Forgets the last tick: the robot was put somewhere."""
+        """Clears the last tick, after the robot was placed."""
         context.SetDiscreteState(self._last, _nothing())
 
     def _motion(self, context: Context) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Quaternion of the pelvis, angular velocity and velocity of the IMU in W."""
+        """Computes the pelvis' quaternion, and the IMU's angular and linear velocity.
+
+        All are in W.
+        """
         state, scratch = self._state.Eval(context), self._scratch.Eval(context)
         self._plant.SetPositionsAndVelocities(scratch, self._instance, state)
         V_WI = self._plant.get_frame(self._imu).CalcSpatialVelocityInWorld(scratch)
@@ -105,7 +109,7 @@ class InertialSensor(NoisySystem):
             gained[2] += GRAVITY * dt
             velocity = halfway.T @ gained
         if not self.noise(context).silent:
-            # One sample for all that lies between two ticks: rather too much noise.
+            # One sample for the interval between two ticks, which overestimates noise.
             noise = self.noise(context).sample(context.get_time())
             gyro = self._R_PI @ noise.angular_velocity
             rate = rate + gyro
@@ -115,5 +119,5 @@ class InertialSensor(NoisySystem):
 
 
 def _nothing() -> np.ndarray:
-    """What is remembered before the first tick, shape (8,)."""
+    """Returns the state before the first tick, shape (8,)."""
     return np.array([_UNSET, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0])

@@ -1,7 +1,7 @@
-"""The state message of the control interface, whoever controls the robot.
+"""The state message of the control interface, for any controller.
 
-What a controller tells of itself is in its status; efforts, shares and poses are read
-from ports.
+The controller's own values are in its status; efforts, shares and poses are read from
+ports.
 """
 
 from typing import Any
@@ -33,7 +33,7 @@ class InterfaceReporter(CollectableSystem):
 
     Input ports:
         state: Measured positions and velocities, in plant order.
-        behavior_effort: Of the controller [N·m], shape (n,).
+        behavior_effort: Efforts of the controller [N·m], shape (n,).
         controller_status: ``ControllerStatus``
         commands: ``CommandsInForce``
 
@@ -75,7 +75,7 @@ class InterfaceReporter(CollectableSystem):
         message.header.stamp = context.get_time()
         fill_in(message, status)
         if commands.received != commands.request.number:
-            # Another message has come than the controller's last request.
+            # The last message is not the controller's last request.
             message.error_code = commands.error_code
         if commands.error_code is ErrorCode.NO_SUCH_BEHAVIOR:
             before = status.behavior_feedback

@@ -1,6 +1,6 @@
 """The PID controllers of user mode, one per joint, at the physics rate.
 
-The law is ``control.joints.joint_pid``; this is its place in a diagram.
+The law is ``control.joints.joint_pid``; this is its system in the diagram.
 """
 
 from dataclasses import dataclass
@@ -35,29 +35,30 @@ from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.systems.scratch import declare_scratch_context
 
 MOVED = 0.1
-"""A joint that moved this far makes the step's model worth computing anew [rad]."""
+"""Refresh the model when a joint has moved farther than this [rad]."""
 PREPARATION_TICKS = 5
 """Period of the model refresh [control ticks]."""
 PLANTED_SHARE = 0.1
-"""A sole that carries this share of the robot's weight is held by the ground [-]."""
+"""Least load of a sole that counts as held by the ground, in weights [-]."""
 PLANTED_LEVER = 0.8
-"""As long as its center of pressure is within this share of its half width [-]."""
+"""Largest distance of the CoP of a held sole from its center, as a share of the sole's
+half width [-]."""
 
 
 @dataclass(frozen=True)
 class PreparedLaw(Frozen):
-    """What the law needs and that changes seldom.
+    """Data of the law that change seldom.
 
     Attributes:
-        source: The command that it was prepared for.
-        q: Joint positions that it was prepared at [rad].
-        planted: Which soles the ground held.
+        source: The command for which the data were computed.
+        q: Joint positions for which the data were computed [rad].
+        planted: True for each sole that the ground held.
         command: ``source`` with set-points within the joints' limits.
         rest: 1 - k, the behavior's share of each joint.
-        active: Where k > 0.
+        active: True for each joint with k > 0.
         offset: The static effort at joint positions zero, without integral [N·m].
-        integrates: Whether any joint has an integral term.
-        model: How velocities respond to efforts.
+        integrates: True if any joint has an integral term.
+        model: Response of velocities to efforts.
     """
 
     source: JointCommand
@@ -71,13 +72,13 @@ class PreparedLaw(Frozen):
     model: StepModel
 
     def static_effort(self, integral: np.ndarray, q: np.ndarray) -> np.ndarray:
-        """``static_effort`` of the command, with what does not change done before."""
+        """Computes ``static_effort`` of the command from the precomputed offset."""
         return self.offset - self.command.kp_position * q + integral
 
 
 @dataclass(frozen=True)
 class PidStep:
-    """One step's result: what to remember, and the user's effort now [N·m]."""
+    """Result of one step: the next state, and the present user's effort [N·m]."""
 
     after: PidState
     effort: np.ndarray
@@ -89,8 +90,8 @@ class JointPidBank(CollectableSystem):
     Input ports:
         state: Positions and velocities of the robot, in plant order.
         joint_command: ``JointCommand``
-        behavior_effort: What the behavior gives to its share [N·m], shape (n,).
-        foot_wrenches: Of the ground on the soles [N·m; N], shape (12,).
+        behavior_effort: Efforts of the behavior, before the blend [N·m], shape (n,).
+        foot_wrenches: Wrenches of the ground on the soles [N·m; N], shape (12,).
 
     Output ports:
         user_effort: Efforts of the user's control law [N·m], shape (n,), message
@@ -98,7 +99,7 @@ class JointPidBank(CollectableSystem):
             applies to their blend with the behavior's efforts.
         user_forecast: ``UserForecast`` for the coming control tick.
 
-    State: what ``PidState`` holds, updated at every physics step; the prepared law,
+    State: the fields of ``PidState``, updated at every physics step; the prepared law,
     updated every few control ticks when pose, contact or commands have changed.
     """
 
@@ -164,7 +165,7 @@ class JointPidBank(CollectableSystem):
         )
 
     def reset(self, context: Context) -> None:
-        """Forgets integrals and everything else that the law remembers."""
+        """Clears the state of the law, its integrals included."""
         for group in self._memory:
             context.SetDiscreteState(group, self._nothing)
         context.get_mutable_abstract_state(self._prepared).set_value(NOTHING)
@@ -210,7 +211,7 @@ class JointPidBank(CollectableSystem):
             discrete.set_value(group, values)
 
     def _update_idle(self, context: Context, discrete: DiscreteValues) -> None:
-        """The same while the user has no joint, without the step: it is cheap."""
+        """Updates the state while the user has no joint, without a step of the law."""
         _, velocity, applied, expected = self._memory
         discrete.set_value(velocity, self._state_input.Eval(context).take(self._v))
         discrete.set_value(applied, self._nothing)
@@ -246,9 +247,10 @@ class JointPidBank(CollectableSystem):
         )
 
     def _beyond_limit(self, context: Context, *efforts: np.ndarray) -> np.ndarray:
-        """By how much the law goes beyond the motors' limits [N·m], shape (n,).
+        """Computes the user's effort beyond the motors' limits [N·m], shape (n,).
 
-        Solved only where one of these ``efforts`` does: static and explicit one.
+        The implicit law is solved only if the static or the explicit one of ``efforts``
+        exceeds a limit.
         """
         limit = self._limit
         if all((np.abs(effort) <= limit).all() for effort in efforts):
@@ -257,7 +259,7 @@ class JointPidBank(CollectableSystem):
         return effort - np.clip(effort, -limit, limit)
 
     def _law(self, context: Context, source: JointCommand) -> PreparedLaw:
-        """The law in the state if it serves, else one prepared afresh."""
+        """Returns the prepared law, computed again if the command has changed."""
         known = context.get_abstract_state(self._prepared).get_value()
         if known is not NOTHING and known.source is source:
             return known
@@ -291,7 +293,7 @@ class JointPidBank(CollectableSystem):
         )
 
     def _planted(self, context: Context) -> tuple[bool, bool]:
-        """Which soles the ground holds: they carry weight, and not on an edge."""
+        """Returns True for each sole that the ground holds: loaded, not on an edge."""
         wrenches = self._wrench_input.Eval(context)
         return self._held(wrenches[:6]), self._held(wrenches[6:])
 
@@ -300,7 +302,7 @@ class JointPidBank(CollectableSystem):
         if load < PLANTED_SHARE * self._robot.mass * GRAVITY:
             return False
         sole = self._robot.file.sole
-        # The lever of the load about the sole's center, whatever the foot's heading.
+        # Lever of the load about the sole's center, independent of the foot's heading.
         lever = np.hypot(wrench[0], wrench[1]) / load
         return bool(lever < PLANTED_LEVER * 0.5 * min(sole.length, sole.width))
 

@@ -1,4 +1,4 @@
-"""The noise of a sensor as a parameter in its Context: every run has its own seed."""
+"""The noise of a sensor as a parameter in its Context, so that each run has a seed."""
 
 from collections.abc import Callable
 from typing import Any
@@ -11,16 +11,16 @@ from atlas_drake.systems.collectable_system import CollectableSystem
 
 
 class NoisySystem(CollectableSystem):
-    """A system that adds noise to what it measures."""
+    """A system that adds noise to its measurements."""
 
     __slots__ = ()
 
     def declare_noise(self, make: Callable[[int], SensorNoise], seed: int) -> None:
-        """Declare the parameter.
+        """Declares the parameter.
 
         Args:
-            make: Makes the noise of a seed.
-            seed: Of the default context.
+            make: Function that makes the noise of a seed.
+            seed: Seed of the default context.
         """
         self._make_noise = make
         self._noise_index = self.DeclareAbstractParameter(
@@ -28,16 +28,16 @@ class NoisySystem(CollectableSystem):
         )
 
     def set_seed(self, context: Context, seed: int) -> None:
-        """Draw the noise from another seed from now on.
+        """Draws the noise from another seed from now on.
 
         Args:
-            context: Of this system.
-            seed: From 0 to 2**64 - 1.
+            context: Context of this system.
+            seed: The seed, from 0 to 2**64 - 1.
         """
         parameter: Any = context.get_mutable_abstract_parameter(self._noise_index)
         parameter.set_value(self._make_noise(seed))
 
     def noise(self, context: Context) -> SensorNoise:
-        """Return the noise in force."""
+        """Returns the noise in force."""
         parameter: Any = context.get_abstract_parameter(self._noise_index)
         return parameter.get_value()

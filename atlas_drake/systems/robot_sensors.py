@@ -1,6 +1,6 @@
-"""What the robot measures: joints, IMU and the wrenches on its feet.
+"""The robot's sensors: joints, IMU and the wrenches on its feet.
 
-Messages are made only when somebody reads them; the controller reads plain vectors.
+Messages are made only when their ports are read; the controller reads plain vectors.
 """
 
 import numpy as np
@@ -34,18 +34,18 @@ class RobotSensors(NoisySystem):
 
     Input ports:
         state: Positions and velocities of the robot.
-        contact_results: Of the plant, those with other models included.
+        contact_results: Contacts of the plant, those with other models included.
         body_accelerations: Spatial accelerations of all bodies in W.
-        effort: What the motors do [N·m], shape (n,).
+        effort: Efforts of the motors [N·m], shape (n,).
         commands: ``CommandsInForce``, whose gains are reported.
 
     Output ports:
         measured_state: The state as measured: noise on the pelvis' angular velocity
             and on the joints, if the noise model has any.
-        foot_loads: Vertical forces of contact on the left and the right foot [N],
-            shape (2,), as they were one control tick ago.
-        foot_wrenches: Of contact on both feet, in W at the sole's center [N·m; N],
-            shape (12,), of the same instant.
+        foot_loads: Vertical contact forces on the left and the right foot [N], shape
+            (2,), one control tick ago.
+        foot_wrenches: Contact wrenches on both feet, in W at the sole's center
+            [N·m; N], shape (12,), at the instant of ``foot_loads``.
         atlas_state: ``AtlasState``
         imu: ``Imu``
     """
@@ -68,7 +68,8 @@ class RobotSensors(NoisySystem):
         self._plant = plant
         self._indices = robot.indices(plant)
         self.declare_noise(lambda seed: SensorNoise(noise, seed, n, physics_step), seed)
-        # Numbers, as bodies and frames keep their plant where nobody can see it.
+        # Indices, because bodies and frames hold their plant where the garbage
+        # collector cannot see it.
         self._instance = own = robot.instance(plant)
         self._pelvis = plant.GetBodyByName(robot.file.pelvis, own).index()
         imu_frame = plant.GetFrameByName(robot.file.imu_frame, own)
@@ -103,12 +104,12 @@ class RobotSensors(NoisySystem):
             "measured_state",
             num_states,
             self._calc_measured_state,
-            # Noise is new at every instant; without it the cache lasts longer.
+            # Noise depends on time; without noise the cache stays valid longer.
             prerequisites_of_calc={state_ticket}
             if noise == NoiseModel()
             else {state_ticket, self.time_ticket(), self.pa_ticket()},
         )
-        # About W's origin: where the soles are costs more to find than it is needed.
+        # About W's origin, because the poses of the soles are costly and seldom needed.
         self._wrenches = self.DeclareDiscreteState(12)
         self.DeclareVectorOutputPort(
             "foot_loads",
@@ -135,11 +136,11 @@ class RobotSensors(NoisySystem):
         )
 
     def reset(self, context: Context) -> None:
-        """Forgets the last contact forces."""
+        """Clears the last contact forces."""
         context.SetDiscreteState(self._wrenches, np.zeros(12))
 
     def _at_state(self, context: Context) -> Context:
-        """The plant's scratch context at the present state."""
+        """Sets the plant's scratch context to the present state, and returns it."""
         scratch = self._scratch.Eval(context)
         self._plant.SetPositionsAndVelocities(
             scratch, self._instance, self._state.Eval(context)
@@ -153,23 +154,23 @@ class RobotSensors(NoisySystem):
             indices, num_q = self._indices, self._num_q
             state[indices.q] += noise.joint_position
             state[num_q + indices.v] += noise.joint_velocity
-            # The gyroscope's axes are the IMU's, those of the state the world's.
+            # Rotate the gyroscope's noise from the IMU's axes to the world's.
             R_WP = rotation_matrix(state[indices.pelvis.orientation])
             turned = R_WP @ self._X_PI.rotation().multiply(noise.angular_velocity)
             state[num_q + indices.generalized[:3]] += turned
         output.SetFromVector(state)
 
     def _sample_foot_wrenches(self, context: Context, discrete: DiscreteValues) -> None:
-        """Reads the contacts that the plant's step at this instant solves anyway.
+        """Reads the contacts, which the plant's step at this instant solves anyway.
 
-        Read before the controller's update they would have to be solved once more,
-        with efforts that are about to change.
+        Reading them before the controller's update would solve them once more, with
+        outdated efforts.
         """
         totals = contact_wrenches(self._contacts.Eval(context), self._foot_bodies)
         discrete.get_mutable_vector(self._wrenches).SetFromVector(totals[0] + totals[1])
 
     def _sampled(self, context: Context) -> np.ndarray:
-        """Wrenches on both feet about W's origin, shape (12,)."""
+        """Returns the wrenches on both feet about W's origin [N·m; N], shape (12,)."""
         return context.get_discrete_state(self._wrenches).value()
 
     def _calc_foot_wrenches(self, context: Context, output: BasicVector) -> None:
@@ -234,7 +235,7 @@ class RobotSensors(NoisySystem):
         output.set_value(message)
 
     def _hand_wrenches(self, context: Context) -> tuple[Wrench, Wrench]:
-        """Contact forces on the hands, about their body origins, in W."""
+        """Computes the contact wrenches on the hands, at their body origins, in W."""
         if not self._hands:
             return Wrench(), Wrench()
         totals = contact_wrenches(self._contacts.Eval(context), self._hand_bodies)
@@ -252,14 +253,14 @@ class RobotSensors(NoisySystem):
 def contact_wrenches(
     results: ContactResults, bodies: dict[int, int]
 ) -> list[list[float]]:
-    """Sums of the contact forces on some bodies, about W's origin.
+    """Sums the contact forces on some bodies, about W's origin.
 
     Args:
-        results: Of the plant.
-        bodies: From index of a body in the plant to its place in the answer.
+        results: Contacts of the plant.
+        bodies: Maps the index of a body in the plant to its index in the result.
 
     Returns:
-        For each place moment and force in W [N·m; N], six numbers.
+        Moment and force in W for each body [N·m; N], six numbers.
     """
     totals = [[0.0] * 6 for _ in set(bodies.values())]
     for k in range(results.num_point_pair_contacts()):

@@ -1,6 +1,6 @@
-"""Extremes of a run, kept in the Context while it goes on.
+"""Extremes of a run, kept in the Context.
 
-Only what a summary reports; it controls nothing.
+For the summary only; no controller reads them.
 """
 
 import math
@@ -21,11 +21,11 @@ class RunStatistics(CollectableSystem):
 
     Input ports:
         state: Positions and velocities of the robot.
-        actuation: What the motors do [N·m], shape (n,), in its plant's order.
+        actuation: Efforts of the motors [N·m], shape (n,), in plant order.
 
     Output ports:
         extremes: Peak effort of each joint as a share of its limit, then the lowest
-            height of the pelvis [m] and its largest tilt [rad], shape (n + 2,).
+            height [m] and the largest tilt [rad] of the pelvis, shape (n + 2,).
     """
 
     __slots__ = ()
@@ -33,7 +33,7 @@ class RunStatistics(CollectableSystem):
     def __init__(
         self, robot: Robot, indices: PlantIndices, num_states: int, period: float
     ):
-        """Looks every ``period`` [s]."""
+        """Updates the extremes every ``period`` [s]."""
         super().__init__()
         n = robot.num_joints
         self._order = indices.actuation

@@ -1,6 +1,6 @@
-"""A plant's context to calculate in, for systems that have a plant but are none.
+"""A scratch context of a plant, for systems that compute with a plant.
 
-It lies in the system's own Context, so that every Context calculates in its own.
+The scratch context is part of the system's Context, so that every Context has its own.
 """
 
 from collections.abc import Callable
@@ -14,21 +14,21 @@ from atlas_drake.systems.collectable_system import CachedValue, CollectableSyste
 def declare_scratch_context(
     system: LeafSystem, create: Callable[[], Context]
 ) -> CachedValue | CacheEntry:
-    """Declares it as a cache entry that is allocated and never calculated.
+    """Declares a scratch context as a cache entry that is never calculated.
 
     Args:
-        system: Whose Context shall hold it.
-        create: Makes one, such as a plant's ``CreateDefaultContext``.
+        system: The system whose Context shall hold the scratch context.
+        create: Function that makes it, such as a plant's ``CreateDefaultContext``.
 
     Returns:
-        The entry, whose ``Eval`` gives the plant's context. Whoever uses it sets the
-        plant's state first.
+        The entry, whose ``Eval`` returns the plant's context. Set the plant's state
+        before each use.
     """
 
     def allocate() -> AbstractValue:
         return AbstractValue.Make(create())
 
-    # A user's own system may be Drake's plain one, which keeps what it calls for ever.
+    # A user's system may be a plain LeafSystem, which holds its callbacks for ever.
     kept = isinstance(system, CollectableSystem)
     return system.DeclareCacheEntry(
         "scratch context",

@@ -1,7 +1,6 @@
-"""The robot's state from what a robot can measure: IMU, joints, loads on its feet.
+"""Estimates the robot's state from IMU, joint encoders and loads on the feet.
 
-The filter itself is ``control.estimation.leg_odometry``; this is its place in a
-diagram.
+The filter is ``control.estimation.leg_odometry``; this is its system in the diagram.
 """
 
 from dataclasses import dataclass
@@ -33,11 +32,12 @@ from atlas_drake.systems.scratch import declare_scratch_context
 
 @dataclass(frozen=True)
 class EstimatorState(Frozen):
-    """What the estimator remembers.
+    """State of the estimator.
 
     Attributes:
-        time: Of the last tick [s].
-        odometry: The filter then; None for a robot that has just been put somewhere.
+        time: Time of the last tick [s].
+        odometry: State of the filter at the last tick; None before the first tick and
+            after a reset.
     """
 
     time: float = 0.0
@@ -47,20 +47,21 @@ class EstimatorState(Frozen):
 class StateEstimator(CollectableSystem):
     """Measurements in, the state of the whole robot out.
 
-    The estimate is a function of what is remembered of the last tick and of what is
-    measured now, so that the controller's update, which comes at the same instant as
-    this system's own, already sees what is measured then.
+    The estimate is a function of the state at the last tick and of the present
+    measurements, so that the controller's update, at the same instant as the update of
+    this system, already uses the present measurements.
 
     Input ports:
-        measured_state: In plant order, of which only the joints are read.
-        inertial: Of ``InertialSensor``, shape (9,).
-        foot_loads: Vertical forces on left and right foot [N], shape (2,), as they
-            were one control tick ago.
-        start_state: Where the robot is known to be put, in plant order; read at the
-            first tick and the first one after a reset only.
+        measured_state: Measured state in plant order, of which only the joints are
+            read.
+        inertial: Output of ``InertialSensor``, shape (9,).
+        foot_loads: Vertical forces on left and right foot [N], shape (2,), one control
+            tick ago.
+        start_state: Known initial state, in plant order; read only at the first tick,
+            and at the first tick after a reset.
 
     Output ports:
-        estimated_state: In plant order. The joints are those measured.
+        estimated_state: Estimated state in plant order, with the measured joints.
     """
 
     __slots__ = ()
@@ -95,7 +96,7 @@ class StateEstimator(CollectableSystem):
         self.DeclarePeriodicUnrestrictedUpdateEvent(period, 0.0, self._update)
 
     def reset(self, context: Context) -> None:
-        """Begins anew from where the robot is now known to be put."""
+        """Starts again from the present ``start_state``."""
         context.get_mutable_abstract_state(self._memory).set_value(EstimatorState())
 
     def _update(self, context: Context, state: State) -> None:
@@ -108,7 +109,7 @@ class StateEstimator(CollectableSystem):
             output.set_value(self._begin(context))
             return
         dt = context.get_time() - memory.time
-        # Asked at the tick's own instant but after it, when all of that is known.
+        # dt is 0 for a read at the instant of the tick, after its update.
         output.set_value(
             self._follow(context, memory.odometry, dt) if dt > 0.0 else memory.odometry
         )
@@ -138,14 +139,14 @@ class StateEstimator(CollectableSystem):
     def _legs(
         self, context: Context, w_WP_P: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Both soles as the joints have them and the gyroscope turns them.
+        """Computes position and velocity of both soles from joints and gyroscope.
 
         Returns:
-            p_IF [m] and v_IF [m/s], not that in the turning pelvis but that in W, both
-            along the pelvis' axes; each of shape (2, 3).
+            p_IF [m] and v_IF [m/s], the velocity relative to W and not to the turning
+            pelvis, both in the pelvis' axes; each of shape (2, 3).
         """
         scratch, state = self._scratch.Eval(context), self._measured.Eval(context)
-        # With the pelvis at W's origin what is in W is in P.
+        # With the pelvis at W's origin, quantities in W are quantities in P.
         pelvis = self._pelvis
         state[pelvis.orientation], state[pelvis.position] = (1.0, 0.0, 0.0, 0.0), 0.0
         state[pelvis.angular_velocity] = w_WP_P

@@ -1,10 +1,10 @@
-"""Behaviors and whole-body QP, at the control rate: the controller that is shipped.
+"""The shipped controller: behaviors and whole-body QP, at the control rate.
 
-It plugs into the station's controller socket like any other.
+It is connected to the station's controller socket like any other controller.
 
-The update is an unrestricted one: Drake runs these before the discrete updates of the
-same instant, so that the plant's step that begins at a control tick already has that
-tick's efforts. There is no latency but the hold over the control period.
+The update is unrestricted: Drake runs unrestricted updates before the discrete updates
+of the same instant, so that the plant's step that begins at a control tick already has
+the efforts of that tick. The only latency is the hold over the control period.
 """
 
 import time
@@ -47,14 +47,14 @@ from atlas_drake.systems.scratch import declare_scratch_context
 
 @dataclass(frozen=True)
 class ControllerMemory(Frozen):
-    """What the controller remembers from one tick to the next.
+    """State of the controller from one tick to the next.
 
     Attributes:
         supervisor: State of the behaviors.
         effort: The behavior's effort per joint [N·m], shape (n,).
         com: Center of mass at the last tick, horizontal in W [m], shape (2,).
-        omega: Natural frequency of the pendulum then [1/s].
-        solution: Of the last QP; None where there was none.
+        omega: Natural frequency of the pendulum at the last tick [1/s].
+        solution: Solution of the QP at the last tick; None without a QP.
         unsolved: Number of ticks whose QP had no solution.
     """
 
@@ -72,11 +72,11 @@ class WholeBodyController(CollectableSystem):
     Input ports:
         state: Measured positions and velocities, in plant order.
         foot_loads: Vertical forces of the ground on left and right foot [N], (2,).
-        user_forecast: ``UserForecast``, what the user's law will do in the tick.
+        user_forecast: ``UserForecast``, the forecast of the user's law for the tick.
         commands: ``CommandsInForce``
 
     Output ports:
-        behavior_effort: [N·m], shape (n,).
+        behavior_effort: Efforts of the behavior [N·m], shape (n,).
         controller_status: ``ControllerStatus``
     """
 
@@ -93,11 +93,11 @@ class WholeBodyController(CollectableSystem):
         """Makes the behaviors.
 
         Args:
-            robot: To be controlled.
-            config: All numbers that tune it.
-            period: Between two control ticks [s].
-            initial_behavior: Active at the start.
-            entries: Of the behaviors.
+            robot: The controlled robot.
+            config: Parameters of the controller.
+            period: Time between two control ticks [s].
+            initial_behavior: The behavior at the start.
+            entries: Entries of the behaviors.
         """
         super().__init__()
         n = robot.num_joints
@@ -110,8 +110,8 @@ class WholeBodyController(CollectableSystem):
         height = nominal_com_height(self._model) - robot.file.com_drop
         self._supervisor = Supervisor(self._model, config, height, entries)
         self.tick_seconds: MutableSequence[float] | None = None
-        """Wall-clock time of each tick, kept only when set to a list: a measurement of
-        the machine, no part of the Context."""
+        """Wall-clock time of each tick [s], kept only when set to a list; it depends on
+        the machine, and is not part of the Context."""
 
         start = ControllerMemory(
             self._supervisor.start(initial_behavior), np.zeros(n), np.zeros(2)
@@ -141,7 +141,7 @@ class WholeBodyController(CollectableSystem):
         self.DeclarePeriodicUnrestrictedUpdateEvent(period, 0.0, self._update)
 
     def reset(self, context: Context, behavior: Behavior) -> None:
-        """Begins anew with ``behavior``; the log of events and its count are kept."""
+        """Starts again with ``behavior``; the events and their count are kept."""
         before = self._remembered(context)
         after = ControllerMemory(
             self._supervisor.restart(before.supervisor, behavior),
@@ -203,7 +203,7 @@ class WholeBodyController(CollectableSystem):
         command: WholeBodyCommand,
         share: np.ndarray,
     ) -> tuple[WholeBodySolution, np.ndarray]:
-        """The QP's answer where the user has a share; the behavior's part of it."""
+        """Solves the QP with user shares, and computes the behavior's efforts."""
         user = self._user_input.Eval(context)
         solution = self._qp.solve(
             terms, command, effort_bounds(share, user, self._limit)

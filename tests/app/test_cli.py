@@ -1,4 +1,4 @@
-"""The command line: what it prints, writes and returns."""
+"""The command line: printed text, written files and exit status."""
 
 import base64
 import json
@@ -276,7 +276,7 @@ def test_the_view_is_for_this_computer_only_unless_told_otherwise(scenario, caps
     for host in ("*", "0.0.0.0"):
         everywhere = start_meshcat(host, say=said.append)
         assert listening(everywhere.port()) & {"0" * 8, "0" * 32}
-        assert f"whoever reaches port {everywhere.port()}" in said.pop()
+        assert f"everyone with access to port {everywhere.port()}" in said.pop()
 
 
 @pytest.mark.parametrize("port", [70000, -1, 80, "x", 7000.5])
@@ -374,7 +374,7 @@ def test_the_demo_does_the_whole_tutorial_also_as_published(tmp_path, capsys):
     [
         (["--log", "a.npz", "--json", "a.npz"], "--log"),
         (["--record", "a.html", "--json", "./a.html"], "--record"),
-        (["--json", "scenario.yaml"], "the scenario that is read"),
+        (["--json", "scenario.yaml"], "already the file of the scenario"),
         (["--record", "a.txt"], "must end in .html"),
     ],
 )
@@ -494,7 +494,7 @@ def test_verdicts_tell_apart_what_can_happen():
     assert "fell at 3.2 s: falling in WALK" in fell
     refusal = [{"time": 1.0, "kind": "refusal", "text": "no such thing"}]
     refused = verdict(outcome(success=False, events=refusal))
-    assert "did not obey: no such thing" in refused
+    assert "a command was refused: no such thing" in refused
     left = [{"time": 1.0, "kind": "steps left", "text": "WALK ends without step 2"}]
     assert "ends without step 2" in verdict(outcome(success=False, events=left))
     assert "did not end upright" in verdict(outcome(success=False))

@@ -112,7 +112,7 @@ def test_figures_are_drawn_where_they_are_wanted(log_file, tmp_path, monkeypatch
         (["plot", "LOG", "--output", "TMP/figure.gif"], ".png, .html"),
         (["plot", "LOG", "--output", "TMP/none/figure.png"], "there is no folder"),
         (["plot", "TMP/none.npz"], "there is no such file"),
-        (["plot", "TMP/fake.npz"], "no .npz file of a log"),
+        (["plot", "TMP/fake.npz"], "not a .npz log file"),
         (["plot", "TMP/run.csv"], "must end in"),
         (["replay", "TMP/none.npz", "--headless", "--record", "TMP/a.html"], "no such"),
         (["replay", "LOG", "--headless"], "--record"),

@@ -1,4 +1,4 @@
-"""``--with FILE.py``: parts of one's own on the command line."""
+"""``--with FILE.py``: the user's own parts on the command line."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""What a run prints while it goes on, on terminals and into logs."""
+"""The progress that a run prints, on terminals and into log files."""
 
 import io
 

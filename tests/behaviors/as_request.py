@@ -1,4 +1,4 @@
-"""Requests as behaviors get them, made without a command interface; no test is here."""
+"""Makes requests to behaviors without a command interface; no test is here."""
 
 import itertools
 

@@ -1,4 +1,4 @@
-"""What behaviors see and remember, made up or simulated; no test is here."""
+"""Observations and states of behaviors, made up or simulated; no test is here."""
 
 import dataclasses
 

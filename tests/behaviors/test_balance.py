@@ -1,4 +1,4 @@
-"""References become commands: where the CoP may lie."""
+"""The commands that ``Balance`` makes of references, and the region of the CoP."""
 
 import numpy as np
 import pytest

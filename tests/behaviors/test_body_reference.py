@@ -1,4 +1,4 @@
-"""The reference of trunk and posture: starts at what is, moves at limited speed."""
+"""The reference of trunk and posture: present start, limited speed."""
 
 import dataclasses
 import math

@@ -1,4 +1,4 @@
-"""What counts as a fall."""
+"""Detection of a fall from the posture."""
 
 import dataclasses
 

@@ -1,4 +1,4 @@
-"""MANIPULATE: what it makes of messages, and that the robot follows."""
+"""MANIPULATE: its goals for messages, and the motion of the simulated robot."""
 
 import dataclasses
 

@@ -1,4 +1,4 @@
-"""Where there is no leg to balance with the pose is held; the rule, and the change."""
+"""The stance guard holds the pose without a leg to balance on: rule and change."""
 
 import numpy as np
 import pytest

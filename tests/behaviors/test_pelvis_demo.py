@@ -1,4 +1,4 @@
-"""The demo's movement: smooth, periodic, and no more than is allowed."""
+"""The demo's movement: smooth, periodic, and within the allowed amplitude."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""STAND and its neighbors on the simulated robot: upright, still, and shared."""
+"""STAND on the simulated robot: upright, at rest, also with joints of the user."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""What STEP reads from its messages: thresholds, defaults, bounds, both forms."""
+"""Steps that STEP reads from messages: thresholds, defaults, bounds, both forms."""
 
 import math
 

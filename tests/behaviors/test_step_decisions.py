@@ -1,4 +1,4 @@
-"""What STEP decides of weight shift and loads, without a simulation."""
+"""Decisions of STEP about weight shift and loads, without a simulation."""
 
 import dataclasses
 import math
@@ -119,7 +119,7 @@ def test_a_weight_shift_is_given_up_when_the_robot_begins_to_tip(step, observe, 
     assert isinstance(outcome.memory, Rest)
     (event,) = outcome.events
     assert event.kind == STEPS_LEFT
-    assert "step 1 is not taken: its foot cannot be spared" in event.text
+    assert "step 1 is not taken: its foot cannot be unloaded" in event.text
     # The next step waits until the weight is back between the feet.
     second = request(2)
     waits = tick(step, outcome.memory, observe(), second)

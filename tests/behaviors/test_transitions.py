@@ -1,4 +1,4 @@
-"""Every change of behavior, legal and not, and what is reported of it."""
+"""All changes of behavior, legal and illegal, and their reports."""
 
 import dataclasses
 import itertools

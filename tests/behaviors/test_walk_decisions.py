@@ -1,4 +1,4 @@
-"""What WALK decides of its phases, without a simulation."""
+"""Decisions of WALK about its phases, without a simulation."""
 
 import numpy as np
 import pytest

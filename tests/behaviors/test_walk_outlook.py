@@ -1,4 +1,4 @@
-"""What a walk makes of steps to come: saturation, obstacles, warnings, timing."""
+"""The coming steps of a walk: saturation, obstacles, warnings, timing."""
 
 import dataclasses
 import math

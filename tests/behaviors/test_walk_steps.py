@@ -1,4 +1,4 @@
-"""Which steps a walk takes: heights and what they mean, and the demonstration's own."""
+"""The steps that a walk takes: absolute and relative heights, and the demo walk."""
 
 import math
 from dataclasses import replace

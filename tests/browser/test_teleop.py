@@ -1,4 +1,4 @@
-"""The control panel as a hand uses it: keys, buttons and sliders in a real browser."""
+"""The control panel: keys, buttons and sliders in a real browser."""
 
 import json
 

@@ -1,6 +1,6 @@
-"""The 3D view as a browser shows it: live, and as a recording without a network.
+"""The 3D view in a browser: live, and as a recording without a network.
 
-What is in the scene is asked of the page; that it can be seen is checked by pixels.
+The page is queried for the contents of the scene; pixels show that they are visible.
 """
 
 import json

@@ -1,4 +1,4 @@
-"""Orientation from increments of rotation: exact, and upright in the end."""
+"""Orientation from increments of rotation: exact, and corrected to the vertical."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""The DCM plan: obeys the pendulum's dynamics, is continuous, ends at rest."""
+"""The DCM plan: pendulum dynamics, continuity, and rest at the end."""
 
 import itertools
 import math

@@ -1,4 +1,4 @@
-"""Footsteps: what the legs can reach, the same on both sides."""
+"""Footsteps: saturation to the reach of the legs, equal on both sides."""
 
 import dataclasses
 import math

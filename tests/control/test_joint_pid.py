@@ -1,4 +1,4 @@
-"""The joint law: the formula as written where it must be, stable for any damping."""
+"""The joint law: the published formula at steady state, stable for any damping."""
 
 import dataclasses
 

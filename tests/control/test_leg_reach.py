@@ -1,4 +1,4 @@
-"""How high the legs let the body be, against the robot's own kinematics."""
+"""The height of the body within the legs' reach, against Drake's kinematics."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""How two feet share the weight: against Minkowski sums by brute force."""
+"""The load shares of two feet, against Minkowski sums by brute force."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Poses relative to the feet: what the numbers mean, and how they move."""
+"""Pelvis poses relative to the feet: definition of the numbers, and their motion."""
 
 import numpy as np
 import pytest

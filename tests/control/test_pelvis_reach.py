@@ -1,4 +1,4 @@
-"""Which poses of the pelvis are granted, on every robot."""
+"""The possible poses of the pelvis, on every robot."""
 
 import dataclasses
 import math

@@ -1,4 +1,4 @@
-"""The smooth way to a goal: arrives, never runs over, never jerks."""
+"""Smooth motion to a goal: arrival, no overshoot, bounded speed and acceleration."""
 
 import numpy as np
 import pytest

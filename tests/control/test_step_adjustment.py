@@ -1,4 +1,4 @@
-"""Step adjustment: none for small errors, as needed for large, alike on all sides."""
+"""Step adjustment: none for small errors, sufficient for large ones, symmetric."""
 
 import math
 

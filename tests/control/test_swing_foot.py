@@ -1,4 +1,4 @@
-"""The swinging foot: from lift-off to landing without jumps, also to a moved target."""
+"""The swing foot: no jumps from lift-off to landing, even with a moved target."""
 
 import dataclasses
 

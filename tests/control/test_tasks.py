@@ -1,4 +1,4 @@
-"""Feedback laws of single tasks: each closes its own loop as it says."""
+"""Feedback laws of single tasks: each closed loop behaves as documented."""
 
 import math
 

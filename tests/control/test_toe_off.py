@@ -1,4 +1,4 @@
-"""A heel that rises: the toes stay where they are, and carry."""
+"""Toe-off: the toes stay in place and carry load while the heel rises."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Each task alone: its rows mean what it says, and the QP meets its target."""
+"""Each task alone: its rows are as documented, and the QP meets its target."""
 
 import dataclasses
 import re

@@ -1,4 +1,4 @@
-"""Behaviors of one's own, registered beside those that are shipped."""
+"""The user's own behaviors, registered beside the shipped ones."""
 
 import copy
 import pickle
@@ -286,7 +286,7 @@ def idle(**changes):
         (idle(name="WALK"), "is one of the original interface"),
         (idle(name="WALK", number=4), "registered already"),
         (idle(number=100), r"REST \(100\): BOW \(100\) is registered already"),
-        (idle(color="red"), "its color must be such as"),
+        (idle(color="red"), "its color must be a hexadecimal color"),
         (idle(params=3), "params must be a dataclass"),
         (Idle, "must be BehaviorEntry values"),
     ],

@@ -1,4 +1,4 @@
-"""The socket for a controller of somebody else's."""
+"""The socket for the user's own controller."""
 
 import runpy
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Systems of the user's own in the simulation's diagram."""
+"""The user's own systems in the simulation's diagram."""
 
 import pytest
 from pydrake.common.value import AbstractValue
@@ -42,7 +42,7 @@ def test_a_system_may_command_beside_publish():
 
 
 def test_the_programme_has_the_ports_to_itself():
-    with pytest.raises(AtlasError, match="programme has the station's command ports"):
+    with pytest.raises(AtlasError, match="connected to the station's command ports"):
         AtlasSimulation(Scenario(programme="tutorial"), extend=manipulate)
 
 

@@ -1,4 +1,4 @@
-"""One short run with a bit of everything, recorded."""
+"""One short recorded run that covers all kinds of data."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The page of figures: what is on it, and that it can be drawn both ways."""
+"""The page of figures: its contents, in both output formats."""
 
 import re
 

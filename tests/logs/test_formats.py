@@ -1,4 +1,4 @@
-"""Every format gives back what was written; what is no log is said to be none."""
+"""Every format restores the written data; other files are refused."""
 
 import contextlib
 import json
@@ -200,7 +200,7 @@ def test_a_file_that_is_no_log_is_refused(content, suffix, tmp_path):
 def test_files_of_others_are_refused(tmp_path):
     path = tmp_path / "other.npz"
     np.savez(path, x=np.zeros(3))
-    with pytest.raises(LogError, match=r"no \.npz file of a log"):
+    with pytest.raises(LogError, match=r"not a \.npz log file"):
         read_log(path)
     header = json.dumps({"format": "something else", "version": 1})
     np.savez(path, header=header)
@@ -230,11 +230,11 @@ def test_a_damaged_log_is_refused_or_read_as_far_as_it_goes(
 @pytest.mark.parametrize(
     ("change", "complaint"),
     [
-        ({"time": np.linspace(1.0, 0.0, 50)}, "time does not go on"),
+        ({"time": np.linspace(1.0, 0.0, 50)}, "time is not finite or decreases"),
         ({"time": np.zeros((50, 2))}, "time is float64 of shape"),
         ({"joints.effort": np.zeros((50, 3))}, r"joints\.effort"),
-        ({"state.q": np.zeros((50, 35))}, r"state\.q is no pose"),
-        ({"state.q": np.full((50, 35), np.nan)}, r"state\.q is no pose"),
+        ({"state.q": np.zeros((50, 35))}, r"state\.q is not a pose"),
+        ({"state.q": np.full((50, 35), np.nan)}, r"state\.q is not a pose"),
         ({"behavior.current": np.full(50, 99)}, "99"),
         ({"notes": '[[0.0, "event", {}]]'}, "damaged"),
         ({"notes": "[[0.0]]"}, "damaged"),

@@ -1,4 +1,4 @@
-"""What is recorded is what the ports said, and recording changes nothing."""
+"""The recorder stores the values of the ports, and does not change the run."""
 
 from dataclasses import fields
 

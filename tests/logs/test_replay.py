@@ -1,4 +1,4 @@
-"""A replay shows what the log has, as the run was shown."""
+"""A replay shows the contents of the log in the same way as the run."""
 
 import copy
 

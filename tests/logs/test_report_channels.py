@@ -1,4 +1,4 @@
-"""A report goes into a row and comes out of it again with every field it has."""
+"""A report survives the conversion to a row and back with all of its fields."""
 
 import itertools
 from dataclasses import fields

@@ -1,6 +1,6 @@
-"""How property tests run: without a time limit and the same way every time.
+"""Settings of the property tests: no time limit, deterministic.
 
-A busy machine must not fail a test, and a failure must come back when looked for.
+A busy machine must not fail a test, and a failure must be reproducible.
 """
 
 from hypothesis import settings

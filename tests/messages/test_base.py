@@ -1,4 +1,4 @@
-"""What all messages share: misspelt fields, comparison, snapshots, pickling."""
+"""Properties of all messages: misspelt fields, comparison, snapshots, pickling."""
 
 import copy
 import pickle

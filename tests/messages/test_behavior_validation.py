@@ -1,4 +1,4 @@
-"""What the robot refuses in the parameters of its behaviors."""
+"""Refusals of faults in the parameters of behaviors."""
 
 import numpy as np
 import pytest

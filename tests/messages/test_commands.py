@@ -1,4 +1,4 @@
-"""What is in force: merged field by field, refused whole, the later message wins."""
+"""The commands in force: merged by field, refused as a whole, the later one wins."""
 
 import copy
 import dataclasses

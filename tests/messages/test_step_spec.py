@@ -1,4 +1,4 @@
-"""The full form of a step: what is refused, by name, and what is not read."""
+"""The full form of a step: refusals by field name, and ignored fields."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""What the robot refuses in its commands: each fault by field, value and code."""
+"""Refusals of faults in commands, each with field, value and error code."""
 
 from fractions import Fraction
 

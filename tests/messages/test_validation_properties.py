@@ -1,4 +1,4 @@
-"""Whatever a message holds: it is valid, or one error says where it is not."""
+"""Any message is either valid, or refused with one error that names the field."""
 
 import copy
 import math

@@ -1,4 +1,4 @@
-"""Fixtures for tests of the robot models; no test lives here."""
+"""Fixtures for tests of the robot models; no test is here."""
 
 from __future__ import annotations
 

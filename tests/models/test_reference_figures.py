@@ -1,6 +1,6 @@
-"""Every figure of the robots against the URDF files they were taken from.
+"""Every figure of the robots against its source, the original URDF files.
 
-Those files are not part of this repository; without them these tests are skipped.
+These files are not part of this repository; without them the tests are skipped.
 """
 
 from __future__ import annotations

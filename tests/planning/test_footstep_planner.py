@@ -1,4 +1,4 @@
-"""Footsteps from wishes: where they end, and that the robot can take each of them."""
+"""Planned footsteps: they end at the goal, and the robot can take each of them."""
 
 import math
 from itertools import pairwise

@@ -1,4 +1,4 @@
-"""A robot that is not Atlas: what is read of it, and what is refused."""
+"""The description of a robot that is not Atlas: values read, and faults refused."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Scenarios: every field checked, every fault named."""
+"""Scenarios: every field is checked, and every fault named."""
 
 import json
 import math

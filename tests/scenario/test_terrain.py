@@ -1,4 +1,4 @@
-"""Terrain: boxes in a scenario, how high they are, and that a robot stands on them."""
+"""Terrain: the boxes of a scenario, their height, and a robot that stands on them."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Runs with another seed in one simulation: they equal those of a new simulation."""
+"""Further runs of one simulation with other seeds equal those of new simulations."""
 
 import time
 

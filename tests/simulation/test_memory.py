@@ -1,4 +1,4 @@
-"""Memory: what is dropped is freed, and takes no port and no thread with it."""
+"""Memory: a simulation without references is freed, with its port and threads."""
 
 import gc
 import importlib

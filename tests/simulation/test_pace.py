@@ -1,4 +1,4 @@
-"""Real time: what the clock says when a simulation is to keep to it."""
+"""The pace of a simulation that keeps to real time."""
 
 import time
 

@@ -1,4 +1,4 @@
-"""Falls, resets and the harness: how a run goes on, and how it begins."""
+"""Falls, resets and the harness: the beginning of a run, and its continuation."""
 
 import numpy as np
 import pytest

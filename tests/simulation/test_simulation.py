@@ -1,4 +1,4 @@
-"""The facade: what it takes, what it refuses, and what it tells."""
+"""``AtlasSimulation``: arguments, refusals, and results."""
 
 import json
 import threading

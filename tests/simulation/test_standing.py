@@ -1,4 +1,4 @@
-"""A station stands on its feet in its default context, and where it is placed."""
+"""A station stands on its feet in its default context, and after placement."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Threads that share a simulation: who comes when, and what is done for whom."""
+"""Threads that share a simulation: order of the lock, and tasks left to its owner."""
 
 import threading
 

@@ -1,4 +1,4 @@
-"""The tutorial from end to end, and its behavior part on the heavier robot."""
+"""The whole tutorial, and its part under behavior control on the heavier robot."""
 
 import numpy as np
 import pytest

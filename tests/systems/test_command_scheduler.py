@@ -1,4 +1,4 @@
-"""The programme: in order, on time, from feedback."""
+"""The scheduler of a programme: order, times, and commands made from feedback."""
 
 import pytest
 from pydrake.systems.analysis import Simulator

@@ -1,4 +1,4 @@
-"""What contact forces are: Drake's own law, and that the sensors read it as it is."""
+"""Contact forces: Drake's own law, and its unchanged values in the sensors."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""All that a run remembers is in its Context: contexts do not know of each other."""
+"""All state of a run is in its Context: contexts are independent of each other."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The harness: springs and implicit dampers on the pelvis, whatever the joints do."""
+"""The harness: springs and implicit dampers on the pelvis, stable for any joint law."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The strapdown IMU alone: what lies between two of its ticks."""
+"""The strapdown IMU alone: its increments between two ticks."""
 
 import numpy as np
 import pytest

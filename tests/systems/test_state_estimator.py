@@ -1,4 +1,4 @@
-"""The estimator in its diagram: what it reads, when, and that the Context holds it."""
+"""The estimator in its diagram: inputs, their timing, and state in the Context."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Reports as the robot would give them, and a panel without a browser."""
+"""Made-up reports of a robot, and a panel without a browser."""
 
 import pytest
 

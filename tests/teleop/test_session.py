@@ -1,4 +1,4 @@
-"""Somebody steers a simulated robot."""
+"""A teleoperation session with a simulated robot."""
 
 import numpy as np
 import pytest

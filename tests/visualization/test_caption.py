@@ -1,4 +1,4 @@
-"""The caption says what the report says, in letters that the font has."""
+"""The caption agrees with the report, in letters of the stroke font."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Which footsteps are drawn, and what a sole looks like."""
+"""The drawn footsteps, and the shape of a sole."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Triangles of the robot's meshes, against what Drake reads."""
+"""Triangles of the robot's meshes, against those that Drake reads."""
 
 import json
 from pathlib import Path

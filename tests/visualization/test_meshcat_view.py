@@ -1,4 +1,4 @@
-"""The 3D view as a whole: it shows things, and changes nothing."""
+"""The 3D view as a whole: its contents, and a run that does not depend on it."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""What the controller thinks: the geometry, and that it reaches Meshcat."""
+"""Overlays of the controller's state and plan: geometry, and drawing in Meshcat."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""What is set over time reads right in a recording, from its beginning."""
+"""Properties that change over time are correct in a recording from its beginning."""
 
 import numpy as np
 import pytest

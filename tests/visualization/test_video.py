@@ -1,4 +1,4 @@
-"""Videos: what is in the file, and that asking for the impossible is answered."""
+"""Videos: the contents of the file, and the refusal of invalid options."""
 
 import importlib
 

@@ -1,4 +1,4 @@
-"""A slow viewer: it sees fewer pictures, and sees them in time."""
+"""A slow viewer gets fewer pictures, and gets them in time."""
 
 import socket
 from pathlib import Path

@@ -1,8 +1,8 @@
-"""MANIPULATE: stand with a pelvis that goes where it is told.
+"""MANIPULATE: stand with a servoed pelvis.
 
-Pelvis and center of mass follow the pose that messages ask for, clamped to what can
-be stood in. Trunk and pelvis turn as one; arms and neck are left alone. Which poses
-are possible is ``control.pelvis.pelvis_reach``'s business.
+Pelvis and center of mass follow the requested pose, clamped to poses in which the robot
+can stand. Trunk and pelvis turn as one; arms and neck keep their positions.
+``control.pelvis.pelvis_reach`` determines the possible poses.
 """
 
 from __future__ import annotations
@@ -38,20 +38,20 @@ from atlas_drake.messages.controller_status import Plan
 
 @dataclass(frozen=True)
 class ManipulateMemory:
-    """What the pelvis is to do.
+    """State of MANIPULATE: requested pose, goal and reference of the pelvis.
 
     Attributes:
-        stance: The feet as noted.
-        wish: The pose asked for, whatever can be had of it.
-        goal: The pose that is pursued.
-        home: STAND's pose, where all reaching out begins and ends.
-        motion: The reference on its way to the goal.
-        upper: Trunk and arms as they were when the goal was found.
-        sensed: The pose that the robot is in.
-        request_number: Of the last request taken in; None takes it in again.
-        demo_time: Since the demo began [s]; None without demo.
-        demo_share: How much of its movement the legs allow [-].
-        waits: Whether the user has a leg, and the wish waits for it to be back.
+        stance: Latched poses of the feet.
+        wish: The requested pose, not clamped.
+        goal: The requested pose, clamped.
+        home: STAND's pose, at which MANIPULATE begins and ends.
+        motion: The reference, which moves towards the goal.
+        upper: Trunk and arms at the time of the last clamping.
+        sensed: The measured pose.
+        request_number: Number of the last request read; None to read it again.
+        demo_time: Time since the beginning of the demo [s]; None without demo.
+        demo_share: Share of the demo's movement that the legs allow [-].
+        waits: True while the user controls a leg joint, and the reference rests.
     """
 
     stance: Stance
@@ -67,7 +67,7 @@ class ManipulateMemory:
     waits: bool = False
 
     def dcm_reference(self, omega: float) -> DcmReference:
-        """Where DCM and CoP shall be now, with the pendulum's frequency [1/s]."""
+        """Computes the references of DCM and CoP for the pendulum's frequency [1/s]."""
         com = self.motion.com
         return DcmReference(
             dcm=com.position + com.velocity / omega,
@@ -86,7 +86,7 @@ class Manipulate:
         posture_rates: BodyRates,
         config: ManipulateConfig | None = None,
     ):
-        """STAND has the center of mass ``nominal_height`` [m] above the soles."""
+        """In STAND the center of mass is ``nominal_height`` [m] above the soles."""
         self._balance = balance
         self._reach = reach
         self._nominal_height = nominal_height
@@ -104,7 +104,7 @@ class Manipulate:
         body: BodyReference,
         request: BehaviorRequest,
     ) -> ManipulateMemory:
-        """Starts from where the reference and the DCM are."""
+        """Starts from the present body reference and DCM."""
         return self._pursue(
             self._listen(self._here(observation, body), observation, request),
             observation,
@@ -118,7 +118,7 @@ class Manipulate:
         request: BehaviorRequest,
         leaving: bool,
     ) -> Outcome:
-        """One tick; ``leaving`` brings the robot back to STAND's pose."""
+        """Computes one tick; ``leaving`` brings the robot back to STAND's pose."""
         waited, waits = memory.waits, bool(observation.user_held[self._legs].any())
         memory = replace(memory, waits=waits)
         if leaving:
@@ -134,8 +134,8 @@ class Manipulate:
             memory = replace(memory, stance=self._note_feet(observation))
             memory = memory if leaving else self._pursue(memory, observation)
         if waits:
-            # The user decides where the legs are: a pelvis that went elsewhere could
-            # only tip the robot over.
+            # The user controls leg joints: a motion of the pelvis could tip the robot
+            # over.
             memory = replace(memory, goal=memory.motion.pose(memory.stance))
         elif memory.demo_time is not None:
             time = memory.demo_time + observation.dt
@@ -172,7 +172,7 @@ class Manipulate:
     def idle(
         self, memory: ManipulateMemory, observation: Observation
     ) -> ManipulateMemory:
-        """Wish and reference wait while the pose is held; the robot is looked at."""
+        """Updates the measured pose only: goal and reference rest."""
         return replace(memory, sensed=memory.stance.measure(observation.terms))
 
     def resume(
@@ -182,7 +182,7 @@ class Manipulate:
         body: BodyReference,
         request: BehaviorRequest,
     ) -> ManipulateMemory:
-        """Pursues the old wish, or goes on with the demo, from where the robot is."""
+        """Continues with the requested pose, or the demo, from the present pose."""
         resumed = replace(
             self._here(observation, body),
             wish=memory.wish,
@@ -193,7 +193,7 @@ class Manipulate:
         return self._pursue(resumed, observation)
 
     def plan(self, memory: ManipulateMemory, com: np.ndarray, omega: float) -> Plan:
-        """The reference of the center of mass on its way to the pose asked for."""
+        """Returns the present references of CoM, DCM and CoP."""
         reference = memory.dcm_reference(omega)
         return Plan(
             support=memory.stance.support.vertices,
@@ -204,14 +204,14 @@ class Manipulate:
         )
 
     def report(self, memory: ManipulateMemory, state: AtlasSimInterfaceState) -> None:
-        """The poses pursued, commanded at this moment, and sensed."""
+        """Reports the clamped, the commanded and the measured pose of the pelvis."""
         feedback = state.manipulate_feedback
         feedback.clamped = _params(memory.goal)
         feedback.internal_desired = _params(memory.motion.pose(memory.stance))
         feedback.internal_sensed = _params(memory.sensed)
 
     def _here(self, observation: Observation, body: BodyReference) -> ManipulateMemory:
-        """Memory that asks for nothing but what is."""
+        """Returns the state whose goal is the present pose."""
         stance = self._note_feet(observation)
         motion = self._motion_from(observation, body, stance)
         pose = motion.pose(stance)
@@ -225,7 +225,7 @@ class Manipulate:
             sensed=stance.measure(observation.terms),
         )
 
-    # ---- what is wished ------------------------------------------------------
+    # ---- requested pose ------------------------------------------------------
 
     def _listen(
         self,
@@ -233,7 +233,7 @@ class Manipulate:
         observation: Observation,
         request: BehaviorRequest,
     ) -> ManipulateMemory:
-        """Takes in a message."""
+        """Reads a request."""
         memory = replace(memory, request_number=request.number)
         params = request.command.manipulate_params
         if params.use_demo_mode:
@@ -248,7 +248,7 @@ class Manipulate:
         if params.use_desired:
             wish = _pose(params.desired)
         elif memory.demo_time is not None:
-            # Stays where the demo has brought it.
+            # Stay at the last pose of the demo.
             wish = memory.goal
         else:
             wish = memory.wish
@@ -257,7 +257,7 @@ class Manipulate:
     def _pursue(
         self, memory: ManipulateMemory, observation: Observation
     ) -> ManipulateMemory:
-        """Makes the goal what can be had of the wish."""
+        """Sets the goal to the requested pose, clamped."""
         upper = self._reach.upper_body(observation.terms, memory.stance)
         home = self._home(observation, memory.stance)
         home = self._reach.attainable(home, memory.stance, upper)
@@ -274,7 +274,7 @@ class Manipulate:
     def _motion_from(
         self, observation: Observation, body: BodyReference, stance: Stance
     ) -> PelvisMotion:
-        """The reference in force, in terms of the pelvis."""
+        """Converts the present body reference into a reference of the pelvis."""
         terms = observation.terms
         com = stance.support.clamp(
             feedback.dcm(terms, self._omega(observation, stance))
@@ -292,24 +292,24 @@ class Manipulate:
     def _body(
         self, observation: Observation, body: BodyReference, motion: PelvisMotion
     ) -> BodyReference:
-        """The reference of trunk and posture that goes with ``motion``.
+        """Computes the reference of trunk and posture for ``motion``.
 
-        The QP steers the height of the center of mass. Referring that to where it is
-        above the pelvis at present makes it follow the pelvis: the difference drops
-        out of position and speed alike.
+        The QP controls the height of the center of mass. Its reference is that of the
+        pelvis plus the present height of the CoM above the pelvis, so that the errors
+        of height and speed are those of the pelvis.
         """
         terms = observation.terms
         yaw, pitch, roll = motion.turn.position
         tilt = np.array([roll, pitch])
-        # Trunk and pelvis turn as one, after whatever bend there was is straightened.
+        # Straighten the back first; then trunk and pelvis turn as one.
         step = self._posture_rates.tilt * observation.dt
         if observation.user_held[self._back].any():
             bend = tilt_of(terms.R_WC) - tilt
         else:
             bend = body.chest_tilt - body.pelvis_tilt
             bend = bend - np.clip(bend, -step, step)
-        # Arms and neck stay where they are, or where the user leaves them. So do the
-        # legs: pelvis and feet leave them no choice.
+        # Arms and neck keep their positions, or those that the user gave them. The legs
+        # follow their measured positions: pelvis and feet determine them.
         follow = observation.user_held | self._legs
         joints = np.where(follow, terms.q, body.joints)
         straighten = self._back & ~observation.user_held
@@ -332,7 +332,7 @@ class Manipulate:
         )
 
     def _home(self, observation: Observation, stance: Stance) -> PelvisPose:
-        """STAND's pose with the arms as they are."""
+        """Returns STAND's pose with the present arms."""
         above = float(observation.terms.com[2] - observation.terms.p_WP[2])
         return PelvisPose(height=self._nominal_height - above)
 

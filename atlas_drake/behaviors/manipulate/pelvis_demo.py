@@ -1,6 +1,6 @@
-"""The movement of MANIPULATE's demo mode: one thing after the other, for ever.
+"""The movement of MANIPULATE's demo mode: one coordinate after the other, repeated.
 
-A pure function of time. How it is followed is ``manipulate``'s business.
+A pure function of time; ``manipulate`` tracks the movement.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from collections.abc import Callable
 from atlas_drake.control.pelvis.pelvis_pose import PelvisPose
 
 PERIOD = 6.0
-"""Each of the movements takes so long [s]."""
+"""Duration of each movement [s]."""
 MOVEMENTS = (
     ("height", -0.10, "dip"),
     ("yaw", 0.12, "sway"),
@@ -20,22 +20,23 @@ MOVEMENTS = (
     ("com_v0", 0.06, "sway"),
     ("com_v1", 0.04, "sway"),
 )
-"""What moves, how far [m], [rad], and whether to one side only or to both."""
+"""Coordinate, amplitude [m] or [rad], and shape of each movement: a dip goes to one
+side, a sway to both."""
 SWAY_GAIN = 1.54
-"""Brings the largest value of a sway to 1 [-]."""
+"""Factor that scales the largest value of a sway to 1 [-]."""
 _TRIALS = 60
-"""Moments of one round at which the legs are asked whether they can."""
+"""Number of times in one round at which the reach of the legs is checked."""
 _SHARES = (1.0, 0.75, 0.5, 0.25)
-"""Shares of the whole movement that are tried, largest first [-]."""
+"""Shares of the whole movement to try, largest first [-]."""
 
 
 def demo_pose(home: PelvisPose, share: float, time: float) -> PelvisPose:
-    """The pose at a time since the demo began.
+    """Computes the pose of the demo.
 
     Args:
-        home: The pose about which it moves.
-        share: Of the whole movement, 0 to 1 [-].
-        time: [s]
+        home: The pose about which the pelvis moves.
+        share: Share of the whole movement, 0 to 1 [-].
+        time: Time since the beginning of the demo [s].
     """
     index, phase = divmod(time / PERIOD, 1.0)
     name, size, kind = MOVEMENTS[int(index) % len(MOVEMENTS)]
@@ -46,7 +47,7 @@ def demo_pose(home: PelvisPose, share: float, time: float) -> PelvisPose:
 
 
 def demo_amplitude(home: PelvisPose, allows: Callable[[PelvisPose], bool]) -> float:
-    """The largest share of the movement that is possible throughout; 0 for none."""
+    """Finds the largest share of the movement whose poses are all possible, or 0."""
     round_time = PERIOD * len(MOVEMENTS)
     times = [round_time * i / _TRIALS for i in range(_TRIALS)]
     for share in _SHARES:

@@ -1,1 +1,1 @@
-"""STAND and STAND_PREP, and the guard over the legs that every stance needs."""
+"""STAND and STAND_PREP, and the stance guard of all standing behaviors."""

@@ -1,4 +1,4 @@
-"""What can be tuned of STAND.
+"""Parameters of STAND.
 
 Values only; ``stand`` uses them.
 """
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class StandConfig:
-    """Tunes STAND and STAND_PREP."""
+    """Parameters of STAND and STAND_PREP."""
 
     com_speed: float = 0.08
     """Speed of the CoM reference towards the middle of the feet [m/s]."""

@@ -1,10 +1,9 @@
-"""What a standing behavior does while the user leaves it no leg to balance with.
+"""The stance guard: a standing behavior without a leg to balance on holds its pose.
 
-A leg to balance with is one of whose hip pitch and ankle pitch both the behavior
-commands at least the ``balance_effort`` of the robot's file. Without one the behavior
-holds its pose, as FREEZE does. Balancing all the same would move the center of mass by
-what trunk and arms can do, lean further and further, and fall. With a leg given back it
-takes up what it was about.
+A behavior can balance on a leg if it commands at least the ``balance_effort`` of the
+robot's file at both hip pitch and ankle pitch. Without such a leg the guard holds the
+pose, as FREEZE does: balance with trunk and arms alone would make the robot lean
+farther and farther, and fall. When the user gives a leg back, the behavior continues.
 """
 
 from __future__ import annotations
@@ -28,12 +27,12 @@ from atlas_drake.robot import ANKLE_PITCH, HIP_PITCH
 
 @dataclass(frozen=True)
 class Holding:
-    """What is remembered while the pose is held.
+    """State while the guard holds the pose.
 
     Attributes:
-        pose: FREEZE's memory.
-        before: That of the behavior.
-        warned: Whether the user was told.
+        pose: State of FREEZE.
+        before: State of the interrupted behavior.
+        warned: True after the warning.
     """
 
     pose: FreezeMemory
@@ -42,10 +41,10 @@ class Holding:
 
 
 class StandingBehavior(BehaviorProtocol, Protocol):
-    """A behavior that can be interrupted while its pose is held."""
+    """A behavior that the stance guard can interrupt."""
 
     def idle(self, memory: Any, observation: Observation) -> Any:
-        """The memory after a tick in which the pose was held."""
+        """Returns the behavior's state after a tick in which the pose was held."""
 
     def resume(
         self,
@@ -54,18 +53,18 @@ class StandingBehavior(BehaviorProtocol, Protocol):
         body: BodyReference,
         request: BehaviorRequest,
     ) -> Any:
-        """The memory with which it goes on from where the robot is now."""
+        """Returns the state in which the behavior continues from the present pose."""
 
 
 class StanceGuard:
-    """A standing behavior, interrupted whenever it is without a leg.
+    """A standing behavior, interrupted while it has no leg to balance on.
 
     Attributes:
-        behavior: Who balances.
+        behavior: The behavior that balances.
     """
 
     def __init__(self, behavior: StandingBehavior, freeze: Freeze, balance: Balance):
-        """Runs ``behavior`` where it can balance, else ``freeze``."""
+        """Runs ``behavior`` while it can balance, else ``freeze``."""
         self.behavior = behavior
         self._freeze = freeze
         robot = balance.robot
@@ -78,9 +77,9 @@ class StanceGuard:
             for leg in self._pitch
         ]
         self._warning = (
-            "no leg to balance with: only the pose is held. It takes hip and ankle "
-            f"pitch of one leg, {' or '.join(names)}, and {self._least_effort:.0f} N·m "
-            "of each"
+            "no leg to balance on: the robot only holds its pose. Balance needs hip "
+            f"and ankle pitch of one leg, {' or '.join(names)}, with "
+            f"{self._least_effort:.0f} N·m each"
         )
         self._limit = robot.effort_limit[self._pitch]
 
@@ -90,7 +89,7 @@ class StanceGuard:
         body: BodyReference,
         request: BehaviorRequest,
     ) -> Any:
-        """The behavior's own memory."""
+        """Enters the behavior and returns its state."""
         return self.behavior.enter(observation, body, request)
 
     def update(
@@ -101,7 +100,7 @@ class StanceGuard:
         request: BehaviorRequest,
         leaving: bool,
     ) -> Outcome:
-        """One tick."""
+        """Computes one tick of the behavior, or of holding the pose."""
         if self.has_a_leg(observation):
             if isinstance(memory, Holding):
                 memory = self.behavior.resume(memory.before, observation, body, request)
@@ -110,7 +109,7 @@ class StanceGuard:
             memory = Holding(
                 self._freeze.enter(observation, body, request), before=memory
             )
-        # Who takes every joint knows that nobody balances.
+        # A user in control of every joint needs no warning.
         warn = not memory.warned and not observation.user_held.all()
         outcome = self._freeze.update(memory.pose, observation, body, request, leaving)
         return replace(
@@ -125,23 +124,23 @@ class StanceGuard:
         )
 
     def plan(self, memory: Any, com: np.ndarray, omega: float) -> Plan:
-        """The behavior's plan; none while only the pose is held."""
+        """Returns the behavior's plan; an empty plan while the guard holds the pose."""
         if isinstance(memory, Holding):
             return Plan()
         return self.behavior.plan(memory, com, omega)
 
     def report(self, memory: Any, state: AtlasSimInterfaceState) -> None:
-        """What the behavior has to say."""
+        """Fills in the behavior's part of the state message."""
         if isinstance(memory, Holding):
             memory = memory.before
         self.behavior.report(memory, state)
 
     def has_a_leg(self, observation: Observation) -> bool:
-        """Whether there is a leg to balance with.
+        """True if the behavior has a leg to balance on.
 
-        It takes hip and ankle pitch of the same leg: one keeps the trunk upright, the
-        other moves the center of pressure. Sideways the stance of two feet is stable
-        whoever holds the joints.
+        Balance needs hip and ankle pitch of the same leg: the hip keeps the trunk
+        upright, the ankle moves the center of pressure. Sideways a stance on two feet
+        is stable under the user's control too.
         """
         left_over = (1.0 - observation.user_share[self._pitch]) * self._limit
         return any(min(leg) >= self._least_effort for leg in left_over.tolist())

@@ -1,8 +1,8 @@
 """STAND and STAND_PREP: balance on both feet.
 
 STAND keeps the center of mass over the middle of the feet and brings trunk and arms
-to the stand-prep posture. STAND_PREP is the same law, entered without conditions:
-it brings the robot to where STAND may begin.
+to the stand-prep posture. STAND_PREP is the same law, entered without conditions: it
+brings the robot to a posture from which STAND can begin.
 """
 
 from __future__ import annotations
@@ -37,15 +37,15 @@ _UPRIGHT = np.zeros(2)
 
 @dataclass(frozen=True)
 class StandMemory:
-    """Where the robot stands.
+    """State of STAND: latched feet and CoM reference.
 
     Attributes:
-        feet: Left and right sole as noted.
-        support: Where the CoP may lie on them.
-        middle: Between them in W [m], shape (3,).
-        yaw: Their mean heading [rad].
+        feet: Latched poses of the left and right sole.
+        support: Region of the CoP on the feet.
+        middle: Middle between the feet in W [m], shape (3,).
+        yaw: Mean heading of the feet [rad].
         com: Reference of the center of mass, horizontal in W [m], shape (2,).
-        height: Of the center of mass in W, as the legs reach [m].
+        height: Height of the center of mass in W, within the reach of the legs [m].
     """
 
     feet: tuple[FootPose, FootPose]
@@ -78,7 +78,7 @@ class Stand:
         body: BodyReference,
         request: BehaviorRequest,
     ) -> StandMemory:
-        """Starts from where the DCM is, so that nothing moves abruptly."""
+        """Starts from the present DCM, so that the reference does not jump."""
         memory = self._note_feet(observation, com=np.zeros(2))
         omega = _pendulum_frequency(observation, memory)
         com = memory.support.clamp(feedback.dcm(observation.terms, omega))
@@ -92,10 +92,10 @@ class Stand:
         request: BehaviorRequest,
         leaving: bool,
     ) -> Outcome:
-        """One tick of standing.
+        """Computes one tick of standing.
 
-        It is over as soon as it is to be left; a behavior that is derived from it may
-        take its time.
+        STAND is finished as soon as ``leaving`` is True; a derived behavior may finish
+        later.
         """
         com = _towards(
             memory.com, memory.middle, self._config.com_speed * observation.dt
@@ -132,13 +132,13 @@ class Stand:
         request: BehaviorRequest,
         leaving: bool,
     ) -> BodyTarget:
-        """Where trunk and posture go: upright, in the stand-prep pose.
+        """Returns the target of trunk and posture: upright, in the stand-prep pose.
 
         Args:
-            memory: Where the robot stands.
-            observation: What the robot measures in this tick.
+            memory: State of STAND.
+            observation: Observation of this tick.
             request: The command in force.
-            leaving: Whether another behavior is to follow.
+            leaving: True if another behavior is requested.
         """
         return BodyTarget(
             height=memory.height,
@@ -148,7 +148,7 @@ class Stand:
         )
 
     def idle(self, memory: StandMemory, observation: Observation) -> StandMemory:
-        """Nothing moves on while the pose is held."""
+        """Returns the state unchanged: the reference rests while the pose is held."""
         return memory
 
     def resume(
@@ -158,11 +158,11 @@ class Stand:
         body: BodyReference,
         request: BehaviorRequest,
     ) -> StandMemory:
-        """Begins anew: the feet may have moved."""
+        """Enters STAND again, because the feet may have moved."""
         return self.enter(observation, body, request)
 
     def plan(self, memory: StandMemory, com: np.ndarray, omega: float) -> Plan:
-        """The reference of the center of mass, where DCM and CoP shall rest, too."""
+        """Returns the CoM reference, which is also that of DCM and CoP."""
         return Plan(
             support=memory.support.vertices,
             omega=omega,
@@ -172,13 +172,13 @@ class Stand:
         )
 
     def report(self, memory: StandMemory, state: AtlasSimInterfaceState) -> None:
-        """There is nothing to report beyond the behavior's name."""
+        """Reports nothing beyond the behavior's name."""
 
     def _note_feet(self, observation: Observation, com: np.ndarray) -> StandMemory:
         left, right = observation.foot_pose(0), observation.foot_pose(1)
         middle = 0.5 * (left.p_WF + right.p_WF)
         legs = self._balance.robot.legs
-        # With one foot high up the other leg may be too short for the full height.
+        # With one foot much higher, the other leg may be too short for the full height.
         reach = highest_com(
             legs,
             hips_from_com(observation.terms, legs),
@@ -204,14 +204,14 @@ class Stand:
 
 
 def _pendulum_frequency(observation: Observation, memory: StandMemory) -> float:
-    """Of the pendulum on both feet [1/s]."""
+    """Computes the natural frequency of the pendulum on both feet [1/s]."""
     return feedback.pendulum_frequency(
         float(observation.terms.com[2] - memory.middle[2])
     )
 
 
 def _towards(value: np.ndarray, goal: np.ndarray, step: float) -> np.ndarray:
-    """``value`` moved by at most ``step`` [m] to ``goal``; itself once it is there."""
+    """Moves ``value`` by at most ``step`` [m] to ``goal``; at the goal returns it."""
     x, y = float(goal[0] - value[0]), float(goal[1] - value[1])
     distance = math.hypot(x, y)
     if distance == 0.0:

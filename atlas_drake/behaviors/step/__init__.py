@@ -1,1 +1,1 @@
-"""STEP: one footstep at a time, statically."""
+"""STEP: one quasi-static footstep at a time."""

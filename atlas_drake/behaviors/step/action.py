@@ -1,7 +1,7 @@
-"""The step that a message asks of STEP, in numbers that are all in force.
+"""The requested step of STEP, with all thresholds and defaults applied.
 
-Thresholds and defaults of the step action, and the way back into messages. Whether a
-foothold can be reached is decided when the step begins.
+Converts the step action from messages and back. The reach of a foothold is checked when
+the step begins.
 """
 
 from __future__ import annotations
@@ -38,19 +38,23 @@ LARGEST_END_DISTANCE = 0.05
 
 @dataclass(frozen=True)
 class StepAction:
-    """How a step is taken; the defaults are what the robot does safely.
+    """Parameters of a step; the defaults are safe for the robot.
 
     Attributes:
-        step_duration: Of single support [s].
-        sway_duration: Of the weight shift before it [s].
-        swing_height: Rise above the lift height while moving across [m].
-        lift_height: Straight up, above the higher of the two footholds [m].
+        step_duration: Duration of single support [s].
+        sway_duration: Duration of the weight shift before single support [s].
+        swing_height: Rise above the lift height while the foot moves across [m].
+        lift_height: Vertical lift above the higher of the two footholds [m].
         knee_nominal: Flexion of the standing knee [rad].
-        max_body_accel: Bounds the duration of the weight shift [m/s²].
-        max_foot_vel: Bounds the step's duration [m/s].
-        sway_end_dist: How far short of the standing sole's middle the sway ends [m].
-        step_end_dist: How far the body leans into the step as the foot comes down [m].
-        toe_off: Whether the heel left behind may rise in the weight shift.
+        max_body_accel: Largest acceleration of the body; a lower bound of the weight
+            shift's duration follows from it [m/s²].
+        max_foot_vel: Largest speed of the foot; a lower bound of the step's duration
+            follows from it [m/s].
+        sway_end_dist: Distance from the end of the weight shift to the middle of the
+            standing sole [m].
+        step_end_dist: Distance by which the body leans into the step as the foot comes
+            down [m].
+        toe_off: Setting for the heel of the leaving foot in the weight shift.
     """
 
     step_duration: float = 0.7
@@ -76,16 +80,17 @@ LARGEST_ACTION = StepAction(
     sway_end_dist=0.03,
     step_end_dist=0.03,
 )
-"""What is asked for beyond this is done as far as this; ± for the end distances."""
+"""Largest values of a step action, to which requests are clamped; ± for the end
+distances."""
 
 
 @dataclass(frozen=True)
 class DesiredStep:
-    """A step as it was asked for.
+    """A step as requested.
 
     Attributes:
         step: Foothold and foot.
-        action: How it is taken.
+        action: Parameters of the step.
     """
 
     step: Footstep
@@ -93,7 +98,7 @@ class DesiredStep:
 
 
 def resolve_action(sent: AtlasBehaviorStepAction, default: StepAction) -> StepAction:
-    """What is in force of a message: ``default`` where its thresholds ignore it."""
+    """Returns the message's values, with ``default`` where a threshold ignores them."""
 
     def end_distance(value: float, otherwise: float) -> float:
         return value if abs(value) <= LARGEST_END_DISTANCE else otherwise
@@ -124,7 +129,7 @@ def resolve_action(sent: AtlasBehaviorStepAction, default: StepAction) -> StepAc
 
 
 SIDE_BY_SIDE = 0.02
-"""Feet nearer than this along the heading count as side by side [m]."""
+"""Feet closer than this along the heading count as side by side [m]."""
 
 
 def desired_step(
@@ -132,12 +137,12 @@ def desired_step(
     feet_z: tuple[float, float],
     default: StepAction,
 ) -> DesiredStep | None:
-    """The step that a message asks for; None if it asks for none.
+    """Returns the step that a message requests; None if it requests none.
 
     Args:
-        params: Of the message.
+        params: Parameters of the message.
         feet_z: Heights of the left and right sole in W [m].
-        default: What is done where the message leaves it open.
+        default: Parameters for those that the message leaves open.
     """
     if params.use_spec:
         wanted = _from_spec(params.desired_step_spec, default)
@@ -153,13 +158,13 @@ def desired_step(
 def demo_step(
     feet: tuple[FootPose, FootPose], index: int, default: StepAction, gait: Gait
 ) -> DesiredStep | None:
-    """A step ahead with the foot that is behind; None after the demonstration's last.
+    """Returns a step ahead with the rear foot; None after the demo's last step.
 
     Args:
-        feet: Where the left and the right sole are.
-        index: Of the step.
-        default: How it is taken.
-        gait: How far apart footprints are.
+        feet: Poses of the left and the right sole.
+        index: Index of the step.
+        default: Parameters of the step.
+        gait: Distances between footprints.
     """
     yaw = mean_yaw(feet[0].yaw, feet[1].yaw)
     ahead = np.array([math.cos(yaw), math.sin(yaw)])
@@ -195,7 +200,7 @@ def _from_spec(spec: AtlasBehaviorStepSpec, default: StepAction) -> DesiredStep 
 def _from_data(
     params: AtlasBehaviorStepParams, feet_z: tuple[float, float], default: StepAction
 ) -> DesiredStep | None:
-    """The plain form says less: its apex counts from the midpoint between the feet."""
+    """Reads the short form, whose apex counts from the midpoint between the feet."""
     data = params.desired_step
     if data.step_index == NO_STEP:
         return None
@@ -214,7 +219,7 @@ def _from_data(
 
 
 def step_spec_from(step: Footstep, action: StepAction) -> AtlasBehaviorStepSpec:
-    """The message's form of a step as it is taken."""
+    """Converts an executed step to its message."""
     spec = AtlasBehaviorStepSpec()
     spec.step_index = step.index
     spec.foot_index = step.foot

@@ -1,6 +1,6 @@
-"""How STEP keeps its balance, whatever the phase: references of body, CoM and loads.
+"""Balance of STEP in all phases: references of body, CoM and loads.
 
-What a phase adds to it is in ``both_feet``, ``shift`` and ``single_support``.
+The parts of single phases are in ``both_feet``, ``shift`` and ``single_support``.
 """
 
 from __future__ import annotations
@@ -33,12 +33,12 @@ from atlas_drake.control.rotations import mean_yaw
 
 @dataclass(frozen=True)
 class Reach:
-    """What the legs have to reach.
+    """Poses that the legs have to reach.
 
     Attributes:
-        height: Of the center of mass in W, if the legs reach so far [m].
-        now: Both soles as they are, or where one in the air will land.
-        later: Soles at the end of the weight shift, each with its foot.
+        height: Height of the center of mass in W, if the legs can reach it [m].
+        now: Present poses of the soles; landing pose of a foot in the air.
+        later: Poses of the soles at the end of the weight shift, each with its foot.
     """
 
     height: float
@@ -70,7 +70,7 @@ class StepBalance:
     def dcm_outside(
         self, phase: StepPhase, observation: Observation, support: SupportPolygon
     ) -> float:
-        """Computes how far the DCM of both feet is outside ``support`` [m]."""
+        """Computes the distance of the DCM outside ``support``, negative inside [m]."""
         omega = self.omega(observation, phase.feet)
         return support.distance_outside(feedback.dcm(observation.terms, omega))
 
@@ -82,7 +82,7 @@ class StepBalance:
         feet: tuple[FootPose, ...],
         support: SupportPolygon,
     ) -> WeightShift:
-        """Plans a weight shift to ``end`` from where the robot is and how it moves."""
+        """Plans a weight shift to ``end`` from the present state of the robot."""
         omega = self.omega(observation, feet)
         distance = float(np.hypot(*(end - observation.terms.com[:2])))
         least = sway_duration(distance, action.max_body_accel)
@@ -96,16 +96,16 @@ class StepBalance:
         )
 
     def reach_at_rest(self, feet: tuple[FootPose, FootPose]) -> Reach:
-        """Returns what the legs reach with the body half-way between the feet."""
+        """Returns the reach with the body half-way between the feet."""
         ground = 0.5 * float(feet[0].p_WF[2] + feet[1].p_WF[2])
         return Reach(ground + self._nominal_height, feet, list(enumerate(feet)))
 
     def height_over(self, stance: FootPose, taken: TakenStep) -> float:
-        """Computes the height of the center of mass that a step asks for, in W [m]."""
+        """Computes the requested height of the center of mass of a step, in W [m]."""
         return float(stance.p_WF[2]) + self.planner.height(taken.action)
 
     def body_target(self, phase: StepPhase, reach: Reach) -> BodyTarget:
-        """Returns trunk and posture: as high as asked for, and as the legs reach."""
+        """Returns trunk and posture at the requested height, or the legs' reach."""
         com = phase.shift.motion(phase.shift_time)[0]
         legs, now = self.planner.legs, reach.now
         highest = min(
@@ -120,13 +120,13 @@ class StepBalance:
         )
 
     def is_fresh(self, phase: StepPhase) -> bool:
-        """Returns whether the weight has hardly begun to move."""
+        """Returns True in the first part of the weight shift."""
         return phase.shift_time / phase.shift.duration < self.rules.fresh_share
 
     def load_range(
         self, phase: StepPhase, foot: int, cop: np.ndarray, on_toes: bool = False
     ) -> tuple[float, float]:
-        """Computes what ``foot`` can carry with the CoP at ``cop``, in weights [-]."""
+        """Computes the loads that ``foot`` can carry for a CoP, in weights [-]."""
         balance, other = self.balance, phase.feet[foot]
         return load_share_range(
             cop,
@@ -137,7 +137,7 @@ class StepBalance:
     def planted(
         self, observation: Observation, foot: int, command: FootCommand | None = None
     ) -> tuple[FootCommand, FootCommand]:
-        """Commands both feet to stay planted, but for ``foot`` if it has a command."""
+        """Commands both feet to stay planted, except ``foot`` if it has a command."""
         feet = [self.balance.planted(observation, other) for other in (0, 1)]
         if command is not None:
             feet[foot] = command
@@ -151,7 +151,7 @@ class StepBalance:
         cop: np.ndarray,
         on_toes: bool = False,
     ) -> tuple[FootCommand, FootCommand]:
-        """Commands ``foot`` to be pressed flat, as far as balance allows."""
+        """Commands ``foot`` to be pressed flat, within the load that balance allows."""
         most = self.load_range(phase, foot, cop, on_toes)[1]
         load = min(self.rules.settling_load, most)
         pressed = self.balance.pressed(observation, foot, load)

@@ -1,7 +1,7 @@
-"""How a step of STEP begins, and how it ends at rest: the weight shifts of both feet.
+"""The weight shifts with which a step of STEP begins, and ends at rest.
 
-Each of them starts at the robot's own DCM. When a step begins or ends is decided in
-``both_feet`` and ``shift``.
+Each shift starts at the present DCM. ``both_feet`` and ``shift`` determine when a step
+begins or ends.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class StepBeginning:
         self._limits = balance.balance.robot.file.step_limits
 
     def enter(self, observation: Observation) -> Rest:
-        """Makes the rest that STEP begins with."""
+        """Makes the rest with which STEP begins."""
         feet = (observation.foot_pose(0), observation.foot_pose(1))
         return self._rest_on(feet, observation, Progress())
 
@@ -46,7 +46,7 @@ class StepBeginning:
         observation: Observation,
         feet: tuple[FootPose, FootPose],
     ) -> Rest:
-        """Makes the rest after a step: the weight goes between ``feet``."""
+        """Makes the rest after a step: the weight shifts to between ``feet``."""
         uneven = abs(float(feet[0].p_WF[2] - feet[1].p_WF[2]))
         return replace(
             self._rest_on(feet, observation, phase.progress),
@@ -58,10 +58,10 @@ class StepBeginning:
     def begin(
         self, phase: Rest, observation: Observation, wanted: DesiredStep | None
     ) -> tuple[Rest | Shift, tuple[Event, ...]]:
-        """Plans the whole step and begins to shift the weight to the stance foot.
+        """Plans the whole step and begins the weight shift to the stance foot.
 
-        The robot stays at rest while no step is wanted and while it is about to tip,
-        and for a step that is out of reach.
+        The robot stays at rest without a requested step, while its DCM is too near the
+        edge of the support polygon, and for a step that is out of reach.
         """
         if wanted is None:
             return phase, ()
@@ -76,7 +76,8 @@ class StepBeginning:
             event = Event(observation.time, STEPS_LEFT, text)
             return replace(phase, progress=progress), (event,)
         step = plan.taken
-        # The slope alone: the step spec in the report has duration and swing height.
+        # Warn of the slope only: the step spec in the report has duration and swing
+        # height.
         slope = replace(
             resolve_height(wanted.step, feet[1 - step.foot], self._limits),
             duration=step.duration,
@@ -160,9 +161,9 @@ class StepBeginning:
 def _below(
     ceiling: float, action: StepAction, start: FootPose, goal: FootPose, least: float
 ) -> StepAction:
-    """Returns the action with a foot that is lifted no higher than ``ceiling`` [m].
+    """Limits the action so that the foot is lifted no higher than ``ceiling`` [m].
 
-    The foot is lifted ``least`` [m] above the footholds all the same.
+    The foot is lifted by at least ``least`` [m] above the footholds in any case.
     """
     room = max(ceiling - float(max(start.p_WF[2], goal.p_WF[2])), least)
     lift = min(action.lift_height, room)

@@ -1,6 +1,6 @@
 """REST and SETTLE: both feet are down, and the next step may begin.
 
-What these phases do in a tick; the weight shift of a step is in ``shift``.
+Computes each tick of these phases; the weight shift of a step is in ``shift``.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from atlas_drake.messages.event import Event
 
 
 class RestControl(PhaseControl[Rest]):
-    """Stands over the middle of the feet until a step is asked for."""
+    """Stands over the middle of the feet until a step is requested."""
 
     def __init__(self, balance: StepBalance, beginning: StepBeginning):
         super().__init__(balance)
@@ -29,7 +29,7 @@ class RestControl(PhaseControl[Rest]):
     def advance(
         self, phase: Rest, observation: Observation, wanted: DesiredStep | None
     ) -> tuple[Phase, tuple[Event, ...]]:
-        """Begins the step that is wanted; after one given up, only when at rest."""
+        """Begins the requested step; after an abandoned step, only at rest."""
         if phase.gave_up and phase.elapsed < phase.shift.duration:
             return phase, ()
         return self._beginning.begin(phase, observation, wanted)
@@ -41,7 +41,7 @@ class RestControl(PhaseControl[Rest]):
     def command_feet(
         self, phase: Rest, observation: Observation, cop: np.ndarray
     ) -> tuple[FootCommand, FootCommand]:
-        """Keeps both feet planted; one that landed just now is pressed flat."""
+        """Keeps both feet planted; a foot that just landed is pressed flat."""
         balance = self._balance
         if phase.fresh is not None and balance.is_fresh(phase):
             return balance.pressed(phase, observation, phase.fresh, cop)
@@ -58,7 +58,7 @@ class SettleControl(PhaseControl[Settle]):
     def advance(
         self, phase: Settle, observation: Observation, wanted: DesiredStep | None
     ) -> tuple[Phase, tuple[Event, ...]]:
-        """Ends the step, and begins the next one if it is wanted already."""
+        """Ends the step, and begins the next step if one is requested."""
         if phase.elapsed < self._balance.rules.settle:
             return phase, ()
         taken = phase.taken
@@ -73,7 +73,7 @@ class SettleControl(PhaseControl[Settle]):
         return following, (landing, *events)
 
     def reach(self, phase: Settle) -> Reach:
-        """Returns both feet, with the body over the one that stood."""
+        """Returns both feet, with the body over the stance foot."""
         stance = phase.feet[phase.taken.stance]
         height = self._balance.height_over(stance, phase.taken)
         return Reach(height, phase.feet, list(enumerate(phase.feet)))
@@ -81,12 +81,12 @@ class SettleControl(PhaseControl[Settle]):
     def command_feet(
         self, phase: Settle, observation: Observation, cop: np.ndarray
     ) -> tuple[FootCommand, FootCommand]:
-        """Keeps the one foot planted and presses the new one flat."""
+        """Keeps the stance foot planted and presses the new foot flat."""
         return self._balance.pressed(phase, observation, phase.taken.foot, cop)
 
 
 def with_foot(
     feet: tuple[FootPose, FootPose], foot: int, pose: FootPose
 ) -> tuple[FootPose, FootPose]:
-    """Returns the feet with one of them elsewhere."""
+    """Returns the feet with another pose of one foot."""
     return (pose, feet[1]) if foot == 0 else (feet[0], pose)

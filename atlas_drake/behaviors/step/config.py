@@ -1,4 +1,4 @@
-"""What can be tuned of STEP, gathered from the modules that use the values."""
+"""Parameters of STEP, gathered from the modules that use the values."""
 
 from dataclasses import dataclass, field
 
@@ -10,13 +10,13 @@ from atlas_drake.control.feet.step_swing import StepSwingProfile
 
 @dataclass(frozen=True)
 class StepConfig:
-    """Tunes STEP."""
+    """Parameters of STEP."""
 
     body: BodyRates = field(default_factory=lambda: BodyRates(yaw=0.5))
-    """Speed of the reference of trunk and posture."""
+    """Speed limits of the reference of trunk and posture."""
     rules: StepRules = field(default_factory=StepRules)
     """Thresholds of touchdown, lift-off and rest."""
     posture: PostureRules = field(default_factory=PostureRules)
-    """How the body spares the standing knee and lengthens the legs."""
+    """Limits of the posture that unloads the standing knee and extends the reach."""
     swing: StepSwingProfile = field(default_factory=StepSwingProfile)
     """Shape of the swing."""

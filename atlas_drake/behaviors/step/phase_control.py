@@ -1,7 +1,6 @@
-"""What ``step`` asks of a phase in every tick.
+"""Protocol of a phase of STEP, called by ``step`` in every tick.
 
-The protocol of ``both_feet``, ``shift`` and ``single_support``, which implement it for
-phases of their own.
+``both_feet``, ``shift`` and ``single_support`` implement the protocol for their phases.
 """
 
 from __future__ import annotations
@@ -23,7 +22,7 @@ P = TypeVar("P", bound=StepPhase)
 
 
 class PhaseControl(ABC, Generic[P]):
-    """Decides what happens in a phase. Holds constants only."""
+    """Computes the ticks of a phase and its end. Holds constants only."""
 
     def __init__(self, balance: StepBalance):
         self._balance = balance
@@ -32,37 +31,37 @@ class PhaseControl(ABC, Generic[P]):
     def advance(
         self, phase: P, observation: Observation, wanted: DesiredStep | None
     ) -> tuple[Phase, tuple[Event, ...]]:
-        """Returns the phase that follows if the phase is over, or else the same.
+        """Returns the next phase if the phase is over, or else the same phase.
 
         Args:
-            phase: After the time of this tick was added.
-            observation: Of this tick.
-            wanted: The step asked for that has not begun, if any.
+            phase: The phase, with the time of this tick added.
+            observation: Observation of this tick.
+            wanted: The requested step that has not begun, if any.
         """
 
     @abstractmethod
     def reach(self, phase: P) -> Reach:
-        """Returns the soles that the legs have to reach, and how high the body is."""
+        """Returns the sole poses that the legs have to reach, and the body's height."""
 
     @abstractmethod
     def command_feet(
         self, phase: P, observation: Observation, cop: np.ndarray
     ) -> tuple[FootCommand, FootCommand]:
-        """Commands both feet; balance goes before the load that the phase asks for.
+        """Commands both feet; balance has priority over the load of the phase.
 
-        A foot that has to carry too much or too little would keep the CoP away from
-        where balance wants it.
+        A foot with too large or too small a load would keep the CoP away from its
+        desired position.
 
         Args:
-            phase: Of this tick.
-            observation: Of this tick.
-            cop: Where balance wants the CoP in W [m], shape (2,).
+            phase: Phase of this tick.
+            observation: Observation of this tick.
+            cop: Desired CoP in W [m], shape (2,).
         """
 
     def support(self, phase: P) -> SupportPolygon:
-        """Returns where the CoP may lie now."""
+        """Returns the present region of the CoP."""
         return phase.support
 
     def are_both_flat(self, phase: P) -> bool:
-        """Returns whether both soles lie flat on the ground."""
+        """Returns True if both soles are flat on the ground."""
         return True

@@ -1,7 +1,7 @@
 """The state of STEP between ticks: one dataclass for each of its phases.
 
-Frozen data, and what follows from these data alone. What happens in each phase is in
-``both_feet``, ``shift`` and ``single_support``.
+Frozen data, and functions of these data alone. ``both_feet``, ``shift`` and
+``single_support`` compute the ticks of each phase.
 """
 
 from __future__ import annotations
@@ -20,17 +20,18 @@ from atlas_drake.control.feet.swing_foot import quintic_progress
 
 @dataclass(frozen=True, kw_only=True)
 class StepPhase:
-    """What all phases of STEP have.
+    """Common part of all phases of STEP.
 
     Attributes:
-        progress: What is done and asked for.
+        progress: Progress of the steps, and the requested step.
         feet: Poses in which the soles are, or last were, on the ground.
-        support: Where the CoP may lie with both soles flat, or on the stance foot.
+        support: Region of the CoP with both soles flat, or on the stance foot.
         hips: Hip positions from the center of mass in W [m], shape (2, 3).
         shift: Motion of the center of mass.
-        shift_time: Time since that motion began [s].
+        shift_time: Time since the beginning of that motion [s].
         lean: Pitch of the trunk [rad].
-        elapsed: Time in the phase; in single support, since lift-off [s].
+        elapsed: Time since the beginning of the phase; in single support, since
+            lift-off [s].
     """
 
     progress: Progress
@@ -54,16 +55,16 @@ class StepPhase:
 
     @property
     def reported(self) -> TakenStep | None:
-        """The step being taken or taken last, if any."""
+        """The present or last step, if any."""
         return None
 
     @property
     def not_begun(self) -> tuple[int, ...]:
-        """Indices of steps that are under way and whose foot has not lifted off."""
+        """Indices of started steps before the lift-off of their foot."""
         return ()
 
     def dcm_reference(self, omega: float) -> DcmReference:
-        """Evaluates where DCM and CoP shall be now.
+        """Evaluates the present references of DCM and CoP.
 
         Args:
             omega: Natural frequency of the pendulum [1/s].
@@ -71,10 +72,9 @@ class StepPhase:
         return self.shift.evaluate(self.shift_time, omega)
 
     def time_left(self, settle: float) -> float:
-        """Computes the time until both feet carry again [s].
+        """Computes the time until both feet carry load again [s].
 
-        The ground is taken to be where it is thought to be. The time does not grow when
-        something takes longer than planned.
+        The planned height of the ground is assumed. A delay does not increase the time.
 
         Args:
             settle: Duration of ``Settle`` [s].
@@ -84,12 +84,12 @@ class StepPhase:
 
 @dataclass(frozen=True, kw_only=True)
 class Rest(StepPhase):
-    """Both feet are down; the weight goes between them and stays there.
+    """Both feet are down; the weight shifts to between them and stays there.
 
     Attributes:
-        last: The step taken last; None before the first step.
-        fresh: Foot that landed just now, if any.
-        gave_up: Whether the last weight shift was given up.
+        last: The last step; None before the first step.
+        fresh: Foot that just landed, if any.
+        gave_up: True if the last weight shift was abandoned.
     """
 
     last: TakenStep | None = None
@@ -98,13 +98,13 @@ class Rest(StepPhase):
 
     @property
     def reported(self) -> TakenStep | None:
-        """The step taken last, if any."""
+        """The last step, if any."""
         return self.last
 
 
 @dataclass(frozen=True, kw_only=True)
 class Stepping(StepPhase):
-    """What the phases of a step have: ``Shift``, ``Swing``, ``Lower`` and ``Settle``.
+    """Common part of the phases of a step: ``Shift``, ``Swing``, ``Lower``, ``Settle``.
 
     Attributes:
         taken: The step.
@@ -120,11 +120,11 @@ class Stepping(StepPhase):
 
 @dataclass(frozen=True, kw_only=True)
 class Shift(Stepping):
-    """Both feet are down; the weight goes over the one that stays.
+    """Both feet are down; the weight shifts over the stance foot.
 
     Attributes:
-        heel: Angle that the leaving foot's heel has risen by at lift-off [rad].
-        fresh: Foot that landed just before, if any.
+        heel: Angle by which the leaving foot's heel has risen at lift-off [rad].
+        fresh: Foot that just landed, if any.
     """
 
     heel: float
@@ -157,10 +157,10 @@ class Shift(Stepping):
 
 @dataclass(frozen=True, kw_only=True)
 class InAir(Stepping):
-    """What the phases with a foot in the air have: ``Swing`` and ``Lower``.
+    """Common part of the phases with a foot in the air: ``Swing`` and ``Lower``.
 
     Attributes:
-        went_back: Whether the foot found no ground and goes to where it came from.
+        went_back: True if the foot found no ground and returns to its lift-off pose.
     """
 
     went_back: bool = False
@@ -176,7 +176,7 @@ class InAir(Stepping):
         return self.taken
 
     def foothold(self) -> FootPose:
-        """Computes where the foot lands: deeper when it finds no ground."""
+        """Computes the landing pose, lower if the foot has found no ground yet."""
         goal = self.taken.step.pose
         z = float(self.taken.swing.evaluate(self.elapsed).p_WF[2])
         if z >= goal.p_WF[2]:
@@ -200,10 +200,10 @@ class Lower(InAir):
 
 @dataclass(frozen=True, kw_only=True)
 class Settle(Stepping):
-    """Both feet are down; the new one is pressed flat.
+    """Both feet are down; the new foot is pressed flat.
 
     Attributes:
-        went_back: Whether the foot is back where it came from.
+        went_back: True if the foot returned to its lift-off pose.
     """
 
     went_back: bool

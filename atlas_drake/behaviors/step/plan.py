@@ -1,6 +1,6 @@
-"""How a step is taken: foothold, posture and heel that the legs can afford.
+"""The plan of a step: a feasible foothold, posture and heel angle.
 
-Everything about a step that is decided once, before its weight shift. Geometry of legs
+Everything about a step that is planned once, before its weight shift. Geometry of legs
 and the torque of the standing knee; no time and no feedback.
 """
 
@@ -38,42 +38,42 @@ from atlas_drake.robot import StepLimits
 
 @dataclass(frozen=True)
 class PostureRules:
-    """What the body does to spare the standing knee and to lengthen the legs."""
+    """Limits of the posture that unloads the standing knee and extends the reach."""
 
     knee_efforts: tuple[Share, ...] = (0.78, 0.90)
-    """Shares of the standing knee's effort limit that a posture may need at rest, the
-    second one where the first is not enough [-]."""
+    """Shares of the standing knee's effort limit that a posture may need at rest; the
+    second one is tried when the first is not enough [-]."""
     level: float = 0.02
-    """Steps that lead up or down by less are level [m]."""
+    """Steps that lead up or down by less than this are level [m]."""
     drop: float = 0.02
-    """The body sinks this far for a leg's reach before a heel rises [m]."""
+    """Distance by which the body sinks for a leg's reach before a heel rises [m]."""
     steepest_heel: float = 0.6
-    """Most that a heel rises [rad]."""
+    """Largest angle of a raised heel [rad]."""
     forced_heel: float = 0.3
-    """Least that it rises when it is asked to [rad]."""
+    """Least angle of a heel that is forced to rise [rad]."""
     lean: float = 0.36
-    """Most that the trunk leans forward [rad]."""
+    """Largest forward lean of the trunk [rad]."""
     ahead: float = 0.05
-    """Most that the weight stands ahead of the sole's middle [m]: both take the weight
-    off a bent knee."""
+    """Largest distance of the CoM ahead of the sole's middle [m]; like the lean, it
+    reduces the torque of a bent knee."""
     lean_shift: float = 0.2
-    """How far the hips stay behind the center of mass per lean [m/rad]."""
+    """Distance of the hips behind the center of mass per lean [m/rad]."""
     smallest_share: Share = 0.3
-    """A step is shortened to this share of its length at most [-]."""
+    """Least share of its length to which a step is shortened [-]."""
 
 
 @dataclass(frozen=True)
 class StepPlan:
-    """What was decided.
+    """Plan of one step.
 
     Attributes:
         taken: The step as it can be taken.
-        com: Where the center of mass stands over the stance foot, horizontal in W [m],
+        com: Position of the center of mass over the stance foot, horizontal in W [m],
             shape (2,).
-        hips: As observation from it, in W [m], shape (2, 3).
+        hips: Hip positions from the center of mass, in W [m], shape (2, 3).
         lean: Pitch of the trunk [rad].
         heel: Angle by which the leaving heel has risen at lift-off [rad].
-        height: Of the center of mass in W, as the legs reach [m].
+        height: Height of the center of mass in W, within the reach of the legs [m].
         ceiling: Height in W to which the leaving leg can lift its sole [m].
     """
 
@@ -101,7 +101,7 @@ class StepPlanner:
         self.half_length = 0.5 * robot.file.sole.length
         self._nominal_height = nominal_height
         self._limits: StepLimits = robot.file.step_limits
-        # Feet this far apart sideways cost no reach.
+        # A sideways distance up to this width does not reduce the reach.
         self._easy_width = robot.file.stance_width
         self._rules = rules or PostureRules()
         knee = self.legs[0].knee
@@ -115,7 +115,7 @@ class StepPlanner:
         return knee_for_length(self.legs[0], self._nominal_leg)
 
     def height(self, action: StepAction) -> float:
-        """Of the center of mass above the standing sole [m]."""
+        """Computes the height of the center of mass above the standing sole [m]."""
         bent = leg_length(self.legs[0], action.knee_nominal)
         return self._nominal_height + bent - self._nominal_leg
 
@@ -125,15 +125,15 @@ class StepPlanner:
         feet: tuple[FootPose, FootPose],
         wanted: DesiredStep,
     ) -> StepPlan | None:
-        """The least posture that a step can be taken with, if need be a shorter step.
+        """Plans a step with the least change of posture, shortened if necessary.
 
-        A step to another height is not shortened, because the ground nearer by need
-        not be at that height; nor is its height, because there is no ground between.
+        A step to another height is not shortened, because the ground at the shorter
+        distance may have another height; its height is not changed either.
 
         Args:
-            terms: At the present state.
-            feet: Both soles, on the ground.
-            wanted: The step asked for.
+            terms: Kinematics and dynamics at the present state.
+            feet: Poses of both soles on the ground.
+            wanted: The requested step.
 
         Returns:
             The plan; None for a step that is out of reach.
@@ -165,7 +165,7 @@ class StepPlanner:
         step: Footstep,
         effort: float,
     ) -> StepPlan:
-        """The plan with ``effort`` from 0, upright, to 1, all that the rules allow."""
+        """Makes the plan with ``effort`` from 0, upright, to 1, the rules' limits."""
         rules, foot = self._rules, step.foot
         stance, other = feet[1 - foot], feet[foot]
         lean = effort * rules.lean
@@ -195,7 +195,7 @@ class StepPlanner:
         needed: float,
         setting: ToeOff,
     ) -> float:
-        """How far the leaving heel rises, so that the body need not sink [rad]."""
+        """Computes the angle of the leaving heel that keeps the body's height [rad]."""
         rules = self._rules
         if setting is ToeOff.DISABLE:
             return 0.0
@@ -212,9 +212,9 @@ class StepPlanner:
         feet: tuple[FootPose, FootPose],
         lever: float,
     ) -> bool:
-        """Whether the standing knee can carry the height that the legs' reach leaves.
+        """True if the standing knee has enough torque at the height of the plan.
 
-        Both legs count: the one that leaves, and the same when it lands.
+        The height allows for the reach of the other leg at lift-off and at landing.
         """
         stance = 1 - plan.taken.foot
         return plan.height >= lowest_com(
@@ -222,7 +222,7 @@ class StepPlanner:
         )
 
     def _shortened(self, step: Footstep, stance: FootPose, share: float) -> Footstep:
-        """The step drawn nearer to the place beside the stance foot."""
+        """Returns the step moved towards the place beside the stance foot."""
         R_WS = rotation_z(stance.yaw)
         p_SF = R_WS.T @ (step.p_WF - stance.p_WF)
         beside = min(abs(float(p_SF[1])), self._easy_width)

@@ -1,6 +1,6 @@
-"""What STEP intends: its DCM reference now, its weight shift, and its swing.
+"""The plan of STEP for viewers and logs: DCM reference, weight shift and swing.
 
-Only for viewers and logs; steps are planned in ``plan``.
+Steps are planned in ``plan``.
 """
 
 from __future__ import annotations
@@ -11,14 +11,14 @@ from atlas_drake.behaviors.step.phases import Phase
 from atlas_drake.messages.controller_status import Plan, PlannedPaths, PlannedStep
 
 TIME_STEP = 0.04
-"""Between two points of a path [s]."""
+"""Time between two points of a path [s]."""
 
 
 def step_plan(phase: Phase, omega: float) -> Plan:
     """Returns the plan of STEP.
 
     Args:
-        phase: After the last tick.
+        phase: The phase after the last tick.
         omega: Natural frequency of the pendulum [1/s].
     """
     reference = phase.dcm_reference(omega)

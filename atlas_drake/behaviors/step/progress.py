@@ -1,4 +1,4 @@
-"""How far STEP has come, and the step that it has in hand; the same in every phase."""
+"""Progress of STEP and its present step; the same in every phase."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from atlas_drake.messages.commands import BehaviorRequest
 
 @dataclass(frozen=True)
 class Progress:
-    """What is done and asked for, whatever the phase.
+    """Progress of STEP in any phase.
 
     Attributes:
-        index: Of the step being taken or taken last; 0 before the first step.
-        leaving: Whether STAND was asked for with a foot in the air.
-        request: The last one that was read; None before the first.
+        index: Index of the present or last step; 0 before the first step.
+        leaving: True if STAND was requested with a foot in the air.
+        request: The last request that was read; None before the first one.
         refused: The request whose step cannot be taken.
     """
 
@@ -29,13 +29,13 @@ class Progress:
 
 @dataclass(frozen=True)
 class TakenStep:
-    """A step as it is taken.
+    """A step as executed.
 
     Attributes:
-        sent: The step as it was asked for.
-        step: The same as it is taken.
-        action: What it is taken with.
-        swing: Of its foot.
+        sent: The step as requested.
+        step: The same step as executed.
+        action: Parameters of the step as executed.
+        swing: Path of the swing foot.
     """
 
     sent: DesiredStep

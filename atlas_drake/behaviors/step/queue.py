@@ -1,7 +1,7 @@
-"""The steps that a walk still has to take, merged from the messages that bring them.
+"""The queue of a walk's coming steps, merged from messages.
 
-Order and indices only; whether a step can be reached, and what its height means, is
-decided from the foot it is taken from.
+Order and indices only; reach and relative heights are resolved from the stance foot of
+each step.
 """
 
 from __future__ import annotations
@@ -16,11 +16,11 @@ from atlas_drake.messages import NO_STEP, AtlasBehaviorStepData, Quaternion, Vec
 
 
 def footstep_from(data: AtlasBehaviorStepData, relative: bool = False) -> Footstep:
-    """The step that a message describes, its pose that of the sole frame in W.
+    """Converts a message to a step with the pose of the sole frame in W.
 
     Args:
-        data: Of the message.
-        relative: Whether its height counts from the stance foot.
+        data: The message.
+        relative: True if its height counts from the stance foot.
     """
     p = data.pose.position
     quaternion = data.pose.orientation.to_wxyz()
@@ -38,7 +38,7 @@ def footstep_from(data: AtlasBehaviorStepData, relative: bool = False) -> Footst
 
 
 def step_data_from(step: Footstep) -> AtlasBehaviorStepData:
-    """The message's form of a step."""
+    """Converts a step to its message."""
     data = AtlasBehaviorStepData()
     data.step_index = step.index
     data.foot_index = step.foot
@@ -56,13 +56,13 @@ def merge(
     first_open: int,
     relative: bool = False,
 ) -> tuple[Footstep, ...]:
-    """Steps to come after a message: later news replaces what has not begun.
+    """Merges a message into the coming steps: it replaces steps that have not begun.
 
     Args:
-        pending: Steps known so far that have not begun.
+        pending: Earlier steps that have not begun.
         sent: The message's queue.
-        first_open: Lowest index that has not begun; older ones are ignored.
-        relative: Whether heights in the message count from the stance foot.
+        first_open: Lowest index that has not begun; lower ones are ignored.
+        relative: True if heights in the message count from the stance foot.
     """
     steps = {step.index: step for step in pending}
     for data in sent:
@@ -75,13 +75,13 @@ def merge(
 def replaced(
     before: tuple[Footstep, ...], after: tuple[Footstep, ...]
 ) -> frozenset[int]:
-    """Indices of the steps in ``after`` that are not as they were in ``before``."""
+    """Returns the indices of the steps in ``after`` that differ from ``before``."""
     known = {step.index: _content(step) for step in before}
     return frozenset(s.index for s in after if known.get(s.index) != _content(s))
 
 
 def _content(step: Footstep) -> tuple[float, ...]:
-    """All that a message said of a step, comparable."""
+    """Returns all values of a step from its message, for comparison."""
     return (
         step.foot,
         *step.p_WF.tolist(),
@@ -94,7 +94,7 @@ def _content(step: Footstep) -> tuple[float, ...]:
 
 
 def next_runs(pending: tuple[Footstep, ...], index: int) -> tuple[Footstep, ...]:
-    """The steps that follow each other without a gap from ``index`` on."""
+    """Returns the steps from ``index`` on without a gap in their indices."""
     run: list[Footstep] = []
     for step in pending:
         if step.index == index + len(run):

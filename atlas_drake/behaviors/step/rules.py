@@ -1,4 +1,4 @@
-"""The thresholds that STEP goes by, all of which a scenario can change."""
+"""The thresholds of STEP, all of which a scenario can change."""
 
 from __future__ import annotations
 
@@ -16,33 +16,36 @@ class StepRules:
     settle: float = 0.25
     """Time for which a new foot is pressed flat before the weight moves [s]."""
     settling_load: float = 0.06
-    """Least that it then carries, in weights [-]."""
+    """Least load of a new foot while it is pressed flat, in weights [-]."""
     fresh_share: Share = 0.4
-    """First share of a weight shift in which the foot that landed stays pressed [-]."""
+    """First share of a weight shift in which the landed foot stays pressed [-]."""
     unload_share: Positive = 0.35
     """Last share of a weight shift in which the leaving foot is unloaded [-]."""
     still_loaded: float = 0.10
-    """A foot that carries more than this does not lift off, in weights [-]."""
+    """Largest load of a foot at lift-off, in weights [-]."""
     dcm_ready: float = 0.02
-    """DCM error with which a foot may lift off [m]."""
+    """Largest DCM error for lift-off [m]."""
     dcm_lost: float = 0.01
-    """How far inside the support the DCM keeps, or a weight shift is given up [m]."""
+    """Abandon a weight shift when the DCM is nearer than this to the edge of the
+    support [m]."""
     cop_inside: float = 0.01
-    """How far inside the support a weight shift plans the CoP [m]."""
+    """Distance of a weight shift's planned CoP from the edge of the support [m]."""
     begin_inside: float = 0.015
-    """How far inside the support the DCM is when a weight shift may begin [m]."""
+    """Least distance of the DCM from the edge of the support when a weight shift
+    begins [m]."""
     longest_wait: float = 0.3
-    """Time after a weight shift for which a foot waits to leave; then it stays [s]."""
+    """Longest delay of lift-off after a weight shift, before the step is abandoned
+    [s]."""
     lean_inside: float = 0.025
-    """How far inside the standing sole the center of mass stays when it leans into a
-    step [m]."""
+    """Least distance of the center of mass from the edge of the standing sole when the
+    body leans into a step [m]."""
     rest_speed: float = 0.05
     """Speed of the center of mass below which the robot is at rest [m/s]."""
     heel_begins: ProperShare = 0.5
-    """Share of a weight shift after which the leaving heel rises [-]: by then it bears
-    no weight."""
+    """Share of a weight shift after which the leaving heel, then without load, rises
+    [-]."""
     level: float = 0.02
-    """Feet at rest that differ less in height let the trunk be upright [m]."""
+    """Height difference of the feet at rest below which the trunk is upright [m]."""
     least_clearance: float = 0.04
-    """Height above its footholds to which a foot is lifted even by a leg short of
-    room [m]."""
+    """Least height above its footholds to which a foot is lifted, even beyond the reach
+    of its leg [m]."""

@@ -1,6 +1,6 @@
-"""SHIFT: the weight goes over the foot that stays, and the heel of the other rises.
+"""SHIFT: the weight shifts over the stance foot, and the heel of the other rises.
 
-What the phase does in a tick; how a weight shift begins is in ``beginning``.
+Computes each tick of the phase; the beginning of a weight shift is in ``beginning``.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from atlas_drake.messages.event import STEPS_LEFT, Event
 
 
 class ShiftControl(PhaseControl[Shift]):
-    """Shifts the weight until the foot can be spared, or gives the step up."""
+    """Shifts the weight until the foot is unloaded, or abandons the step."""
 
     def __init__(self, balance: StepBalance, beginning: StepBeginning):
         super().__init__(balance)
@@ -35,7 +35,7 @@ class ShiftControl(PhaseControl[Shift]):
     def advance(
         self, phase: Shift, observation: Observation, wanted: DesiredStep | None
     ) -> tuple[Phase, tuple[Event, ...]]:
-        """Lifts off, or gives up a step whose foot cannot be spared."""
+        """Lifts off, or abandons a step whose foot cannot be unloaded."""
         if self._is_ready(phase, observation):
             return self._lift_off(phase, observation), ()
         rules = self._rules
@@ -43,9 +43,9 @@ class ShiftControl(PhaseControl[Shift]):
         support = self.support(phase)
         outside = self._balance.dcm_outside(phase, observation, support)
         if late or outside > -rules.dcm_lost:
-            # Something pushes the robot.
+            # A disturbance acts on the robot.
             index = phase.progress.index
-            text = f"step {index} is not taken: its foot cannot be spared"
+            text = f"step {index} is not taken: its foot cannot be unloaded"
             rest = self._beginning.rest(phase, observation, phase.feet)
             event = Event(observation.time, STEPS_LEFT, text)
             return replace(rest, gave_up=True), (event,)
@@ -54,7 +54,7 @@ class ShiftControl(PhaseControl[Shift]):
     def reach(self, phase: Shift) -> Reach:
         """Returns the feet, the leaving one on its toes, and the next foothold.
 
-        The body is low enough for the landing, so that it goes up or down once.
+        The body is low enough for the landing, so that it moves up or down only once.
         """
         taken, now = phase.taken, list(phase.feet)
         later = list(enumerate(now))
@@ -69,7 +69,7 @@ class ShiftControl(PhaseControl[Shift]):
     def command_feet(
         self, phase: Shift, observation: Observation, cop: np.ndarray
     ) -> tuple[FootCommand, FootCommand]:
-        """Unloads the leaving foot and raises its heel; a new foot is pressed first."""
+        """Unloads the leaving foot and raises its heel, after pressing a new foot."""
         balance, foot = self._balance, phase.taken.foot
         angle, rate, acceleration = self._heel(phase)
         on_toes = angle > 0.0
@@ -88,7 +88,7 @@ class ShiftControl(PhaseControl[Shift]):
         return balance.planted(observation, foot, command)
 
     def support(self, phase: Shift) -> SupportPolygon:
-        """Returns where the CoP may lie now; a raised heel carries nothing."""
+        """Returns the present region of the CoP; a raised heel carries no load."""
         if self._heel(phase)[0] == 0.0:
             return phase.support
         taken = phase.taken
@@ -97,14 +97,14 @@ class ShiftControl(PhaseControl[Shift]):
         )
 
     def are_both_flat(self, phase: Shift) -> bool:
-        """Returns whether the heel is down."""
+        """Returns True if the heel is down."""
         return self._heel(phase)[0] <= 0.0
 
     def _heel(self, phase: Shift) -> tuple[float, float, float]:
         return phase.heel_motion(self._rules.heel_begins)
 
     def _is_ready(self, phase: Shift, observation: Observation) -> bool:
-        """Returns whether all weight is off the foot, and the robot at rest."""
+        """Returns True if the foot is unloaded, and the DCM at the end of its shift."""
         if phase.elapsed < phase.shift.duration:
             return False
         load = observation.foot_force[phase.taken.foot]

@@ -1,6 +1,6 @@
 """SWING and LOWER: one foot is in the air, and the body stands over the other.
 
-What these phases do in a tick; the swing is planned before lift-off, in ``beginning``.
+Computes each tick of these phases; ``beginning`` plans the swing before lift-off.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ P = TypeVar("P", bound=InAir)
 
 
 class InAirControl(PhaseControl[P]):
-    """What is the same while one foot is in the air."""
+    """Common part of the phases with one foot in the air."""
 
     def reach(self, phase: P) -> Reach:
-        """Returns the stance foot and the foothold, deeper where no ground is."""
+        """Returns the stance foot and the foothold, lower if no ground was found."""
         taken = phase.taken
         stance = phase.feet[taken.stance]
         feet = with_foot(phase.feet, taken.foot, phase.foothold())
@@ -38,7 +38,7 @@ class InAirControl(PhaseControl[P]):
     def command_feet(
         self, phase: P, observation: Observation, cop: np.ndarray
     ) -> tuple[FootCommand, FootCommand]:
-        """Keeps the stance foot planted and moves the other one along its swing."""
+        """Keeps the stance foot planted and moves the other foot along its swing."""
         foot, swing = phase.taken.foot, phase.taken.swing
         reference = swing.evaluate(phase.elapsed)
         command = self._balance.balance.swinging(observation, foot, reference)
@@ -55,15 +55,16 @@ class SwingControl(InAirControl[Swing]):
     def advance(
         self, phase: Swing, observation: Observation, wanted: DesiredStep | None
     ) -> tuple[Phase, tuple[Event, ...]]:
-        """Begins to lower the foot when it has come across."""
+        """Begins to lower the foot when it is above its foothold."""
         if not phase.taken.swing.is_lowering(phase.elapsed):
             return phase, ()
         return self._begin_to_lower(phase, observation), ()
 
     def _begin_to_lower(self, phase: Swing, observation: Observation) -> Lower:
-        """Leans into the step while the foot comes down, as far as it was asked.
+        """Leans into the step by the requested distance while the foot comes down.
 
-        But only as far as the standing foot can undo it: there may be no ground.
+        The distance is limited so that the standing foot can still bring the body back
+        if the other foot finds no ground.
         """
         lower = Lower(**phase.__dict__)
         taken, support = phase.taken, phase.support
@@ -78,7 +79,7 @@ class SwingControl(InAirControl[Swing]):
         for share in np.linspace(1.0, 0.0, 11):
             shift = WeightShift(over, over + share * lean, taken.swing.lower)
             inside = -support.distance_outside(shift.end)
-            # And the foot can push the body there in that time.
+            # The CoP of the motion must lie within the standing sole, too.
             pushed = -shift.cop_outside(support, omega)
             if inside >= rules.lean_inside and pushed >= rules.cop_inside:
                 break
@@ -86,7 +87,7 @@ class SwingControl(InAirControl[Swing]):
 
 
 class LowerControl(InAirControl[Lower]):
-    """Lets the foot down until it meets the ground."""
+    """Lowers the foot until it touches the ground."""
 
     def __init__(self, balance: StepBalance, profile: StepSwingProfile):
         super().__init__(balance)
@@ -96,7 +97,7 @@ class LowerControl(InAirControl[Lower]):
     def advance(
         self, phase: Lower, observation: Observation, wanted: DesiredStep | None
     ) -> tuple[Phase, tuple[Event, ...]]:
-        """Ends with touchdown; a foot that finds no ground goes back."""
+        """Ends the phase at touchdown; a foot that finds no ground returns."""
         if observation.foot_force[phase.taken.foot] > self._touchdown_force:
             return self._touch_down(phase, observation), ()
         if phase.taken.swing.has_missed(phase.elapsed):
@@ -104,7 +105,7 @@ class LowerControl(InAirControl[Lower]):
         return phase, ()
 
     def _touch_down(self, phase: Lower, observation: Observation) -> Settle:
-        """Presses the foot flat, which perhaps met the ground with an edge only."""
+        """Presses the foot flat, because perhaps only an edge touched the ground."""
         foot = phase.taken.foot
         feet = with_foot(phase.feet, foot, observation.foot_pose(foot))
         return Settle(
@@ -142,7 +143,7 @@ class LowerControl(InAirControl[Lower]):
         taken = replace(taken, step=step, swing=swing)
         back = replace(back, taken=taken, elapsed=0.0, went_back=True)
         if action.step_end_dist != 0.0:
-            # Over the standing foot again, from which it leant into the step.
+            # Bring the body back over the standing foot, from which it leant.
             over, stance = phase.shift.start, (phase.feet[taken.stance],)
             quick = replace(action, sway_duration=swing.lower)
             shift = self._balance.shift_to(
@@ -150,5 +151,5 @@ class LowerControl(InAirControl[Lower]):
             )
             taken = replace(taken, action=replace(action, step_end_dist=0.0))
             back = replace(back, taken=taken, shift=shift, shift_time=0.0)
-        text = f"step {step.index} found no ground and goes back"
+        text = f"step {step.index} found no ground; its foot returns"
         return back, (Event(observation.time, STEPS_LEFT, text),)

@@ -1,9 +1,9 @@
 """STEP: one quasi-static step at a time, in any order of the feet.
 
-Phases: SHIFT (weight over the foot that stays), SWING (lift and move), LOWER, SETTLE
-(the new foot is pressed flat) and REST (weight back between the feet) until the next
-step is asked for. In single support the center of mass stands still over the sole;
-nothing here depends on momentum.
+Phases: SHIFT (weight over the stance foot), SWING (lift and move), LOWER, SETTLE (the
+new foot is pressed flat) and REST (weight back between the feet) until the next step is
+requested. In single support the center of mass is at rest over the sole; the step does
+not depend on momentum.
 """
 
 from __future__ import annotations
@@ -54,9 +54,9 @@ from atlas_drake.planning.footholds import Gait
 
 
 class Step:
-    """Takes one step after the other when it is told to.
+    """Takes one requested step after the other.
 
-    Reads what is asked, and hands each phase to its control: ``RestControl``,
+    Reads the requests, and calls the control of the present phase: ``RestControl``,
     ``ShiftControl``, ``SwingControl``, ``LowerControl`` or ``SettleControl``.
     """
 
@@ -104,7 +104,7 @@ class Step:
     ) -> Outcome:
         """Steps for one tick.
 
-        ``leaving`` puts the foot in the air down and begins no step.
+        With ``leaving`` a foot in the air lands, and no further step begins.
         """
         progress = phase.progress
         cut_short = progress.leaving or not self._control(phase).are_both_flat(phase)
@@ -139,11 +139,11 @@ class Step:
         )
 
     def plan(self, phase: Phase, com: np.ndarray, omega: float) -> Plan:
-        """Returns the weight shift or the swing at hand."""
+        """Returns the present weight shift or swing."""
         return step_plan(phase, omega)
 
     def report(self, phase: Phase, state: AtlasSimInterfaceState) -> None:
-        """Reports indices and timing; the step as it is really taken."""
+        """Reports indices, timing and the step as executed."""
         feedback, index = state.step_feedback, phase.progress.index
         feedback.current_step_index = index
         feedback.next_step_index_needed = index + 1
@@ -169,10 +169,10 @@ class Step:
         feet = control.command_feet(phase, observation, cop)
         return balance.command(observation, body, reference, omega, support, feet)
 
-    # ---- what is asked -------------------------------------------------------
+    # ---- requests ------------------------------------------------------------
 
     def _next(self, phase: Phase, request: BehaviorRequest) -> DesiredStep | None:
-        """Returns the step in force that has not begun, if any."""
+        """Returns the requested step that has not begun, if any."""
         params, progress = request.command.step_params, phase.progress
         if params.use_demo_walk:
             index = progress.index + 1
@@ -193,7 +193,7 @@ class Step:
         observation: Observation,
         request: BehaviorRequest,
     ) -> tuple[Phase, tuple[Event, ...]]:
-        """Warns of a new message whose step comes too late to be taken."""
+        """Warns of a new message whose step is too late to be taken."""
         params, last = request.command.step_params, phase.progress.request
         if last is not None and request.number == last.number:
             return phase, ()
@@ -213,7 +213,11 @@ class Step:
     # ---- STAND ---------------------------------------------------------------
 
     def _may_stand(self, phase: Phase, observation: Observation) -> bool:
-        """Returns whether both feet carry; after a step cut short also at rest."""
+        """Returns True if STAND may follow, which needs both feet flat.
+
+        If STAND was requested before the landing of a step, the robot must be at rest,
+        too.
+        """
         if not self._control(phase).are_both_flat(phase):
             return False
         if not phase.progress.leaving:
@@ -228,7 +232,7 @@ class Step:
         observation: Observation,
         request: BehaviorRequest,
     ) -> tuple[Event, ...]:
-        """Names the steps that STAND leaves: one that has begun, one still to come."""
+        """Names the steps that STAND leaves out: a started step and a coming step."""
         left = list(phase.not_begun)
         wanted = self._next(phase, request)
         if wanted is not None and not request.command.step_params.use_demo_walk:

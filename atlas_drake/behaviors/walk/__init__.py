@@ -1,1 +1,1 @@
-"""WALK: its phases, its plan, and the steps it takes next."""
+"""WALK: its phases, its plan, and its steps."""

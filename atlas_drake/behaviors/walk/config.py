@@ -1,4 +1,4 @@
-"""What can be tuned of WALK, gathered from the modules that use the values."""
+"""Parameters of WALK, gathered from the modules that use the values."""
 
 from dataclasses import dataclass, field
 
@@ -10,13 +10,13 @@ from atlas_drake.control.feet.swing_foot import SwingProfile
 
 @dataclass(frozen=True)
 class WalkConfig:
-    """Tunes WALK."""
+    """Parameters of WALK."""
 
     rules: WalkRules = field(default_factory=WalkRules)
     """Thresholds of touchdown, lift-off and rest."""
     swing: SwingProfile = field(default_factory=SwingProfile)
     """Shape of the swing."""
     adjustment: StepAdjustmentLimits = field(default_factory=StepAdjustmentLimits)
-    """When balance moves the landing place."""
+    """Limits of the step adjustment, which moves the landing place for balance."""
     slack: StepSlack = field(default_factory=StepSlack)
-    """How far a step may exceed its limits to make up for where the feet landed."""
+    """Amount by which a step may exceed its limits to correct landing errors."""

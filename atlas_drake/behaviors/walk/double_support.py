@@ -1,6 +1,6 @@
 """SHIFT and TRANSFER: both feet are down, until the DCM is ready for lift-off.
 
-What these phases do in a tick; the plans that they follow are made in ``planner``.
+Computes each tick of these phases; ``planner`` makes the plans that they follow.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from atlas_drake.messages.event import Event
 
 
 class DoubleSupport(PhaseControl[Shift | Transfer]):
-    """Shifts the weight and decides when a foot lifts off."""
+    """Shifts the weight and determines when a foot lifts off."""
 
     def __init__(self, balance: Balance, planner: WalkPlanner, rules: WalkRules):
         self._balance = balance
@@ -47,22 +47,22 @@ class DoubleSupport(PhaseControl[Shift | Transfer]):
             phase, observation
         )
         if patient and not self._is_dcm_ready(phase, observation):
-            # Hold the plan at the moment of lift-off until the DCM is there.
+            # Hold the plan at the moment of lift-off until the DCM is near it.
             return replace(phase, plan_time=phase.plan_time - observation.dt), ()
-        # Since touchdown the soles have come to lie flat under their load.
+        # Measure the feet again: since touchdown the load has turned the soles flat.
         feet = (observation.foot_pose(0), observation.foot_pose(1))
         phase = replace(phase, course=replace(phase.course, feet=feet))
         phase, news = planner.warn(phase, observation.time)
         if not planner.coming(phase.course):
-            # From where the feet are now, the step cannot be taken.
+            # The step cannot be taken from the present poses of the feet.
             return planner.settle(phase.course, phase.planned.cop), news
-        # A tick that the phase was too long is taken off the swing.
+        # Shorten the swing by the delay of lift-off, at most by one tick.
         return planner.swing(phase.course, min(max(late, 0.0), observation.dt)), news
 
     def command_feet(
         self, phase: Shift | Transfer, observation: Observation
     ) -> tuple[Shift | Transfer, tuple[FootCommand, FootCommand]]:
-        """Keeps both feet planted, and unloads the one that is to lift off."""
+        """Keeps both feet planted, and unloads the foot that lifts off next."""
         loads = [FULL_LOAD, FULL_LOAD]
         if phase.unloading is not None and not phase.waiting:
             left_share = 1.0 - phase.elapsed / phase.duration
@@ -73,14 +73,15 @@ class DoubleSupport(PhaseControl[Shift | Transfer]):
         return phase, (left, right)
 
     def _is_dcm_ready(self, phase: Shift | Transfer, observation: Observation) -> bool:
-        """Returns whether the DCM is near enough to its plan for single support."""
+        """Returns True if the DCM is near enough to its plan for single support."""
         dcm = feedback.dcm(observation.terms, phase.plan.omega)
         return float(np.hypot(*(dcm - phase.planned.dcm))) < self._rules.dcm_ready
 
     def _is_stretched(self, phase: Shift | Transfer, observation: Observation) -> bool:
-        """Returns whether the leg that is to lift off is at its full length.
+        """Returns True if the leg that lifts off next is at its full length.
 
-        Planted, it holds the pelvis back, so that no waiting brings the DCM nearer.
+        The straight leg of a planted foot holds the pelvis back, so that waiting does
+        not bring the DCM nearer.
         """
         foot = phase.unloading
         return foot is not None and (

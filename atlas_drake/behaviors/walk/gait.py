@@ -1,7 +1,7 @@
 """The DCM plan of a walk, which follows from its steps and their timing.
 
-From feet on the ground and steps to come to a ``DcmPlan``. Pure functions; the
-phases of the walk themselves are in ``walk``.
+Pure functions that make a ``DcmPlan`` from the feet on the ground and the coming steps.
+The phases of the walk are in ``walk``.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from atlas_drake.frozen import replace
 from atlas_drake.robot import GaitTiming
 
 COP_INWARD = 0.010
-"""The CoP's reference lies this far from the stance sole's middle to the inside [m]."""
+"""Distance of the CoP reference from the stance sole's middle to the inside [m]."""
 
 
 def stance_cop(pose: FootPose, foot: int) -> np.ndarray:
-    """Reference of the CoP while ``foot`` alone carries the robot, shape (2,)."""
+    """Computes the CoP reference for single support on ``foot`` [m], shape (2,)."""
     inward = -outward(foot) * rotation_z(pose.yaw)[:2, 1]
     return pose.p_WF[:2] + COP_INWARD * inward
 
@@ -36,17 +36,17 @@ def plan_walk(
     timing: GaitTiming,
     omega: float,
 ) -> DcmPlan:
-    """The DCM plan from now through ``steps`` to rest.
+    """Makes the DCM plan from now through ``steps`` to rest.
 
-    Backward from that rest, so that it begins with the DCM where it ought to be.
+    The plan is computed backward from rest, which determines the DCM at its beginning.
 
     Args:
-        cop: Where the CoP's reference is now [m], shape (2,).
+        cop: Present reference of the CoP [m], shape (2,).
         first_phase: Time left in the present phase [s].
-        feet: Where the soles are on the ground.
-        steps: To come, the present one first; may be empty.
+        feet: Poses of the soles on the ground.
+        steps: Coming steps, the present one first; may be empty.
         swinging: True in single support: the present phase is steps[0]'s swing.
-        timing: Of the phases.
+        timing: Timing of the phases.
         omega: Natural frequency of the pendulum [1/s].
     """
     segments: list[CopSegment] = []
@@ -77,17 +77,17 @@ def landing_sensitivity(
     timing: GaitTiming,
     omega: float,
 ) -> float:
-    """∂ξ(touchdown)/∂(landing place) of the foot in the air, the same on both axes [-].
+    """Computes ∂ξ(touchdown)/∂(landing place) of the swing, equal on both axes [-].
 
-    The steps after it stay where they are, so that the plan is linear in its landing
-    place, and any offset does.
+    The following steps are held fixed, so that the plan is linear in the landing place,
+    and any offset gives the same result.
 
     Args:
-        cop: Where the CoP's reference is now [m], shape (2,).
+        cop: Present reference of the CoP [m], shape (2,).
         swing_time: Time left in the swing [s].
-        feet: Where the soles are on the ground.
-        steps: To come, the one in the air first.
-        timing: Of the phases.
+        feet: Poses of the soles on the ground.
+        steps: Coming steps, the one in the air first.
+        timing: Timing of the phases.
         omega: Natural frequency of the pendulum [1/s].
     """
     first, *rest = steps
@@ -102,16 +102,16 @@ def landing_sensitivity(
 
 
 def begun_at(plan: DcmPlan, dcm: np.ndarray, support: SupportPolygon) -> DcmPlan:
-    """The same plan, but for a first segment that begins with the DCM where it is.
+    """Returns the plan with a first segment that begins at the present DCM.
 
-    To move to one side, a pendulum has to be pushed off from the other: the CoP goes
-    there first, and only then to where the plan's first segment ends. Without it, the
-    feedback would push off at once, and with a jolt.
+    To accelerate a pendulum to one side, the CoP first moves to the other side, and
+    then to the end of the plan's first segment. Without this segment, the feedback
+    would cause the same motion with a jump of the CoP.
 
     Args:
-        plan: From ``plan_walk``, for a robot on both feet.
-        dcm: Where the DCM is now in W [m], shape (2,).
-        support: Where the CoP may lie.
+        plan: Plan from ``plan_walk``, for a robot on both feet.
+        dcm: Present DCM in W [m], shape (2,).
+        support: Region of the CoP.
     """
     first, *rest = plan.segments
     half = 0.5 * first.duration
@@ -121,7 +121,8 @@ def begun_at(plan: DcmPlan, dcm: np.ndarray, support: SupportPolygon) -> DcmPlan
         back = CopSegment(half, turning, first.end)
         return DcmPlan([there, back, *rest], plan.omega)
 
-    # The DCM at the beginning is linear in where the CoP turns, alike on both axes.
+    # The DCM at the beginning is linear in the turning point of the CoP, with the same
+    # gain on both axes.
     begin = through(first.start).evaluate(0.0).dcm
     gain = through(first.start + 1.0).evaluate(0.0).dcm - begin
     return through(support.clamp(first.start + (dcm - begin) / gain))

@@ -1,7 +1,7 @@
-"""What a walk makes of the steps that it knows: as they will be taken, or why not.
+"""Saturation of a walk's coming steps, and the reasons for steps that are not taken.
 
-Pure functions of the walk's course. Which steps the walk knows is in ``steps``; when
-they are taken is decided in its phases.
+Pure functions of the walk's course. ``steps`` selects the steps of a walk; its phases
+determine the timing.
 """
 
 from __future__ import annotations
@@ -30,26 +30,26 @@ from atlas_drake.messages.event import Event
 from atlas_drake.robot import StepLimits
 
 LOOK_AHEAD = NUM_REQUIRED_WALK_STEPS
-"""Steps that enter the plan."""
+"""Number of steps in the plan."""
 
 ROUNDING = 1e-9
-"""A step moved by no more is taken as it was sent [m], [rad]."""
+"""A step that saturation moves by at most this much counts as unchanged [m], [rad]."""
 LEVEL = 0.02
-"""A step up or down by more leads to another level [m]."""
+"""A step up or down by more than this leads to another level [m]."""
 EDGE = 0.02
-"""A step to another level may end so far from its place and still be on it [m]."""
+"""Largest distance of a step to another level from its commanded place [m]."""
 
 
 @dataclass(frozen=True)
 class Outlook:
-    """What the walk makes of the steps it knows.
+    """Coming steps of the walk, as commanded and as executed.
 
     Attributes:
-        wishes: The steps that the plan looks at as they were sent, heights in W; the
-            one in the air as it is taken, for balance may have moved it.
-        steps: The same as they will be taken; the one in the air comes first.
-        blocked: The step behind them, if it cannot be taken.
-        obstacle: Why it cannot.
+        wishes: The steps of the plan as commanded, heights in W; the one in the air as
+            executed, because balance may have moved it.
+        steps: The same steps as they will be executed; the one in the air comes first.
+        blocked: The step after these steps, if it cannot be taken.
+        obstacle: Why the blocked step cannot be taken; empty if there is none.
     """
 
     wishes: tuple[Footstep, ...]
@@ -61,13 +61,13 @@ class Outlook:
 def look_ahead(
     course: Course, in_air: Footstep | None, limits: StepLimits, slack: StepSlack
 ) -> Outlook:
-    """Saturates the steps to come, one from the other.
+    """Saturates the coming steps, each relative to the step before.
 
     Args:
-        course: Of the walk.
-        in_air: The step whose foot is in the air, if any; it is taken as it is.
-        limits: What a step can be.
-        slack: How far a step may exceed the limits to make up for where feet landed.
+        course: Course of the walk.
+        in_air: The step whose foot is in the air, if any; it is not changed.
+        limits: Limits of a step.
+        slack: Amount by which a step may exceed the limits to correct landing errors.
     """
     steps, wishes = [], []
     poses, aims = feet_to_come(course, in_air), list(course.aimed)
@@ -86,8 +86,8 @@ def look_ahead(
         taken = saturate(wish, stance, firm)
         pose = taken.pose
         if max(landing_error(wish, pose), heading_error(wish, pose)) > ROUNDING:
-            # Where the stance foot landed shall not eat the limits: they may as well
-            # count from where it was aimed, and with some slack from where it is.
+            # A landing error of the stance foot shall not reduce the next step: the
+            # limits count from the aimed pose, and with slack from the landed pose.
             aim = at_height(aims[1 - step.foot], stance)
             taken = saturate(saturate(wish, aim, firm), stance, loose)
         obstacle = obstacle_to(wish, taken, stance, last_foot, loose)
@@ -104,7 +104,7 @@ def look_ahead(
 
 
 def at_height(pose: FootPose, ground: FootPose) -> FootPose:
-    """The same pose at the height of another one."""
+    """Returns ``pose`` at the height of ``ground``."""
     return FootPose(np.append(pose.p_WF[:2], ground.p_WF[2]), pose.R_WF)
 
 
@@ -115,14 +115,14 @@ def obstacle_to(
     last_foot: int | None,
     limits: StepLimits,
 ) -> str:
-    """Why a step cannot be taken at all; empty if it can.
+    """Determines why a step cannot be taken at all; empty if it can.
 
     Args:
-        wish: The step as it was sent, its height in W.
-        taken: The same, saturated.
-        stance: The foot that it is taken from.
+        wish: The step as commanded, its height in W.
+        taken: The same step, saturated.
+        stance: Pose of the stance foot of the step.
         last_foot: The foot of the step before, if any.
-        limits: What a step can be from there.
+        limits: Limits of a step from that stance foot.
     """
     if wish.foot == last_foot:
         return "two steps in a row are for the same foot"
@@ -130,7 +130,7 @@ def obstacle_to(
     if abs(climb) > limits.rise:
         way = "up" if climb > 0.0 else "down"
         return f"step {wish.index} leads {abs(climb):.2f} m {way}, which is too much"
-    # Nearer by, the ground need not be at that height.
+    # A shortened step may miss the level that it leads to.
     if abs(climb) > LEVEL and landing_error(wish, taken.pose) > EDGE:
         return f"step {wish.index} leads to another level and is out of reach"
     return ""
@@ -139,12 +139,12 @@ def obstacle_to(
 def warnings_about(
     outlook: Outlook, told: frozenset[tuple[int, str]], time: float
 ) -> tuple[Event, ...]:
-    """Tells of the steps that are not taken as they were sent, each for once.
+    """Makes warnings about the steps that differ from their commands, one for each.
 
     Args:
-        outlook: What is to come.
-        told: The ``subject`` of each warning given before.
-        time: [s]
+        outlook: The coming steps.
+        told: The ``subject`` of each earlier warning.
+        time: Time of the warnings [s].
     """
     events: tuple[Event, ...] = ()
     for wish, step in zip(outlook.wishes, outlook.steps, strict=True):
@@ -158,5 +158,5 @@ def warnings_about(
 
 
 def subject(warning: Event) -> tuple[int, str]:
-    """The step that a warning is about, and what of it: place, pace or obstacle."""
+    """Returns the index of a warning's step, and its topic: place, pace or obstacle."""
     return warning.data["index"], warning.data["about"]

@@ -1,7 +1,7 @@
-"""What ``walk`` asks of a phase in every tick.
+"""Protocol of a phase of the walk, called by ``walk`` in every tick.
 
-The protocol of ``double_support``, ``single_support`` and ``settling``, each of which
-implements it for phases of its own.
+``double_support``, ``single_support`` and ``settling`` implement the protocol for their
+phases.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ P = TypeVar("P", bound=WalkPhase)
 
 
 class PhaseControl(ABC, Generic[P]):
-    """Decides what happens in a phase. Holds constants only."""
+    """Computes the ticks of a phase and its end. Holds constants only."""
 
     def leave(self, phase: P) -> P | Phase:
         """Ends the walk as soon as the phase allows; its pending steps are dropped."""
@@ -28,22 +28,22 @@ class PhaseControl(ABC, Generic[P]):
     def advance(
         self, phase: P, observation: Observation
     ) -> tuple[Phase, tuple[Event, ...]]:
-        """Returns the phase that follows if the phase is over, or else the same."""
+        """Returns the next phase if the phase is over, or else the same phase."""
 
     @abstractmethod
     def command_feet(
         self, phase: P, observation: Observation
     ) -> tuple[P, tuple[FootCommand, FootCommand]]:
-        """Commands both feet, and moves their references on by one tick."""
+        """Commands both feet, and advances their references by one tick."""
 
     def end(
         self, phase: P, observation: Observation, leaving: bool
     ) -> tuple[bool, tuple[Event, ...]]:
-        """Returns whether the walk is over, and events about steps that it leaves.
+        """Returns True if the walk is over, and events about steps that it leaves out.
 
         Args:
-            phase: After ``advance`` and ``command_feet``.
-            observation: Of this tick.
-            leaving: Whether the walk was asked to end.
+            phase: The phase after ``advance`` and ``command_feet``.
+            observation: Observation of this tick.
+            leaving: True if the end of the walk was requested.
         """
         return False, ()

@@ -1,7 +1,7 @@
-"""The state of a walk between ticks: its course, and the phase that it is in.
+"""The state of a walk between ticks: its course and its present phase.
 
-Frozen data, and what follows from these data alone. ``planner`` makes the phases; what
-happens in each of them is in ``double_support``, ``single_support`` and ``settling``.
+Frozen data, and functions of these data alone. ``planner`` makes the phases;
+``double_support``, ``single_support`` and ``settling`` compute their ticks.
 """
 
 from __future__ import annotations
@@ -22,17 +22,17 @@ from atlas_drake.robot import GaitTiming
 
 @dataclass(frozen=True)
 class Course:
-    """Feet and steps of a walk, whatever its phase.
+    """Feet and steps of a walk in any phase.
 
     Attributes:
         feet: Poses in which the soles are, or last were, on the ground.
-        aimed: Poses in which the soles were to land; at first, where they were.
+        aimed: Landing poses at which the soles were aimed; at first, the initial poses.
         pending: Steps not begun, by index.
         next_index: Index of the next step to begin.
-        request: The last one whose steps were read.
+        request: The last request whose steps were read.
         last_foot: Foot of the step begun last; None before the first step.
         last_index: Index of the step begun last; 0 before the first step.
-        told: Warnings given before: indices of steps, and what of them.
+        told: Earlier warnings: index of the step, and topic.
     """
 
     feet: tuple[FootPose, FootPose]
@@ -46,21 +46,21 @@ class Course:
 
     @property
     def known(self) -> tuple[Footstep, ...]:
-        """Steps to come that follow each other without a gap."""
+        """Coming steps without a gap in their indices."""
         return next_runs(self.pending, self.next_index)
 
 
 @dataclass(frozen=True, kw_only=True)
 class WalkPhase:
-    """What all phases of a walk have.
+    """Common part of all phases of a walk.
 
     Attributes:
         course: Feet and steps.
-        plan: Of the DCM.
-        support: Where the CoP may lie.
+        plan: Plan of the DCM.
+        support: Region of the CoP.
         duration: Planned duration of the phase [s].
-        elapsed: Time in the phase [s].
-        plan_time: Time into the plan [s].
+        elapsed: Time since the beginning of the phase [s].
+        plan_time: Time since the beginning of the plan [s].
     """
 
     course: Course
@@ -77,11 +77,11 @@ class WalkPhase:
 
     @property
     def planned(self) -> DcmReference:
-        """The point of the plan that the phase has come to."""
+        """The present point of the plan."""
         return self.plan.evaluate(self.plan_time)
 
     def dcm_reference(self) -> DcmReference:
-        """Evaluates where DCM and CoP shall be now."""
+        """Evaluates the present references of DCM and CoP."""
         return self.planned
 
     def time_to_touchdown(
@@ -89,11 +89,11 @@ class WalkPhase:
     ) -> float:
         """Computes the time until the next foot touches down [s].
 
-        0 when no step is to come, and where a foot is late.
+        The time is 0 without a coming step, and while touchdown is late.
 
         Args:
             coming: Steps that the walk will take, one in the air first.
-            timing: Of the phases.
+            timing: Timing of the phases.
         """
         return 0.0
 
@@ -101,22 +101,22 @@ class WalkPhase:
         """Returns the feedback flags of the phase.
 
         Args:
-            leaving: Whether the walk was asked to end.
+            leaving: True if the end of the walk was requested.
         """
         return WalkStatus.SUBSTATE_STEPPING
 
 
 @dataclass(frozen=True, kw_only=True)
 class BothFeet(WalkPhase):
-    """What the phases that end with lift-off have: ``Shift`` and ``Transfer``."""
+    """Common part of ``Shift`` and ``Transfer``, which end with lift-off."""
 
     @property
     def waiting(self) -> bool:
-        """Whether both feet are down longer than planned, until the DCM is ready."""
+        """True while lift-off is later than planned, because the DCM is not ready."""
         return self.elapsed > self.duration
 
     def dcm_reference(self) -> DcmReference:
-        """Evaluates the plan; where lift-off waits, the DCM rests over the CoP."""
+        """Evaluates the plan; while lift-off waits, the CoP reference is the DCM's."""
         planned = self.planned
         return replace(planned, cop=planned.dcm) if self.waiting else planned
 
@@ -163,9 +163,10 @@ class Swing(WalkPhase):
 
     Attributes:
         step: Step being taken; balance may move its landing place.
-        sent: The same step as it was sent.
+        sent: The same step as commanded.
         motion: Reference of the swing foot.
-        sensitivity: How the DCM planned for touchdown moves with the next foot [-].
+        sensitivity: Derivative of the DCM planned for touchdown with respect to the
+            landing place [-].
     """
 
     step: Footstep
@@ -190,13 +191,13 @@ class Settle(WalkPhase):
     """The robot comes to rest over both feet.
 
     Attributes:
-        obstacle: Why the walk ends before a step that was sent; empty if all are taken.
+        obstacle: Why the walk ends before a commanded step; empty if all are taken.
     """
 
     obstacle: str
 
     def status_flags(self, leaving: bool) -> int:
-        """Returns the feedback flags of settling, which say why the walk ends."""
+        """Returns the feedback flags of settling with the reason for the walk's end."""
         if self.obstacle:
             why = WalkStatus.ERROR_INCONSISTENT_STEPS
         elif leaving:

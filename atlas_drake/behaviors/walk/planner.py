@@ -1,7 +1,7 @@
-"""Makes the phases of a walk, each with the DCM plan that it begins with.
+"""Makes the phases of a walk, each with its initial DCM plan.
 
-When one phase follows another is decided in ``double_support``, ``single_support`` and
-``settling``. The maths of the plan is in ``gait``; that of the steps, in ``outlook``.
+``double_support``, ``single_support`` and ``settling`` determine when a phase ends. The
+mathematics of the plan is in ``gait``; that of the steps, in ``outlook``.
 """
 
 from __future__ import annotations
@@ -57,17 +57,17 @@ class WalkPlanner:
     # ---- steps ---------------------------------------------------------------
 
     def outlook(self, course: Course, in_air: Footstep | None = None) -> Outlook:
-        """Looks ahead at the steps to come, beginning with the one in the air."""
+        """Saturates the coming steps, beginning with the one in the air."""
         return look_ahead(course, in_air, self._limits, self._slack)
 
     def coming(
         self, course: Course, in_air: Footstep | None = None
     ) -> tuple[Footstep, ...]:
-        """Returns the steps to come as they will be taken, one in the air first."""
+        """Returns the coming steps as they will be executed, one in the air first."""
         return self.outlook(course, in_air).steps
 
     def warn(self, phase: P, time: float) -> tuple[P, tuple[Event, ...]]:
-        """Warns once of each step that is not taken as sent, when that is known."""
+        """Warns once of each coming step that differs from its command."""
         course = phase.course
         outlook = self.outlook(course, phase.in_air)
         news = warnings_about(outlook, course.told, time)
@@ -77,7 +77,7 @@ class WalkPlanner:
     # ---- phases --------------------------------------------------------------
 
     def shift(self, course: Course, dcm: np.ndarray, cop: np.ndarray) -> Shift:
-        """Makes the weight shift that begins with this DCM and CoP in W [m], (2,)."""
+        """Makes the weight shift from the given DCM and CoP in W [m], shape (2,)."""
         support = self._balance.support(*course.feet)
         duration = self._timing.first_shift
         coming = self.coming(course)
@@ -91,11 +91,11 @@ class WalkPlanner:
         )
 
     def swing(self, course: Course, late: float) -> Swing:
-        """Makes the swing of the first step to come.
+        """Makes the swing of the next step.
 
         Args:
-            course: With a step to come.
-            late: Time that is taken off the swing [s].
+            course: Course with at least one coming step.
+            late: Time by which the swing is shortened [s].
         """
         step = self.coming(course)[0]
         duration = self._timing.swing(step.duration) - late
@@ -131,17 +131,17 @@ class WalkPlanner:
         return replace(phase, step=step, plan=plan)
 
     def land(self, course: Course, cop: np.ndarray, early: float) -> Transfer | Settle:
-        """Makes the phase after a touchdown: a transfer if a step is to come.
+        """Makes the phase after a touchdown: a transfer if a step follows.
 
         Args:
-            course: With the foot where it landed.
-            cop: Where the CoP's reference is now in W [m], shape (2,).
-            early: Time by which the foot landed before it was planned to [s].
+            course: Course with the foot at its landed pose.
+            cop: Present reference of the CoP in W [m], shape (2,).
+            early: Time from touchdown to the planned touchdown [s].
         """
         coming = self.coming(course)
         if not coming:
             return self.settle(course, cop)
-        # The next touchdown is due a step's duration after this one was.
+        # The next touchdown is planned one step duration after this planned touchdown.
         duration = self._timing.transfer(coming[0].duration)
         change = self._transfer_change * duration
         duration += min(max(early, -change), change)
@@ -154,7 +154,7 @@ class WalkPlanner:
         )
 
     def settle(self, course: Course, cop: np.ndarray) -> Settle:
-        """Makes the end of a walk, from this reference of the CoP in W [m], (2,)."""
+        """Makes the end of a walk, from a CoP reference in W [m], shape (2,)."""
         outlook = self.outlook(course)
         duration = self._timing.settle
         return Settle(

@@ -1,6 +1,6 @@
-"""What WALK intends: its DCM reference now, and the paths that its plan leads to.
+"""The plan of WALK for viewers and logs: present references and future paths.
 
-Only for viewers and logs; the plan itself is made in ``gait``.
+The DCM plan itself is made in ``gait``.
 """
 
 from __future__ import annotations
@@ -14,14 +14,14 @@ from atlas_drake.control.feet.swing_foot import SwingProfile, advance_swing, beg
 from atlas_drake.messages.controller_status import Plan, PlannedPaths, PlannedStep
 
 TIME_STEP = 0.04
-"""Between two points of a path [s]."""
+"""Time between two points of a path [s]."""
 
 
 def walk_plan(phase: Phase, com: np.ndarray, profile: SwingProfile) -> Plan:
-    """The plan of a walk.
+    """Returns the plan of a walk.
 
     Args:
-        phase: After the last tick.
+        phase: The phase after the last tick.
         com: Center of mass at that tick, horizontal in W [m], shape (2,).
         profile: Shape of the swing.
     """
@@ -42,7 +42,7 @@ def walk_plan(phase: Phase, com: np.ndarray, profile: SwingProfile) -> Plan:
 
 
 def _paths(phase: Phase, com: np.ndarray, profile: SwingProfile) -> PlannedPaths:
-    """Integrates ċ = ω (ξ - c), exactly for a DCM that stays between two points."""
+    """Integrates ċ = ω (ξ - c), exactly for a constant DCM between two points."""
     swing = _swing_path(phase, profile) if isinstance(phase, Swing) else None
     plan = phase.plan
     times = np.arange(phase.plan_time, plan.duration, TIME_STEP)
@@ -60,7 +60,7 @@ def _paths(phase: Phase, com: np.ndarray, profile: SwingProfile) -> PlannedPaths
 
 
 def _swing_path(phase: Swing, profile: SwingProfile) -> np.ndarray:
-    """Samples the sole in the air, lift-off to touchdown in W [m], shape (k, 3)."""
+    """Samples the swing sole from lift-off to touchdown in W [m], shape (k, 3)."""
     swing = begin_swing(phase.motion.start, phase.motion.duration)
     points = [swing.start.p_WF]
     while swing.remaining > 0.0:

@@ -1,6 +1,6 @@
 """SETTLE: the robot comes to rest over both feet, and the walk ends.
 
-What the phase does in a tick; the plan that it follows is made in ``planner``.
+Computes each tick of the phase; ``planner`` makes the plan that it follows.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from atlas_drake.messages.event import STEPS_LEFT, Event
 
 
 class Settling(PhaseControl[Settle]):
-    """Stands still until the walk is over, or until there are steps again."""
+    """Stands still until the walk is over or new steps arrive."""
 
     def __init__(self, balance: Balance, planner: WalkPlanner, rules: WalkRules):
         self._balance = balance
@@ -28,7 +28,7 @@ class Settling(PhaseControl[Settle]):
     def advance(
         self, phase: Settle, observation: Observation
     ) -> tuple[Settle | Shift, tuple[Event, ...]]:
-        """Sets off once more if steps came that can be taken."""
+        """Begins a new weight shift if new steps arrived that can be taken."""
         if phase.obstacle or not self._planner.coming(phase.course):
             return phase, ()
         now = phase.planned
@@ -45,7 +45,7 @@ class Settling(PhaseControl[Settle]):
     def end(
         self, phase: Settle, observation: Observation, leaving: bool
     ) -> tuple[bool, tuple[Event, ...]]:
-        """Ends the walk when the robot is at rest, and names the steps left."""
+        """Ends the walk when the robot is at rest, and names the steps left out."""
         speed = float(np.abs(observation.terms.com_velocity).max())
         at_rest = (
             phase.elapsed > phase.duration + self._rest and speed < self._rest_speed

@@ -1,6 +1,6 @@
 """SWING: one foot is in the air, and balance may move its landing place.
 
-What the phase does in a tick; the plans that it follows are made in ``planner``.
+Computes each tick of the phase; ``planner`` makes the plans that it follows.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from atlas_drake.messages.event import Event
 
 
 class SingleSupport(PhaseControl[Swing]):
-    """Moves the swing foot to where it keeps the balance, and notices touchdown."""
+    """Moves the swing foot to a landing place that keeps balance; detects touchdown."""
 
     def __init__(self, balance: Balance, planner: WalkPlanner, config: WalkConfig):
         self._balance = balance
@@ -47,7 +47,7 @@ class SingleSupport(PhaseControl[Swing]):
     def command_feet(
         self, phase: Swing, observation: Observation
     ) -> tuple[Swing, tuple[FootCommand, FootCommand]]:
-        """Moves the swing foot on, towards a landing place that keeps the balance."""
+        """Advances the swing foot towards a landing place that keeps balance."""
         phase = self._adjust_step(phase, observation)
         motion, reference = advance_swing(
             phase.motion, phase.step, self._profile, observation.dt

@@ -1,6 +1,6 @@
-"""Which steps a walk takes: those that a message asks for, or a demonstration's own.
+"""The steps of a walk: those of a message, or those of the demo walk.
 
-Pure functions; when steps are taken is decided in the phases of the walk.
+Pure functions; the phases of the walk determine the timing.
 """
 
 from __future__ import annotations
@@ -27,15 +27,15 @@ def steps_asked_for(
     gait: Gait,
     last_foot: int | None = None,
 ) -> tuple[Footstep, ...]:
-    """Steps to come after a message.
+    """Returns the coming steps after a message.
 
     Args:
-        pending: Steps known so far that have not begun.
-        params: Of the message.
-        feet: Where the soles are, one in the air where it will land.
+        pending: Earlier steps that have not begun.
+        params: Parameters of the message.
+        feet: Poses of the soles; landing pose of a foot in the air.
         first_open: Lowest index that has not begun.
-        gait: Of a demonstration.
-        last_foot: The foot that steps now or has stepped last, if any.
+        gait: Gait of the demo walk.
+        last_foot: The foot of the present or last step, if any.
     """
     if params.use_demo_walk:
         foot = LEFT if last_foot is None else 1 - last_foot
@@ -46,10 +46,10 @@ def steps_asked_for(
 
 
 def feet_to_come(course: Course, in_air: Footstep | None) -> list[FootPose]:
-    """Returns where the soles are, one in the air where it will land.
+    """Returns the poses of the soles, with the landing pose of a foot in the air.
 
     Args:
-        course: Of the walk.
+        course: Course of the walk.
         in_air: The step whose foot is in the air, if any.
     """
     feet = list(course.feet)

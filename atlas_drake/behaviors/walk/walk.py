@@ -1,9 +1,8 @@
-"""WALK: dynamic walking over the steps that messages bring, then back to STAND.
+"""WALK: dynamic walking over the steps of messages, then back to STAND.
 
 Phases: SHIFT (weight over the first stance foot), then SWING and TRANSFER for each
-step, then SETTLE over both feet. The DCM plan is made anew at every change of phase
-from where the feet really are, and within a swing when balance asks for another
-landing place.
+step, then SETTLE over both feet. Every change of phase makes a new DCM plan from the
+measured poses of the feet, and so does a step adjustment within a swing.
 """
 
 from __future__ import annotations
@@ -52,8 +51,8 @@ _UPRIGHT = np.zeros(2)
 class Walk:
     """Walks over given footsteps.
 
-    Reads what is asked, and hands each phase to its control: ``DoubleSupport``,
-    ``SingleSupport`` or ``Settling``.
+    Reads the requested steps, and calls the control of the present phase:
+    ``DoubleSupport``, ``SingleSupport`` or ``Settling``.
     """
 
     def __init__(
@@ -141,11 +140,11 @@ class Walk:
         )
 
     def plan(self, phase: Phase, com: np.ndarray, omega: float) -> Plan:
-        """Returns the DCM plan, footsteps to come and the swing at hand."""
+        """Returns the DCM plan, the coming footsteps and the present swing."""
         return walk_plan(phase, com, self._profile)
 
     def report(self, phase: Phase, state: AtlasSimInterfaceState) -> None:
-        """Reports steps and timing; the steps as they will really be taken."""
+        """Reports timing and the steps as they will be executed."""
         feedback, course = state.walk_feedback, phase.course
         coming = self._planner.coming(course, phase.in_air)
         feedback.t_step_rem = phase.time_to_touchdown(coming, self._timing)
@@ -158,7 +157,7 @@ class Walk:
         return self._controls[type(phase)]
 
     def _leave(self, phase: Phase) -> Phase:
-        """Drops what has not begun: a foot in the air lands, then the robot settles."""
+        """Drops the pending steps: a foot in the air lands, then the robot settles."""
         phase = replace(phase, course=replace(phase.course, pending=()))
         return self._control(phase).leave(phase)
 
@@ -179,7 +178,7 @@ class Walk:
             self._gait,
             course.last_foot,
         )
-        # A step that was sent anew is another one, which nothing was told of yet.
+        # A step that a new message replaces may be warned of again.
         new = replaced(course.pending, pending)
         told = frozenset(about for about in course.told if about[0] not in new)
         return replace(phase, course=replace(course, pending=pending, told=told))
@@ -187,8 +186,9 @@ class Walk:
     def _body_target(self, phase: Phase) -> BodyTarget:
         left, right = feet_to_come(phase.course, phase.in_air)
         low, high = sorted([float(left.p_WF[2]), float(right.p_WF[2])])
-        # With one foot above the other, or on its way there, the upper leg bends no
-        # more than the lower one's reach makes it: bent knees carry least.
+        # With feet at different heights, now or after this step, raise the CoM as far
+        # as the lower leg can stretch, so that the knee of the upper leg bends less: a
+        # bent knee needs more torque.
         ground = min(high, low + self._rules.leg_stretch)
         return BodyTarget(
             height=ground + self._nominal_height,
