@@ -1,7 +1,7 @@
 """The front door for Python: one robot, one diagram, one simulator.
 
-A thin facade: it builds the diagram of a scenario, passes messages in, advances time
-and reads messages out. It holds no control law.
+A thin facade: it passes messages in, advances time, reads messages out and notes what
+happens. The diagram is built and reset in ``stage``; no control law is here.
 """
 
 from __future__ import annotations
@@ -86,13 +86,13 @@ class AtlasSimulation:
     """A simulated Atlas with joint controllers and behaviors.
 
     Attributes:
-        scenario: What is simulated.
-        robot: Its description: joint names, limits, masses.
-        behaviors: Catalog of the behaviors that can be asked for.
+        scenario: The scenario that is simulated.
+        robot: Description of the robot: joint names, limits, masses.
+        behaviors: Catalog of the behaviors that can be requested.
         diagram: The ``control_mode_switch``, with all systems.
-        station: The ``AtlasStation`` in it.
-        plant: The ``MultibodyPlant`` in that.
-        simulator: Drake's, which advances the diagram.
+        station: The ``AtlasStation`` in the diagram.
+        plant: The ``MultibodyPlant`` of the station.
+        simulator: Drake's simulator of the diagram.
 
     Example:
         >>> sim = AtlasSimulation()
@@ -121,24 +121,25 @@ class AtlasSimulation:
         """Builds the diagram and puts the robot on its feet.
 
         Args:
-            scenario: What to simulate, as it is now: it is copied; None is a robot
-                that stands, commanded by nobody but the caller.
-            controller: Takes the place of ours: a System, or a callable
+            scenario: The scenario to simulate; it is copied. None is a robot that
+                stands, without a programme.
+            controller: Replaces the shipped controller: a System, or a callable
                 (robot, config: StationConfig) -> System. See
                 ``atlas_drake.diagrams.controller_socket`` for its ports.
-            behaviors: Added to those that our controller is shipped with. Commands
-                ask for them by name or number, see
+            behaviors: Behaviors added to those of the shipped controller. Commands
+                request them by name or number, see
                 ``atlas_drake.behaviors.entry.BehaviorEntry``.
             world: Callables (plant) -> None that add models beside the robot before the
                 plant is finalized: a table, a ball. They are called again for a video.
             extend: Called with (builder, station) before the diagram is built, to add
                 systems of your own. ``output`` reads the ports that it exports.
-            meshcat: Where to show it; None shows nothing.
-            overlays: What of the controller's plans is shown there.
-            recorded: Whether Meshcat is recording already; then every picture is kept
+            meshcat: Meshcat that shows the run; None shows nothing.
+            overlays: Plans of the controller that are shown there.
+            recorded: True if Meshcat is recording already; then every picture is kept
                 for the recording. Otherwise pictures are left out while a viewer is too
                 slow for them, and a recording that runs then is lost.
-            video: What to film it into, until ``close_video``; None films nothing.
+            video: Video that the run is filmed into, until ``close_video``; None films
+                nothing.
             on_event: Called with each event as it is noticed.
             log: File that records the run, see ``atlas_drake.logs``: .mcap, .npz or
                 .parquet. ``close`` completes it, and so does the end of the program.
@@ -161,7 +162,7 @@ class AtlasSimulation:
             registered(behaviors), self.scenario.controller.behaviors
         )
         self.behaviors = BehaviorCatalog((*SHIPPED_ENTRIES, *self._own_behaviors))
-        # A path stays right wherever the program, or its log, goes on.
+        # Absolute, so that it is valid in another working folder, too.
         self.scenario.model = self.robot.model
         self._programme = scheduled_programme(self.scenario, self.robot, self.behaviors)
         self._tick_seconds = array("d")
@@ -236,7 +237,7 @@ class AtlasSimulation:
         return recorder
 
     def close(self) -> None:
-        """Completes the log, if there is one; the run may go on without it.
+        """Completes the log, if there is one; the run may continue without it.
 
         Raises:
             LogError: If the log cannot be written, now or earlier in the run, which
@@ -285,7 +286,7 @@ class AtlasSimulation:
         Raises:
             InvalidMessageError: If the message cannot be applied. The robot then
                 reports the error's code, and what was in force stays in force.
-            TypeError: If it is no command.
+            TypeError: If ``message`` is not a command.
         """
         if not isinstance(message, (AtlasCommand, AtlasSimInterfaceCommand)):
             raise TypeError(
@@ -315,7 +316,7 @@ class AtlasSimulation:
             duration: How long [s], positive.
 
         Raises:
-            InvalidMessageError: If there is no such body or a value is no number.
+            InvalidMessageError: If there is no such body or a value is not a number.
         """
         with self._turns:
             push = make_push(self.robot.body_names, body, force_W, duration, self.time)
@@ -333,7 +334,7 @@ class AtlasSimulation:
             seconds: How long [s].
 
         Raises:
-            InvalidMessageError: If ``seconds`` is no number, or negative.
+            InvalidMessageError: If ``seconds`` is negative or not a number.
             SimulationError: As ``advance_to`` does.
         """
         self.advance_to(self.time + check_number(seconds, "seconds", 0.0))
@@ -455,7 +456,7 @@ class AtlasSimulation:
             rate: The multiple; 0 is as fast as can be.
 
         Raises:
-            InvalidMessageError: If ``rate`` is no number, or negative.
+            InvalidMessageError: If ``rate`` is negative or not a number.
         """
         checked = check_number(rate, "rate", 0.0)
         with self._turns:
@@ -486,16 +487,16 @@ class AtlasSimulation:
     ) -> None:
         """Puts the robot back on its feet, with nothing in force but ``behavior``.
 
-        Joint controllers and behaviors forget all they know, pushes end, and what else
-        is in the world is where it was at the start. Time goes on, and so does what is
-        left of a programme.
+        Joint controllers and behaviors return to their initial states, pushes end, and
+        the models of the world return to their initial poses. Time continues, and so
+        does the rest of a programme.
 
         With a ``seed`` a new run begins: time, programme, events and summary start from
         zero, and whatever the scenario jitters is drawn anew. Such a run equals that of
         a new simulation with this seed bit for bit, but begins much faster.
 
         Args:
-            seed: Of the new run; None goes on with the present one.
+            seed: Seed of the new run; None continues the present run.
             behavior: STAND, STAND_PREP, USER or FREEZE; None is the scenario's.
             pose: Where to; None is where the run began. A harness holds the robot if
                 the scenario has one and ``pose.harnessed`` says so.
@@ -589,7 +590,7 @@ class AtlasSimulation:
 
     @property
     def has_fallen(self) -> bool:
-        """Whether the robot fell since the start or the last reset."""
+        """True if the robot fell since the start or the last reset."""
         return self._log.fallen()
 
     @property
@@ -671,7 +672,7 @@ class AtlasSimulation:
         if not wrong.size:
             return ""
         joint = self.robot.joint_names[wrong[0]]
-        return f" The controller's behavior_effort of {joint} is no finite number."
+        return f" The controller's behavior_effort of {joint} is not finite."
 
     def _look(self, *, anew: bool = False) -> None:
         """Takes in what happened since the last look, which a reset may follow."""
@@ -705,7 +706,7 @@ class AtlasSimulation:
             fault: AtlasError | None = None if system is None else system.fault
             if fault is not None and fault not in self._faults:
                 self._faults.append(fault)
-                text = f"{fault}; the run goes on without it"
+                text = f"{fault}; the run continues without it"
                 self._log.note(Event(self.time, "warning", text))
 
 
