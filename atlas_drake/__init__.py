@@ -33,7 +33,14 @@ if TYPE_CHECKING:
         steps_turning,
     )
     from atlas_drake.planning.step_stream import StepStream
-    from atlas_drake.scenario import Jitter, Model, Scenario, Start, load_scenario
+    from atlas_drake.scenario import (
+        Jitter,
+        Model,
+        PlannedPush,
+        Scenario,
+        Start,
+        load_scenario,
+    )
     from atlas_drake.scenario.terrain import Block
     from atlas_drake.simulation import AtlasSimulation, SimulationError
 
@@ -43,6 +50,7 @@ _LAZY = {
     "Event": "atlas_drake.messages.event",
     "Plan": "atlas_drake.messages.controller_status",
     "PlannedPaths": "atlas_drake.messages.controller_status",
+    "PlannedPush": "atlas_drake.scenario",
     "PlannedStep": "atlas_drake.messages.controller_status",
     "Block": "atlas_drake.scenario.terrain",
     "Gait": "atlas_drake.planning.footholds",
@@ -71,6 +79,7 @@ __all__ = [  # noqa: PLE0604
     "Event",
     "Plan",
     "PlannedPaths",
+    "PlannedPush",
     "PlannedStep",
     "ErrorCode",
     "Gait",

@@ -16,10 +16,10 @@ from dataclasses import replace
 
 from contact_trials import DIRECTIONS, INCREMENT, PARTS, Trial, run_trial
 from disturbed import Physics, disturbed_simulation, fresh_seed, robots_at_hand
-from parallel import run_in_processes
 from realtime import PIECE, BarePlant
 from report import command_line, write_figures
 
+from atlas_drake.campaigns.processes import run_in_processes
 from atlas_drake.robot import available_robots, load_robot
 from atlas_drake.simulation.tutorial import DURATION
 

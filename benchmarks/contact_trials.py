@@ -6,16 +6,20 @@ and evaluates their figures.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from campaigns.walking import STANDING, Push, strike
 from contact_probe import ContactProbe
-from disturbed import Physics, disturbed_simulation
-from tutorial_campaign import follow
-from walking import STANDING, Job, Push, strike, walk
+from disturbed import CAMPAIGNS, Physics, disturbed_simulation
 
 from atlas_drake import K_EFFORT_MAX, AtlasCommand, AtlasSimulation
+from atlas_drake.campaigns import load_campaign
+from atlas_drake.campaigns.performer import Performer
+from atlas_drake.campaigns.plan import Trial as CampaignTrial
+from atlas_drake.campaigns.sources import Sources
 from atlas_drake.simulation.tutorial import DURATION
 
 BEYOND = 1.001
@@ -52,10 +56,10 @@ def walk_trial(trial: Trial) -> dict[str, float]:
     """Walks twenty steps: forces, slip and landing errors of the feet."""
     sim = _simulation(trial)
     probe = ContactProbe(sim)
-    record = walk(sim, Job(trial.model, trial.seed))
+    record = judged(sim, "walking")
     ratios = probe.ratios()
     return {
-        "walk ok": float(record["ok"]),
+        "walk ok": float(record["success"]),
         "walk friction max": float(ratios.max()),
         "walk friction p99.9": float(np.percentile(ratios, 99.9)),
         "walk beyond": float((ratios > BEYOND).mean()),
@@ -90,11 +94,10 @@ def stand_trial(trial: Trial) -> dict[str, float]:
 
 def tutorial_trial(trial: Trial) -> dict[str, float]:
     """Runs the tutorial with the criteria of its campaign."""
-    record = follow(
-        _simulation(trial, programme="tutorial", duration=DURATION), trial.seed
-    )
+    sim = _simulation(trial, programme="tutorial", duration=DURATION)
+    record = judged(sim, "tutorial")
     return {
-        "tutorial ok": float(record["ok"]),
+        "tutorial ok": float(record["success"]),
         **_landing("tutorial", record),
     }
 
@@ -117,8 +120,8 @@ def _largest_push(trial: Trial, posture: str, direction: str) -> float:
         push = Push(impulse, direction, EARLIEST)
         sim = _simulation(trial)
         if posture == "walking":
-            job = Job(trial.model, trial.seed, push, PUSHED_STEPS)
-            return bool(walk(sim, job)["ok"])
+            asked = {**vars(push), "num_steps": PUSHED_STEPS}
+            return bool(judged(sim, "pushes", asked)["success"])
         sim.advance(STANDING)
         strike(sim, push, 0.0)
         sim.advance(RECOVERY)
@@ -133,8 +136,27 @@ def _largest_push(trial: Trial, posture: str, direction: str) -> float:
     return impulse - increment
 
 
+def judged(
+    sim: AtlasSimulation, name: str, parameters: Mapping[str, Any] | None = None
+) -> dict[str, Any]:
+    """Does what a trial of a campaign does, and judges it likewise.
+
+    Args:
+        sim: A simulation that has just begun.
+        name: Of the campaign's file.
+        parameters: In place of the campaign's own.
+
+    Returns:
+        ``success`` and ``figures``.
+    """
+    campaign = load_campaign(CAMPAIGNS / f"{name}.yaml")
+    campaign.parameters |= parameters or {}
+    performer = Performer(campaign, Sources(tuple(campaign.code)))
+    return performer.judged(sim, CampaignTrial(0, sim.scenario.seed, {}))
+
+
 def _landing(part: str, record: dict) -> dict[str, float]:
-    error = record["landing_error_m"]
+    error = record["figures"]["landing_max_m"]
     return {} if error is None else {f"{part} landing": error}
 
 

@@ -1,32 +1,21 @@
 """A robot that differs randomly from the model of its controller.
 
-The random variations of the project's goals, shared by the benchmarks.
+The random changes are those of the campaigns, in `campaigns/disturbed.yaml`; what a
+robot is then asked to do is in each benchmark.
 """
 
 from __future__ import annotations
 
 import logging
-import math
 import random
 from dataclasses import dataclass
+from pathlib import Path
 
-from atlas_drake import AtlasSimulation, Scenario
+from atlas_drake import AtlasSimulation, Scenario, load_scenario
 from atlas_drake.robot import available_robots, models_at_hand
-from atlas_drake.scenario import Jitter
 from atlas_drake.scenario.drake_configs import plant_config
 
-POSITION = 0.02
-"""Half width of the pelvis' place along x and y [m]."""
-ORIENTATION = math.radians(2.0)
-"""Half width of the pelvis' attitude [rad]."""
-JOINTS = 0.02
-"""Half width of each joint's position [rad]."""
-MASS = 0.05
-"""Half width of each link's mass, as a share of the controller's model [-]."""
-FRICTION = (0.6, 1.0)
-"""Coefficients of the ground."""
-NOISE = "reference"
-"""Name of the sensors' noise model."""
+CAMPAIGNS = Path(__file__).parent / "campaigns"
 
 
 @dataclass(frozen=True)
@@ -56,26 +45,13 @@ def disturbed_simulation(
     # Each run prints its own result.
     logging.getLogger("atlas_drake").propagate = False
     logging.getLogger("drake").setLevel(logging.ERROR)
-    lowest, highest = FRICTION
     physics = physics or Physics()
-    return AtlasSimulation(
-        Scenario(
-            name="disturbed",
-            model=model,
-            programme=programme,
-            duration=duration,
-            physics_step=physics.step,
-            control_period=physics.period,
-            plant=plant_config(discrete_contact_approximation=physics.contact),
-            seed=seed,
-            noise=NOISE,
-            ground_friction=0.5 * (lowest + highest),
-            friction_jitter=0.5 * (highest - lowest),
-            jitter=Jitter(
-                position=POSITION, orientation=ORIENTATION, joints=JOINTS, mass=MASS
-            ),
-        )
-    )
+    scenario = load_scenario(CAMPAIGNS / "disturbed.yaml")
+    scenario.model, scenario.seed = model, seed
+    scenario.programme, scenario.duration = programme, duration
+    scenario.physics_step, scenario.control_period = physics.step, physics.period
+    scenario.plant.discrete_contact_approximation = physics.contact
+    return AtlasSimulation(scenario)
 
 
 def robots_at_hand() -> list[str]:
@@ -87,12 +63,3 @@ def robots_at_hand() -> list[str]:
 def fresh_seed() -> int:
     """Draws a fresh seed, for which nothing was tuned."""
     return random.SystemRandom().randrange(10**9)
-
-
-def falls(sim: AtlasSimulation) -> list[str]:
-    """Describes time and kind of a fall; empty without a fall."""
-    return [
-        f"{event.time:.3f} s: {event.text}"
-        for event in sim.events
-        if event.kind == "fall"
-    ]

@@ -15,8 +15,8 @@ import time
 from collections.abc import Callable
 
 import numpy as np
+from campaigns.walking import STANDING, plan
 from report import command_line, write_figures
-from walking import STANDING, plan
 
 from atlas_drake import AtlasSimInterfaceCommand, AtlasSimulation
 from atlas_drake.control.whole_body import qp as whole_body_qp

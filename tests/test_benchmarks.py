@@ -14,6 +14,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from atlas_drake.campaigns import load_campaign, processes
+from atlas_drake.campaigns.performer import Performer
+from atlas_drake.campaigns.plan import make_trial
+from atlas_drake.campaigns.sources import Sources
+from atlas_drake.campaigns.threshold import level_of
+
 FOLDER = Path(__file__).parents[1] / "benchmarks"
 SCRIPTS = sorted(
     path.stem for path in FOLDER.glob("*.py") if "def main" in path.read_text()
@@ -24,6 +30,13 @@ SCRIPTS = sorted(
 def load(monkeypatch):
     monkeypatch.syspath_prepend(str(FOLDER))
     return importlib.import_module
+
+
+CAMPAIGNS = sorted(
+    path.stem
+    for path in (FOLDER / "campaigns").glob("*.yaml")
+    if path.stem != "disturbed"
+)
 
 
 @pytest.mark.parametrize("name", SCRIPTS)
@@ -110,7 +123,7 @@ def test_contact_models_make_a_table(load):
 
 def test_contact_models_count_the_pushes_that_die(load, monkeypatch):
     models, trials = load("contact_models"), load("contact_trials")
-    physics, Outcome = [load("disturbed").Physics()], load("parallel").Outcome
+    physics, Outcome = [load("disturbed").Physics()], processes.Outcome
     monkeypatch.setattr(trials, "_largest_push", lambda *_: 20.0)
     found = trials.run_trial(trials.Trial("push", physics[0], "atlas", 1))
 
@@ -142,7 +155,9 @@ def test_contact_models_that_are_interrupted_take_no_further_robot(
 def test_the_largest_push_is_found_from_either_side(load, monkeypatch, borne_up_to):
     trials, disturbed = load("contact_trials"), load("disturbed")
     monkeypatch.setattr(
-        trials, "walk", lambda sim, job: {"ok": job.push.impulse <= borne_up_to}
+        trials,
+        "judged",
+        lambda sim, name, push: {"success": push["impulse"] <= borne_up_to},
     )
     monkeypatch.setattr(trials, "_simulation", lambda trial: None)
     monkeypatch.setitem(trials.FIRST_IMPULSE, "walking", 25.0)
@@ -166,3 +181,26 @@ def test_a_probe_reads_every_step_of_the_physics(load):
     assert 0.0 < probe.ratios().max() <= 1.0 + 1e-6
     assert not probe.slips
     assert np.abs(probe.sole_places() - before).max() < 0.002
+
+
+@pytest.mark.parametrize("name", CAMPAIGNS)
+def test_a_campaign_can_be_run(name):
+    campaign = load_campaign(FOLDER / "campaigns" / f"{name}.yaml")
+    Performer(campaign, Sources(tuple(campaign.code)))
+    commands = (FOLDER.parent / "docs" / "benchmarks.md").read_text()
+    assert f"atlas-drake sweep benchmarks/campaigns/{name}.yaml" in commands
+
+
+@pytest.mark.usefixtures("restored_loggers")
+def test_a_displaced_start_is_judged():
+    path = FOLDER / "campaigns" / "entry_joints.yaml"
+    steps = ["physics_step=0.002", "control_period=0.004"]
+    campaign = load_campaign(path, steps)
+    performer = Performer(campaign, Sources(tuple(campaign.code)))
+    for level, survived in ((1, True), (4, False)):
+        number = 4 * level
+        assert level_of(campaign, number) == level
+        record = performer(make_trial(campaign, number, level))
+        assert record["error"] is None
+        assert record["figures"]["survived"] is survived
+        assert record["figures"]["let_in"] == 0

@@ -1,7 +1,7 @@
 """The command ``atlas-drake``: its sub-commands, options and help.
 
-Parses and dispatches; runs are in ``run``, plots and replays of logs in ``log``, the
-picture of the diagram in ``diagram_picture``.
+Parses and dispatches; runs are in ``run``, plots and replays of logs in ``log``,
+campaigns in ``sweep``, the picture of the diagram in ``diagram_picture``.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from atlas_drake.app.options import (
     rate,
 )
 from atlas_drake.app.parts import behaviors_told
+from atlas_drake.app.sweep_options import add_sweep_commands
 from atlas_drake.app.worlds import worlds_told
 from atlas_drake.errors import AtlasError
 from atlas_drake.visualization.overlays import LOGGED
@@ -131,6 +132,24 @@ def _teleop(options: argparse.Namespace) -> int:
     if options.scenario is not None:
         scenario = load_scenario(options.scenario)
     return run_teleop(scenario, options)
+
+
+def _sweep(options: argparse.Namespace) -> int:
+    from atlas_drake.app.sweep import sweep
+
+    return sweep(options)
+
+
+def _results(options: argparse.Namespace) -> int:
+    from atlas_drake.app.sweep import show_results
+
+    return show_results(options)
+
+
+def _compare(options: argparse.Namespace) -> int:
+    from atlas_drake.app.sweep import show_comparison
+
+    return show_comparison(options)
 
 
 def _diagram(options: argparse.Namespace) -> int:
@@ -285,6 +304,8 @@ def _parser(given: Sequence[str]) -> argparse.ArgumentParser:
     add_address_options(view)
     add_show_option(view, "com,dcm,cop,support,swing,flags,follow")
     teleop.set_defaults(run=_teleop, reads=("scenario", "parts"))
+
+    add_sweep_commands(commands, _LOST, _sweep, _results, _compare)
 
     diagram = commands.add_parser(
         "diagram",

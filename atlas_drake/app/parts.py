@@ -7,17 +7,13 @@ are arguments of ``AtlasSimulation``.
 from __future__ import annotations
 
 import argparse
-import runpy
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from atlas_drake.errors import AtlasError, ScenarioError
+from atlas_drake.errors import ScenarioError
 
 OPTION = "--with"
-PARTS = ("controller", "behaviors", "world", "extend")
-"""Names that a file may define."""
 
 
 def add_parts_option(parser: argparse._ActionsContainer) -> None:
@@ -35,9 +31,6 @@ def add_parts_option(parser: argparse._ActionsContainer) -> None:
 def load_parts(path: Path | None) -> dict[str, Any]:
     """Runs a file and takes the parts that it defines.
 
-    The file can import modules beside it. Its ``__name__`` is not ``"__main__"``, so
-    that a program's own run does not start.
-
     Args:
         path: Path of the file; None for no parts.
 
@@ -49,18 +42,10 @@ def load_parts(path: Path | None) -> dict[str, Any]:
     """
     if path is None:
         return {}
-    folder = str(path.resolve().parent)
-    if folder not in sys.path:
-        sys.path.insert(0, folder)
-    try:
-        names = runpy.run_path(str(path), run_name="atlas_drake_parts")
-    except AtlasError:
-        raise
-    except Exception as error:
-        raise ScenarioError(
-            OPTION, str(path), f"{path} failed: {type(error).__name__}: {error}"
-        ) from error
-    parts = {name: names[name] for name in PARTS if name in names}
+    # Loads Drake, which the command line's help does without.
+    from atlas_drake.simulation.parts_file import PARTS, parts_in, run_file
+
+    parts = parts_in(run_file(path, OPTION))
     if not parts:
         raise ScenarioError(
             OPTION, str(path), f"{path} defines none of {', '.join(PARTS)}"

@@ -1,4 +1,4 @@
-"""Output of a run on the terminal: events and progress.
+"""Output of a run or a campaign on the terminal: events and progress.
 
 Text and terminals only; the simulation provides the content.
 """
@@ -17,29 +17,25 @@ REPEAT = 5.0
 """Wall time between lines of progress where lines cannot be rewritten [s]."""
 RATE_WINDOW = 1.0
 """Wall time over which the real-time factor is measured [s]."""
+BAR = 24
+"""Width of a bar [characters]."""
 
 _FEET = ("left", "right")
 
 
-class Progress:
-    """Prints events as lines, and progress below them.
+class StatusLine:
+    """A line that says how far something is, below the lines that stay.
 
-    On a terminal progress is one line that is rewritten; elsewhere, such as in a log,
-    it is a new line every few seconds.
+    On a terminal the line is rewritten; elsewhere, such as in a log, it is a new line
+    every few seconds.
     """
 
-    def __init__(self, stream: TextIO, end: float) -> None:
-        """Prints to ``stream`` about a run that ends at ``end`` [s], or never."""
+    def __init__(self, stream: TextIO) -> None:
+        """Prints to ``stream``."""
         self._stream = stream
-        self._end = end
         self._live = stream.isatty()
         self._shown = 0
         self._last_line = time.perf_counter()
-        self._times: deque[tuple[float, float]] = deque()
-
-    def event(self, event: Event) -> None:
-        """Prints an event as it happens."""
-        self.say(event_line(event))
 
     def say(self, line: str) -> None:
         """Prints a line that stays."""
@@ -47,22 +43,9 @@ class Progress:
         self._stream.write(line + "\n")
         self._stream.flush()
 
-    def update(self, sim_time: float, behavior: str) -> None:
-        """Updates the line of progress.
-
-        Args:
-            sim_time: Simulated time [s].
-            behavior: Name of the behavior that is active.
-        """
+    def show(self, text: str) -> None:
+        """Says how far it is."""
         now = time.perf_counter()
-        self._times.append((now, sim_time))
-        while len(self._times) > 2 and now - self._times[1][0] > RATE_WINDOW:
-            self._times.popleft()
-        wall = now - self._times[0][0]
-        simulated = sim_time - self._times[0][1]
-        rate = f"{simulated / wall:.2f} x real time" if wall > 0.0 else ""
-        end = f" of {self._end:g} s" if math.isfinite(self._end) else ""
-        text = f"{sim_time:7.2f} s{end} | {rate:>16} | {behavior}"
         if self._live:
             # A line that is wider than the terminal could not be rewritten.
             text = text[: shutil.get_terminal_size().columns - 1]
@@ -78,6 +61,77 @@ class Progress:
         if self._shown:
             self._stream.write("\r" + " " * self._shown + "\r")
             self._shown = 0
+
+
+class Progress(StatusLine):
+    """Prints events as lines, and the progress of a run below them."""
+
+    def __init__(self, stream: TextIO, end: float) -> None:
+        """Prints to ``stream`` about a run that ends at ``end`` [s], or never."""
+        super().__init__(stream)
+        self._end = end
+        self._times: deque[tuple[float, float]] = deque()
+
+    def event(self, event: Event) -> None:
+        """Prints an event as it happens."""
+        self.say(event_line(event))
+
+    def update(self, sim_time: float, behavior: str) -> None:
+        """Says how far the run is.
+
+        Args:
+            sim_time: Simulated time [s].
+            behavior: Name of the behavior that is active.
+        """
+        now = time.perf_counter()
+        self._times.append((now, sim_time))
+        while len(self._times) > 2 and now - self._times[1][0] > RATE_WINDOW:
+            self._times.popleft()
+        wall = now - self._times[0][0]
+        simulated = sim_time - self._times[0][1]
+        rate = f"{simulated / wall:.2f} x real time" if wall > 0.0 else ""
+        end = f" of {self._end:g} s" if math.isfinite(self._end) else ""
+        self.show(f"{sim_time:7.2f} s{end} | {rate:>16} | {behavior}")
+
+
+class TrialProgress(StatusLine):
+    """How far a campaign is: trials, successes, time left."""
+
+    def __init__(self, stream: TextIO) -> None:
+        """Prints to ``stream``."""
+        super().__init__(stream)
+        self._begin = time.perf_counter()
+        self._done = self._successes = 0
+
+    def update(self, success: bool, done: int, total: int) -> None:
+        """Says how far the campaign is, after a trial.
+
+        Args:
+            success: Of that trial.
+            done: Trials that are done, those of earlier calls among them.
+            total: Trials that there are, as far as is known.
+        """
+        self._done += 1
+        self._successes += success
+        each = (time.perf_counter() - self._begin) / self._done
+        filled = round(BAR * done / total)
+        bar = "#" * filled + "." * (BAR - filled)
+        share = 100.0 * self._successes / self._done
+        left = duration_text(each * (total - done))
+        self.show(
+            f"[{bar}] {done} of {total} trials | {share:.0f} % of these "
+            f"{self._done} succeed | {left} left"
+        )
+
+
+def duration_text(seconds: float) -> str:
+    """A time as people say it: 45 s, 12 min, 3 h 05 min."""
+    minutes = round(seconds / 60.0)
+    if seconds < 90.0:
+        return f"{seconds:.0f} s"
+    return (
+        f"{minutes} min" if minutes < 90 else f"{minutes // 60} h {minutes % 60:02} min"
+    )
 
 
 def event_line(event: Event) -> str:

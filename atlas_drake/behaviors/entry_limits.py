@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class EntryLimits:
-    """Limits within which STAND can take over, from ``benchmarks/entry_limits.py``."""
+    """Limits within which STAND can take over."""
 
     com_inside: float = 0.01
     """Least distance of the CoM from the edge of the support polygon, inside it [m]."""

@@ -4,6 +4,7 @@ The simulation is in ``simulation``.
 """
 
 from atlas_drake.scenario.models import Model
+from atlas_drake.scenario.pushes import PlannedPush
 from atlas_drake.scenario.scenario import (
     Jitter,
     Scenario,
@@ -11,14 +12,17 @@ from atlas_drake.scenario.scenario import (
     load_scenario,
     scenario_from,
     with_settings,
+    with_values,
 )
 
 __all__ = [
     "Jitter",
     "Model",
+    "PlannedPush",
     "Scenario",
     "Start",
     "load_scenario",
     "scenario_from",
     "with_settings",
+    "with_values",
 ]

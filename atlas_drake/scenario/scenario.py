@@ -33,6 +33,8 @@ from atlas_drake.scenario.drake_configs import (
 )
 from atlas_drake.scenario.models import Model, models_beside
 from atlas_drake.scenario.noise import NOISE_MODELS
+from atlas_drake.scenario.paths import is_path, put
+from atlas_drake.scenario.pushes import PlannedPush
 from atlas_drake.scenario.terrain import Block
 from atlas_drake.scenario.time_grid import on_common_grid
 from atlas_drake.scenario.timed_message import TimedMessage
@@ -175,6 +177,8 @@ class Scenario:
     """Models beside the robot, from files, beside those of the world."""
     start: Start = field(default_factory=Start)
     """Start of the robot."""
+    pushes: list[PlannedPush] = field(default_factory=list)
+    """Pushes on the robot, each at a time or at a phase of its gait."""
     noise: str = "none"
     """Sensor noise, a name from NOISE_MODELS."""
     state: str | bool = "true"
@@ -267,6 +271,8 @@ class Scenario:
             block.validate(f"terrain[{index}]")
         for index, model in enumerate(self.models):
             model.validate(f"models[{index}]")
+        for index, push in enumerate(self.pushes):
+            push.validate(f"pushes[{index}]")
         for index, message in enumerate(self.messages):
             message.validate(f"messages[{index}]")
         self.start.validate(self.behavior())
@@ -379,14 +385,14 @@ def load_scenario(path: str | Path) -> Scenario:
             raise ScenarioError(
                 "file", raw, "must have fields of a scenario, such as duration: 10"
             )
-        return scenario_from(_with_full_paths(raw, Path(path).parent))
+        return scenario_from(with_full_paths(raw, Path(path).parent))
     except ScenarioError as error:
         raise ScenarioError(
             error.field, error.value, f"{error.problem} (in {path})"
         ) from None
 
 
-def _with_full_paths(raw: Mapping[str, Any], folder: Path) -> Mapping[str, Any]:
+def with_full_paths(raw: Mapping[str, Any], folder: Path) -> Mapping[str, Any]:
     """Makes the files of robot, world and models relative to ``folder`` absolute."""
     seen = dict(raw)
     if isinstance(raw.get("model"), str):
@@ -424,17 +430,17 @@ def with_settings(scenario: Scenario, settings: Iterable[str]) -> Scenario:
 
     Args:
         scenario: Scenario with the values of all other fields.
-        settings: Such as ``controller.gains.dcm_gain=2.5``: path and value as in YAML;
-            of two for one field the later counts.
+        settings: Such as ``controller.gains.dcm_gain=2.5`` or
+            ``pushes[0].impulse=30``: path and value as in YAML; of two for one field
+            the later counts.
 
     Raises:
         ScenarioError: Naming the first field that cannot be set.
     """
-    fields: dict[str, Any] = {}
+    values: dict[str, Any] = {}
     for setting in settings:
         path, equals, text = setting.partition("=")
-        names = [name.strip() for name in path.split(".")]
-        if not (equals and all(names)):
+        if not (equals and is_path(path)):
             raise ScenarioError(
                 "--set", setting, f"is {shown(setting)}; must be KEY.PATH=VALUE"
             )
@@ -443,14 +449,25 @@ def with_settings(scenario: Scenario, settings: Iterable[str]) -> Scenario:
         except Exception as error:  # The parser raises many kinds of exception.
             problem = f"is {shown(text)}; must be a value as in YAML: {error}"
             raise ScenarioError(path, text, problem) from error
-        place = fields
-        for name in names[:-1]:
-            if not isinstance(place.get(name), dict):
-                # Of a world its name alone may have been given before.
-                named = name == "world" and isinstance(place.get(name), str)
-                place[name] = {"name": place[name]} if named else {}
-            place = place[name]
-        place[names[-1]] = value
+        values.pop(path, None)
+        values[path] = value
+    return with_values(scenario, values)
+
+
+def with_values(scenario: Scenario, values: Mapping[str, Any]) -> Scenario:
+    """Returns a scenario with some fields set.
+
+    Args:
+        scenario: With all other fields.
+        values: As YAML has them, by path, such as ``jitter.mass`` or
+            ``terrain[1].friction``; set one after the other.
+
+    Raises:
+        ScenarioError: Naming the first field that cannot be set.
+    """
+    fields: dict[str, Any] = {}
+    for path, value in values.items():
+        put(fields, path, value, scenario)
     return scenario_from(fields, scenario)
 
 

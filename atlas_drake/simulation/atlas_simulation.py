@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from pydrake.geometry import Meshcat
-from pydrake.math import RigidTransform
+from pydrake.math import RigidTransform, RollPitchYaw
 from pydrake.systems.framework import Context
 
 from atlas_drake.behaviors.entry import BehaviorEntry, configured
@@ -61,7 +61,9 @@ from atlas_drake.simulation.arguments import check_arguments
 from atlas_drake.simulation.fall_watch import FallWatch
 from atlas_drake.simulation.pace import Pace
 from atlas_drake.simulation.programme import scheduled_programme
+from atlas_drake.simulation.push_schedule import PushSchedule, time_to_touchdown
 from atlas_drake.simulation.pushes import make_push
+from atlas_drake.simulation.restart import built_in_difference
 from atlas_drake.simulation.run_log import RunLog
 from atlas_drake.simulation.stage import Stage
 from atlas_drake.simulation.steady import steady_ticks
@@ -162,6 +164,7 @@ class AtlasSimulation:
             registered(behaviors), self.scenario.controller.behaviors
         )
         self.behaviors = BehaviorCatalog((*SHIPPED_ENTRIES, *self._own_behaviors))
+        self._asked_model = self.scenario.model
         # Absolute, so that it is valid in another working folder, too.
         self.scenario.model = self.robot.model
         self._programme = scheduled_programme(self.scenario, self.robot, self.behaviors)
@@ -210,6 +213,7 @@ class AtlasSimulation:
 
     def _note_begin(self) -> None:
         """Starts the records of a run that begins."""
+        self._schedule = PushSchedule(self.scenario.pushes, self.robot)
         del self._tick_seconds[:]
         self._log = RunLog(*self._listeners)
         self._error: str | None = None
@@ -386,15 +390,19 @@ class AtlasSimulation:
         """Simulates until the next look at the events, at most until ``t``."""
         self._pace.forget_lost_time()
         pushes, suspension = self._stage.pushes, self._stage.suspension
+        self._begin_pushes()
         pushes.update(self.context)
         if suspension.is_due(self.time):
             self.release()
-        stops = [t, self.time + CHUNK, *pushes.ends]
+        stops = [t, self.time + CHUNK, self._schedule.next_time, *pushes.ends]
         if suspension.release_time is not None:
             stops.append(suspension.release_time)
         stop = min(stop for stop in stops if stop > self.time + 1e-9)
         try:
-            self.simulator.AdvanceTo(stop)
+            if self._schedule.awaits_gait:
+                self._advance_watching(stop)
+            else:
+                self.simulator.AdvanceTo(stop)
         except RuntimeError as error:
             raise SimulationError(
                 f"the simulation stopped at {self.time:.3f} s: {error}"
@@ -508,7 +516,9 @@ class AtlasSimulation:
             WorldError: If the robot would begin inside a model of the world.
         """
         if seed is not None:
-            self._begin_anew(check_seed(seed))
+            new = copy.copy(self.scenario)
+            new.seed = check_seed(seed)
+            self._begin_anew(new)
             if behavior is None and pose is None:
                 return
         asked = self.scenario.initial_behavior if behavior is None else behavior
@@ -528,17 +538,43 @@ class AtlasSimulation:
             self.simulator.Initialize()
             self._look(anew=True)
 
-    def _begin_anew(self, seed: int) -> None:
-        """Begins a run with another seed."""
+    def restart(self, scenario: Scenario) -> None:
+        """Begins a new run, as ``reset(seed=...)`` does, of a scenario that differs.
+
+        Such a run equals that of a new simulation bit for bit. The scenario may differ
+        in what matters to a run alone, ``simulation.restart.OF_A_RUN``: seed, jitter,
+        friction, pushes, where the robot begins.
+
+        Args:
+            scenario: Of the new run; it is copied.
+
+        Raises:
+            ScenarioError: If a field cannot be used or needs a new simulation, or while
+                a log or a video is written, which hold one run.
+        """
+        asked = copy.deepcopy(scenario.validate())
+        if asked.model == self._asked_model:
+            asked.model = self.robot.model
+        field = built_in_difference(self.scenario, asked)
+        if field is not None:
+            raise ScenarioError(field, None, "is changed, and needs a new simulation")
+        self._begin_anew(asked)
+
+    def _begin_anew(self, scenario: Scenario) -> None:
+        """Begins a run of a scenario that the diagram can take up."""
         writing = self._recorder is not None and self._finalizer.alive
         if writing or (self._film is not None and not self._film.closed):
             last = "close" if writing else "close_video"
             raise ScenarioError(
-                "seed", seed, f"a log or a video holds one run: {last}() completes it"
+                "seed",
+                scenario.seed,
+                f"a log or a video holds one run: {last}() completes it",
             )
+        # Refuses what the robot lacks while the present run is still whole.
+        PushSchedule(scenario.pushes, self.robot)
         with self._turns:
-            self.scenario.seed = seed
-            self._stage.begin(self.scenario)
+            self._stage.begin(scenario)
+            self.scenario = scenario
             self._note_begin()
 
     def release(self) -> None:
@@ -673,6 +709,26 @@ class AtlasSimulation:
             return ""
         joint = self.robot.joint_names[wrong[0]]
         return f" The controller's behavior_effort of {joint} is not finite."
+
+    def _advance_watching(self, stop: float) -> None:
+        """Advances tick by tick, until the feet did what a push waits for."""
+        period = self.scenario.control_period
+        while self.time < stop - 1e-9 and self._schedule.awaits_gait:
+            tick = (math.floor(self.time / period + 1e-6) + 1) * period
+            self.simulator.AdvanceTo(min(tick, stop))
+            self._schedule.look(
+                self.time,
+                self.output("foot_wrenches"),
+                time_to_touchdown(self.output("controller_status")),
+            )
+            stop = min(stop, self._schedule.next_time)
+
+    def _begin_pushes(self) -> None:
+        """Begins the scenario's pushes that are due."""
+        for plan in self._schedule.due(self.time):
+            heading = RollPitchYaw(self.pelvis_pose.rotation()).yaw_angle()
+            body = plan.body or self.robot.file.chest
+            self.apply_push(body, plan.force(heading), plan.duration)
 
     def _look(self, *, anew: bool = False) -> None:
         """Takes in what happened since the last look, which a reset may follow."""

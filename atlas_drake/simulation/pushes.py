@@ -16,10 +16,7 @@ from pydrake.systems.framework import Context, Diagram
 from atlas_drake.errors import InvalidMessageError, did_you_mean, shown
 from atlas_drake.messages.checks import check_number, check_vector
 from atlas_drake.robot import Robot
-
-LARGEST_PUSH = 1e5
-"""Largest force along an axis [N], a hundred times a robot's weight; Drake cannot solve
-the physics with larger forces."""
+from atlas_drake.scenario.pushes import LARGEST_FORCE
 
 
 @dataclass(frozen=True)
@@ -63,7 +60,7 @@ def make_push(
     Raises:
         InvalidMessageError: If there is no such body or a value is invalid.
     """
-    force = check_vector(force_W, "force_W", 3, LARGEST_PUSH)
+    force = check_vector(force_W, "force_W", 3, LARGEST_FORCE)
     check_number(duration, "duration", 0.0, strictly=True)
     if body not in bodies:
         hint = did_you_mean(str(body), bodies) or f" It has {', '.join(bodies)}."

@@ -1,24 +1,21 @@
-"""Ten minutes of random but legal mode switching, without a fall.
+"""Minutes of changing one's mind as a trial: random but legal mode switching.
 
-Behaviors, shares of control and set-points are drawn anew every few seconds. Legal
-requests that no robot survives are left out: NONE, taking a leg while it balances, and
-anything but STAND in the middle of a step.
+Behaviors, shares of control and set-points are drawn anew every few seconds. What a
+script may ask for and no robot survives is left out: NONE, taking a leg while it
+balances, and anything but STAND in the middle of a step. The limits are in
+``mode_switching.yaml``.
 """
 
 from __future__ import annotations
 
-import argparse
 import gc
 import resource
-import sys
-import time
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-from disturbed import disturbed_simulation, falls, fresh_seed
-from report import command_line, write_figures
 
 from atlas_drake import (
     K_EFFORT_MAX,
@@ -32,7 +29,6 @@ from atlas_drake import (
     Vector3,
 )
 
-MINUTES = 10.0
 PAUSE = (0.4, 3.0)
 """Time between two actions [s]."""
 USER_LIMBS = ("l_arm", "r_arm", "neck")
@@ -45,8 +41,6 @@ ALL_USERS = 2.0
 """Time for which the robot stands on the joint controllers alone [s]."""
 PATIENCE = 12.0
 """Longest wait for a walk or a pose to end [s]."""
-MEMORY_GOAL = 10.0
-"""Goal: growth of the process after the first minute [MB]."""
 
 
 class Mind:
@@ -261,53 +255,22 @@ def _megabytes() -> float:
     return pages * resource.getpagesize() / 1e6
 
 
-def measure(model: str, seed: int, minutes: float) -> dict:
-    """One run, until its end or a fall."""
-    sim = disturbed_simulation(seed, model=model)
-    mind = Mind(sim, seed)
-    begin, memory, last = time.perf_counter(), None, "none"
-    while sim.time < 60.0 * minutes and not sim.has_fallen:
+def change_minds(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, Any]:
+    """Changes its mind for some ``minutes``, or until a fall.
+
+    Returns:
+        What was done how often, refusals, and how much the process has grown after the
+        first minute [MB]; 0 if the run is no longer than that.
+    """
+    mind = Mind(sim, sim.scenario.seed)
+    memory, last = None, "none"
+    while sim.time < 60.0 * float(parameters["minutes"]) and not sim.has_fallen:
         last = mind.change()
         if memory is None and sim.time >= 60.0:
             memory = _megabytes()
-        print(f"\r{sim.time:6.1f} s  {last:20}", end="", file=sys.stderr, flush=True)
-    print(file=sys.stderr)
-    refused = sum(event.kind == "refusal" for event in sim.events)
     return {
-        "model": model,
-        "seed": seed,
-        "sim_time": sim.time,
-        "wall_time": time.perf_counter() - begin,
-        "falls": falls(sim),
         "last_act": last,
-        "acts": dict(mind.done),
-        "refusals": refused,
-        "memory_growth_mb": None if memory is None else _megabytes() - memory,
+        "refusals": sum(event.kind == "refusal" for event in sim.events),
+        "memory_growth_mb": 0.0 if memory is None else _megabytes() - memory,
+        **{f"acts: {name}": count for name, count in mind.done.items()},
     }
-
-
-def main() -> int:
-    """The command line; status 1 when the robot fell or memory grew."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--model", default="atlas")
-    parser.add_argument("--minutes", type=float, default=MINUTES)
-    parser.add_argument("--seed", type=int, help="default: fresh")
-    options = command_line(parser)
-    seed = fresh_seed() if options.seed is None else options.seed
-    print(f"Again with --seed {seed}.", flush=True)
-    result = measure(options.model, seed, options.minutes)
-    for name, count in sorted(result["acts"].items()):
-        print(f"{name:18} {count:4}")
-    grown = result["memory_growth_mb"]
-    met = not result["falls"] and (grown is None or grown <= MEMORY_GOAL)
-    print(f"{result['sim_time']:.0f} s simulated, {result['refusals']} refusals")
-    print(f"falls: {result['falls'] or 'none'}")
-    if grown is not None:
-        print(f"memory after the first minute: {grown:+.1f} MB")
-    print("goal met" if met else "goal NOT MET")
-    write_figures(options.json, result)
-    return 0 if met else 1
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,0 +1,118 @@
+"""Options of the commands about campaigns: sweep, results, compare.
+
+What the commands do is in ``sweep``.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from atlas_drake.app.options import (
+    add_address_options,
+    add_robot_options,
+    add_show_option,
+)
+
+Command = Callable[[argparse.Namespace], int]
+
+
+def add_sweep_commands(
+    commands: Any, lost: str, sweep: Command, results: Command, compare: Command
+) -> None:
+    """Adds the commands.
+
+    Args:
+        commands: The sub-commands that there are.
+        lost: What the help says of lost files.
+        sweep: Runs a campaign.
+        results: Shows its results.
+        compare: Compares two.
+    """
+    status = f"2 bad input, {lost}, 130 stopped by Ctrl-C"
+    parser = commands.add_parser(
+        "sweep",
+        help="run a scenario many times, randomised, on all cores or a cluster",
+        description="Run the trials of a campaign: a scenario whose numbers are drawn "
+        "anew for each trial. Stopped in any way, the same command goes on where it "
+        "was. docs/campaigns.md explains the file; examples are in "
+        "benchmarks/campaigns/.",
+        epilog="exit status: 0 all trials are done, and the campaign's goal is met if "
+        f"it has one, 1 it is not (with --only: the trial failed), {status}",
+    )
+    parser.add_argument("campaign", metavar="CAMPAIGN.yaml", type=Path)
+    add_robot_options(parser)
+    where = parser.add_argument_group("how many, and where")
+    where.add_argument(
+        "--trials",
+        type=int,
+        metavar="N",
+        help="of each case (default: what the campaign says)",
+    )
+    where.add_argument(
+        "--jobs",
+        type=int,
+        metavar="J",
+        help="processes at a time (default: as many as there are cores)",
+    )
+    where.add_argument(
+        "--out",
+        type=Path,
+        metavar="DIR",
+        help="folder of the results (default: the campaign's name in results/)",
+    )
+    where.add_argument(
+        "--ray",
+        metavar="ADDRESS",
+        help="run on a Ray cluster, such as auto or HOST:6379; needs "
+        '`pip install "atlas-drake[ray]"`',
+    )
+    where.add_argument(
+        "--shard",
+        metavar="I/N",
+        help="only the I-th of N parts, for batch queues; `results` merges them",
+    )
+    one = parser.add_argument_group("one trial alone")
+    one.add_argument(
+        "--only",
+        type=int,
+        metavar="K",
+        help="do trial K, as it is in the campaign, and keep nothing in the folder",
+    )
+    one.add_argument("--view", action="store_true", help="watch it in the 3D view")
+    one.add_argument("--log", type=Path, metavar="FILE", help="as `run --log`")
+    one.add_argument("--video", type=Path, metavar="FILE", help="as `run --video`")
+    add_address_options(one)
+    add_show_option(one, "none")
+    parser.set_defaults(run=sweep, reads=("campaign", "parts"))
+
+    parser = commands.add_parser(
+        "results",
+        help="tables and figures of a campaign, also while it runs",
+        description="Write what a campaign's results amount to as they are now: a "
+        "table (results.parquet), a report with confidence intervals (report.md) and "
+        "figures. Results of shards are merged into DIR first.",
+        epilog=f"exit status: 0 done, {status}",
+    )
+    parser.add_argument("folder", metavar="DIR", type=Path)
+    parser.add_argument(
+        "shards",
+        metavar="SHARD",
+        type=Path,
+        nargs="*",
+        help="folders to merge into DIR",
+    )
+    parser.set_defaults(run=results, reads=())
+
+    parser = commands.add_parser(
+        "compare",
+        help="compare two campaigns on the same seeds",
+        description="Compare two configurations trial by trial: McNemar's test of the "
+        "successes, paired differences of the figures with their intervals.",
+        epilog=f"exit status: 0 done, {status}",
+    )
+    parser.add_argument("first", metavar="DIR_A", type=Path)
+    parser.add_argument("second", metavar="DIR_B", type=Path)
+    parser.set_defaults(run=compare, reads=("first", "second"))

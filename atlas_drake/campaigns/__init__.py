@@ -1,0 +1,19 @@
+"""Campaigns: many runs of one scenario, drawn from seeds, done anywhere, and judged.
+
+One run is ``simulation``'s business; what a scenario has, ``scenario``'s.
+"""
+
+from atlas_drake.campaigns.campaign import Campaign, Threshold
+from atlas_drake.campaigns.errors import CampaignError
+from atlas_drake.campaigns.reading import campaign_from, load_campaign
+from atlas_drake.campaigns.runner import Shard, run_campaign
+
+__all__ = [
+    "Campaign",
+    "CampaignError",
+    "Shard",
+    "Threshold",
+    "campaign_from",
+    "load_campaign",
+    "run_campaign",
+]

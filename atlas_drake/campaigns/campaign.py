@@ -1,0 +1,168 @@
+"""Campaigns as data: a scenario, what of it varies, and what is measured.
+
+One dataclass, one comment per field. How one is read from YAML is in ``reading``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from atlas_drake.campaigns.conditions import check_conditions
+from atlas_drake.campaigns.distributions import checked, example
+from atlas_drake.campaigns.errors import CampaignError
+from atlas_drake.errors import ScenarioError, shown
+from atlas_drake.kinds import typed
+from atlas_drake.scenario import Scenario, with_values
+from atlas_drake.scenario.scenario import check_seed
+
+SEEDS = ("spread", "counted")
+SEARCHES = ("bisect", "climb")
+METRICS_BY_DEFAULT = ("success", "landing", "tilt", "effort", "energy", "drift")
+PARAMETERS = "parameters."
+"""Begins the path of a value for the trial function rather than for the scenario."""
+
+
+@dataclass
+class Threshold:
+    """A search for the largest value that the robot bears."""
+
+    of: str = ""
+    """Path of that value, such as ``pushes[0].impulse``."""
+    least: float = 0.0
+    """Taken to be borne, without a trial."""
+    most: float = 100.0
+    """Largest value tried."""
+    within: float = 10.0
+    """Distance of the values tried, counted from ``least``."""
+    replicas: int = 5
+    """Trials of each value, with seeds that are the same for all values."""
+    passes: int = 4
+    """Of them as many must succeed."""
+    search: str = "bisect"
+    """Halves the interval, or climbs from ``least`` until a value is not borne; one of
+    SEARCHES."""
+
+    def validate(self) -> None:
+        """Checks every field.
+
+        Raises:
+            CampaignError: Naming the first field that cannot be used.
+        """
+        for name, good, wanted in (
+            ("of", bool(self.of), "the path of a value"),
+            ("most", self.most > self.least, f"above least ({self.least:g})"),
+            ("within", self.within > 0.0, "a positive number"),
+            ("replicas", self.replicas >= 1, "1 or more"),
+            ("passes", 1 <= self.passes <= self.replicas, "from 1 to replicas"),
+            ("search", self.search in SEARCHES, f"one of {', '.join(SEARCHES)}"),
+        ):
+            if not good:
+                value = getattr(self, name)
+                problem = f"is {shown(value)}; must be {wanted}"
+                raise CampaignError(f"threshold.{name}", value, problem)
+
+    @property
+    def levels(self) -> int:
+        """Number of values on the grid above ``least``."""
+        return int((self.most - self.least) / self.within + 1e-9)
+
+    def value(self, level: int) -> float:
+        """The value at a place of the grid; 0 is ``least``."""
+        return self.least + level * self.within
+
+
+@dataclass
+class Campaign:
+    """Many runs of one scenario, each drawn from a seed of its own."""
+
+    name: str = "campaign"
+    """Shown to the user."""
+    scenario: Scenario = field(default_factory=Scenario)
+    """What is simulated."""
+    code: list[str] = field(default_factory=list)
+    """Python files with functions and parts of one's own, as ``--with`` takes them."""
+    trial: str = "run"
+    """What is done in a trial: ``run`` simulates the scenario's duration; or a function
+    (sim, parameters) -> figures of one's own, by its name in ``code`` or as
+    ``module:function``."""
+    parameters: dict[str, Any] = field(default_factory=dict)
+    """For that function."""
+    vary: dict[str, Any] = field(default_factory=dict)
+    """Distributions by path, such as ``pushes[0].impulse: {uniform: [10, 60]}``. Paths
+    are those of ``--set``; ``parameters.NAME`` is for the trial function."""
+    cases: dict[str, list[Any]] = field(default_factory=dict)
+    """Values by path; every combination of them runs with the same seeds."""
+    metrics: list[str] = field(default_factory=lambda: list(METRICS_BY_DEFAULT))
+    """What is measured: names of ``metrics.METRICS``, or functions (sim) -> figures of
+    one's own, by their names in ``code`` or as ``module:function``."""
+    success: list[str] = field(default_factory=lambda: ["success"])
+    """Conditions on the figures, all of which must hold: ``NAME``, or such as
+    ``landing_max_m <= 0.02``."""
+    trials: int = 100
+    """How many there are, of each case; without meaning for a threshold."""
+    seed: int = 0
+    """Of the campaign."""
+    seeds: str = "spread"
+    """How the seeds of the trials follow from it: spread over all numbers, or counted
+    up from it; one of SEEDS."""
+    fresh: bool = False
+    """Builds the simulation anew for each trial also where a restart would do: for
+    controllers that keep state outside Drake's Context."""
+    threshold: Threshold | None = None
+    """Searches for the largest value that is borne, in place of independent trials."""
+    goal: float | None = None
+    """Smallest share of successes with which the command ends with status 0; null for
+    none."""
+
+    def validate(self) -> Campaign:
+        """Checks every field but the names of functions.
+
+        Returns:
+            The campaign itself.
+
+        Raises:
+            ScenarioError: Naming the first field that cannot be used.
+        """
+        typed(self, Campaign)
+        try:
+            self.scenario.validate()
+        except ScenarioError as error:
+            name = f"scenario.{error.field}"
+            raise CampaignError(name, error.value, error.problem) from None
+        check_seed(self.seed)
+        for name, good, wanted in (
+            ("seeds", self.seeds in SEEDS, f"one of {', '.join(SEEDS)}"),
+            ("trials", self.trials >= 1, "1 or more"),
+            ("goal", self.goal is None or 0.0 <= self.goal <= 1.0, "from 0 to 1"),
+        ):
+            if not good:
+                value = getattr(self, name)
+                problem = f"is {shown(value)}; must be {wanted}"
+                raise CampaignError(name, value, problem)
+        check_conditions(self.success)
+        for path, distribution in self.vary.items():
+            where = f"vary.{path}"
+            self.vary[path] = checked(distribution, where)
+            self._try(path, example(self.vary[path]), where)
+        for path, values in self.cases.items():
+            if not isinstance(values, list) or not values:
+                problem = f"is {shown(values)}; must be a list of values"
+                raise CampaignError(f"cases.{path}", values, problem)
+            for value in values:
+                self._try(path, value, f"cases.{path}")
+        if self.threshold is not None:
+            self.threshold.validate()
+            self._try(self.threshold.of, self.threshold.most, "threshold.of")
+        return self
+
+    def _try(self, path: str, value: Any, where: str) -> None:
+        """Finds out whether a field takes such a value."""
+        if path == "seed":
+            raise CampaignError(where, value, "is of each trial's own; vary another")
+        if path.startswith(PARAMETERS):
+            return
+        try:
+            with_values(self.scenario, {path: value})
+        except ScenarioError as error:
+            raise CampaignError(where, value, str(error)) from None

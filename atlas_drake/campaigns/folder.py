@@ -1,0 +1,233 @@
+"""The folder of a campaign: what it is, and one file for each trial that was done.
+
+Every file is whole or not there, so that a campaign that was killed goes on where it
+was. What is made of all results together is in ``table``.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import functools
+import hashlib
+import json
+import os
+import re
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from pydrake.common.yaml import yaml_dump, yaml_load
+
+import atlas_drake
+from atlas_drake.campaigns.campaign import Campaign
+from atlas_drake.campaigns.errors import CampaignError
+from atlas_drake.campaigns.sources import Sources
+from atlas_drake.errors import shown
+from atlas_drake.kinds import as_plain, typed
+from atlas_drake.whole_file import whole_file
+
+CAMPAIGN, TRIALS = "campaign.yaml", "trials"
+"""Names in the folder."""
+FREE = ("name", "trials", "goal", "code")
+"""Fields of a campaign that may differ when it goes on: they change no result. Of
+``code`` the content counts, wherever it lies."""
+HASHED = (".py", ".yaml", ".urdf")
+"""Endings of the package's files that decide about results."""
+_NAME = re.compile(r"(\d+)\.json")
+
+
+class CampaignFolder:
+    """A folder with a campaign and its results.
+
+    Attributes:
+        path: Of the folder.
+    """
+
+    def __init__(self, path: Path) -> None:
+        """Refers to a folder, which need not exist."""
+        self.path = path
+
+    def begin(self, campaign: Campaign, sources: Sources) -> None:
+        """Makes the folder, or checks that it is of the same campaign.
+
+        Raises:
+            CampaignError: If it is of another one, or cannot be written.
+        """
+        text = _description(campaign, sources)
+        try:
+            (self.path / TRIALS).mkdir(parents=True, exist_ok=True)
+            file = self.path / CAMPAIGN
+            if not file.exists():
+                with whole_file(file) as unfinished:
+                    unfinished.write_text(text, encoding="utf-8")
+                return
+        except OSError as error:
+            problem = f"{self.path} cannot be written: {error.strerror}"
+            raise CampaignError("--out", str(self.path), problem) from error
+        before, now = self._read(), yaml_load(data=text)
+        difference = _difference(before, now)
+        if difference is not None:
+            field, old, new = difference
+            raise CampaignError(
+                "--out",
+                str(self.path),
+                f"{self.path} holds results of another campaign: {field} is "
+                f"{shown(new)}, and was {shown(old)}; choose another folder",
+            )
+
+    def campaign(self) -> Campaign:
+        """The campaign whose results are here.
+
+        Raises:
+            CampaignError: If there are none.
+        """
+        fields = dict(self._read()["campaign"])
+        campaign: Campaign = typed(fields, Campaign, from_text=True)
+        return campaign
+
+    def _read(self) -> Any:
+        file = self.path / CAMPAIGN
+        if not file.is_file():
+            problem = f"{self.path} holds no campaign: there is no {CAMPAIGN} in it"
+            raise CampaignError("folder", str(self.path), problem)
+        try:
+            found = yaml_load(data=file.read_text(encoding="utf-8"))
+            found["campaign"].items()
+        except Exception as error:  # The parser raises many kinds of exception.
+            problem = f"{file} cannot be read: {error}"
+            raise CampaignError("folder", str(self.path), problem) from error
+        return found
+
+    def write(self, record: Mapping[str, Any]) -> None:
+        """Keeps the record of a trial."""
+        number = record["trial"]
+        with whole_file(self.path / TRIALS / f"{number:06d}.json") as unfinished:
+            unfinished.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
+
+    def records(self) -> dict[int, dict[str, Any]]:
+        """Every record that is here, by the number of its trial.
+
+        Raises:
+            CampaignError: If a file cannot be read.
+        """
+        found = {}
+        folder = self.path / TRIALS
+        for file in sorted(folder.iterdir()) if folder.is_dir() else []:
+            name = _NAME.fullmatch(file.name)
+            if name is None:
+                continue
+            try:
+                found[int(name[1])] = json.loads(file.read_text(encoding="utf-8"))
+            except (OSError, ValueError) as error:
+                problem = f"{file} cannot be read: {error}"
+                raise CampaignError("folder", str(self.path), problem) from error
+        return found
+
+    @contextmanager
+    def only_one(self, shard: str) -> Iterator[None]:
+        """Keeps a second program from doing the same shard's trials meanwhile.
+
+        Raises:
+            CampaignError: If one does.
+        """
+        with (self.path / f".running-{shard}").open("w") as file:
+            try:
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except OSError:
+                problem = f"another program is running this campaign in {self.path}"
+                raise CampaignError("--out", str(self.path), problem) from None
+            yield
+
+
+def merge(target: CampaignFolder, sources: list[CampaignFolder]) -> int:
+    """Copies the results of shards into one folder.
+
+    Returns:
+        How many were copied.
+
+    Raises:
+        CampaignError: If they are of different campaigns, or contradict each other.
+    """
+    target.path.mkdir(parents=True, exist_ok=True)
+    (target.path / TRIALS).mkdir(exist_ok=True)
+    present, copied = target.records(), 0
+    for source in sources:
+        text = (source.path / CAMPAIGN).read_bytes() if source._read() else b""
+        file = target.path / CAMPAIGN
+        if not file.exists():
+            with whole_file(file) as unfinished:
+                unfinished.write_bytes(text)
+        difference = _difference(target._read(), source._read())
+        if difference is not None:
+            field, one, other = difference
+            problem = (
+                f"{source.path} is of another campaign: {field} is {shown(other)}, "
+                f"and {shown(one)} in {target.path}"
+            )
+            raise CampaignError("folder", str(source.path), problem)
+        for number, record in source.records().items():
+            if number not in present:
+                target.write(record)
+                present[number] = record
+                copied += 1
+            elif same_result(record) != same_result(present[number]):
+                problem = f"trial {number} of {source.path} contradicts {target.path}"
+                raise CampaignError("folder", str(source.path), problem)
+    return copied
+
+
+def same_result(record: Mapping[str, Any]) -> dict[str, Any]:
+    """What of a record is the same whenever and wherever the trial is done."""
+    figures = {k: v for k, v in record["figures"].items() if not k.startswith("tick_")}
+    kept = {k: v for k, v in record.items() if k != "machine"}
+    return {**kept, "figures": figures}
+
+
+def _description(campaign: Campaign, sources: Sources) -> str:
+    description = {
+        "campaign": as_plain(campaign),
+        "code": sources.fingerprints([campaign.trial, *campaign.metrics]),
+        "versions": {"drake": version("drake"), "atlas_drake": _fingerprint()},
+    }
+    return yaml_dump(description)
+
+
+@functools.cache
+def _fingerprint() -> str:
+    """Of this package's code and robots: with others the results may be others."""
+    digest = hashlib.sha256()
+    files = []
+    for folder, _, names in os.walk(
+        Path(atlas_drake.__file__).parent, followlinks=True
+    ):
+        files += [Path(folder, name) for name in names if name.endswith(HASHED)]
+    for file in sorted(files):
+        digest.update(file.read_bytes())
+    return digest.hexdigest()[:12]
+
+
+def _difference(before: Any, now: Any) -> tuple[str, Any, Any] | None:
+    """Path of the first difference that matters, and what is there."""
+    one, other = (
+        {**found, "campaign": {k: v for k, v in fields.items() if k not in FREE}}
+        for found, fields in ((before, before["campaign"]), (now, now["campaign"]))
+    )
+    found = _first_difference(one, other, "")
+    if found is None:
+        return None
+    return found[0].removeprefix("campaign."), found[1], found[2]
+
+
+def _first_difference(one: Any, other: Any, path: str) -> tuple[str, Any, Any] | None:
+    if isinstance(one, Mapping) and isinstance(other, Mapping):
+        for name in {**one, **other}:
+            where = f"{path}.{name}" if path else str(name)
+            if name not in one or name not in other:
+                return where, one.get(name), other.get(name)
+            found = _first_difference(one[name], other[name], where)
+            if found is not None:
+                return found
+        return None
+    return None if one == other else (path, one, other)

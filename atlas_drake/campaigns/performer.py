@@ -1,0 +1,180 @@
+"""Does trials, one after the other, in one process.
+
+It keeps the simulations that it has built: where two trials differ in nothing that is
+built in, the second restarts the simulation of the first, which gives the same result
+bit for bit. Which fields are not built in: ``simulation.restart.OF_A_RUN``.
+"""
+
+from __future__ import annotations
+
+import gc
+import logging
+import time
+import traceback
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from atlas_drake.campaigns.campaign import Campaign
+from atlas_drake.campaigns.conditions import unmet
+from atlas_drake.campaigns.metrics import METRICS, Figures
+from atlas_drake.campaigns.plan import Trial, parameters_of, scenario_of
+from atlas_drake.campaigns.shipped_trials import TRIALS
+from atlas_drake.campaigns.sources import Sources
+from atlas_drake.errors import shown
+from atlas_drake.kinds import as_plain, typed
+from atlas_drake.numeric import is_number, plain_number
+from atlas_drake.robot import load_robot
+from atlas_drake.scenario import Scenario
+from atlas_drake.simulation import AtlasSimulation
+from atlas_drake.simulation.restart import built_in_difference
+
+KEPT = 4
+"""Simulations that a process keeps, such as one for each robot of a campaign."""
+
+
+class Performer:
+    """Does the trials of one campaign; can be sent to another process."""
+
+    def __init__(self, campaign: Campaign, sources: Sources) -> None:
+        """Finds the functions.
+
+        Raises:
+            ScenarioError: If there is no such function, or a file fails.
+        """
+        self._campaign, self._sources = campaign, sources
+        self._find_functions()
+
+    def _find_functions(self) -> None:
+        campaign, sources = self._campaign, self._sources
+        self._trial = sources.function(campaign.trial, "trial", TRIALS)
+        self._metrics = [
+            sources.function(name, f"metrics[{index}]", METRICS)
+            for index, name in enumerate(campaign.metrics)
+        ]
+        self._kept: list[tuple[Scenario, AtlasSimulation]] = []
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Leaves functions and simulations to the process that gets it."""
+        # Drake's configurations cannot be sent.
+        return {"campaign": as_plain(self._campaign), "sources": self._sources}
+
+    def __setstate__(self, state: Mapping[str, Any]) -> None:
+        self._campaign = typed(state["campaign"], Campaign, from_text=True)
+        self._sources = state["sources"]
+        self._find_functions()
+
+    def __call__(self, trial: Trial) -> dict[str, Any]:
+        """Does a trial.
+
+        Returns:
+            Its record, ready for JSON; an error in the trial is part of it.
+        """
+        begin = time.perf_counter()
+        record: dict[str, Any] = {
+            "trial": trial.number,
+            "seed": trial.seed,
+            "values": trial.values,
+        }
+        self._built = False
+        try:
+            sim = self._simulation(scenario_of(self._campaign, trial))
+            record |= self.judged(sim, trial)
+        except Exception:
+            # What an error left of a simulation is not fit for another trial.
+            self._kept.clear()
+            gc.collect()
+            record |= failed(traceback.format_exc())
+        record["machine"] = {
+            "wall_time_s": time.perf_counter() - begin,
+            "built_anew": self._built,
+        }
+        return record
+
+    def judged(self, sim: AtlasSimulation, trial: Trial) -> dict[str, Any]:
+        """Does a trial in a simulation that has just begun; success and figures."""
+        figures: Figures = {}
+        parameters = parameters_of(self._campaign, trial)
+        figures |= _plain(self._trial(sim, parameters), self._campaign.trial)
+        for name, metric in zip(self._campaign.metrics, self._metrics, strict=True):
+            figures |= _plain(metric(sim), name)
+        missed = unmet(self._campaign.success, figures)
+        return {
+            "success": not missed,
+            "missed": missed,
+            "figures": figures,
+            "error": None,
+        }
+
+    def simulation(self, trial: Trial, **arguments: Any) -> AtlasSimulation:
+        """A simulation of a trial, with more arguments such as ``log``."""
+        return self._build(scenario_of(self._campaign, trial), **arguments)
+
+    def _simulation(self, scenario: Scenario) -> AtlasSimulation:
+        """A kept simulation that is restarted, or else a new one."""
+        if not self._campaign.fresh:
+            for place, (known, sim) in enumerate(self._kept):
+                if built_in_difference(known, scenario) is None:
+                    self._kept.append(self._kept.pop(place))
+                    sim.restart(scenario)
+                    return sim
+        self._built = True
+        sim = self._build(scenario)
+        if len(self._kept) == KEPT:
+            # A simulation is full of cycles, and the collector rests while one runs.
+            del self._kept[0]
+            gc.collect()
+        self._kept.append((scenario, sim))
+        return sim
+
+    def _build(self, scenario: Scenario, **arguments: Any) -> AtlasSimulation:
+        quiet()
+        given = {**self._sources.all_parts(), **arguments}
+        extend = given.pop("extend", None)
+        robot = load_robot(scenario.model)
+
+        def extend_all(builder: Any, station: Any) -> None:
+            for metric in self._metrics:
+                if hasattr(metric, "extend"):
+                    metric.extend(builder, station, robot)
+            if extend is not None:
+                extend(builder, station)
+
+        return AtlasSimulation(scenario, extend=extend_all, **given)
+
+
+def failed(why: str) -> dict[str, Any]:
+    """What the record of a trial says that did not come to its end."""
+    return {"success": False, "missed": [], "figures": {}, "error": why}
+
+
+def quiet() -> None:
+    """Keeps out of the way what each of a thousand runs would say."""
+    logging.getLogger("atlas_drake").propagate = False
+    logging.getLogger("drake").setLevel(logging.ERROR)
+
+
+def _plain(given: object, name: str) -> Figures:
+    """Figures as plain values; numbers that are not finite are none.
+
+    Raises:
+        TypeError: If a function of the user's returns something else.
+    """
+    if given is None:
+        return {}
+    if not isinstance(given, Mapping):
+        raise TypeError(f"{name} must return figures by name, returned {shown(given)}")
+    figures: Figures = {}
+    for key, value in given.items():
+        if not isinstance(key, str):
+            raise TypeError(f"{name}: the name of a figure is {shown(key)}")
+        plain = plain_number(value)
+        if is_number(plain) and not np.isfinite(float(plain)):
+            plain = None
+        if not (plain is None or is_number(plain) or isinstance(plain, bool | str)):
+            raise TypeError(
+                f"{name}: {key} is {shown(value)}; must be a number, a word or None"
+            )
+        figures[key] = plain
+    return figures

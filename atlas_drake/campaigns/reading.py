@@ -1,0 +1,155 @@
+"""Campaigns from YAML files.
+
+A file's ``scenario`` is a path or the fields themselves; ``pushes``, ``duration`` and
+``programme`` may stand beside it, and distributions in place of a push's numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+from pydrake.common.yaml import yaml_load
+
+from atlas_drake.campaigns.campaign import PARAMETERS, Campaign
+from atlas_drake.campaigns.distributions import is_distribution
+from atlas_drake.campaigns.errors import CampaignError
+from atlas_drake.errors import ScenarioError, shown
+from atlas_drake.kinds import typed
+from atlas_drake.scenario import (
+    Scenario,
+    load_scenario,
+    scenario_from,
+    with_settings,
+    with_values,
+)
+from atlas_drake.scenario.scenario import with_full_paths
+
+BESIDE = ("pushes", "duration", "programme")
+"""Fields of the scenario that may stand beside it."""
+
+
+def load_campaign(
+    path: str | Path,
+    settings: Iterable[str] = (),
+    overrides: Mapping[str, Any] | None = None,
+) -> Campaign:
+    """Reads and validates one YAML file; fields left out have their defaults.
+
+    Args:
+        path: Of the file.
+        settings: Fields of the scenario, as ``--set`` has them, or parameters of the
+            trial function, such as ``parameters.direction=left``. What is set does not
+            vary, and has no cases.
+        overrides: Fields of the scenario by path, as ``with_values`` takes them.
+
+    Raises:
+        ScenarioError: If the file cannot be read, has unknown keys or bad values.
+    """
+    try:
+        raw = yaml_load(data=Path(path).read_text())
+    except Exception as error:  # The parser raises many kinds of exception.
+        problem = f"{path} cannot be read: {error}"
+        raise CampaignError("file", str(path), problem) from error
+    if not isinstance(raw, Mapping):
+        raise CampaignError("file", raw, f"{path} must have fields of a campaign")
+    try:
+        return campaign_from(raw, Path(path).parent, settings, overrides)
+    except ScenarioError as error:
+        problem = f"{error.problem} (in {path})"
+        raise type(error)(error.field, error.value, problem) from None
+
+
+def campaign_from(
+    raw: Mapping[str, Any],
+    folder: Path,
+    settings: Iterable[str] = (),
+    overrides: Mapping[str, Any] | None = None,
+) -> Campaign:
+    """Makes a campaign of what a YAML file has.
+
+    Args:
+        raw: As YAML reads it.
+        folder: That paths in it are relative to.
+        settings: As for ``load_campaign``.
+        overrides: Likewise.
+
+    Raises:
+        ScenarioError: Naming the first field that cannot be used.
+    """
+    fields = dict(raw)
+    scenario = _scenario(fields.pop("scenario", None), folder)
+    drawn: dict[str, Any] = {}
+    beside = {name: fields.pop(name) for name in BESIDE if name in fields}
+    if "pushes" in beside:
+        beside["pushes"] = _pushes(beside["pushes"], drawn)
+    if beside:
+        scenario = scenario_from(beside, scenario)
+    scenario = with_values(scenario, overrides or {})
+    settings = list(settings)
+    own = [text for text in settings if text.startswith(PARAMETERS)]
+    scenario = with_settings(scenario, [text for text in settings if text not in own])
+    if isinstance(fields.get("code"), str):
+        fields["code"] = [fields["code"]]
+    fields["vary"] = _joined(drawn, fields.get("vary"))
+    campaign: Campaign = typed(
+        fields, Campaign, default=Campaign(scenario=scenario), from_text=True
+    )
+    fixed = {text.partition("=")[0] for text in settings} | set(overrides or {})
+    for path in fixed:
+        campaign.vary.pop(path, None)
+        campaign.cases.pop(path, None)
+    for text in own:
+        name, equals, value = text.removeprefix(PARAMETERS).partition("=")
+        if not (name and equals):
+            problem = f"is {shown(text)}; must be {PARAMETERS}NAME=VALUE"
+            raise CampaignError("--set", text, problem)
+        campaign.parameters[name] = yaml_load(data=value)
+    campaign.code = [str((folder / name).absolute()) for name in campaign.code]
+    return campaign.validate()
+
+
+def _scenario(given: object, folder: Path) -> Scenario:
+    if given is None:
+        return Scenario()
+    if isinstance(given, str):
+        return load_scenario(folder / given)
+    if not isinstance(given, Mapping):
+        problem = f"is {shown(given)}; must be a scenario's file, or its fields"
+        raise CampaignError("scenario", given, problem)
+    try:
+        return scenario_from(with_full_paths(given, folder))
+    except ScenarioError as error:
+        name = f"scenario.{error.field}"
+        raise CampaignError(name, error.value, error.problem) from None
+
+
+def _pushes(given: object, drawn: dict[str, Any]) -> object:
+    """The pushes without their distributions, which are added to ``drawn``."""
+    if not isinstance(given, list):
+        return given  # For the scenario to refuse.
+    pushes = []
+    for index, push in enumerate(given):
+        plain = dict(push) if isinstance(push, Mapping) else push
+        if isinstance(plain, dict):
+            for name, value in list(plain.items()):
+                if is_distribution(value):
+                    drawn[f"pushes[{index}].{name}"] = value
+                    del plain[name]
+            if f"pushes[{index}].time" in drawn:
+                plain["time"] = 0.0
+        pushes.append(plain)
+    return pushes
+
+
+def _joined(drawn: dict[str, Any], vary: object) -> object:
+    if vary is None:
+        return drawn
+    if not isinstance(vary, Mapping):
+        return vary  # For ``typed`` to refuse.
+    twice = set(drawn) & set(vary)
+    if twice:
+        name = min(twice)
+        raise CampaignError(f"vary.{name}", vary[name], "is drawn in pushes already")
+    return {**drawn, **vary}

@@ -1,0 +1,145 @@
+"""What a campaign found, as text: successes with intervals, figures, thresholds."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from atlas_drake.campaigns.campaign import Campaign
+from atlas_drake.campaigns.intervals import wilson
+from atlas_drake.campaigns.plan import case_list
+from atlas_drake.campaigns.threshold import Search
+
+Record = Mapping[str, Any]
+Records = Mapping[int, Record]
+SHOWN_ERRORS = 3
+"""Of different kinds of error."""
+
+
+def report(campaign: Campaign, records: Records) -> str:
+    """The text, as Markdown."""
+    rows = list(records.values())
+    parts = [f"# {campaign.name}: {len(rows)} trials"]
+    if campaign.threshold is not None:
+        parts.append(_thresholds(campaign, records))
+    parts.append(_success_table(campaign, rows))
+    parts += [text for text in (_figures_table(rows), _failures(rows)) if text]
+    return "\n\n".join(parts) + "\n"
+
+
+def share_text(successes: int, trials: int) -> str:
+    """A share with its interval."""
+    if trials == 0:
+        return "–"
+    low, high = wilson(successes, trials)
+    share = 100.0 * successes / trials
+    return f"{share:.1f} % ({100 * low:.1f} to {100 * high:.1f} %)"
+
+
+def markdown(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A table."""
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join("| " + " | ".join(line) + " |" for line in lines)
+
+
+def varied_paths(rows: Iterable[Record]) -> list[str]:
+    """Paths of what differs between trials, in their order."""
+    return list(dict.fromkeys(path for row in rows for path in row["values"]))
+
+
+def figure_names(rows: Iterable[Record]) -> list[str]:
+    """Names of the figures that are numbers, in their order."""
+    return list(
+        dict.fromkeys(
+            name
+            for row in rows
+            for name, value in row["figures"].items()
+            if _is_number(value)
+        )
+    )
+
+
+def figure_values(rows: Iterable[Record], name: str) -> list[float]:
+    """A figure of the trials that have it."""
+    found = (row["figures"].get(name) for row in rows)
+    return [float(value) for value in found if _is_number(value)]
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
+
+
+def _success_table(campaign: Campaign, rows: list[Record]) -> str:
+    groups = [("all", rows)]
+    for path in varied_paths(rows):
+        if not _repeats(campaign, path):
+            continue
+        for value in sorted({row["values"].get(path) for row in rows}, key=_order):
+            mine = [row for row in rows if row["values"].get(path) == value]
+            groups.append((f"{path} = {_short(value)}", mine))
+    table = []
+    for name, mine in groups:
+        good = sum(row["success"] for row in mine)
+        table.append([name, f"{good} of {len(mine)}", share_text(good, len(mine))])
+    return markdown(["trials", "successes", "share, with its interval of 95 %"], table)
+
+
+def _repeats(campaign: Campaign, path: str) -> bool:
+    """Whether several trials have the same value there."""
+    drawn = campaign.vary.get(path, {})
+    threshold = campaign.threshold
+    return (
+        path in campaign.cases
+        or not drawn.keys().isdisjoint(("choice", "sign"))
+        or (threshold is not None and path == threshold.of)
+    )
+
+
+def _order(value: Any) -> tuple[bool, Any]:
+    """Numbers in their order, and before words."""
+    return (False, value) if _is_number(value) else (True, str(value))
+
+
+def _figures_table(rows: list[Record]) -> str:
+    table = []
+    for name in figure_names(rows):
+        values = figure_values(rows, name)
+        numbers = [np.min(values), *np.percentile(values, [5, 50, 95]), np.max(values)]
+        table.append([name, *(f"{number:.4g}" for number in numbers)])
+    head = ["figure", "least", "5 %", "median", "95 %", "most"]
+    return markdown(head, table) if table else ""
+
+
+def _thresholds(campaign: Campaign, records: Records) -> str:
+    assert campaign.threshold is not None
+    table = []
+    for index in range(len(case_list(campaign))):
+        found = Search(campaign, index).found(records)
+        case = ", ".join(f"{k} = {_short(v)}" for k, v in found.case.items())
+        above = "nothing tried" if found.too_much is None else f"{found.too_much:g}"
+        borne = f"{found.borne:g}" + ("" if found.ended else " so far")
+        table.append([case or "all", borne, above])
+    return markdown([campaign.threshold.of, "borne", "too much"], table)
+
+
+def _failures(rows: list[Record]) -> str:
+    """Which trials failed, and why."""
+    lines = []
+    failing = [str(row["trial"]) for row in rows if not row["success"]]
+    if failing:
+        more = f" and {len(failing) - 20} more" if len(failing) > 20 else ""
+        lines.append(f"Trials that failed: {', '.join(failing[:20])}{more}.")
+    errors: dict[str, list[int]] = {}
+    for row in rows:
+        if row["error"] is not None:
+            last = row["error"].strip().splitlines()[-1]
+            errors.setdefault(last, []).append(row["trial"])
+    for text, numbers in list(errors.items())[:SHOWN_ERRORS]:
+        lines.append(f"Raised in {len(numbers)}, first in trial {numbers[0]}: {text}")
+    return "\n\n".join(lines)
+
+
+def _short(value: object) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,164 @@
+"""Runs a campaign: the trials that are missing, wherever they run.
+
+The same results for the same campaign, however many processes or machines there are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import closing
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Protocol
+
+from atlas_drake.campaigns.campaign import Campaign
+from atlas_drake.campaigns.errors import CampaignError
+from atlas_drake.campaigns.folder import CampaignFolder
+from atlas_drake.campaigns.performer import Performer, failed
+from atlas_drake.campaigns.plan import Trial, case_list, make_trial
+from atlas_drake.campaigns.processes import Outcome, Processes
+from atlas_drake.campaigns.sources import Sources, joined
+from atlas_drake.campaigns.threshold import Search
+from atlas_drake.errors import shown
+
+Records = dict[int, dict[str, Any]]
+
+
+@dataclass(frozen=True)
+class Shard:
+    """One of several parts of a campaign, each run by itself.
+
+    Attributes:
+        index: From 1.
+        count: How many parts there are.
+    """
+
+    index: int = 1
+    count: int = 1
+
+    def __post_init__(self) -> None:
+        """Check the numbers.
+
+        Raises:
+            CampaignError: If there is no such part.
+        """
+        if not 1 <= self.index <= self.count:
+            raise CampaignError(
+                "--shard", str(self), f"is {self}; must be from 1/n to n/n"
+            )
+
+    def __str__(self) -> str:
+        """As on the command line."""
+        return f"{self.index}/{self.count}"
+
+    def has(self, number: int) -> bool:
+        """Whether a number from 0 belongs to the part."""
+        return number % self.count == self.index - 1
+
+
+def run_campaign(
+    campaign: Campaign,
+    out: str | Path,
+    *,
+    trials: int | None = None,
+    jobs: int = 1,
+    ray: str | None = None,
+    shard: Shard | None = None,
+    files: Iterable[str | Path] = (),
+    functions: Mapping[str, Callable[..., Any]] | None = None,
+    parts: Mapping[str, Any] | None = None,
+    on_trial: Callable[[dict[str, Any], int, int], None] | None = None,
+) -> Records:
+    """Does all trials of a campaign that are not done yet.
+
+    Stopped in any way, it goes on where it was when it is called again with the same
+    folder: a trial that is done is not done again.
+
+    Args:
+        campaign: What to run.
+        out: Folder of the results.
+        trials: How many, of each case; None is the campaign's number.
+        jobs: Processes at a time; with ``ray``, calls at a time, and 0 for as many as
+            the cluster has processors.
+        ray: Address of a Ray cluster to run on; None runs on this machine.
+        shard: The part to run; None is the whole.
+        files: Python files with functions and parts, beside the campaign's ``code``.
+        functions: Functions that the campaign names, from a module that other processes
+            can import.
+        parts: Arguments of ``AtlasSimulation``, likewise.
+        on_trial: Called after each trial with its record, how many are done, and how
+            many there are as far as is known.
+
+    Returns:
+        Records by the number of their trial, those of earlier calls among them.
+
+    Raises:
+        ScenarioError: If the campaign cannot be run, or the folder holds another one.
+    """
+    campaign.validate()
+    if jobs < (0 if ray is not None else 1):
+        raise CampaignError("--jobs", jobs, f"is {shown(jobs)}; must be 1 or more")
+    if trials is not None:
+        if trials < 1:
+            problem = f"is {shown(trials)}; must be 1 or more"
+            raise CampaignError("--trials", trials, problem)
+        campaign = replace(campaign, trials=trials)
+    shard = shard or Shard()
+    sources = Sources(joined(campaign.code, files), functions or {}, parts or {})
+    performer = Performer(campaign, sources)
+    folder = CampaignFolder(Path(out))
+    folder.begin(campaign, sources)
+    with (
+        folder.only_one(str(shard).replace("/", "-of-")),
+        closing(_workers(performer, jobs, ray)) as workers,
+    ):
+        records = folder.records()
+        while missing := missing_trials(campaign, records, shard):
+            left = len(missing)
+            for outcome in workers.calls(missing):
+                record = _record(outcome)
+                folder.write(record)
+                records[record["trial"]] = record
+                left -= 1
+                if on_trial is not None:
+                    on_trial(record, len(records), len(records) + left)
+    return records
+
+
+def missing_trials(campaign: Campaign, records: Records, shard: Shard) -> list[Trial]:
+    """Trials to be done next: all that are missing, or a round of the searches."""
+    cases = len(case_list(campaign))
+    if campaign.threshold is not None:
+        searches = [Search(campaign, c) for c in range(cases) if shard.has(c)]
+        return [trial for search in searches for trial in search.next_trials(records)]
+    return [
+        make_trial(campaign, number)
+        for number in range(campaign.trials * cases)
+        if shard.has(number) and number not in records
+    ]
+
+
+class _Workers(Protocol):
+    """Where trials are done."""
+
+    def calls(self, items: Iterable[Any]) -> Iterator[Outcome]: ...
+
+    def close(self) -> None: ...
+
+
+def _workers(performer: Performer, jobs: int, ray: str | None) -> _Workers:
+    if ray is None:
+        return Processes(performer, jobs)
+    # What Ray needs loads only where there is a cluster.
+    from atlas_drake.campaigns.ray_cluster import RayCluster
+
+    return RayCluster(performer, ray, jobs or None)
+
+
+def _record(outcome: Outcome) -> dict[str, Any]:
+    if outcome.error is None:
+        record: dict[str, Any] = outcome.result
+        return record
+    trial: Trial = outcome.item
+    record = {"trial": trial.number, "seed": trial.seed, "values": trial.values}
+    return record | failed(outcome.error)

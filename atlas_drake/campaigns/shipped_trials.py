@@ -1,0 +1,56 @@
+"""What can be done in a trial: the functions that are shipped.
+
+A trial function gets a simulation that has just begun, and the campaign's parameters
+with what was drawn for them. It simulates, and may return figures.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from atlas_drake.messages import Behavior
+from atlas_drake.planning.footstep_planner import steps_ahead
+from atlas_drake.planning.step_stream import StepStream
+from atlas_drake.simulation import AtlasSimulation
+
+PIECE = 0.1
+"""Simulated time between looks at the robot [s]."""
+DISTANCE = 2.0
+"""That ``walk`` walks if no parameter says otherwise [m]."""
+STANDING = 1.0
+"""Time in which ``walk`` stands before its first step [s]."""
+
+
+def run(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> None:
+    """Simulates for the scenario's duration, or until the robot falls."""
+    _until(sim, sim.scenario.duration)
+
+
+def walk(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, Any]:
+    """Walks straight ahead for ``distance`` [m], and stands until the duration ends.
+
+    Returns:
+        Whether the robot stands again: ``walk_ended``.
+    """
+    _until(sim, STANDING)
+    report = sim.atlas_sim_interface_state
+    steps = StepStream(steps_ahead(report, float(parameters.get("distance", DISTANCE))))
+    while not (sim.has_fallen or steps.is_over(sim.atlas_sim_interface_state)):
+        if sim.time >= sim.scenario.duration - 1e-9:
+            break
+        command = steps.next_command(sim.atlas_sim_interface_state)
+        if command is not None:
+            sim.publish(command)
+        sim.advance_to(min(sim.time + PIECE, sim.scenario.duration))
+    _until(sim, sim.scenario.duration)
+    return {"walk_ended": sim.current_behavior is Behavior.STAND}
+
+
+def _until(sim: AtlasSimulation, end: float) -> None:
+    while sim.time < end - 1e-9 and not sim.has_fallen:
+        sim.advance_to(min(sim.time + PIECE, end))
+
+
+TRIALS: dict[str, Callable[..., Any]] = {"run": run, "walk": walk}
+"""By name."""

@@ -1,0 +1,52 @@
+"""The motors' mechanical work, kept in the Context while a run goes on."""
+
+from __future__ import annotations
+
+import numpy as np
+from pydrake.systems.framework import BasicVector, Context, DiscreteValues
+
+from atlas_drake.systems.collectable_system import CollectableSystem
+
+
+class EnergyMeter(CollectableSystem):
+    """Efforts and state in, work so far out.
+
+    Input ports:
+        effort: What the motors do [N·m], shape (n,).
+        state: Positions and velocities of the robot.
+
+    Output ports:
+        work: Done by the motors, and done on them; both positive [J], shape (2,).
+    """
+
+    __slots__ = ()
+
+    def __init__(self, velocities: np.ndarray, num_states: int, period: float) -> None:
+        """Adds up every ``period`` [s].
+
+        Args:
+            velocities: Index of each joint's velocity into the state, in the order of
+                the efforts, shape (n,).
+            num_states: Length of the state.
+            period: Of the sums [s].
+        """
+        super().__init__()
+        self._velocities, self._period = velocities, period
+        self._effort = self.DeclareVectorInputPort("effort", len(velocities))
+        self._state = self.DeclareVectorInputPort("state", num_states)
+        self._work = self.DeclareDiscreteState(2)
+        self.DeclareVectorOutputPort(
+            "work", 2, self._calc_work, prerequisites_of_calc={self.xd_ticket()}
+        )
+        self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._update)
+
+    def _calc_work(self, context: Context, output: BasicVector) -> None:
+        output.SetFromVector(context.get_discrete_state(self._work).value())
+
+    def _update(self, context: Context, discrete: DiscreteValues) -> None:
+        velocity = self._state.Eval(context)[self._velocities]
+        power = self._effort.Eval(context) * velocity
+        done = float(power[power > 0.0].sum())
+        taken = float(-power[power < 0.0].sum())
+        work = context.get_discrete_state(self._work).value()
+        discrete.set_value(self._work, work + self._period * np.array([done, taken]))

@@ -1,0 +1,170 @@
+"""Trials in one process: figures, errors, simulations that are kept."""
+
+import pickle
+
+import pytest
+
+from atlas_drake import ScenarioError
+from atlas_drake.campaigns.folder import CampaignFolder, merge, same_result
+from atlas_drake.campaigns.performer import Performer
+from atlas_drake.campaigns.plan import make_trial
+from atlas_drake.campaigns.runner import Shard, missing_trials
+from atlas_drake.campaigns.sources import Sources
+
+pytestmark = pytest.mark.usefixtures("restored_loggers")
+
+OWN = """
+    import numpy as np
+
+    def hop(sim, parameters):
+        if sim.scenario.seed % 2:
+            raise ValueError("an odd seed")
+        sim.advance(0.02)
+        return {"kind": parameters["kind"], "size": np.float64(parameters["size"])}
+
+    def height(sim):
+        return {"height_m": sim.pelvis_pose.translation()[2], "none": float("nan")}
+"""
+LINES = """
+trial: hop
+parameters: {kind: low}
+vary: {parameters.size: {uniform: [1, 2]}}
+metrics: [success, height]
+success: [success, height_m > 0.5]
+seeds: counted
+"""
+
+
+def performer_of(campaign):
+    return Performer(campaign, Sources(tuple(campaign.code)))
+
+
+def test_every_trial_is_reproducible_alone(campaign):
+    campaign = campaign("vary: {ground_friction: {uniform: [0.5, 0.9]}}")
+    performer = performer_of(campaign)
+    records = [performer(make_trial(campaign, number)) for number in range(3)]
+    assert [r["machine"]["built_anew"] for r in records] == [True, False, False]
+    assert all(r["success"] for r in records)
+    figures = records[2]["figures"]
+    assert figures["sim_time_s"] == pytest.approx(0.1)
+    assert figures["work_taken_j"] > 0.0
+    assert 0.0 < figures["tilt_max_rad"] < 1.0
+    assert len({r["figures"]["tilt_max_rad"] for r in records}) == 3
+    # In another process nothing is kept.
+    elsewhere = pickle.loads(pickle.dumps(performer))
+    alone = elsewhere(make_trial(campaign, 2))
+    assert alone["machine"]["built_anew"]
+    assert same_result(alone) == same_result(records[2])
+
+
+def test_what_is_built_in_is_built_anew(campaign):
+    campaign = campaign("cases: {controller.gains.dcm_gain: [2.0, 2.5]}\nduration: .01")
+    performer = performer_of(campaign)
+    records = [performer(make_trial(campaign, number)) for number in range(4)]
+    anew = [r["machine"]["built_anew"] for r in records]
+    assert anew == [True, True, False, False]
+
+
+def test_functions_of_ones_own_drive_and_measure(campaign):
+    campaign = campaign(LINES, OWN)
+    performer = performer_of(campaign)
+    even, odd = (performer(make_trial(campaign, number)) for number in (0, 1))
+    assert even["success"]
+    assert even["error"] is None
+    figures = even["figures"]
+    assert figures["kind"] == "low"
+    assert figures["none"] is None
+    assert figures["size"] == even["values"]["parameters.size"]
+    # A trial that raises is a result.
+    assert not odd["success"]
+    assert "Traceback" in odd["error"]
+    assert odd["error"].endswith("ValueError: an odd seed\n")
+    # And leaves nothing behind.
+    assert performer(make_trial(campaign, 2))["machine"]["built_anew"]
+
+
+@pytest.mark.parametrize(
+    ("more", "field"),
+    [
+        ("metrics: [succes]", "metrics[0]"),
+        ("metrics: ['no.module:f']", "metrics[0]"),
+        ("trial: jump", "trial"),
+        ("code: nothing.py", "code"),
+    ],
+)
+def test_a_function_that_is_not_there_is_named(more, field, campaign):
+    lines = more if "metrics" not in more else f"trial: run\n{more}"
+    with pytest.raises(ScenarioError) as caught:
+        performer_of(campaign(lines.replace("metrics", "success: []\nmetrics")))
+    assert caught.value.field == field
+
+
+def test_shards_merge_to_the_same_results(campaign, tmp_path):
+    campaign, sources = campaign(), Sources()
+    whole = {n: fake(make_trial(campaign, n)) for n in range(7)}
+    campaign.trials = 7
+    parts = []
+    for index in (1, 2, 3):
+        folder = CampaignFolder(tmp_path / f"part{index}")
+        folder.begin(campaign, sources)
+        for trial in missing_trials(campaign, {}, Shard(index, 3)):
+            folder.write(fake(trial))
+        parts.append(folder)
+    target = CampaignFolder(tmp_path / "whole")
+    assert merge(target, parts) == 7
+    assert merge(target, parts) == 0
+    assert target.records() == whole
+    assert missing_trials(campaign, target.records(), Shard()) == []
+    parts[1].write({**fake(make_trial(campaign, 1)), "success": False})
+    with pytest.raises(ScenarioError, match=r"trial 1 of .* contradicts"):
+        merge(target, parts)
+    campaign.seed = 3
+    other = CampaignFolder(tmp_path / "other")
+    other.begin(campaign, sources)
+    with pytest.raises(ScenarioError, match="another campaign: seed is 3, and 0"):
+        merge(target, [other])
+
+
+def fake(trial):
+    return {
+        "trial": trial.number,
+        "seed": trial.seed,
+        "values": trial.values,
+        "success": True,
+        "missed": [],
+        "figures": {"tilt": 0.1},
+        "error": None,
+    }
+
+
+@pytest.mark.parametrize("text", [(0, 2), (3, 2)])
+def test_a_shard_that_is_none_is_refused(text):
+    with pytest.raises(ScenarioError, match="--shard"):
+        Shard(*text)
+
+
+def test_a_folder_is_of_one_campaign(campaign, campaign_file, tmp_path):
+    first = campaign("", "NUMBER = 1\n")
+    sources = Sources(tuple(first.code))
+    folder = CampaignFolder(tmp_path / "out")
+    folder.begin(first, sources)
+    first.trials = 7
+    folder.begin(first, sources)
+    changed = campaign("", "NUMBER = 1\n")
+    changed.scenario.jitter.mass = 0.1
+    with pytest.raises(ScenarioError, match=r"jitter\.mass is 0\.1, and was 0\.05"):
+        folder.begin(changed, sources)
+    campaign_file("", "NUMBER = 2\n")
+    with pytest.raises(ScenarioError, match="another campaign: code"):
+        folder.begin(first, sources)
+    again = folder.campaign()
+    assert again.vary == first.vary
+    assert again.scenario == first.scenario
+    with pytest.raises(ScenarioError, match="holds no campaign"):
+        CampaignFolder(tmp_path / "nothing").campaign()
+    with (
+        folder.only_one("1-of-1"),
+        pytest.raises(ScenarioError, match="another program"),
+        folder.only_one("1-of-1"),
+    ):
+        pass

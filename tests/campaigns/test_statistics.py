@@ -1,0 +1,133 @@
+"""Intervals, paired comparison, and the search for a threshold."""
+
+import math
+
+import pytest
+
+from atlas_drake import PlannedPush, Scenario, ScenarioError
+from atlas_drake.campaigns import Campaign, Shard, Threshold
+from atlas_drake.campaigns.comparison import compare
+from atlas_drake.campaigns.folder import CampaignFolder
+from atlas_drake.campaigns.intervals import mcnemar, mean_interval, wilson
+from atlas_drake.campaigns.results import write_results
+from atlas_drake.campaigns.runner import missing_trials
+from atlas_drake.campaigns.sources import Sources
+from atlas_drake.campaigns.threshold import Search, level_of
+
+
+def test_wilsons_interval_is_the_books():
+    # R. G. Newcombe, Statistics in Medicine 17 (1998), table I, method 3.
+    assert wilson(81, 263) == pytest.approx((0.2553, 0.3662), abs=1e-4)
+    assert wilson(15, 148) == pytest.approx((0.0624, 0.1605), abs=1e-4)
+    assert wilson(0, 20) == pytest.approx((0.0, 0.1611), abs=1e-4)
+    assert wilson(29, 29) == pytest.approx((0.8830, 1.0), abs=1e-4)
+    assert wilson(0, 0) == (0.0, 1.0)
+
+
+def test_mcnemars_test_is_exact():
+    assert mcnemar(0, 0) == 1.0
+    assert mcnemar(1, 9) == pytest.approx(22 / 1024)
+    assert mcnemar(5, 5) == 1.0
+
+
+def test_the_interval_of_a_mean_is_that_of_its_spread():
+    values = [math.sin(k) for k in range(200)]
+    low, high = mean_interval(values)
+    mean = sum(values) / 200
+    assert low < mean < high
+    assert high - low == pytest.approx(2 * 1.96 * math.sqrt(0.5 / 200), rel=0.15)
+
+
+def record(number, success=True, seed=None, **figures):
+    return {
+        "trial": number,
+        "seed": number if seed is None else seed,
+        "values": {},
+        "success": success,
+        "missed": [],
+        "figures": figures,
+        "error": None,
+    }
+
+
+def test_two_campaigns_are_compared_pair_by_pair():
+    first = {n: record(n, n > 2, tilt=0.1 * n) for n in range(10)}
+    second = {n: record(n, True, tilt=0.1 * n + 0.5) for n in range(8)}
+    text = compare(first, second, ("a", "b"))
+    assert "8 paired trials" in text
+    assert "only b in 3: p = 0.25" in text
+    assert "+0.5 (+0.5 to +0.5)" in text
+    second[3] = record(3, seed=77)
+    with pytest.raises(ScenarioError, match="seed 77"):
+        compare(first, second, ("a", "b"))
+
+
+@pytest.mark.parametrize("search", ["bisect", "climb"])
+@pytest.mark.parametrize(
+    ("bears", "borne", "too_much"),
+    [(0.0, 0.0, 10.0), (34.0, 30.0, 40.0), (85.0, 80.0, 90.0), (200.0, 90.0, None)],
+)
+def test_a_threshold_is_found_from_either_side(search, bears, borne, too_much):
+    threshold = Threshold("pushes[0].impulse", 0.0, 90.0, 10.0, 3, 2, search)
+    campaign = Campaign(threshold=threshold, cases={"parameters.weak": [False, True]})
+    found = []
+    for case in (0, 1):
+        search, records = Search(campaign, case), {}
+        while trials := search.next_trials(records):
+            assert len(trials) == 3
+            for trial in trials:
+                level = level_of(campaign, trial.number)
+                value = trial.values["pushes[0].impulse"]
+                assert value == threshold.value(level)
+                # Replica 2 fails always: two of three are enough.
+                replica = trial.number // 2 % 3
+                good = value <= bears and not case and replica < 2
+                records[trial.number] = record(trial.number, good, trial.seed)
+        found.append(search.found(records))
+        if threshold.search == "bisect":
+            assert len(records) <= 3 * 4
+    assert [f.ended for f in found] == [True, True]
+    assert (found[0].borne, found[0].too_much) == (borne, too_much)
+    assert (found[1].borne, found[1].too_much) == (0.0, 10.0)
+    assert found[1].case == {"parameters.weak": True}
+
+
+def test_a_search_says_what_it_knows_so_far():
+    threshold = Threshold("jitter.mass", 0.0, 0.4, 0.1, 2, 2)
+    search = Search(Campaign(threshold=threshold), 0)
+    assert not search.found({}).ended
+    numbers = [trial.number for trial in search.next_trials({})]
+    half = {numbers[0]: record(numbers[0])}
+    assert [trial.number for trial in search.next_trials(half)] == numbers[1:]
+
+
+def test_a_threshold_over_directions_has_a_report_and_pictures(tmp_path):
+    campaign = Campaign(
+        scenario=Scenario(pushes=[PlannedPush(time=1.0)]),
+        threshold=Threshold("pushes[0].impulse", 0.0, 40.0, 10.0, 2, 2),
+        cases={"pushes[0].direction": [0.0, 1.57, 3.14, 4.71]},
+        metrics=["tilt"],
+    ).validate()
+    folder = CampaignFolder(tmp_path)
+    folder.begin(campaign, Sources())
+    # Before the first trial there is little to tell, and no picture.
+    text, written = write_results(folder)
+    assert "0 trials" in text
+    assert [path.name for path in written] == ["results.parquet", "report.md"]
+    while trials := missing_trials(campaign, folder.records(), Shard()):
+        for trial in trials:
+            direction = trial.values["pushes[0].direction"]
+            good = trial.values["pushes[0].impulse"] <= 15.0 + 5.0 * direction
+            folder.write(
+                record(trial.number, good, trial.seed, tilt=0.1)
+                | {"values": trial.values, "error": None if good else "E: fell\n"}
+            )
+    text, written = write_results(folder)
+    assert "| pushes[0].direction = 0 | 10 | 20 |" in text
+    assert "| pushes[0].direction = 4.71 | 30 | 40 |" in text
+    assert "| pushes[0].impulse = 20 |" in text
+    assert "first in trial" in text
+    assert {path.name for path in written} >= {"success_by_direction.png"}
+    found = folder.campaign()
+    assert found.threshold == campaign.threshold
+    assert found.cases == campaign.cases

@@ -1,0 +1,145 @@
+"""Campaigns in processes and on the command line: resume, kill, tables, pictures."""
+
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+import pyarrow.parquet as pq
+import pytest
+
+from atlas_drake.app.main import main
+from atlas_drake.campaigns.folder import CampaignFolder, same_result
+from atlas_drake.campaigns.processes import run_in_processes
+
+pytestmark = pytest.mark.usefixtures("restored_loggers")
+
+
+def deadly(item):
+    """Dies, raises or answers."""
+    if item == "die":
+        os.abort()
+    if item == "raise":
+        raise ValueError("no")
+    return item, os.environ["OMP_NUM_THREADS"], os.getpid()
+
+
+def test_a_process_that_dies_takes_no_other_item_with_it():
+    items = ["die", "raise", 1, 2, 3]
+    outcomes = {o.item: o for o in run_in_processes(deadly, items, 1)}
+    assert set(outcomes) == set(items)
+    assert outcomes["die"].error == "the process died (-6)"
+    assert outcomes["raise"].error.endswith("ValueError: no\n")
+    assert [outcomes[n].result[:2] for n in (1, 2, 3)] == [(n, "1") for n in (1, 2, 3)]
+    assert len({outcomes[n].result[2] for n in (1, 2, 3)}) == 1
+
+
+OWN = """
+    def last_gets_lost(sim, parameters):
+        if sim.scenario.seed == 4:
+            raise RuntimeError(f"gone with {parameters['whom']}")
+        sim.advance(0.1)
+"""
+LINES = """
+trial: last_gets_lost
+parameters: {whom: the wind}
+seeds: counted
+goal: 0.9
+"""
+
+
+def test_a_sweep_goes_on_where_it_was_killed(campaign_file, tmp_path, capsys):
+    out = tmp_path / "out"
+    campaign = str(campaign_file(LINES, OWN))
+    command = ["sweep", campaign, "--trials", "5", "--out", str(out)]
+    process = subprocess.Popen([sys.executable, "-m", "atlas_drake", *command])
+    first = out / "trials" / "000000.json"
+    deadline = time.monotonic() + 60.0
+    while not first.exists() and time.monotonic() < deadline:
+        time.sleep(0.01)
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+    folder = CampaignFolder(out)
+    before = folder.records()
+    times = {n: (out / f"trials/{n:06d}.json").stat().st_mtime_ns for n in before}
+    assert 0 in before
+    assert main([*command, "--jobs", "1"]) == 1
+    said = capsys.readouterr().out
+    assert "Raised in 1, first in trial 4: RuntimeError: gone with the wind" in said
+    assert "Goal: 90 % succeed, not met." in said
+    records = folder.records()
+    assert sorted(records) == list(range(5))
+    for number, changed in times.items():
+        assert (out / f"trials/{number:06d}.json").stat().st_mtime_ns == changed
+    assert not list(out.rglob(".*unfinished*"))
+    # The table has it all, and pictures are there to be looked at.
+    table = pq.read_table(out / "results.parquet").to_pydict()
+    assert table["trial"] == list(range(5))
+    assert table["seed"] == [records[n]["seed"] for n in range(5)]
+    tilts = [records[n]["figures"]["tilt_max_rad"] for n in range(4)]
+    assert table["tilt_max_rad"] == [*tilts, None]
+    assert "own.py" in table["error"][4]
+    report = (out / "report.md").read_text()
+    assert "| all | 4 of 5 | 80.0 % (37.6 to 96.4 %) |" in report
+    for name in ("success_by_value", "success_by_direction", "distributions"):
+        assert (out / f"{name}.png").stat().st_size > 1000
+    capsys.readouterr()
+    # One trial alone is the same, and changes nothing.
+    log = tmp_path / "three.npz"
+    assert main([*command, "--only", "3", "--log", str(log)]) == 0
+    said = capsys.readouterr().out
+    assert f"The same as in {out}." in said
+    assert "push of" in said
+    assert log.exists()
+    assert folder.records() == records
+    # Another campaign is not for this folder.
+    assert main([*command, "--seed", "9"]) == 2
+    assert "holds results of another campaign: seed is 9" in capsys.readouterr().err
+    # Shards are put together.
+    shards = [tmp_path / "a", tmp_path / "b"]
+    for shard in shards:
+        shard.mkdir()
+        shutil.copy(out / "campaign.yaml", shard)
+        (shard / "trials").mkdir()
+    for number, record in records.items():
+        CampaignFolder(shards[number % 2]).write(record)
+    merged = tmp_path / "merged"
+    assert main(["results", str(merged), *map(str, shards)]) == 0
+    assert (merged / "report.md").read_text() == report
+    capsys.readouterr()
+    assert main(["compare", str(out), str(merged)]) == 0
+    assert "5 paired trials" in capsys.readouterr().out
+    found = {n: same_result(r) for n, r in CampaignFolder(merged).records().items()}
+    assert found == {n: same_result(r) for n, r in records.items()}
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (["--trials", "0"], "--trials: is 0"),
+        (["--jobs", "0"], "--jobs: is 0"),
+        (["--shard", "3"], "--shard: is '3'"),
+        (["--shard", "3/2"], "--shard: is 3/2"),
+        (["--log", "x.npz"], "--log: is for one trial"),
+        (["--set", "jitter.mas=1"], "jitter.mas"),
+        (["--with", "nothing.py"], "nothing.py: there is no such file"),
+    ],
+)
+def test_bad_input_ends_with_status_2(
+    arguments, complaint, campaign_file, tmp_path, capsys
+):
+    out = ["--out", str(tmp_path / "out")]
+    assert main(["sweep", str(campaign_file()), *out, *arguments]) == 2
+    assert complaint in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_ray_that_is_not_installed_is_named(
+    campaign_file, tmp_path, capsys, monkeypatch
+):
+    monkeypatch.setitem(sys.modules, "ray", None)
+    out = ["--out", str(tmp_path / "out")]
+    assert main(["sweep", str(campaign_file()), *out, "--ray", "auto"]) == 2
+    assert 'pip install "atlas-drake[ray]"' in capsys.readouterr().err

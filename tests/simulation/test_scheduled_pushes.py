@@ -1,0 +1,170 @@
+"""Pushes of a scenario: when they begin, where to, and what refuses them."""
+
+import numpy as np
+import pytest
+
+from atlas_drake import AtlasSimulation, PlannedPush, Scenario, ScenarioError
+from atlas_drake.scenario import Jitter, Start, load_scenario, with_settings
+from atlas_drake.simulation.gait_watch import DOWN_FOR, LIFTED_FOR, GaitWatch
+
+COARSE = {"physics_step": 0.002, "control_period": 0.004}
+
+
+def pushes(sim):
+    return [e for e in sim.events if e.kind == "push"]
+
+
+def loads(left, right):
+    wrenches = np.zeros(12)
+    wrenches[5], wrenches[11] = left, right
+    return wrenches
+
+
+def test_a_push_comes_at_its_time_along_the_robots_heading(tmp_path):
+    path = tmp_path / "pushed.yaml"
+    path.write_text(
+        "physics_step: 2e-3\ncontrol_period: 4e-3\nstart: {yaw: 1.5707963267948966}\n"
+        "pushes:\n"
+        "  - {time: 0.05, impulse: 8.0, direction: 1.5707963267948966}\n"
+        "  - {time: 0.03, impulse: 3.0, body: pelvis, frame: world, duration: 0.03}\n"
+    )
+    sim = AtlasSimulation(load_scenario(path))
+    sim.advance(0.1)
+    first, second = pushes(sim)
+    assert (first.time, second.time) == (0.03, 0.05)
+    assert first.text == "push of [100.0, 0.0, 0.0] N on pelvis for 0.03 s"
+    assert second.text.startswith("push of [-80.0, ")
+    sim.reset(seed=1)
+    sim.advance(0.1)
+    assert [e.time for e in pushes(sim)] == [0.03, 0.05]
+
+
+def test_cutting_an_advance_into_pieces_changes_nothing():
+    push = PlannedPush(phase="lift_off", impulse=1.0)
+    sims = [AtlasSimulation(Scenario(**COARSE, pushes=p)) for p in ([push], [])]
+    for sim in sims:
+        sim.advance(0.05)
+    states = [sim.output("state") for sim in sims]
+    assert (states[0] == states[1]).all()
+
+
+def test_the_gait_is_told_from_loads():
+    watch, weight = GaitWatch(100.0), 100.0
+    assert watch.look(0.0, loads(50, 50)) == []
+    # A jolt is no lift-off.
+    assert watch.look(0.1, loads(0, weight)) == []
+    assert watch.look(0.1 + 0.5 * LIFTED_FOR, loads(50, 50)) == []
+    assert watch.look(0.2, loads(0, weight)) == []
+    assert watch.look(0.2 + LIFTED_FOR, loads(0, weight)) == [(0, "lift_off")]
+    # Between the thresholds nothing happens, above them it does.
+    assert watch.look(0.5, loads(3, 97)) == []
+    assert watch.look(0.6, loads(10, 90)) == [(0, "touchdown")]
+    # A bounce is no second lift-off.
+    assert watch.look(0.61, loads(0, weight)) == []
+    assert watch.look(0.6 + 0.9 * DOWN_FOR, loads(0, weight)) == []
+    assert watch.look(0.7, loads(60, 40)) == []
+
+
+def test_a_push_waits_for_its_foot_and_the_share_of_the_step():
+    from atlas_drake.robot import load_robot
+    from atlas_drake.simulation.push_schedule import PushSchedule
+
+    robot = load_robot()
+    weight = robot.mass * 9.81
+    plan = PlannedPush(phase="touchdown", foot="right", fraction=0.5, delay=0.1)
+    schedule = PushSchedule([plan], robot)
+    both = loads(0.5 * weight, 0.5 * weight)
+
+    def step(begin, foot):
+        up = loads(0, weight) if foot == 0 else loads(weight, 0)
+        for time, load in ((0.0, both), (0.01, up), (0.1, up), (0.4, both)):
+            schedule.look(begin + time, load, 0.6)
+
+    step(0.0, 0)
+    assert schedule.awaits_gait
+    assert schedule.next_time == np.inf
+    step(1.0, 1)
+    assert not schedule.awaits_gait
+    assert schedule.next_time == pytest.approx(1.4 + 0.1 + 0.3)
+    assert schedule.due(1.79) == []
+    assert schedule.due(1.8) == [plan]
+    assert schedule.next_time == np.inf
+
+
+@pytest.mark.parametrize(
+    ("push", "field"),
+    [
+        ({"impulse": -1.0, "time": 0.0}, "pushes[0].impulse"),
+        ({"impulse": 1e5, "time": 0.0}, "pushes[0].impulse"),
+        ({"impulse": 1.0}, "pushes[0].time"),
+        ({"time": 1.0, "phase": "lift_off"}, "pushes[0].time"),
+        ({"phase": "landing"}, "pushes[0].phase"),
+        ({"time": float("nan")}, "pushes[0].time"),
+        ({"time": 1.0, "duration": 0.0}, "pushes[0].duration"),
+        ({"time": 1.0, "foot": "middle"}, "pushes[0].foot"),
+        ({"time": 1.0, "count": 0}, "pushes[0].count"),
+        ({"time": 1.0, "body": "tail"}, "pushes[0].body"),
+    ],
+)
+def test_a_push_that_cannot_be_is_named(push, field):
+    with pytest.raises(ScenarioError) as caught:
+        AtlasSimulation(Scenario(**COARSE, pushes=[PlannedPush(**push)]))
+    assert caught.value.field == field
+
+
+def test_elements_of_lists_can_be_set():
+    scenario = Scenario(pushes=[PlannedPush(time=1.0), PlannedPush(time=2.0)])
+    changed = with_settings(
+        scenario,
+        [
+            "start.position=[1.0, 0.0]",
+            "pushes[1].impulse=7",
+            "start.position[0]=2",
+            "pushes[1].time=3",
+        ],
+    )
+    assert [p.impulse for p in changed.pushes] == [0.0, 7.0]
+    assert [p.time for p in changed.pushes] == [1.0, 3.0]
+    assert changed.start.position == [2.0, 0.0]
+    assert scenario.pushes[1].impulse == 0.0
+    with pytest.raises(ScenarioError, match="there is no \\[2\\]"):
+        with_settings(scenario, ["pushes[2].impulse=7"])
+    # Where the world says it, there is no list yet.
+    with pytest.raises(ScenarioError, match="give the whole list"):
+        with_settings(scenario, ["start.position[0]=2"])
+
+
+def test_a_restart_equals_a_new_simulation_bit_for_bit():
+    first = Scenario(**COARSE, noise="rough", jitter=Jitter(mass=0.05))
+    other = Scenario(
+        **COARSE,
+        noise="rough",
+        seed=7,
+        ground_friction=0.7,
+        friction_jitter=0.1,
+        jitter=Jitter(joints=0.02, mass=0.1),
+        start=Start(position=[1.0, 2.0], yaw=0.5),
+        pushes=[PlannedPush(time=0.02, impulse=5.0)],
+    )
+    sim = AtlasSimulation(first)
+    sim.advance(0.05)
+    sim.restart(other)
+    new = AtlasSimulation(other)
+    for each in (sim, new):
+        each.advance(0.1)
+    assert (sim.output("state") == new.output("state")).all()
+    assert [str(e) for e in sim.events] == [str(e) for e in new.events]
+
+
+def test_a_restart_refuses_what_is_built_in():
+    sim = AtlasSimulation(Scenario(**COARSE))
+    for other, field in (
+        (Scenario(), "physics_step"),
+        (with_settings(Scenario(**COARSE), ["controller.gains.dcm_gain=3"]), None),
+        (Scenario(**COARSE, pushes=[PlannedPush(time=1.0, body="tail")]), "pushes"),
+    ):
+        with pytest.raises(ScenarioError) as caught:
+            sim.restart(other)
+        assert caught.value.field.startswith(field or "controller.gains.dcm_gain")
+    sim.advance(0.02)
+    assert sim.scenario.pushes == []
