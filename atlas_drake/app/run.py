@@ -196,7 +196,7 @@ def verdict(summary: dict[str, Any]) -> str:
         )
     elif "refusal" in first:
         why = first["refusal"]["text"]
-        text = f"Failed: the robot is upright, but a command was refused: {why}."
+        text = f"Failed: the robot is upright, but did not execute a command: {why}."
     elif STEPS_LEFT in first:
         text = f"Failed: the robot is upright, but {first[STEPS_LEFT]['text']}."
     else:

@@ -105,7 +105,7 @@ def test_a_refused_message_is_a_run_that_failed(program, capsys):
         "p.publish(AtlasCommand(position=[0] * 3))\nrospy.sleep(0.05)\n"
     )
     assert main(["script", path, *COARSE]) == 1
-    assert "did not obey: refused: position" in capsys.readouterr().out
+    assert "did not execute a command: refused: position" in capsys.readouterr().out
 
 
 def test_a_fall_ends_the_program_soon_after(program, capsys, monkeypatch):

@@ -349,7 +349,7 @@ def test_an_effort_that_is_no_number_is_told(value):
         return system
 
     sim = AtlasSimulation(Scenario(**COARSE), controller=broken)
-    with pytest.raises(SimulationError, match="behavior_effort of back_bkx is no fin"):
+    with pytest.raises(SimulationError, match="behavior_effort of back_bkx is not fin"):
         sim.advance(0.01)
 
 
