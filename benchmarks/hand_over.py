@@ -23,7 +23,10 @@ over its effort limit [-]."""
 
 
 def hand_overs(
-    model: str = "atlas", duration: float = DURATION, physics_step: float = 0.001
+    model: str = "atlas",
+    duration: float = DURATION,
+    physics_step: float = Scenario.physics_step,
+    control_period: float = Scenario.control_period,
 ) -> list[dict[str, Any]]:
     """Measures every hand-over of the tutorial.
 
@@ -33,7 +36,12 @@ def hand_overs(
         limit: among those that are ``the behavior's`` after it, and ``the user's``.
     """
     sim = AtlasSimulation(
-        Scenario(model=model, programme="tutorial", physics_step=physics_step)
+        Scenario(
+            model=model,
+            programme="tutorial",
+            physics_step=physics_step,
+            control_period=control_period,
+        )
     )
     robot, period = sim.robot, sim.scenario.control_period
     effort = sim.diagram.GetOutputPort("effort")
@@ -74,9 +82,17 @@ def main() -> int:
     """The command line; status 1 when the goal is missed."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--model", default="atlas")
+    parser.add_argument(
+        "--steps",
+        type=float,
+        nargs=2,
+        metavar=("PHYSICS", "CONTROL"),
+        default=(Scenario.physics_step, Scenario.control_period),
+        help="physics step and control period [s] (default: those of a scenario)",
+    )
     options = command_line(parser)
     logging.getLogger("drake").setLevel(logging.ERROR)
-    found = hand_overs(options.model)
+    found = hand_overs(options.model, DURATION, *options.steps)
     worst = 0.0
     for entry in found:
         text = f"{entry['before']} -> {entry['after']}, {entry['changed']} joints"

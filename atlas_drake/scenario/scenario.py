@@ -142,10 +142,10 @@ class Scenario:
     """Length of the run on the command line [s]."""
     initial_behavior: str = "STAND"
     """Behavior active at the start; USER gives all joints to the user."""
-    physics_step: float = 0.001
+    physics_step: float = 0.002
     """Step of plant and joint controllers [s], within PHYSICS_STEPS. The field is here
     rather than in ``plant`` because joint controllers and sensors share the step."""
-    control_period: float = 0.002
+    control_period: float = 0.004
     """Step of the behaviors [s], a multiple of physics_step."""
     plant: MultibodyPlantConfig = field(default_factory=plant_config)
     """Contact model and solver: all fields of Drake's ``MultibodyPlantConfig`` but

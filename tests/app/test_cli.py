@@ -494,7 +494,7 @@ def test_verdicts_tell_apart_what_can_happen():
     assert "fell at 3.2 s: falling in WALK" in fell
     refusal = [{"time": 1.0, "kind": "refusal", "text": "no such thing"}]
     refused = verdict(outcome(success=False, events=refusal))
-    assert "a command was refused: no such thing" in refused
+    assert "did not execute a command: no such thing" in refused
     left = [{"time": 1.0, "kind": "steps left", "text": "WALK ends without step 2"}]
     assert "ends without step 2" in verdict(outcome(success=False, events=left))
     assert "did not end upright" in verdict(outcome(success=False))

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from pydrake.systems.analysis import Simulator
 
-from atlas_drake import AtlasCommand, AtlasSimulation, read_log
+from atlas_drake import AtlasCommand, AtlasSimulation, Scenario, read_log
 from atlas_drake.app import log as log_command
 from atlas_drake.app import run as run_command
 from atlas_drake.app.main import main
@@ -34,7 +34,7 @@ def test_a_run_is_logged(scenario, tmp_path, capsys):
     assert main(["run", scenario(), "--headless", "--log", str(file)]) == 0
     assert f"atlas-drake plot {file}" in capsys.readouterr().out
     log = read_log(file)
-    assert len(log) == 50
+    assert len(log) == 25
     assert log.scenario.duration == 0.1
 
 
@@ -49,7 +49,8 @@ def test_ctrl_c_keeps_what_was_logged(scenario, tmp_path, monkeypatch, suffix):
     file = tmp_path / f"run{suffix}"
     run = ["run", scenario("duration: 60.0\n"), "--headless", "--log", str(file)]
     assert main(run) == 130
-    assert read_log(file).time[-1] == pytest.approx(run_command.PIECE - 0.002)
+    end = run_command.PIECE - Scenario.control_period
+    assert read_log(file).time[-1] == pytest.approx(end)
 
 
 @pytest.mark.parametrize("error", [RuntimeError("diverged"), KeyboardInterrupt()])
@@ -65,7 +66,7 @@ def test_a_failure_keeps_what_was_logged(scenario, tmp_path, monkeypatch, error)
     file = tmp_path / "run.npz"
     status = main(["run", scenario(), "--headless", "--log", str(file)])
     assert status == (1 if isinstance(error, RuntimeError) else 130)
-    assert len(read_log(file)) == 30
+    assert len(read_log(file)) == 15
 
 
 @pytest.mark.parametrize(

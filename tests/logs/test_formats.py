@@ -48,10 +48,10 @@ def test_a_run_is_the_same_in_every_format(run, scenario, suffix, tmp_path):
     with AtlasSimulation(scenario, log=tmp_path / f"run{suffix}") as sim:
         sim.advance_to(0.04)
     again = read_log(tmp_path / f"run{suffix}")
-    assert len(again) == 20
+    assert len(again) == 10
     for name, values in log.arrays.items():
         if name != "controller.tick_time":  # A fact about the machine.
-            np.testing.assert_array_equal(again[name], values[:20], err_msg=name)
+            np.testing.assert_array_equal(again[name], values[:10], err_msg=name)
 
 
 def test_what_is_not_known_stays_unknown(log, suffix, tmp_path):
@@ -114,7 +114,7 @@ def test_an_mcap_can_be_read_while_it_is_written(scenario, tmp_path):
     sim.advance_to(0.1)
     shutil.copy(tmp_path / "run.mcap", tmp_path / "killed.mcap")
     sim.close()
-    assert 30 < len(read_log(tmp_path / "killed.mcap")) <= 50
+    assert 15 < len(read_log(tmp_path / "killed.mcap")) <= 25
 
 
 def test_mcap_viewers_find_topics_schemas_and_an_index(log, tmp_path):

@@ -91,7 +91,7 @@ def test_bodies_are_where_the_log_has_them(run, meshcat):
 def test_the_row_is_the_latest_one(log):
     player = LogPlayer(log)
     context = player.CreateDefaultContext()
-    for time, row in ((0.0, 0), (0.0031, 1), (0.004, 2), (99.0, len(log) - 1)):
+    for time, row in ((0.0, 0), (0.0061, 1), (0.008, 2), (99.0, len(log) - 1)):
         context.SetTime(time)
         assert player.row(context) == row
         np.testing.assert_array_equal(

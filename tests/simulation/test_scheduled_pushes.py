@@ -159,7 +159,7 @@ def test_a_restart_equals_a_new_simulation_bit_for_bit():
 def test_a_restart_refuses_what_is_built_in():
     sim = AtlasSimulation(Scenario(**COARSE))
     for other, field in (
-        (Scenario(), "physics_step"),
+        (Scenario(physics_step=0.001), "physics_step"),
         (with_settings(Scenario(**COARSE), ["controller.gains.dcm_gain=3"]), None),
         (Scenario(**COARSE, pushes=[PlannedPush(time=1.0, body="tail")]), "pushes"),
     ):

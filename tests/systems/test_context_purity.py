@@ -62,8 +62,11 @@ def remembered(diagram, context):
         outputs["sent"],
         report,
         efforts.tobytes(),
-        status.plan.dcm_reference.tobytes(),
-        status.plan.support.tobytes(),
+        *(
+            # A robot that falls has no plan.
+            None if part is None else part.tobytes()
+            for part in (status.plan.dcm_reference, status.plan.support)
+        ),
         status.events,
         status.unsolved,
     ]

@@ -15,7 +15,7 @@ from atlas_drake.systems.command_scheduler import ScheduledCommand
 from atlas_drake.systems.estimation_error import error_sizes
 from atlas_drake.systems.state_estimator import StateEstimator
 
-TICK = 0.002
+TICK = Scenario.control_period
 """Control period of the default scenario [s]."""
 ESTIMATED = Scenario(state="estimated", noise="rough", seed=4)
 
@@ -96,7 +96,7 @@ def test_the_legs_are_seen_as_they_move_in_the_world(alone):
 def test_a_reset_begins_anew_from_where_the_robot_is_then(alone):
     estimator, context, state = alone
     simulator = Simulator(estimator, context)
-    simulator.AdvanceTo(0.05)
+    simulator.AdvanceTo(12 * TICK)
     elsewhere = state.copy()
     elsewhere[4:7] += [2.0, -1.0, 0.1]
     elsewhere[:4] = turned(elsewhere[:4], np.array([0.0, 0.0, 1.0]))

@@ -13,7 +13,7 @@ DAMPING_PER_EFFORT = 0.002
 A joint that turns at 10 rad/s is braked with a fiftieth of its effort limit: limbs do
 not whip, and nothing is pushed hard against the ground. Damping that is constant over a
 control tick must stay well below twice a joint's inertia per tick, which for the ankles
-in the air (0.009 kg·m², 700 N·m) is 0.013 at 2 ms.
+in the air (0.009 kg·m², 700 N·m) is 0.0064 at 4 ms.
 """
 
 
