@@ -75,17 +75,17 @@ def test_versions_come_first_and_go_with_the_figures(
 
 def test_speed_has_the_figures_promised(load, monkeypatch, capsys):
     realtime = load("realtime")
-    monkeypatch.setattr(realtime, "DURATION", realtime.PIECE)
+    monkeypatch.setattr(realtime, "DURATION", 0.1)
+    monkeypatch.setattr(realtime, "PIECE", 0.1)
+    monkeypatch.setattr(realtime, "RESETS", 1)
     result = realtime.measure("atlas")
     assert result["bare_upright"]
-    assert result["sim_time"] == pytest.approx(realtime.PIECE)
-    assert 0.0 < result["bare_step_ms"] < result["closed_loop_ms_per_step"]
-    quotient = result["closed_loop_ms_per_step"] / result["bare_step_ms"]
-    assert result["ratio"] == pytest.approx(quotient)
-    assert result["real_time_factor"] > 0.0
+    assert all(result[key] > 0.0 for key in realtime.GOALS)
+    assert result["reset_s"] < 1.0 < result["memory"] < 3.0
     assert set(result["tick_ms"]) == {"median", "p99", "max"}
     realtime.print_table(result)
-    assert "closed loop / bare plant" in capsys.readouterr().out
+    shown = capsys.readouterr().out
+    assert all(label in shown for label, _ in realtime.GOALS.values())
 
 
 def test_contact_models_take_turns_in_speed(load, monkeypatch):
