@@ -395,6 +395,7 @@ def write_until_full(writer, write, row):
     write(writer, row)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no full disk here")
 @pytest.mark.parametrize("full", ["--json", "--video", "--log"])
 def test_a_full_disk_takes_nothing_else_with_it(
@@ -512,6 +513,7 @@ def test_teleop_says_the_keys_and_ends_in_good_order(capsys):
     assert "Stopped at 0.2 s" in out
 
 
+@pytest.mark.slow
 def test_ctrl_c_ends_teleop_cleanly():
     command = [sys.executable, "-m", "atlas_drake", "teleop"]
     process = subprocess.Popen(

@@ -108,6 +108,7 @@ def test_a_refused_message_is_a_run_that_failed(program, capsys):
     assert "did not execute a command: refused: position" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_a_fall_ends_the_program_soon_after(program, capsys, monkeypatch):
     monkeypatch.setattr(run_command, "AFTER_FALL", 0.1)
     path = program("import rospy\nrospy.spin()\nprint('down')\n")
@@ -140,6 +141,7 @@ def test_a_program_that_is_not_there_is_missed_at_once(tmp_path, capsys):
     assert "cannot be read" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "printed"),
     [

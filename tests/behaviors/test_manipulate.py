@@ -206,6 +206,7 @@ def test_a_user_who_has_a_leg_is_waited_for(start, observe):
     assert robot.feedback.clamped.pelvis_height == 0.85
 
 
+@pytest.mark.slow
 def test_it_leaves_when_it_is_back_at_stands_pose(start, observe):
     robot = start(asked(pelvis_height=0.85))
     request = asked(pelvis_height=0.85)

@@ -51,6 +51,7 @@ def run(monkeypatch):
     return make
 
 
+@pytest.mark.slow
 def test_a_hand_holds_a_point_in_the_world_while_the_robot_stands(run):
     sim, errors = run()
     assert not sim.has_fallen

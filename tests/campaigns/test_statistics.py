@@ -101,6 +101,7 @@ def test_a_search_says_what_it_knows_so_far():
     assert [trial.number for trial in search.next_trials(half)] == numbers[1:]
 
 
+@pytest.mark.slow
 def test_a_threshold_over_directions_has_a_report_and_pictures(tmp_path):
     campaign = Campaign(
         scenario=Scenario(pushes=[PlannedPush(time=1.0)]),

@@ -26,6 +26,7 @@ def deadly(item):
     return item, os.environ["OMP_NUM_THREADS"], os.getpid()
 
 
+@pytest.mark.slow
 def test_a_process_that_dies_takes_no_other_item_with_it():
     items = ["die", "raise", 1, 2, 3]
     outcomes = {o.item: o for o in run_in_processes(deadly, items, 1)}

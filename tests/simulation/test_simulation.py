@@ -376,6 +376,7 @@ def test_waiting_in_vain_ends_with_an_error_that_says_when(sim):
 # ---- threads -------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_nothing_is_lost_that_another_thread_publishes(tmp_path):
     scenario = Scenario(physics_step=0.002, control_period=0.004)
     done, sent = threading.Event(), []
