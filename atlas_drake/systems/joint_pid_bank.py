@@ -36,8 +36,8 @@ from atlas_drake.systems.scratch import declare_scratch_context
 
 MOVED = 0.1
 """Refresh the model when a joint has moved farther than this [rad]."""
-PREPARATION_TICKS = 5
-"""Period of the model refresh [control ticks]."""
+REFRESH_PERIOD = 0.01
+"""Least time between two refreshes of the model, unless a sole is let go [s]."""
 PLANTED_SHARE = 0.1
 """Least load of a sole that counts as held by the ground, in weights [-]."""
 PLANTED_LEVER = 0.8
@@ -50,6 +50,7 @@ class PreparedLaw(Frozen):
     """Data of the law that change seldom.
 
     Attributes:
+        time: Time at which the data were computed [s].
         source: The command for which the data were computed.
         q: Joint positions for which the data were computed [rad].
         planted: True for each sole that the ground held.
@@ -61,6 +62,7 @@ class PreparedLaw(Frozen):
         model: Response of velocities to efforts.
     """
 
+    time: float
     source: JointCommand
     q: np.ndarray
     planted: tuple[bool, bool]
@@ -100,7 +102,7 @@ class JointPidBank(CollectableSystem):
         user_forecast: ``UserForecast`` for the coming control tick.
 
     State: the fields of ``PidState``, updated at every physics step; the prepared law,
-    updated every few control ticks when pose, contact or commands have changed.
+    updated at a control tick when pose, contact or commands have changed.
     """
 
     __slots__ = ()
@@ -161,7 +163,7 @@ class JointPidBank(CollectableSystem):
         self._prepared = self.DeclareAbstractState(AbstractValue.Make(NOTHING))
         self.DeclarePeriodicDiscreteUpdateEvent(physics_step, 0.0, self._update)
         self.DeclarePeriodicUnrestrictedUpdateEvent(
-            PREPARATION_TICKS * control_period, 0.0, self._update_law
+            control_period, 0.0, self._update_law
         )
 
     def reset(self, context: Context) -> None:
@@ -281,6 +283,7 @@ class JointPidBank(CollectableSystem):
         damping = command.kd_position + command.kp_velocity
         share = source.k_effort * (1.0 / K_EFFORT_MAX)
         return PreparedLaw(
+            time=context.get_time(),
             source=source,
             q=state[self._q],
             planted=planted,
@@ -311,11 +314,26 @@ class JointPidBank(CollectableSystem):
         if not source.k_effort.any():
             return
         known = context.get_abstract_state(self._prepared).get_value()
-        if known is not NOTHING and known.source is source:
-            q = self._state_input.Eval(context)[self._q]
-            moved = np.abs(q - known.q).max() > MOVED
-            if not moved and self._planted(context) == known.planted:
-                return
-        state.get_mutable_abstract_state(self._prepared).set_value(
-            self._prepare(context, source)
-        )
+        if (
+            known is NOTHING
+            or known.source is not source
+            or self._is_old(context, known)
+        ):
+            state.get_mutable_abstract_state(self._prepared).set_value(
+                self._prepare(context, source)
+            )
+
+    def _is_old(self, context: Context, law: PreparedLaw) -> bool:
+        """Returns True if the law's model of the legs and the ground no longer holds.
+
+        A sole that the ground lets go of counts at once: its joints are then many times
+        as light as in the model, and the damping that was stable for them is not. All
+        else may wait for ``REFRESH_PERIOD``.
+        """
+        planted = self._planted(context)
+        if any(was and not now for was, now in zip(law.planted, planted, strict=True)):
+            return True
+        if context.get_time() < law.time + REFRESH_PERIOD - 1e-9:
+            return False
+        q = self._state_input.Eval(context)[self._q]
+        return planted != law.planted or bool(np.abs(q - law.q).max() > MOVED)
