@@ -34,7 +34,7 @@ from atlas_drake.diagrams.standing import stand_by_default
 from atlas_drake.messages import Behavior
 from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.robot import Robot, load_robot
-from atlas_drake.scenario.drake_configs import check_plant_config, plant_config
+from atlas_drake.scenario.drake_configs import checked_plant_config, plant_config
 from atlas_drake.scenario.noise import NoiseModel
 from atlas_drake.scenario.terrain import Block
 from atlas_drake.scenario.time_grid import on_common_grid
@@ -304,8 +304,9 @@ def _add_plant(
     world: Sequence[WorldMaker],
 ) -> tuple[MultibodyPlant, SceneGraph]:
     """Adds the plant with robot, level ground at z = 0, terrain and world."""
-    check_plant_config(config.plant, config.physics_step)
-    plant, scene_graph = AddMultibodyPlant(config.plant, builder)
+    plant, scene_graph = AddMultibodyPlant(
+        checked_plant_config(config.plant, config.physics_step), builder
+    )
     robot.add_to(plant)
     add_scenery(plant, config.terrain, config.ground_friction)
     add_world(plant, world)

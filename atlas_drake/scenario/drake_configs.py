@@ -3,6 +3,7 @@
 Drake itself checks the values; fields that the station sets are refused here.
 """
 
+import copy
 from typing import Any
 
 from pydrake.multibody.plant import AddMultibodyPlant, MultibodyPlantConfig
@@ -33,17 +34,22 @@ def plant_config(**fields: Any) -> MultibodyPlantConfig:
     return MultibodyPlantConfig(**(own | fields))
 
 
-def check_plant_config(config: MultibodyPlantConfig, physics_step: float) -> None:
-    """Checks the plant's configuration, and sets the fields that the station decides.
+def checked_plant_config(
+    config: MultibodyPlantConfig, physics_step: float
+) -> MultibodyPlantConfig:
+    """Returns the plant's configuration with the fields that the station decides.
+
+    The given one stays as it is: its scenario may get another physics step yet.
 
     Args:
-        config: Configuration; its ``time_step`` becomes the physics step. Drake's
+        config: Configuration; in the result ``time_step`` is the physics step. Drake's
             defaults of the other fields that the station decides are replaced too.
         physics_step: Step of plant and joint controllers [s].
 
     Raises:
         ScenarioError: Naming the field that cannot be used.
     """
+    config = copy.deepcopy(config)
     _decide(config, "plant", "time_step", physics_step, "set physics_step instead")
     sampled = "use_sampled_output_ports"
     _decide(config, "plant", sampled, False, "must be false: controllers need it")
@@ -53,6 +59,7 @@ def check_plant_config(config: MultibodyPlantConfig, physics_step: float) -> Non
         AddMultibodyPlant(config, DiagramBuilder())
     except (Exception, SystemExit) as error:  # Drake raises both.
         raise ScenarioError("plant", config, f"cannot be used: {error}") from error
+    return config
 
 
 def check_simulator_config(config: SimulatorConfig) -> None:

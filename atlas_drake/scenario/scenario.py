@@ -3,6 +3,7 @@
 One dataclass, one comment per field, all defaults here. ``simulation`` runs a scenario.
 """
 
+import copy
 from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -27,8 +28,8 @@ from atlas_drake.messages import Behavior
 from atlas_drake.messages.behavior_catalog import SHIPPED, BehaviorCatalog
 from atlas_drake.robot import DEFAULT_ROBOT, find_robot, model_beside
 from atlas_drake.scenario.drake_configs import (
-    check_plant_config,
     check_simulator_config,
+    checked_plant_config,
     plant_config,
 )
 from atlas_drake.scenario.models import Model, models_beside
@@ -198,6 +199,16 @@ class Scenario:
 
     __hash__ = None  # type: ignore[assignment]  # A scenario is mutable.
 
+    def resolved(self) -> "Scenario":
+        """Return a valid copy in which every field is as a simulation uses it.
+
+        Raises:
+            ScenarioError: As ``validate`` does.
+        """
+        scenario = copy.deepcopy(self.validate())
+        scenario.plant = checked_plant_config(scenario.plant, scenario.physics_step)
+        return scenario
+
     def validate(self) -> "Scenario":
         """Checks every field.
 
@@ -250,7 +261,7 @@ class Scenario:
         self.physics_step, self.control_period = on_common_grid(
             self.physics_step, self.control_period
         )
-        check_plant_config(self.plant, self.physics_step)
+        checked_plant_config(self.plant, self.physics_step)
         check_seed(self.seed)
         for name, value in vars(self.jitter).items():
             most = 1.0 if name == "mass" else np.inf

@@ -158,7 +158,7 @@ class AtlasSimulation:
             BehaviorError: If a behavior cannot be registered.
         """
         check_arguments(scenario, meshcat, overlays, video, on_event, log)
-        self.scenario = copy.deepcopy((scenario or Scenario()).validate())
+        self.scenario = (scenario or Scenario()).resolved()
         self.robot = load_robot(self.scenario.model)
         self._own_behaviors = configured(
             registered(behaviors), self.scenario.controller.behaviors
@@ -552,7 +552,7 @@ class AtlasSimulation:
             ScenarioError: If a field cannot be used or needs a new simulation, or while
                 a log or a video is written, which hold one run.
         """
-        asked = copy.deepcopy(scenario.validate())
+        asked = scenario.resolved()
         if asked.model == self._asked_model:
             asked.model = self.robot.model
         field = built_in_difference(self.scenario, asked)

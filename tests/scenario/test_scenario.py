@@ -59,7 +59,7 @@ def test_validate_returns_the_scenario_itself():
 @pytest.mark.parametrize("parts", [1, 2, 3, 4, 7])
 def test_every_physics_step_that_divides_the_control_period_is_accepted(parts):
     step = 0.002 / parts
-    scenario = Scenario(physics_step=step, control_period=0.002).validate()
+    scenario = Scenario(physics_step=step, control_period=0.002).resolved()
     assert scenario.physics_step == pytest.approx(step, rel=1e-9)
     assert scenario.plant.time_step == scenario.physics_step
     again = (scenario.physics_step, scenario.control_period)
@@ -336,9 +336,17 @@ def test_settings_win_in_their_order():
     assert scenario.name == "a=b"
 
 
+def test_the_steps_of_a_valid_scenario_may_change():
+    scenario = Scenario().validate()
+    scenario.physics_step, scenario.control_period = 0.0005, 0.001
+    assert scenario.validate().resolved().plant.time_step == 0.0005
+    finer = with_settings(scenario, ["physics_step=0.00025"])
+    assert finer.resolved().plant.time_step == 0.00025
+
+
 def test_a_configuration_made_with_drakes_defaults_is_the_stations(tmp_path):
     sap = MultibodyPlantConfig(discrete_contact_approximation="sap")
-    plant = Scenario(plant=sap, physics_step=0.0005).validate().plant
+    plant = Scenario(plant=sap, physics_step=0.0005).resolved().plant
     assert plant.time_step == 0.0005
     assert not plant.use_sampled_output_ports
     assert plant.discrete_contact_approximation == "sap"
