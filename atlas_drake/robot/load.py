@@ -19,10 +19,9 @@ from atlas_drake.bounds import NOT_NEGATIVE
 from atlas_drake.errors import (
     RobotDescriptionError,
     ScenarioError,
-    did_you_mean,
-    shown,
 )
 from atlas_drake.kinds import typed
+from atlas_drake.robot.data_file import file_beside, find_data_file
 from atlas_drake.robot.file import RobotFile, check_file
 from atlas_drake.robot.fit import (
     check_base,
@@ -38,7 +37,6 @@ from atlas_drake.robot.robot import Robot, add_urdf
 
 MODELS_FOLDER = Path(__file__).parent.parent / "models"
 DEFAULT_ROBOT = "atlas"
-_ENDINGS = (".yaml", ".yml")
 
 
 def available_robots() -> list[str]:
@@ -57,34 +55,18 @@ def find_robot(model: str | Path) -> Path:
     Raises:
         RobotDescriptionError: If there is no such robot.
     """
-    if str(model) in available_robots():
-        return MODELS_FOLDER / f"{model}.yaml"
-    path = Path(model).expanduser()
-    names = available_robots()
-    if path.suffix not in _ENDINGS:
-        raise RobotDescriptionError(
-            "model",
-            str(model),
-            f"there is no robot {shown(str(model))};{did_you_mean(str(model), names)} "
-            f"must be one of {', '.join(names)}, or the path of a robot's file "
-            f"({' or '.join('*' + ending for ending in _ENDINGS)})",
-        )
-    path = path.absolute()
-    if not path.is_file():
-        raise RobotDescriptionError(
-            "model",
-            str(model),
-            f"there is no file {path}; give the path of a robot's YAML file, or one of "
-            f"{', '.join(names)}",
-        )
-    return path
+    return find_data_file(
+        model,
+        MODELS_FOLDER,
+        available_robots(),
+        "robot",
+        lambda problem: RobotDescriptionError("model", str(model), problem),
+    )
 
 
 def model_beside(model: str, folder: Path) -> str:
     """Returns a robot's name unchanged, or its path made absolute from ``folder``."""
-    if model in available_robots() or Path(model).suffix not in _ENDINGS:
-        return model
-    return str((folder / Path(model).expanduser()).absolute())
+    return file_beside(model, folder, available_robots())
 
 
 def load_robot(model: str | Path = DEFAULT_ROBOT) -> Robot:

@@ -14,8 +14,9 @@ from typing import Any
 
 from pydrake.common.yaml import yaml_load
 
-from atlas_drake.errors import ScenarioError, did_you_mean, shown
+from atlas_drake.errors import ScenarioError, shown
 from atlas_drake.kinds import typed
+from atlas_drake.robot.data_file import file_beside, find_data_file
 from atlas_drake.robot.load import MODELS_FOLDER
 from atlas_drake.scenario.models import Model, models_beside
 from atlas_drake.scenario.obstacles import Blocks, Ramp, Stairs, Strewn
@@ -23,7 +24,6 @@ from atlas_drake.scenario.terrain import Block
 
 WORLDS_FOLDER = MODELS_FOLDER / "worlds"
 DEFAULT_WORLD = "level"
-_ENDINGS = (".yaml", ".yml")
 _OBSTACLES = ("stairs", "ramp", "blocks", "strewn")
 
 
@@ -151,40 +151,26 @@ def find_world(name: str | Path) -> Path:
     Raises:
         ScenarioError: If there is no such world.
     """
-    names = available_worlds()
-    if str(name) in names:
-        return WORLDS_FOLDER / f"{name}.yaml"
-    path = Path(name).expanduser()
-    if path.suffix not in _ENDINGS:
-        raise ScenarioError(
-            "world",
-            str(name),
-            f"there is no world {shown(str(name))};{did_you_mean(str(name), names)} "
-            f"must be one of {', '.join(names)}, or the path of a world's file "
-            f"({' or '.join('*' + ending for ending in _ENDINGS)})",
-        )
-    path = path.absolute()
-    if not path.is_file():
-        raise ScenarioError(
-            "world",
-            str(name),
-            f"there is no file {path}; give the path of a world's YAML file, or one of "
-            f"{', '.join(names)}",
-        )
-    return path
+    return find_data_file(
+        name,
+        WORLDS_FOLDER,
+        available_worlds(),
+        "world",
+        lambda problem: ScenarioError("world", str(name), problem),
+    )
 
 
 def world_beside(world: Any, folder: Path) -> Any:
     """Return what a scenario's file says of its world, with paths from ``folder``."""
     if isinstance(world, Mapping):
-        seen = {**world, "models": models_beside(world.get("models"), folder)}
-        seen = {name: seen[name] for name in world}
+        fields_given = {**world, "models": models_beside(world.get("models"), folder)}
+        fields_given = {name: fields_given[name] for name in world}
         if "name" in world:
-            seen["name"] = world_beside(world["name"], folder)
-        return seen
-    if not isinstance(world, str) or Path(world).suffix not in _ENDINGS:
+            fields_given["name"] = world_beside(world["name"], folder)
+        return fields_given
+    if not isinstance(world, str):
         return world
-    return str((folder / Path(world).expanduser()).absolute())
+    return file_beside(world, folder, available_worlds())
 
 
 def load_world(name: str | Path = DEFAULT_WORLD) -> World:
