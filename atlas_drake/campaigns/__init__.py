@@ -1,6 +1,6 @@
 """Campaigns: many runs of one scenario, drawn from seeds, done anywhere, and judged.
 
-One run is ``simulation``'s business; what a scenario has, ``scenario``'s.
+A single run is in ``simulation``; the fields of a scenario are in ``scenario``.
 """
 
 from atlas_drake.campaigns.campaign import Campaign, Threshold

@@ -12,7 +12,7 @@ from atlas_drake.systems.energy_meter import EnergyMeter
 PERIOD = 0.004
 """Between two looks at the motors' power [s]."""
 PORT = "motor_work"
-"""Output port of the diagram that tells the work."""
+"""Output port of the diagram with the work."""
 
 
 def add_energy_meter(builder: DiagramBuilder, station: Diagram, robot: Robot) -> None:

@@ -23,7 +23,7 @@ AT_LIMIT = 0.999
 
 
 def success(sim: AtlasSimulation) -> Figures:
-    """Whether the robot is upright and did what it was told, and when it fell if so."""
+    """Success of the run, and the time of a fall if there was one."""
     summary = sim.summary()
     falls = [event.time for event in sim.events if event.kind == "fall"]
     return {

@@ -87,7 +87,7 @@ def _success_table(campaign: Campaign, rows: list[Record]) -> str:
 
 
 def _repeats(campaign: Campaign, path: str) -> bool:
-    """Whether several trials have the same value there."""
+    """True if several trials have the same value there."""
     drawn = campaign.vary.get(path, {})
     threshold = campaign.threshold
     return (

@@ -48,11 +48,11 @@ class Shard:
             )
 
     def __str__(self) -> str:
-        """As on the command line."""
+        """Return the form of the command line, such as ``1/4``."""
         return f"{self.index}/{self.count}"
 
     def has(self, number: int) -> bool:
-        """Whether a number from 0 belongs to the part."""
+        """Return True if a number from 0 belongs to the part."""
         return number % self.count == self.index - 1
 
 
@@ -71,8 +71,8 @@ def run_campaign(
 ) -> Records:
     """Does all trials of a campaign that are not done yet.
 
-    Stopped in any way, it goes on where it was when it is called again with the same
-    folder: a trial that is done is not done again.
+    A campaign that was stopped in any way continues when this is called again with the
+    same folder: no trial is done twice.
 
     Args:
         campaign: What to run.

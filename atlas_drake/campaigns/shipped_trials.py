@@ -31,7 +31,7 @@ def walk(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, Any]:
     """Walks straight ahead for ``distance`` [m], and stands until the duration ends.
 
     Returns:
-        Whether the robot stands again: ``walk_ended``.
+        ``walk_ended``: True if the robot stands again.
     """
     _until(sim, STANDING)
     report = sim.atlas_sim_interface_state

@@ -19,13 +19,13 @@ Records = Mapping[int, Mapping[str, Any]]
 
 @dataclass(frozen=True)
 class Found:
-    """What a search of one case knows.
+    """The state of a search of one case.
 
     Attributes:
         case: Values of the case by path.
         borne: Largest value known to be borne.
         too_much: Smallest value known not to be; None if none was met.
-        ended: Whether the search is over.
+        ended: True if the search is over.
     """
 
     case: dict[str, Any]
@@ -80,7 +80,7 @@ class Search:
                 too_much = level
 
     def _verdict(self, level: int, records: Records) -> bool | None:
-        """Whether a level is borne; None as long as a trial is missing."""
+        """True if a level is borne; None as long as a trial is missing."""
         numbers = self._numbers(level)
         if not all(number in records for number in numbers):
             return None

@@ -36,7 +36,7 @@ class Clock:
 
     Attributes:
         sim: The simulation.
-        simulating: Whether an operation runs that Ctrl-C must not interrupt.
+        simulating: True while an operation runs that Ctrl-C must not interrupt.
         last_command: Time of the last published message [s].
     """
 
@@ -68,7 +68,7 @@ class Clock:
 
     @property
     def over(self) -> bool:
-        """Whether the run is over and time no longer passes."""
+        """True if the run is over and time no longer passes."""
         return self._shut_down or self._run_ended() or self.sim.time >= self._end - TINY
 
     def shut_down(self) -> None:

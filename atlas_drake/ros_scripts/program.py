@@ -27,7 +27,7 @@ class Program:
 
     Attributes:
         path: Path of the file.
-        at_fault: Whether the program asked for something unknown; set by ``run``.
+        at_fault: True if the program asked for something unknown; set by ``run``.
     """
 
     def __init__(self, path: Path, arguments: Sequence[str] = ()) -> None:
@@ -48,7 +48,7 @@ class Program:
 
     @property
     def simulating(self) -> bool:
-        """Whether an operation runs that Ctrl-C must not interrupt."""
+        """True while an operation runs that Ctrl-C must not interrupt."""
         return self._clock is not None and self._clock.simulating
 
     @property

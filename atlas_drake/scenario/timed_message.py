@@ -1,6 +1,6 @@
 """Messages that a scenario sends by itself, each at its time.
 
-How they are delivered is the scheduler's business; the tutorial's own ones are in
+The scheduler delivers them; the tutorial's own messages are in
 ``simulation.tutorial``.
 """
 

@@ -1,7 +1,6 @@
 """Python files of a user that bring parts of a simulation, or functions.
 
-Runs them and takes what they define. Which option names them is the command line's
-business.
+Runs the files and takes what they define. The options that name them are in ``app``.
 """
 
 from __future__ import annotations

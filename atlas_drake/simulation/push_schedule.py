@@ -46,7 +46,7 @@ class PushSchedule:
 
     @property
     def awaits_gait(self) -> bool:
-        """Whether a push depends on what the feet will do."""
+        """True if a push depends on what the feet will do."""
         return bool(self._awaited)
 
     @property

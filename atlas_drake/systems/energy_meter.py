@@ -12,11 +12,12 @@ class EnergyMeter(CollectableSystem):
     """Efforts and state in, work so far out.
 
     Input ports:
-        effort: What the motors do [N·m], shape (n,).
+        effort: Efforts of the motors [N·m], shape (n,).
         state: Positions and velocities of the robot.
 
     Output ports:
-        work: Done by the motors, and done on them; both positive [J], shape (2,).
+        work: Work done by the motors, and work done on them; both positive [J],
+            shape (2,).
     """
 
     __slots__ = ()
@@ -28,7 +29,7 @@ class EnergyMeter(CollectableSystem):
             velocities: Index of each joint's velocity into the state, in the order of
                 the efforts, shape (n,).
             num_states: Length of the state.
-            period: Of the sums [s].
+            period: Period of the sums [s].
         """
         super().__init__()
         self._velocities, self._period = velocities, period
