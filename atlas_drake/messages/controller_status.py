@@ -14,7 +14,6 @@ import numpy as np
 
 from atlas_drake.errors import ErrorCode, shown
 from atlas_drake.frozen import Frozen
-from atlas_drake.messages.atlas_sim_interface_state import AtlasSimInterfaceState
 from atlas_drake.messages.behavior import Behavior
 from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.messages.behavior_feedback import (
@@ -332,9 +331,3 @@ def check_status(value: object, catalog: BehaviorCatalog) -> ControllerStatus:
                 "not registered: give its entry to behaviors="
             )
     return value
-
-
-def fill_in(state: AtlasSimInterfaceState, status: ControllerStatus) -> None:
-    """Copy the shared fields from a status into a state message."""
-    for name in REPORTED:
-        setattr(state, name, getattr(status, name))

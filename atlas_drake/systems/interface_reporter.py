@@ -17,12 +17,14 @@ from atlas_drake.messages import (
     AtlasBehaviorFeedback,
     AtlasSimInterfaceState,
     BehaviorStatus,
+    Header,
     Pose,
     Quaternion,
     Vector3,
 )
+from atlas_drake.messages.atlas_sim_interface_state import AtlasPositionData
 from atlas_drake.messages.commands import CommandsInForce
-from atlas_drake.messages.controller_status import check_status, fill_in
+from atlas_drake.messages.controller_status import REPORTED, check_status
 from atlas_drake.robot import Robot
 from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.systems.scratch import declare_scratch_context
@@ -71,25 +73,31 @@ class InterfaceReporter(CollectableSystem):
         commands: CommandsInForce = self._commands.Eval(context)
         status = check_status(self._status.Eval(context), commands.catalog)
         state = self._state.Eval(context)
-        message = AtlasSimInterfaceState()
-        message.header.stamp = context.get_time()
-        fill_in(message, status)
+        shared = {name: getattr(status, name) for name in REPORTED}
         if commands.received != commands.request.number:
             # The last message is not the controller's last request.
-            message.error_code = commands.error_code
+            shared["error_code"] = commands.error_code
         if commands.error_code is ErrorCode.NO_SUCH_BEHAVIOR:
             before = status.behavior_feedback
-            message.behavior_feedback = AtlasBehaviorFeedback(
+            shared["behavior_feedback"] = AtlasBehaviorFeedback(
                 before.status_flags | BehaviorStatus.FAILED_TRANS_UNKNOWN_BEHAVIOR,
                 before.trans_from,
                 before.trans_to,
             )
-        message.f_out = self._effort.Eval(context).tolist()
-        message.k_effort = commands.k_effort.astype(int).tolist()
-        message.pos_est.position = Vector3.from_array(state[self._pelvis.position])
-        message.pos_est.velocity = Vector3.from_array(state[self._pelvis.velocity])
-        message.foot_pos_est = self._sole_poses(context, state)
-        output.set_value(message)
+        # All at once: an empty message first would make every part twice.
+        output.set_value(
+            AtlasSimInterfaceState(
+                header=Header(context.get_time()),
+                f_out=self._effort.Eval(context).tolist(),
+                pos_est=AtlasPositionData(
+                    Vector3.from_array(state[self._pelvis.position]),
+                    Vector3.from_array(state[self._pelvis.velocity]),
+                ),
+                foot_pos_est=self._sole_poses(context, state),
+                k_effort=commands.k_effort.astype(int).tolist(),
+                **shared,
+            )
+        )
 
     def _sole_poses(self, context: Context, state: np.ndarray) -> list[Pose]:
         scratch = self._scratch.Eval(context)
