@@ -168,6 +168,7 @@ class AtlasSimulation:
         # Absolute, so that it is valid in another working folder, too.
         self.scenario.model = self.robot.model
         self._programme = scheduled_programme(self.scenario, self.robot, self.behaviors)
+        self._schedule = PushSchedule(self.scenario.pushes, self.robot)
         self._tick_seconds = array("d")
         self._turns = Turns()
         world = (*world_of(self.scenario.all_models()), *listed(world))
@@ -213,7 +214,6 @@ class AtlasSimulation:
 
     def _note_begin(self) -> None:
         """Starts the records of a run that begins."""
-        self._schedule = PushSchedule(self.scenario.pushes, self.robot)
         del self._tick_seconds[:]
         self._log = RunLog(*self._listeners)
         self._error: str | None = None
@@ -571,10 +571,10 @@ class AtlasSimulation:
                 f"a log or a video holds one run: {last}() completes it",
             )
         # Refuses what the robot lacks while the present run is still whole.
-        PushSchedule(scenario.pushes, self.robot)
+        schedule = PushSchedule(scenario.pushes, self.robot)
         with self._turns:
             self._stage.begin(scenario)
-            self.scenario = scenario
+            self.scenario, self._schedule = scenario, schedule
             self._note_begin()
 
     def release(self) -> None:

@@ -75,13 +75,14 @@ class Stage:
             extend: Callable (builder, station) -> None.
             **views: Meshcat, overlays, recorder and video.
         """
+        config = _station_config(scenario)
         self.robot = robot
-        self._terrain = tuple(scenario.all_terrain())
+        self._terrain = config.terrain
         self._models = scenario.all_models()
         self.diagram = make_control_mode_switch(
             robot,
             programme,
-            _station_config(scenario),
+            config,
             controller=controller,
             behaviors=behaviors,
             extend=extend,

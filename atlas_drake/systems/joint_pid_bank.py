@@ -177,11 +177,6 @@ class JointPidBank(CollectableSystem):
         state = self._state_input.Eval(context)
         v = state.take(self._v)
         last = self._remembered(context)
-        if not source.k_effort.any():
-            nothing = self._nothing
-            after = PidState(last.integral, v, nothing, nothing)
-            result.set_value(PidStep(after, nothing))
-            return
         q = state.take(self._q)
         law = self._law(context, source)
         integral = last.integral
@@ -198,10 +193,17 @@ class JointPidBank(CollectableSystem):
         )
 
     def _calc_effort(self, context: Context, output: BasicVector) -> None:
-        output.SetFromVector(self._step.Eval(context).effort)
+        idle = self._is_idle(context)
+        effort = self._nothing if idle else self._step.Eval(context).effort
+        output.SetFromVector(effort)
+
+    def _is_idle(self, context: Context) -> bool:
+        """Returns True while the user has no share of any joint."""
+        source: JointCommand = self._command_input.Eval(context)
+        return not source.k_effort.any()
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
-        if not self._command_input.Eval(context).k_effort.any():
+        if self._is_idle(context):
             self._update_idle(context, discrete)
             return
         after = self._step.Eval(context).after
@@ -225,10 +227,10 @@ class JointPidBank(CollectableSystem):
         )
 
     def _calc_forecast(self, context: Context, output: AbstractValue) -> None:
-        source: JointCommand = self._command_input.Eval(context)
-        if not source.k_effort.any():
+        if self._is_idle(context):
             output.set_value(UserForecast(*[self._nothing] * 3))
             return
+        source: JointCommand = self._command_input.Eval(context)
         state = self._state_input.Eval(context)
         law = self._law(context, source)
         integral = context.get_discrete_state(self._memory[0]).value()
@@ -310,9 +312,9 @@ class JointPidBank(CollectableSystem):
         return bool(lever < PLANTED_LEVER * 0.5 * min(sole.length, sole.width))
 
     def _update_law(self, context: Context, state: State) -> None:
-        source: JointCommand = self._command_input.Eval(context)
-        if not source.k_effort.any():
+        if self._is_idle(context):
             return
+        source: JointCommand = self._command_input.Eval(context)
         known = context.get_abstract_state(self._prepared).get_value()
         if (
             known is NOTHING
