@@ -154,12 +154,12 @@ def merge(target: CampaignFolder, sources: list[CampaignFolder]) -> int:
     (target.path / TRIALS).mkdir(exist_ok=True)
     present, copied = target.records(), 0
     for source in sources:
-        text = (source.path / CAMPAIGN).read_bytes() if source._read() else b""
+        theirs = source._read()
         file = target.path / CAMPAIGN
         if not file.exists():
             with whole_file(file) as unfinished:
-                unfinished.write_bytes(text)
-        difference = _difference(target._read(), source._read())
+                unfinished.write_bytes((source.path / CAMPAIGN).read_bytes())
+        difference = _difference(target._read(), theirs)
         if difference is not None:
             field, one, other = difference
             problem = (
