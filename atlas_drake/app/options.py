@@ -23,8 +23,8 @@ def add_robot_options(parser: argparse.ArgumentParser) -> None:
     robot.add_argument(
         "--model",
         metavar="MODEL",
-        help="the robot: atlas (91 kg, the default), atlas_v3 (148 kg), or the path of "
-        "a robot's YAML file",
+        help="the robot: atlas (91 kg, the default), atlas_v3 (148 kg), drake_atlas "
+        "(175 kg, from Drake's models), or the path of a robot's YAML file",
     )
     robot.add_argument(
         "--world",

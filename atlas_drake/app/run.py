@@ -29,6 +29,7 @@ from atlas_drake.app.outputs import (
 from atlas_drake.app.parts import load_parts
 from atlas_drake.app.progress import Progress
 from atlas_drake.app.viewer import interactive, keep_serving
+from atlas_drake.behaviors.footstep_event import is_elsewhere
 from atlas_drake.logs.formats import check_format
 from atlas_drake.messages.event import STEPS_LEFT
 from atlas_drake.scenario import Scenario, with_settings
@@ -179,6 +180,7 @@ def end_after_fall(sim: AtlasSimulation) -> float:
 def verdict(summary: dict[str, Any]) -> str:
     """Describes the result of a run in one or two sentences."""
     errors = [step["error_m"] for step in summary["footsteps"]]
+    elsewhere = [s["error_m"] for s in summary["footsteps"] if is_elsewhere(s)]
     steps = ""
     if errors:
         steps = f", {len(errors)} steps taken (at most {1e3 * max(errors):.0f} mm off)"
@@ -195,10 +197,15 @@ def verdict(summary: dict[str, Any]) -> str:
             f"Success: the robot is upright after {summary['sim_time']:.1f} s{steps}."
         )
     elif "refusal" in first:
-        why = first["refusal"]["text"]
+        why = first["refusal"]["text"].removesuffix(".")
         text = f"Failed: the robot is upright, but did not execute a command: {why}."
     elif STEPS_LEFT in first:
         text = f"Failed: the robot is upright, but {first[STEPS_LEFT]['text']}."
+    elif elsewhere and summary["upright"]:
+        text = (
+            f"Failed: the robot is upright, but a foot landed {max(elsewhere):.2f} m "
+            "from its commanded place."
+        )
     else:
         text = f"Failed: the robot did not end upright{steps}."
     factor = summary["real_time_factor"]

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
@@ -12,7 +14,7 @@ from atlas_drake.control.feet.footstep import (
     heading_error,
     landing_error,
 )
-from atlas_drake.messages.event import Event
+from atlas_drake.messages.event import FOOTSTEP, Event
 
 
 def footstep_event(
@@ -28,7 +30,7 @@ def footstep_event(
     """
     return Event(
         time,
-        "footstep",
+        FOOTSTEP,
         f"step {taken.index} landed",
         {
             "index": taken.index,
@@ -106,12 +108,20 @@ def pace_changed(time: float, sent: Footstep, taken: Footstep) -> tuple[Event, .
 
 
 def landed_elsewhere(event: Event) -> bool:
-    """True if an event reports a landing far from the commanded one.
+    """True if an event reports a landing far from the commanded one."""
+    return event.kind == FOOTSTEP and is_elsewhere(event.data)
 
-    The commanded pose may have been out of reach, or balance may have moved the step.
+
+def is_elsewhere(landing: Mapping[str, Any]) -> bool:
+    """True if a foot landed far from the commanded pose.
+
+    That pose may have been out of reach, or balance may have moved the step.
+
+    Args:
+        landing: Data of an event of the kind ``FOOTSTEP``.
     """
-    return event.kind == "footstep" and (
-        event.data["error_m"] >= ELSEWHERE or event.data["error_rad"] >= ELSEWHERE_ANGLE
+    return bool(
+        landing["error_m"] >= ELSEWHERE or landing["error_rad"] >= ELSEWHERE_ANGLE
     )
 
 

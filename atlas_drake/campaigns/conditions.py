@@ -37,6 +37,13 @@ def check_conditions(conditions: Iterable[str]) -> None:
             )
 
 
+def figure_of(condition: str) -> str:
+    """The name of the figure that a valid condition is about."""
+    parsed = _parsed(condition)
+    assert parsed is not None
+    return parsed[0]
+
+
 def unmet(conditions: Iterable[str], figures: Mapping[str, Any]) -> list[str]:
     """The conditions that do not hold; a figure that is missing meets none."""
     return [text for text in conditions if not _holds(text, figures)]

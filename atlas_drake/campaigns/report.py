@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from atlas_drake.campaigns.campaign import Campaign
+from atlas_drake.campaigns.conditions import figure_of
 from atlas_drake.campaigns.intervals import wilson
 from atlas_drake.campaigns.plan import case_list
 from atlas_drake.campaigns.threshold import Search
@@ -25,7 +26,8 @@ def report(campaign: Campaign, records: Records) -> str:
     if campaign.threshold is not None:
         parts.append(_thresholds(campaign, records))
     parts.append(_success_table(campaign, rows))
-    parts += [text for text in (_figures_table(rows), _failures(rows)) if text]
+    texts = (_figures_table(rows), _missed(campaign, rows), _failures(rows))
+    parts += [text for text in texts if text]
     return "\n\n".join(parts) + "\n"
 
 
@@ -122,6 +124,19 @@ def _thresholds(campaign: Campaign, records: Records) -> str:
         borne = f"{found.borne:g}" + ("" if found.ended else " so far")
         table.append([case or "all", borne, above])
     return markdown([campaign.threshold.of, "borne", "too much"], table)
+
+
+def _missed(campaign: Campaign, rows: list[Record]) -> str:
+    """Conditions of success that were missed, and how often; empty if none was."""
+    figures = {name for row in rows for name in row["figures"]}
+    lines = []
+    for text in campaign.success:
+        count = sum(text in row["missed"] for row in rows)
+        if count:
+            name = figure_of(text)
+            unknown = "" if name in figures else f"; no trial has a figure `{name}`"
+            lines.append(f"- `{text}` missed in {count} of {len(rows)}{unknown}")
+    return "\n".join(lines)
 
 
 def _failures(rows: list[Record]) -> str:

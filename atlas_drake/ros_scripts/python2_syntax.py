@@ -64,4 +64,17 @@ def as_python3(path: Path, source: str, error: SyntaxError) -> str:
         # The grammar of fissix needs a newline at the end.
         return str(tool.refactor_string(source.rstrip() + "\n", str(path)))
     except (ParseError, TokenError, IndentationError) as problem:
-        raise ScriptError(f"{where}, and it is no Python 2 either") from problem
+        line = _line_of(problem)
+        raise ScriptError(
+            f"{where}; read as Python 2, the program is invalid at line {line}"
+        ) from problem
+
+
+def _line_of(problem: Exception) -> int:
+    """Returns the line at which fissix could not go on."""
+    if isinstance(problem, SyntaxError):
+        return problem.lineno or 1
+    # A ParseError has (prefix, (line, column)) as its context, a TokenError
+    # (text, (line, column)) as its arguments.
+    where = getattr(problem, "context", problem.args)
+    return int(where[1][0])

@@ -36,9 +36,11 @@ def make_summary(
     tilt = float(np.arccos(np.clip(X_WP.rotation().matrix()[2, 2], -1.0, 1.0)))
     quaternion = X_WP.rotation().ToQuaternion().wxyz()
     fell = any(event.kind == "fall" for event in sim.events)
+    upright = tilt < UPRIGHT_TILT
     return {
-        "success": not fell and tilt < UPRIGHT_TILT and _did_it_all(sim),
+        "success": not fell and upright and _did_it_all(sim),
         "fell": fell,
+        "upright": upright,
         "scenario": sim.scenario.name,
         "model": sim.scenario.model,
         "seed": sim.scenario.seed,

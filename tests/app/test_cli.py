@@ -477,10 +477,11 @@ def outcome(**changes):
     summary = {
         "success": True,
         "fell": False,
+        "upright": True,
         "stopped": None,
         "sim_time": 17.0,
         "real_time_factor": 1.5,
-        "footsteps": [{"error_m": 0.004}],
+        "footsteps": [{"error_m": 0.004, "error_rad": 0.0}],
         "events": [],
     }
     return summary | changes
@@ -498,7 +499,12 @@ def test_verdicts_tell_apart_what_can_happen():
     assert "did not execute a command: no such thing" in refused
     left = [{"time": 1.0, "kind": "steps left", "text": "WALK ends without step 2"}]
     assert "ends without step 2" in verdict(outcome(success=False, events=left))
-    assert "did not end upright" in verdict(outcome(success=False))
+    assert "did not end upright" in verdict(outcome(success=False, upright=False))
+    far = [{"error_m": 0.834, "error_rad": 0.0}]
+    elsewhere = verdict(outcome(success=False, footsteps=far))
+    assert "is upright, but a foot landed 0.83 m from" in elsewhere
+    tilted = verdict(outcome(success=False, upright=False, footsteps=far))
+    assert "did not end upright" in tilted
     assert "diverged" in verdict(outcome(success=False, stopped="diverged"))
 
 

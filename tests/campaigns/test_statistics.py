@@ -9,6 +9,7 @@ from atlas_drake.campaigns import Campaign, Shard, Threshold
 from atlas_drake.campaigns.comparison import compare
 from atlas_drake.campaigns.folder import CampaignFolder
 from atlas_drake.campaigns.intervals import mcnemar, mean_interval, wilson
+from atlas_drake.campaigns.report import report
 from atlas_drake.campaigns.results import write_results
 from atlas_drake.campaigns.runner import missing_trials
 from atlas_drake.campaigns.sources import Sources
@@ -48,6 +49,20 @@ def record(number, success=True, seed=None, **figures):
         "figures": figures,
         "error": None,
     }
+
+
+def test_a_report_says_which_conditions_were_missed():
+    campaign = Campaign(success=("walk_ended", "tilt <= 0.3", "awy_m <= 0.05"))
+    missed = record(0, success=False, walk_ended=True, tilt=0.4)
+    missed["missed"] = ["tilt <= 0.3", "awy_m <= 0.05"]
+    met = record(1, success=False, walk_ended=True, tilt=0.2)
+    met["missed"] = ["awy_m <= 0.05"]
+    lines = report(campaign, {0: missed, 1: met}).splitlines()
+    assert "- `tilt <= 0.3` missed in 1 of 2" in lines
+    # A misspelt figure shows.
+    unknown = "- `awy_m <= 0.05` missed in 2 of 2; no trial has a figure `awy_m`"
+    assert unknown in lines
+    assert not any("walk_ended` missed" in line for line in lines)
 
 
 def test_two_campaigns_are_compared_pair_by_pair():

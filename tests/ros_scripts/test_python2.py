@@ -76,6 +76,8 @@ def test_packages_from_elsewhere_keep_their_world(run, tmp_path, monkeypatch):
         ("#!/usr/bin/python3\nprint 'a'\n", ":2: Missing parentheses"),
         ("x = (\n", ":1: "),
         ("def f():\n  pass\n x\n", ":3: "),
+        # Python 3 stops at what is good Python 2.
+        ("x = 1\nprint 'a'\nif x\n  pass\n", ":2: .*Python 2, .* invalid at line 3"),
     ],
 )
 def test_what_is_no_python_is_refused_with_its_line(tmp_path, text, where):
