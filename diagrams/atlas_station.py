@@ -76,8 +76,8 @@ class StationConfig:
         plant: Contact model and solver; see ``Scenario.plant``.
     """
 
-    physics_step: float = 0.002
-    control_period: float = 0.004
+    physics_step: float = 0.003
+    control_period: float = 0.006
     ground_friction: float = 0.9
     terrain: tuple[Block, ...] = ()
     noise: NoiseModel = field(default_factory=NoiseModel)

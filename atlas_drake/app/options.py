@@ -42,7 +42,7 @@ def add_robot_options(parser: argparse.ArgumentParser) -> None:
         "--physics-step",
         type=float,
         metavar="SECONDS",
-        help="at most 0.002, and a part of the control period, 0.004 (default: 0.002); "
+        help="at most 0.003, and a part of the control period, 0.006 (default: 0.003); "
         "smaller is slower and more exact",
     )
     robot.add_argument(

@@ -74,7 +74,6 @@ class Balance:
         self._back = np.flatnonzero(back)
         self._frames = tuple(foot.sole_frame for foot in robot.file.feet)
         self._patches = sole_patches(robot.file.sole, gains.contact)
-        self._soles = [self._contact(i, self._patches.whole, FULL_LOAD) for i in (0, 1)]
         weights = gains.weights
         self._stance_weight = np.full(6, weights.stance_foot)
         self._swing_weight = np.repeat(
@@ -175,12 +174,19 @@ class Balance:
     def planted(
         self, observation: Observation, foot: int, max_load: float = FULL_LOAD
     ) -> FootCommand:
-        """Commands a foot to stay planted, loaded by at most ``max_load`` weights."""
+        """Commands a foot to stay planted, loaded by at most ``max_load`` weights.
+
+        A sole that carries little is not counted on for more than it may soon carry.
+        """
+        model = self.gains.contact
+        felt = max(float(observation.foot_force[foot]) / self.weight, 0.0)
+        # Below a sole that carries next to nothing a moment would only turn the foot.
+        rests = felt >= model.unloaded_share
+        patch = self._patches.whole if rests else self._patches.middle
+        trusted = model.unloaded_share + model.load_growth * felt
         return FootCommand(
             self._resting(observation, foot, self._stance_weight),
-            self._soles[foot]
-            if max_load == FULL_LOAD
-            else self._contact(foot, self._patches.whole, max_load),
+            self._contact(foot, patch, min(max_load, trusted)),
         )
 
     def hanging(self, observation: Observation, foot: int) -> FootCommand:

@@ -9,8 +9,8 @@ from pydrake.systems.framework import Diagram, DiagramBuilder
 from atlas_drake.robot import Robot
 from atlas_drake.systems.energy_meter import EnergyMeter
 
-PERIOD = 0.004
-"""Between two looks at the motors' power [s]."""
+STEPS = 2
+"""Physics steps between two looks at the motors' power."""
 PORT = "motor_work"
 """Output port of the diagram with the work."""
 
@@ -28,7 +28,7 @@ def add_energy_meter(builder: DiagramBuilder, station: Diagram, robot: Robot) ->
     velocities = plant.num_positions(own) + robot.indices(plant).v
     num_states = plant.num_multibody_states(own)
     meter = builder.AddNamedSystem(
-        "energy_meter", EnergyMeter(velocities, num_states, PERIOD)
+        "energy_meter", EnergyMeter(velocities, num_states, STEPS * plant.time_step())
     )
     for name in ("effort", "state"):
         builder.Connect(station.GetOutputPort(name), meter.GetInputPort(name))

@@ -73,6 +73,13 @@ class ContactModel:
     """Width of the strip at both sides that is closed to the center of pressure [m]."""
     yaw_moment_arm: float = 0.05
     """Greatest moment about the normal, as a lever arm of the friction force [m]."""
+    unloaded_share: Positive = 0.1
+    """Normal force that the QP may count on below a planted sole on which no force is
+    measured, in weights of the robot [-]. Efforts that count on a ground that is not
+    there spin the light foot by tens of rad/s within a few ticks."""
+    load_growth: Positive = 1.5
+    """Normal force that the QP may count on beyond that, relative to the measured one
+    [-]: a sole is trusted with the full weight after three ticks."""
 
 
 @dataclass(frozen=True)

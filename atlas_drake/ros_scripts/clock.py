@@ -14,8 +14,6 @@ from contextlib import contextmanager
 
 from atlas_drake.simulation import AtlasSimulation
 
-DELIVERY_PERIOD = 0.004
-"""Simulated time between two messages of a topic to a subscriber [s]."""
 LONGEST_PIECE = 0.1
 """Simulated time between two looks at whether the run has ended [s]."""
 GLANCES = 20
@@ -88,10 +86,15 @@ class Clock:
         """Counts a query of the time; advances after ``GLANCES`` of them."""
         self._glances += 1
         if self._glances > GLANCES and not self.over:
-            self.advance_to(self.sim.time + self.sim.scenario.control_period)
+            self.advance_to(self.sim.time + self.period)
+
+    @property
+    def period(self) -> float:
+        """Simulated time between two messages of a topic: the control period [s]."""
+        return self.sim.scenario.control_period
 
     def deliver_to(self, deliver: Callable[[], None]) -> None:
-        """Starts to call ``deliver`` every ``DELIVERY_PERIOD``."""
+        """Starts to call ``deliver`` in every control period."""
         self._deliver.append(deliver)
         self._next_delivery = self.sim.time
 
@@ -132,7 +135,7 @@ class Clock:
         if self.sim.time >= time - TINY:  # Another thread has advanced meanwhile.
             return
         if self._deliver and self._next_delivery <= self.sim.time + TINY:
-            self._next_delivery = self.sim.time + DELIVERY_PERIOD
+            self._next_delivery = self.sim.time + self.period
         stop = min(time, self.sim.time + LONGEST_PIECE)
         if self._deliver:
             stop = min(stop, self._next_delivery)

@@ -13,7 +13,7 @@ from functools import partial
 from typing import Any
 
 from atlas_drake.ros_scripts import waiting
-from atlas_drake.ros_scripts.clock import DELIVERY_PERIOD, Clock
+from atlas_drake.ros_scripts.clock import Clock
 from atlas_drake.ros_scripts.message_types import Header
 from atlas_drake.ros_scripts.node import (
     Publisher,
@@ -46,9 +46,9 @@ class RosNode:
         self._said: set[str] = set()
 
     def init_node(self, name: str, *_arguments: object, **_options: object) -> None:
-        """Sets the name; the registration takes one delivery period."""
+        """Sets the name; the registration takes one control period."""
         self._name = str(name).lstrip("/")
-        self._clock.advance_to(self._clock.sim.time + DELIVERY_PERIOD)
+        self._clock.advance_to(self._clock.sim.time + self._clock.period)
 
     def names(self) -> dict[str, Any]:
         """Returns the contents of the module ``rospy``."""

@@ -41,7 +41,7 @@ from atlas_drake.scenario.time_grid import on_common_grid
 from atlas_drake.scenario.timed_message import TimedMessage
 from atlas_drake.scenario.world_file import World, world_beside, world_from
 
-PHYSICS_STEPS = Bounds(1e-5, 0.002)
+PHYSICS_STEPS = Bounds(1e-5, 0.003)
 """Range of the physics step [s]. Below it a simulated second takes minutes; with 3 ms
 joints do not come to rest under the tutorial's gains, and with 4 ms rough.yaml's robot
 falls."""
@@ -143,10 +143,10 @@ class Scenario:
     """Length of the run on the command line [s]."""
     initial_behavior: str = "STAND"
     """Behavior active at the start; USER gives all joints to the user."""
-    physics_step: float = 0.002
+    physics_step: float = 0.003
     """Step of plant and joint controllers [s], within PHYSICS_STEPS. The field is here
     rather than in ``plant`` because joint controllers and sensors share the step."""
-    control_period: float = 0.004
+    control_period: float = 0.006
     """Step of the behaviors [s], a multiple of physics_step."""
     plant: MultibodyPlantConfig = field(default_factory=plant_config)
     """Contact model and solver: all fields of Drake's ``MultibodyPlantConfig`` but

@@ -38,11 +38,15 @@ MOVED = 0.1
 """Refresh the model when a joint has moved farther than this [rad]."""
 REFRESH_PERIOD = 0.01
 """Least time between two refreshes of the model, unless a sole is let go [s]."""
+TIME_TO_TRUST = 0.05
+"""Time for which the ground must have held a sole before the law counts on it [s]. A
+foot that lands bounces and rolls: for a few steps it is loaded, then light again."""
 PLANTED_SHARE = 0.1
 """Least load of a sole that counts as held by the ground, in weights [-]."""
 PLANTED_LEVER = 0.8
 """Largest distance of the CoP of a held sole from its center, as a share of the sole's
 half width [-]."""
+_LONG_AGO = np.full(2, -np.inf)
 
 
 @dataclass(frozen=True)
@@ -102,7 +106,8 @@ class JointPidBank(CollectableSystem):
         user_forecast: ``UserForecast`` for the coming control tick.
 
     State: the fields of ``PidState``, updated at every physics step; the prepared law,
-    updated at a control tick when pose, contact or commands have changed.
+    updated at a control tick when pose, contact or commands have changed; for each
+    sole, the last control tick at which the ground did not hold it [s].
     """
 
     __slots__ = ()
@@ -161,6 +166,7 @@ class JointPidBank(CollectableSystem):
         )
         self._scratch = declare_scratch_context(self, self._inverse_mass.create_context)
         self._prepared = self.DeclareAbstractState(AbstractValue.Make(NOTHING))
+        self._loose = self.DeclareDiscreteState(_LONG_AGO)
         self.DeclarePeriodicDiscreteUpdateEvent(physics_step, 0.0, self._update)
         self.DeclarePeriodicUnrestrictedUpdateEvent(
             control_period, 0.0, self._update_law
@@ -171,6 +177,7 @@ class JointPidBank(CollectableSystem):
         for group in self._memory:
             context.SetDiscreteState(group, self._nothing)
         context.get_mutable_abstract_state(self._prepared).set_value(NOTHING)
+        context.SetDiscreteState(self._loose, _LONG_AGO)
 
     def _calc_step(self, context: Context, result: AbstractValue) -> None:
         source: JointCommand = self._command_input.Eval(context)
@@ -298,11 +305,18 @@ class JointPidBank(CollectableSystem):
         )
 
     def _planted(self, context: Context) -> tuple[bool, bool]:
+        """Returns True for each sole that the ground has held for a while."""
+        latest = context.get_time() - TIME_TO_TRUST
+        since = context.get_discrete_state(self._loose).value()
+        left, right = self._held(context)
+        return left and bool(since[0] <= latest), right and bool(since[1] <= latest)
+
+    def _held(self, context: Context) -> tuple[bool, bool]:
         """Returns True for each sole that the ground holds: loaded, not on an edge."""
         wrenches = self._wrench_input.Eval(context)
-        return self._held(wrenches[:6]), self._held(wrenches[6:])
+        return self._holds(wrenches[:6]), self._holds(wrenches[6:])
 
-    def _held(self, wrench: np.ndarray) -> bool:
+    def _holds(self, wrench: np.ndarray) -> bool:
         load = wrench[5]
         if load < PLANTED_SHARE * self._robot.mass * GRAVITY:
             return False
@@ -314,6 +328,11 @@ class JointPidBank(CollectableSystem):
     def _update_law(self, context: Context, state: State) -> None:
         if self._is_idle(context):
             return
+        loose = np.logical_not(self._held(context))
+        if loose.any():
+            since = context.get_discrete_state(self._loose).value()
+            after = np.where(loose, context.get_time(), since)
+            state.get_mutable_discrete_state(self._loose).set_value(after)
         source: JointCommand = self._command_input.Eval(context)
         known = context.get_abstract_state(self._prepared).get_value()
         if (

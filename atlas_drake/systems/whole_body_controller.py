@@ -22,6 +22,7 @@ from pydrake.systems.framework import (
 from atlas_drake.behaviors.base import Observation
 from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.entry import BehaviorEntry
+from atlas_drake.behaviors.report_draft import ReportDraft
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.behaviors.supervisor import Supervisor, SupervisorState
 from atlas_drake.control.balance.feedback import pendulum_frequency
@@ -37,7 +38,7 @@ from atlas_drake.control.whole_body.model import (
 from atlas_drake.control.whole_body.qp import WholeBodyQp, WholeBodySolution
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.frozen import NOTHING, Frozen
-from atlas_drake.messages import K_EFFORT_MAX, AtlasSimInterfaceState, Behavior
+from atlas_drake.messages import K_EFFORT_MAX, Behavior
 from atlas_drake.messages.commands import CommandsInForce
 from atlas_drake.messages.controller_status import REPORTED, ControllerStatus
 from atlas_drake.robot import Robot
@@ -181,7 +182,7 @@ class WholeBodyController(CollectableSystem):
         omega = pendulum_frequency(float(terms.com[2]) - mean_sole_height(terms))
         if command is None:
             effort = (
-                damping_effort(terms.v, self._limit)
+                damping_effort(terms.v, self._limit, self._period)
                 if supervisor.in_damping_mode
                 else np.zeros(self._robot.num_joints)
             )
@@ -218,11 +219,11 @@ class WholeBodyController(CollectableSystem):
 
     def _calc_status(self, context: Context, output: AbstractValue) -> None:
         memory = self._remembered(context)
-        report = AtlasSimInterfaceState()
+        report = ReportDraft()
         self._supervisor.report(memory.supervisor, report)
         output.set_value(
             ControllerStatus(
-                **{name: getattr(report, name) for name in REPORTED},
+                **report.parts(REPORTED),
                 events=memory.supervisor.events,
                 event_count=memory.supervisor.event_count,
                 solved=None if memory.solution is None else memory.solution.found,

@@ -94,7 +94,7 @@ def test_python_m_is_the_same_command():
     [
         ("durration: 1.0\n", "durration"),
         ("duration: -1.0\n", "duration"),
-        ("physics_step: 0.003\n", "physics_step"),
+        ("physics_step: 0.004\n", "physics_step"),
         ("initial_behavior: DANCE\n", "initial_behavior"),
         ("model: spot\n", "model"),
         ("jitter: {mass: -0.1}\n", "jitter.mass"),

@@ -7,6 +7,7 @@ from atlas_drake.behaviors.balance import Balance
 from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.feet.swing_foot import SwingReference
 from atlas_drake.control.gains import ControlGains
+from atlas_drake.frozen import replace
 
 FOOT = FootPose(np.array([1.0, 0.5, 0.0]), np.eye(3))
 
@@ -46,3 +47,20 @@ def test_a_swinging_foot_is_pulled_to_its_reference(balance, observe):
     np.testing.assert_allclose(command.task.target[3:], expected)
     np.testing.assert_allclose(command.task.target[:3], 0.0, atol=1e-9)
     assert command.contact is None
+
+
+@pytest.mark.parametrize(
+    ("felt", "limit"), [(-0.1, 0.1), (0.0, 0.1), (0.05, 0.175), (0.2, 0.4), (3.0, 3.0)]
+)
+def test_a_planted_sole_is_trusted_with_little_more_than_it_carries(
+    balance, observe, felt, limit
+):
+    seen = replace(observe(), foot_force=np.full(2, felt * balance.weight))
+    contact = balance.planted(seen, 1).contact
+    assert contact.max_normal_force == pytest.approx(limit * balance.weight)
+    # Where it carries next to nothing, a moment would only turn the foot.
+    reach = np.abs(contact.patch.corners).max()
+    assert (reach < 0.02) == (felt < 0.1)
+    # What the behavior itself allows is never exceeded.
+    less = balance.planted(seen, 1, max_load=0.05).contact
+    assert less.max_normal_force == pytest.approx(0.05 * balance.weight)

@@ -3,8 +3,15 @@
 import numpy as np
 import pytest
 
-from atlas_drake import AtlasCommand, AtlasSimInterfaceCommand, AtlasState, Scenario
+from atlas_drake import (
+    AtlasCommand,
+    AtlasSimInterfaceCommand,
+    AtlasSimulation,
+    AtlasState,
+    Scenario,
+)
 from atlas_drake.messages import Behavior, BehaviorStatus
+from atlas_drake.scenario import Jitter
 
 
 def pelvis_height(look):
@@ -21,6 +28,27 @@ def test_stand_stands_still(record):
     np.testing.assert_allclose(after[:7], before[:7], atol=0.003)
     assert not recording.sim.has_fallen
     assert np.abs(recording.sim.atlas_state.velocity).max() < 0.1
+
+
+@pytest.mark.parametrize("steps", [(0.001, 0.002), (0.002, 0.004), (0.003, 0.006)])
+def test_a_foot_that_starts_in_the_air_is_not_thrown_about(steps):
+    # One sole begins 15 mm above the ground.
+    scenario = Scenario(
+        model="atlas_v3",
+        physics_step=steps[0],
+        control_period=steps[1],
+        jitter=Jitter(position=0.02, orientation=np.radians(2.0), joints=0.02),
+        seed=7004,
+    )
+    sim = AtlasSimulation(scenario)
+    fastest = 0.0
+    while sim.time < 0.2:
+        sim.advance(scenario.control_period)
+        fastest = max(fastest, np.abs(sim.atlas_state.velocity).max())
+    assert fastest < 60.0  # [rad/s], of an ankle that meets the ground.
+    sim.advance_to(0.8)
+    assert not sim.has_fallen
+    assert sim.summary()["max_pelvis_tilt_rad"] < 0.1
 
 
 @pytest.mark.parametrize("spelling", ["freeze", "Freeze", " FREEZE ", 1])

@@ -18,7 +18,7 @@ from atlas_drake.control.joints.joint_pid import (
 STEPS = 2**15
 """Looked ahead for slow growth."""
 
-PHYSICS_STEPS = (0.0005, 0.001, 0.002)
+PHYSICS_STEPS = (0.0005, 0.001, 0.002, 0.003)
 """Those that the project offers [s]."""
 
 IN_AIR = (False, False)

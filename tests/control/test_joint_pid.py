@@ -20,7 +20,7 @@ from atlas_drake.control.joints.joint_pid import (
 )
 from atlas_drake.robot import load_robot
 
-PHYSICS_STEPS = (0.0005, 0.001, 0.002)
+PHYSICS_STEPS = (0.0005, 0.001, 0.002, 0.003)
 """Those that the project offers [s]."""
 
 TUTORIAL_KP = np.array(
@@ -250,7 +250,7 @@ def test_a_jolt_enters_the_drift_by_its_share_of_time_alone(dt):
     model = step_model(np.zeros(1), np.ones(1), np.eye(1), dt)
     jolt = np.array([1.0])
     drift = estimate_drift(state_of(), jolt, model)
-    assert 0.0 < drift[0] <= 0.5
+    assert 0.0 < drift[0] <= 0.75
     # It fades, and never turns round.
     state = remembered(np.zeros(1), jolt, np.zeros(1), drift, model)
     after = estimate_drift(state, jolt, model)
@@ -390,8 +390,13 @@ def test_single_joints_with_the_tutorials_gains_come_to_rest(
     energy = 0.5 * TUTORIAL_KP * q**2 + 0.5 * true * v**2
     assert (energy.max(axis=0) <= 1.001 * 0.5 * TUTORIAL_KP * 0.1**2).all()
     # ... and it comes to rest. Its slowest time constant would be d / kp or 2 I / d
-    # with the law in continuous time; the estimate of the drift costs some of it.
-    longest = TUTORIAL_KP_VELOCITY / TUTORIAL_KP + 2.0 * true / TUTORIAL_KP_VELOCITY
+    # with the law in continuous time; an implicit d is at most that which stops the
+    # joint of the model within a step, and the estimate of the drift costs some of it.
+    longest = (
+        TUTORIAL_KP_VELOCITY / TUTORIAL_KP
+        + 2.0 * true / TUTORIAL_KP_VELOCITY
+        + 2.0 * factor * dt
+    )
     assert (np.abs(q[-1]) <= 0.1 * np.exp(-0.3 * DURATION / longest) + 1e-12).all()
 
 

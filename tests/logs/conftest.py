@@ -41,6 +41,10 @@ def walk_command():
     return command
 
 
+END = 0.2
+"""End of the run [s]."""
+
+
 def drive(sim):
     """The same commands, push and refusals for whoever is driven."""
     sim.advance_to(0.05)
@@ -53,7 +57,7 @@ def drive(sim):
     sim.apply_push("utorso", [5.0, 0.0, 0.0], 0.02)
     sim.advance_to(0.14)
     sim.publish(walk_command())
-    sim.advance_to(0.2)
+    sim.advance_to(END)
 
 
 @pytest.fixture(scope="session")

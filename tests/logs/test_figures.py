@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from atlas_drake import Scenario
 from atlas_drake.control.feet.sole import sole_corners
 from atlas_drake.frozen import replace
 from atlas_drake.logs import png_page
@@ -58,7 +59,11 @@ def test_the_page_has_every_figure(page):
 def test_behaviors_are_a_timeline(log, page):
     spans = panel(page, "Active behavior").items
     assert [span.label for span in spans] == ["STAND", "WALK"]
-    assert spans[0].end == spans[1].start == pytest.approx(0.14, abs=0.003)
+    assert (
+        spans[0].end
+        == spans[1].start
+        == pytest.approx(0.14, abs=Scenario.control_period)
+    )
     assert spans[-1].end == log.time[-1]
 
 

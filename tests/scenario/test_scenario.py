@@ -81,7 +81,6 @@ def test_behaviors_are_named_in_any_case(name):
         ("noise", "deafening"),
         ("state", "guessed"),
         ("state", False),
-        ("physics_step", 0.003),
         ("physics_step", -0.001),
         ("physics_step", math.nan),
         ("physics_step", 1e-6),

@@ -16,8 +16,9 @@ from atlas_drake import (
     Start,
 )
 from atlas_drake.control.joints.constrained_inverse_mass import ConstrainedInverseMass
-from atlas_drake.control.joints.damping import DAMPING_PER_EFFORT, damping_effort
+from atlas_drake.control.joints.damping import damping_effort, limp_damping
 from atlas_drake.robot import load_robot
+from atlas_drake.scenario.scenario import LONGEST_PERIOD
 
 
 def asking(behavior, **fields):
@@ -57,14 +58,15 @@ def touching(sim, but):
 
 def test_limp_joints_are_only_braked():
     v, limit = np.array([1.0, -2.0, 0.0, 1e6]), np.array([10.0, 20.0, 30.0, 40.0])
-    effort = damping_effort(v, limit)
+    effort = damping_effort(v, limit, 0.006)
     assert (effort * v <= 0.0).all()
     assert effort[2] == 0.0
     assert effort[3] == -40.0
 
 
 @pytest.mark.parametrize("name", ["atlas", "atlas_v3"])
-def test_limp_damping_is_too_weak_to_shake_a_joint(name):
+@pytest.mark.parametrize("period", [0.002, Scenario().control_period, LONGEST_PERIOD])
+def test_limp_damping_is_too_weak_to_shake_a_joint(name, period):
     robot = load_robot(name)
     inverse_mass = ConstrainedInverseMass(robot)
     context = inverse_mass.create_context()
@@ -73,9 +75,10 @@ def test_limp_damping_is_too_weak_to_shake_a_joint(name):
     plant.Finalize()
     q = plant.GetPositions(plant.CreateDefaultContext())
     inertia = 1.0 / np.diag(inverse_mass.evaluate(context, q, (False, False)))
-    damping = DAMPING_PER_EFFORT * robot.effort_limit
+    damping = limp_damping(robot.effort_limit, period)
     # Held over a control tick, it would overshoot from inertia / period on.
-    assert (damping * Scenario().control_period < 0.7 * inertia).all()
+    assert (damping * period < 0.7 * inertia).all()
+    assert (damping > 0.0).all()
 
 
 @pytest.mark.slow

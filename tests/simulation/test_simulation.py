@@ -29,7 +29,7 @@ from atlas_drake.errors import ErrorCode
 from atlas_drake.simulation.tutorial import FIRST_COMMAND
 from atlas_drake.visualization.video_display import Video
 
-TICK = 0.002
+TICK = Scenario.control_period
 """Control period of the default scenario [s]."""
 
 

@@ -66,7 +66,7 @@ def test_it_begins_where_the_robot_is_put_and_is_told_no_more(alone, robot):
     offset = estimator._plant.num_positions()
     joints_only[offset + measured.v] = state[offset + measured.v]
     estimator.GetInputPort("measured_state").FixValue(context, joints_only)
-    simulator.AdvanceTo(0.1)
+    simulator.AdvanceTo(25 * TICK)
     np.testing.assert_allclose(port.Eval(context), state, atol=1e-6)
 
 
@@ -105,7 +105,7 @@ def test_a_reset_begins_anew_from_where_the_robot_is_then(alone):
     np.testing.assert_allclose(port.Eval(context), state, atol=1e-6)
     estimator.reset(context)
     np.testing.assert_allclose(port.Eval(context), elsewhere, atol=1e-12)
-    simulator.AdvanceTo(0.1)
+    simulator.AdvanceTo(25 * TICK)
     np.testing.assert_allclose(port.Eval(context), elsewhere, atol=1e-6)
 
 
@@ -113,7 +113,7 @@ def test_a_reset_begins_anew_from_where_the_robot_is_then(alone):
 def running():
     """A robot on the estimate with every kind of noise, a little after its start."""
     sim = AtlasSimulation(ESTIMATED)
-    sim.advance(0.1)
+    sim.advance(25 * TICK)
     return sim
 
 
@@ -158,7 +158,8 @@ def test_the_error_is_that_between_estimate_and_truth(running):
     R_WE = rotation_matrix(estimate[:4]) @ rotation_matrix(true[:4]).T
     turn = 0.5 * np.array([R_WE[2, 1], R_WE[0, 2], R_WE[1, 0]])
     turn -= 0.5 * np.array([R_WE[1, 2], R_WE[2, 0], R_WE[0, 1]])
-    np.testing.assert_allclose(error[6:], turn, atol=1e-9)
+    # Both are the angle to first order.
+    np.testing.assert_allclose(error[6:], turn, atol=1e-8)
     drift = running.summary()["estimator_drift"]
     assert list(drift["final"].values()) == pytest.approx(error_sizes(error))
     for name, value in drift["largest"].items():

@@ -11,18 +11,36 @@ DAMPING_PER_EFFORT = 0.002
 """Damping of a joint in damping mode per unit of its effort limit [s/rad].
 
 A joint that turns at 10 rad/s is braked with a fiftieth of its effort limit: limbs do
-not whip, and nothing is pushed hard against the ground. Damping that is constant over a
-control tick must stay well below twice a joint's inertia per tick, which for the ankles
-in the air (0.009 kg·m², 700 N·m) is 0.0064 at 4 ms.
+not whip, and nothing is pushed hard against the ground.
+"""
+DAMPING_PER_TICK = 8e-6
+"""Largest damping per unit of the effort limit, times the control period [s²/rad].
+
+Damping that is constant over a control tick must stay well below twice the inertia
+per tick. The least inertia for an effort limit is that of the ankles in the air
+(0.009 kg·m², 700 N·m): 1.3e-5.
 """
 
 
-def damping_effort(v: np.ndarray, effort_limit: np.ndarray) -> np.ndarray:
+def limp_damping(effort_limit: np.ndarray, period: float) -> np.ndarray:
+    """Computes the damping of each joint [N·m·s/rad], shape (n,).
+
+    Args:
+        effort_limit: Effort limits [N·m], shape (n,).
+        period: Time for which an effort is held [s].
+    """
+    return min(DAMPING_PER_EFFORT, DAMPING_PER_TICK / period) * effort_limit
+
+
+def damping_effort(
+    v: np.ndarray, effort_limit: np.ndarray, period: float
+) -> np.ndarray:
     """Computes the effort of pure damping [N·m], shape (n,).
 
     Args:
         v: Joint velocities [rad/s], shape (n,).
         effort_limit: Effort limits [N·m], shape (n,).
+        period: Time for which the effort is held [s].
     """
-    effort = -DAMPING_PER_EFFORT * effort_limit * v
+    effort = -limp_damping(effort_limit, period) * v
     return np.minimum(np.maximum(effort, -effort_limit), effort_limit)

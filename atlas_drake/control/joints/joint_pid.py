@@ -61,7 +61,7 @@ def static_effort(
     )
 
 
-DRIFT_TIME = 0.002
+DRIFT_TIME = 0.001
 """Time constant of the estimate of velocity changes not caused by the motors [s]."""
 
 LIGHT_DAMPING = 1e-3
