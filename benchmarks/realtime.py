@@ -16,7 +16,7 @@ import time
 from pathlib import Path
 
 import numpy as np
-from pydrake.geometry import HalfSpace
+from pydrake.geometry import HalfSpace, Meshcat
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import (
     AddMultibodyPlant,
@@ -51,6 +51,7 @@ GOALS = {
     "tick": ("median controller tick / step of the bare plant", 1.6),
     "npz": ("run with an .npz log / without", 1.1),
     "mcap": ("run with an .mcap log / without", 1.25),
+    "view": ("run with a 3D view / without", 1.1),
     "reset_s": ("new run by reset(seed=...) [s]", 0.05),
     "memory": ("resident memory / that of Drake with the bare plant", 1.15),
 }
@@ -150,6 +151,8 @@ def measure(model: str) -> dict:
             "fine": AtlasSimulation(fine),
             "npz": AtlasSimulation(scenario, log=Path(folder) / "run.npz"),
             "mcap": AtlasSimulation(scenario, log=Path(folder) / "run.mcap"),
+            # Pictures are sent whether or not a browser is there to draw them.
+            "view": AtlasSimulation(scenario, meshcat=Meshcat()),
         }
         for piece in range(round(DURATION / PIECE)):
             for name, sim in runs.items():
@@ -182,6 +185,7 @@ def measure(model: str) -> dict:
         "tick": tick["median"] / bare_step,
         "npz": total["npz"] / total["default"],
         "mcap": total["mcap"] / total["default"],
+        "view": total["view"] / total["default"],
         "reset_s": reset_time(sim),
         "memory": resident(model, "closed") / resident(model, "bare"),
     }

@@ -1,6 +1,6 @@
 """Logs as MCAP, which Foxglove and PlotJuggler open: JSON messages on topics.
 
-Needs ``mcap``. The file grows during the run; it can be read even if the run ends
+Needs ``mcap`` and ``orjson``. The file grows during the run; it can be read even if the run ends
 abruptly.
 """
 
@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import fcntl
 import json
-import math
 import os
 from collections import deque
 from collections.abc import Iterable
@@ -17,6 +16,7 @@ from pathlib import Path
 from typing import IO, Any
 
 import numpy as np
+import orjson
 from mcap.records import Channel as McapChannel
 from mcap.records import Message, Metadata
 from mcap.stream_reader import StreamReader
@@ -96,9 +96,6 @@ class McapWriter:
         if self._file is None:
             self._begin()
         values = row.tolist()
-        if not np.isfinite(row).all():
-            # JSON has neither NaN nor infinities.
-            values = [value if math.isfinite(value) else None for value in values]
         time = values[0]
         for name, topic in self._topics.items():
             message = topic.message(values)
@@ -106,12 +103,12 @@ class McapWriter:
                 if message == self._latest.get(name):
                     continue
                 self._latest[name] = message
-            self._add(time, name, message)
+            self._add(time, name, orjson.dumps(message))
         self._rows += 1
         if time >= self._viewer_time + VIEWER_PERIOD - 1e-9:
             self._viewer_time = time
             for name, message in viewer_messages(self._layout, values):
-                self._add(time, name, message)
+                self._add(time, name, orjson.dumps(message))
         if (length := self._file.tell()) != self._lengths[-1]:
             # A chunk counts once it is in the file, for any size of the buffer.
             self._file.flush()
@@ -120,9 +117,11 @@ class McapWriter:
     def note(self, note: Note) -> None:
         """Writes a note."""
         if note.kind == EVENT:
-            self._add(note.time, "events", event_message(note))
+            topic, message = "events", event_message(note)
         else:
-            self._add(note.time, note.kind, note.data)
+            topic, message = note.kind, note.data
+        # A refused message may hold whole numbers that only Python's own JSON takes.
+        self._add(note.time, topic, json.dumps(message).encode())
 
     def close(self) -> None:
         """Completes the file with its index."""
@@ -155,12 +154,13 @@ class McapWriter:
             f"/{topic}", "json", schema
         )
 
-    def _add(self, time: float, topic: str, message: Any) -> None:
+    def _add(self, time: float, topic: str, data: bytes) -> None:
+        """Adds a message in JSON, in which orjson writes null for NaN and infinities."""
         stamp = round(1e9 * time)
         self._writer.add_message(
             self._channels[topic],
             log_time=stamp,
-            data=json.dumps(message).encode(),
+            data=data,
             publish_time=stamp,
             sequence=self._rows,
         )

@@ -4,10 +4,12 @@
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from atlas_drake.frozen import Frozen
+from atlas_drake.messages.validation import K_EFFORT_MAX
 
 
 @dataclass(frozen=True)
@@ -37,6 +39,18 @@ class JointCommand(Frozen):
     i_effort_min: np.ndarray
     i_effort_max: np.ndarray
     k_effort: np.ndarray
+
+    # Read many times between two commands.
+
+    @cached_property
+    def share(self) -> np.ndarray:
+        """The user's blend weight k of each joint, 0 to 1, shape (n,)."""
+        return self.k_effort * (1.0 / K_EFFORT_MAX)
+
+    @cached_property
+    def has_user(self) -> bool:
+        """True if the user has a share of any joint."""
+        return bool(self.k_effort.any())
 
 
 JOINT_FIELDS = tuple(JointCommand.__dataclass_fields__)

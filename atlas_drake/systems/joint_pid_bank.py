@@ -3,7 +3,8 @@
 The law is ``control.joints.joint_pid``; this is its system in the diagram.
 """
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, fields
 
 import numpy as np
 from pydrake.common.value import AbstractValue
@@ -28,7 +29,6 @@ from atlas_drake.control.joints.joint_pid import (
 )
 from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.frozen import NOTHING, Frozen, replace
-from atlas_drake.messages import K_EFFORT_MAX
 from atlas_drake.messages.joint_command import JointCommand
 from atlas_drake.robot import PlantIndices, Robot
 from atlas_drake.systems.collectable_system import CollectableSystem
@@ -47,6 +47,7 @@ PLANTED_LEVER = 0.8
 """Largest distance of the CoP of a held sole from its center, as a share of the sole's
 half width [-]."""
 _LONG_AGO = np.full(2, -np.inf)
+_PID_FIELDS = len(fields(PidState))
 
 
 @dataclass(frozen=True)
@@ -105,7 +106,8 @@ class JointPidBank(CollectableSystem):
             applies to their blend with the behavior's efforts.
         user_forecast: ``UserForecast`` for the coming control tick.
 
-    State: the fields of ``PidState``, updated at every physics step; the prepared law,
+    State: the fields of ``PidState``, updated at every physics step in which the user
+    has a share, with NaN for a velocity that is not known; the prepared law,
     updated at a control tick when pose, contact or commands have changed; for each
     sole, the last control tick at which the ground did not hold it [s].
     """
@@ -132,6 +134,9 @@ class JointPidBank(CollectableSystem):
         self._v = num_positions + indices.v
         self._dt = physics_step
         self._control_period = control_period
+        sole = robot.file.sole
+        self._least_load = PLANTED_SHARE * robot.mass * GRAVITY
+        self._longest_lever = PLANTED_LEVER * 0.5 * min(sole.length, sole.width)
         self._inverse_mass = ConstrainedInverseMass(robot)
         self._num_positions = num_positions
         num_states = num_positions + len(indices.generalized)
@@ -141,8 +146,10 @@ class JointPidBank(CollectableSystem):
         )
         self._behavior_input = self.DeclareVectorInputPort("behavior_effort", n)
         self._wrench_input = self.DeclareVectorInputPort("foot_wrenches", 12)
-        # In the order of ``PidState``.
-        self._memory = [self.DeclareDiscreteState(n) for _ in range(4)]
+        # The fields of ``PidState`` in their order: one vector is read at once.
+        self._at_start = np.zeros(_PID_FIELDS * n)
+        self._at_start[n : 2 * n] = np.nan
+        self._memory = self.DeclareDiscreteState(self._at_start)
         self._nothing = np.zeros(n)
         # Output and update read the same step.
         self._step = self.DeclareCacheEntry(
@@ -174,8 +181,7 @@ class JointPidBank(CollectableSystem):
 
     def reset(self, context: Context) -> None:
         """Clears the state of the law, its integrals included."""
-        for group in self._memory:
-            context.SetDiscreteState(group, self._nothing)
+        context.SetDiscreteState(self._memory, self._at_start)
         context.get_mutable_abstract_state(self._prepared).set_value(NOTHING)
         context.SetDiscreteState(self._loose, _LONG_AGO)
 
@@ -183,7 +189,7 @@ class JointPidBank(CollectableSystem):
         source: JointCommand = self._command_input.Eval(context)
         state = self._state_input.Eval(context)
         v = state.take(self._v)
-        last = self._remembered(context)
+        last = self._remembered(context, v)
         q = state.take(self._q)
         law = self._law(context, source)
         integral = last.integral
@@ -207,31 +213,39 @@ class JointPidBank(CollectableSystem):
     def _is_idle(self, context: Context) -> bool:
         """Returns True while the user has no share of any joint."""
         source: JointCommand = self._command_input.Eval(context)
-        return not source.k_effort.any()
+        return not source.has_user
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
         if self._is_idle(context):
             self._update_idle(context, discrete)
             return
         after = self._step.Eval(context).after
-        for group, values in zip(
+        discrete.set_value(
             self._memory,
-            (after.integral, after.velocity, after.applied, after.expected),
-            strict=True,
-        ):
-            discrete.set_value(group, values)
+            np.concatenate(
+                (after.integral, after.velocity, after.applied, after.expected)
+            ),
+        )
 
     def _update_idle(self, context: Context, discrete: DiscreteValues) -> None:
         """Updates the state while the user has no joint, without a step of the law."""
-        _, velocity, applied, expected = self._memory
-        discrete.set_value(velocity, self._state_input.Eval(context).take(self._v))
-        discrete.set_value(applied, self._nothing)
-        discrete.set_value(expected, self._nothing)
+        before = context.get_discrete_state(self._memory).value()
+        n = len(self._nothing)
+        if math.isnan(before[n]):
+            return
+        # Velocity and efforts of the last step are not kept: this runs at every step.
+        after = np.zeros(_PID_FIELDS * n)
+        after[:n] = before[:n]
+        after[n : 2 * n] = np.nan
+        discrete.set_value(self._memory, after)
 
-    def _remembered(self, context: Context) -> PidState:
-        return PidState(
-            *(context.get_discrete_state(group).value() for group in self._memory)
-        )
+    def _remembered(self, context: Context, v: np.ndarray) -> PidState:
+        """Returns the state; in the first step of the law the last velocity is v."""
+        values = context.get_discrete_state(self._memory).value()
+        integral, velocity, applied, expected = values.reshape(_PID_FIELDS, -1)
+        if math.isnan(velocity[0]):
+            velocity = v
+        return PidState(integral, velocity, applied, expected)
 
     def _calc_forecast(self, context: Context, output: AbstractValue) -> None:
         if self._is_idle(context):
@@ -240,31 +254,33 @@ class JointPidBank(CollectableSystem):
         source: JointCommand = self._command_input.Eval(context)
         state = self._state_input.Eval(context)
         law = self._law(context, source)
-        integral = context.get_discrete_state(self._memory[0]).value()
-        static, v = (
-            law.static_effort(integral, state.take(self._q)),
-            state.take(self._v),
-        )
+        v = state.take(self._v)
+        integral = self._remembered(context, v).integral
+        static = law.static_effort(integral, state.take(self._q))
         output.set_value(
             forecast_user_effort(
                 static,
                 law.command.kp_position,
                 law.model.damping,
                 v,
-                self._beyond_limit(context, static, static - law.model.damping * v),
+                self._beyond_limit(
+                    context, law, static, static - law.model.damping * v
+                ),
                 self._control_period,
                 self._dt,
             )
         )
 
-    def _beyond_limit(self, context: Context, *efforts: np.ndarray) -> np.ndarray:
+    def _beyond_limit(
+        self, context: Context, law: PreparedLaw, *efforts: np.ndarray
+    ) -> np.ndarray:
         """Computes the user's effort beyond the motors' limits [N·m], shape (n,).
 
         The implicit law is solved only if the static or the explicit one of ``efforts``
-        exceeds a limit.
+        exceeds the limit of a joint of which the user has a share.
         """
         limit = self._limit
-        if all((np.abs(effort) <= limit).all() for effort in efforts):
+        if not any((np.abs(effort) > limit)[law.active].any() for effort in efforts):
             return self._nothing
         effort = self._step.Eval(context).effort
         return effort - np.clip(effort, -limit, limit)
@@ -290,7 +306,7 @@ class JointPidBank(CollectableSystem):
             ),
         )
         damping = command.kd_position + command.kp_velocity
-        share = source.k_effort * (1.0 / K_EFFORT_MAX)
+        share = source.share
         return PreparedLaw(
             time=context.get_time(),
             source=source,
@@ -313,25 +329,25 @@ class JointPidBank(CollectableSystem):
 
     def _held(self, context: Context) -> tuple[bool, bool]:
         """Returns True for each sole that the ground holds: loaded, not on an edge."""
-        wrenches = self._wrench_input.Eval(context)
-        return self._holds(wrenches[:6]), self._holds(wrenches[6:])
+        wrenches = self._wrench_input.Eval(context).tolist()
+        return self._holds(*wrenches[:6]), self._holds(*wrenches[6:])
 
-    def _holds(self, wrench: np.ndarray) -> bool:
-        load = wrench[5]
-        if load < PLANTED_SHARE * self._robot.mass * GRAVITY:
+    def _holds(
+        self, m_x: float, m_y: float, _m_z: float, _f_x: float, _f_y: float, load: float
+    ) -> bool:
+        """Returns True for a wrench [N·m; N] about the sole's center, axes of W."""
+        if load < self._least_load:
             return False
-        sole = self._robot.file.sole
         # Lever of the load about the sole's center, independent of the foot's heading.
-        lever = np.hypot(wrench[0], wrench[1]) / load
-        return bool(lever < PLANTED_LEVER * 0.5 * min(sole.length, sole.width))
+        return math.hypot(m_x, m_y) < self._longest_lever * load
 
     def _update_law(self, context: Context, state: State) -> None:
         if self._is_idle(context):
             return
-        loose = np.logical_not(self._held(context))
-        if loose.any():
+        held = self._held(context)
+        if not all(held):
             since = context.get_discrete_state(self._loose).value()
-            after = np.where(loose, context.get_time(), since)
+            after = np.where(held, since, context.get_time())
             state.get_mutable_discrete_state(self._loose).set_value(after)
         source: JointCommand = self._command_input.Eval(context)
         known = context.get_abstract_state(self._prepared).get_value()

@@ -38,7 +38,7 @@ from atlas_drake.control.whole_body.model import (
 from atlas_drake.control.whole_body.qp import WholeBodyQp, WholeBodySolution
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.frozen import NOTHING, Frozen
-from atlas_drake.messages import K_EFFORT_MAX, Behavior
+from atlas_drake.messages import Behavior
 from atlas_drake.messages.commands import CommandsInForce
 from atlas_drake.messages.controller_status import REPORTED, ControllerStatus
 from atlas_drake.robot import Robot
@@ -167,7 +167,7 @@ class WholeBodyController(CollectableSystem):
             self._scratch.Eval(context), self._state_input.Eval(context)
         )
         commands: CommandsInForce = self._command_input.Eval(context)
-        share = commands.joints.k_effort * (1.0 / K_EFFORT_MAX)
+        share = commands.joints.share
         observation = Observation(
             time=context.get_time(),
             dt=self._period,
@@ -189,7 +189,7 @@ class WholeBodyController(CollectableSystem):
             return ControllerMemory(
                 supervisor, effort, com, omega, unsolved=before.unsolved
             )
-        if share.any():
+        if commands.joints.has_user:
             solution, effort = self._solve_shared(context, terms, command, share)
         else:
             solution = self._qp.solve(terms, command, self._own_bounds)

@@ -43,7 +43,11 @@ P = TypeVar("P", bound=WalkPhase)
 
 
 class WalkPlanner:
-    """Plans phases from feet and steps. Holds constants only."""
+    """Plans phases from feet and steps.
+
+    Holds constants, and the latest outlook, which reports ask for in every tick though
+    it changes with the course alone.
+    """
 
     def __init__(self, balance: Balance, omega: float, config: WalkConfig):
         """Plans for a pendulum with the natural frequency ``omega`` [1/s]."""
@@ -53,12 +57,18 @@ class WalkPlanner:
         self._limits = balance.robot.file.walk_limits
         self._slack = config.slack
         self._transfer_change = config.rules.transfer_change
+        self._latest: tuple[Course, Footstep | None, Outlook] | None = None
 
     # ---- steps ---------------------------------------------------------------
 
     def outlook(self, course: Course, in_air: Footstep | None = None) -> Outlook:
         """Saturates the coming steps, beginning with the one in the air."""
-        return look_ahead(course, in_air, self._limits, self._slack)
+        latest = self._latest
+        if latest and latest[0] is course and latest[1] is in_air:
+            return latest[2]
+        outlook = look_ahead(course, in_air, self._limits, self._slack)
+        self._latest = course, in_air, outlook
+        return outlook
 
     def coming(
         self, course: Course, in_air: Footstep | None = None
