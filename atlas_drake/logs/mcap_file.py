@@ -1,7 +1,7 @@
 """Logs as MCAP, which Foxglove and PlotJuggler open: JSON messages on topics.
 
-Needs ``mcap`` and ``orjson``. The file grows during the run; it can be read even if the run ends
-abruptly.
+Needs ``mcap`` and ``orjson``. The file grows during the run; it can be read even if the
+run ends abruptly.
 """
 
 from __future__ import annotations
@@ -155,7 +155,7 @@ class McapWriter:
         )
 
     def _add(self, time: float, topic: str, data: bytes) -> None:
-        """Adds a message in JSON, in which orjson writes null for NaN and infinities."""
+        """Adds a message in JSON; orjson writes null for NaN and infinities."""
         stamp = round(1e9 * time)
         self._writer.add_message(
             self._channels[topic],
