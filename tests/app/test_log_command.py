@@ -250,7 +250,10 @@ def test_a_replay_is_filmed_as_the_run_was(tmp_path, capsys, monkeypatch):
     # What is encoded is compared: the codec changes pictures a little.
     monkeypatch.setattr(VideoFile, "add", notice)
     log, live, again = (tmp_path / name for name in ("a.npz", "a.mp4", "b.mp4"))
-    with AtlasSimulation(log=log, video=Video(live, 192, 108)) as sim:
+    # A log has the state at control ticks, a film that at the last physics step: here
+    # each picture finds both at one instant.
+    scenario = Scenario(physics_step=0.002, control_period=0.004)
+    with AtlasSimulation(scenario, log=log, video=Video(live, 192, 108)) as sim:
         command = AtlasCommand()
         command.k_effort = [255] + 27 * [0]
         sim.publish(command)
