@@ -6,6 +6,7 @@ Text and terminals only; the simulation provides the content.
 from __future__ import annotations
 
 import math
+import os
 import shutil
 import time
 from collections import deque
@@ -40,8 +41,7 @@ class StatusLine:
     def say(self, line: str) -> None:
         """Prints a line that stays."""
         self.clear()
-        self._stream.write(line + "\n")
-        self._stream.flush()
+        self._put(line + "\n")
 
     def show(self, text: str) -> None:
         """Says how far it is."""
@@ -49,8 +49,7 @@ class StatusLine:
         if self._live:
             # A line that is wider than the terminal could not be rewritten.
             text = text[: shutil.get_terminal_size().columns - 1]
-            self._stream.write("\r" + text.ljust(self._shown))
-            self._stream.flush()
+            self._put("\r" + text.ljust(self._shown))
             self._shown = len(text)
         elif now - self._last_line >= REPEAT:
             self._last_line = now
@@ -59,8 +58,21 @@ class StatusLine:
     def clear(self) -> None:
         """Takes the rewritten line away, for somebody else to print there."""
         if self._shown:
-            self._stream.write("\r" + " " * self._shown + "\r")
+            self._put("\r" + " " * self._shown + "\r")
             self._shown = 0
+
+    def _put(self, text: str) -> None:
+        """Writes at once, and to nobody when nobody reads any more, as after | head.
+
+        A run goes on then, so that its log and video are completed.
+        """
+        try:
+            self._stream.write(text)
+            self._stream.flush()
+        except BrokenPipeError:
+            nobody = os.open(os.devnull, os.O_WRONLY)
+            os.dup2(nobody, self._stream.fileno())
+            os.close(nobody)
 
 
 class Progress(StatusLine):

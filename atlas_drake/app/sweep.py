@@ -27,7 +27,7 @@ from atlas_drake.campaigns import Campaign, CampaignError, Shard, load_campaign
 from atlas_drake.campaigns.comparison import compare
 from atlas_drake.campaigns.folder import CampaignFolder, merge, same_result
 from atlas_drake.campaigns.performer import Performer
-from atlas_drake.campaigns.plan import make_trial, scenario_of
+from atlas_drake.campaigns.plan import make_trial, number_of_trials, scenario_of
 from atlas_drake.campaigns.results import write_results
 from atlas_drake.campaigns.runner import run_campaign
 from atlas_drake.campaigns.sources import Sources, joined
@@ -84,8 +84,16 @@ def sweep(options: argparse.Namespace) -> int:
         )
         return exit_status.INTERRUPTED
     kept = _show(CampaignFolder(out), progress)
-    if kept != exit_status.OK or campaign.goal is None:
+    raised = [number for number, record in sorted(records.items()) if record["error"]]
+    if raised:
+        progress.say(
+            f"! {len(raised)} of {len(records)} trials ended with an error; that of "
+            f"trial {raised[0]} is in {CampaignFolder(out).file_of(raised[0])}."
+        )
+    if kept != exit_status.OK:
         return kept
+    if campaign.goal is None:
+        return exit_status.FAILED if raised else exit_status.OK
     share = sum(record["success"] for record in records.values()) / len(records)
     met = share >= campaign.goal
     progress.say(
@@ -171,6 +179,13 @@ def _one_trial(
     """Does one trial here, to be watched or kept."""
     if options.only < 0:
         raise CampaignError("--only", options.only, "must be 0 or more")
+    trials = number_of_trials(campaign, options.trials)
+    if trials is not None and options.only >= trials:
+        raise CampaignError(
+            "--only",
+            options.only,
+            f"is {options.only}; the campaign has {trials} trials, 0 to {trials - 1}",
+        )
     check_outputs(options, ("log", "video"))
     if options.log is not None:
         check_format(options.log)

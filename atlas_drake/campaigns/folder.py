@@ -100,10 +100,13 @@ class CampaignFolder:
             raise CampaignError("folder", str(self.path), problem) from error
         return found
 
+    def file_of(self, number: int) -> Path:
+        """The file of a trial's record."""
+        return self.path / TRIALS / f"{number:06d}.json"
+
     def write(self, record: Mapping[str, Any]) -> None:
         """Keeps the record of a trial."""
-        number = record["trial"]
-        with whole_file(self.path / TRIALS / f"{number:06d}.json") as unfinished:
+        with whole_file(self.file_of(record["trial"])) as unfinished:
             unfinished.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
 
     def records(self) -> dict[int, dict[str, Any]]:

@@ -94,11 +94,13 @@ class Performer:
 
     def judged(self, sim: AtlasSimulation, trial: Trial) -> dict[str, Any]:
         """Does a trial in a simulation that has just begun; success and figures."""
-        figures: Figures = {}
         parameters = parameters_of(self._campaign, trial)
-        figures |= _plain(self._trial(sim, parameters), self._campaign.trial)
+        figures = _plain(self._trial(sim, parameters), self._campaign.trial)
         for name, metric in zip(self._campaign.metrics, self._metrics, strict=True):
-            figures |= _plain(metric(sim), name)
+            more = _plain(metric(sim), name)
+            for key in figures.keys() & more.keys():
+                raise ValueError(f"{name}: there is a figure {key} already")
+            figures |= more
         missed = unmet(self._campaign.success, figures)
         return {
             "success": not missed,

@@ -42,6 +42,18 @@ def case_list(campaign: Campaign) -> list[dict[str, Any]]:
     return [dict(zip(campaign.cases, values, strict=True)) for values in combinations]
 
 
+def number_of_trials(campaign: Campaign, trials: int | None = None) -> int | None:
+    """How many trials there are in all; None for a threshold, whose results decide.
+
+    Args:
+        campaign: The campaign.
+        trials: How many, of each case; None is the campaign's number.
+    """
+    if campaign.threshold is not None:
+        return None
+    return (campaign.trials if trials is None else trials) * len(case_list(campaign))
+
+
 def trial_seed(campaign: Campaign, replica: int) -> int:
     """The seed of the trials with this number within their case."""
     if campaign.seeds == "counted":

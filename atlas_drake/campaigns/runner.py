@@ -15,7 +15,7 @@ from atlas_drake.campaigns.campaign import Campaign
 from atlas_drake.campaigns.errors import CampaignError
 from atlas_drake.campaigns.folder import CampaignFolder
 from atlas_drake.campaigns.performer import Performer, failed
-from atlas_drake.campaigns.plan import Trial, case_list, make_trial
+from atlas_drake.campaigns.plan import Trial, case_list, make_trial, number_of_trials
 from atlas_drake.campaigns.processes import Outcome, Processes
 from atlas_drake.campaigns.sources import Sources, joined
 from atlas_drake.campaigns.threshold import Search
@@ -127,13 +127,14 @@ def run_campaign(
 
 def missing_trials(campaign: Campaign, records: Records, shard: Shard) -> list[Trial]:
     """Trials to be done next: all that are missing, or a round of the searches."""
-    cases = len(case_list(campaign))
-    if campaign.threshold is not None:
+    count = number_of_trials(campaign)
+    if count is None:
+        cases = len(case_list(campaign))
         searches = [Search(campaign, c) for c in range(cases) if shard.has(c)]
         return [trial for search in searches for trial in search.next_trials(records)]
     return [
         make_trial(campaign, number)
-        for number in range(campaign.trials * cases)
+        for number in range(count)
         if shard.has(number) and number not in records
     ]
 

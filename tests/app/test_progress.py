@@ -1,9 +1,10 @@
 """The progress that a run prints, on terminals and into log files."""
 
 import io
+import os
 
 from atlas_drake.app import progress
-from atlas_drake.app.progress import Progress, event_line
+from atlas_drake.app.progress import Progress, StatusLine, event_line
 from atlas_drake.messages.event import FOOTSTEP_DATA, Event
 
 
@@ -62,3 +63,13 @@ def test_a_log_has_a_line_now_and_then(monkeypatch):
     assert "\r" not in stream.getvalue()
     # 0.1 s simulated in 0.2 s.
     assert all("0.50 x real time" in line for line in lines)
+
+
+def test_a_reader_that_is_gone_ends_no_run():
+    # As after `atlas-drake run ... | head`.
+    reading, writing = os.pipe()
+    os.close(reading)
+    with os.fdopen(writing, "w") as stream:
+        line = StatusLine(stream)
+        for _ in range(3):
+            line.say("Nobody reads this.")

@@ -83,6 +83,19 @@ def test_functions_of_ones_own_drive_and_measure(campaign):
     assert performer(make_trial(campaign, 2))["machine"]["built_anew"]
 
 
+def test_two_figures_of_one_name_are_an_error_of_the_trial(campaign):
+    campaign = campaign(
+        "trial: stand",
+        """
+        def stand(sim, parameters):
+            sim.advance(0.01)
+            return {"tilt_max_rad": 0.0}
+        """,
+    )
+    record = performer_of(campaign)(make_trial(campaign, 0))
+    assert "tilt: there is a figure tilt_max_rad already" in record["error"]
+
+
 @pytest.mark.parametrize(
     ("more", "field"),
     [

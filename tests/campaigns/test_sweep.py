@@ -124,6 +124,8 @@ def test_a_sweep_goes_on_where_it_was_killed(campaign_file, tmp_path, capsys):
         (["--shard", "3"], "--shard: is '3'"),
         (["--shard", "3/2"], "--shard: is 3/2"),
         (["--log", "x.npz"], "--log: is for one trial"),
+        (["--only", "-1"], "--only: must be 0 or more"),
+        (["--only", "3", "--trials", "3"], "--only: is 3; the campaign has 3 trials"),
         (["--set", "jitter.mas=1"], "jitter.mas"),
         (["--with", "nothing.py"], "nothing.py: there is no such file"),
     ],
@@ -144,3 +146,18 @@ def test_ray_that_is_not_installed_is_named(
     out = ["--out", str(tmp_path / "out")]
     assert main(["sweep", str(campaign_file()), *out, "--ray", "auto"]) == 2
     assert 'pip install "atlas-drake[ray]"' in capsys.readouterr().err
+
+
+def test_trials_that_raise_are_counted_and_end_with_status_1(
+    campaign_file, tmp_path, capsys
+):
+    code = """
+        def fail(sim, parameters):
+            raise ValueError("no such luck")
+    """
+    file, out = campaign_file("trial: fail", code), tmp_path / "out"
+    arguments = ["--out", str(out), "--trials", "2", "--jobs", "1"]
+    assert main(["sweep", str(file), *arguments]) == 1
+    said = capsys.readouterr().out
+    assert f"! 2 of 2 trials ended with an error; that of trial 0 is in {out}" in said
+    assert "no such luck" in CampaignFolder(out).file_of(0).read_text()
