@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 import os
 import shutil
+import threading
 import time
 from collections import deque
 from typing import TextIO
@@ -18,6 +19,8 @@ REPEAT = 5.0
 """Wall time between lines of progress where lines cannot be rewritten [s]."""
 RATE_WINDOW = 1.0
 """Wall time over which the real-time factor is measured [s]."""
+AGAIN = 2.0
+"""Wall time between repetitions of a campaign's progress [s]."""
 BAR = 24
 """Width of a bar [characters]."""
 
@@ -107,13 +110,40 @@ class Progress(StatusLine):
 
 
 class TrialProgress(StatusLine):
-    """How far a campaign is: trials, successes, time left."""
+    """How far a campaign is: trials, successes, time left.
+
+    Used as a context, it says so every few seconds, however long a trial takes.
+    """
 
     def __init__(self, stream: TextIO) -> None:
         """Prints to ``stream``."""
         super().__init__(stream)
         self._begin = time.perf_counter()
         self._done = self._successes = 0
+        self._latest = "no trial done yet"
+        self._turns = threading.RLock()
+        self._ended = threading.Event()
+
+    def __enter__(self) -> TrialProgress:
+        """Begins to repeat the latest line, with the time so far."""
+        threading.Thread(target=self._repeat, daemon=True).start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Ends it."""
+        self._ended.set()
+        with self._turns:
+            self.clear()
+
+    def _repeat(self) -> None:
+        while not self._ended.wait(AGAIN):
+            with self._turns:
+                if not self._ended.is_set():
+                    self._show_latest()
+
+    def _show_latest(self) -> None:
+        so_far = duration_text(time.perf_counter() - self._begin)
+        self.show(f"{self._latest} | {so_far} so far")
 
     def update(self, success: bool, done: int, total: int) -> None:
         """Says how far the campaign is, after a trial.
@@ -130,10 +160,12 @@ class TrialProgress(StatusLine):
         bar = "#" * filled + "." * (BAR - filled)
         share = 100.0 * self._successes / self._done
         left = duration_text(each * (total - done))
-        self.show(
-            f"[{bar}] {done} of {total} trials | {share:.0f} % of these "
-            f"{self._done} succeed | {left} left"
-        )
+        with self._turns:
+            self._latest = (
+                f"[{bar}] {done} of {total} trials | {share:.0f} % of these "
+                f"{self._done} succeed | {left} left"
+            )
+            self._show_latest()
 
 
 def duration_text(seconds: float) -> str:

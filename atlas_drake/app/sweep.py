@@ -64,18 +64,19 @@ def sweep(options: argparse.Namespace) -> int:
     check_pyarrow()
     progress = TrialProgress(sys.stdout)
     try:
-        records = run_campaign(
-            campaign,
-            out,
-            trials=options.trials,
-            jobs=_jobs(options),
-            ray=options.ray,
-            shard=_shard(options.shard),
-            files=files,
-            on_trial=lambda record, done, total: progress.update(
-                record["success"], done, total
-            ),
-        )
+        with progress:
+            records = run_campaign(
+                campaign,
+                out,
+                trials=options.trials,
+                jobs=_jobs(options),
+                ray=options.ray,
+                shard=_shard(options.shard),
+                files=files,
+                on_trial=lambda record, done, total: progress.update(
+                    record["success"], done, total
+                ),
+            )
     except KeyboardInterrupt:
         done = len(CampaignFolder(out).records())
         progress.say(

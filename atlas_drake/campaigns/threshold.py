@@ -45,12 +45,19 @@ class Search:
         self._cases = case_list(campaign)
 
     def next_trials(self, records: Records) -> list[Trial]:
-        """Trials that are needed next and not done; empty when the search is over."""
+        """Trials that are needed next and not done; empty when the search is over.
+
+        First as many replicas as have to pass; the others only if these do not decide.
+        """
         level = self._state(records)[2]
         if level is None:
             return []
-        trials = [make_trial(self._campaign, n, level) for n in self._numbers(level)]
-        return [trial for trial in trials if trial.number not in records]
+        numbers = self._numbers(level)
+        for needed in (numbers[: self._threshold.passes], numbers):
+            missing = [number for number in needed if number not in records]
+            if missing:
+                break
+        return [make_trial(self._campaign, number, level) for number in missing]
 
     def found(self, records: Records) -> Found:
         """What the records say."""
@@ -80,12 +87,15 @@ class Search:
                 too_much = level
 
     def _verdict(self, level: int, records: Records) -> bool | None:
-        """True if a level is borne; None as long as a trial is missing."""
-        numbers = self._numbers(level)
-        if not all(number in records for number in numbers):
-            return None
-        passes = sum(bool(records[number]["success"]) for number in numbers)
-        return passes >= self._threshold.passes
+        """True if a level is borne; None as long as missing trials decide."""
+        threshold = self._threshold
+        done = [records[n] for n in self._numbers(level) if n in records]
+        passes = sum(bool(record["success"]) for record in done)
+        if passes >= threshold.passes:
+            return True
+        if len(done) - passes > threshold.replicas - threshold.passes:
+            return False
+        return None
 
     def _numbers(self, level: int) -> list[int]:
         replicas, cases = self._threshold.replicas, len(self._cases)

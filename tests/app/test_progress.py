@@ -2,9 +2,10 @@
 
 import io
 import os
+import time
 
 from atlas_drake.app import progress
-from atlas_drake.app.progress import Progress, StatusLine, event_line
+from atlas_drake.app.progress import Progress, StatusLine, TrialProgress, event_line
 from atlas_drake.messages.event import FOOTSTEP_DATA, Event
 
 
@@ -73,3 +74,17 @@ def test_a_reader_that_is_gone_ends_no_run():
         line = StatusLine(stream)
         for _ in range(3):
             line.say("Nobody reads this.")
+
+
+def test_a_long_trial_is_not_silent(monkeypatch):
+    monkeypatch.setattr(progress, "AGAIN", 0.01)
+    stream = Terminal()
+    with TrialProgress(stream) as shown:
+        while "no trial done yet | 0 s so far" not in stream.getvalue():
+            time.sleep(0.01)
+        shown.update(True, 1, 3)
+        assert "1 of 3 trials | 100 % of these 1 succeed" in stream.getvalue()
+    length = len(stream.getvalue())
+    time.sleep(0.05)
+    # Nothing is written into what comes after it.
+    assert len(stream.getvalue()) == length
