@@ -6,6 +6,7 @@ behavior chooses its own references of feet and center of mass.
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -179,11 +180,13 @@ class Balance:
         A sole that carries little is not counted on for more than it may soon carry.
         """
         model = self.gains.contact
-        felt = max(float(observation.foot_force[foot]) / self.weight, 0.0)
+        felt = float(observation.foot_force[foot]) / self.weight
+        if math.isnan(felt):  # At the first tick the robot is taken to stand.
+            felt = FULL_LOAD
         # Below a sole that carries next to nothing a moment would only turn the foot.
         rests = felt >= model.unloaded_share
         patch = self._patches.whole if rests else self._patches.middle
-        trusted = model.unloaded_share + model.load_growth * felt
+        trusted = model.unloaded_share + model.load_growth * max(felt, 0.0)
         return FootCommand(
             self._resting(observation, foot, self._stance_weight),
             self._contact(foot, patch, min(max_load, trusted)),

@@ -30,7 +30,8 @@ class Observation:
         time: [s]
         dt: Time since the last tick [s].
         terms: Kinematics and dynamics at the present state.
-        foot_force: Normal force on the left and right sole [N], shape (2,).
+        foot_force: Normal force on the left and right sole [N], shape (2,); NaN at the
+            first tick, before any was measured.
         user_share: The user's share of each joint's effort, 0 to 1, shape (n,).
     """
 

@@ -54,11 +54,9 @@ class EffortSelector(CollectableSystem):
     def _blend(self, context: Context) -> np.ndarray:
         share = self._share.Eval(context)
         behavior = self._behavior.Eval(context)
-        if not share.any():
-            # The user's efforts need no evaluation, which saves time at every physics
-            # step.
-            return limited(behavior, self._limit)
-        user = self._user.Eval(context)
+        # Without a user share the user's efforts need no evaluation, which saves time
+        # at every physics step.
+        user = self._user.Eval(context) if share.any() else behavior
         return blend(user, behavior, share * (1.0 / K_EFFORT_MAX), self._limit)
 
 
@@ -66,9 +64,5 @@ def blend(
     user: np.ndarray, behavior: np.ndarray, share: np.ndarray, limit: np.ndarray
 ) -> np.ndarray:
     """Computes k·user + (1 - k)·behavior within ±limit [N·m], shape (n,)."""
-    return limited(behavior + share * (user - behavior), limit)
-
-
-def limited(effort: np.ndarray, limit: np.ndarray) -> np.ndarray:
-    """Returns the efforts within ±limit [N·m], shape (n,)."""
+    effort = behavior + share * (user - behavior)
     return np.minimum(np.maximum(effort, -limit), limit)

@@ -46,6 +46,9 @@ from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.systems.scratch import declare_scratch_context
 
 
+_UNKNOWN = np.full(2, np.nan)
+
+
 @dataclass(frozen=True)
 class ControllerMemory(Frozen):
     """State of the controller from one tick to the next.
@@ -168,11 +171,12 @@ class WholeBodyController(CollectableSystem):
         )
         commands: CommandsInForce = self._command_input.Eval(context)
         share = commands.joints.share
+        first = before.supervisor.body is None
         observation = Observation(
             time=context.get_time(),
             dt=self._period,
             terms=terms,
-            foot_force=self._load_input.Eval(context),
+            foot_force=_UNKNOWN if first else self._load_input.Eval(context),
             user_share=share,
         )
         supervisor, command = self._supervisor.update(

@@ -250,7 +250,7 @@ def test_a_jolt_enters_the_drift_by_its_share_of_time_alone(dt):
     model = step_model(np.zeros(1), np.ones(1), np.eye(1), dt)
     jolt = np.array([1.0])
     drift = estimate_drift(state_of(), jolt, model)
-    assert 0.0 < drift[0] <= 0.75
+    assert 0.0 < drift[0] <= 0.6
     # It fades, and never turns round.
     state = remembered(np.zeros(1), jolt, np.zeros(1), drift, model)
     after = estimate_drift(state, jolt, model)
@@ -379,8 +379,15 @@ def tutorial_inertia(tutorial_robot):
     return 1.0 / np.diag(found)
 
 
-@pytest.mark.parametrize("dt", PHYSICS_STEPS)
-@pytest.mark.parametrize("factor", [1.0, 2.0, 1000.0])
+@pytest.mark.parametrize(
+    ("dt", "factor"),
+    [
+        (dt, factor)
+        for dt in PHYSICS_STEPS
+        for factor in (1.0, 2.0, 50.0, 1000.0)
+        if dt < 0.003 or factor < 1000.0
+    ],
+)
 def test_single_joints_with_the_tutorials_gains_come_to_rest(
     tutorial_command, tutorial_inertia, dt, factor
 ):

@@ -133,7 +133,8 @@ def test_a_reset_stands_a_fallen_robot_up_again():
 def test_a_reset_is_as_good_as_a_new_start():
     fresh, again = AtlasSimulation(), AtlasSimulation()
     again.publish(asking("USER"))
-    again.advance(0.5)
+    # To a control tick: the first efforts after a reset are those of the next one.
+    again.advance(84 * Scenario().control_period)
     again.reset("STAND")
     for sim in (fresh, again):
         sim.advance(0.5)

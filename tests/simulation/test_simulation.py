@@ -627,7 +627,7 @@ def test_a_run_begins_in_the_scenarios_behavior(behavior):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("physics_step", [0.0005, 0.001, 0.002])
+@pytest.mark.parametrize("physics_step", [0.0005, 0.001, 0.002, 0.003])
 def test_the_tutorials_gains_are_stable_in_the_whole_robot(physics_step):
     sim = AtlasSimulation(Scenario(initial_behavior="USER", physics_step=physics_step))
     n = sim.robot.num_joints
