@@ -42,9 +42,8 @@ from atlas_drake.scenario.timed_message import TimedMessage
 from atlas_drake.scenario.world_file import World, world_beside, world_from
 
 PHYSICS_STEPS = Bounds(1e-5, 0.003)
-"""Range of the physics step [s]. Below it a simulated second takes minutes; with 3 ms
-joints do not come to rest under the tutorial's gains, and with 4 ms rough.yaml's robot
-falls."""
+"""Range of the physics step [s]. Below it a simulated second takes minutes; above it
+the joint controllers' damping can diverge where a planted sole is taken for free."""
 LARGEST_SEED = 2**64 - 1
 """Largest seed of the random generator."""
 LONGEST_PERIOD = 0.02

@@ -45,7 +45,6 @@ from atlas_drake.robot import Robot
 from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.systems.scratch import declare_scratch_context
 
-
 _UNKNOWN = np.full(2, np.nan)
 
 

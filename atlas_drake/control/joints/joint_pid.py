@@ -65,7 +65,7 @@ DRIFT_TIME = 0.002
 """Time constant of the estimate of velocity changes not caused by the motors [s].
 
 With less the whole robot rings under the tutorial's gains; with more the law diverges
-where a joint is far heavier than in the model, at steps of 3 ms beyond a factor of 50."""
+where a joint is far heavier than in the model, at 3 ms beyond a factor of 50."""
 
 LIGHT_DAMPING = 1e-3
 """Greatest damping that is taken explicitly where motors saturate [N·m·s/rad].
