@@ -232,7 +232,10 @@ def make_atlas_station(
     )
     connect(sensors, "foot_wrenches", pid)
     connect(plant, "contact_results", sensors)
-    connect(plant, "body_spatial_accelerations", sensors, "body_accelerations")
+    builder.Connect(
+        plant.get_generalized_acceleration_output_port(robot.instance(plant)),
+        sensors.GetInputPort("acceleration"),
+    )
     for reader in (sensors, pid, statistics):
         builder.Connect(own_state, reader.GetInputPort("state"))
 

@@ -12,7 +12,7 @@ from pydrake.systems.framework import (
     DiscreteValues,
 )
 
-from atlas_drake.control.estimation.attitude import rotation_matrix
+from atlas_drake.control.estimation.attitude import composed, rotation_matrix
 from atlas_drake.control.rotations import cross
 from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.frozen import NOTHING
@@ -28,6 +28,9 @@ from atlas_drake.scenario.noise import NoiseModel, SensorNoise
 from atlas_drake.systems.noisy_system import NoisySystem
 from atlas_drake.systems.scratch import declare_scratch_context
 
+_UPWARD = np.array([0.0, 0.0, GRAVITY])
+"""Specific force of a body at rest, in W [m/s²]."""
+
 
 class RobotSensors(NoisySystem):
     """The plant's outputs in, measurements out.
@@ -35,7 +38,8 @@ class RobotSensors(NoisySystem):
     Input ports:
         state: Positions and velocities of the robot.
         contact_results: Contacts of the plant, those with other models included.
-        body_accelerations: Spatial accelerations of all bodies in W.
+        acceleration: Generalized accelerations of the robot, in the order of its
+            velocities.
         effort: Efforts of the motors [N·m], shape (n,).
         commands: ``CommandsInForce``, whose gains are reported.
 
@@ -71,9 +75,9 @@ class RobotSensors(NoisySystem):
         # Indices, because bodies and frames hold their plant where the garbage
         # collector cannot see it.
         self._instance = own = robot.instance(plant)
-        self._pelvis = plant.GetBodyByName(robot.file.pelvis, own).index()
-        imu_frame = plant.GetFrameByName(robot.file.imu_frame, own)
-        self._X_PI = imu_frame.GetFixedPoseInBodyFrame()
+        X_PI = plant.GetFrameByName(robot.file.imu_frame, own).GetFixedPoseInBodyFrame()
+        self._q_PI = X_PI.rotation().ToQuaternion().wxyz()
+        self._R_PI, self._p_PI = X_PI.rotation().matrix(), X_PI.translation()
         self._soles = [
             plant.GetFrameByName(foot.sole_frame, own).index()
             for foot in robot.file.feet
@@ -90,9 +94,8 @@ class RobotSensors(NoisySystem):
         self._contacts = self.DeclareAbstractInputPort(
             "contact_results", AbstractValue.Make(ContactResults())
         )
-        self._accelerations = self.DeclareAbstractInputPort(
-            "body_accelerations",
-            plant.get_body_spatial_accelerations_output_port().Allocate(),
+        self._acceleration = self.DeclareVectorInputPort(
+            "acceleration", plant.num_velocities(own)
         )
         self._effort = self.DeclareVectorInputPort("effort", n)
         self._commands = self.DeclareAbstractInputPort(
@@ -156,7 +159,7 @@ class RobotSensors(NoisySystem):
             state[num_q + indices.v] += noise.joint_velocity
             # Rotate the gyroscope's noise from the IMU's axes to the world's.
             R_WP = rotation_matrix(state[indices.pelvis.orientation])
-            turned = R_WP @ self._X_PI.rotation().multiply(noise.angular_velocity)
+            turned = R_WP @ (self._R_PI @ noise.angular_velocity)
             state[num_q + indices.generalized[:3]] += turned
         output.SetFromVector(state)
 
@@ -183,24 +186,27 @@ class RobotSensors(NoisySystem):
         output.SetFromVector(wrenches)
 
     def _calc_imu(self, context: Context, output: AbstractValue) -> None:
-        scratch = self._at_state(context)
-        pelvis = self._plant.get_body(self._pelvis)
-        X_WP = self._plant.EvalBodyPoseInWorld(scratch, pelvis)
-        V_WP = self._plant.EvalBodySpatialVelocityInWorld(scratch, pelvis)
-        A_WP = self._accelerations.Eval(context)[int(self._pelvis)]
-        p_PI_W = X_WP.rotation() @ self._X_PI.translation()
-        A_WI = A_WP.Shift(p_PI_W, V_WP.rotational())
-        R_IW = (X_WP.rotation() @ self._X_PI.rotation()).inverse()
-        gravity = np.array([0.0, 0.0, -GRAVITY])
-        rate = R_IW @ V_WP.rotational()
-        force = R_IW @ (A_WI.translational() - gravity)
+        state, acceleration = (
+            self._state.Eval(context),
+            self._acceleration.Eval(context),
+        )
+        base = self._indices.generalized
+        w_WP = state[self._num_q + base[:3]]
+        alpha_WP, a_WP = acceleration[base[:3]], acceleration[base[3:6]]
+        q_WP = state[self._indices.pelvis.orientation]
+        q_WP = q_WP / np.linalg.norm(q_WP)  # The plant's drifts from 1 by some 1e-4.
+        R_WP = rotation_matrix(q_WP)
+        R_WI, p_PI_W = R_WP @ self._R_PI, R_WP @ self._p_PI
+        a_WI = a_WP + cross(alpha_WP, p_PI_W) + cross(w_WP, cross(w_WP, p_PI_W))
+        rate = R_WI.T @ w_WP
+        force = R_WI.T @ (a_WI + _UPWARD)
         if not self.noise(context).silent:
             noise = self.noise(context).sample(context.get_time())
             rate = rate + noise.angular_velocity
             force = force + noise.specific_force
         imu = Imu()
         imu.header.stamp = context.get_time()
-        imu.orientation = Quaternion.from_wxyz(R_IW.inverse().ToQuaternion().wxyz())
+        imu.orientation = Quaternion.from_wxyz(composed(q_WP, self._q_PI))
         imu.angular_velocity = Vector3.from_array(rate)
         imu.linear_acceleration = Vector3.from_array(force)
         output.set_value(imu)

@@ -71,6 +71,20 @@ def turn_between(q_WA: np.ndarray, q_WB: np.ndarray) -> np.ndarray:
     return np.array([scale * x, scale * y, scale * z])
 
 
+def composed(q_WA: np.ndarray, q_AB: np.ndarray) -> np.ndarray:
+    """Composes two orientations; w of the result is not negative.
+
+    Args:
+        q_WA: Unit quaternion, shape (4,).
+        q_AB: Unit quaternion, shape (4,).
+
+    Returns:
+        Unit quaternion q_WB, shape (4,).
+    """
+    q_WB = _normalized(_product(q_WA.tolist(), q_AB.tolist()))
+    return -q_WB if q_WB[0] < 0.0 else q_WB
+
+
 def upright_correction(force_W: np.ndarray, dt: float, settling: float) -> np.ndarray:
     """Computes a small rotation that brings the specific force nearer to the vertical.
 
