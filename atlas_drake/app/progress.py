@@ -20,7 +20,9 @@ REPEAT = 5.0
 RATE_WINDOW = 1.0
 """Wall time over which the real-time factor is measured [s]."""
 AGAIN = 2.0
-"""Wall time between repetitions of a campaign's progress [s]."""
+"""Wall time between repetitions of a campaign's progress on a terminal [s]."""
+AGAIN_AS_LINES = 60.0
+"""The same where each is a line of its own, as in the log of a batch queue [s]."""
 BAR = 24
 """Width of a bar [characters]."""
 
@@ -136,7 +138,7 @@ class TrialProgress(StatusLine):
             self.clear()
 
     def _repeat(self) -> None:
-        while not self._ended.wait(AGAIN):
+        while not self._ended.wait(AGAIN if self._live else AGAIN_AS_LINES):
             with self._turns:
                 if not self._ended.is_set():
                     self._show_latest()
