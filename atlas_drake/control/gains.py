@@ -79,7 +79,7 @@ class ContactModel:
     there spin the light foot by tens of rad/s within a few ticks."""
     load_growth: Positive = 1.5
     """Normal force that the QP may count on beyond that, relative to the measured one
-    [-]: a sole is trusted with the full weight after three ticks."""
+    [-]: a sole is trusted with the full weight after four ticks."""
 
 
 @dataclass(frozen=True)
