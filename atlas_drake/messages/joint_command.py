@@ -44,8 +44,10 @@ class JointCommand(Frozen):
 
     @cached_property
     def share(self) -> np.ndarray:
-        """The user's blend weight k of each joint, 0 to 1, shape (n,)."""
-        return self.k_effort * (1.0 / K_EFFORT_MAX)
+        """The user's blend weight k of each joint, 0 to 1, shape (n,); read-only."""
+        share = self.k_effort * (1.0 / K_EFFORT_MAX)
+        share.setflags(write=False)
+        return share
 
     @cached_property
     def has_user(self) -> bool:
