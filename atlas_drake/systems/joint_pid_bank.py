@@ -290,12 +290,14 @@ class JointPidBank(CollectableSystem):
         known = context.get_abstract_state(self._prepared).get_value()
         if known is not NOTHING and known.source is source:
             return known
-        return self._prepare(context, source)
+        planted = self._planted(context, self._held(context))
+        return self._prepare(context, source, planted)
 
-    def _prepare(self, context: Context, source: JointCommand) -> PreparedLaw:
+    def _prepare(
+        self, context: Context, source: JointCommand, planted: tuple[bool, bool]
+    ) -> PreparedLaw:
         robot = self._robot
         state = self._state_input.Eval(context)
-        planted = self._planted(context)
         inverse_mass = self._inverse_mass.evaluate(
             self._scratch.Eval(context), state[: self._num_positions], planted
         )
@@ -320,11 +322,11 @@ class JointPidBank(CollectableSystem):
             model=step_model(damping, share, inverse_mass, self._dt),
         )
 
-    def _planted(self, context: Context) -> tuple[bool, bool]:
-        """Returns True for each sole that the ground has held for a while."""
+    def _planted(self, context: Context, held: tuple[bool, bool]) -> tuple[bool, bool]:
+        """Returns True for each sole ``held`` now that has been for a while."""
         latest = context.get_time() - TIME_TO_TRUST
         since = context.get_discrete_state(self._loose).value()
-        left, right = self._held(context)
+        left, right = held
         return left and bool(since[0] <= latest), right and bool(since[1] <= latest)
 
     def _held(self, context: Context) -> tuple[bool, bool]:
@@ -350,24 +352,26 @@ class JointPidBank(CollectableSystem):
             after = np.where(held, since, context.get_time())
             state.get_mutable_discrete_state(self._loose).set_value(after)
         source: JointCommand = self._command_input.Eval(context)
+        planted = self._planted(context, held)
         known = context.get_abstract_state(self._prepared).get_value()
         if (
             known is NOTHING
             or known.source is not source
-            or self._is_old(context, known)
+            or self._is_old(context, known, planted)
         ):
             state.get_mutable_abstract_state(self._prepared).set_value(
-                self._prepare(context, source)
+                self._prepare(context, source, planted)
             )
 
-    def _is_old(self, context: Context, law: PreparedLaw) -> bool:
+    def _is_old(
+        self, context: Context, law: PreparedLaw, planted: tuple[bool, bool]
+    ) -> bool:
         """Returns True if the law's model of the legs and the ground no longer holds.
 
         A sole that the ground lets go of counts at once: its joints are then many times
         as light as in the model, and the damping that was stable for them is not. All
         else may wait for ``REFRESH_PERIOD``.
         """
-        planted = self._planted(context)
         if any(was and not now for was, now in zip(law.planted, planted, strict=True)):
             return True
         if context.get_time() < law.time + REFRESH_PERIOD - 1e-9:

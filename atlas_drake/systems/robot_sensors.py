@@ -186,10 +186,8 @@ class RobotSensors(NoisySystem):
         output.SetFromVector(wrenches)
 
     def _calc_imu(self, context: Context, output: AbstractValue) -> None:
-        state, acceleration = (
-            self._state.Eval(context),
-            self._acceleration.Eval(context),
-        )
+        state = self._state.Eval(context)
+        acceleration = self._acceleration.Eval(context)
         base = self._indices.generalized
         w_WP = state[self._num_q + base[:3]]
         alpha_WP, a_WP = acceleration[base[:3]], acceleration[base[3:6]]
