@@ -230,7 +230,6 @@ def make_atlas_station(
         commands=commands.GetOutputPort("commands"),
         imu=sensors.GetOutputPort("imu"),
     )
-    connect(sensors, "foot_wrenches", pid)
     connect(plant, "contact_results", sensors)
     builder.Connect(
         plant.get_generalized_acceleration_output_port(robot.instance(plant)),

@@ -230,8 +230,8 @@ class Scenario:
         if self.state is True:
             self.state = "true"
         _one_of("state", self.state, STATES)
-        # A step on the common grid may be longer by a rounding error.
-        if not PHYSICS_STEPS.allow(round(self.physics_step, 12)):
+        # A step on the common grid may be longer, by a relative error below 1e-9.
+        if not PHYSICS_STEPS.allow(round(self.physics_step, 10)):
             raise ScenarioError(
                 "physics_step",
                 self.physics_step,
@@ -250,7 +250,7 @@ class Scenario:
                 f"is {shown(self.control_period)}; must be a whole multiple of "
                 f"physics_step ({self.physics_step} s)",
             )
-        if round(self.control_period, 12) > LONGEST_PERIOD:
+        if round(self.control_period, 10) > LONGEST_PERIOD:
             raise ScenarioError(
                 "control_period",
                 self.control_period,

@@ -17,7 +17,7 @@ from pydrake.systems.framework import (
 )
 
 from atlas_drake.control.joints.blend import UserForecast, forecast_user_effort
-from atlas_drake.control.joints.constrained_inverse_mass import ConstrainedInverseMass
+from atlas_drake.control.joints.inverse_mass import InverseMass
 from atlas_drake.control.joints.joint_pid import (
     PidState,
     StepModel,
@@ -27,7 +27,6 @@ from atlas_drake.control.joints.joint_pid import (
     step_model,
     user_effort,
 )
-from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.frozen import NOTHING, Frozen, replace
 from atlas_drake.messages.joint_command import JointCommand
 from atlas_drake.robot import PlantIndices, Robot
@@ -37,16 +36,7 @@ from atlas_drake.systems.scratch import declare_scratch_context
 MOVED = 0.1
 """Refresh the model when a joint has moved farther than this [rad]."""
 REFRESH_PERIOD = 0.01
-"""Least time between two refreshes of the model, unless a sole is let go [s]."""
-TIME_TO_TRUST = 0.05
-"""Time for which the ground must have held a sole before the law counts on it [s]. A
-foot that lands bounces and rolls: for a few steps it is loaded, then light again."""
-PLANTED_SHARE = 0.1
-"""Least load of a sole that counts as held by the ground, in weights [-]."""
-PLANTED_LEVER = 0.8
-"""Largest distance of the CoP of a held sole from its center, as a share of the sole's
-half width [-]."""
-_LONG_AGO = np.full(2, -np.inf)
+"""Least time between two refreshes of the model [s]."""
 _PID_FIELDS = len(fields(PidState))
 
 
@@ -58,7 +48,6 @@ class PreparedLaw(Frozen):
         time: Time at which the data were computed [s].
         source: The command for which the data were computed.
         q: Joint positions for which the data were computed [rad].
-        planted: True for each sole that the ground held.
         command: ``source`` with set-points within the joints' limits.
         rest: 1 - k, the behavior's share of each joint.
         active: True for each joint with k > 0.
@@ -70,7 +59,6 @@ class PreparedLaw(Frozen):
     time: float
     source: JointCommand
     q: np.ndarray
-    planted: tuple[bool, bool]
     command: JointCommand
     rest: np.ndarray
     active: np.ndarray
@@ -98,7 +86,6 @@ class JointPidBank(CollectableSystem):
         state: Positions and velocities of the robot, in plant order.
         joint_command: ``JointCommand``
         behavior_effort: Efforts of the behavior, before the blend [N·m], shape (n,).
-        foot_wrenches: Wrenches of the ground on the soles [N·m; N], shape (12,).
 
     Output ports:
         user_effort: Efforts of the user's control law [N·m], shape (n,), message
@@ -108,8 +95,7 @@ class JointPidBank(CollectableSystem):
 
     State: the fields of ``PidState``, updated at every physics step in which the user
     has a share, with NaN for a velocity that is not known; the prepared law,
-    updated at a control tick when pose, contact or commands have changed; for each
-    sole, the last control tick at which the ground did not hold it [s].
+    updated at a control tick when pose or commands have changed.
     """
 
     __slots__ = ()
@@ -134,10 +120,7 @@ class JointPidBank(CollectableSystem):
         self._v = num_positions + indices.v
         self._dt = physics_step
         self._control_period = control_period
-        sole = robot.file.sole
-        self._least_load = PLANTED_SHARE * robot.mass * GRAVITY
-        self._longest_lever = PLANTED_LEVER * 0.5 * min(sole.length, sole.width)
-        self._inverse_mass = ConstrainedInverseMass(robot)
+        self._inverse_mass = InverseMass(robot)
         self._num_positions = num_positions
         num_states = num_positions + len(indices.generalized)
         self._state_input = self.DeclareVectorInputPort("state", num_states)
@@ -145,7 +128,6 @@ class JointPidBank(CollectableSystem):
             "joint_command", AbstractValue.Make(NOTHING)
         )
         self._behavior_input = self.DeclareVectorInputPort("behavior_effort", n)
-        self._wrench_input = self.DeclareVectorInputPort("foot_wrenches", 12)
         # The fields of ``PidState`` in their order: one vector is read at once.
         self._at_start = np.zeros(_PID_FIELDS * n)
         self._at_start[n : 2 * n] = np.nan
@@ -173,7 +155,6 @@ class JointPidBank(CollectableSystem):
         )
         self._scratch = declare_scratch_context(self, self._inverse_mass.create_context)
         self._prepared = self.DeclareAbstractState(AbstractValue.Make(NOTHING))
-        self._loose = self.DeclareDiscreteState(_LONG_AGO)
         self.DeclarePeriodicDiscreteUpdateEvent(physics_step, 0.0, self._update)
         self.DeclarePeriodicUnrestrictedUpdateEvent(
             control_period, 0.0, self._update_law
@@ -183,7 +164,6 @@ class JointPidBank(CollectableSystem):
         """Clears the state of the law, its integrals included."""
         context.SetDiscreteState(self._memory, self._at_start)
         context.get_mutable_abstract_state(self._prepared).set_value(NOTHING)
-        context.SetDiscreteState(self._loose, _LONG_AGO)
 
     def _calc_step(self, context: Context, result: AbstractValue) -> None:
         source: JointCommand = self._command_input.Eval(context)
@@ -290,16 +270,13 @@ class JointPidBank(CollectableSystem):
         known = context.get_abstract_state(self._prepared).get_value()
         if known is not NOTHING and known.source is source:
             return known
-        planted = self._planted(context, self._held(context))
-        return self._prepare(context, source, planted)
+        return self._prepare(context, source)
 
-    def _prepare(
-        self, context: Context, source: JointCommand, planted: tuple[bool, bool]
-    ) -> PreparedLaw:
+    def _prepare(self, context: Context, source: JointCommand) -> PreparedLaw:
         robot = self._robot
         state = self._state_input.Eval(context)
         inverse_mass = self._inverse_mass.evaluate(
-            self._scratch.Eval(context), state[: self._num_positions], planted
+            self._scratch.Eval(context), state[: self._num_positions]
         )
         command = replace(
             source,
@@ -313,68 +290,33 @@ class JointPidBank(CollectableSystem):
             time=context.get_time(),
             source=source,
             q=state[self._q],
-            planted=planted,
             command=command,
             rest=1.0 - share,
             active=share > 0.0,
             offset=static_effort(command, self._nothing, self._nothing),
             integrates=bool(command.i_effort_min.any() or command.i_effort_max.any()),
-            model=step_model(damping, share, inverse_mass, self._dt),
+            model=step_model(
+                command.kp_position, damping, share, inverse_mass, self._dt
+            ),
         )
-
-    def _planted(self, context: Context, held: tuple[bool, bool]) -> tuple[bool, bool]:
-        """Returns True for each sole ``held`` now that has been for a while."""
-        latest = context.get_time() - TIME_TO_TRUST
-        since = context.get_discrete_state(self._loose).value()
-        left, right = held
-        return left and bool(since[0] <= latest), right and bool(since[1] <= latest)
-
-    def _held(self, context: Context) -> tuple[bool, bool]:
-        """Returns True for each sole that the ground holds: loaded, not on an edge."""
-        wrenches = self._wrench_input.Eval(context).tolist()
-        return self._holds(*wrenches[:6]), self._holds(*wrenches[6:])
-
-    def _holds(
-        self, m_x: float, m_y: float, _m_z: float, _f_x: float, _f_y: float, load: float
-    ) -> bool:
-        """Returns True for a wrench [N·m; N] about the sole's center, axes of W."""
-        if load < self._least_load:
-            return False
-        # Lever of the load about the sole's center, independent of the foot's heading.
-        return math.hypot(m_x, m_y) < self._longest_lever * load
 
     def _update_law(self, context: Context, state: State) -> None:
         if self._is_idle(context):
             return
-        held = self._held(context)
-        if not all(held):
-            since = context.get_discrete_state(self._loose).value()
-            after = np.where(held, since, context.get_time())
-            state.get_mutable_discrete_state(self._loose).set_value(after)
         source: JointCommand = self._command_input.Eval(context)
-        planted = self._planted(context, held)
         known = context.get_abstract_state(self._prepared).get_value()
         if (
             known is NOTHING
             or known.source is not source
-            or self._is_old(context, known, planted)
+            or self._is_old(context, known)
         ):
             state.get_mutable_abstract_state(self._prepared).set_value(
-                self._prepare(context, source, planted)
+                self._prepare(context, source)
             )
 
-    def _is_old(
-        self, context: Context, law: PreparedLaw, planted: tuple[bool, bool]
-    ) -> bool:
-        """Returns True if the law's model of the legs and the ground no longer holds.
-
-        A sole that the ground lets go of counts at once: its joints are then many times
-        as light as in the model, and the damping that was stable for them is not. All
-        else may wait for ``REFRESH_PERIOD``.
-        """
-        if any(was and not now for was, now in zip(law.planted, planted, strict=True)):
-            return True
+    def _is_old(self, context: Context, law: PreparedLaw) -> bool:
+        """Returns True if the pose has left that of the law's model."""
         if context.get_time() < law.time + REFRESH_PERIOD - 1e-9:
             return False
         q = self._state_input.Eval(context)[self._q]
-        return planted != law.planted or bool(np.abs(q - law.q).max() > MOVED)
+        return bool(np.abs(q - law.q).max() > MOVED)

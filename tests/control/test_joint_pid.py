@@ -1,6 +1,7 @@
 """The joint law: the published formula at steady state, stable for any damping."""
 
 import dataclasses
+import itertools
 
 import numpy as np
 import pytest
@@ -8,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydrake.multibody.plant import MultibodyPlant
 
-from atlas_drake.control.joints.constrained_inverse_mass import ConstrainedInverseMass
+from atlas_drake.control.joints.inverse_mass import InverseMass
 from atlas_drake.control.joints.joint_pid import (
     JointCommand,
     PidState,
@@ -79,6 +80,7 @@ def model_of(command, inertia, dt, share=1.0):
     """How joints answer in a step that do not move each other."""
     n = len(command.position)
     return step_model(
+        command.kp_position,
         command.kd_position + command.kp_velocity,
         np.full(n, share),
         np.diag(1.0 / np.broadcast_to(inertia, n)),
@@ -154,7 +156,7 @@ def coupled(random, dt=0.002):
     share = np.array([0.0, 0.0, 0.01, 0.2, 0.7, 1.0, 1.0, 1.0, 1.0, 1.0])
     damping = np.array([0.0, 9.0, 5.0, 50.0, 500.0, 0.0, 1e-6, 2.0, 50.0, 500.0])
     inverse_mass = 10.0 * (root @ root.T + np.eye(10))
-    return share, damping, step_model(damping, share, inverse_mass, dt)
+    return share, damping, step_model(np.zeros(10), damping, share, inverse_mass, dt)
 
 
 @pytest.mark.parametrize("scale", [0.01, 3.0, 100.0, 1e6])
@@ -186,7 +188,7 @@ def test_motors_at_their_limit_leave_the_others_to_their_law(seed, scale):
 def test_the_limit_is_that_of_the_blend():
     # A share of a large effort counts in full until the sum is at the limit.
     share, limit = np.array([0.2]), np.array([100.0])
-    model = step_model(np.zeros(1), share, np.eye(1), 0.001)
+    model = step_model(np.zeros(1), np.zeros(1), share, np.eye(1), 0.001)
     for static, expected in ((-342.0, -43.04), (342.0, 93.76), (1e4, 100.0)):
         others = 0.8 * np.array([31.7])
         effort, total = user_effort(
@@ -198,7 +200,7 @@ def test_the_limit_is_that_of_the_blend():
 
 def test_a_damper_beyond_the_motor_gives_all_of_it():
     # 50 N·m·s/rad at 10 rad/s on 1 kg·m²: far from rest after the step.
-    model = step_model(np.array([50.0]), np.ones(1), np.eye(1), 0.001)
+    model = step_model(np.zeros(1), np.array([50.0]), np.ones(1), np.eye(1), 0.001)
     for sign in (1.0, -1.0):
         effort, total = user_effort(
             np.zeros(1), np.array([-10.0 * sign]), np.zeros(1), model, np.array([60.0])
@@ -208,7 +210,7 @@ def test_a_damper_beyond_the_motor_gives_all_of_it():
 
 
 def test_the_behaviors_own_joints_are_not_the_laws_to_limit():
-    model = step_model(np.zeros(2), np.array([0.0, 1.0]), np.eye(2), 0.001)
+    model = step_model(np.zeros(2), np.zeros(2), np.array([0.0, 1.0]), np.eye(2), 0.001)
     others = np.array([10.0 + 1e-9, 0.0])
     effort, total = user_effort(
         np.array([5.0, 3.0]), np.zeros(2), others, model, np.array([10.0, 10.0])
@@ -223,7 +225,7 @@ def test_the_law_holds_for_the_velocity_at_the_steps_end(random, random_command)
     inverse_mass = root @ root.T + np.eye(10)
     share, dt = random.uniform(0.1, 1.0, 10), 0.01
     damping = random_command.kd_position + random_command.kp_velocity
-    model = step_model(damping, share, inverse_mass, dt)
+    model = step_model(random_command.kp_position, damping, share, inverse_mass, dt)
     q, v, drift, others, integral = random.normal(size=(5, 10))
     effort = effort_of(random_command, integral, q, v, drift, model, others)
     next_v = v + drift + dt * inverse_mass @ (others + share * effort)
@@ -233,7 +235,8 @@ def test_the_law_holds_for_the_velocity_at_the_steps_end(random, random_command)
 def test_drift_is_what_the_motors_do_not_explain(random):
     response = 0.1 * random.normal(size=(10, 10))
     model = dataclasses.replace(
-        step_model(np.zeros(10), np.ones(10), np.eye(10), 0.001), response=response
+        step_model(np.zeros(10), np.zeros(10), np.ones(10), np.eye(10), 0.001),
+        response=response,
     )
     true, v = random.normal(size=(2, 10))
     state = PidState(np.zeros(10), v, random.normal(size=10), np.zeros(10))
@@ -247,10 +250,10 @@ def test_drift_is_what_the_motors_do_not_explain(random):
 
 @pytest.mark.parametrize("dt", PHYSICS_STEPS)
 def test_a_jolt_enters_the_drift_by_its_share_of_time_alone(dt):
-    model = step_model(np.zeros(1), np.ones(1), np.eye(1), dt)
+    model = step_model(np.zeros(1), np.zeros(1), np.ones(1), np.eye(1), dt)
     jolt = np.array([1.0])
     drift = estimate_drift(state_of(), jolt, model)
-    assert 0.0 < drift[0] <= 0.6
+    assert 0.0 < drift[0] <= 0.75
     # It fades, and never turns round.
     state = remembered(np.zeros(1), jolt, np.zeros(1), drift, model)
     after = estimate_drift(state, jolt, model)
@@ -260,7 +263,7 @@ def test_a_jolt_enters_the_drift_by_its_share_of_time_alone(dt):
 def test_the_behaviors_efforts_are_known_at_once(random):
     # A motor that the behavior has moves its neighbors in this very step.
     inverse_mass = np.eye(10) + 0.1
-    model = step_model(np.zeros(10), np.ones(10), inverse_mass, 0.001)
+    model = step_model(np.zeros(10), np.zeros(10), np.ones(10), inverse_mass, 0.001)
     v, before, others = random.normal(size=(3, 10))
     expected = model.response @ before
     state = PidState(np.zeros(10), v - expected, before, expected)
@@ -269,15 +272,14 @@ def test_the_behaviors_efforts_are_known_at_once(random):
     )
 
 
-def test_a_foot_that_lifts_off_is_no_jolt(random_command):
+def test_a_change_of_the_model_is_no_jolt(random_command):
     # A joint at rest under load stays so when the model becomes another one.
     v = np.zeros(10)
     command = dataclasses.replace(random_command, velocity=v)
-    planted = model_of(command, 10.0, 0.001)
-    lifted = model_of(command, 0.01, 0.001)
+    heavy, light = (model_of(command, inertia, 0.001) for inertia in (10.0, 0.01))
     static = written_law(command, v, v, v)
     held = PidState(v, v, static, v)
-    for model in (planted, lifted, planted):
+    for model in (heavy, light, heavy):
         drift = estimate_drift(held, v, model)
         effort = effort_of(command, v, v, v, drift, model)
         np.testing.assert_allclose(effort, static)
@@ -374,19 +376,14 @@ def tutorial_inertia(tutorial_robot):
     plant.Finalize()
     q = plant.GetPositions(plant.CreateDefaultContext())
     q[tutorial_robot.indices(plant).q] = tutorial_robot.stand_prep
-    inverse_mass = ConstrainedInverseMass(tutorial_robot)
-    found = inverse_mass.evaluate(inverse_mass.create_context(), q, (False, False))
+    inverse_mass = InverseMass(tutorial_robot)
+    found = inverse_mass.evaluate(inverse_mass.create_context(), q)
     return 1.0 / np.diag(found)
 
 
 @pytest.mark.parametrize(
     ("dt", "factor"),
-    [
-        (dt, factor)
-        for dt in PHYSICS_STEPS
-        for factor in (1.0, 2.0, 50.0, 1000.0)
-        if dt < 0.003 or factor < 1000.0
-    ],
+    list(itertools.product(PHYSICS_STEPS, (1.0, 2.0, 20.0, 50.0, 200.0, 1000.0))),
 )
 def test_single_joints_with_the_tutorials_gains_come_to_rest(
     tutorial_command, tutorial_inertia, dt, factor

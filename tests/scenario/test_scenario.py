@@ -1,5 +1,6 @@
 """Scenarios: every field is checked, and every fault named."""
 
+import dataclasses
 import json
 import math
 from fractions import Fraction
@@ -56,10 +57,19 @@ def test_validate_returns_the_scenario_itself():
     assert scenario.validate() is scenario
 
 
-@pytest.mark.parametrize("parts", [1, 2, 3, 4, 7])
-def test_every_physics_step_that_divides_the_control_period_is_accepted(parts):
-    step = 0.002 / parts
-    scenario = Scenario(physics_step=step, control_period=0.002).resolved()
+@pytest.mark.parametrize(
+    ("step", "period"),
+    [
+        *((0.002 / parts, 0.002) for parts in (1, 2, 3, 4, 7)),
+        (0.003, 0.009),
+        (1e-5, 7e-5),
+        (0.02 / 7, 0.02),
+    ],
+)
+def test_every_physics_step_that_divides_the_control_period_is_accepted(step, period):
+    scenario = Scenario(physics_step=step, control_period=period).resolved()
+    # Also a second time, as when a scenario was written to a file and is read again.
+    scenario = dataclasses.replace(scenario).resolved()
     assert scenario.physics_step == pytest.approx(step, rel=1e-9)
     assert scenario.plant.time_step == scenario.physics_step
     again = (scenario.physics_step, scenario.control_period)

@@ -90,7 +90,7 @@ def assert_upright(sim):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("physics_step", [0.001, 0.002])
+@pytest.mark.parametrize("physics_step", [0.001, 0.003])
 def test_the_whole_tutorial(physics_step):
     sim = AtlasSimulation(Scenario(programme="tutorial", physics_step=physics_step))
     sim.advance_to(BEFORE_WALK)
@@ -113,8 +113,16 @@ def test_the_whole_tutorial(physics_step):
         "STAND -> WALK",
         "WALK -> STAND (by itself)",
     ]
-    # In the end all joints are the user's, on their way to zero.
+    # In the end all joints are the user's, on their way to zero. The robot hops, lands
+    # on the edges of its feet, and comes to rest: a joint whose damping counts on a
+    # floor that the foot rolls over spins.
     assert list(sim.atlas_state.k_effort) == [255] * 28
+    sim.advance(1.0)
+    fastest = 0.0
+    for _ in range(100):
+        sim.advance(0.02)
+        fastest = max(fastest, np.abs(sim.atlas_state.velocity).max())
+    assert fastest < 0.5
 
 
 def test_literally_the_arm_command_brings_no_velocity_gains():

@@ -61,11 +61,17 @@ def static_effort(
     )
 
 
-DRIFT_TIME = 0.002
-"""Time constant of the estimate of velocity changes not caused by the motors [s].
+DRIFT_TIME = 0.001
+"""Time constant of the estimate of velocity changes not caused by the motors [s]."""
 
-With less the whole robot rings under the tutorial's gains; with more the law diverges
-where a joint is far heavier than in the model, at 3 ms beyond a factor of 50."""
+LAGGING_STIFFNESS = 0.5
+"""Greatest stiffness that may answer with the estimate's delay, over the one at which
+a joint far heavier than in the model begins to oscillate [-]."""
+
+LEAST_YIELD = 0.5
+"""Greatest stiffness that may act without that delay, in units of I/h² with the model's
+inertia I [-]. A joint as light as in the model diverges from 1 on, one lighter by 15 %
+from 0.6 on."""
 
 LIGHT_DAMPING = 1e-3
 """Greatest damping that is taken explicitly where motors saturate [N·m·s/rad].
@@ -87,7 +93,9 @@ class StepModel:
         damping: Sum d of all gains on velocity [N·m·s/rad], shape (n,).
         share: Blend weight k of the user for each joint, 0 to 1, shape (n,).
         gain: G = (1 + D·h·Λ·K)⁻¹, shape (n, n).
-        blend: Weight of a new change of velocity in the estimate [-].
+        blend: Weight b of a new change of velocity in the estimate [-].
+        prompt: Effort per velocity of the part of the stiffness that acts without the
+            estimate's delay, see ``change_without_user`` [N·m·s/rad], shape (n,).
     """
 
     response: np.ndarray
@@ -95,14 +103,20 @@ class StepModel:
     share: np.ndarray
     gain: np.ndarray
     blend: float
+    prompt: np.ndarray
 
 
 def step_model(
-    damping: np.ndarray, share: np.ndarray, inverse_mass: np.ndarray, dt: float
+    stiffness: np.ndarray,
+    damping: np.ndarray,
+    share: np.ndarray,
+    inverse_mass: np.ndarray,
+    dt: float,
 ) -> StepModel:
     """Makes the model of the robot that ``user_effort`` needs.
 
     Args:
+        stiffness: Gain kp on position [N·m/rad], shape (n,).
         damping: Sum d of all gains on velocity [N·m·s/rad], shape (n,).
         share: Blend weight k of the user for each joint, 0 to 1.
         inverse_mass: Λ, accelerations per effort [rad/s² per N·m], shape (n, n).
@@ -112,7 +126,14 @@ def step_model(
     coupling = damping[:, None] * (response * share)
     coupling.reshape(-1)[:: len(damping) + 1] += 1.0
     gain = np.linalg.inv(coupling)
-    return StepModel(response, damping, share, gain, dt / (dt + DRIFT_TIME))
+    blend = dt / (dt + DRIFT_TIME)
+    # Change of the stiffness' effort in a step, per velocity, and what that does to the
+    # velocity of a joint as light as in the model.
+    change = dt * share * stiffness
+    yields = change * response.diagonal()
+    part = np.clip(yields - LAGGING_STIFFNESS * blend, 0.0, LEAST_YIELD)
+    prompt = change * np.divide(part, yields, out=np.zeros_like(part), where=part > 0.0)
+    return StepModel(response, damping, share, gain, blend, prompt)
 
 
 def change_without_user(
@@ -122,10 +143,17 @@ def change_without_user(
 
     Gravity, contact and the motion of the body cause the part of the last change of
     velocity that the motors do not explain. The estimate is smoothed: an unsmoothed
-    estimate answers every jolt twice, and rings. The smoothed quantity is the whole
-    change of velocity, which is continuous when the model changes, as when a foot lifts
-    off. The unexplained part is not: under the old model it belongs to efforts many
-    times as large, so that smoothing it would cause a jolt at each change of the model.
+    estimate answers every jolt twice. The smoothed quantity is the whole change of
+    velocity, which is continuous when the model changes. The unexplained part is not:
+    under the old model it belongs to efforts many times as large, so that smoothing it
+    would cause a jolt at each change of the model.
+
+    A foot that stands is thousands of times as heavy as in the model, in which no sole
+    touches the ground. It does not yield, and the estimate needs about d·h·Λ/b steps to
+    attribute that to the ground: the law is right, but late. Late damping is still
+    damping; late stiffness drives an oscillation if kp·h²·Λ exceeds b. The part beyond
+    that is taken to be balanced by whatever keeps the joint from yielding: it acts at
+    once, as in the explicit law (``StepModel.prompt``).
 
     Args:
         state: State of the last step.
@@ -134,7 +162,7 @@ def change_without_user(
         model: Model from ``step_model``.
     """
     change = state.expected + model.blend * (v - state.velocity - state.expected)
-    return change + model.response @ (others - state.applied)
+    return change + model.response @ (others - state.applied + model.prompt * v)
 
 
 def user_effort(
@@ -158,7 +186,8 @@ def user_effort(
 
     When joints move steadily v⁺ equals v, and this is the explicit law: set-points and
     gravity droop follow from the gains for any step. The scalar loop is stable for any
-    damping as long as Λ is not below 3/4 of the true inverse mass matrix.
+    damping as long as Λ is not below 3/4 of the true inverse mass matrix; it may be any
+    number of times as large (``change_without_user``).
 
     A motor gives the blend of both efforts within its limit. Where a motor saturates,
     v⁺ changes for all joints, and ``_saturated`` computes it.

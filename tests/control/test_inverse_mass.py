@@ -1,11 +1,11 @@
-"""The constrained inverse mass matrix, and the robot under the law that uses it."""
+"""The inverse mass matrix, and the robot under the law that uses it."""
 
 import dataclasses
 
 import numpy as np
 import pytest
 
-from atlas_drake.control.joints.constrained_inverse_mass import ConstrainedInverseMass
+from atlas_drake.control.joints.inverse_mass import InverseMass
 from atlas_drake.control.joints.joint_pid import (
     JointCommand,
     PidState,
@@ -15,20 +15,19 @@ from atlas_drake.control.joints.joint_pid import (
     user_effort,
 )
 
-STEPS = 2**15
-"""Looked ahead for slow growth."""
+NEGLIGIBLE = 0.05
+"""Growth that the friction of joints and ground, not modeled here, exceeds [1/s]."""
 
 PHYSICS_STEPS = (0.0005, 0.001, 0.002, 0.003)
 """Those that the project offers [s]."""
 
-IN_AIR = (False, False)
-FOOTHOLDS = {"air": IN_AIR, "left": (True, False), "both": (True, True)}
+FOOTHOLDS = {"air": (False, False), "left": (True, False), "both": (True, True)}
 """Which soles the ground holds."""
 
 
 @pytest.fixture(scope="module")
 def inverse_mass(robot):
-    return ConstrainedInverseMass(robot)
+    return InverseMass(robot)
 
 
 def test_it_is_the_acceleration_that_efforts_give(model, inverse_mass, random_state):
@@ -37,9 +36,7 @@ def test_it_is_the_acceleration_that_efforts_give(model, inverse_mass, random_st
         state = random_state(seed)
         state[model.plant.num_positions() :] = 0.0
         terms = model.evaluate(model.create_context(), state)
-        found = inverse_mass.evaluate(
-            context, state[: model.plant.num_positions()], IN_AIR
-        )
+        found = inverse_mass.evaluate(context, state[: model.plant.num_positions()])
         for joint in range(0, model.robot.num_joints, 5):
             force = np.zeros(6 + model.robot.num_joints)
             force[6 + joint] = 1.0
@@ -49,7 +46,7 @@ def test_it_is_the_acceleration_that_efforts_give(model, inverse_mass, random_st
 
 def test_it_is_symmetric_and_positive(model, inverse_mass, random_state):
     q = random_state(7)[: model.plant.num_positions()]
-    found = inverse_mass.evaluate(inverse_mass.create_context(), q, IN_AIR)
+    found = inverse_mass.evaluate(inverse_mass.create_context(), q)
     np.testing.assert_allclose(found, found.T, rtol=1e-8, atol=1e-8)
     assert np.linalg.eigvalsh(0.5 * (found + found.T))[0] > 0.0
 
@@ -58,13 +55,11 @@ def test_it_does_not_depend_on_where_the_robot_is(model, inverse_mass, random_st
     q, other = (random_state(3)[: model.plant.num_positions()] for _ in range(2))
     other[:7] = random_state(4)[:7]
     context = inverse_mass.create_context()
-    first = inverse_mass.evaluate(context, q, IN_AIR)
-    np.testing.assert_allclose(
-        inverse_mass.evaluate(context, other, IN_AIR), first, rtol=1e-6
-    )
+    first = inverse_mass.evaluate(context, q)
+    np.testing.assert_allclose(inverse_mass.evaluate(context, other), first, rtol=1e-6)
     # A used context is as good as a new one, to the bit.
-    fresh = inverse_mass.evaluate(inverse_mass.create_context(), q, IN_AIR)
-    assert inverse_mass.evaluate(context, q, IN_AIR).tobytes() == fresh.tobytes()
+    fresh = inverse_mass.evaluate(inverse_mass.create_context(), q)
+    assert inverse_mass.evaluate(context, q).tobytes() == fresh.tobytes()
 
 
 def constrained(terms, planted):
@@ -84,26 +79,6 @@ def bent_knees(model):
     state[0] = 1.0
     state[robot.indices(model.plant).q] = robot.stand_prep
     return state
-
-
-@pytest.mark.parametrize("planted", [(True, False), (False, True), (True, True)])
-def test_a_planted_sole_stays_where_it_is(model, inverse_mass, planted):
-    state = bent_knees(model)
-    terms = model.evaluate(model.create_context(), state)
-    found = inverse_mass.evaluate(
-        inverse_mass.create_context(), state[: model.plant.num_positions()], planted
-    )
-    expected = constrained(terms, planted)[6:, 6:]
-    np.testing.assert_allclose(found, expected, atol=2e-4 * np.abs(found).max())
-    free = inverse_mass.evaluate(
-        inverse_mass.create_context(), state[: model.plant.num_positions()], IN_AIR
-    )
-    # The legs that stand give way less, and no joint more.
-    assert (np.diag(found) <= np.diag(free) * (1.0 + 1e-6)).all()
-    for side, held in zip(("l_leg", "r_leg"), planted, strict=True):
-        leg = model.robot.limb(side)
-        if held:
-            assert (np.diag(found)[leg] < 0.9 * np.diag(free)[leg]).any()
 
 
 def step_matrix(kp, kd, assumed, true, dt):
@@ -128,8 +103,13 @@ def step_matrix(kp, kd, assumed, true, dt):
         i_effort_max=zero,
         k_effort=zero,
     )
-    law = step_model(kd, np.ones(n), assumed, dt)
-    law = dataclasses.replace(law, damping=kd[:, None], share=np.ones((n, 1)))
+    law = step_model(kp, kd, np.ones(n), assumed, dt)
+    law = dataclasses.replace(
+        law,
+        damping=kd[:, None],
+        share=np.ones((n, 1)),
+        prompt=law.prompt[:, None],
+    )
     last = PidState(zero, last_v, applied, expected)
     others = np.zeros_like(q)
     drift = change_without_user(last, v, others, law)
@@ -140,23 +120,18 @@ def step_matrix(kp, kd, assumed, true, dt):
     return np.vstack([q + dt * next_v, next_v, v, effort, expected])
 
 
-def grows(step):
-    """Whether a motion grows by more than rounding and drift explain.
-
-    A motion that the ground prevents, but the linear step allows, drifts in
-    proportion to time; one that grows by e.g. 0.01% a step doubles again and again.
-    """
-    with np.errstate(over="ignore", invalid="ignore"):
-        half = np.linalg.matrix_power(step, STEPS // 2)
-        return not np.abs(half @ half).max() <= 3.0 * np.abs(half).max()
+def growth(step, dt):
+    """Rate at which the fastest motion grows [1/s]."""
+    return np.log(np.abs(np.linalg.eigvals(step)).max()) / dt
 
 
 @pytest.mark.parametrize("planted", FOOTHOLDS.values(), ids=FOOTHOLDS)
 @pytest.mark.parametrize("dt", PHYSICS_STEPS)
-@pytest.mark.parametrize("extra_damping", [0.0, 50.0])
+@pytest.mark.parametrize("extra_damping", [0.0, 3.0, 50.0])
 def test_the_whole_robot_is_stable_under_the_law(
     model, robot, inverse_mass, planted, dt, extra_damping
 ):
+    # The law does not know which soles are on the ground.
     state = bent_knees(model)
     if not any(planted):
         random = np.random.default_rng(8)
@@ -167,18 +142,19 @@ def test_the_whole_robot_is_stable_under_the_law(
         robot.default_kp,
         robot.default_kd + extra_damping,
         inverse_mass.evaluate(
-            inverse_mass.create_context(), state[: model.plant.num_positions()], planted
+            inverse_mass.create_context(), state[: model.plant.num_positions()]
         ),
         constrained(terms, planted)[6:, 6:],
         dt,
     )
-    assert not grows(step)
+    assert growth(step, dt) < NEGLIGIBLE
 
 
 def test_a_robot_far_lighter_than_assumed_is_not(robot, inverse_mass, model):
-    # That the test above can fail: the law relies on the inverse_mass it is given.
+    # That the test above can fail: the ground must not make a joint lighter.
     q = np.zeros(model.plant.num_positions())
     q[0] = 1.0
-    assumed = inverse_mass.evaluate(inverse_mass.create_context(), q, IN_AIR)
+    assumed = inverse_mass.evaluate(inverse_mass.create_context(), q)
     kd = np.full(robot.num_joints, 50.0)
-    assert grows(step_matrix(robot.default_kp, kd, assumed, 2.0 * assumed, 0.001))
+    step = step_matrix(robot.default_kp, kd, assumed, 2.0 * assumed, 0.001)
+    assert growth(step, 0.001) > 100.0
