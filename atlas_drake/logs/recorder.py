@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 from pydrake.common.value import AbstractValue
-from pydrake.multibody.plant import ContactResults
 from pydrake.systems.framework import (
     Context,
     DiagramBuilder,
@@ -41,7 +40,6 @@ _VALUES = (
     "controller_status",
     "atlas_sim_interface_state",
     "imu",
-    "contact_results",
 )
 """Ports with abstract values."""
 
@@ -54,12 +52,12 @@ class LogRecorder(CollectableSystem):
     """Writes the values of a station's ports to a log.
 
     A discrete update samples a row: it reads the controller's output of the same
-    instant, and the contact forces that the plant computes anyway. A publish event
+    instant. A publish event
     writes the row one tick later, as for all output from a diagram.
 
     Input ports, as the station's outputs of the same names:
-        state, behavior_state, foot_wrenches, effort, user_effort, behavior_effort
-        commands, controller_status, atlas_sim_interface_state, imu, contact_results
+        state, behavior_state, foot_wrenches, hand_wrenches, effort, user_effort,
+        behavior_effort, commands, controller_status, atlas_sim_interface_state, imu
 
     State: the row sampled last, shape (layout's width,). The record of what has been
     written is kept in this object and not in a Context, because it belongs to the file.
@@ -94,9 +92,8 @@ class LogRecorder(CollectableSystem):
         for name, size in sampler.port_sizes.items():
             self._ports[name] = self.DeclareVectorInputPort(name, size)
         for name in _VALUES:
-            blank = ContactResults() if name == "contact_results" else NOTHING
             self._ports[name] = self.DeclareAbstractInputPort(
-                name, AbstractValue.Make(blank)
+                name, AbstractValue.Make(NOTHING)
             )
         self._scratch = declare_scratch_context(self, sampler.create_context)
         self._row = self.DeclareDiscreteState(np.full(sampler.layout.width, np.nan))

@@ -9,7 +9,6 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from pydrake.multibody.plant import ContactResults
 from pydrake.systems.framework import Context
 
 from atlas_drake.control.balance.center_of_pressure import center_of_pressure
@@ -22,7 +21,6 @@ from atlas_drake.messages import AtlasSimInterfaceState
 from atlas_drake.messages.controller_status import LARGEST_SUPPORT
 from atlas_drake.robot import Robot
 from atlas_drake.scenario.world import WorldMaker
-from atlas_drake.systems.robot_sensors import contact_wrenches, shift_wrench
 
 NO_QP = -1
 """Value of ``controller.solved`` where a controller has, or needed, no QP."""
@@ -51,6 +49,7 @@ class RowSampler:
             "state": num_states,
             "behavior_state": num_states,
             "foot_wrenches": 12,
+            "hand_wrenches": 12,
             "effort": num_joints,
             "user_effort": num_joints,
             "behavior_effort": num_joints,
@@ -59,9 +58,6 @@ class RowSampler:
             self.port_sizes["plant_state"] = self._world.num_states
         self._indices = robot.indices(plant)
         self._num_q = plant.num_positions()
-        self._hands = [plant.GetBodyByName(name) for name in robot.file.hands]
-        # The robot is the first model in both plants: its bodies have the same indices.
-        self._hand_bodies = robot.hand_bodies(plant)
 
     def create_context(self) -> Context:
         """Creates a scratch context for ``row``, which overwrites it."""
@@ -90,14 +86,16 @@ class RowSampler:
             **_measured_by_imu(ports["imu"]),
             **self._coordinates(ports),
             **self._balance(scratch, ports),
-            **self._hand_wrenches(scratch, ports["state"], ports["contact_results"]),
         }
-        wrenches = ports["foot_wrenches"]
-        for foot, side in enumerate(SIDES):
-            values[f"feet.{side}_torque"] = wrenches[6 * foot : 6 * foot + 3]
-            values[f"feet.{side}_force"] = wrenches[6 * foot + 3 : 6 * foot + 6]
+        for owner, wrenches in (
+            ("feet", ports["foot_wrenches"]),
+            ("hands", ports["hand_wrenches"]),
+        ):
+            for k, side in enumerate(SIDES):
+                values[f"{owner}.{side}_torque"] = wrenches[6 * k : 6 * k + 3]
+                values[f"{owner}.{side}_force"] = wrenches[6 * k + 3 : 6 * k + 6]
         soles = [values[f"feet.{side}_position"] for side in SIDES]
-        cop = center_of_pressure(soles, wrenches)
+        cop = center_of_pressure(soles, ports["foot_wrenches"])
         if cop is not None:
             values["balance.cop"] = cop[:2]
         row = np.full(self.layout.width, np.nan)
@@ -147,25 +145,6 @@ class RowSampler:
                 values[f"balance.{name}_reference"] = reference
         if plan.support is not None:
             values["balance.support"] = flat_polygon(plan.support)
-        return values
-
-    def _hand_wrenches(
-        self, scratch: Context, state: np.ndarray, contacts: ContactResults
-    ) -> dict[str, np.ndarray]:
-        """Contact wrenches on both hands, about their body origins."""
-        totals = np.zeros((2, 6))
-        if self._hands:
-            totals[:] = contact_wrenches(contacts, self._hand_bodies)
-        if totals.any():
-            plant: Any = self._plant
-            plant.SetPositionsAndVelocities(scratch, state)
-            for hand, wrench in zip(self._hands, totals, strict=True):
-                X_WH = plant.EvalBodyPoseInWorld(scratch, hand)
-                shift_wrench(wrench, X_WH.translation())
-        values = {}
-        for side, wrench in zip(SIDES, totals, strict=True):
-            values[f"hands.{side}_torque"] = wrench[:3]
-            values[f"hands.{side}_force"] = wrench[3:]
         return values
 
 

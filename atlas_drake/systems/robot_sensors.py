@@ -1,4 +1,4 @@
-"""The robot's sensors: joints, IMU and the wrenches on its feet.
+"""The robot's sensors: joints, IMU and the wrenches on its feet and hands.
 
 Messages are made only when their ports are read; the controller reads plain vectors.
 """
@@ -50,6 +50,8 @@ class RobotSensors(NoisySystem):
             (2,), one control tick ago.
         foot_wrenches: Contact wrenches on both feet, in W at the sole's center
             [N·m; N], shape (12,), at the instant of ``foot_loads``.
+        hand_wrenches: Contact wrenches on both hands, in W at their body origins
+            [N·m; N], shape (12,), likewise; zero for a robot without hands.
         atlas_state: ``AtlasState``
         imu: ``Imu``
     """
@@ -83,11 +85,12 @@ class RobotSensors(NoisySystem):
             for foot in robot.file.feet
         ]
         feet = [plant.GetBodyByName(foot.body, own) for foot in robot.file.feet]
-        self._foot_bodies = {int(body.index()): i for i, body in enumerate(feet)}
+        self._bodies = {int(body.index()): i for i, body in enumerate(feet)}
         self._hands = [
             plant.GetBodyByName(name, own).index() for name in robot.file.hands
         ]
-        self._hand_bodies = robot.hand_bodies(plant)
+        for body, hand in robot.hand_bodies(plant).items():
+            self._bodies[body] = len(feet) + hand
         num_states = plant.num_multibody_states(own)
         self._num_q = plant.num_positions(own)
         self._state = self.DeclareVectorInputPort("state", num_states)
@@ -112,8 +115,9 @@ class RobotSensors(NoisySystem):
             if noise == NoiseModel()
             else {state_ticket, self.time_ticket(), self.pa_ticket()},
         )
-        # About W's origin, because the poses of the soles are costly and seldom needed.
-        self._wrenches = self.DeclareDiscreteState(12)
+        # About W's origin, because the poses of soles and hands are costly and seldom
+        # needed: both feet, then both hands.
+        self._wrenches = self.DeclareDiscreteState(24)
         self.DeclareVectorOutputPort(
             "foot_loads",
             2,
@@ -128,8 +132,14 @@ class RobotSensors(NoisySystem):
             self._calc_foot_wrenches,
             prerequisites_of_calc={self.xd_ticket(), state_ticket},
         )
+        self.DeclareVectorOutputPort(
+            "hand_wrenches",
+            12,
+            self._calc_hand_wrenches,
+            prerequisites_of_calc={self.xd_ticket(), state_ticket},
+        )
         self.DeclarePeriodicDiscreteUpdateEvent(
-            control_period, 0.0, self._sample_foot_wrenches
+            control_period, 0.0, self._sample_wrenches
         )
         self.DeclareAbstractOutputPort(
             "atlas_state", lambda: AbstractValue.Make(AtlasState()), self._calc_state
@@ -140,13 +150,13 @@ class RobotSensors(NoisySystem):
 
     def reset(self, context: Context) -> None:
         """Clears the last contact forces."""
-        context.SetDiscreteState(self._wrenches, np.zeros(12))
+        context.SetDiscreteState(self._wrenches, np.zeros(24))
 
-    def _at_state(self, context: Context) -> Context:
-        """Sets the plant's scratch context to the present state, and returns it."""
+    def _at_pose(self, context: Context) -> Context:
+        """Sets the plant's scratch context to the present pose, and returns it."""
         scratch = self._scratch.Eval(context)
-        self._plant.SetPositionsAndVelocities(
-            scratch, self._instance, self._state.Eval(context)
+        self._plant.SetPositions(
+            scratch, self._instance, self._state.Eval(context)[: self._num_q]
         )
         return scratch
 
@@ -163,26 +173,38 @@ class RobotSensors(NoisySystem):
             state[num_q + indices.generalized[:3]] += turned
         output.SetFromVector(state)
 
-    def _sample_foot_wrenches(self, context: Context, discrete: DiscreteValues) -> None:
+    def _sample_wrenches(self, context: Context, discrete: DiscreteValues) -> None:
         """Reads the contacts, which the plant's step at this instant solves anyway.
 
         Reading them before the controller's update would solve them once more, with
         outdated efforts.
         """
-        totals = contact_wrenches(self._contacts.Eval(context), self._foot_bodies)
-        discrete.get_mutable_vector(self._wrenches).SetFromVector(totals[0] + totals[1])
+        totals = contact_wrenches(self._contacts.Eval(context), self._bodies)
+        wrenches = np.zeros(24)
+        wrenches[: 6 * len(totals)] = [number for total in totals for number in total]
+        discrete.set_value(self._wrenches, wrenches)
 
     def _sampled(self, context: Context) -> np.ndarray:
-        """Returns the wrenches on both feet about W's origin [N·m; N], shape (12,)."""
+        """Returns the wrenches on feet and hands about W's origin, shape (24,)."""
         return context.get_discrete_state(self._wrenches).value()
 
     def _calc_foot_wrenches(self, context: Context, output: BasicVector) -> None:
-        wrenches = self._sampled(context).copy()
-        scratch = self._at_state(context)
+        wrenches = self._sampled(context)[:12].copy()
+        scratch = self._at_pose(context)
         for foot, sole in enumerate(self._soles):
             frame = self._plant.get_frame(sole)
             center = frame.CalcPoseInWorld(scratch).translation()
             shift_wrench(wrenches[6 * foot : 6 * foot + 6], center)
+        output.SetFromVector(wrenches)
+
+    def _calc_hand_wrenches(self, context: Context, output: BasicVector) -> None:
+        wrenches = self._sampled(context)[12:].copy()
+        if wrenches.any():
+            scratch = self._at_pose(context)
+            for hand, index in enumerate(self._hands):
+                body = self._plant.get_body(index)
+                X_WH = self._plant.EvalBodyPoseInWorld(scratch, body)
+                shift_wrench(wrenches[6 * hand : 6 * hand + 6], X_WH.translation())
         output.SetFromVector(wrenches)
 
     def _calc_imu(self, context: Context, output: AbstractValue) -> None:
@@ -232,26 +254,11 @@ class RobotSensors(NoisySystem):
         message.orientation = imu.orientation
         message.angular_velocity = imu.angular_velocity
         message.linear_acceleration = imu.linear_acceleration
-        wrenches = self.GetOutputPort("foot_wrenches").Eval(context)
-        message.l_foot = _wrench(wrenches[:6])
-        message.r_foot = _wrench(wrenches[6:])
-        message.l_hand, message.r_hand = self._hand_wrenches(context)
+        feet = self.GetOutputPort("foot_wrenches").Eval(context)
+        hands = self.GetOutputPort("hand_wrenches").Eval(context)
+        message.l_foot, message.r_foot = _wrench(feet[:6]), _wrench(feet[6:])
+        message.l_hand, message.r_hand = _wrench(hands[:6]), _wrench(hands[6:])
         output.set_value(message)
-
-    def _hand_wrenches(self, context: Context) -> tuple[Wrench, Wrench]:
-        """Computes the contact wrenches on the hands, at their body origins, in W."""
-        if not self._hands:
-            return Wrench(), Wrench()
-        totals = contact_wrenches(self._contacts.Eval(context), self._hand_bodies)
-        scratch = self._at_state(context)
-        wrenches = []
-        for hand, total in zip(self._hands, totals, strict=True):
-            wrench = np.array(total)
-            body = self._plant.get_body(hand)
-            X_WH = self._plant.EvalBodyPoseInWorld(scratch, body)
-            shift_wrench(wrench, X_WH.translation())
-            wrenches.append(_wrench(wrench))
-        return wrenches[0], wrenches[1]
 
 
 def contact_wrenches(
