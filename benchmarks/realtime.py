@@ -173,7 +173,7 @@ def measure(model: str) -> dict:
     tick = summaries[0]["controller_tick_ms"]
     return {
         "model": model,
-        "steps": [scenario.physics_step, scenario.control_period],
+        "steps": [sim.scenario.physics_step, sim.scenario.control_period],
         "success": all(summary["success"] for summary in summaries),
         "bare_upright": bare.pelvis_height() > UPRIGHT_SHARE * start_height,
         "bare_step_ms": bare_step,

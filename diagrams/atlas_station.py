@@ -63,7 +63,8 @@ class StationConfig:
 
     Attributes:
         physics_step: Step of the plant and of the joint controllers [s].
-        control_period: Step of the behaviors [s], a multiple of ``physics_step``.
+        control_period: Step of the behaviors [s], a multiple of ``physics_step``; 0 for
+            the multiple that is nearest to 9 ms.
         ground_friction: Coefficient of the ground.
         terrain: Boxes on the ground.
         noise: Noise of the sensors.
@@ -77,7 +78,7 @@ class StationConfig:
     """
 
     physics_step: float = 0.003
-    control_period: float = 0.006
+    control_period: float = 0.0
     ground_friction: float = 0.9
     terrain: tuple[Block, ...] = ()
     noise: NoiseModel = field(default_factory=NoiseModel)

@@ -26,7 +26,7 @@ def robot_in(behavior, **scenario):
 def blended(limbs, k, seed, behavior="STAND"):
     """A robot of which the user wants a share of some limbs elsewhere, at once."""
     # The coarser physics halves the wait.
-    sim = robot_in(behavior, physics_step=0.002)
+    sim = robot_in(behavior)
     robot, random = sim.robot, np.random.default_rng(seed)
     command = AtlasCommand()
     wish = sim.atlas_state.position + random.uniform(-STEP, STEP, robot.num_joints)

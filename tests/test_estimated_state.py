@@ -27,7 +27,6 @@ def test_the_tutorial():
             state="estimated",
             noise="rough",
             seed=1,
-            physics_step=0.002,
         )
     )
     sim.advance_to(17.0)

@@ -14,7 +14,6 @@ from atlas_drake import (
     AtlasSimInterfaceCommand,
     AtlasSimulation,
     Behavior,
-    Scenario,
     read_log,
 )
 from atlas_drake.behaviors.entry import BehaviorEntry
@@ -41,7 +40,6 @@ SLOW = {
     "own_world": ((), r"It stands\."),
 }
 """Arguments of each program, and what it prints last when all is well."""
-COARSE = Scenario(physics_step=0.002, control_period=0.004)
 
 
 def last_line(name, arguments):
@@ -89,7 +87,7 @@ def test_slow_programs_come_to_a_good_end(name):
 
 
 def test_a_frame_of_the_robot_has_a_pose():
-    sim = AtlasSimulation(COARSE)
+    sim = AtlasSimulation()
     assert sim.frame_pose("l_sole").translation()[2] == pytest.approx(0.0, abs=2e-3)
     assert sim.frame_pose("pelvis").IsExactlyEqualTo(sim.pelvis_pose)
     with pytest.raises(ValueError, match=r"no frame 'l_sol'\. Did you mean 'l_sole'"):
@@ -97,7 +95,7 @@ def test_a_frame_of_the_robot_has_a_pose():
 
 
 def test_an_element_of_a_channel_has_a_name(tmp_path):
-    with AtlasSimulation(COARSE, log=tmp_path / "run.npz") as sim:
+    with AtlasSimulation(log=tmp_path / "run.npz") as sim:
         sim.advance(0.02)
     log = read_log(tmp_path / "run.npz")
     np.testing.assert_array_equal(
@@ -125,7 +123,7 @@ class Nod(Stand):
 
 def test_standing_with_a_nod_is_a_behavior_that_ends_when_it_is_left():
     nod = BehaviorEntry(name="NOD", number=100, make=Nod)
-    sim = AtlasSimulation(COARSE, behaviors=[nod])
+    sim = AtlasSimulation(behaviors=[nod])
     sim.publish(AtlasSimInterfaceCommand(behavior="NOD"))
     sim.advance(1.0)
     neck = sim.atlas_state.position[sim.robot.joint_index("neck_ry")]
@@ -146,7 +144,7 @@ def test_an_event_is_printed_as_a_line():
 
 
 def test_a_controller_without_behaviors_is_not_said_to_be_the_user():
-    sim = AtlasSimulation(COARSE)
+    sim = AtlasSimulation()
     report = sim.atlas_sim_interface_state
     report.current_behavior = Behavior.NONE
     report.k_effort = [0] * sim.robot.num_joints

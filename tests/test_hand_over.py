@@ -12,7 +12,7 @@ from hand_over import GOAL, hand_overs
 @pytest.mark.slow
 def test_no_hand_over_of_the_tutorial_is_a_jump():
     # What comes later, at 15 s, is the user's own doing.
-    found = hand_overs(duration=13.6, physics_step=0.002)
+    found = hand_overs(duration=13.6)
     behaviors = [(entry["before"], entry["after"]) for entry in found]
     for change in [("STAND_PREP", "STAND"), ("STAND", "WALK"), ("WALK", "STAND")]:
         assert change in behaviors

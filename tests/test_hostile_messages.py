@@ -154,7 +154,7 @@ def steps_ahead(sim, command):
 @functools.cache
 def robot_in(behavior):
     """A robot in that behavior, the same for all messages of a test."""
-    sim = AtlasSimulation(Scenario(physics_step=0.002))
+    sim = AtlasSimulation(Scenario())
     sim.advance(0.1)
     if behavior is not Behavior.STAND:
         command = AtlasSimInterfaceCommand(behavior=behavior)
@@ -257,7 +257,7 @@ def test_poison_is_refused_by_name_and_the_run_goes_on(logged, poison, path):
 def logged(tmp_path_factory):
     """A robot whose log gets all that is refused."""
     file = tmp_path_factory.mktemp("hostile") / "run.npz"
-    with AtlasSimulation(Scenario(physics_step=0.002), log=file) as sim:
+    with AtlasSimulation(Scenario(), log=file) as sim:
         yield sim, file
         received = sim.output("commands").received
     assert len(read_log(file).commands) == received
@@ -288,7 +288,7 @@ def test_a_stamp_that_is_no_time_is_refused_beside_another_message(stamp, kind):
 def test_what_is_no_command_on_a_port_is_refused_once_and_the_log_goes_on(
     tmp_path, caplog, thing
 ):
-    scenario = Scenario(physics_step=0.002)
+    scenario = Scenario()
     with AtlasSimulation(scenario, log=tmp_path / "run.npz") as sim:
         port = sim.diagram.GetInputPort("atlas_sim_interface_command")
         port.FixValue(sim.context, thing)
@@ -323,7 +323,7 @@ def test_numbers_of_every_kind_are_numbers(logged):
 
 
 def test_none_of_many_messages_of_one_instant_is_lost(tmp_path):
-    scenario = Scenario(physics_step=0.002)
+    scenario = Scenario()
     with AtlasSimulation(scenario, log=tmp_path / "run.npz") as sim:
         sim.advance(0.01)
         for number in range(150):
@@ -384,7 +384,7 @@ def violent(random, decades):
 @pytest.mark.parametrize(("seed", "decades"), [(1, 5), (2, np.log10(LARGEST))])
 def test_violent_messages_throw_the_robot_down_and_nothing_else(seed, decades):
     random = np.random.default_rng(seed)
-    sim = AtlasSimulation(Scenario(physics_step=0.002))
+    sim = AtlasSimulation(Scenario())
     limit = sim.robot.effort_limit
     for number in range(150):
         sim.publish(violent(random, decades))

@@ -50,7 +50,6 @@ def simulate(model, seed, terrain, x=0.0):
     return AtlasSimulation(
         Scenario(
             model=model,
-            physics_step=0.002,
             seed=seed,
             jitter=jitter,
             terrain=terrain,
@@ -150,7 +149,7 @@ def _rotation(quaternion):
 @pytest.mark.parametrize("world", ["ramp", "blocks"])
 def test_over_the_obstacle_of_a_world(world):
     example = runpy.run_path(str(EXAMPLE))
-    scenario = Scenario(world=world, physics_step=0.002, control_period=0.004)
+    scenario = Scenario(world=world)
     sim = AtlasSimulation(scenario)
     steps = example["steps_over"](sim.scenario.world)
     sim.advance(0.5)

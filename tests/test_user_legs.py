@@ -8,11 +8,7 @@ from atlas_drake import (
     AtlasSimInterfaceCommand,
     AtlasSimulation,
     AtlasState,
-    Scenario,
 )
-
-COARSE = Scenario(physics_step=0.002)
-"""Halves the wait."""
 
 
 def joints_of(sim, *parts):
@@ -53,7 +49,7 @@ def test_walking_with_a_user_leg_is_allowed_and_warned_about_once():
     ],
 )
 def test_without_a_leg_of_its_own_the_robot_holds_its_pose(take, behavior, joints, k):
-    sim = AtlasSimulation(COARSE)
+    sim = AtlasSimulation()
     if behavior != "STAND":
         sim.publish(AtlasSimInterfaceCommand(behavior=behavior))
     sim.advance(1.0)
@@ -80,7 +76,7 @@ def test_without_a_leg_of_its_own_the_robot_holds_its_pose(take, behavior, joint
 @pytest.mark.slow
 @pytest.mark.parametrize("joints", [["l_leg_"], ["leg_kny"], ["leg_hpx", "leg_akx"]])
 def test_one_leg_is_enough_to_balance(take, joints):
-    sim = AtlasSimulation(COARSE)
+    sim = AtlasSimulation()
     sim.advance(1.0)
     take(sim, joints_of(sim, *joints))
     sim.advance(1.0)
@@ -93,7 +89,7 @@ def test_one_leg_is_enough_to_balance(take, joints):
 
 @pytest.mark.slow
 def test_manipulate_ends_in_stand_also_while_it_only_holds_its_pose(take):
-    sim = AtlasSimulation(COARSE)
+    sim = AtlasSimulation()
     sim.publish(AtlasSimInterfaceCommand(behavior="MANIPULATE"))
     sim.advance(0.5)
     take(sim, joints_of(sim, "_leg_"))

@@ -18,8 +18,8 @@ pytestmark = pytest.mark.slow
 
 HALF_WIDTH = 0.12
 """Of each foot from the middle [m]."""
-DURATION = 0.63
-"""Of a step [s]."""
+DURATION = 0.65
+"""Of a step [s]; no multiple of the control period."""
 LANDING_ERROR = 0.02
 """[m]"""
 AHEAD = 2
@@ -100,13 +100,12 @@ def assert_walked(sim, steps):
 
 @pytest.fixture
 def sim():
-    """The coarser physics halves the wait."""
-    return AtlasSimulation(Scenario(physics_step=0.002))
+    return AtlasSimulation()
 
 
 @pytest.mark.parametrize("model", ["atlas", "atlas_v3"])
 def test_twenty_steps_ahead(model):
-    sim = AtlasSimulation(Scenario(model=model, physics_step=0.002))
+    sim = AtlasSimulation(Scenario(model=model))
     path = Path(sim)
     for _ in range(19):
         path.step(ahead=0.25)
@@ -117,7 +116,7 @@ def test_twenty_steps_ahead(model):
     # At the pace that was asked for, from touchdown to touchdown.
     landings = [event.time for event in sim.events if event.kind == "footstep"]
     assert np.mean(np.diff(landings)) == pytest.approx(DURATION, rel=0.01)
-    np.testing.assert_allclose(np.diff(landings), DURATION, rtol=0.025)
+    np.testing.assert_allclose(np.diff(landings), DURATION, rtol=0.035)
 
 
 def test_backwards(sim):
@@ -169,7 +168,7 @@ def test_an_s_curve(sim):
 
 def test_wide_long_and_slow_steps():
     # Each is within the limits, all at once would leave a leg too short.
-    sim = AtlasSimulation(Scenario(model="atlas_v3", physics_step=0.002))
+    sim = AtlasSimulation(Scenario(model="atlas_v3"))
     sim.advance(0.3)
     command = AtlasSimInterfaceCommand(behavior="WALK")
     for k in range(4):
@@ -197,7 +196,6 @@ def test_on_what_the_robot_measures():
             state="estimated",
             noise="rough",
             seed=2,
-            physics_step=0.002,
         )
     )
     path = Path(sim)

@@ -37,7 +37,7 @@ from atlas_drake.scenario.noise import NOISE_MODELS
 from atlas_drake.scenario.paths import is_path, put
 from atlas_drake.scenario.pushes import PlannedPush
 from atlas_drake.scenario.terrain import Block
-from atlas_drake.scenario.time_grid import on_common_grid
+from atlas_drake.scenario.time_grid import is_multiple, on_common_grid
 from atlas_drake.scenario.timed_message import TimedMessage
 from atlas_drake.scenario.world_file import World, world_beside, world_from
 
@@ -145,8 +145,9 @@ class Scenario:
     physics_step: float = 0.003
     """Step of plant and joint controllers [s], within PHYSICS_STEPS. The field is here
     rather than in ``plant`` because joint controllers and sensors share the step."""
-    control_period: float = 0.006
-    """Step of the behaviors [s], a multiple of physics_step."""
+    control_period: float = 0.0
+    """Step of the behaviors [s], a multiple of physics_step; 0 for the multiple that is
+    nearest to NOMINAL_PERIOD, 9 ms."""
     plant: MultibodyPlantConfig = field(default_factory=plant_config)
     """Contact model and solver: all fields of Drake's ``MultibodyPlantConfig`` but
     ``time_step``, which is physics_step, and ``use_sampled_output_ports``, which is
@@ -205,6 +206,9 @@ class Scenario:
             ScenarioError: As ``validate`` does.
         """
         scenario = copy.deepcopy(self.validate())
+        scenario.physics_step, scenario.control_period = on_common_grid(
+            scenario.physics_step, scenario.control_period
+        )
         scenario.plant = checked_plant_config(scenario.plant, scenario.physics_step)
         return scenario
 
@@ -241,9 +245,14 @@ class Scenario:
         self.behavior()
         _positive("duration", self.duration)
         _positive("ground_friction", self.ground_friction)
-        _positive("control_period", self.control_period)
-        steps = self.control_period / self.physics_step
-        if abs(steps - round(steps)) > 1e-9 * steps or round(steps) < 1:
+        if not self.control_period >= 0.0:
+            raise ScenarioError(
+                "control_period",
+                self.control_period,
+                f"is {shown(self.control_period)}; must be positive, or 0 for the "
+                "default",
+            )
+        if not is_multiple(self.control_period, self.physics_step):
             raise ScenarioError(
                 "control_period",
                 self.control_period,
@@ -257,9 +266,6 @@ class Scenario:
                 f"is {shown(self.control_period)}; must be at most {LONGEST_PERIOD}: "
                 "the robot cannot balance with longer ones",
             )
-        self.physics_step, self.control_period = on_common_grid(
-            self.physics_step, self.control_period
-        )
         checked_plant_config(self.plant, self.physics_step)
         check_seed(self.seed)
         for name, value in vars(self.jitter).items():

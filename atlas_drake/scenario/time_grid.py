@@ -11,6 +11,16 @@ STEPS = 2**22
 """Number of steps whose ticks coincide exactly: more than an hour of 1 ms steps."""
 _BITS = 53 - 22
 """Bits of a step with which all of its first ``STEPS`` multiples are exact."""
+NOMINAL_PERIOD = 0.009
+"""Control period that is chosen for the user, up to rounding [s]."""
+
+
+def is_multiple(control_period: float, physics_step: float) -> bool:
+    """Returns True if the period is a whole number of steps, up to rounding, or 0."""
+    steps = control_period / physics_step
+    return control_period == 0.0 or (
+        round(steps) >= 1 and (abs(steps - round(steps)) <= 1e-9 * steps)
+    )
 
 
 def on_common_grid(physics_step: float, control_period: float) -> tuple[float, float]:
@@ -18,12 +28,23 @@ def on_common_grid(physics_step: float, control_period: float) -> tuple[float, f
 
     Args:
         physics_step: Step of plant and joint controllers [s].
-        control_period: A whole multiple of ``physics_step`` up to rounding [s].
+        control_period: A whole multiple of ``physics_step`` up to rounding [s]; 0 for
+            the multiple that is nearest to ``NOMINAL_PERIOD``.
 
     Returns:
         The same pair if its multiples coincide, as for every ratio that is a power of
         two; otherwise a pair that differs from it by a relative error below 1e-9.
+
+    Raises:
+        ValueError: If the period is no multiple of the step.
     """
+    if not is_multiple(control_period, physics_step):
+        raise ValueError(
+            f"control_period ({control_period} s) must be a whole multiple of "
+            f"physics_step ({physics_step} s)"
+        )
+    if control_period == 0.0:
+        control_period = max(round(NOMINAL_PERIOD / physics_step), 1) * physics_step
     ratio = round(control_period / physics_step)
     doubled = ratio.bit_count() == 1  # A power of two: doubling is exact.
     if doubled and ratio * physics_step == control_period:

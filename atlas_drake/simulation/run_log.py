@@ -16,8 +16,8 @@ from atlas_drake.messages.recent import items_since
 from atlas_drake.systems.command_scheduler import ScheduledCommand
 
 LONG_UNSOLVED = 5
-"""Least number of control ticks without a solution, between two reads, for a warning;
-the fallback handles one or two."""
+"""Least number of control ticks without a solution for a warning, since a read at which
+there was one; the fallback handles one or two."""
 
 
 class RunLog:
@@ -95,9 +95,10 @@ class RunLog:
             status: Status of the controller.
         """
         unsolved = status.unsolved
+        if status.solved is not False:
+            self._seen_unsolved = unsolved
         many = unsolved - self._seen_unsolved >= LONG_UNSOLVED
-        self._seen_unsolved = unsolved
-        if many and status.solved is False and not self._told_unsolved:
+        if many and not self._told_unsolved:
             self._told_unsolved = True
             text = (
                 f"the controller has found no solution in {unsolved} control ticks so "
@@ -111,9 +112,13 @@ class RunLog:
         """Adds events, and then calls the listeners, whose errors lose no event."""
         # Keep the first event of a fall only: both controller and fall watch report it.
         fallen = self.fallen()
-        kept = [e for e in events if not (fallen and e.kind == "fall")]
+        kept = [
+            replace(event, time=round(event.time, 6))
+            for event in events
+            if not (fallen and event.kind == "fall")
+        ]
         for event in kept:
-            self.events.append(replace(event, time=round(event.time, 6)))
+            self.events.append(event)
             if event.kind == FOOTSTEP:
                 self.footsteps.append(event.data)
         for heard in self._listeners:

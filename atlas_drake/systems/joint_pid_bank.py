@@ -220,11 +220,16 @@ class JointPidBank(CollectableSystem):
         discrete.set_value(self._memory, after)
 
     def _remembered(self, context: Context, v: np.ndarray) -> PidState:
-        """Returns the state; in the first step of the law the last velocity is v."""
+        """Returns the state; before the first step the motors were the behavior's.
+
+        The law then knows what they carried: weight and ground forces that balanced
+        their efforts will balance those of the user.
+        """
         values = context.get_discrete_state(self._memory).value()
         integral, velocity, applied, expected = values.reshape(_PID_FIELDS, -1)
         if math.isnan(velocity[0]):
-            velocity = v
+            behavior = self._behavior_input.Eval(context)
+            velocity, applied = v, np.clip(behavior, -self._limit, self._limit)
         return PidState(integral, velocity, applied, expected)
 
     def _calc_forecast(self, context: Context, output: AbstractValue) -> None:

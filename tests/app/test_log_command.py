@@ -36,7 +36,7 @@ def test_a_run_is_logged(scenario, tmp_path, capsys):
     assert f"atlas-drake plot {file}" in capsys.readouterr().out
     log = read_log(file)
     # A row at each control tick before the end.
-    assert len(log) == math.ceil(0.1 / Scenario.control_period)
+    assert len(log) == math.ceil(0.1 / Scenario().resolved().control_period)
     assert log.scenario.duration == 0.1
 
 
@@ -51,8 +51,8 @@ def test_ctrl_c_keeps_what_was_logged(scenario, tmp_path, monkeypatch, suffix):
     file = tmp_path / f"run{suffix}"
     run = ["run", scenario("duration: 60.0\n"), "--headless", "--log", str(file)]
     assert main(run) == 130
-    rows = math.ceil(run_command.PIECE / Scenario.control_period)
-    last = (rows - 1) * Scenario.control_period
+    rows = math.ceil(run_command.PIECE / Scenario().resolved().control_period)
+    last = (rows - 1) * Scenario().resolved().control_period
     assert read_log(file).time[-1] == pytest.approx(last)
 
 
@@ -69,7 +69,9 @@ def test_a_failure_keeps_what_was_logged(scenario, tmp_path, monkeypatch, error)
     file = tmp_path / "run.npz"
     status = main(["run", scenario(), "--headless", "--log", str(file)])
     assert status == (1 if isinstance(error, RuntimeError) else 130)
-    assert read_log(file).time[-1] == pytest.approx(0.06, abs=Scenario.control_period)
+    assert read_log(file).time[-1] == pytest.approx(
+        0.06, abs=Scenario().resolved().control_period
+    )
 
 
 @pytest.mark.parametrize(

@@ -94,7 +94,7 @@ class Recording:
 
     def __init__(self, scenario=None):
         # The coarser physics halves the wait.
-        self.sim = AtlasSimulation(scenario or Scenario(physics_step=0.002))
+        self.sim = AtlasSimulation(scenario or Scenario())
         self.looks: list[Look] = []
 
     def advance(self, seconds, until=None):

@@ -279,7 +279,7 @@ def assert_follows(recording):
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["atlas", "atlas_v3"])
 def test_the_robot_takes_the_pose_that_is_granted(record, name):
-    recording = record(Scenario(model=name, physics_step=0.002))
+    recording = record(Scenario(model=name))
     # The customary pose; far too deep and sideways; leaning and turned.
     for request, granted in (
         (message(), True),
@@ -307,7 +307,7 @@ def test_the_robot_takes_the_pose_that_is_granted(record, name):
     times = np.array([look.time for look in looks])
     speed = np.diff(heights) / np.diff(times)
     assert np.abs(speed).max() < 0.15
-    assert np.abs(np.diff(speed)).max() < 0.02
+    assert np.abs(np.diff(speed)).max() < 0.03
 
 
 @pytest.mark.slow

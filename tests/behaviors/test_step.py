@@ -116,7 +116,7 @@ class Stepping:
 @pytest.fixture
 def stepping(record):
     """Makes a robot to be told; the coarser physics halves the wait."""
-    return lambda **scenario: Stepping(record, Scenario(physics_step=0.002, **scenario))
+    return lambda **scenario: Stepping(record, Scenario(**scenario))
 
 
 def block_ahead(rise, gap=0.04):

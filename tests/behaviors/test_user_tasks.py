@@ -27,9 +27,7 @@ def run(monkeypatch):
     """Makes a STAND whose left hand holds a point in the world; returns the errors."""
 
     def make():
-        sim = AtlasSimulation(
-            Scenario(physics_step=0.002, control_period=0.004, initial_behavior="STAND")
-        )
+        sim = AtlasSimulation(Scenario(initial_behavior="STAND"))
         goal = hand_position(sim) + AWAY
         arm = sim.robot.limb("l_arm")
         stand = Stand.update

@@ -37,7 +37,6 @@ from atlas_drake.scenario import with_settings
 from atlas_drake.visualization.caption import caption_of
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "extending" / "own_behavior.py"
-COARSE = Scenario(physics_step=0.002, control_period=0.004)
 
 
 @dataclass(frozen=True)
@@ -64,7 +63,7 @@ def asked(behavior, params=None):
 def test_it_is_asked_for_by_name_runs_and_ends(example, bow, tmp_path):
     path = tmp_path / "run.npz"
     back = None
-    with AtlasSimulation(COARSE, behaviors=[bow], log=path) as sim:
+    with AtlasSimulation(behaviors=[bow], log=path) as sim:
         back = sim.robot.joint_names.index("back_bky")
         upright = sim.atlas_state.position[back]
         sim.publish(asked("bow", example["BowParams"](depth=0.3)))
@@ -102,7 +101,7 @@ def test_it_is_asked_for_by_name_runs_and_ends(example, bow, tmp_path):
     ],
 )
 def test_its_own_check_refuses(example, bow, params, words):
-    sim = AtlasSimulation(COARSE, behaviors=[bow])
+    sim = AtlasSimulation(behaviors=[bow])
     with pytest.raises(InvalidMessageError, match=words):
         sim.publish(asked("BOW", example["BowParams"](**params)))
     sim.advance(0.02)
@@ -113,7 +112,7 @@ def test_its_own_check_refuses(example, bow, params, words):
 
 
 def test_parameters_of_another_kind_are_refused(bow):
-    sim = AtlasSimulation(COARSE, behaviors=[bow])
+    sim = AtlasSimulation(behaviors=[bow])
     with pytest.raises(InvalidMessageError, match="BowParams"):
         sim.publish(asked("BOW", {"depth": 0.1}))
     with pytest.raises(InvalidMessageError, match="WALK reads walk_params"):
@@ -126,14 +125,14 @@ def test_a_check_that_fails_itself_is_a_refusal(bow):
     def broken(params, field):
         raise ZeroDivisionError("oh")
 
-    sim = AtlasSimulation(COARSE, behaviors=[replace(bow, check=broken)])
+    sim = AtlasSimulation(behaviors=[replace(bow, check=broken)])
     with pytest.raises(InvalidMessageError, match="check of BOW failed with ZeroDiv"):
         sim.publish(asked("BOW", bow.params()))
     sim.advance(0.02)
 
 
 def test_parameters_are_copied_when_they_are_sent(example, bow):
-    sim = AtlasSimulation(COARSE, behaviors=[bow])
+    sim = AtlasSimulation(behaviors=[bow])
     params = example["BowParams"](depth=0.1)
     sim.publish(asked("BOW", params))
     params.depth = 5.0
@@ -161,7 +160,7 @@ class Nested:
 
 
 def test_parameters_are_copied_at_every_depth(bow):
-    sim = AtlasSimulation(COARSE, behaviors=[replace(bow, params=Nested, check=None)])
+    sim = AtlasSimulation(behaviors=[replace(bow, params=Nested, check=None)])
     params = Nested()
     command = asked("BOW", params).snapshot()
     kept = command.params
@@ -187,7 +186,7 @@ def test_parameters_are_copied_at_every_depth(bow):
 
 def test_it_begins_only_where_its_conditions_are_met(bow):
     picky = replace(bow, conditions=(lambda asked: "the audience is missing",))
-    sim = AtlasSimulation(COARSE, behaviors=[picky])
+    sim = AtlasSimulation(behaviors=[picky])
     sim.publish(asked("BOW"))
     sim.advance(0.02)
     assert sim.current_behavior is Behavior.STAND
@@ -197,7 +196,7 @@ def test_it_begins_only_where_its_conditions_are_met(bow):
 
 
 def test_it_may_follow_only_what_its_entry_says(bow):
-    sim = AtlasSimulation(COARSE, behaviors=[bow])
+    sim = AtlasSimulation(behaviors=[bow])
     sim.publish(asked("MANIPULATE"))
     sim.advance(0.02)
     sim.publish(asked("BOW"))
@@ -213,7 +212,7 @@ def test_its_configuration_reaches_our_controller_made_by_hand(bow):
         make=lambda tools, config: made.append(config) or bow.make(tools, config),
         config=Speed(),
     )
-    scenario = with_settings(COARSE, ["controller.behaviors.BOW.speed=0.1"])
+    scenario = with_settings(Scenario(), ["controller.behaviors.BOW.speed=0.1"])
 
     def ours(robot, config):
         return make_whole_body_controller(robot, config, (*SHIPPED_ENTRIES, entry))
@@ -222,14 +221,14 @@ def test_its_configuration_reaches_our_controller_made_by_hand(bow):
     assert made == [Speed(0.1)]
     with pytest.raises(ScenarioError, match="must be 0 or more"):
         AtlasSimulation(
-            with_settings(COARSE, ["controller.behaviors.BOW.speed=-1"]),
+            with_settings(Scenario(), ["controller.behaviors.BOW.speed=-1"]),
             behaviors=[entry],
         )
 
 
 def test_a_controller_that_lacks_it_refuses_it(bow):
     sim = AtlasSimulation(
-        COARSE, controller=make_whole_body_controller, behaviors=[bow]
+        Scenario(), controller=make_whole_body_controller, behaviors=[bow]
     )
     sim.publish(asked("BOW"))
     sim.advance(0.04)
@@ -249,26 +248,26 @@ def test_a_task_that_nothing_can_solve_is_told_of(bow):
             task = PositionTask("l_hand", np.full(3, np.nan), 1.0)
             return replace(outcome, command=outcome.command.plus(task))
 
-    sim = AtlasSimulation(COARSE, behaviors=[replace(bow, make=Impossible)])
+    sim = AtlasSimulation(behaviors=[replace(bow, make=Impossible)])
     sim.publish(asked("BOW"))
-    sim.advance(0.2)
+    sim.advance(0.3)
     texts = [event.text for event in sim.events if event.kind == "warning"]
     assert len(texts) == 1
     assert "found no solution" in texts[0]
     assert "(target of PositionTask on 'l_hand' is not finite)" in texts[0]
-    assert sim.summary()["unsolved_ticks"] > 40
+    assert sim.summary()["unsolved_ticks"] > 30
 
 
 def test_nothing_begins_with_it(bow):
-    sim = AtlasSimulation(COARSE, behaviors=[bow])
+    sim = AtlasSimulation(behaviors=[bow])
     with pytest.raises(InvalidMessageError, match="'BOW'; must be one of STAND"):
         sim.reset("BOW")
 
 
 def test_without_registration_it_is_unknown(bow):
     with pytest.raises(InvalidMessageError, match="no behavior 'BOW'"):
-        AtlasSimulation(COARSE).publish(asked("BOW"))
-    sim = AtlasSimulation(COARSE, behaviors=[bow])
+        AtlasSimulation().publish(asked("BOW"))
+    sim = AtlasSimulation(behaviors=[bow])
     with pytest.raises(InvalidMessageError, match=r"Did you mean 'BOW'.*BOW \(100\)"):
         sim.publish(asked("BOWW"))
 
@@ -293,7 +292,7 @@ def idle(**changes):
 )
 def test_an_entry_that_cannot_be_used_is_refused(bow, entry, words):
     with pytest.raises(BehaviorError, match=words):
-        AtlasSimulation(COARSE, behaviors=[bow, entry])
+        AtlasSimulation(behaviors=[bow, entry])
 
 
 @dataclass(frozen=True)
@@ -306,7 +305,7 @@ def test_its_configuration_comes_from_the_scenario():
     told = []
     entry = idle(make=lambda _tools, config: told.append(config) or Idle())
     entry = replace(entry, config=RestConfig())
-    scenario = with_settings(COARSE, ["controller.behaviors.REST.depth=0.4"])
+    scenario = with_settings(Scenario(), ["controller.behaviors.REST.depth=0.4"])
     AtlasSimulation(scenario, behaviors=[entry])
     assert told == [RestConfig(depth=0.4)]
     for setting, words in (
@@ -314,7 +313,7 @@ def test_its_configuration_comes_from_the_scenario():
         ("REST.deph=0.2", "Did you mean 'depth'"),
         ("RST.depth=0.2", "Did you mean 'REST'"),
     ):
-        scenario = with_settings(COARSE, [f"controller.behaviors.{setting}"])
+        scenario = with_settings(Scenario(), [f"controller.behaviors.{setting}"])
         with pytest.raises(ScenarioError, match=words):
             AtlasSimulation(scenario, behaviors=[entry])
 
@@ -355,12 +354,12 @@ def test_a_behavior_beside_the_members_is_one_all_the_same():
 )
 def test_an_entry_with_a_field_that_cannot_be_used_is_refused(bow, changes, words):
     with pytest.raises(BehaviorError, match=words):
-        AtlasSimulation(COARSE, behaviors=[replace(bow, **changes)])
+        AtlasSimulation(behaviors=[replace(bow, **changes)])
 
 
 @pytest.mark.parametrize("behaviors", [None, 42, [42], [BehaviorEntry]])
 def test_behaviors_that_are_none_are_refused(behaviors):
-    scenario = with_settings(COARSE, ["controller.behaviors.BOW={}"])
+    scenario = with_settings(Scenario(), ["controller.behaviors.BOW={}"])
     with pytest.raises(BehaviorError, match="behaviors must be"):
         AtlasSimulation(scenario, behaviors=behaviors)
     with pytest.raises(BehaviorError, match="behaviors must be"):
@@ -370,7 +369,7 @@ def test_behaviors_that_are_none_are_refused(behaviors):
 @pytest.mark.parametrize("answer", [None, True, 0])
 def test_a_condition_that_gives_no_reason_is_told(bow, answer):
     silent = replace(bow, conditions=(lambda asked: answer,))
-    sim = AtlasSimulation(COARSE, behaviors=[silent])
+    sim = AtlasSimulation(behaviors=[silent])
     sim.publish(asked("BOW"))
     with pytest.raises(BehaviorError, match="a condition of BOW must return"):
         sim.advance(0.02)
@@ -382,7 +381,7 @@ def test_an_update_without_outcome_is_told(bow):
             return None
 
     sim = AtlasSimulation(
-        COARSE, behaviors=[replace(bow, make=lambda _tools, _config: Mute())]
+        Scenario(), behaviors=[replace(bow, make=lambda _tools, _config: Mute())]
     )
     sim.publish(asked("BOW"))
     with pytest.raises(BehaviorError, match="update of BOW must return an Outcome"):
@@ -405,7 +404,7 @@ def test_an_outcome_with_a_field_that_cannot_be_used_is_told(bow, changes, words
             return replace(super().update(*arguments, **keywords), **changes)
 
     sim = AtlasSimulation(
-        COARSE, behaviors=[replace(bow, make=lambda _tools, _config: Wrong())]
+        Scenario(), behaviors=[replace(bow, make=lambda _tools, _config: Wrong())]
     )
     sim.publish(asked("BOW"))
     with pytest.raises(BehaviorError, match=words):
@@ -420,7 +419,7 @@ def test_a_plan_that_is_none_is_told(bow):
         def plan(self, memory, com, omega):
             return None
 
-    sim = AtlasSimulation(COARSE, behaviors=[replace(bow, make=Planless)])
+    sim = AtlasSimulation(behaviors=[replace(bow, make=Planless)])
     sim.publish(asked("BOW"))
     with pytest.raises(BehaviorError, match="plan of BOW must return a Plan, returned"):
         sim.advance(0.02)

@@ -41,7 +41,7 @@ def walk_command():
     return command
 
 
-END = 0.2
+END = 0.3
 """End of the run [s]."""
 
 

@@ -62,7 +62,7 @@ def test_behaviors_are_a_timeline(log, page):
     assert (
         spans[0].end
         == spans[1].start
-        == pytest.approx(0.14, abs=Scenario.control_period)
+        == pytest.approx(0.14, abs=Scenario().resolved().control_period)
     )
     assert spans[-1].end == log.time[-1]
 

@@ -15,7 +15,7 @@ from atlas_drake.scenario import Jitter
 
 from .conftest import ARM, END, arm_command, drive, walk_command
 
-PERIOD = Scenario.control_period
+PERIOD = Scenario().resolved().control_period
 
 
 def test_rows_are_the_control_ticks(log):

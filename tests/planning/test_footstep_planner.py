@@ -372,7 +372,7 @@ def test_a_stream_needs_steps_counted_from_one():
 
 @pytest.mark.slow
 def test_the_robot_walks_to_a_pose():
-    sim = AtlasSimulation(Scenario(physics_step=0.002, control_period=0.004))
+    sim = AtlasSimulation(Scenario())
     goal = 0.9, 0.5, -0.6
     steps = steps_to(sim.atlas_sim_interface_state, *goal)
     stream = StepStream(steps)

@@ -25,9 +25,7 @@ def robot(load_or_skip):
 
 @pytest.fixture
 def sim(robot):
-    return AtlasSimulation(
-        Scenario(model=robot.name, physics_step=0.002, control_period=0.004)
-    )
+    return AtlasSimulation(Scenario(model=robot.name))
 
 
 def test_it_is_another_build(robot):

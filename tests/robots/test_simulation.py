@@ -31,9 +31,7 @@ SHORT = "duration: 0.1\nphysics_step: 0.002\ncontrol_period: 0.004\n"
 
 def simulate(**changes):
     changes = {"model": str(HERON)} | changes
-    return AtlasSimulation(
-        Scenario(physics_step=0.002, control_period=0.004, **changes)
-    )
+    return AtlasSimulation(Scenario(**changes))
 
 
 def test_a_scenario_names_its_robot_beside_itself(copied, tmp_path, monkeypatch):
@@ -85,7 +83,7 @@ def test_a_log_knows_where_its_robot_is(copied, tmp_path, ending):
     if ending == "mcap":
         pytest.importorskip("mcap")
     file = tmp_path / f"run.{ending}"
-    scenario = Scenario(model=str(path), physics_step=0.002, control_period=0.004)
+    scenario = Scenario(model=str(path))
     with AtlasSimulation(scenario, log=file) as sim:
         sim.advance(0.05)
     log = read_log(file)

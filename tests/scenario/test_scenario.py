@@ -15,6 +15,7 @@ from atlas_drake import Block, Scenario, ScenarioError, Start, load_scenario
 from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.walk.rules import WalkRules
 from atlas_drake.control.gains import PdGains
+from atlas_drake.diagrams.atlas_station import StationConfig
 from atlas_drake.errors import shown
 from atlas_drake.kinds import as_plain
 from atlas_drake.messages import Behavior
@@ -102,7 +103,7 @@ def test_behaviors_are_named_in_any_case(name):
         ("duration", math.inf),
         ("ground_friction", -0.1),
         ("ground_friction", math.nan),
-        ("control_period", 0.0),
+        ("control_period", -0.006),
         ("control_period", 0.0015),
         ("control_period", 0.1),
         ("seed", -1),
@@ -182,9 +183,27 @@ def test_numbers_of_every_kind_mean_the_same():
     assert json.loads(json.dumps(vars(odd.start))) == vars(plain.start)
 
 
+@pytest.mark.parametrize(
+    ("step", "period"),
+    [(0.003, 0.009), (0.002, 0.008), (0.001, 0.009), (1e-5, 0.009), (0.0025, 0.01)],
+)
+def test_a_physics_step_alone_gets_the_nearest_control_period(step, period):
+    scenario = Scenario(physics_step=step)
+    assert scenario.resolved().control_period == pytest.approx(period, rel=1e-9)
+    # The scenario itself still has none, whatever its step will be.
+    assert scenario.control_period == 0.0
+    config = StationConfig(physics_step=step)
+    assert config.control_period == pytest.approx(period, rel=1e-9)
+
+
+def test_a_station_refuses_a_period_that_is_no_multiple():
+    with pytest.raises(ValueError, match="whole multiple"):
+        StationConfig(physics_step=0.002, control_period=0.009)
+
+
 def test_a_number_of_less_precision_is_not_the_same():
     with pytest.raises(ScenarioError, match=r"physics_step \(0\.001000000047"):
-        Scenario(physics_step=np.float32(0.001)).validate()
+        Scenario(physics_step=np.float32(0.001), control_period=0.002).validate()
 
 
 def test_a_field_that_does_not_exist_is_noticed_in_python_too():
@@ -320,7 +339,7 @@ simulator: {accuracy: 1e-3}
         ("simulator.start_time=1", "simulator.start_time", "must be 0"),
         ("simulator.max_step_size=-1", "simulator", "maximum step size"),
         ("plant.stiction_tolerance=0", "plant", "stiction"),
-        ("physics_step=0.0007", "control_period", "whole multiple"),
+        ("control_period=0.0007", "control_period", "whole multiple"),
         ("seed", "--set", "KEY.PATH=VALUE"),
         ("=3", "--set", "KEY.PATH=VALUE"),
         ("seed=[", "seed", "YAML"),
@@ -356,6 +375,6 @@ def test_the_steps_of_a_valid_scenario_may_change():
 def test_a_configuration_made_with_drakes_defaults_is_the_stations(tmp_path):
     sap = MultibodyPlantConfig(discrete_contact_approximation="sap")
     plant = Scenario(plant=sap, physics_step=0.0005).resolved().plant
-    assert plant.time_step == 0.0005
+    assert plant.time_step == pytest.approx(0.0005, rel=1e-9)
     assert not plant.use_sampled_output_ports
     assert plant.discrete_contact_approximation == "sap"

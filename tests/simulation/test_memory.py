@@ -35,8 +35,6 @@ def test_a_simulation_that_is_dropped_is_freed_with_its_view_and_log(tmp_path):
         meshcat = start_meshcat()
         sim = AtlasSimulation(
             Scenario(
-                physics_step=0.002,
-                control_period=0.004,
                 state="estimated",
                 initial_behavior="USER",
                 start=Start(harnessed=True),

@@ -38,7 +38,7 @@ def test_what_is_waited_for_is_followed_by_no_rush(paced):
 
 
 def test_a_simulation_waits_at_its_start_and_between_advances():
-    sim = AtlasSimulation(Scenario(physics_step=0.002, control_period=0.004))
+    sim = AtlasSimulation(Scenario())
     sim.set_realtime_rate(0.1)
     for _ in range(2):
         time.sleep(0.4)

@@ -65,7 +65,9 @@ def test_limp_joints_are_only_braked():
 
 
 @pytest.mark.parametrize("name", ["atlas", "atlas_v3"])
-@pytest.mark.parametrize("period", [0.002, Scenario().control_period, LONGEST_PERIOD])
+@pytest.mark.parametrize(
+    "period", [0.002, Scenario().resolved().control_period, LONGEST_PERIOD]
+)
 def test_limp_damping_is_too_weak_to_shake_a_joint(name, period):
     robot = load_robot(name)
     inverse_mass = InverseMass(robot)
@@ -134,7 +136,7 @@ def test_a_reset_is_as_good_as_a_new_start():
     fresh, again = AtlasSimulation(), AtlasSimulation()
     again.publish(asking("USER"))
     # To a control tick: the first efforts after a reset are those of the next one.
-    again.advance(84 * Scenario().control_period)
+    again.advance(84 * Scenario().resolved().control_period)
     again.reset("STAND")
     for sim in (fresh, again):
         sim.advance(0.5)

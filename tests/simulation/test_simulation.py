@@ -29,7 +29,7 @@ from atlas_drake.errors import ErrorCode
 from atlas_drake.simulation.tutorial import FIRST_COMMAND
 from atlas_drake.visualization.video_display import Video
 
-TICK = Scenario.control_period
+TICK = Scenario().resolved().control_period
 """Control period of the default scenario [s]."""
 
 
@@ -378,7 +378,7 @@ def test_waiting_in_vain_ends_with_an_error_that_says_when(sim):
 
 @pytest.mark.slow
 def test_nothing_is_lost_that_another_thread_publishes(tmp_path):
-    scenario = Scenario(physics_step=0.002, control_period=0.004)
+    scenario = Scenario()
     done, sent = threading.Event(), []
 
     def send():
@@ -405,7 +405,7 @@ def test_nothing_is_lost_that_another_thread_publishes(tmp_path):
 
 
 def test_another_thread_is_told_what_is_wrong_with_its_message():
-    sim = AtlasSimulation(Scenario(physics_step=0.002))
+    sim = AtlasSimulation(Scenario())
     caught = []
 
     def send():
@@ -424,7 +424,7 @@ def test_another_thread_is_told_what_is_wrong_with_its_message():
 
     # While this thread is in the midst of something, which it finishes first.
     inside, sent = threading.Event(), threading.Event()
-    sim = AtlasSimulation(Scenario(physics_step=0.002), on_event=on_event)
+    sim = AtlasSimulation(Scenario(), on_event=on_event)
     thread = threading.Thread(target=send)
     thread.start()
     sim.apply_push("utorso", [1.0, 0.0, 0.0], 0.01)
@@ -437,7 +437,7 @@ def test_another_thread_is_told_what_is_wrong_with_its_message():
 
 
 def test_threads_that_advance_to_one_time_end_there():
-    sim = AtlasSimulation(Scenario(physics_step=0.002, control_period=0.004))
+    sim = AtlasSimulation(Scenario())
     threads = [threading.Thread(target=sim.advance_to, args=(0.05,)) for _ in range(3)]
     for thread in threads:
         thread.start()
@@ -567,7 +567,7 @@ def test_an_error_of_who_listens_is_its_own_and_loses_no_event(tmp_path):
         raise error
 
     sim = AtlasSimulation(
-        Scenario(physics_step=0.002, control_period=0.004),
+        Scenario(),
         on_event=on_event,
         log=tmp_path / "run.npz",
     )
@@ -585,9 +585,7 @@ def test_an_error_of_who_listens_is_its_own_and_loses_no_event(tmp_path):
 
 
 def test_what_is_sent_last_is_in_events_and_log(tmp_path):
-    with AtlasSimulation(
-        Scenario(physics_step=0.002, control_period=0.004), log=tmp_path / "run.npz"
-    ) as sim:
+    with AtlasSimulation(Scenario(), log=tmp_path / "run.npz") as sim:
         sim.advance(0.01)
         sim.publish(AtlasCommand())
         with pytest.raises(InvalidMessageError):

@@ -17,7 +17,7 @@ def make(model="atlas", terrain=()):
     """A station inside a diagram of somebody else's, and its default context."""
     robot = load_robot(model)
     builder = DiagramBuilder()
-    config = StationConfig(physics_step=0.002, terrain=terrain)
+    config = StationConfig(terrain=terrain)
     station = builder.AddSystem(make_atlas_station(robot, config))
     return robot, station, Simulator(builder.Build())
 

@@ -138,7 +138,7 @@ def test_literally_the_arm_command_brings_no_velocity_gains():
 
 @pytest.mark.slow
 def test_stand_arms_and_walk_on_the_heavier_robot():
-    sim = AtlasSimulation(Scenario(model="atlas_v3", physics_step=0.002))
+    sim = AtlasSimulation(Scenario(model="atlas_v3"))
     programme = control_mode_switch_programme(sim.robot)
     arms, walk = programme[3].command, programme[4].command
     sim.advance_to(1.0)

@@ -105,8 +105,6 @@ def test_the_sensors_read_what_the_plant_exerts(approximation):
     sim = AtlasSimulation(
         Scenario(
             plant=plant_config(discrete_contact_approximation=approximation),
-            physics_step=0.002,
-            control_period=0.004,
         )
     )
     plant, robot = sim.plant, sim.robot

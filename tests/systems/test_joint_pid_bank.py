@@ -146,7 +146,8 @@ def test_shares_differ_from_joint_to_joint(bench, random):
 
 
 def test_the_law_knows_how_the_behaviors_share_moves_the_joints(bench):
-    # From rest, and at once: what the behavior does now is no surprise to the damper.
+    # From rest, where all was balanced, and at once: what the behavior does now is no
+    # surprise to the damper.
     bench.move(bench.q, np.zeros(28))
     own = np.linspace(-3.0, 3.0, 28)
     bench.hold("behavior_effort", own)
@@ -166,8 +167,26 @@ def test_the_law_knows_how_the_behaviors_share_moves_the_joints(bench):
             inverse_mass.create_context(),
             bench.state[: bench.num_positions],
         )
-        expected = -own - 20.0 * (response @ total)
+        expected = -own - 20.0 * (response @ (total - own))
         np.testing.assert_allclose(bench.effort, expected, rtol=1e-6, atol=1e-6)
+
+
+def test_a_joint_taken_at_rest_keeps_its_effort(bench, random):
+    # Whatever balanced the behavior's efforts balances the user's; a damper that takes
+    # them for unbalanced would take most of them away.
+    own = random.uniform(-20.0, 20.0, 28)
+    bench.move(bench.q, np.zeros(28))
+    bench.hold("behavior_effort", own)
+    bench.order(k_effort=np.zeros(28))
+    bench.run(0.01)
+    bench.order(
+        kp_position=0.0,
+        kd_position=0.0,
+        kp_velocity=50.0,
+        k_effort=np.full(28, 255.0),
+        effort=own,
+    )
+    np.testing.assert_allclose(bench.effort, own, rtol=1e-9)
 
 
 def test_the_law_is_prepared_anew_when_joints_have_moved(bench):

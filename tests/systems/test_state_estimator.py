@@ -15,7 +15,7 @@ from atlas_drake.systems.command_scheduler import ScheduledCommand
 from atlas_drake.systems.estimation_error import error_sizes
 from atlas_drake.systems.state_estimator import StateEstimator
 
-TICK = Scenario.control_period
+TICK = Scenario().resolved().control_period
 """Control period of the default scenario [s]."""
 ESTIMATED = Scenario(state="estimated", noise="rough", seed=4)
 

@@ -19,7 +19,7 @@ ACTS_WITHIN = 0.1
 
 class Steered:
     def __init__(self, panel):
-        self.sim = AtlasSimulation(Scenario(physics_step=0.002))
+        self.sim = AtlasSimulation(Scenario())
         self.session = Session(self.sim, panel, real_time=False)
 
     def go(self, seconds):

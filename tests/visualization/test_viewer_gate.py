@@ -48,7 +48,7 @@ def watched(monkeypatch):
         pytest.skip("only Linux lists its sockets in /proc")
     meshcat = start_meshcat()
     sim = AtlasSimulation(
-        Scenario(physics_step=0.002, control_period=0.004),
+        Scenario(),
         meshcat=meshcat,
         overlays=Overlays(["com", "dcm", "cop", "support"]),
     )

@@ -13,6 +13,10 @@ class WalkRules:
 
     touchdown_force: float = 0.08
     """Normal force that counts as touchdown, in weights of the robot [-]."""
+    landing_force: float = 0.01
+    """Normal force that counts as touchdown in the last part of a swing, ``frozen_end``
+    long, and later, when the ground is expected; in weights of the robot [-]. A foot
+    that bounces lightly passes between two ticks through any larger force."""
     earliest_touchdown: Share = 0.75
     """Share of the swing before which contact is a stumble, not a touchdown [-]."""
     unload_share: Positive = 0.4

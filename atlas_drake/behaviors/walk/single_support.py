@@ -33,14 +33,17 @@ class SingleSupport(PhaseControl[Swing]):
         self._adjustment = config.adjustment
         self._limits = config.slack.loosen(balance.robot.file.walk_limits)
         self._touchdown_force = config.rules.touchdown_force * balance.weight
+        self._landing_force = config.rules.landing_force * balance.weight
 
     def advance(
         self, phase: Swing, observation: Observation
     ) -> tuple[Phase, tuple[Event, ...]]:
         """Ends the swing with touchdown."""
+        landing = phase.duration - phase.elapsed < self._rules.frozen_end
         touched = (
             phase.motion.progress >= self._rules.earliest_touchdown
-            and observation.foot_force[phase.step.foot] > self._touchdown_force
+            and observation.foot_force[phase.step.foot]
+            > (self._landing_force if landing else self._touchdown_force)
         )
         return self._touch_down(phase, observation) if touched else (phase, ())
 
