@@ -6,13 +6,11 @@ other channels are in ``channels``.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
 from operator import attrgetter
 from typing import Any
-
-import numpy as np
 
 from atlas_drake.logs.layout import SIDES, WXYZ, XYZ, Channel
 from atlas_drake.messages import (
@@ -57,10 +55,10 @@ class ReportChannel:
     owner: tuple[str | int, ...]
     leaves: tuple[str, ...]
 
-    def read(self, report: AtlasSimInterfaceState) -> Any:
-        """Reads the number, or an array of numbers."""
+    def read(self, report: AtlasSimInterfaceState) -> Sequence[float]:
+        """Reads the channel's numbers."""
         numbers = self._get(self._owner(report))
-        return np.array(numbers) if self.channel.labels else numbers
+        return numbers if self.channel.labels else (numbers,)
 
     def write(self, report: AtlasSimInterfaceState, numbers: Any) -> None:
         """Writes the number, or the sequence of numbers, into a report."""
@@ -83,9 +81,12 @@ class ReportChannel:
         return message
 
 
-def reported(report: AtlasSimInterfaceState) -> dict[str, Any]:
-    """Reads the numbers of all channels from a report."""
-    return {entry.channel.name: entry.read(report) for entry in REPORT_CHANNELS}
+def reported(report: AtlasSimInterfaceState) -> list[float]:
+    """Reads the numbers of all channels from a report, one after the other."""
+    numbers: list[float] = []
+    for entry in REPORT_CHANNELS:
+        numbers += entry.read(report)
+    return numbers
 
 
 def report_from(numbers: Mapping[str, Any]) -> AtlasSimInterfaceState:

@@ -15,7 +15,7 @@ from atlas_drake.control.balance.center_of_pressure import center_of_pressure
 from atlas_drake.control.balance.feedback import pendulum_frequency
 from atlas_drake.logs.channels import GAINS, robot_layout
 from atlas_drake.logs.layout import SIDES
-from atlas_drake.logs.report_channels import reported
+from atlas_drake.logs.report_channels import REPORT_CHANNELS, reported
 from atlas_drake.logs.world_state import world_coordinates
 from atlas_drake.messages import AtlasSimInterfaceState
 from atlas_drake.messages.controller_status import LARGEST_SUPPORT
@@ -44,6 +44,8 @@ class RowSampler:
             plant.GetVelocityNames(add_model_instance_prefix=False),
             self._world,
         )
+        places = [self.layout.places[entry.channel.name] for entry in REPORT_CHANNELS]
+        self._reported = np.r_[tuple(places)]
         num_states, num_joints = plant.num_multibody_states(), robot.num_joints
         self.port_sizes = {
             "state": num_states,
@@ -80,7 +82,6 @@ class RowSampler:
             "controller.tick_time": tick_time,
             "controller.unsolved": status.unsolved,
             "controller.solved": NO_QP if status.solved is None else status.solved,
-            **reported(ports["atlas_sim_interface_state"]),
             **self._joints(ports),
             **_commanded(ports["commands"]),
             **_measured_by_imu(ports["imu"]),
@@ -94,11 +95,13 @@ class RowSampler:
             for k, side in enumerate(SIDES):
                 values[f"{owner}.{side}_torque"] = wrenches[6 * k : 6 * k + 3]
                 values[f"{owner}.{side}_force"] = wrenches[6 * k + 3 : 6 * k + 6]
-        soles = [values[f"feet.{side}_position"] for side in SIDES]
+        report: AtlasSimInterfaceState = ports["atlas_sim_interface_state"]
+        soles = [pose.position.to_array() for pose in report.foot_pos_est]
         cop = center_of_pressure(soles, ports["foot_wrenches"])
         if cop is not None:
             values["balance.cop"] = cop[:2]
         row = np.full(self.layout.width, np.nan)
+        row[self._reported] = reported(report)
         for name, value in values.items():
             row[self.layout.places[name]] = value
         return row

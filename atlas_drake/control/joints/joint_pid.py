@@ -68,7 +68,7 @@ LAGGING_STIFFNESS = 0.5
 """Greatest stiffness that may answer with the estimate's delay, over the one at which
 a joint far heavier than in the model begins to oscillate [-]."""
 
-LEAST_YIELD = 0.5
+PROMPT_STIFFNESS = 0.5
 """Greatest stiffness that may act without that delay, in units of I/h² with the model's
 inertia I [-]. A joint as light as in the model diverges from 1 on, one lighter by 15 %
 from 0.6 on."""
@@ -131,7 +131,7 @@ def step_model(
     # velocity of a joint as light as in the model.
     change = dt * share * stiffness
     yields = change * response.diagonal()
-    part = np.clip(yields - LAGGING_STIFFNESS * blend, 0.0, LEAST_YIELD)
+    part = np.clip(yields - LAGGING_STIFFNESS * blend, 0.0, PROMPT_STIFFNESS)
     prompt = change * np.divide(part, yields, out=np.zeros_like(part), where=part > 0.0)
     return StepModel(response, damping, share, gain, blend, prompt)
 
