@@ -62,8 +62,11 @@ class ViewerGate(CollectableSystem):
         self._pictures += 1
         if self._pictures % LOOK_EVERY:
             return
-        port = self._meshcat.port()
-        waiting = max((bytes_on_the_way(read_sockets(), port)), default=0)
+        waiting = 0
+        # Reading the tables takes milliseconds on some systems.
+        if self._meshcat.GetNumActiveConnections():
+            unread = bytes_on_the_way(read_sockets(), self._meshcat.port())
+            waiting = max(unread, default=0)
         if waiting < LIMIT:
             self.open()
         elif self.is_open:

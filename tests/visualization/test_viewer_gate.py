@@ -59,6 +59,19 @@ def watched(monkeypatch):
     viewer.close()
 
 
+def test_without_a_viewer_no_socket_is_looked_at(monkeypatch):
+    looks = []
+    monkeypatch.setattr(viewer_gate, "read_sockets", lambda: looks.append(1) or ())
+    meshcat = start_meshcat()
+    sim = AtlasSimulation(Scenario(), meshcat=meshcat)
+    sim.advance(0.3)
+    assert not looks
+    viewer = websocket.create_connection(meshcat.ws_url())
+    sim.advance(0.3)
+    viewer.close()
+    assert looks
+
+
 def waiting(meshcat):
     return max(bytes_on_the_way(read_sockets(), meshcat.port()))
 
