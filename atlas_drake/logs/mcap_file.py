@@ -10,7 +10,7 @@ import fcntl
 import json
 import os
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import IO, Any
@@ -44,7 +44,9 @@ METADATA, HEADER = "atlas_drake", "header"
 """Names of the metadata record that holds the header, and of its entry."""
 VIEWER_PERIOD = 0.02
 """Time between messages that are only for viewers [s]."""
-SELDOM = ("gains",)
+SELDOM = frozenset(
+    {"gains", "behavior", "stand", "walk", "step", "manipulate", "hands"}
+)
 """Topics that are written only when they change."""
 BLOCK = 16
 """Rows that are written together, in half the time that they take one by one between
@@ -70,7 +72,7 @@ class McapWriter:
         self._channels: dict[str, int] = {}
         self._rows = 0
         self._block: list[np.ndarray] = []
-        self._latest: dict[str, Any] = {}
+        self._latest: dict[str, bytes] = {}
         self._viewer_time = -np.inf
         self._topics = _topics(self._layout)
 
@@ -112,12 +114,12 @@ class McapWriter:
         values = row.tolist()
         time = values[0]
         for name, topic in self._topics.items():
-            message = topic.message(values)
             if name in SELDOM:
-                if message == self._latest.get(name):
+                numbers = row[topic.places].tobytes()
+                if numbers == self._latest.get(name):
                     continue
-                self._latest[name] = message
-            self._add(time, name, orjson.dumps(message))
+                self._latest[name] = numbers
+            self._add(time, name, orjson.dumps(topic.message(values)))
         self._rows += 1
         if time >= self._viewer_time + VIEWER_PERIOD - 1e-9:
             self._viewer_time = time
@@ -245,20 +247,26 @@ def _arrays(
     count = min(len(messages.get(t, ())) for t in topics if t not in SELDOM)
     table = np.empty((count, layout.width))
     for name, topic in topics.items():
-        for message in messages.get(name, ()):
-            first = message.sequence
-            if first >= count:
+        found = messages.get(name, ())
+        # A value that is written on change is valid until the next one.
+        ends = [*(message.sequence for message in found[1:]), count]
+        for message, end in zip(found, ends, strict=False):
+            if message.sequence >= count:
                 break
-            # A value that is written on change is valid from its row on.
-            rows = slice(first, None if name in SELDOM else first + 1)
-            topic.fill(table[rows], json.loads(message.data))
+            last = end if name in SELDOM else message.sequence + 1
+            topic.fill(table[message.sequence : last], json.loads(message.data))
     return layout.split(table)
 
 
 class _Topic:
-    """The part of a row in one topic: indices and names."""
+    """The part of a row in one topic: indices and names.
 
-    def __init__(self, channels: Iterable[Channel], layout: Layout):
+    Attributes:
+        places: Indices of the part.
+    """
+
+    def __init__(self, channels: Sequence[Channel], layout: Layout):
+        self.places = np.r_[tuple(layout.places[channel.name] for channel in channels)]
         self._fields = [
             (channel.name.split(".")[-1], channel.labels, layout.places[channel.name])
             for channel in channels

@@ -154,13 +154,15 @@ def test_mcap_viewers_find_topics_schemas_and_an_index(log, tmp_path):
     places = log["pelvis.position"]
     assert np.abs(places - [x, y, z]).max(axis=1).min() == 0.0
     assert set(latest) >= {"/behavior", "/walk", "/balance", "/atlas_command"}
-    # Gains change seldom, and are written seldom.
+    # What changes seldom is written seldom.
     counts = {
         summary.channels[key].topic: count
         for key, count in summary.statistics.channel_message_counts.items()
     }
     assert counts["/joints"] == len(log)
     assert counts["/gains"] == 2
+    assert counts["/step"] == 1
+    assert 1 < counts["/walk"] < len(log)
 
 
 # ---- errors ------------------------------------------------------------------
