@@ -101,7 +101,7 @@ class InterfaceReporter(CollectableSystem):
 
     def _sole_poses(self, context: Context, state: np.ndarray) -> list[Pose]:
         scratch = self._scratch.Eval(context)
-        self._plant.SetPositionsAndVelocities(scratch, state)
+        self._plant.SetPositions(scratch, state[: self._plant.num_positions()])
         return [
             _pose(self._plant.get_frame(index).CalcPoseInWorld(scratch))
             for index in self._soles

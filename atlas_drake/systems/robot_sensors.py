@@ -79,7 +79,8 @@ class RobotSensors(NoisySystem):
         self._instance = own = robot.instance(plant)
         X_PI = plant.GetFrameByName(robot.file.imu_frame, own).GetFixedPoseInBodyFrame()
         self._q_PI = X_PI.rotation().ToQuaternion().wxyz()
-        self._R_PI, self._p_PI = X_PI.rotation().matrix(), X_PI.translation()
+        self._R_PI = X_PI.rotation().matrix()
+        self._p_PI_I = self._R_PI.T @ X_PI.translation()
         self._soles = [
             plant.GetFrameByName(foot.sole_frame, own).index()
             for foot in robot.file.feet
@@ -213,10 +214,10 @@ class RobotSensors(NoisySystem):
         base = self._indices.generalized
         w_WP = state[self._num_q + base[:3]]
         alpha_WP, a_WP = acceleration[base[:3]], acceleration[base[3:6]]
-        q_WP = state[self._indices.pelvis.orientation]
-        q_WP = q_WP / np.linalg.norm(q_WP)  # The plant's drifts from 1 by some 1e-4.
-        R_WP = rotation_matrix(q_WP)
-        R_WI, p_PI_W = R_WP @ self._R_PI, R_WP @ self._p_PI
+        # Of unit length; the plant's quaternion drifts from that by some 1e-4.
+        q_WI = composed(state[self._indices.pelvis.orientation], self._q_PI)
+        R_WI = rotation_matrix(q_WI)
+        p_PI_W = R_WI @ self._p_PI_I
         a_WI = a_WP + cross(alpha_WP, p_PI_W) + cross(w_WP, cross(w_WP, p_PI_W))
         rate = R_WI.T @ w_WP
         force = R_WI.T @ (a_WI + _UPWARD)
@@ -226,7 +227,7 @@ class RobotSensors(NoisySystem):
             force = force + noise.specific_force
         imu = Imu()
         imu.header.stamp = context.get_time()
-        imu.orientation = Quaternion.from_wxyz(composed(q_WP, self._q_PI))
+        imu.orientation = Quaternion.from_wxyz(q_WI)
         imu.angular_velocity = Vector3.from_array(rate)
         imu.linear_acceleration = Vector3.from_array(force)
         output.set_value(imu)
