@@ -56,7 +56,7 @@ CHUNK = 1 << 20
 
 
 class McapWriter:
-    """Writes each tick as one message per topic."""
+    """Writes each tick as one message per topic, but SELDOM ones only on change."""
 
     def __init__(self, path: Path, header: Header):
         """Locks the file; its content stays until the first row."""

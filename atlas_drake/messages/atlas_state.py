@@ -37,7 +37,7 @@ class AtlasState(JointIndices, Message):
             the sole, one control tick old.
         r_foot: Contact wrench on the right foot, as for the left foot.
         l_hand: Contact wrench on the left hand, in the world frame about the origin of
-            its link, at the time of the message.
+            its link, one control tick old.
         r_hand: Contact wrench on the right hand, as for the left hand.
     """
 

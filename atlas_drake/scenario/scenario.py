@@ -43,7 +43,7 @@ from atlas_drake.scenario.world_file import World, world_beside, world_from
 
 PHYSICS_STEPS = Bounds(1e-5, 0.003)
 """Range of the physics step [s]. Below it a simulated second takes minutes; above it
-the joint controllers' damping can diverge where a planted sole is taken for free."""
+a robot that stands under the tutorial's gains sways until it falls."""
 LARGEST_SEED = 2**64 - 1
 """Largest seed of the random generator."""
 LONGEST_PERIOD = 0.02
@@ -245,7 +245,7 @@ class Scenario:
         self.behavior()
         _positive("duration", self.duration)
         _positive("ground_friction", self.ground_friction)
-        if not self.control_period >= 0.0:
+        if not 0.0 <= self.control_period < np.inf:
             raise ScenarioError(
                 "control_period",
                 self.control_period,
@@ -257,7 +257,7 @@ class Scenario:
                 "control_period",
                 self.control_period,
                 f"is {shown(self.control_period)}; must be a whole multiple of "
-                f"physics_step ({self.physics_step} s)",
+                f"physics_step ({self.physics_step} s), or 0 for the default",
             )
         if round(self.control_period, 10) > LONGEST_PERIOD:
             raise ScenarioError(

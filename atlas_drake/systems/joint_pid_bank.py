@@ -95,7 +95,8 @@ class JointPidBank(CollectableSystem):
 
     State: the fields of ``PidState``, updated at every physics step in which the user
     has a share, with NaN for a velocity that is not known; the prepared law,
-    updated at a control tick when pose or commands have changed.
+    updated at a control tick when pose or commands have changed; the behavior's
+    efforts since the last control tick.
     """
 
     __slots__ = ()
@@ -155,7 +156,11 @@ class JointPidBank(CollectableSystem):
         )
         self._scratch = declare_scratch_context(self, self._inverse_mass.create_context)
         self._prepared = self.DeclareAbstractState(AbstractValue.Make(NOTHING))
+        self._carried = self.DeclareDiscreteState(n)
         self.DeclarePeriodicDiscreteUpdateEvent(physics_step, 0.0, self._update)
+        self.DeclarePeriodicDiscreteUpdateEvent(
+            control_period, 0.0, self._update_carried
+        )
         self.DeclarePeriodicUnrestrictedUpdateEvent(
             control_period, 0.0, self._update_law
         )
@@ -163,6 +168,7 @@ class JointPidBank(CollectableSystem):
     def reset(self, context: Context) -> None:
         """Clears the state of the law, its integrals included."""
         context.SetDiscreteState(self._memory, self._at_start)
+        context.SetDiscreteState(self._carried, self._nothing)
         context.get_mutable_abstract_state(self._prepared).set_value(NOTHING)
 
     def _calc_step(self, context: Context, result: AbstractValue) -> None:
@@ -176,13 +182,14 @@ class JointPidBank(CollectableSystem):
         if law.integrates or integral.any():
             integral = integrate(last, law.command, q, law.active, self._dt)
         others = law.rest * self._behavior_input.Eval(context)
-        idle = change_without_user(last, v, others, law.model)
-        effort, total = user_effort(
-            law.static_effort(integral, q), v + idle, others, law.model, self._limit
-        )
+        static = law.static_effort(integral, q)
+        if math.isnan(last.static[0]):
+            last = replace(last, static=static)
+        idle = change_without_user(last, static, v, others, law.model)
+        effort, total = user_effort(static, v + idle, others, law.model, self._limit)
         expected = idle + law.model.response @ (total - others)
         result.set_value(
-            PidStep(PidState(integral, v, total, expected), effort * law.active)
+            PidStep(PidState(integral, v, total, expected, static), effort * law.active)
         )
 
     def _calc_effort(self, context: Context, output: BasicVector) -> None:
@@ -203,9 +210,19 @@ class JointPidBank(CollectableSystem):
         discrete.set_value(
             self._memory,
             np.concatenate(
-                (after.integral, after.velocity, after.applied, after.expected)
+                (
+                    after.integral,
+                    after.velocity,
+                    after.applied,
+                    after.expected,
+                    after.static,
+                )
             ),
         )
+
+    def _update_carried(self, context: Context, discrete: DiscreteValues) -> None:
+        """Keeps the efforts that the behavior gives until the next control tick."""
+        discrete.set_value(self._carried, self._behavior_input.Eval(context))
 
     def _update_idle(self, context: Context, discrete: DiscreteValues) -> None:
         """Updates the state while the user has no joint, without a step of the law."""
@@ -226,11 +243,12 @@ class JointPidBank(CollectableSystem):
         their efforts will balance those of the user.
         """
         values = context.get_discrete_state(self._memory).value()
-        integral, velocity, applied, expected = values.reshape(_PID_FIELDS, -1)
+        integral, velocity, applied, expected, static = values.reshape(_PID_FIELDS, -1)
         if math.isnan(velocity[0]):
-            behavior = self._behavior_input.Eval(context)
-            velocity, applied = v, np.clip(behavior, -self._limit, self._limit)
-        return PidState(integral, velocity, applied, expected)
+            carried = context.get_discrete_state(self._carried).value()
+            velocity, applied = v, np.clip(carried, -self._limit, self._limit)
+            static = np.full_like(v, np.nan)
+        return PidState(integral, velocity, applied, expected, static)
 
     def _calc_forecast(self, context: Context, output: AbstractValue) -> None:
         if self._is_idle(context):

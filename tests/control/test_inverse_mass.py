@@ -109,11 +109,14 @@ def step_matrix(kp, kd, assumed, true, dt):
         damping=kd[:, None],
         share=np.ones((n, 1)),
         prompt=law.prompt[:, None],
+        stiffness=law.stiffness[:, None],
     )
-    last = PidState(zero, last_v, applied, expected)
+    static = static_effort(command, zero, q)
+    # The set-points rest: the static effort changed by what the joints moved.
+    last = PidState(zero, last_v, applied, expected, static + law.stiffness * v)
     others = np.zeros_like(q)
-    drift = change_without_user(last, v, others, law)
-    static, unlimited = static_effort(command, zero, q), np.full((n, 1), np.inf)
+    drift = change_without_user(last, static, v, others, law)
+    unlimited = np.full((n, 1), np.inf)
     effort, _ = user_effort(static, v + drift, others, law, unlimited)
     next_v = v + dt * true @ effort
     expected = drift + law.response @ effort

@@ -52,17 +52,19 @@ def command_of(n=1, **fields):
 def state_of(n=1, integral=0.0):
     """What the law remembers of joints at rest that nothing pushes."""
     nothing = np.zeros(n)
-    return PidState(np.full(n, float(integral)), nothing, nothing, nothing)
+    return PidState(np.full(n, float(integral)), *[nothing] * 4)
 
 
-def remembered(integral, v, applied, drift, model):
+def remembered(integral, v, applied, drift, model, static=0.0):
     """What the law remembers of a step in which it gave these efforts."""
-    return PidState(integral, v, applied, drift + model.response @ applied)
+    expected = drift + model.response @ applied
+    return PidState(integral, v, applied, expected, np.broadcast_to(static, v.shape))
 
 
-def estimate_drift(state, v, model):
+def estimate_drift(state, v, model, static=0.0):
     """What the law takes for the doing of no motor."""
-    return change_without_user(state, v, np.zeros_like(v), model)
+    static = np.broadcast_to(static, v.shape)
+    return change_without_user(state, static, v, np.zeros_like(v), model)
 
 
 def written_law(c, integral, q, v):
@@ -137,13 +139,33 @@ def test_at_steady_velocity_the_effort_settles_at_the_law(
 ):
     # Whatever the behavior adds, and whatever balances it.
     others, v, q = random.normal(size=10), np.full(10, velocity), np.zeros(10)
-    state = PidState(q, v, q, q)
+    state = PidState(q, v, q, q, q)
     model = model_of(random_command, 0.01, 0.001, share)
     for _ in range(400):
         drift = estimate_drift(state, v, model)
         effort = effort_of(random_command, q, q, v, drift, model, others)
         state = remembered(q, v, others + share * effort, drift, model)
     np.testing.assert_allclose(effort, written_law(random_command, q, q, v))
+
+
+@pytest.mark.parametrize("every", [1, 3, 5])
+def test_a_streamed_set_point_is_damped_as_the_law_says(every):
+    # So stiff that a part of the stiffness acts at once; the set-point moves with the
+    # joint, in jumps.
+    dt, v, inertia = 0.003, np.array([0.4]), 0.01
+    command = command_of(kp_position=900.0, kd_position=50.0)
+    model = model_of(command, inertia, dt)
+    assert model.prompt[0] > 0.3
+    q, state, efforts = np.zeros(1), state_of(), []
+    for step in range(600):
+        streamed = dataclasses.replace(command, position=q - step % every * dt * v)
+        static = static_effort(streamed, np.zeros(1), q)
+        drift = estimate_drift(state, v, model, static)
+        effort = effort_of(streamed, np.zeros(1), q, v, drift, model)
+        state = remembered(np.zeros(1), v, effort, drift, model, static)
+        efforts.append(effort[0] - static[0])
+        q = q + dt * v
+    assert np.mean(efforts[300:]) == pytest.approx(-50.0 * v[0], rel=0.01)
 
 
 def coupled(random, dt=0.002):
@@ -239,7 +261,7 @@ def test_drift_is_what_the_motors_do_not_explain(random):
         response=response,
     )
     true, v = random.normal(size=(2, 10))
-    state = PidState(np.zeros(10), v, random.normal(size=10), np.zeros(10))
+    state = PidState(np.zeros(10), v, random.normal(size=10), *[np.zeros(10)] * 2)
     for _ in range(60):
         next_v = state.velocity + true + response @ state.applied
         drift = estimate_drift(state, next_v, model)
@@ -266,9 +288,10 @@ def test_the_behaviors_efforts_are_known_at_once(random):
     model = step_model(np.zeros(10), np.zeros(10), np.ones(10), inverse_mass, 0.001)
     v, before, others = random.normal(size=(3, 10))
     expected = model.response @ before
-    state = PidState(np.zeros(10), v - expected, before, expected)
+    zero = np.zeros(10)
+    state = PidState(zero, v - expected, before, expected, zero)
     np.testing.assert_allclose(
-        change_without_user(state, v, others, model), model.response @ others
+        change_without_user(state, zero, v, others, model), model.response @ others
     )
 
 
@@ -278,7 +301,7 @@ def test_a_change_of_the_model_is_no_jolt(random_command):
     command = dataclasses.replace(random_command, velocity=v)
     heavy, light = (model_of(command, inertia, 0.001) for inertia in (10.0, 0.01))
     static = written_law(command, v, v, v)
-    held = PidState(v, v, static, v)
+    held = PidState(v, v, static, v, v)
     for model in (heavy, light, heavy):
         drift = estimate_drift(held, v, model)
         effort = effort_of(command, v, v, v, drift, model)
@@ -344,10 +367,12 @@ def simulate(command, assumed, true, dt, duration, disturbance=0.0, share=1.0):
     state, q, v = state_of(n), np.full(n, 0.1), np.zeros(n)
     model = model_of(command, assumed, dt, share)
     positions, velocities = [], []
+    state = dataclasses.replace(state, static=static_effort(command, 0.0, q))
     for _ in range(round(duration / dt)):
-        drift = estimate_drift(state, v, model)
+        static = static_effort(command, state.integral, q)
+        drift = estimate_drift(state, v, model, static)
         effort = effort_of(command, state.integral, q, v, drift, model)
-        state = remembered(state.integral, v, share * effort, drift, model)
+        state = remembered(state.integral, v, share * effort, drift, model, static)
         v = v + dt * (share * effort + disturbance) / true
         q = q + dt * v
         positions.append(q)

@@ -199,6 +199,10 @@ def test_a_physics_step_alone_gets_the_nearest_control_period(step, period):
 def test_a_station_refuses_a_period_that_is_no_multiple():
     with pytest.raises(ValueError, match="whole multiple"):
         StationConfig(physics_step=0.002, control_period=0.009)
+    with pytest.raises(ValueError, match="positive and finite"):
+        StationConfig(physics_step=-0.003)
+    with pytest.raises(ScenarioError, match="control_period"):
+        Scenario(control_period=math.inf).validate()
 
 
 def test_a_number_of_less_precision_is_not_the_same():

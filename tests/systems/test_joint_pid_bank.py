@@ -146,8 +146,7 @@ def test_shares_differ_from_joint_to_joint(bench, random):
 
 
 def test_the_law_knows_how_the_behaviors_share_moves_the_joints(bench):
-    # From rest, where all was balanced, and at once: what the behavior does now is no
-    # surprise to the damper.
+    # From rest, and at once: what the behavior does now is no surprise to the damper.
     bench.move(bench.q, np.zeros(28))
     own = np.linspace(-3.0, 3.0, 28)
     bench.hold("behavior_effort", own)
@@ -167,7 +166,7 @@ def test_the_law_knows_how_the_behaviors_share_moves_the_joints(bench):
             inverse_mass.create_context(),
             bench.state[: bench.num_positions],
         )
-        expected = -own - 20.0 * (response @ (total - own))
+        expected = -own - 20.0 * (response @ total)
         np.testing.assert_allclose(bench.effort, expected, rtol=1e-6, atol=1e-6)
 
 
@@ -179,6 +178,8 @@ def test_a_joint_taken_at_rest_keeps_its_effort(bench, random):
     bench.hold("behavior_effort", own)
     bench.order(k_effort=np.zeros(28))
     bench.run(0.01)
+    # In USER the behavior gives nothing from the tick on at which the user takes over.
+    bench.hold("behavior_effort", np.zeros(28))
     bench.order(
         kp_position=0.0,
         kd_position=0.0,

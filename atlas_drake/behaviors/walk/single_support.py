@@ -39,11 +39,12 @@ class SingleSupport(PhaseControl[Swing]):
         self, phase: Swing, observation: Observation
     ) -> tuple[Phase, tuple[Event, ...]]:
         """Ends the swing with touchdown."""
-        landing = phase.duration - phase.elapsed < self._rules.frozen_end
+        least = self._touchdown_force
+        if phase.duration - phase.elapsed < self._rules.frozen_end:
+            least = min(least, self._landing_force)
         touched = (
             phase.motion.progress >= self._rules.earliest_touchdown
-            and observation.foot_force[phase.step.foot]
-            > (self._landing_force if landing else self._touchdown_force)
+            and observation.foot_force[phase.step.foot] > least
         )
         return self._touch_down(phase, observation) if touched else (phase, ())
 

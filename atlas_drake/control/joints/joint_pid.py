@@ -28,12 +28,14 @@ class PidState:
         applied: Effort of the motors in the last step, within their limits [N·m].
         expected: Change of velocity expected in the last step, by the motors and by
             all other forces [rad/s].
+        static: ``static_effort`` of the last step [N·m].
     """
 
     integral: np.ndarray
     velocity: np.ndarray
     applied: np.ndarray
     expected: np.ndarray
+    static: np.ndarray
 
 
 def integrate(
@@ -73,6 +75,12 @@ PROMPT_STIFFNESS = 0.5
 inertia I [-]. A joint as light as in the model diverges from 1 on, one lighter by 15 %
 from 0.6 on."""
 
+MOST_CHANGE = 10.0
+"""Largest change of a joint's static effort in a step that may act without that delay,
+over the one that its own motion causes [-]. A set-point that is sent every few steps
+moves in jumps of several; one that jumps while the joint rests is answered with
+damping."""
+
 LIGHT_DAMPING = 1e-3
 """Greatest damping that is taken explicitly where motors saturate [N·m·s/rad].
 
@@ -94,8 +102,10 @@ class StepModel:
         share: Blend weight k of the user for each joint, 0 to 1, shape (n,).
         gain: G = (1 + D·h·Λ·K)⁻¹, shape (n, n).
         blend: Weight b of a new change of velocity in the estimate [-].
-        prompt: Effort per velocity of the part of the stiffness that acts without the
-            estimate's delay, see ``change_without_user`` [N·m·s/rad], shape (n,).
+        prompt: Part of a change of the user's static effort that acts without the
+            estimate's delay, times k, see ``change_without_user`` [-], shape (n,).
+        stiffness: h·kp, change of the static effort per velocity [N·m·s/rad], shape
+            (n,).
     """
 
     response: np.ndarray
@@ -104,6 +114,7 @@ class StepModel:
     gain: np.ndarray
     blend: float
     prompt: np.ndarray
+    stiffness: np.ndarray
 
 
 def step_model(
@@ -127,17 +138,21 @@ def step_model(
     coupling.reshape(-1)[:: len(damping) + 1] += 1.0
     gain = np.linalg.inv(coupling)
     blend = dt / (dt + DRIFT_TIME)
-    # Change of the stiffness' effort in a step, per velocity, and what that does to the
-    # velocity of a joint as light as in the model.
-    change = dt * share * stiffness
-    yields = change * response.diagonal()
+    # Change of the static effort in a step, per velocity, and what the user's share of
+    # it does to the velocity of a joint as light as in the model.
+    change = dt * stiffness
+    yields = share * change * response.diagonal()
     part = np.clip(yields - LAGGING_STIFFNESS * blend, 0.0, PROMPT_STIFFNESS)
-    prompt = change * np.divide(part, yields, out=np.zeros_like(part), where=part > 0.0)
-    return StepModel(response, damping, share, gain, blend, prompt)
+    prompt = share * np.divide(part, yields, out=np.zeros_like(part), where=part > 0.0)
+    return StepModel(response, damping, share, gain, blend, prompt, change)
 
 
 def change_without_user(
-    state: PidState, v: np.ndarray, others: np.ndarray, model: StepModel
+    state: PidState,
+    static: np.ndarray,
+    v: np.ndarray,
+    others: np.ndarray,
+    model: StepModel,
 ) -> np.ndarray:
     """Predicts the change of velocity in this step without the user's effort, (n,).
 
@@ -151,18 +166,21 @@ def change_without_user(
     A foot that stands is thousands of times as heavy as in the model, in which no sole
     touches the ground. It does not yield, and the estimate needs about d·h·Λ/b steps to
     attribute that to the ground: the law is right, but late. Late damping is still
-    damping; late stiffness drives an oscillation if kp·h²·Λ exceeds b. The part beyond
-    that is taken to be balanced by whatever keeps the joint from yielding: it acts at
-    once, as in the explicit law (``StepModel.prompt``).
+    damping; late stiffness drives an oscillation if kp·h²·Λ exceeds b. Of such a
+    stiffness a part is taken to be balanced by whatever keeps the joint from yielding:
+    its change acts at once, as in the explicit law (``StepModel.prompt``).
 
     Args:
         state: State of the last step.
+        static: ``static_effort`` of this step [N·m].
         v: Velocities [rad/s].
         others: The behavior's part of the motors' efforts (1 - K)·τ_behavior [N·m].
         model: Model from ``step_model``.
     """
     change = state.expected + model.blend * (v - state.velocity - state.expected)
-    return change + model.response @ (others - state.applied + model.prompt * v)
+    most = MOST_CHANGE * model.stiffness * np.abs(v)
+    balanced = np.minimum(np.maximum(static - state.static, -most), most)
+    return change + model.response @ (others - state.applied - model.prompt * balanced)
 
 
 def user_effort(
