@@ -52,8 +52,8 @@ class LogRecorder(CollectableSystem):
     """Writes the values of a station's ports to a log.
 
     A discrete update samples a row: it reads the controller's output of the same
-    instant. A publish event
-    writes the row one tick later, as for all output from a diagram.
+    instant. A publish event writes the row one tick later, as for all output from a
+    diagram.
 
     Input ports, as the station's outputs of the same names:
         state, behavior_state, foot_wrenches, hand_wrenches, effort, user_effort,

@@ -5,12 +5,13 @@ floating-point number; for a third of 2 ms and 2 ms this holds at two of three t
 The other ticks would come one rounding error too late, and act a physics step later.
 """
 
+from fractions import Fraction
+
 import numpy as np
 
-STEPS = 2**22
-"""Number of steps whose ticks coincide exactly: more than an hour of 1 ms steps."""
 _BITS = 53 - 22
-"""Bits of a step with which all of its first ``STEPS`` multiples are exact."""
+"""Bits of a step with which its first 2**22 multiples are exact: more than an hour of
+1 ms steps."""
 NOMINAL_PERIOD = 0.009
 """Control period that is chosen for the user, up to rounding [s]."""
 
@@ -53,11 +54,8 @@ def on_common_grid(physics_step: float, control_period: float) -> tuple[float, f
     if control_period == 0.0:
         control_period = max(round(NOMINAL_PERIOD / physics_step), 1) * physics_step
     ratio = round(control_period / physics_step)
-    doubled = ratio.bit_count() == 1  # A power of two: doubling is exact.
-    if doubled and ratio * physics_step == control_period:
-        return physics_step, control_period
-    ticks = np.arange(1, STEPS // ratio, dtype=float)
-    if (ticks * control_period == ticks * ratio * physics_step).all():
+    # Each multiple is rounded once: equal numbers have equal multiples.
+    if Fraction(control_period) == ratio * Fraction(physics_step):
         return physics_step, control_period
     mantissa, exponent = np.frexp(physics_step)
     step = float(np.ldexp(np.round(np.ldexp(mantissa, _BITS)), exponent - _BITS))

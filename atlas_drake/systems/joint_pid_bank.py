@@ -37,7 +37,7 @@ MOVED = 0.1
 """Refresh the model when a joint has moved farther than this [rad]."""
 REFRESH_PERIOD = 0.01
 """Least time between two refreshes of the model [s]."""
-_PID_FIELDS = len(fields(PidState))
+_PID_FIELDS = [field.name for field in fields(PidState)]
 
 
 @dataclass(frozen=True)
@@ -130,7 +130,7 @@ class JointPidBank(CollectableSystem):
         )
         self._behavior_input = self.DeclareVectorInputPort("behavior_effort", n)
         # The fields of ``PidState`` in their order: one vector is read at once.
-        self._at_start = np.zeros(_PID_FIELDS * n)
+        self._at_start = np.zeros(len(_PID_FIELDS) * n)
         self._at_start[n : 2 * n] = np.nan
         self._memory = self.DeclareDiscreteState(self._at_start)
         self._nothing = np.zeros(n)
@@ -175,7 +175,7 @@ class JointPidBank(CollectableSystem):
         source: JointCommand = self._command_input.Eval(context)
         state = self._state_input.Eval(context)
         v = state.take(self._v)
-        last = self._remembered(context, v)
+        last = self._remembered(context)
         q = state.take(self._q)
         law = self._law(context, source)
         integral = last.integral
@@ -183,8 +183,8 @@ class JointPidBank(CollectableSystem):
             integral = integrate(last, law.command, q, law.active, self._dt)
         others = law.rest * self._behavior_input.Eval(context)
         static = law.static_effort(integral, q)
-        if math.isnan(last.static[0]):
-            last = replace(last, static=static)
+        if math.isnan(last.velocity[0]):
+            last = self._before_first_step(context, v, static)
         idle = change_without_user(last, static, v, others, law.model)
         effort, total = user_effort(static, v + idle, others, law.model, self._limit)
         expected = idle + law.model.response @ (total - others)
@@ -209,15 +209,7 @@ class JointPidBank(CollectableSystem):
         after = self._step.Eval(context).after
         discrete.set_value(
             self._memory,
-            np.concatenate(
-                (
-                    after.integral,
-                    after.velocity,
-                    after.applied,
-                    after.expected,
-                    after.static,
-                )
-            ),
+            np.concatenate([getattr(after, name) for name in _PID_FIELDS]),
         )
 
     def _update_carried(self, context: Context, discrete: DiscreteValues) -> None:
@@ -231,24 +223,32 @@ class JointPidBank(CollectableSystem):
         if math.isnan(before[n]):
             return
         # Velocity and efforts of the last step are not kept: this runs at every step.
-        after = np.zeros(_PID_FIELDS * n)
+        after = np.zeros(len(_PID_FIELDS) * n)
         after[:n] = before[:n]
         after[n : 2 * n] = np.nan
         discrete.set_value(self._memory, after)
 
-    def _remembered(self, context: Context, v: np.ndarray) -> PidState:
-        """Returns the state; before the first step the motors were the behavior's.
-
-        The law then knows what they carried: weight and ground forces that balanced
-        their efforts will balance those of the user.
-        """
+    def _remembered(self, context: Context) -> PidState:
+        """Returns the state, with NaN for velocities before the first step."""
         values = context.get_discrete_state(self._memory).value()
-        integral, velocity, applied, expected, static = values.reshape(_PID_FIELDS, -1)
-        if math.isnan(velocity[0]):
-            carried = context.get_discrete_state(self._carried).value()
-            velocity, applied = v, np.clip(carried, -self._limit, self._limit)
-            static = np.full_like(v, np.nan)
-        return PidState(integral, velocity, applied, expected, static)
+        return PidState(*values.reshape(len(_PID_FIELDS), -1))
+
+    def _before_first_step(
+        self, context: Context, v: np.ndarray, static: np.ndarray
+    ) -> PidState:
+        """Returns the state of joints at a steady velocity that the behavior moved.
+
+        The law knows what their motors carried: weight and ground forces that balanced
+        the behavior's efforts will balance those of the user.
+        """
+        carried = context.get_discrete_state(self._carried).value()
+        return PidState(
+            integral=self._remembered(context).integral,
+            velocity=v,
+            applied=np.clip(carried, -self._limit, self._limit),
+            expected=self._nothing,
+            static=static,
+        )
 
     def _calc_forecast(self, context: Context, output: AbstractValue) -> None:
         if self._is_idle(context):
@@ -258,7 +258,7 @@ class JointPidBank(CollectableSystem):
         state = self._state_input.Eval(context)
         law = self._law(context, source)
         v = state.take(self._v)
-        integral = self._remembered(context, v).integral
+        integral = self._remembered(context).integral
         static = law.static_effort(integral, state.take(self._q))
         output.set_value(
             forecast_user_effort(

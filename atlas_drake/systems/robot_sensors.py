@@ -3,9 +3,12 @@
 Messages are made only when their ports are read; the controller reads plain vectors.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 from pydrake.common.value import AbstractValue
 from pydrake.multibody.plant import ContactResults, MultibodyPlant
+from pydrake.multibody.tree import FrameIndex
 from pydrake.systems.framework import (
     BasicVector,
     Context,
@@ -88,7 +91,8 @@ class RobotSensors(NoisySystem):
         feet = [plant.GetBodyByName(foot.body, own) for foot in robot.file.feet]
         self._bodies = {int(body.index()): i for i, body in enumerate(feet)}
         self._hands = [
-            plant.GetBodyByName(name, own).index() for name in robot.file.hands
+            plant.GetBodyByName(name, own).body_frame().index()
+            for name in robot.file.hands
         ]
         for body, hand in robot.hand_bodies(plant).items():
             self._bodies[body] = len(feet) + hand
@@ -153,14 +157,6 @@ class RobotSensors(NoisySystem):
         """Clears the last contact forces."""
         context.SetDiscreteState(self._wrenches, np.zeros(24))
 
-    def _at_pose(self, context: Context) -> Context:
-        """Sets the plant's scratch context to the present pose, and returns it."""
-        scratch = self._scratch.Eval(context)
-        self._plant.SetPositions(
-            scratch, self._instance, self._state.Eval(context)[: self._num_q]
-        )
-        return scratch
-
     def _calc_measured_state(self, context: Context, output: BasicVector) -> None:
         state = self._state.Eval(context)
         if not self.noise(context).silent:
@@ -190,23 +186,25 @@ class RobotSensors(NoisySystem):
         return context.get_discrete_state(self._wrenches).value()
 
     def _calc_foot_wrenches(self, context: Context, output: BasicVector) -> None:
-        wrenches = self._sampled(context)[:12].copy()
-        scratch = self._at_pose(context)
-        for foot, sole in enumerate(self._soles):
-            frame = self._plant.get_frame(sole)
-            center = frame.CalcPoseInWorld(scratch).translation()
-            shift_wrench(wrenches[6 * foot : 6 * foot + 6], center)
-        output.SetFromVector(wrenches)
+        output.SetFromVector(self._shifted(context, slice(0, 12), self._soles))
 
     def _calc_hand_wrenches(self, context: Context, output: BasicVector) -> None:
-        wrenches = self._sampled(context)[12:].copy()
+        output.SetFromVector(self._shifted(context, slice(12, 24), self._hands))
+
+    def _shifted(
+        self, context: Context, part: slice, frames: Sequence[FrameIndex]
+    ) -> np.ndarray:
+        """Returns a part of the wrenches, each about the origin of its frame."""
+        wrenches = self._sampled(context)[part].copy()
         if wrenches.any():
-            scratch = self._at_pose(context)
-            for hand, index in enumerate(self._hands):
-                body = self._plant.get_body(index)
-                X_WH = self._plant.EvalBodyPoseInWorld(scratch, body)
-                shift_wrench(wrenches[6 * hand : 6 * hand + 6], X_WH.translation())
-        output.SetFromVector(wrenches)
+            scratch = self._scratch.Eval(context)
+            self._plant.SetPositions(
+                scratch, self._instance, self._state.Eval(context)[: self._num_q]
+            )
+            for wrench, index in zip(wrenches.reshape(-1, 6), frames, strict=True):
+                frame = self._plant.get_frame(index)
+                shift_wrench(wrench, frame.CalcPoseInWorld(scratch).translation())
+        return wrenches
 
     def _calc_imu(self, context: Context, output: AbstractValue) -> None:
         state = self._state.Eval(context)
