@@ -154,7 +154,7 @@ def steps_ahead(sim, command):
 @functools.cache
 def robot_in(behavior):
     """A robot in that behavior, the same for all messages of a test."""
-    sim = AtlasSimulation(Scenario())
+    sim = AtlasSimulation()
     sim.advance(0.1)
     if behavior is not Behavior.STAND:
         command = AtlasSimInterfaceCommand(behavior=behavior)
@@ -257,7 +257,7 @@ def test_poison_is_refused_by_name_and_the_run_goes_on(logged, poison, path):
 def logged(tmp_path_factory):
     """A robot whose log gets all that is refused."""
     file = tmp_path_factory.mktemp("hostile") / "run.npz"
-    with AtlasSimulation(Scenario(), log=file) as sim:
+    with AtlasSimulation(log=file) as sim:
         yield sim, file
         received = sim.output("commands").received
     assert len(read_log(file).commands) == received
@@ -384,7 +384,7 @@ def violent(random, decades):
 @pytest.mark.parametrize(("seed", "decades"), [(1, 5), (2, np.log10(LARGEST))])
 def test_violent_messages_throw_the_robot_down_and_nothing_else(seed, decades):
     random = np.random.default_rng(seed)
-    sim = AtlasSimulation(Scenario())
+    sim = AtlasSimulation()
     limit = sim.robot.effort_limit
     for number in range(150):
         sim.publish(violent(random, decades))

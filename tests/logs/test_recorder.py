@@ -217,7 +217,7 @@ def test_a_reset_goes_on_in_the_same_log(tmp_path):
 
 
 def test_a_forgotten_log_is_completed_with_its_simulation(tmp_path):
-    sim = AtlasSimulation(Scenario(), log=tmp_path / "run.npz")
+    sim = AtlasSimulation(log=tmp_path / "run.npz")
     sim.advance_to(5 * PERIOD)
     assert not (tmp_path / "run.npz").exists()
     del sim

@@ -14,7 +14,6 @@ from atlas_drake import (
     Behavior,
     Gait,
     Quaternion,
-    Scenario,
     StepStream,
     Vector3,
     steps_ahead,
@@ -372,7 +371,7 @@ def test_a_stream_needs_steps_counted_from_one():
 
 @pytest.mark.slow
 def test_the_robot_walks_to_a_pose():
-    sim = AtlasSimulation(Scenario())
+    sim = AtlasSimulation()
     goal = 0.9, 0.5, -0.6
     steps = steps_to(sim.atlas_sim_interface_state, *goal)
     stream = StepStream(steps)

@@ -6,7 +6,7 @@ import pytest
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.primitives import ConstantVectorSource
 
-from atlas_drake import AtlasSimulation, Scenario
+from atlas_drake import AtlasSimulation
 from atlas_drake.simulation.pace import SLACK, Pace
 
 
@@ -38,7 +38,7 @@ def test_what_is_waited_for_is_followed_by_no_rush(paced):
 
 
 def test_a_simulation_waits_at_its_start_and_between_advances():
-    sim = AtlasSimulation(Scenario())
+    sim = AtlasSimulation()
     sim.set_realtime_rate(0.1)
     for _ in range(2):
         time.sleep(0.4)

@@ -405,7 +405,7 @@ def test_nothing_is_lost_that_another_thread_publishes(tmp_path):
 
 
 def test_another_thread_is_told_what_is_wrong_with_its_message():
-    sim = AtlasSimulation(Scenario())
+    sim = AtlasSimulation()
     caught = []
 
     def send():
@@ -424,7 +424,7 @@ def test_another_thread_is_told_what_is_wrong_with_its_message():
 
     # While this thread is in the midst of something, which it finishes first.
     inside, sent = threading.Event(), threading.Event()
-    sim = AtlasSimulation(Scenario(), on_event=on_event)
+    sim = AtlasSimulation(on_event=on_event)
     thread = threading.Thread(target=send)
     thread.start()
     sim.apply_push("utorso", [1.0, 0.0, 0.0], 0.01)
@@ -437,7 +437,7 @@ def test_another_thread_is_told_what_is_wrong_with_its_message():
 
 
 def test_threads_that_advance_to_one_time_end_there():
-    sim = AtlasSimulation(Scenario())
+    sim = AtlasSimulation()
     threads = [threading.Thread(target=sim.advance_to, args=(0.05,)) for _ in range(3)]
     for thread in threads:
         thread.start()
@@ -585,7 +585,7 @@ def test_an_error_of_who_listens_is_its_own_and_loses_no_event(tmp_path):
 
 
 def test_what_is_sent_last_is_in_events_and_log(tmp_path):
-    with AtlasSimulation(Scenario(), log=tmp_path / "run.npz") as sim:
+    with AtlasSimulation(log=tmp_path / "run.npz") as sim:
         sim.advance(0.01)
         sim.publish(AtlasCommand())
         with pytest.raises(InvalidMessageError):

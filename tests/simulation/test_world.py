@@ -238,7 +238,7 @@ def second_head(plant):
 )
 def test_a_world_that_cannot_be_added_is_refused(world, problem):
     with pytest.raises(WorldError, match=problem):
-        AtlasSimulation(Scenario(), world=world)
+        AtlasSimulation(world=world)
 
 
 def test_a_log_holds_how_the_world_moved_and_replay_shows_it(tmp_path):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from atlas_drake import AtlasSimulation, Behavior, Scenario
+from atlas_drake import AtlasSimulation, Behavior
 from atlas_drake.teleop.controls import (
     PELVIS_HEIGHT,
     PUSH_IMPULSE,
@@ -19,7 +19,7 @@ ACTS_WITHIN = 0.1
 
 class Steered:
     def __init__(self, panel):
-        self.sim = AtlasSimulation(Scenario())
+        self.sim = AtlasSimulation()
         self.session = Session(self.sim, panel, real_time=False)
 
     def go(self, seconds):

@@ -63,7 +63,7 @@ def test_without_a_viewer_no_socket_is_looked_at(monkeypatch):
     looks = []
     monkeypatch.setattr(viewer_gate, "read_sockets", lambda: looks.append(1) or ())
     meshcat = start_meshcat()
-    sim = AtlasSimulation(Scenario(), meshcat=meshcat)
+    sim = AtlasSimulation(meshcat=meshcat)
     sim.advance(0.3)
     assert not looks
     viewer = websocket.create_connection(meshcat.ws_url())
