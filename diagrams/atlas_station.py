@@ -135,7 +135,7 @@ def make_atlas_station(
         effort: Efforts of the motors [N·m], shape (n,), message order.
         user_effort: Efforts of the joint controllers [N·m], shape (n,), message order.
         behavior_state: State that the behaviors read.
-        foot_wrenches, hand_wrenches: See ``RobotSensors``.
+        foot_wrenches, hand_wrenches, contact_wrenches: See ``RobotSensors``.
         extremes: Extremes of the run so far, see ``RunStatistics``.
         state: Positions and velocities of the robot.
         plant_state: Positions and velocities of the whole plant.
@@ -251,7 +251,8 @@ def make_atlas_station(
         pushes = harness.GetInputPort("other_spatial_force")
     builder.ExportInput(pushes, "applied_spatial_force")
     for system, names in (
-        (sensors, ("atlas_state", "imu", "foot_wrenches", "hand_wrenches")),
+        (sensors, ("atlas_state", "imu")),
+        (sensors, ("foot_wrenches", "hand_wrenches", "contact_wrenches")),
         (reporter, ("atlas_sim_interface_state",)),
         (commands, ("commands",)),
         (pid, ("user_effort",)),

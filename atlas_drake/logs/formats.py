@@ -59,15 +59,18 @@ class LogFile:
         with self._named_faults():
             self._writer = writer(path, header)
 
-    def row(self, row: np.ndarray) -> None:
-        """Writes one tick, unless the file is closed.
+    def rows(self, table: np.ndarray) -> None:
+        """Writes some ticks, unless the file is closed.
+
+        Args:
+            table: Rows, shape (k, layout's width).
 
         Raises:
             LogError: If it cannot be written. The file is then closed.
         """
         if self._writer is not None:
             with self._named_faults():
-                self._writer.row(row)
+                self._writer.rows(table)
                 self._has_rows = True
                 while self._early:
                     self._writer.note(self._early.pop(0))

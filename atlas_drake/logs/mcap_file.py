@@ -48,9 +48,6 @@ SELDOM = frozenset(
     {"gains", "behavior", "stand", "walk", "step", "manipulate", "hands"}
 )
 """Topics that are written only when they change."""
-BLOCK = 16
-"""Rows that are written together, in half the time that they take one by one between
-the steps of a simulation."""
 CHUNK = 1 << 20
 """Size of a chunk of messages, which is compressed, or lost, as a whole [byte]."""
 
@@ -71,7 +68,6 @@ class McapWriter:
         self._lengths = deque([0], maxlen=2)
         self._channels: dict[str, int] = {}
         self._rows = 0
-        self._block: list[np.ndarray] = []
         self._latest: dict[str, bytes] = {}
         self._viewer_time = -np.inf
         self._topics = _topics(self._layout)
@@ -97,17 +93,11 @@ class McapWriter:
         # Lengths of the file with all chunks but one, and with all of them.
         self._lengths = deque([self._file.tell()], maxlen=2)
 
-    def row(self, row: np.ndarray) -> None:
-        """Writes one tick, at the latest with the next ``BLOCK`` ones."""
+    def rows(self, table: np.ndarray) -> None:
+        """Writes some ticks."""
         if self._file is None:
             self._begin()
-        self._block.append(row)
-        if len(self._block) == BLOCK:
-            self._write_block()
-
-    def _write_block(self) -> None:
-        block, self._block = self._block, []
-        for row in block:
+        for row in table:
             self._write_row(row)
 
     def _write_row(self, row: np.ndarray) -> None:
@@ -141,7 +131,6 @@ class McapWriter:
 
     def close(self) -> None:
         """Completes the file with its index."""
-        self._write_block()
         self._writer.finish()
         self._file.close()
         self._lock.close()

@@ -141,8 +141,8 @@ class Header:
 class LogWriter(Protocol):
     """Writer of one format; notes come after the first row."""
 
-    def row(self, row: np.ndarray) -> None:
-        """Writes one tick and keeps the array, whose size is the layout's width."""
+    def rows(self, table: np.ndarray) -> None:
+        """Writes some ticks, and keeps the array of shape (k, layout's width)."""
 
     def note(self, note: Note) -> None:
         """Keeps a note."""

@@ -18,31 +18,6 @@ from atlas_drake.logs.notes import (
 )
 from atlas_drake.whole_file import WholeFile
 
-BLOCK = 1024
-"""Number of rows per array in memory."""
-
-
-class RowBlocks:
-    """Rows in memory, in arrays of fixed length."""
-
-    def __init__(self, width: int):
-        """Makes an empty list of rows of ``width`` numbers."""
-        self._width = width
-        self._full: list[np.ndarray] = []
-        self._rows: list[np.ndarray] = []
-
-    def add(self, row: np.ndarray) -> None:
-        """Keeps one row."""
-        self._rows.append(row)
-        if len(self._rows) == BLOCK:
-            self._full.append(np.array(self._rows))
-            self._rows = []
-
-    def table(self) -> np.ndarray:
-        """All rows, shape (number of rows, width)."""
-        rest = np.array(self._rows).reshape(-1, self._width)
-        return np.concatenate([*self._full, rest])
-
 
 class NpzWriter:
     """Writes the file when it is closed, whole or not at all."""
@@ -51,12 +26,12 @@ class NpzWriter:
         """Opens the file, to raise an error now if it cannot be written."""
         self._file = WholeFile(path)
         self._header = header
-        self._rows = RowBlocks(header.layout.width)
+        self._tables = [np.empty((0, header.layout.width))]
         self._notes: list[Note] = []
 
-    def row(self, row: np.ndarray) -> None:
-        """Keeps one tick."""
-        self._rows.add(row)
+    def rows(self, table: np.ndarray) -> None:
+        """Keeps some ticks."""
+        self._tables.append(table)
 
     def note(self, note: Note) -> None:
         """Keeps a note."""
@@ -64,7 +39,7 @@ class NpzWriter:
 
     def close(self) -> None:
         """Writes the file."""
-        arrays: dict[str, Any] = self._header.layout.split(self._rows.table())
+        arrays: dict[str, Any] = self._header.layout.split(np.concatenate(self._tables))
         arrays["header"] = np.array(self._header.to_json())
         arrays["notes"] = np.array(notes_to_json(self._notes))
         with self._file as file:

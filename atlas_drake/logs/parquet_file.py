@@ -20,11 +20,12 @@ from atlas_drake.logs.notes import (
     notes_from_json,
     notes_to_json,
 )
-from atlas_drake.logs.npz_file import BLOCK
 from atlas_drake.whole_file import WholeFile
 
 HEADER, NOTES = "atlas_drake.header", "atlas_drake.notes"
 """Keys of the file's metadata."""
+GROUP = 1024
+"""Least number of rows that are written together."""
 
 
 class ParquetWriter:
@@ -38,13 +39,13 @@ class ParquetWriter:
             self._file.file, self._schema, compression="zstd"
         )
         self._writer.add_key_value_metadata({HEADER: header.to_json()})
-        self._rows: list[np.ndarray] = []
+        self._tables: list[np.ndarray] = []
         self._notes: list[Note] = []
 
-    def row(self, row: np.ndarray) -> None:
-        """Keeps one tick."""
-        self._rows.append(row)
-        if len(self._rows) == BLOCK:
+    def rows(self, table: np.ndarray) -> None:
+        """Keeps some ticks."""
+        self._tables.append(table)
+        if sum(map(len, self._tables)) >= GROUP:
             self._flush()
 
     def note(self, note: Note) -> None:
@@ -68,10 +69,10 @@ class ParquetWriter:
         self._file.abandon()
 
     def _flush(self) -> None:
-        if not self._rows:
+        if not self._tables:
             return
-        table = np.array(self._rows)
-        self._rows = []
+        table = np.concatenate(self._tables)
+        self._tables = []
         columns = [
             pa.array(column.astype(field.type.to_pandas_dtype()))
             for column, field in zip(table.T, self._schema, strict=True)

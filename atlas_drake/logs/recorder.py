@@ -1,6 +1,6 @@
 """Records a station: one row of numbers per control tick, and notes beside it.
 
-``samples`` computes a row; the writer of the log's format writes files.
+``samples`` computes the rows; the writer of the log's format writes files.
 """
 
 from __future__ import annotations
@@ -33,17 +33,12 @@ from atlas_drake.logs.samples import RowSampler
 from atlas_drake.messages.controller_status import ControllerStatus
 from atlas_drake.messages.event import Event
 from atlas_drake.systems.collectable_system import CollectableSystem
-from atlas_drake.systems.scratch import declare_scratch_context
 
-_VALUES = (
-    "commands",
-    "controller_status",
-    "atlas_sim_interface_state",
-    "imu",
-)
+_VALUES = ("commands", "controller_status", "imu")
 """Ports with abstract values."""
-
-
+BLOCK = 16
+"""Number of rows that are computed and written together, in half the time that they
+take one by one between the steps of a simulation."""
 PATHS_EVERY = 0.1
 """Time between two records of the planned paths, which change slowly [s]."""
 
@@ -51,15 +46,15 @@ PATHS_EVERY = 0.1
 class LogRecorder(CollectableSystem):
     """Writes the values of a station's ports to a log.
 
-    A discrete update samples a row: it reads the controller's output of the same
-    instant. A publish event writes the row one tick later, as for all output from a
-    diagram.
+    A discrete update takes a sample: it reads the controller's output of the same
+    instant. A publish event takes it to the file one tick later, as for all output from
+    a diagram; there BLOCK of them become rows together.
 
     Input ports, as the station's outputs of the same names:
-        state, behavior_state, foot_wrenches, hand_wrenches, effort, user_effort,
-        behavior_effort, commands, controller_status, atlas_sim_interface_state, imu
+        state, behavior_state, contact_wrenches, effort, user_effort, behavior_effort,
+        commands, controller_status, imu; plant_state with a world
 
-    State: the row sampled last, shape (layout's width,). The record of what has been
+    State: the last sample, shape (sampler's sample_size,). The record of what has been
     written is kept in this object and not in a Context, because it belongs to the file.
 
     Attributes:
@@ -95,11 +90,11 @@ class LogRecorder(CollectableSystem):
             self._ports[name] = self.DeclareAbstractInputPort(
                 name, AbstractValue.Make(NOTHING)
             )
-        self._scratch = declare_scratch_context(self, sampler.create_context)
-        self._row = self.DeclareDiscreteState(np.full(sampler.layout.width, np.nan))
+        self._latest = self.DeclareDiscreteState(np.full(sampler.sample_size, np.nan))
         self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._sample)
         self.DeclarePeriodicPublishEvent(period, 0.0, self._write)
-        self._written_time = -np.inf
+        self._samples: list[np.ndarray] = []
+        self._sampled_time = -np.inf
         self._paths_time, self._planned = -np.inf, False
         self._received = 0
 
@@ -111,8 +106,11 @@ class LogRecorder(CollectableSystem):
             self._writer.note(note_from_event(event))
 
     def flush(self, context: Context) -> None:
-        """Writes the latest row and commands now, not one tick later."""
+        """Writes all rows, and the latest commands, now and not later."""
         self._write(context)
+        if self.fault is None:
+            with self._latched_fault():
+                self._write_rows()
 
     def close(self) -> None:
         """Completes the log and ends recording.
@@ -122,6 +120,7 @@ class LogRecorder(CollectableSystem):
         """
         if self.fault is not None:
             raise self.fault
+        self._write_rows()
         self._writer.close()
 
     @contextmanager
@@ -135,8 +134,6 @@ class LogRecorder(CollectableSystem):
     def _write(self, context: Context) -> None:
         if self.fault is not None:
             return
-        row = context.get_discrete_state(self._row).value().copy()
-        time = row[0]
         commands: Any = self._ports["commands"].Eval(context)
         fresh = commands.messages_since(self._received)
         self._received = commands.received
@@ -147,11 +144,21 @@ class LogRecorder(CollectableSystem):
                     if isinstance(received.message, cls):
                         plain = to_plain(received.message)
                         self._writer.note(Note(received.time, kind, plain))
-            # No row exists before the first tick; after a reset Drake publishes again.
-            if time > self._written_time:
-                self._written_time = time
-                self._writer.row(row)
+            # No sample exists before the first tick; after a reset Drake publishes
+            # again.
+            sample = context.get_discrete_state(self._latest).value()
+            if sample[0] > self._sampled_time:
+                self._sampled_time = sample[0]
+                self._samples.append(sample.copy())
+                if len(self._samples) == BLOCK:
+                    self._write_rows()
                 self._write_paths(context)
+
+    def _write_rows(self) -> None:
+        """Computes and writes the rows of all samples that were kept."""
+        samples, self._samples = self._samples, []
+        if samples:
+            self._writer.rows(self._sampler.rows(np.array(samples)))
 
     def _write_paths(self, context: Context) -> None:
         """Records the planned paths periodically, and when they appear or end."""
@@ -166,13 +173,12 @@ class LogRecorder(CollectableSystem):
     # ---- sampling ------------------------------------------------------------
 
     def _sample(self, context: Context, discrete: DiscreteValues) -> None:
-        row = self._sampler.row(
-            self._scratch.Eval(context),
+        sample = self._sampler.sample(
             context.get_time(),
             self._tick_seconds[-1] if self._tick_seconds else np.nan,
             {name: port.Eval(context) for name, port in self._ports.items()},
         )
-        discrete.get_mutable_vector(self._row).SetFromVector(row)
+        discrete.get_mutable_vector(self._latest).SetFromVector(sample)
 
 
 def add_log_recorder(

@@ -6,7 +6,7 @@ other channels are in ``channels``.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
 from operator import attrgetter
@@ -19,6 +19,7 @@ from atlas_drake.messages import (
     AtlasBehaviorStepAction,
     AtlasSimInterfaceState,
 )
+from atlas_drake.messages.controller_status import REPORTED, ControllerStatus
 
 _POSITION = {axis: f"position.{axis}" for axis in XYZ}
 _ORIENTATION = {axis: f"orientation.{axis}" for axis in WXYZ}
@@ -55,7 +56,9 @@ class ReportChannel:
     owner: tuple[str | int, ...]
     leaves: tuple[str, ...]
 
-    def read(self, report: AtlasSimInterfaceState) -> Sequence[float]:
+    def read(
+        self, report: AtlasSimInterfaceState | ControllerStatus
+    ) -> Sequence[float]:
         """Reads the channel's numbers."""
         numbers = self._get(self._owner(report))
         return numbers if self.channel.labels else (numbers,)
@@ -70,21 +73,33 @@ class ReportChannel:
             kind = int if isinstance(getattr(message, name), int) else float
             setattr(message, name, kind(number))
 
+    @property
+    def part(self) -> str:
+        """The field of the report that holds the numbers."""
+        return str(self.owner[0]) if self.owner else self.leaves[0]
+
     @cached_property
     def _get(self) -> Callable[[object], Any]:
         return attrgetter(*self.leaves)
 
-    def _owner(self, report: AtlasSimInterfaceState) -> Any:
+    def _owner(self, report: AtlasSimInterfaceState | ControllerStatus) -> Any:
         message: Any = report
         for key in self.owner:
             message = message[key] if isinstance(key, int) else getattr(message, key)
         return message
 
 
-def reported(report: AtlasSimInterfaceState) -> list[float]:
-    """Reads the numbers of all channels from a report, one after the other."""
+def reported(
+    report: AtlasSimInterfaceState | ControllerStatus, channels: Iterable[ReportChannel]
+) -> list[float]:
+    """Reads the numbers of some channels, one after the other.
+
+    Args:
+        report: A report, or a status for STATUS_CHANNELS.
+        channels: The channels to read.
+    """
     numbers: list[float] = []
-    for entry in REPORT_CHANNELS:
+    for entry in channels:
         numbers += entry.read(report)
     return numbers
 
@@ -220,3 +235,6 @@ REPORT_CHANNELS = (
     ),
 )
 """Channels in the order of the log."""
+STATUS_CHANNELS = tuple(entry for entry in REPORT_CHANNELS if entry.part in REPORTED)
+"""The channels whose numbers are in a controller's status, too; the poses and the
+velocity of the others are measured."""

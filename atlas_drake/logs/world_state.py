@@ -30,15 +30,20 @@ class WorldCoordinates:
     num_positions: int
     num_states: int
 
-    def channels(self, ports: Mapping[str, Any]) -> dict[str, np.ndarray]:
-        """Return the log's channels, from the port ``plant_state`` among ``ports``."""
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The log's channels, in the order of ``channels``."""
+        return ("world.q", "world.v") if self.q else ()
+
+    def channels(self, ports: Mapping[str, Any]) -> list[np.ndarray]:
+        """Return the values of ``names``, from the port ``plant_state``."""
         if not self.q:
-            return {}
+            return []
         state = ports["plant_state"]
-        return {
-            "world.q": state[list(self.q.values())],
-            "world.v": state[[self.num_positions + i for i in self.v.values()]],
-        }
+        return [
+            state[list(self.q.values())],
+            state[[self.num_positions + i for i in self.v.values()]],
+        ]
 
 
 def world_coordinates(robot: Robot, world: Sequence[WorldMaker]) -> WorldCoordinates:

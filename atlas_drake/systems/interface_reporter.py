@@ -11,12 +11,9 @@ from pydrake.common.value import AbstractValue
 from pydrake.math import RigidTransform
 from pydrake.systems.framework import Context
 
-from atlas_drake.errors import ErrorCode
 from atlas_drake.frozen import NOTHING
 from atlas_drake.messages import (
-    AtlasBehaviorFeedback,
     AtlasSimInterfaceState,
-    BehaviorStatus,
     Header,
     Pose,
     Quaternion,
@@ -24,7 +21,8 @@ from atlas_drake.messages import (
 )
 from atlas_drake.messages.atlas_sim_interface_state import AtlasPositionData
 from atlas_drake.messages.commands import CommandsInForce
-from atlas_drake.messages.controller_status import REPORTED, check_status
+from atlas_drake.messages.controller_status import REPORTED
+from atlas_drake.messages.reported_status import reported_status
 from atlas_drake.robot import Robot
 from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.systems.scratch import declare_scratch_context
@@ -71,19 +69,8 @@ class InterfaceReporter(CollectableSystem):
 
     def _calc_report(self, context: Context, output: AbstractValue) -> None:
         commands: CommandsInForce = self._commands.Eval(context)
-        status = check_status(self._status.Eval(context), commands.catalog)
+        status = reported_status(self._status.Eval(context), commands)
         state = self._state.Eval(context)
-        shared = {name: getattr(status, name) for name in REPORTED}
-        if commands.received != commands.request.number:
-            # The last message is not the controller's last request.
-            shared["error_code"] = commands.error_code
-        if commands.error_code is ErrorCode.NO_SUCH_BEHAVIOR:
-            before = status.behavior_feedback
-            shared["behavior_feedback"] = AtlasBehaviorFeedback(
-                before.status_flags | BehaviorStatus.FAILED_TRANS_UNKNOWN_BEHAVIOR,
-                before.trans_from,
-                before.trans_to,
-            )
         # All at once: an empty message first would make every part twice.
         output.set_value(
             AtlasSimInterfaceState(
@@ -95,7 +82,7 @@ class InterfaceReporter(CollectableSystem):
                 ),
                 foot_pos_est=self._sole_poses(context, state),
                 k_effort=commands.k_effort.astype(int).tolist(),
-                **shared,
+                **{name: getattr(status, name) for name in REPORTED},
             )
         )
 

@@ -16,11 +16,12 @@ from pydrake.systems.framework import (
 )
 
 from atlas_drake.control.estimation.attitude import composed, rotation_matrix
-from atlas_drake.control.rotations import cross
+from atlas_drake.control.rotations import cross, shift_wrench
 from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.frozen import NOTHING
 from atlas_drake.messages import (
     AtlasState,
+    Header,
     Imu,
     Quaternion,
     Vector3,
@@ -55,6 +56,7 @@ class RobotSensors(NoisySystem):
             [N·m; N], shape (12,), at the instant of ``foot_loads``.
         hand_wrenches: Contact wrenches on both hands, in W at their body origins
             [N·m; N], shape (12,), likewise; zero for a robot without hands.
+        contact_wrenches: The same four wrenches, all about W's origin, shape (24,).
         atlas_state: ``AtlasState``
         imu: ``Imu``
     """
@@ -123,6 +125,7 @@ class RobotSensors(NoisySystem):
         # About W's origin, because the poses of soles and hands are costly and seldom
         # needed: both feet, then both hands.
         self._wrenches = self.DeclareDiscreteState(24)
+        self.DeclareStateOutputPort("contact_wrenches", self._wrenches)
         self.DeclareVectorOutputPort(
             "foot_loads",
             2,
@@ -223,11 +226,13 @@ class RobotSensors(NoisySystem):
             noise = self.noise(context).sample(context.get_time())
             rate = rate + noise.angular_velocity
             force = force + noise.specific_force
-        imu = Imu()
-        imu.header.stamp = context.get_time()
-        imu.orientation = Quaternion.from_wxyz(q_WI)
-        imu.angular_velocity = Vector3.from_array(rate)
-        imu.linear_acceleration = Vector3.from_array(force)
+        # All at once: an empty message first would make every part twice.
+        imu = Imu(
+            Header(context.get_time()),
+            Quaternion.from_wxyz(q_WI),
+            Vector3.from_array(rate),
+            Vector3.from_array(force),
+        )
         output.set_value(imu)
 
     def _calc_state(self, context: Context, output: AbstractValue) -> None:
@@ -290,16 +295,6 @@ def contact_wrenches(
             total[4] += fy
             total[5] += fz
     return totals
-
-
-def shift_wrench(wrench: np.ndarray, p_WQ: np.ndarray) -> None:
-    """Moves a wrench from W's origin to the point Q, in place.
-
-    Args:
-        wrench: Moment and force in W [N·m; N], shape (6,).
-        p_WQ: The point in W [m], shape (3,).
-    """
-    wrench[:3] -= cross(p_WQ, wrench[3:])
 
 
 def _wrench(coefficients: np.ndarray) -> Wrench:

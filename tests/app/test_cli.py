@@ -19,7 +19,7 @@ from atlas_drake.app import run as run_command
 from atlas_drake.app.main import main
 from atlas_drake.app.run import AFTER_FALL, verdict
 from atlas_drake.app.viewer import start_meshcat
-from atlas_drake.logs import mcap_file
+from atlas_drake.logs import mcap_file, recorder
 from atlas_drake.simulation.tutorial import DURATION
 from atlas_drake.whole_file import whole_file, why_not_writable
 
@@ -389,10 +389,10 @@ def test_no_file_takes_the_place_of_another(
     assert Path("scenario.yaml").read_text() == text
 
 
-def write_until_full(writer, write, row):
-    if row[0] > 0.05:
+def write_until_full(writer, write, table):
+    if table[-1, 0] > 0.05:
         raise OSError(28, "No space left on device")
-    write(writer, row)
+    write(writer, table)
 
 
 @pytest.mark.slow
@@ -410,8 +410,9 @@ def test_a_full_disk_takes_nothing_else_with_it(
         options += [option, str(file)]
     lost = files.pop(full)
     if full == "--log":  # It is open from the start, and finds no room later.
-        write = partialmethod(write_until_full, mcap_file.McapWriter.row)
-        monkeypatch.setattr(mcap_file.McapWriter, "row", write)
+        write = partialmethod(write_until_full, mcap_file.McapWriter.rows)
+        monkeypatch.setattr(mcap_file.McapWriter, "rows", write)
+        monkeypatch.setattr(recorder, "BLOCK", 2)
     else:
         lost.symlink_to("/dev/full")
     assert main(["run", scenario(), *options]) == 3

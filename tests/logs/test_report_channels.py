@@ -44,7 +44,7 @@ def filled_report():
 def by_channel(report, dtype=None):
     """The numbers of a report as those of one row of a log, by channel."""
     layout = Layout(entry.channel for entry in REPORT_CHANNELS)
-    table = np.array([reported(report)], dtype=dtype)
+    table = np.array([reported(report, REPORT_CHANNELS)], dtype=dtype)
     rows = {name: table[0, place] for name, place in layout.places.items()}
     return {
         channel.name: rows[channel.name] if channel.labels else rows[channel.name][0]

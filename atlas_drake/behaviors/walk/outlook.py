@@ -7,10 +7,12 @@ determine the timing.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from atlas_drake.behaviors.footstep_event import out_of_reach, pace_changed
+from atlas_drake.behaviors.step.queue import step_data_from
 from atlas_drake.behaviors.walk.phases import Course
 from atlas_drake.behaviors.walk.steps import feet_to_come
 from atlas_drake.control.feet.footstep import (
@@ -25,7 +27,7 @@ from atlas_drake.control.feet.footstep import (
     saturate,
 )
 from atlas_drake.frozen import replace
-from atlas_drake.messages import NUM_REQUIRED_WALK_STEPS
+from atlas_drake.messages import NUM_REQUIRED_WALK_STEPS, AtlasBehaviorStepData
 from atlas_drake.messages.event import Event
 from atlas_drake.robot import StepLimits
 
@@ -38,6 +40,7 @@ LEVEL = 0.02
 """A step up or down by more than this leads to another level [m]."""
 EDGE = 0.02
 """Largest distance of a step to another level from its commanded place [m]."""
+_NO_STEP = AtlasBehaviorStepData().snapshot()
 
 
 @dataclass(frozen=True)
@@ -56,6 +59,12 @@ class Outlook:
     steps: tuple[Footstep, ...]
     blocked: Footstep | None = None
     obstacle: str = ""
+
+    @cached_property
+    def reported(self) -> tuple[AtlasBehaviorStepData, ...]:
+        """The steps as snapshots of messages, filled up with empty ones."""
+        steps = tuple(step_data_from(step).snapshot() for step in self.steps)
+        return steps + (_NO_STEP,) * (NUM_REQUIRED_WALK_STEPS - len(steps))
 
 
 def look_ahead(

@@ -19,10 +19,9 @@ from atlas_drake.behaviors.body_reference import (
     BodyTarget,
     advance_body,
 )
-from atlas_drake.behaviors.step.queue import replaced, step_data_from
+from atlas_drake.behaviors.step.queue import replaced
 from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.behaviors.walk.double_support import DoubleSupport
-from atlas_drake.behaviors.walk.outlook import LOOK_AHEAD
 from atlas_drake.behaviors.walk.phase_control import PhaseControl
 from atlas_drake.behaviors.walk.phases import (
     Course,
@@ -40,7 +39,7 @@ from atlas_drake.behaviors.walk.steps import feet_to_come, steps_asked_for
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.rotations import mean_yaw
 from atlas_drake.frozen import replace
-from atlas_drake.messages import AtlasSimInterfaceState
+from atlas_drake.messages import AtlasBehaviorWalkFeedback, AtlasSimInterfaceState
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan
 from atlas_drake.planning.footholds import Gait
@@ -145,13 +144,14 @@ class Walk:
 
     def report(self, phase: Phase, state: AtlasSimInterfaceState) -> None:
         """Reports timing and the steps as they will be executed."""
-        feedback, course = state.walk_feedback, phase.course
-        coming = self._planner.coming(course, phase.in_air)
-        feedback.t_step_rem = phase.time_to_touchdown(coming, self._timing)
-        feedback.current_step_index = course.last_index
-        feedback.next_step_index_needed = course.next_index + len(course.known)
-        for place, step in enumerate(coming[:LOOK_AHEAD]):
-            feedback.step_queue_saturated[place] = step_data_from(step)
+        course = phase.course
+        outlook = self._planner.outlook(course, phase.in_air)
+        state.walk_feedback = AtlasBehaviorWalkFeedback(
+            t_step_rem=phase.time_to_touchdown(outlook.steps, self._timing),
+            current_step_index=course.last_index,
+            next_step_index_needed=course.next_index + len(course.known),
+            step_queue_saturated=list(outlook.reported),
+        )
 
     def _control(self, phase: Phase) -> PhaseControl[Any]:
         return self._controls[type(phase)]
