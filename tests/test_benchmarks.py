@@ -73,6 +73,7 @@ def test_versions_come_first_and_go_with_the_figures(
     report.write_figures(None, {"speed": 1.0})
 
 
+@pytest.mark.slow
 def test_speed_has_the_figures_promised(load, monkeypatch, capsys):
     realtime = load("realtime")
     monkeypatch.setattr(realtime, "DURATION", 0.1)
@@ -88,6 +89,7 @@ def test_speed_has_the_figures_promised(load, monkeypatch, capsys):
     assert all(label in shown for label, _ in realtime.GOALS.values())
 
 
+@pytest.mark.slow
 def test_contact_models_take_turns_in_speed(load, monkeypatch):
     models, disturbed = load("contact_models"), load("disturbed")
     monkeypatch.setattr(models, "PIECE", 0.1)
@@ -191,6 +193,7 @@ def test_a_campaign_can_be_run(name):
     assert f"atlas-drake sweep benchmarks/campaigns/{name}.yaml" in commands
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("restored_loggers")
 def test_a_displaced_start_is_judged():
     path = FOLDER / "campaigns" / "entry_joints.yaml"

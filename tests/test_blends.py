@@ -105,6 +105,7 @@ def test_a_tenth_of_the_legs_leaves_the_robot_standing():
     assert sim.pelvis_pose.translation()[2] > 0.8
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("k", [128, 250])
 def test_a_joint_driven_into_its_stop_disturbs_no_other(k):
     sim = AtlasSimulation()

@@ -38,6 +38,7 @@ def run_snippets(page):
     return names
 
 
+@pytest.mark.slow
 def test_a_diagram_of_your_own_does_what_its_page_says(capsys):
     names = run_snippets("in_your_diagram.md")
     first, second, third = capsys.readouterr().out.splitlines()

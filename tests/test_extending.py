@@ -71,6 +71,7 @@ def test_the_table_leads_to_every_section():
     assert re.findall(r"\]\(#(.*?)\)", text) == anchors
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", QUICK)
 def test_quick_programs_come_to_a_good_end(name, tmp_path):
     arguments, last = QUICK[name]

@@ -263,6 +263,7 @@ def logged(tmp_path_factory):
     assert len(read_log(file).commands) == received
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "stamp",
     [10**400, np.timedelta64(1, "s"), 10**5000],

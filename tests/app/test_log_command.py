@@ -271,6 +271,7 @@ def test_a_replay_is_filmed_as_the_run_was(tmp_path, capsys, monkeypatch):
     assert not np.array_equal(pictures[4], pictures[5])
 
 
+@pytest.mark.slow
 def test_ctrl_c_stops_a_replay_and_its_film_can_be_played(
     log_file, tmp_path, capsys, monkeypatch
 ):

@@ -30,6 +30,7 @@ def test_stand_stands_still(record):
     assert np.abs(recording.sim.atlas_state.velocity).max() < 0.1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("steps", [(0.001, 0.002), (0.003, 0.006), (0.003, 0.009)])
 def test_a_foot_that_starts_in_the_air_is_not_thrown_about(steps):
     # One sole begins 15 mm above the ground.

@@ -51,6 +51,7 @@ goal: 0.9
 """
 
 
+@pytest.mark.slow
 def test_a_sweep_goes_on_where_it_was_killed(campaign_file, tmp_path, capsys):
     out = tmp_path / "out"
     campaign = str(campaign_file(LINES, OWN))
@@ -148,6 +149,7 @@ def test_ray_that_is_not_installed_is_named(
     assert 'pip install "atlas-drake[ray]"' in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_trials_that_raise_are_counted_and_end_with_status_1(
     campaign_file, tmp_path, capsys
 ):

@@ -37,6 +37,7 @@ def rest(q=UPRIGHT, bias=(0.0, 0.0, 0.0)):
     return (rotation_matrix(q).T @ [0.0, 0.0, GRAVITY] + np.array(bias)) * DT
 
 
+@pytest.mark.slow
 def test_a_standing_robot_stays_and_learns_the_bias():
     random = np.random.default_rng(0)
     state = start()

@@ -29,6 +29,7 @@ def test_it_arrives_in_little_more_than_the_way_at_full_speed():
     assert path[round(2.0 / DT)].position[0] < 0.23
 
 
+@pytest.mark.slow
 @given(goals=st.lists(PLACES, min_size=1, max_size=4), seconds=st.floats(0.1, 2.0))
 def test_speed_and_acceleration_are_bounded_wherever_the_goal_jumps(goals, seconds):
     path = travel([[goal] for goal in goals], seconds)
@@ -41,6 +42,7 @@ def test_speed_and_acceleration_are_bounded_wherever_the_goal_jumps(goals, secon
     np.testing.assert_allclose(np.diff(velocity), acceleration[1:] * DT, atol=1e-12)
 
 
+@pytest.mark.slow
 @given(goals=st.lists(PLACES, min_size=1, max_size=4), seconds=st.floats(0.1, 2.0))
 def test_it_never_leaves_the_range_of_its_goals(goals, seconds):
     path = travel([[goal] for goal in goals], seconds)

@@ -60,6 +60,7 @@ def asked(behavior, params=None):
     return command
 
 
+@pytest.mark.slow
 def test_it_is_asked_for_by_name_runs_and_ends(example, bow, tmp_path):
     path = tmp_path / "run.npz"
     back = None

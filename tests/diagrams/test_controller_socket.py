@@ -86,6 +86,7 @@ class Talkative(LeafSystem):
         )
 
 
+@pytest.mark.slow
 def test_a_controller_without_status_holds_the_robot(gravity_pd, tmp_path):
     path = tmp_path / "run.npz"
     with AtlasSimulation(Scenario(**COARSE), controller=gravity_pd, log=path) as sim:
@@ -119,6 +120,7 @@ def test_efforts_are_blended_as_those_of_ours(gravity_pd):
     np.testing.assert_allclose(sim.output("effort"), blend, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_a_fall_is_noticed_from_outside_and_ends_with_a_reset():
     limp = Scenario(**COARSE)
     sim = AtlasSimulation(limp, controller=lambda robot, _: sized(robot.num_joints))

@@ -225,6 +225,7 @@ def test_the_picture_has_every_figure_with_its_labels(page):
     assert labels == ["hpz", "hpx", "hpy", "kny", "aky", "akx"]
 
 
+@pytest.mark.slow
 def test_no_titles_legends_or_figures_overlap(page):
     figure = png_page.draw_figure(page)
     figure.draw_without_rendering()
@@ -266,6 +267,7 @@ def test_thin_lines_keep_their_colors(page):
     assert picture.convert("RGB").getpixel((5, 7)) == (0x7E, 0x57, 0xC2)
 
 
+@pytest.mark.slow
 def test_the_web_page_is_whole_and_loads_nothing(page, tmp_path):
     pytest.importorskip("plotly")
     from atlas_drake.logs.html_page import draw, write_html

@@ -242,6 +242,7 @@ def test_hand_collides_with_what_it_can_reach(robot, pair, arm):
     assert pair in robot.colliding()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("roll", "pitch"),
     [(0.0, 0.0), (0.0, 0.3), (0.0, -0.3), (0.3, 0.0), (-0.3, 0.0)],

@@ -147,6 +147,7 @@ def test_to_a_pose_nearby(report, x, y, turn):
         assert_ends_at(taken(report, steps), *goal)
 
 
+@pytest.mark.slow
 @settings(deadline=None, max_examples=200)
 @given(
     report=reports(),

@@ -69,6 +69,7 @@ def same(one, other):
     assert one[1:] == other[1:]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "fields",
     [
@@ -126,6 +127,7 @@ def test_friction_and_masses_are_drawn_anew():
     assert drawn() == before
 
 
+@pytest.mark.slow
 def test_a_run_begins_ten_times_faster_than_a_simulation():
     def shortest(act):
         times = []

@@ -30,6 +30,7 @@ def threads_and_files():
     return {n: len([*f.iterdir()]) for n, f in folders.items() if f.is_dir()}
 
 
+@pytest.mark.slow
 def test_a_simulation_that_is_dropped_is_freed_with_its_view_and_log(tmp_path):
     def run():
         meshcat = start_meshcat()
@@ -78,6 +79,7 @@ def test_every_system_of_this_package_can_be_freed():
         type("Forgetful", (CollectableSystem,), {})
 
 
+@pytest.mark.slow
 def test_the_examples_of_the_page_run(capsys):
     for code in re.findall(r"```python\n(.*?)```", PAGE.read_text(), re.DOTALL):
         exec(compile(code, str(PAGE), "exec"), {"__name__": "page"})

@@ -31,12 +31,14 @@ def paced():
     return advance
 
 
+@pytest.mark.slow
 def test_what_is_waited_for_is_followed_by_no_rush(paced):
     for _ in range(2):  # At the start, and between two commands.
         time.sleep(0.3)
         assert seconds(lambda: paced(0.3)) > 0.3 - 0.5 * SLACK
 
 
+@pytest.mark.slow
 def test_a_simulation_waits_at_its_start_and_between_advances():
     sim = AtlasSimulation()
     sim.set_realtime_rate(0.1)

@@ -153,6 +153,7 @@ def test_messages_of_one_instant_are_taken_in_their_order(sim):
     assert [k for k in range(28) if state.k_effort[k]] == [neck]
 
 
+@pytest.mark.slow
 def test_a_message_takes_nothing_from_the_programme_before_it():
     # The programme takes all joints at its first command, at this very tick.
     sim = AtlasSimulation(Scenario(programme="tutorial", initial_behavior="FREEZE"))
@@ -513,6 +514,7 @@ def test_at_rest_the_sensors_tell_of_gravity_and_weight(sim):
     assert feet[0].y > 0.1 > -0.1 > feet[1].y
 
 
+@pytest.mark.slow
 def test_noise_is_the_seeds_and_nothing_elses():
     def first(seed, noise="rough"):
         return AtlasSimulation(Scenario(seed=seed, noise=noise)).imu

@@ -107,6 +107,7 @@ def test_what_the_robot_does_not_touch_changes_nothing(fields):
     assert height == pytest.approx(1.4 - 0.5 * 9.81 * 0.1**2, abs=2e-3)
 
 
+@pytest.mark.slow
 def test_the_robot_feels_a_ball_and_a_reset_puts_it_back():
     sim = AtlasSimulation(Scenario(**COARSE), world=[ball])
     start = sim.output("ball.state").copy()
@@ -166,6 +167,7 @@ PLATFORM = """<sdf version="1.9"><model name="platform"><link name="platform">
 </link></model></sdf>"""
 
 
+@pytest.mark.slow
 def test_the_robot_begins_on_what_is_below_it(tmp_path):
     file = tmp_path / "platform.sdf"
     file.write_text(PLATFORM)
@@ -241,6 +243,7 @@ def test_a_world_that_cannot_be_added_is_refused(world, problem):
         AtlasSimulation(world=world)
 
 
+@pytest.mark.slow
 def test_a_log_holds_how_the_world_moved_and_replay_shows_it(tmp_path):
     file = tmp_path / "run.npz"
     scenario = load_scenario(EXAMPLES / "ball.yaml")
@@ -283,6 +286,7 @@ def ball_beside(plant):
     plant.SetDefaultFloatingBaseBodyPose(added, RigidTransform([0.0, 2.0, 1.0]))
 
 
+@pytest.mark.slow
 def test_a_video_shows_the_world():
     pytest.importorskip("PIL")
     from atlas_drake.visualization.video_camera import camera_pose

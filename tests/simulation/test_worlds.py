@@ -23,6 +23,7 @@ EXAMPLE = Path(__file__).parents[2] / "examples/scenarios/qual_task_1.yaml"
 COARSE = {"physics_step": 0.002, "control_period": 0.004}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", available_worlds())
 def test_the_robot_stands_in_every_world(name, tmp_path):
     log = tmp_path / "run.npz"

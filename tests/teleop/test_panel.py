@@ -134,6 +134,7 @@ def test_no_key_does_two_things():
     assert len(set(codes)) == len(codes)
 
 
+@pytest.mark.slow
 def test_the_legend_names_every_key():
     for action in Action:
         assert f" {action.key.cap} " in legend(load_robot()).replace("\n", " ")

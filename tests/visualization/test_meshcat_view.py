@@ -120,6 +120,7 @@ def test_commanded_footsteps_appear(meshcat):
         assert meshcat.HasPath(path), path
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("noise", ["none", "reference"])
 def test_watching_changes_nothing(meshcat, noise):
     scenario = Scenario(noise=noise, seed=3)

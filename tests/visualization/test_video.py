@@ -170,6 +170,7 @@ def test_the_caption_is_in_the_corner():
 # ---- runs --------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_filming_changes_nothing(tmp_path):
     path = tmp_path / "video.mp4"
     filmed = AtlasSimulation(video=Video(path, WIDTH, HEIGHT))
@@ -200,6 +201,7 @@ def test_a_run_becomes_a_film_of_the_robot(tmp_path, capsys):
     assert np.ptp(rows) > 0.5 * HEIGHT
 
 
+@pytest.mark.slow
 def test_an_interrupted_film_can_be_played(tmp_path, monkeypatch):
     import signal
 

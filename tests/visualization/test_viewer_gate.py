@@ -87,6 +87,7 @@ def read_all(viewer):
         return count
 
 
+@pytest.mark.slow
 def test_pictures_are_left_out_while_a_viewer_has_too_many(watched):
     sim, meshcat, viewer = watched
     gate = sim.diagram.GetSubsystemByName(GATE)
@@ -110,6 +111,7 @@ def test_pictures_are_left_out_while_a_viewer_has_too_many(watched):
     assert read_all(viewer) > 4000
 
 
+@pytest.mark.slow
 def test_where_it_ends_is_shown_through_a_closed_gate(watched, monkeypatch):
     sim, _meshcat, viewer = watched
     read_all(viewer)
