@@ -515,12 +515,7 @@ class AtlasSimulation:
                 log or a video is written, which hold one run.
             WorldError: If the robot would begin inside a model of the world.
         """
-        if seed is not None:
-            new = copy.copy(self.scenario)
-            new.seed = check_seed(seed)
-            self._begin_anew(new)
-            if behavior is None and pose is None:
-                return
+        # All is checked before anything changes.
         asked = self.scenario.initial_behavior if behavior is None else behavior
         start = self.scenario.start if pose is None else pose
         begin = starting_behavior(asked, "behavior", self.behaviors)
@@ -530,6 +525,12 @@ class AtlasSimulation:
                 "start.harnessed", True, "needs a scenario that began in a harness"
             )
         where = None if pose is None else self.scenario.start_pose(pose)
+        if seed is not None:
+            new = copy.copy(self.scenario)
+            new.seed = check_seed(seed)
+            self._begin_anew(new)
+            if behavior is None and pose is None:
+                return
         with self._turns:
             # What a run that an error stopped has not told yet came before the reset.
             self._look()
@@ -551,6 +552,8 @@ class AtlasSimulation:
         Raises:
             ScenarioError: If a field cannot be used or needs a new simulation, or while
                 a log or a video is written, which hold one run.
+            WorldError: If the robot would begin inside a model of the world; the
+                present run is then unchanged.
         """
         asked = scenario.resolved()
         if asked.model == self._asked_model:

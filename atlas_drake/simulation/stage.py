@@ -118,22 +118,32 @@ class Stage:
         Args:
             scenario: Scenario with which the stage was built, but for its seed and the
                 start of the robot.
+
+        Raises:
+            WorldError: If the robot would begin inside a model; nothing has then
+                changed.
         """
+        variation = draw_variation(scenario, self.robot)
         context = self.context
-        self.diagram.SetDefaultContext(context)
-        context.SetTime(0.0)
+        before = context.Clone()
+        try:
+            self.diagram.SetDefaultContext(context)
+            context.SetTime(0.0)
+            scale_masses(self.plant, self.plant_context, self.robot, variation)
+            begin_run(
+                self.station,
+                context,
+                scenario.seed,
+                self._terrain,
+                variation.ground_friction,
+            )
+            set_velocities(self._models, self.plant, self.plant_context)
+            self._place(variation, scenario.start)
+        except WorldError:
+            context.SetTimeStateAndParametersFrom(before)
+            raise
+        self.variation = variation
         self.pushes.clear(context)
-        self.variation = draw_variation(scenario, self.robot)
-        scale_masses(self.plant, self.plant_context, self.robot, self.variation)
-        begin_run(
-            self.station,
-            context,
-            scenario.seed,
-            self._terrain,
-            self.variation.ground_friction,
-        )
-        set_velocities(self._models, self.plant, self.plant_context)
-        self._place(self.variation, scenario.start)
         self.simulator.Initialize()
 
     def reset(

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from atlas_drake import (
+    AtlasError,
     AtlasSimulation,
     Block,
     InvalidMessageError,
@@ -152,12 +153,20 @@ def test_a_new_run_may_begin_elsewhere():
     assert sim.pelvis_pose.translation()[0] == pytest.approx(0.5)
 
 
-@pytest.mark.parametrize("seed", [-1, 2**64, 1.5, "3", True])
-def test_a_seed_that_cannot_be_used_changes_nothing(seed):
+@pytest.mark.parametrize(
+    ("asked", "problem"),
+    [
+        *[({"seed": seed}, "seed") for seed in (-1, 2**64, 1.5, "3", True)],
+        ({"seed": 2, "behavior": "WALK"}, "behavior"),
+        ({"seed": 2, "behavior": "USER", "pose": Start(harnessed=True)}, "harness"),
+        ({"seed": 2, "pose": Start(yaw=float("nan"))}, "yaw"),
+    ],
+)
+def test_a_run_that_cannot_begin_changes_nothing(asked, problem):
     sim = AtlasSimulation(jittered(1))
     sim.advance(0.02)
-    with pytest.raises(ScenarioError, match="seed"):
-        sim.reset(seed=seed)
+    with pytest.raises(AtlasError, match=problem):
+        sim.reset(**asked)
     assert sim.time == pytest.approx(0.02)
     assert sim.scenario.seed == 1
 

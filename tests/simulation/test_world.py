@@ -1,5 +1,6 @@
 """Models beside the robot: contacts, states, resets, harness, estimator and noise."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -214,12 +215,22 @@ def test_a_robot_that_would_begin_inside_a_model_is_refused():
     sim = AtlasSimulation(aside, world=[table(1.0), ball])
     sim.apply_push("utorso", [5.0, 0.0, 0.0], 1.0)
     sim.advance(0.1)
+    inside = replace(aside, start=Start(position=[0.0, 0.0]))
     before = sim.output("plant_state").copy(), sim.output("commands"), len(sim.events)
-    with pytest.raises(WorldError, match="inside table: put one of them elsewhere"):
-        sim.reset("USER", pose=Start(position=[0.0, 0.0]))
-    np.testing.assert_array_equal(sim.output("plant_state"), before[0])
-    assert sim.output("commands") is before[1]
-    assert len(sim.events) == before[2]
+    for begin in (
+        lambda: sim.reset("USER", pose=inside.start),
+        lambda: sim.restart(inside),
+    ):
+        with pytest.raises(WorldError, match="inside table: put one of them elsewhere"):
+            begin()
+        np.testing.assert_array_equal(sim.output("plant_state"), before[0])
+        assert sim.output("commands") is before[1]
+        assert len(sim.events) == before[2]
+        assert sim.time == pytest.approx(0.1)
+        assert sim.scenario.start.position == [-2.0, 0.0]
+    # The push still acts.
+    (push,) = sim.diagram.GetInputPort("applied_spatial_force").Eval(sim.context)
+    np.testing.assert_array_equal(push.F_Bq_W.translational(), [5.0, 0.0, 0.0])
 
 
 def second_head(plant):
