@@ -120,8 +120,10 @@ class LogRecorder(CollectableSystem):
         """
         if self.fault is not None:
             raise self.fault
-        self._write_rows()
-        self._writer.close()
+        try:
+            self._write_rows()
+        finally:
+            self._writer.close()
 
     @contextmanager
     def _latched_fault(self) -> Iterator[None]:
@@ -150,15 +152,17 @@ class LogRecorder(CollectableSystem):
             if sample[0] > self._sampled_time:
                 self._sampled_time = sample[0]
                 self._samples.append(sample.copy())
-                if len(self._samples) == BLOCK:
+                if len(self._samples) >= BLOCK:
                     self._write_rows()
                 self._write_paths(context)
 
     def _write_rows(self) -> None:
         """Computes and writes the rows of all samples that were kept."""
-        samples, self._samples = self._samples, []
-        if samples:
-            self._writer.rows(self._sampler.rows(np.array(samples)))
+        if self._samples:
+            # Whatever interrupts the computation, the samples are still there.
+            table = self._sampler.rows(np.array(self._samples))
+            self._samples = []
+            self._writer.rows(table)
 
     def _write_paths(self, context: Context) -> None:
         """Records the planned paths periodically, and when they appear or end."""

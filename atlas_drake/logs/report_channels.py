@@ -1,7 +1,7 @@
 """The channels that hold an ``AtlasSimInterfaceState``: one table, read both ways.
 
-The recorder fills a row from a report, and a replay restores the report from a row. All
-other channels are in ``channels``.
+A row is filled from a controller's status and the measured poses, and a replay restores
+the report from a row. All other channels are in ``channels``.
 """
 
 from __future__ import annotations

@@ -528,6 +528,7 @@ class AtlasSimulation:
         if seed is not None:
             new = copy.copy(self.scenario)
             new.seed = check_seed(seed)
+            self._stage.check_reset(new, start, where)
             self._begin_anew(new)
             if behavior is None and pose is None:
                 return

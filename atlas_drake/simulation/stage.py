@@ -6,7 +6,7 @@ What happens in a run is noted by ``atlas_simulation``.
 from __future__ import annotations
 
 from collections.abc import Iterable, MutableSequence, Sequence
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from pydrake.systems.analysis import ApplySimulatorConfig, Simulator
@@ -26,12 +26,15 @@ from atlas_drake.robot import Robot
 from atlas_drake.scenario import Scenario, Start
 from atlas_drake.scenario.models import set_velocities
 from atlas_drake.scenario.noise import NOISE_MODELS
-from atlas_drake.scenario.world import WorldError, WorldMaker, put_world_back
+from atlas_drake.scenario.world import WorldMaker, put_world_back
 from atlas_drake.simulation.drake_log import only_news
 from atlas_drake.simulation.pushes import ActivePushes
 from atlas_drake.simulation.start import Variation, draw_variation, scale_masses
 from atlas_drake.simulation.suspension import CLEARANCE, Suspension
 from atlas_drake.systems.command_scheduler import ScheduledCommand
+
+Pose: TypeAlias = tuple[Sequence[float], float]
+"""Position of the pelvis, horizontal in W [m], and its yaw [rad]."""
 
 
 class Stage:
@@ -79,6 +82,8 @@ class Stage:
         self.robot = robot
         self._terrain = config.terrain
         self._models = scenario.all_models()
+        self._has_world = bool(world)
+        self._trial: Context | None = None
         self.diagram = make_control_mode_switch(
             robot,
             programme,
@@ -89,6 +94,10 @@ class Stage:
             world=world,
             **views,
         )
+        self._outputs = {
+            self.diagram.get_output_port(index).get_name(): index
+            for index in range(self.diagram.num_output_ports())
+        }
         self.station = self.diagram.GetSubsystemByName("station")
         self.plant = self.station.GetSubsystemByName("plant")
         self._interface = self.station.GetSubsystemByName("command_interface")
@@ -124,65 +133,52 @@ class Stage:
                 changed.
         """
         variation = draw_variation(scenario, self.robot)
-        context = self.context
-        before = context.Clone()
-        try:
-            self.diagram.SetDefaultContext(context)
-            context.SetTime(0.0)
-            scale_masses(self.plant, self.plant_context, self.robot, variation)
-            begin_run(
-                self.station,
-                context,
-                scenario.seed,
-                self._terrain,
-                variation.ground_friction,
-            )
-            set_velocities(self._models, self.plant, self.plant_context)
-            self._place(variation, scenario.start)
-        except WorldError:
-            context.SetTimeStateAndParametersFrom(before)
-            raise
+        self._check_place(variation, scenario.start)
         self.variation = variation
+        context = self.context
+        self.diagram.SetDefaultContext(context)
+        context.SetTime(0.0)
         self.pushes.clear(context)
+        scale_masses(self.plant, self.plant_context, self.robot, variation)
+        begin_run(
+            self.station,
+            context,
+            scenario.seed,
+            self._terrain,
+            variation.ground_friction,
+        )
+        set_velocities(self._models, self.plant, self.plant_context)
+        self._begin_at(variation, scenario.start)
         self.simulator.Initialize()
 
-    def reset(
-        self,
-        behavior: Behavior,
-        start: Start,
-        pose: tuple[Sequence[float], float] | None,
-    ) -> None:
+    def reset(self, behavior: Behavior, start: Start, pose: Pose | None) -> None:
         """Puts robot and world back; time goes on.
 
         Args:
             behavior: The behavior to begin with.
             start: How the robot begins.
-            pose: Position of the pelvis, horizontal in W [m], and its yaw [rad]; None
-                is where the run began.
+            pose: Where to; None is where the run began.
 
         Raises:
             WorldError: If the robot would begin inside a model; nothing has then
                 changed.
         """
-        moved = self.variation
-        if pose is not None:
-            position, yaw = pose
-            moved = replace(
-                moved,
-                position=np.array(position, dtype=float),
-                rpy=np.array([0.0, 0.0, yaw]),
-            )
-        plant, context = self.plant, self.plant_context
-        before = plant.GetPositionsAndVelocities(context).copy()
-        try:
-            put_world_back(plant, context, self.robot)
-            set_velocities(self._models, plant, context)
-            self._place(moved, start)
-        except WorldError:
-            plant.SetPositionsAndVelocities(context, before)
-            raise
+        moved = _moved(self.variation, pose)
+        self._check_place(moved, start)
+        put_world_back(self.plant, self.plant_context, self.robot)
+        set_velocities(self._models, self.plant, self.plant_context)
+        self._begin_at(moved, start)
         self.pushes.clear(self.context)
         reset_station(self.station, self.context, behavior)
+
+    def check_reset(self, scenario: Scenario, start: Start, pose: Pose | None) -> None:
+        """Checks that a run of ``scenario`` could be reset to this pose.
+
+        Raises:
+            WorldError: If the robot would begin inside a model.
+        """
+        variation = draw_variation(scenario, self.robot)
+        self._check_place(_moved(variation, pose), start)
 
     def receive(self, message: Command) -> Refusal | None:
         """Hands a message to the command interface; returns why it is refused."""
@@ -195,21 +191,32 @@ class Stage:
         Raises:
             ValueError: If there is no such port.
         """
-        if not (isinstance(name, str) and self.diagram.HasOutputPort(name)):
-            ports = range(self.diagram.num_output_ports())
-            known = [self.diagram.get_output_port(i).get_name() for i in ports]
+        index = self._outputs.get(name) if isinstance(name, str) else None
+        if index is None:
             raise ValueError(
-                f"there is no output port {name!r}.{did_you_mean(str(name), known)} "
-                f"Known are {', '.join(known)}"
+                f"there is no output port {name!r}."
+                f"{did_you_mean(str(name), self._outputs)} "
+                f"Known are {', '.join(self._outputs)}"
             )
-        return self.diagram.GetOutputPort(name).Eval(self.context)
+        return self.diagram.get_output_port(index).Eval(self.context)
 
-    def _place(self, variation: Variation, start: Start) -> None:
-        """Puts the robot where it begins, and into the harness if there is one."""
-        plant, context = self.plant, self.plant_context
+    def _check_place(self, variation: Variation, start: Start) -> None:
+        """Tries a place apart from the run; only a model of the world can be there.
+
+        Raises:
+            WorldError: If the robot would begin inside a model.
+        """
+        if not self._has_world:
+            return
+        if self._trial is None:
+            self._trial = self.diagram.CreateDefaultContext()
+        self._place(self._trial, variation, start)
+
+    def _place(self, root: Context, variation: Variation, start: Start) -> None:
+        """Puts the robot where it begins, in a context of the diagram."""
         place_robot(
-            plant,
-            context,
+            self.plant,
+            self.plant.GetMyMutableContextFromRoot(root),
             self.robot,
             position=variation.position,
             rpy=variation.rpy,
@@ -217,9 +224,26 @@ class Stage:
             terrain=self._terrain,
             clearance=CLEARANCE if start.harnessed else 0.0,
         )
-        pelvis = plant.GetBodyByName(self.robot.file.pelvis, self.robot.instance(plant))
-        X_WP = plant.EvalBodyPoseInWorld(context, pelvis)
+
+    def _begin_at(self, variation: Variation, start: Start) -> None:
+        """Puts the robot where it begins, and into the harness if there is one."""
+        self._place(self.context, variation, start)
+        own = self.robot.instance(self.plant)
+        pelvis = self.plant.GetBodyByName(self.robot.file.pelvis, own)
+        X_WP = self.plant.EvalBodyPoseInWorld(self.plant_context, pelvis)
         self.suspension.update(self.context, start, X_WP)
+
+
+def _moved(variation: Variation, pose: Pose | None) -> Variation:
+    """Returns what a run drew, at another place."""
+    if pose is None:
+        return variation
+    position, yaw = pose
+    return replace(
+        variation,
+        position=np.array(position, dtype=float),
+        rpy=np.array([0.0, 0.0, yaw]),
+    )
 
 
 def _station_config(scenario: Scenario) -> StationConfig:

@@ -56,7 +56,7 @@ class EffortSelector(CollectableSystem):
         behavior = self._behavior.Eval(context)
         # Without a user share the user's efforts need no evaluation, which saves time
         # at every physics step.
-        user = self._user.Eval(context) if share.any() else behavior
+        user = self._user.Eval(context) if np.count_nonzero(share) else behavior
         return blend(user, behavior, share * (1.0 / K_EFFORT_MAX), self._limit)
 
 

@@ -10,6 +10,8 @@ from atlas_drake import AtlasCommand, AtlasSimulation, Behavior, Scenario, read_
 from atlas_drake.logs.channels import GAINS
 from atlas_drake.logs.figures import make_page
 from atlas_drake.logs.png_page import draw_figure
+from atlas_drake.logs.recorder import BLOCK
+from atlas_drake.logs.samples import RowSampler
 from atlas_drake.messages import BehaviorStatus
 from atlas_drake.scenario import Jitter
 
@@ -231,6 +233,45 @@ def test_the_run_may_go_on_without_its_log(tmp_path):
     sim.close()
     sim.advance_to(10 * PERIOD)
     assert len(read_log(tmp_path / "run.npz")) == 5
+
+
+@pytest.mark.parametrize("name", ["run.npz", "run.mcap"])
+def test_what_interrupts_the_computation_of_rows_takes_none(
+    name, tmp_path, monkeypatch
+):
+    if name.endswith(".mcap"):
+        pytest.importorskip("mcap")
+    compute, calls = RowSampler.rows, []
+
+    def interrupted(sampler, samples):
+        calls.append(len(samples))
+        if len(calls) == 2:
+            raise KeyboardInterrupt
+        return compute(sampler, samples)
+
+    monkeypatch.setattr(RowSampler, "rows", interrupted)
+    # Drake may pass it on as an error of its own.
+    with (
+        pytest.raises((KeyboardInterrupt, RuntimeError, SystemError)),
+        AtlasSimulation(log=tmp_path / name) as sim,
+    ):
+        sim.advance_to(100 * PERIOD)
+    times = read_log(tmp_path / name).time
+    assert len(times) >= 2 * BLOCK
+    np.testing.assert_allclose(times, PERIOD * np.arange(len(times)), atol=1e-9)
+
+
+def test_rows_that_cannot_be_computed_take_no_other(tmp_path, monkeypatch):
+    sim = AtlasSimulation(log=tmp_path / "run.npz")
+    sim.advance_to((BLOCK + 5) * PERIOD)
+
+    def fail(*_arguments):
+        raise MemoryError
+
+    monkeypatch.setattr(RowSampler, "rows", fail)
+    with pytest.raises(MemoryError):
+        sim.close()
+    assert len(read_log(tmp_path / "run.npz")) == BLOCK
 
 
 @pytest.mark.slow
