@@ -1,6 +1,6 @@
 """Records a station: one row of numbers per control tick, and notes beside it.
 
-``samples`` computes the rows; the writer of the log's format writes files.
+``samples`` and ``rows`` compute the rows; the writer of the log's format writes files.
 """
 
 from __future__ import annotations
@@ -15,9 +15,9 @@ from pydrake.systems.framework import (
     Context,
     DiagramBuilder,
     DiscreteValues,
-    InputPort,
     System,
 )
+from pydrake.systems.primitives import Multiplexer
 
 from atlas_drake.frozen import NOTHING
 from atlas_drake.logs.formats import LogFile
@@ -29,13 +29,16 @@ from atlas_drake.logs.notes import (
     note_from_plan,
     to_plain,
 )
-from atlas_drake.logs.samples import RowSampler
+from atlas_drake.logs.rows import RowMaker
+from atlas_drake.logs.samples import take_sample
 from atlas_drake.messages.controller_status import ControllerStatus
 from atlas_drake.messages.event import Event
 from atlas_drake.systems.collectable_system import CollectableSystem
 
-_VALUES = ("commands", "controller_status", "imu")
-"""Ports with abstract values."""
+VALUES = ("commands", "controller_status", "imu")
+"""Input ports with abstract values, as the station's outputs of the same names."""
+NUMBERS = "numbers"
+"""Input port with the numbers of all others."""
 BLOCK = 16
 """Number of rows that are computed and written together, in half the time that they
 take one by one between the steps of a simulation."""
@@ -50,14 +53,18 @@ class LogRecorder(CollectableSystem):
     instant. A publish event takes it to the file one tick later, as for all output from
     a diagram; there BLOCK of them become rows together.
 
-    Input ports, as the station's outputs of the same names:
-        state, behavior_state, contact_wrenches, effort, user_effort, behavior_effort,
-        commands, controller_status, imu; plant_state with a world
+    Input ports:
+        numbers: The station's outputs in ``port_sizes``, one after the other.
+        commands: ``CommandsInForce``
+        controller_status: ``ControllerStatus``
+        imu: ``Imu``
 
-    State: the last sample, shape (sampler's sample_size,). The record of what has been
+    State: the last sample, shape (size of a sample,). The record of what has been
     written is kept in this object and not in a Context, because it belongs to the file.
 
     Attributes:
+        port_sizes: Lengths of the station's outputs that ``numbers`` is made of, by
+            name, in order.
         fault: Error that ended the writing; None if there was none.
     """
 
@@ -65,7 +72,7 @@ class LogRecorder(CollectableSystem):
 
     def __init__(
         self,
-        sampler: RowSampler,
+        maker: RowMaker,
         writer: LogFile,
         period: float,
         tick_seconds: Sequence[float] = (),
@@ -73,24 +80,25 @@ class LogRecorder(CollectableSystem):
         """Samples every ``period`` [s].
 
         Args:
-            sampler: Sampler of the station's robot.
+            maker: Maker of rows for the station's robot.
             writer: Writer of rows and notes.
             period: The control period [s].
             tick_seconds: Wall times of the controller's ticks, which it appends to.
         """
         super().__init__()
-        self._sampler = sampler
+        self._maker = maker
         self._writer = writer
         self.fault: LogError | None = None
         self._tick_seconds = tick_seconds
-        self._ports: dict[str, InputPort] = {}
-        for name, size in sampler.port_sizes.items():
-            self._ports[name] = self.DeclareVectorInputPort(name, size)
-        for name in _VALUES:
-            self._ports[name] = self.DeclareAbstractInputPort(
-                name, AbstractValue.Make(NOTHING)
-            )
-        self._latest = self.DeclareDiscreteState(np.full(sampler.sample_size, np.nan))
+        self.port_sizes = maker.samples.port_sizes
+        self._numbers = self.DeclareVectorInputPort(
+            NUMBERS, sum(maker.samples.port_sizes.values())
+        )
+        self._commands, self._status, self._imu = (
+            self.DeclareAbstractInputPort(name, AbstractValue.Make(NOTHING))
+            for name in VALUES
+        )
+        self._latest = self.DeclareDiscreteState(np.full(maker.samples.size, np.nan))
         self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._sample)
         self.DeclarePeriodicPublishEvent(period, 0.0, self._write)
         self._samples: list[np.ndarray] = []
@@ -136,7 +144,7 @@ class LogRecorder(CollectableSystem):
     def _write(self, context: Context) -> None:
         if self.fault is not None:
             return
-        commands: Any = self._ports["commands"].Eval(context)
+        commands: Any = self._commands.Eval(context)
         fresh = commands.messages_since(self._received)
         self._received = commands.received
         with self._latched_fault():
@@ -160,14 +168,14 @@ class LogRecorder(CollectableSystem):
         """Computes and writes the rows of all samples that were kept."""
         if self._samples:
             # Whatever interrupts the computation, the samples are still there.
-            table = self._sampler.rows(np.array(self._samples))
+            table = self._maker.rows(np.array(self._samples))
             self._samples = []
             self._writer.rows(table)
 
     def _write_paths(self, context: Context) -> None:
         """Records the planned paths periodically, and when they appear or end."""
         time = context.get_time()
-        status: ControllerStatus = self._ports["controller_status"].Eval(context)
+        status: ControllerStatus = self._status.Eval(context)
         planned = status.plan.preview is not None or bool(status.plan.footsteps)
         late = planned and time > self._paths_time + PATHS_EVERY - 1e-9
         if late or planned != self._planned:
@@ -177,10 +185,13 @@ class LogRecorder(CollectableSystem):
     # ---- sampling ------------------------------------------------------------
 
     def _sample(self, context: Context, discrete: DiscreteValues) -> None:
-        sample = self._sampler.sample(
+        sample = take_sample(
             context.get_time(),
             self._tick_seconds[-1] if self._tick_seconds else np.nan,
-            {name: port.Eval(context) for name, port in self._ports.items()},
+            self._numbers.Eval(context),
+            self._commands.Eval(context),
+            self._status.Eval(context),
+            self._imu.Eval(context),
         )
         discrete.get_mutable_vector(self._latest).SetFromVector(sample)
 
@@ -196,6 +207,11 @@ def add_log_recorder(
         recorder: Recorder of the station's robot.
     """
     builder.AddNamedSystem("log_recorder", recorder)
-    for index in range(recorder.num_input_ports()):
-        port = recorder.get_input_port(index)
-        builder.Connect(station.GetOutputPort(port.get_name()), port)
+    # Drake joins them in a fraction of the time that reading each of them would take.
+    sizes = recorder.port_sizes
+    joined = builder.AddNamedSystem("log_numbers", Multiplexer([*sizes.values()]))
+    for index, name in enumerate(sizes):
+        builder.Connect(station.GetOutputPort(name), joined.get_input_port(index))
+    builder.Connect(joined.get_output_port(), recorder.GetInputPort(NUMBERS))
+    for name in VALUES:
+        builder.Connect(station.GetOutputPort(name), recorder.GetInputPort(name))

@@ -1,33 +1,28 @@
-"""Computes a log's rows from the values of a station's ports.
+"""Samples of a log: what only a station's ports know, one array of numbers per tick.
 
-Each tick gives a sample, which holds what only the ports know. What follows from a
-sample, such as the center of mass, is computed for many rows at once: between the steps
-of a simulation the same code takes twice as long. ``recorder`` samples, and writes the
-rows.
+``rows`` computes from samples what follows from them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 
-from atlas_drake.control.balance.center_of_pressure import center_of_pressure
-from atlas_drake.control.balance.feedback import pendulum_frequency
-from atlas_drake.control.rotations import shift_wrench
-from atlas_drake.logs.channels import GAINS, robot_layout
-from atlas_drake.logs.layout import SIDES
+from atlas_drake.logs.channels import GAINS
+from atlas_drake.logs.layout import SIDES, Layout
 from atlas_drake.logs.report_channels import STATUS_CHANNELS, reported
-from atlas_drake.logs.world_state import world_coordinates
+from atlas_drake.logs.world_state import WorldCoordinates
+from atlas_drake.messages.commands import CommandsInForce
 from atlas_drake.messages.controller_status import LARGEST_SUPPORT, Plan
+from atlas_drake.messages.imu import Imu
 from atlas_drake.messages.reported_status import reported_status
 from atlas_drake.robot import Robot
-from atlas_drake.scenario.world import WorldMaker
 
 NO_QP = -1
 """Value of ``controller.solved`` where a controller has, or needed, no QP."""
-_SAMPLED = (
+_FIRST = (
     "time",
     "controller.tick_time",
     "controller.unsolved",
@@ -37,15 +32,22 @@ _SAMPLED = (
     "imu.orientation",
     "imu.angular_velocity",
     "imu.linear_acceleration",
-    *(
+)
+"""The channels at the beginning of a sample; the numbers of the ports follow."""
+_PORTS = {
+    "state": ("state.q", "state.v"),
+    "contact_wrenches": tuple(
         f"{owner}.{side}_{name}"
         for owner in ("feet", "hands")
         for side in SIDES
         for name in ("torque", "force")
     ),
-    "joints.effort",
-    "joints.user_effort",
-    "joints.behavior_effort",
+    "effort": ("joints.effort",),
+    "user_effort": ("joints.user_effort",),
+    "behavior_effort": ("joints.behavior_effort",),
+}
+"""The channels that the numbers of a port are, in its order."""
+_LAST = (
     "joints.k_effort",
     "joints.position_setpoint",
     "joints.velocity_setpoint",
@@ -55,186 +57,140 @@ _SAMPLED = (
     "balance.dcm_reference",
     "balance.cop_reference",
     "balance.support",
-    "state.q",
-    "state.v",
 )
-"""The channels that a sample holds, in its order. After them come those of the world,
-and then the plan's natural frequency and the controller's state."""
+"""The channels at the end of a sample, before the plan's natural frequency."""
 _UNKNOWN = np.full(2, np.nan)
 _NO_SUPPORT = np.full(2 * LARGEST_SUPPORT, np.nan)
 
 
-class RowSampler:
-    """Makes rows of one robot's log.
+class SampleLayout:
+    """Where the numbers of a sample come from, and where in a row they go.
 
     Attributes:
-        layout: Layout of the rows.
-        port_sizes: Lengths of the vector-valued ports that rows are made of, by name.
-        sample_size: Length of a sample.
+        port_sizes: Lengths of the station's ports whose numbers a sample holds, by
+            name, in order.
+        size: Length of a sample. Its last number is the plan's natural frequency.
+        measured: Place of the state that the controller reads.
+        sources: Index into a sample of each number that a row has as it is.
+        targets: Index into a row of the same numbers.
     """
 
-    def __init__(self, robot: Robot, world: Sequence[WorldMaker] = ()):
-        """Takes the robot and its world, which define the coordinates of the plant."""
-        self._plant: Any = robot.make_plant()
-        # Overwritten by each row, and no part of the simulation.
-        self._context = self._plant.CreateDefaultContext()
-        self._world = world_coordinates(robot, world)
-        self._soles = [
-            self._plant.GetFrameByName(foot.sole_frame) for foot in robot.file.feet
-        ]
-        hands = [self._plant.GetBodyByName(name) for name in robot.file.hands]
-        self._touching = [*self._soles, *(hand.body_frame() for hand in hands)]
-        self.layout = robot_layout(
-            robot,
-            self._plant.GetPositionNames(add_model_instance_prefix=False),
-            self._plant.GetVelocityNames(add_model_instance_prefix=False),
-            self._world,
-        )
-        places = self.layout.places
-        sampled = [*_SAMPLED, *self._world.names]
-        self._targets = np.r_[tuple(places[name] for name in sampled)]
-        num_states, num_joints = self._plant.num_multibody_states(), robot.num_joints
-        self.sample_size = len(self._targets) + 1 + num_states
+    def __init__(
+        self, robot: Robot, plant: Any, beside: WorldCoordinates, layout: Layout
+    ):
+        """Makes the layout of the samples.
+
+        Args:
+            robot: The simulated robot.
+            plant: Plant of the robot alone.
+            beside: Coordinates of the models beside the robot.
+            layout: Layout of the rows.
+        """
+        num_states, num_joints = plant.num_multibody_states(), robot.num_joints
         self.port_sizes = {
             "state": num_states,
-            "behavior_state": num_states,
             "contact_wrenches": 24,
             "effort": num_joints,
             "user_effort": num_joints,
             "behavior_effort": num_joints,
+            "behavior_state": num_states,
         }
-        if self._world.q:
-            self.port_sizes["plant_state"] = self._world.num_states
-        num_q, indices = self._plant.num_positions(), robot.indices(self._plant)
-        self._measured = {
-            "joints.position": indices.q,
-            "joints.velocity": num_q + indices.v,
-            "pelvis.orientation": indices.pelvis.orientation,
-            "pelvis.position": indices.pelvis.position,
-            "pelvis.velocity": indices.pelvis.velocity,
-        }
-        self._positions = [places[f"feet.{side}_position"] for side in SIDES]
-        self._orientations = [places[f"feet.{side}_orientation"] for side in SIDES]
-        self._wrenches = slice(
-            places["feet.left_torque"].start, places["hands.right_force"].stop
+        if beside.q:
+            self.port_sizes["plant_state"] = beside.num_states
+        # By channel: index into a sample of each of its numbers.
+        sources: dict[str, np.ndarray] = {}
+        end = _count(sources, _FIRST, layout, 0)
+        for port, size in self.port_sizes.items():
+            if port == "behavior_state":
+                self.measured = slice(end, end + size)
+                sources |= _measured(plant, robot, end)
+            elif port == "plant_state":
+                sources |= {name: end + at for name, at in beside.indices.items()}
+            else:
+                _count(sources, _PORTS[port], layout, end)
+            end += size
+        self.size = _count(sources, _LAST, layout, end) + 1
+        places = [layout.places[name] for name in sources]
+        self.sources = np.concatenate([*sources.values()])
+        self.targets = np.r_[tuple(places)]
+
+
+def _count(
+    sources: dict[str, np.ndarray], channels: Iterable[str], layout: Layout, start: int
+) -> int:
+    """Adds channels that lie one after the other; returns where they end."""
+    for name in channels:
+        place = layout.places[name]
+        end = start + place.stop - place.start
+        sources[name] = np.arange(start, end)
+        start = end
+    return start
+
+
+def _measured(plant: Any, robot: Robot, start: int) -> dict[str, np.ndarray]:
+    """Channels of the state that the controller reads, which begins at ``start``."""
+    indices = robot.indices(plant)
+    pelvis = indices.pelvis
+    places = start + np.arange(plant.num_multibody_states())
+    return {
+        "joints.position": places[indices.q],
+        "joints.velocity": places[plant.num_positions() + indices.v],
+        "pelvis.orientation": places[pelvis.orientation],
+        "pelvis.position": places[pelvis.position],
+        "pelvis.velocity": places[pelvis.velocity],
+    }
+
+
+def take_sample(
+    time: float,
+    tick_time: float,
+    numbers: np.ndarray,
+    commands: CommandsInForce,
+    status: object,
+    imu: Imu,
+) -> np.ndarray:
+    """Makes one sample, as ``SampleLayout`` describes it; NaN for missing values.
+
+    Args:
+        time: Present time [s].
+        tick_time: Wall time of the controller's tick [s].
+        numbers: Values of the ports in ``port_sizes``, one after the other.
+        commands: The commands in force.
+        status: Value of the controller's status port.
+        imu: Measurement of the IMU.
+
+    Raises:
+        TypeError: If ``status`` is not a ControllerStatus.
+        ValueError: If it names a behavior that is not registered.
+    """
+    known = reported_status(status, commands)
+    plan, joints = known.plan, commands.joints
+    orientation, rate = imu.orientation, imu.angular_velocity
+    force = imu.linear_acceleration
+    first = [
+        time,
+        tick_time,
+        known.unsolved,
+        NO_QP if known.solved is None else known.solved,
+        commands.request.number,
+        *reported(known, STATUS_CHANNELS),
+        *(orientation.w, orientation.x, orientation.y, orientation.z),
+        *(rate.x, rate.y, rate.z),
+        *(force.x, force.y, force.z),
+    ]
+    return np.concatenate(
+        (
+            first,
+            numbers,
+            commands.k_effort,
+            joints.position,
+            joints.velocity,
+            joints.effort,
+            *(getattr(joints, name) for name in GAINS),
+            *_references(plan),
+            (plan.omega or np.nan,),
         )
-        self._q = places["state.q"]
-        self._com, self._com_velocity, self._dcm, self._cop = (
-            places[f"balance.{name}"] for name in ("com", "com_velocity", "dcm", "cop")
-        )
-
-    def sample(
-        self, time: float, tick_time: float, ports: Mapping[str, Any]
-    ) -> np.ndarray:
-        """Reads one sample, shape (sample_size,); NaN for missing values.
-
-        Args:
-            time: Present time [s].
-            tick_time: Wall time of the controller's tick [s].
-            ports: Values of the station's ports, by name.
-
-        Raises:
-            TypeError: If the controller's status is not a status.
-            ValueError: If it names a behavior that is not registered.
-        """
-        commands, imu = ports["commands"], ports["imu"]
-        status = reported_status(ports["controller_status"], commands)
-        plan, joints = status.plan, commands.joints
-        orientation, rate = imu.orientation, imu.angular_velocity
-        force = imu.linear_acceleration
-        numbers = [
-            time,
-            tick_time,
-            status.unsolved,
-            NO_QP if status.solved is None else status.solved,
-            commands.request.number,
-            *reported(status, STATUS_CHANNELS),
-            *(orientation.w, orientation.x, orientation.y, orientation.z),
-            *(rate.x, rate.y, rate.z),
-            *(force.x, force.y, force.z),
-        ]
-        return np.concatenate(
-            (
-                numbers,
-                ports["contact_wrenches"],
-                ports["effort"],
-                ports["user_effort"],
-                ports["behavior_effort"],
-                commands.k_effort,
-                joints.position,
-                joints.velocity,
-                joints.effort,
-                *(getattr(joints, name) for name in GAINS),
-                *_references(plan),
-                ports["state"],
-                *self._world.channels(ports),
-                (plan.omega or np.nan,),
-                ports["behavior_state"],
-            )
-        )
-
-    def rows(self, samples: np.ndarray) -> np.ndarray:
-        """Computes rows, shape (k, layout's width); NaN for missing values.
-
-        Args:
-            samples: Samples of ``sample``, shape (k, sample_size).
-        """
-        table = np.full((len(samples), self.layout.width), np.nan)
-        end = len(self._targets)
-        table[:, self._targets] = samples[:, :end]
-        omegas, states = samples[:, end], samples[:, end + 1 :]
-        for name, indices in self._measured.items():
-            table[:, self.layout.places[name]] = states[:, indices]
-        for row, state, omega in zip(table, states, omegas.tolist(), strict=True):
-            wrenches = row[self._wrenches].reshape(-1, 6)
-            self._shift(wrenches, row[self._q])
-            self._complete(row, state, omega, wrenches)
-        return table
-
-    def _shift(self, wrenches: np.ndarray, q: np.ndarray) -> None:
-        """Shifts wrenches on feet and hands from W's origin to their frames' origins.
-
-        Args:
-            wrenches: Moments and forces in W [N·m; N], shape (4, 6); they are changed.
-            q: The robot's positions.
-        """
-        self._plant.SetPositions(self._context, q)
-        for wrench, frame in zip(wrenches, self._touching, strict=False):
-            if wrench.any():
-                X_WF = frame.CalcPoseInWorld(self._context)
-                shift_wrench(wrench, X_WF.translation())
-
-    def _complete(
-        self, row: np.ndarray, state: np.ndarray, omega: float, wrenches: np.ndarray
-    ) -> None:
-        """Adds soles, center of mass, DCM and CoP.
-
-        Args:
-            row: The row; it is changed.
-            state: State that the controller reads, in plant order.
-            omega: The plan's natural frequency [1/s]; NaN if there is none.
-            wrenches: Wrenches on feet and hands, at their frames' origins.
-        """
-        self._plant.SetPositionsAndVelocities(self._context, state)
-        soles = [frame.CalcPoseInWorld(self._context) for frame in self._soles]
-        positions = [sole.translation() for sole in soles]
-        for sole, p_WF, position, orientation in zip(
-            soles, positions, self._positions, self._orientations, strict=True
-        ):
-            row[position] = p_WF
-            row[orientation] = sole.rotation().ToQuaternion().wxyz()
-        com = self._plant.CalcCenterOfMassPositionInWorld(self._context)
-        velocity = self._plant.CalcCenterOfMassTranslationalVelocityInWorld(
-            self._context
-        )
-        if np.isnan(omega):
-            ground = 0.5 * sum(float(p_WF[2]) for p_WF in positions)
-            omega = pendulum_frequency(float(com[2]) - ground)
-        row[self._com], row[self._com_velocity] = com, velocity
-        row[self._dcm] = com[:2] + velocity[:2] / omega
-        cop = center_of_pressure(positions, wrenches[:2].ravel())
-        if cop is not None:
-            row[self._cop] = cop[:2]
+    )
 
 
 def _references(plan: Plan) -> list[np.ndarray]:

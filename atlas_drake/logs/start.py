@@ -11,7 +11,7 @@ from atlas_drake.kinds import as_plain
 from atlas_drake.logs.formats import LogFile
 from atlas_drake.logs.notes import Header
 from atlas_drake.logs.recorder import LogRecorder
-from atlas_drake.logs.samples import RowSampler
+from atlas_drake.logs.rows import RowMaker
 from atlas_drake.messages.behavior_catalog import BehaviorInterface
 from atlas_drake.robot import Robot
 from atlas_drake.scenario import Scenario
@@ -39,8 +39,8 @@ def start_recorder(
     Raises:
         LogError: If the file cannot be written.
     """
-    sampler = RowSampler(robot, world)
+    maker = RowMaker(robot, world)
     period = scenario.control_period
     text = yaml_dump(as_plain(scenario))
-    header = Header(robot.model, period, text, sampler.layout, tuple(behaviors))
-    return LogRecorder(sampler, LogFile(path, header), period, tick_seconds)
+    header = Header(robot.model, period, text, maker.layout, tuple(behaviors))
+    return LogRecorder(maker, LogFile(path, header), period, tick_seconds)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from pydrake.geometry import SceneGraph
@@ -31,19 +30,14 @@ class WorldCoordinates:
     num_states: int
 
     @property
-    def names(self) -> tuple[str, ...]:
-        """The log's channels, in the order of ``channels``."""
-        return ("world.q", "world.v") if self.q else ()
-
-    def channels(self, ports: Mapping[str, Any]) -> list[np.ndarray]:
-        """Return the values of ``names``, from the port ``plant_state``."""
+    def indices(self) -> dict[str, np.ndarray]:
+        """Index into the state of the whole plant, by the name of the log's channel."""
         if not self.q:
-            return []
-        state = ports["plant_state"]
-        return [
-            state[list(self.q.values())],
-            state[[self.num_positions + i for i in self.v.values()]],
-        ]
+            return {}
+        return {
+            "world.q": np.array([*self.q.values()]),
+            "world.v": self.num_positions + np.array([*self.v.values()], dtype=int),
+        }
 
 
 def world_coordinates(robot: Robot, world: Sequence[WorldMaker]) -> WorldCoordinates:

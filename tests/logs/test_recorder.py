@@ -11,7 +11,7 @@ from atlas_drake.logs.channels import GAINS
 from atlas_drake.logs.figures import make_page
 from atlas_drake.logs.png_page import draw_figure
 from atlas_drake.logs.recorder import BLOCK
-from atlas_drake.logs.samples import RowSampler
+from atlas_drake.logs.rows import RowMaker
 from atlas_drake.messages import BehaviorStatus
 from atlas_drake.scenario import Jitter
 
@@ -241,15 +241,15 @@ def test_what_interrupts_the_computation_of_rows_takes_none(
 ):
     if name.endswith(".mcap"):
         pytest.importorskip("mcap")
-    compute, calls = RowSampler.rows, []
+    compute, calls = RowMaker.rows, []
 
-    def interrupted(sampler, samples):
+    def interrupted(maker, samples):
         calls.append(len(samples))
         if len(calls) == 2:
             raise KeyboardInterrupt
-        return compute(sampler, samples)
+        return compute(maker, samples)
 
-    monkeypatch.setattr(RowSampler, "rows", interrupted)
+    monkeypatch.setattr(RowMaker, "rows", interrupted)
     # Drake may pass it on as an error of its own.
     with (
         pytest.raises((KeyboardInterrupt, RuntimeError, SystemError)),
@@ -268,7 +268,7 @@ def test_rows_that_cannot_be_computed_take_no_other(tmp_path, monkeypatch):
     def fail(*_arguments):
         raise MemoryError
 
-    monkeypatch.setattr(RowSampler, "rows", fail)
+    monkeypatch.setattr(RowMaker, "rows", fail)
     with pytest.raises(MemoryError):
         sim.close()
     assert len(read_log(tmp_path / "run.npz")) == BLOCK

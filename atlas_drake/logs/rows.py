@@ -1,0 +1,121 @@
+"""Computes the rows of a log from samples.
+
+What follows from a sample, such as the center of mass, is computed for many rows at
+once: between the steps of a simulation the same code takes twice as long. ``recorder``
+samples, and writes the rows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from atlas_drake.control.balance.center_of_pressure import center_of_pressure
+from atlas_drake.control.balance.feedback import pendulum_frequency
+from atlas_drake.control.rotations import shift_wrench
+from atlas_drake.logs.channels import robot_layout
+from atlas_drake.logs.layout import SIDES
+from atlas_drake.logs.samples import SampleLayout
+from atlas_drake.logs.world_state import world_coordinates
+from atlas_drake.robot import Robot
+from atlas_drake.scenario.world import WorldMaker
+
+
+class RowMaker:
+    """Makes rows of one robot's log.
+
+    Attributes:
+        layout: Layout of the rows.
+        samples: Layout of the samples.
+    """
+
+    def __init__(self, robot: Robot, world: Sequence[WorldMaker] = ()):
+        """Takes the robot and its world, which define the coordinates of the plant."""
+        self._plant: Any = robot.make_plant()
+        # Overwritten by each row, and no part of the simulation.
+        self._context = self._plant.CreateDefaultContext()
+        beside = world_coordinates(robot, world)
+        self.layout = robot_layout(
+            robot,
+            self._plant.GetPositionNames(add_model_instance_prefix=False),
+            self._plant.GetVelocityNames(add_model_instance_prefix=False),
+            beside,
+        )
+        self.samples = SampleLayout(robot, self._plant, beside, self.layout)
+        self._soles = [
+            self._plant.GetFrameByName(foot.sole_frame) for foot in robot.file.feet
+        ]
+        hands = [self._plant.GetBodyByName(name) for name in robot.file.hands]
+        self._touching = [*self._soles, *(hand.body_frame() for hand in hands)]
+        places = self.layout.places
+        self._positions = [places[f"feet.{side}_position"] for side in SIDES]
+        self._orientations = [places[f"feet.{side}_orientation"] for side in SIDES]
+        self._wrenches = slice(
+            places["feet.left_torque"].start, places["hands.right_force"].stop
+        )
+        self._q = places["state.q"]
+        self._com, self._com_velocity, self._dcm, self._cop = (
+            places[f"balance.{name}"] for name in ("com", "com_velocity", "dcm", "cop")
+        )
+
+    def rows(self, samples: np.ndarray) -> np.ndarray:
+        """Computes rows, shape (k, layout's width); NaN for missing values.
+
+        Args:
+            samples: Samples, shape (k, samples' size).
+        """
+        known = self.samples
+        table = np.full((len(samples), self.layout.width), np.nan)
+        table[:, known.targets] = samples[:, known.sources]
+        for row, sample in zip(table, samples, strict=True):
+            wrenches = row[self._wrenches].reshape(-1, 6)
+            self._shift(wrenches, row[self._q])
+            self._complete(row, sample[known.measured], float(sample[-1]), wrenches)
+        return table
+
+    def _shift(self, wrenches: np.ndarray, q: np.ndarray) -> None:
+        """Shifts wrenches on feet and hands from W's origin to their frames' origins.
+
+        Args:
+            wrenches: Moments and forces in W [N·m; N], shape (4, 6); they are changed.
+            q: The robot's positions.
+        """
+        self._plant.SetPositions(self._context, q)
+        for wrench, frame in zip(wrenches, self._touching, strict=False):
+            if wrench.any():
+                X_WF = frame.CalcPoseInWorld(self._context)
+                shift_wrench(wrench, X_WF.translation())
+
+    def _complete(
+        self, row: np.ndarray, state: np.ndarray, omega: float, wrenches: np.ndarray
+    ) -> None:
+        """Adds soles, center of mass, DCM and CoP.
+
+        Args:
+            row: The row; it is changed.
+            state: State that the controller reads, in plant order.
+            omega: The plan's natural frequency [1/s]; NaN if there is none.
+            wrenches: Wrenches on feet and hands, at their frames' origins.
+        """
+        self._plant.SetPositionsAndVelocities(self._context, state)
+        soles = [frame.CalcPoseInWorld(self._context) for frame in self._soles]
+        positions = [sole.translation() for sole in soles]
+        for sole, p_WF, position, orientation in zip(
+            soles, positions, self._positions, self._orientations, strict=True
+        ):
+            row[position] = p_WF
+            row[orientation] = sole.rotation().ToQuaternion().wxyz()
+        com = self._plant.CalcCenterOfMassPositionInWorld(self._context)
+        velocity = self._plant.CalcCenterOfMassTranslationalVelocityInWorld(
+            self._context
+        )
+        if np.isnan(omega):
+            ground = 0.5 * sum(float(p_WF[2]) for p_WF in positions)
+            omega = pendulum_frequency(float(com[2]) - ground)
+        row[self._com], row[self._com_velocity] = com, velocity
+        row[self._dcm] = com[:2] + velocity[:2] / omega
+        cop = center_of_pressure(positions, wrenches[:2].ravel())
+        if cop is not None:
+            row[self._cop] = cop[:2]
