@@ -212,9 +212,9 @@ class Supervisor:
         message.current_behavior = state.current
         message.desired_behavior = state.desired
         feedback = message.behavior_feedback
-        feedback.status_flags = state.status | (
-            BehaviorStatus.ERROR_FALLING if state.falling else BehaviorStatus.OK
-        )
+        feedback.status_flags = state.status
+        if state.falling:
+            feedback.status_flags |= BehaviorStatus.ERROR_FALLING
         feedback.trans_from = state.trans_from
         feedback.trans_to = state.trans_to
         if state.memory is not None:

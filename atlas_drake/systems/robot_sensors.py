@@ -100,6 +100,8 @@ class RobotSensors(NoisySystem):
             self._bodies[body] = len(feet) + hand
         num_states = plant.num_multibody_states(own)
         self._num_q = plant.num_positions(own)
+        self._base = self._indices.generalized[:6]
+        self._w = self._num_q + self._base[:3]
         self._state = self.DeclareVectorInputPort("state", num_states)
         self._contacts = self.DeclareAbstractInputPort(
             "contact_results", AbstractValue.Make(ContactResults())
@@ -170,7 +172,7 @@ class RobotSensors(NoisySystem):
             # Rotate the gyroscope's noise from the IMU's axes to the world's.
             R_WP = rotation_matrix(state[indices.pelvis.orientation])
             turned = R_WP @ (self._R_PI @ noise.angular_velocity)
-            state[num_q + indices.generalized[:3]] += turned
+            state[self._w] += turned
         output.SetFromVector(state)
 
     def _sample_wrenches(self, context: Context, discrete: DiscreteValues) -> None:
@@ -212,9 +214,9 @@ class RobotSensors(NoisySystem):
     def _calc_imu(self, context: Context, output: AbstractValue) -> None:
         state = self._state.Eval(context)
         acceleration = self._acceleration.Eval(context)
-        base = self._indices.generalized
-        w_WP = state[self._num_q + base[:3]]
-        alpha_WP, a_WP = acceleration[base[:3]], acceleration[base[3:6]]
+        w_WP = state.take(self._w)
+        base = acceleration.take(self._base)
+        alpha_WP, a_WP = base[:3], base[3:]
         # Of unit length; the plant's quaternion drifts from that by some 1e-4.
         q_WI = composed(state[self._indices.pelvis.orientation], self._q_PI)
         R_WI = rotation_matrix(q_WI)
@@ -222,8 +224,9 @@ class RobotSensors(NoisySystem):
         a_WI = a_WP + cross(alpha_WP, p_PI_W) + cross(w_WP, cross(w_WP, p_PI_W))
         rate = R_WI.T @ w_WP
         force = R_WI.T @ (a_WI + _UPWARD)
-        if not self.noise(context).silent:
-            noise = self.noise(context).sample(context.get_time())
+        sensors = self.noise(context)
+        if not sensors.silent:
+            noise = sensors.sample(context.get_time())
             rate = rate + noise.angular_velocity
             force = force + noise.specific_force
         # All at once: an empty message first would make every part twice.
