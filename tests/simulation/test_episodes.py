@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from atlas_drake import (
-    AtlasError,
     AtlasSimulation,
     Block,
     InvalidMessageError,
@@ -16,6 +15,8 @@ from atlas_drake import (
 )
 from atlas_drake.messages import AtlasSimInterfaceCommand
 from atlas_drake.scenario import Jitter
+
+HELD = Start(harnessed=True)
 
 
 def jittered(seed, **fields):
@@ -154,18 +155,18 @@ def test_a_new_run_may_begin_elsewhere():
 
 
 @pytest.mark.parametrize(
-    ("asked", "problem"),
+    ("asked", "error", "problem"),
     [
-        *[({"seed": seed}, "seed") for seed in (-1, 2**64, 1.5, "3", True)],
-        ({"seed": 2, "behavior": "WALK"}, "behavior"),
-        ({"seed": 2, "behavior": "USER", "pose": Start(harnessed=True)}, "harness"),
-        ({"seed": 2, "pose": Start(yaw=float("nan"))}, "yaw"),
+        *[({"seed": s}, ScenarioError, "seed") for s in (-1, 2**64, 1.5, "3", True)],
+        ({"seed": 2, "behavior": "WALK"}, InvalidMessageError, "behavior"),
+        ({"seed": 2, "behavior": "USER", "pose": HELD}, ScenarioError, "harness"),
+        ({"seed": 2, "pose": Start(yaw=float("nan"))}, ScenarioError, "yaw"),
     ],
 )
-def test_a_run_that_cannot_begin_changes_nothing(asked, problem):
+def test_a_run_that_cannot_begin_changes_nothing(asked, error, problem):
     sim = AtlasSimulation(jittered(1))
     sim.advance(0.02)
-    with pytest.raises(AtlasError, match=problem):
+    with pytest.raises(error, match=problem):
         sim.reset(**asked)
     assert sim.time == pytest.approx(0.02)
     assert sim.scenario.seed == 1
