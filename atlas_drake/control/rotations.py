@@ -1,4 +1,4 @@
-"""Rotations and wrenches on plain arrays, for code that runs every control tick.
+"""Small rotation helpers on plain arrays, for code that runs every control tick.
 
 Written out on floats because numpy's general routines cost ten times as much on
 vectors of three. Not a geometry library: pydrake.math serves everything else.
@@ -30,16 +30,6 @@ def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     ax, ay, az = a.tolist()
     bx, by, bz = b.tolist()
     return np.array([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
-
-
-def shift_wrench(wrench: np.ndarray, p_WQ: np.ndarray) -> None:
-    """Moves a wrench from W's origin to the point Q, in place.
-
-    Args:
-        wrench: Moment and force in W [N·m; N], shape (6,).
-        p_WQ: The point in W [m], shape (3,).
-    """
-    wrench[:3] -= cross(p_WQ, wrench[3:])
 
 
 def yaw_of(R: np.ndarray) -> float:

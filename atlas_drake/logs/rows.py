@@ -14,7 +14,7 @@ import numpy as np
 
 from atlas_drake.control.balance.center_of_pressure import center_of_pressure
 from atlas_drake.control.balance.feedback import pendulum_frequency
-from atlas_drake.control.rotations import shift_wrench
+from atlas_drake.control.wrenches import shift_to_frames
 from atlas_drake.logs.channels import robot_layout
 from atlas_drake.logs.layout import SIDES
 from atlas_drake.logs.samples import SampleLayout
@@ -71,22 +71,10 @@ class RowMaker:
         table[:, known.targets] = samples[:, known.sources]
         for row, sample in zip(table, samples, strict=True):
             wrenches = row[self._wrenches].reshape(-1, 6)
-            self._shift(wrenches, row[self._q])
+            self._plant.SetPositions(self._context, row[self._q])
+            shift_to_frames(wrenches, self._touching, self._context)
             self._complete(row, sample[known.measured], float(sample[-1]), wrenches)
         return table
-
-    def _shift(self, wrenches: np.ndarray, q: np.ndarray) -> None:
-        """Shifts wrenches on feet and hands from W's origin to their frames' origins.
-
-        Args:
-            wrenches: Moments and forces in W [N·m; N], shape (4, 6); they are changed.
-            q: The robot's positions.
-        """
-        self._plant.SetPositions(self._context, q)
-        for wrench, frame in zip(wrenches, self._touching, strict=False):
-            if wrench.any():
-                X_WF = frame.CalcPoseInWorld(self._context)
-                shift_wrench(wrench, X_WF.translation())
 
     def _complete(
         self, row: np.ndarray, state: np.ndarray, omega: float, wrenches: np.ndarray

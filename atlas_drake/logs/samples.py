@@ -99,7 +99,7 @@ class SampleLayout:
             self.port_sizes["plant_state"] = beside.num_states
         # By channel: index into a sample of each of its numbers.
         sources: dict[str, np.ndarray] = {}
-        end = _count(sources, _FIRST, layout, 0)
+        end = _add(sources, _FIRST, layout, 0)
         for port, size in self.port_sizes.items():
             if port == "behavior_state":
                 self.measured = slice(end, end + size)
@@ -107,15 +107,15 @@ class SampleLayout:
             elif port == "plant_state":
                 sources |= {name: end + at for name, at in beside.indices.items()}
             else:
-                _count(sources, _PORTS[port], layout, end)
+                _add(sources, _PORTS[port], layout, end)
             end += size
-        self.size = _count(sources, _LAST, layout, end) + 1
+        self.size = _add(sources, _LAST, layout, end) + 1
         places = [layout.places[name] for name in sources]
         self.sources = np.concatenate([*sources.values()])
         self.targets = np.r_[tuple(places)]
 
 
-def _count(
+def _add(
     sources: dict[str, np.ndarray], channels: Iterable[str], layout: Layout, start: int
 ) -> int:
     """Adds channels that lie one after the other; returns where they end."""

@@ -514,6 +514,8 @@ class AtlasSimulation:
             ScenarioError: If it cannot begin in that pose or with that seed, or while a
                 log or a video is written, which hold one run.
             WorldError: If the robot would begin inside a model of the world.
+
+        After an error the present run goes on as it was.
         """
         # All is checked before anything changes.
         asked = self.scenario.initial_behavior if behavior is None else behavior
@@ -528,7 +530,8 @@ class AtlasSimulation:
         if seed is not None:
             new = copy.copy(self.scenario)
             new.seed = check_seed(seed)
-            self._stage.check_reset(new, start, where)
+            if where is not None:
+                self._stage.check_reset(new, start, where)
             self._begin_anew(new)
             if behavior is None and pose is None:
                 return

@@ -171,7 +171,7 @@ class Stage:
         self.pushes.clear(self.context)
         reset_station(self.station, self.context, behavior)
 
-    def check_reset(self, scenario: Scenario, start: Start, pose: Pose | None) -> None:
+    def check_reset(self, scenario: Scenario, start: Start, pose: Pose) -> None:
         """Checks that a run of ``scenario`` could be reset to this pose.
 
         Raises:

@@ -184,7 +184,7 @@ class JointPidBank(CollectableSystem):
         others = law.rest * self._behavior_input.Eval(context)
         static = law.static_effort(integral, q)
         if math.isnan(last.velocity[0]):
-            last = self._before_first_step(context, v, static)
+            last = self._before_first_step(context, last, v, static)
         idle = change_without_user(last, static, v, others, law.model)
         effort, total = user_effort(static, v + idle, others, law.model, self._limit)
         expected = idle + law.model.response @ (total - others)
@@ -234,7 +234,7 @@ class JointPidBank(CollectableSystem):
         return PidState(*values.reshape(len(_PID_FIELDS), -1))
 
     def _before_first_step(
-        self, context: Context, v: np.ndarray, static: np.ndarray
+        self, context: Context, start: PidState, v: np.ndarray, static: np.ndarray
     ) -> PidState:
         """Returns the state of joints at a steady velocity that the behavior moved.
 
@@ -242,13 +242,8 @@ class JointPidBank(CollectableSystem):
         the behavior's efforts will balance those of the user.
         """
         carried = context.get_discrete_state(self._carried).value()
-        return PidState(
-            integral=self._remembered(context).integral,
-            velocity=v,
-            applied=np.clip(carried, -self._limit, self._limit),
-            expected=self._nothing,
-            static=static,
-        )
+        applied = np.clip(carried, -self._limit, self._limit)
+        return replace(start, velocity=v, applied=applied, static=static)
 
     def _calc_forecast(self, context: Context, output: AbstractValue) -> None:
         if self._is_idle(context):

@@ -16,8 +16,9 @@ from pydrake.systems.framework import (
 )
 
 from atlas_drake.control.estimation.attitude import composed, rotation_matrix
-from atlas_drake.control.rotations import cross, shift_wrench
+from atlas_drake.control.rotations import cross
 from atlas_drake.control.whole_body.model import GRAVITY
+from atlas_drake.control.wrenches import shift_to_frames
 from atlas_drake.frozen import NOTHING
 from atlas_drake.messages import (
     AtlasState,
@@ -206,9 +207,9 @@ class RobotSensors(NoisySystem):
             self._plant.SetPositions(
                 scratch, self._instance, self._state.Eval(context)[: self._num_q]
             )
-            for wrench, index in zip(wrenches.reshape(-1, 6), frames, strict=True):
-                frame = self._plant.get_frame(index)
-                shift_wrench(wrench, frame.CalcPoseInWorld(scratch).translation())
+            shift_to_frames(
+                wrenches.reshape(-1, 6), map(self._plant.get_frame, frames), scratch
+            )
         return wrenches
 
     def _calc_imu(self, context: Context, output: AbstractValue) -> None:

@@ -14,7 +14,7 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
 from atlas_drake import AtlasSimulation, Scenario
-from atlas_drake.control.rotations import shift_wrench
+from atlas_drake.control.wrenches import shift_wrench
 from atlas_drake.scenario.drake_configs import plant_config
 from atlas_drake.systems.robot_sensors import contact_wrenches
 from atlas_drake.visualization.contact_forces import contact_forces_of
