@@ -41,11 +41,12 @@ def test_a_swinging_foot_is_pulled_to_its_reference(balance, observe):
         a_WF=sooner,
         R_WF=foot.R_WF,
         w_WF=foot.V_WF[:3],
+        alpha_WF=sooner,
     )
     command = balance.swinging(seen, 1, reference)
     expected = sooner + gains.kp * ahead + gains.kd * faster
     np.testing.assert_allclose(command.task.target[3:], expected)
-    np.testing.assert_allclose(command.task.target[:3], 0.0, atol=1e-9)
+    np.testing.assert_allclose(command.task.target[:3], sooner, atol=1e-9)
     assert command.contact is None
 
 

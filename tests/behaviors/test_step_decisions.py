@@ -38,13 +38,13 @@ def step(balance, observe):
     return Step(balance, height - balance.robot.file.com_drop)
 
 
-def request(index=1, foot=LEFT, x=0.15, y=0.14):
+def request(index=1, foot=LEFT, x=0.15, y=0.14, z=0.0):
     command = AtlasSimInterfaceCommand(behavior="STEP")
     command.step_params.use_spec = True
     command.step_params.use_relative_step_height = True
     spec = command.step_params.desired_step_spec
     spec.step_index, spec.foot_index = index, foot
-    spec.foot.position = Vector3(x, y, 0.0)
+    spec.foot.position = Vector3(x, y, z)
     return as_request(command)
 
 
@@ -94,6 +94,18 @@ def test_a_slope_that_is_too_steep_is_told(step, observe, tilt, less):
     assert isinstance(outcome.memory, Shift)
     told = [] if less is None else [f"step 1 is tilted {less} rad less than its normal"]
     assert [event.text for event in outcome.events] == told
+
+
+@pytest.mark.parametrize(("z", "taken"), [(0.20, True), (0.205, True), (0.22, False)])
+def test_a_rise_at_the_limit_is_taken_whatever_the_ground_rounds_to(
+    step, observe, z, taken
+):
+    """The sole's own height, 0 or not, adds a rounding error to the step's."""
+    command = request(x=0.3, z=z)
+    seen = observe()
+    outcome = tick(step, entered(step, seen, command), seen, command)
+    assert isinstance(outcome.memory, Shift) == taken
+    assert ("out of reach" in str(outcome.events)) != taken
 
 
 @pytest.mark.parametrize("speed", [0.45, -0.45])

@@ -42,6 +42,8 @@ def test_the_reference_is_a_motion():
     np.testing.assert_allclose(now.a_WF, acceleration, atol=1e-6)
     turning = rotation_vector(after.R_WF @ before.R_WF.T) / (2 * DT)
     np.testing.assert_allclose(now.w_WF, turning, atol=1e-6)
+    angular_acceleration = (after.w_WF - before.w_WF) / (2 * DT)
+    np.testing.assert_allclose(now.alpha_WF, angular_acceleration, atol=1e-6)
 
 
 def test_the_strip_that_carries_lies_at_the_front():

@@ -45,6 +45,9 @@ class PostureRules:
     second one is tried when the first is not enough [-]."""
     level: float = 0.02
     """Steps that lead up or down by less than this are level [m]."""
+    rise_slack: float = 0.01
+    """Tolerance of the greatest rise, for ground that differs from the step's height
+    [m]."""
     drop: float = 0.02
     """Distance by which the body sinks for a leg's reach before a heel rises [m]."""
     steepest_heel: float = 0.6
@@ -100,10 +103,11 @@ class StepPlanner:
         self.legs = robot.legs
         self.half_length = 0.5 * robot.file.sole.length
         self._nominal_height = nominal_height
-        self._limits: StepLimits = robot.file.step_limits
         # A sideways distance up to this width does not reduce the reach.
         self._easy_width = robot.file.stance_width
-        self._rules = rules or PostureRules()
+        self._rules = rules = rules or PostureRules()
+        limits: StepLimits = robot.file.step_limits
+        self._limits = replace(limits, rise=limits.rise + rules.rise_slack)
         knee = self.legs[0].knee
         upright = leg_length(self.legs[0], robot.stand_prep[knee])
         self._nominal_leg = upright - robot.file.com_drop

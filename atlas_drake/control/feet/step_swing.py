@@ -84,8 +84,8 @@ class StepSwing:
         z = np.array([0.0, 0.0, 1.0])
         if time < self.lift:
             p, v, a = _along(time, self.lift, (self.top - start.p_WF[2]) * z)
-            R, w = _turning(time, self.lift, start.R_WF, self.flat)
-            return SwingReference(start.p_WF + p, v, a, R, w)
+            turning = _turning(time, self.lift, start.R_WF, self.flat)
+            return SwingReference(start.p_WF + p, v, a, *turning)
         if not self.is_lowering(time):
             return self._across(time - self.lift)
         over = np.array([goal.p_WF[0], goal.p_WF[1], self.top])
@@ -111,8 +111,8 @@ class StepSwing:
         v[2] += self.arc * rate / self.move
         a[2] += self.arc * acceleration / self.move**2
         p[:2] += start.p_WF[:2]
-        R, w = _turning(time, self.move, self.flat, goal.R_WF)
-        return SwingReference(p, v, a, R, w)
+        turning = _turning(time, self.move, self.flat, goal.R_WF)
+        return SwingReference(p, v, a, *turning)
 
 
 def plan_step_swing(
@@ -167,14 +167,15 @@ def _along(
 
 def _turning(
     time: float, duration: float, R_WA: np.ndarray, R_WB: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
-    """Orientation and angular velocity of a turn from A to B, from rest to rest."""
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Orientation, angular velocity and acceleration of a turn from A to B."""
     turn = rotation_vector(R_WA.T @ R_WB)
-    share, rate, _ = quintic_progress(time / duration)
-    return R_WA @ rotation_about(share * turn), R_WA @ turn * (rate / duration)
+    angle, rate, acceleration = _along(time, duration, turn)
+    return R_WA @ rotation_about(angle), R_WA @ rate, R_WA @ acceleration
 
 
 def _straight(
     p: np.ndarray, v: np.ndarray, a: np.ndarray, R: np.ndarray
 ) -> SwingReference:
-    return SwingReference(p_WF=p, v_WF=v, a_WF=a, R_WF=R, w_WF=np.zeros(3))
+    still = np.zeros(3)
+    return SwingReference(p_WF=p, v_WF=v, a_WF=a, R_WF=R, w_WF=still, alpha_WF=still)

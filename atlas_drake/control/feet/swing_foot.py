@@ -8,7 +8,7 @@ and the choice of the landing place are in ``control.balance``.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -91,7 +91,7 @@ class SwingReference:
     a_WF: np.ndarray
     R_WF: np.ndarray
     w_WF: np.ndarray
-    alpha_WF: np.ndarray = field(default_factory=lambda: np.zeros(3))
+    alpha_WF: np.ndarray
 
 
 def begin_swing(start: FootPose, duration: float) -> Swing:

@@ -41,6 +41,7 @@ def toe_off_reference(
         a_WF=acceleration * np.cross(y, arm) - rate * rate * arm,
         R_WF=pose.R_WF,
         w_WF=rate * y,
+        alpha_WF=acceleration * y,
     )
 
 
