@@ -6,7 +6,7 @@ from atlas_drake import AtlasSimulation, Scenario
 from atlas_drake.messages import Behavior
 from atlas_drake.ros_scripts.topics import TOPICS
 
-from .conftest import QUICK
+from .conftest import STEPS
 
 HEAD = """\
 #!/usr/bin/env python
@@ -365,7 +365,7 @@ def test_control_modes_are_behaviors(run, word, behavior):
 
 
 def test_the_harness_lets_go_when_the_mode_says_so(run):
-    scenario = Scenario(initial_behavior="FREEZE", **QUICK)
+    scenario = Scenario(initial_behavior="FREEZE", **STEPS)
     scenario.start.harnessed = True
     ran = run(
         HEAD
