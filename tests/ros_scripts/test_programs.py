@@ -257,6 +257,25 @@ print([worker.is_alive() for worker in workers])
     assert ran.sim.time == pytest.approx(0.03)
 
 
+def test_a_thread_that_takes_no_turns_cannot_wait(run):
+    ran = run(
+        HEAD
+        + """
+import logging
+def work():
+    try:
+        rospy.sleep(0.01)
+    except Exception as error:
+        print(error)
+thread = logging.threading.Thread(target=work, name="Foreign")
+thread.start()
+thread.join()
+"""
+    )
+    assert ran.printed[0].startswith("Foreign waits, but was not started by")
+    assert ran.sim.time == 0.0
+
+
 @pytest.mark.parametrize(
     ("text", "at_fault"), [("[][0]", False), ("rospy.Foo", True), ("5 + ''", False)]
 )
