@@ -1,8 +1,6 @@
 """Fixtures and hooks that several test files share."""
 
 import logging
-import os
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,10 +12,6 @@ from atlas_drake.robot import LOCAL_MODELS, load_robot, models_at_hand
 from .poison import POISON
 
 SHORT = "duration: 0.1\n"
-DRAKE_MODELS = Path(__file__).parents[2] / "shared" / "reference" / "drake_models"
-"""A copy beside the repository, used where the environment names no other."""
-if DRAKE_MODELS.is_dir():
-    os.environ.setdefault(LOCAL_MODELS, str(DRAKE_MODELS))
 
 
 @pytest.fixture(autouse=True, scope="session")

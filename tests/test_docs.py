@@ -1,13 +1,178 @@
-"""The reference pages agree with the code."""
+"""The pages are true: what they show runs, and the reference agrees with the code.
+
+Comments in a page, above a block, tell what readers need not see:
+
+    <!-- not run: REASON -->    only the command line is checked; in the first line of
+                                a page this holds for all of it
+    <!-- file: NAME -->         the commands of the page read the block as this file
+    <!-- first: CODE -->        Python that runs before the block
+"""
 
 import importlib.util
 import re
+import shlex
+import shutil
 import sys
+from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 
-DOCS = Path(__file__).parents[1] / "docs"
+from atlas_drake.app.main import _parser, main
+from atlas_drake.app.run import with_options
+from atlas_drake.app.sweep import _campaign
+from atlas_drake.scenario import Scenario, load_scenario
+
+ROOT = Path(__file__).parents[1]
+DOCS = ROOT / "docs"
+PAGES = ["README.md", "models/README.md"]
+PAGES += sorted(f"docs/{page.name}" for page in DOCS.glob("*.md"))
+COMMENT = re.compile(
+    r"<!-- (not run|file|first):\s((?:(?!-->).)+?)\s*-->\n\n", re.DOTALL
+)
+BLOCK = re.compile(
+    rf"(?:{COMMENT.pattern})?"
+    r"(?:^```(?P<language>\w+)\n(?P<fenced>.*?)^```"
+    r"|(?<=\n\n)(?P<shell>(?: {4}[^\n]*\n)+))",
+    re.DOTALL | re.MULTILINE,
+)
+SHELL = re.compile(r"(\w+=\S+ )?(\.venv/bin/)?(atlas-drake|make|pip|python|ray)\b")
+SPAN = re.compile(r"(?<!`)`((?:\.venv/bin/)?(?:atlas-drake \w+|make) [^`]+)`")
+SHORTER = {
+    "demo": ["--headless", "--set", "duration=0.1"],
+    "run": ["--headless", "--set", "duration=0.1"],
+    "teleop": ["--duration", "0.1"],
+    "replay": ["--headless", "--record", "replay.html"],
+    "diagram": ["--no-open"],
+    "sweep": ["--trials", "1", "--jobs", "1", "--set", "parameters.distance=0.3"],
+}
+"""What is added to a verb's command line, to run it briefly and without a browser."""
+
+
+@dataclass
+class Block:
+    """Lines of a page between fences, or indented.
+
+    Attributes:
+        language: Word at the fence; empty for an indented block.
+        note: Kind and text of the comment above it; two empty strings without one.
+        line: Number of its first line, from 0.
+        text: The lines.
+    """
+
+    language: str
+    note: tuple[str, str]
+    line: int
+    text: str
+
+    @property
+    def commands(self):
+        """Argument lists of the shell commands in an indented block."""
+        if self.language:
+            return []
+        lines = self.text.replace("\\\n", " ").splitlines()
+        shell = [line for line in map(str.strip, lines) if SHELL.match(line)]
+        return [_words(line) for line in shell]
+
+
+def _words(line):
+    """A command line without variables, the folder of the program and comments."""
+    words = shlex.split(line, comments=True)
+    words = [word for word in words if not re.match(r"[A-Z_]+=", word)]
+    return [words[0].removeprefix(".venv/bin/"), *words[1:]]
+
+
+def blocks_of(page):
+    """All blocks of a page, in their order."""
+    text = (ROOT / page).read_text("utf-8")
+    of_page = COMMENT.match(text)
+    return [
+        Block(
+            language=found["language"] or "",
+            note=(found[1] or "", found[2] or "") if not of_page else of_page.groups(),
+            line=text[: found.start("fenced")].count("\n"),
+            text=found["fenced"] or found["shell"],
+        )
+        for found in BLOCK.finditer(text)
+    ]
+
+
+@pytest.fixture
+def workplace(tmp_path, monkeypatch):
+    """A folder in which the commands of the pages find their files."""
+    for name in ("benchmarks", "examples"):
+        (tmp_path / name).symlink_to(ROOT / name)
+    (tmp_path / "robots").symlink_to(ROOT / "tests" / "robots")
+    (tmp_path / "my_worlds").mkdir()
+    shutil.copy(ROOT / "examples/scenarios/world/ball.sdf", tmp_path / "my_worlds")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def write_files(blocks):
+    """Writes the files that the commands of a page read."""
+    for block in blocks:
+        if block.note[0] == "file":
+            Path(block.note[1]).write_text(block.text)
+
+
+def run_page(page):
+    """Runs a page from top to bottom; returns what its Python has defined."""
+    names = {"__name__": page}
+    blocks = blocks_of(page)
+    write_files(blocks)
+    for block in [block for block in blocks if block.note[0] != "not run"]:
+        if block.language == "python":
+            if block.note[0] == "first":
+                exec(block.note[1], names)
+            # Empty lines before it, so that an error names the page's own line.
+            exec(compile("\n" * block.line + block.text, page, "exec"), names)
+        for program, *arguments in block.commands:
+            if program != "atlas-drake" or "benchmarks/" in " ".join(arguments):
+                continue  # Other tests run it; the next test sees that it is there.
+            if arguments[0] == "diagram" and shutil.which("dot") is None:
+                continue
+            assert main([*arguments, *SHORTER.get(arguments[0], [])]) == 0, arguments
+    return names
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("workplace", "restored_loggers")
+@pytest.mark.parametrize("page", sorted({*PAGES} - {"docs/in_your_diagram.md"}))
+def test_a_page_runs_from_top_to_bottom(page):
+    run_page(page)
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_command_lines_are_understood(page, workplace):
+    """Also those that are not run, and those within a sentence."""
+    blocks = blocks_of(page)
+    write_files(blocks)
+    text = BLOCK.sub("", (ROOT / page).read_text("utf-8"))
+    commands = [command for block in blocks for command in block.commands]
+    commands += [_words(span) for span in SPAN.findall(text)]
+    targets = re.findall(r"^(\w+):", (ROOT / "Makefile").read_text(), re.MULTILINE)
+    for program, *arguments in commands:
+        if program == "make":
+            assert arguments[0] in targets
+        elif program == "python" and arguments[0] != "-m":
+            # Run by test_examples, test_extending or test_benchmarks.
+            assert (ROOT / arguments[0]).is_file()
+        elif program == "atlas-drake" and "--help" not in arguments:
+            options = _parser(arguments).parse_args(_before_own(arguments))
+            path = getattr(options, "scenario", None) or Path()
+            if options.command in ("demo", "run", "script", "teleop"):
+                found = load_scenario(path) if path.is_file() else Scenario()
+                with_options(found, options)
+            elif options.command == "sweep":
+                assert options.campaign.is_file()
+                if options.set:
+                    _campaign(options)
+
+
+def _before_own(arguments):
+    """Arguments that are not those of a program that ``script`` runs."""
+    return arguments[: [*arguments, "--"].index("--")]
 
 
 @pytest.fixture(scope="module")
@@ -25,22 +190,9 @@ def pages():
     return module.all_pages()
 
 
-def run_snippets(page):
-    """Runs a page's Python from top to bottom; returns what it has defined."""
-    text = (DOCS / page).read_text("utf-8")
-    names = {"__name__": page}
-    for snippet in re.finditer(
-        r"^```python\n(.*?)^```", text, re.DOTALL | re.MULTILINE
-    ):
-        # Empty lines before it, so that an error names the page's own line.
-        above = "\n" * text[: snippet.start(1)].count("\n")
-        exec(compile(above + snippet[1], page, "exec"), names)
-    return names
-
-
 @pytest.mark.slow
 def test_a_diagram_of_your_own_does_what_its_page_says(capsys):
-    names = run_snippets("in_your_diagram.md")
+    names = run_page("docs/in_your_diagram.md")
     first, second, third = capsys.readouterr().out.splitlines()
     height, elbow = map(float, re.findall(r"-?\d+\.\d+", first))
     assert height == pytest.approx(0.89, abs=0.02)

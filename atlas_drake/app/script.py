@@ -66,11 +66,9 @@ def _simulate(
         try:
             problem = program.run(sim, ended, end, progress.say, complain)
             if problem is None and duration is not None:
-                program.wait()
+                program.finish()
         except KeyboardInterrupt:
             return INTERRUPTED
-        finally:
-            program.close()
         if asked_to_stop.is_set():
             return INTERRUPTED
     if problem is None and program.last_command >= sim.time:

@@ -25,7 +25,7 @@ class AtlasState(JointIndices, Message):
         effort: Joint efforts [N·m].
         kp_position: Proportional gains in force [N·m/rad].
         ki_position: Integral gains in force [N·m/(rad·s)].
-        kd_position: Gains on the rate of the position error in force [N·m·s/rad].
+        kd_position: Damping of the joints in force [N·m·s/rad].
         kp_velocity: Gains on the velocity error in force [N·m·s/rad].
         i_effort_min: Lower bounds of the integral term in force [N·m].
         i_effort_max: Upper bounds of the integral term in force [N·m].

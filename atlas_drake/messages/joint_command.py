@@ -22,7 +22,7 @@ class JointCommand(Frozen):
         effort: Feed-forward effort [N·m].
         kp_position: Proportional gains [N·m/rad].
         ki_position: Integral gains [N·m/(rad·s)].
-        kd_position: Gains on the rate of the position error [N·m·s/rad].
+        kd_position: Damping of the joints [N·m·s/rad].
         kp_velocity: Gains on the velocity error [N·m·s/rad].
         i_effort_min: Least effort of the integral term [N·m].
         i_effort_max: Greatest effort of the integral term [N·m].

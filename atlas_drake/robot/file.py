@@ -4,7 +4,7 @@ The schema, its defaults, which are Atlas' values, and the checks of the file al
 Consistency of file and URDF is checked in ``fit``.
 """
 
-# Annotations must be types, not strings: Drake's YAML loader reads them.
+# Annotations must be types, not strings: docs/make_reference.py reads them.
 import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass, field

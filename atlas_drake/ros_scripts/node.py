@@ -12,15 +12,8 @@ from typing import Any
 from atlas_drake.errors import InvalidMessageError
 from atlas_drake.ros_scripts.clock import Clock
 from atlas_drake.ros_scripts.ros_message import RosMessage
+from atlas_drake.ros_scripts.threads import start_callbacks
 from atlas_drake.ros_scripts.topics import find_topic
-
-
-class RosError(Exception):
-    """``rospy.ROSException``."""
-
-
-class RosInterruptError(RosError):
-    """``rospy.ROSInterruptException``: the run ended during a wait."""
 
 
 class Publisher:
@@ -108,24 +101,20 @@ class Subscriber:
         self.name, self.data_class = self.resolved_name, data_class
         self._clock = clock
         self._callback, self._arguments = callback, callback_args
-        self._busy = False
         if callback is not None:
-            clock.deliver_to(self._deliver)
+            start_callbacks(clock, self._listen)
 
-    def _deliver(self) -> None:
-        """Calls the callback, unless its last call is still waiting."""
-        if self._busy or self._callback is None or self._topic.read is None:
-            return
-        with self._clock.undisturbed():
-            message = self._topic.read(self._clock.sim)
-        self._busy = True
-        try:
+    def _listen(self) -> None:
+        """Calls the callback in every control period, unless its last call waits."""
+        clock, read = self._clock, self._topic.read
+        assert read is not None  # find_topic checked it.
+        while clock.advance_to(clock.sim.time + clock.period) and self._callback:
+            with clock.undisturbed():
+                message = read(clock.sim)
             if self._arguments is None:
                 self._callback(message)
             else:
                 self._callback(message, self._arguments)
-        finally:
-            self._busy = False
 
     def get_num_connections(self) -> int:
         """Returns 1: the robot."""
@@ -133,4 +122,4 @@ class Subscriber:
 
     def unregister(self) -> None:
         """Stops the callbacks."""
-        self._clock.deliver_no_more_to(self._deliver)
+        self._callback = None

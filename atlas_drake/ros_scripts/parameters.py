@@ -5,6 +5,8 @@ Used by ``rospy.get_param`` and the related functions.
 
 from __future__ import annotations
 
+import copy
+from collections.abc import Callable, Iterator
 from typing import Any
 
 from atlas_drake.ros_scripts.joint_topics import joint_name
@@ -27,8 +29,14 @@ class NoParameterError(UnknownNameError, KeyError):
 class Parameters:
     """The parameters of one run."""
 
-    def __init__(self, sim: AtlasSimulation) -> None:
-        """Reads the robot's gains, by the v3 and the v1 names of the joints."""
+    def __init__(self, sim: AtlasSimulation, resolve: Callable[[str], str]) -> None:
+        """Reads the robot's gains, by the v3 and the v1 names of the joints.
+
+        Args:
+            sim: The simulation.
+            resolve: Returns the full name of a parameter, such as ``/node/x`` of
+                ``~x``.
+        """
         robot = sim.robot
         gains: dict[str, Any] = {}
         for joint, kp, kd in zip(
@@ -37,7 +45,9 @@ class Parameters:
             own = {"p": float(kp), "i": 0.0, "d": float(kd), "i_clamp": 0.0}
             for name in filter(None, (joint.name, joint.alias)):
                 gains[name] = own
-        self._values: dict[str, Any] = {"use_sim_time": True, GAINS: gains}
+        self._resolve = resolve
+        self._tree: dict[str, Any] = {"use_sim_time": True}
+        self.set(f"/{GAINS}", gains)
 
     def get(self, name: str, default: Any = _NOT_GIVEN) -> Any:
         """Returns a parameter, or a dict of all in a group.
@@ -45,41 +55,61 @@ class Parameters:
         Raises:
             NoParameterError: If it does not exist and no default is given.
         """
-        key = _key(name)
-        if key in self._values:
-            return self._values[key]
-        *rest, last = key.removeprefix(f"{GAINS}/").split("/")
-        gains = self._values[GAINS]
-        if key.startswith(f"{GAINS}/"):
-            joint = joint_name(rest[0] if rest else last)
-            if joint in gains and not rest:
-                return dict(gains[joint])
-            if joint in gains and len(rest) == 1 and last in gains[joint]:
-                return gains[joint][last]
-        if default is not _NOT_GIVEN:
-            return default
-        known = [*self._values, f"{GAINS}/JOINT/p"]
-        raise unknown(f"parameter {name!r}", key, known, NoParameterError)
+        value: Any = self._tree
+        for part in self._path(name):
+            if not isinstance(value, dict) or part not in value:
+                if default is not _NOT_GIVEN:
+                    return default
+                known = [*self._tree, f"{GAINS}/JOINT/p"]
+                raise unknown(f"parameter {name!r}", name, known, NoParameterError)
+            value = value[part]
+        return copy.deepcopy(value)
 
     def has(self, name: str) -> bool:
-        """Tells whether a parameter exists."""
+        """Tells whether a parameter or a group exists."""
         return self.get(name, _ABSENT) is not _ABSENT
 
     def set(self, name: str, value: Any) -> None:
-        """Sets a parameter for the program's own use; the robot does not read it."""
-        self._values[_key(name)] = value
+        """Sets a parameter, or by a dict a group; the robot does not read it."""
+        group, last = self._group(name)
+        group[last] = copy.deepcopy(value)
 
     def delete(self, name: str) -> None:
-        """Deletes a parameter."""
-        self._values.pop(_key(name), None)
+        """Deletes a parameter or a group.
+
+        Raises:
+            NoParameterError: If it does not exist.
+        """
+        self.get(name)
+        group, last = self._group(name)
+        del group[last]
 
     def names(self) -> list[str]:
         """Returns the names of all parameters."""
-        return sorted("/" + name for name in self._values)
+        return sorted(_names("", self._tree))
+
+    def _group(self, name: str) -> tuple[dict[str, Any], str]:
+        """Return the group of a parameter, made if necessary, and the last name."""
+        *groups, last = self._path(name)
+        group = self._tree
+        for part in groups:
+            if not isinstance(group.get(part), dict):
+                group[part] = {}
+            group = group[part]
+        return group, last
+
+    def _path(self, name: str) -> list[str]:
+        parts = self._resolve(name).split("/")
+        return [joint_name(part) for part in parts if part]
 
 
 _ABSENT = object()
 
 
-def _key(name: str) -> str:
-    return str(name).lstrip("/~")
+def _names(path: str, value: Any) -> Iterator[str]:
+    """Return the full names of a parameter, or of all in a group."""
+    if not isinstance(value, dict):
+        yield path
+        return
+    for key, inner in value.items():
+        yield from _names(f"{path}/{key}", inner)

@@ -10,10 +10,10 @@ import re
 import sys
 import traceback
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from pathlib import Path
 
-from atlas_drake.ros_scripts.clock import Clock, RunEnded
-from atlas_drake.ros_scripts.node import RosInterruptError
+from atlas_drake.ros_scripts.clock import ENDED, Clock
 from atlas_drake.ros_scripts.rospy_module import RosNode
 from atlas_drake.ros_scripts.source_file import compile_program, read_source
 from atlas_drake.ros_scripts.stand_ins import in_place, installed, stand_ins
@@ -90,24 +90,30 @@ class Program:
             in_place(modules, sys.modules),
             as_main(self.path, self._arguments, world) as main,
         ):
-            problem = self._outcome(
-                lambda: world.run(self.path, self._source, self._code, main), complain
-            )
-            return problem or self._outcome(node.end, complain)
 
-    def close(self) -> None:
-        """Ends the run also for threads that the program has left."""
-        if self._clock is not None:
-            self._clock.shut_down()
+            def run_threads() -> None:
+                with suppress(*ENDED):
+                    world.run(self.path, self._source, self._code, main)
+                for thread in clock.threads[1:]:
+                    if not thread.daemon:
+                        thread.join()
+                if clock.error is not None:
+                    raise clock.error
 
-    def wait(self) -> None:
+            try:
+                problem = self._outcome(run_threads, complain)
+                return problem or self._outcome(node.end, complain)
+            finally:
+                clock.close()
+
+    def finish(self) -> None:
         """Advances from the end of the program to the end of the run.
 
         Raises:
             SimulationError: If the physics could not be solved.
         """
         if self._clock is not None:
-            self._clock.wait()
+            self._clock.finish()
 
     def _outcome(
         self, part: Callable[[], object], complain: Callable[[str], object]
@@ -115,7 +121,7 @@ class Program:
         """Runs a part of the program; returns what went wrong, if anything."""
         try:
             part()
-        except (RunEnded, RosInterruptError):
+        except ENDED:
             # The run ended while the program waited.
             return None
         except SystemExit as stop:

@@ -72,6 +72,14 @@ def _execfile(path: str, names: dict[str, Any]) -> None:
         exec(compile(file.read(), path, "exec"), names)
 
 
+def _filter(function: Callable[..., Any] | None, values: Any) -> Any:
+    """Filter; return a string of a string, a tuple of a tuple, else a list."""
+    kept = list(builtins.filter(function, values))
+    if isinstance(values, str):
+        return "".join(kept)
+    return tuple(kept) if isinstance(values, tuple) else kept
+
+
 def _listed(function: Callable[..., Any]) -> Callable[..., list[Any]]:
     return lambda *arguments: list(function(*arguments))
 
@@ -96,7 +104,8 @@ BUILTINS: dict[str, Any] = {
     "cmp": _cmp,
     "execfile": _execfile,
     "file": open,
-    "filter": _listed(builtins.filter),
+    "filter": _filter,
+    "input": lambda *prompt: eval(input(*prompt), {}),
     "long": int,
     "map": _listed(builtins.map),
     "range": _listed(builtins.range),
@@ -122,6 +131,7 @@ class _OldMeaning(ast.NodeTransformer):
 
     def __init__(self, *, division: bool) -> None:
         self._division = division
+        self._leaks = True
 
     def visit_BinOp(self, node: ast.BinOp) -> ast.AST:
         self.generic_visit(node)
@@ -138,6 +148,59 @@ class _OldMeaning(ast.NodeTransformer):
         value = self._call(node, DIVIDE_IN_PLACE, place, node.value)
         return ast.copy_location(ast.Assign([node.target], value), node)
 
+    def visit_ClassDef(self, node: ast.ClassDef) -> ast.AST:
+        lines: dict[str, int] = {}
+        for part in node.body:
+            if isinstance(part, ast.FunctionDef):
+                lines[part.name] = part.lineno
+            elif isinstance(part, ast.Assign):
+                lines |= dict.fromkeys(map(ast.unparse, part.targets), part.lineno)
+        if "__cmp__" in lines and "__eq__" not in lines:
+            raise _no_effect("__cmp__", "define __eq__ and __lt__", lines)
+        if "__metaclass__" in lines:
+            raise _no_effect("__metaclass__", "class X(metaclass=...) has", lines)
+        if "__nonzero__" in lines:
+            node.body += ast.parse("__bool__ = __nonzero__").body
+        return self.visit_GeneratorExp(node)
+
+    def visit_ListComp(self, node: ast.ListComp) -> ast.AST:
+        """Lets the variables keep their last values, as those of a loop."""
+        leaks = self._leaks
+        for loop in node.generators:
+            # Python 3 can assign to no variable in what a comprehension runs over.
+            self._leaks = False
+            loop.iter = self.visit(loop.iter)
+            self._leaks = leaks
+            loop.ifs = [self.visit(test) for test in loop.ifs]
+            if leaks:
+                kept: list[ast.expr] = []
+                for name in ast.walk(loop.target):
+                    if isinstance(name, ast.Name):
+                        inner = f"__{name.id}__"
+                        last = ast.Name(inner, ast.Load())
+                        kept.append(ast.NamedExpr(ast.Name(name.id, ast.Store()), last))
+                        name.id = inner
+                # A tuple, which is true, so that it filters nothing.
+                loop.ifs.insert(0, ast.Tuple(kept, ast.Load()))
+        node.elt = self.visit(node.elt)
+        return node
+
+    def visit_GeneratorExp(self, node: ast.AST) -> ast.AST:
+        before, self._leaks = self._leaks, False
+        self.generic_visit(node)
+        self._leaks = before
+        return node
+
+    visit_SetComp = visit_DictComp = visit_GeneratorExp
+
+    def visit_FunctionDef(self, node: ast.FunctionDef) -> ast.AST:
+        body, node.body = node.body, []
+        self.generic_visit(node)  # Decorators and defaults are outside of its scope.
+        before, self._leaks = self._leaks, True
+        node.body = [self.visit(part) for part in body]
+        self._leaks = before
+        return node
+
     def visit_Call(self, node: ast.Call) -> ast.AST:
         self.generic_visit(node)
         if isinstance(node.func, ast.Attribute) and (
@@ -152,10 +215,20 @@ class _OldMeaning(ast.NodeTransformer):
         return ast.copy_location(ast.Call(function, list(arguments), []), node)
 
 
+def _no_effect(name: str, instead: str, lines: dict[str, int]) -> SyntaxError:
+    return SyntaxError(
+        f"a class's {name} has no effect in Python 3; {instead}",
+        ("", lines[name], None, None),
+    )
+
+
 def old_meaning(tree: ast.Module) -> ast.Module:
     """Return a program's tree with the meaning of Python 2.
 
     ``/`` stays as it is where the program imports ``division`` from ``__future__``.
+
+    Raises:
+        SyntaxError: If a class contains something that Python 3 would ignore.
     """
     new_division = any(
         isinstance(node, ast.ImportFrom)

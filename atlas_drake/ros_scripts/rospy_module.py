@@ -13,14 +13,9 @@ from functools import partial
 from typing import Any
 
 from atlas_drake.ros_scripts import waiting
-from atlas_drake.ros_scripts.clock import Clock
+from atlas_drake.ros_scripts.clock import Clock, RosError, RosInterruptError
 from atlas_drake.ros_scripts.message_types import Header
-from atlas_drake.ros_scripts.node import (
-    Publisher,
-    RosError,
-    RosInterruptError,
-    Subscriber,
-)
+from atlas_drake.ros_scripts.node import Publisher, Subscriber
 from atlas_drake.ros_scripts.parameters import Parameters
 from atlas_drake.ros_scripts.ros_time import Duration
 from atlas_drake.ros_scripts.ros_time import Time as RosTime
@@ -42,7 +37,7 @@ class RosNode:
         self._clock, self._say = clock, say
         self._name = "unnamed"
         self._at_end: list[Callable[..., object]] = []
-        self._parameters = Parameters(clock.sim)
+        self._parameters = Parameters(clock.sim, self._resolve)
         self._said: set[str] = set()
 
     def init_node(self, name: str, *_arguments: object, **_options: object) -> None:
@@ -61,7 +56,7 @@ class RosNode:
             "get_caller_id": lambda: f"/{self._name}",
             "get_node_uri": lambda: None,
             "get_namespace": lambda: "/",
-            "resolve_name": lambda name: "/" + str(name).lstrip("/"),
+            "resolve_name": self._resolve,
             "myargv": _own_arguments,
             "Publisher": partial(Publisher, clock, self._say),
             "Subscriber": partial(Subscriber, clock),
@@ -107,6 +102,11 @@ class RosNode:
                 return Time.from_sec(clock.now)
 
         return Time
+
+    def _resolve(self, name: str) -> str:
+        """Return a full name; those that begin with ~ are the node's own."""
+        own = str(name).removeprefix("~")
+        return f"/{self._name}/{own}" if own != name else "/" + own.lstrip("/")
 
     def _is_shut_down(self) -> bool:
         self._clock.glance()

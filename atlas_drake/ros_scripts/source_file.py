@@ -57,7 +57,10 @@ def compile_program(path: Path, source: str) -> CodeType:
     except ValueError as error:  # Null bytes.
         raise ScriptError(f"{path}: {error}") from error
     if old:
-        tree = old_meaning(tree)
+        try:
+            tree = old_meaning(tree)
+        except SyntaxError as error:
+            raise ScriptError(f"{path}:{error.lineno}: {error.msg}") from error
     return compile(tree, str(path), "exec", dont_inherit=True)
 
 

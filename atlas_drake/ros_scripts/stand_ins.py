@@ -14,8 +14,8 @@ from typing import Any
 
 from atlas_drake.robot import Robot
 from atlas_drake.ros_scripts import kdl_frame, transformations
+from atlas_drake.ros_scripts.clock import RosError, RosInterruptError
 from atlas_drake.ros_scripts.message_types import PACKAGES, with_joints_of
-from atlas_drake.ros_scripts.node import RosError, RosInterruptError
 from atlas_drake.ros_scripts.ros_message import RosMessage
 from atlas_drake.ros_scripts.ros_time import Duration, Time
 from atlas_drake.ros_scripts.unknown import UnknownNameError, unknown

@@ -5,16 +5,14 @@ Time itself is in ``clock``; the rest of ``rospy`` is in ``rospy_module``.
 
 from __future__ import annotations
 
-import math
-import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from atlas_drake.ros_scripts.clock import TINY, Clock
-from atlas_drake.ros_scripts.node import RosInterruptError
+from atlas_drake.ros_scripts.clock import Clock, RosInterruptError
 from atlas_drake.ros_scripts.ros_message import RosMessage
 from atlas_drake.ros_scripts.ros_time import Duration, Time
+from atlas_drake.ros_scripts.threads import start_callbacks
 from atlas_drake.ros_scripts.topics import find_topic
 
 SPIN = 1.0
@@ -116,29 +114,25 @@ class Timer:
         reset: bool = False,
     ) -> None:
         """Starts now; the first call comes after one period."""
-        self._clock, self._period = clock, seconds_of(period)
+        self._clock, self._rate = clock, Rate(clock, 1.0 / seconds_of(period))
         self._callback, self._oneshot = callback, oneshot
-        self._due = clock.sim.time + self._period
-        self._last: tuple[Time, Time] | None = None
-        self._busy = threading.Lock()
-        clock.deliver_to(self._call)
+        self._stopped = False
+        start_callbacks(clock, self._run)
 
-    def _call(self) -> None:
-        now = self._clock.sim.time
-        if now < self._due - TINY or not self._busy.acquire(blocking=False):
-            return
-        this = Time.from_sec(self._due), Time.from_sec(now)
-        last_expected, last_real = self._last or (None, None)
-        self._last = this
-        rounds = math.floor((now - self._due) / self._period + TINY) + 1
-        self._due += rounds * self._period
-        try:
-            self._callback(TimerEvent(last_expected, last_real, *this))
-        finally:
-            self._busy.release()
-        if self._oneshot:
-            self.shutdown()
+    def _run(self) -> None:
+        last_expected = last_real = None
+        while True:
+            due = self._clock.sim.time + self._rate.remaining().to_sec()
+            self._rate.sleep()
+            if self._stopped:
+                return
+            expected = Time.from_sec(due)
+            real = Time.from_sec(self._clock.sim.time)
+            self._callback(TimerEvent(last_expected, last_real, expected, real))
+            if self._oneshot:
+                return
+            last_expected, last_real = expected, real
 
     def shutdown(self) -> None:
         """Stops the calls."""
-        self._clock.deliver_no_more_to(self._call)
+        self._stopped = True

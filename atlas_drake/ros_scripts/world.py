@@ -1,7 +1,8 @@
 """The environment of a program's code: its builtins, and modules from its own folder.
 
-Only the program and the modules in its folder get the simulated ``time`` and the
-builtins of Python 2; Drake, numpy and this package keep Python's own.
+Only the program and the modules in its folder get the simulated ``time``, the
+``threading`` with turns and the builtins of Python 2; Drake, numpy and this package
+keep Python's own.
 """
 
 from __future__ import annotations
@@ -28,8 +29,13 @@ from atlas_drake.ros_scripts.source_file import (
     is_python2,
     read_source,
 )
+from atlas_drake.ros_scripts.stand_ins import StandIn
+from atlas_drake.ros_scripts.threads import threading_names
 from atlas_drake.ros_scripts.time_module import simulated_time
+from atlas_drake.ros_scripts.unknown import ScriptError
 
+REAL_TIME = {"_thread", "asyncio", "concurrent", "multiprocessing", "queue", "sched"}
+"""Modules of Python that wait in other ways than ``time`` and ``threading``."""
 _MARK = "__atlas_drake_script__"
 """A name that only the builtins of programs contain."""
 
@@ -44,7 +50,10 @@ class World:
 
     def __init__(self, clock: Clock, say: Callable[[str], object]) -> None:
         """Takes time from ``clock``; ``say`` prints notes."""
-        self._time = simulated_time(clock)
+        self._replaced: dict[str, ModuleType] = {
+            "time": simulated_time(clock),
+            "threading": StandIn("threading", threading_names(clock)),
+        }
         self._say: Callable[[str], object] | None = say
 
     def run(self, path: Path, source: str, code: CodeType, module: ModuleType) -> None:
@@ -62,7 +71,7 @@ class World:
         exec(code, names)
 
     def _builtins(self, *, old: bool) -> dict[str, Any]:
-        replaced: dict[str, ModuleType] = {"time": self._time}
+        replaced = dict(self._replaced)
         if old:
             replaced |= {"math": _changed(math, MATH), **_old_yaml()}
 
@@ -75,6 +84,12 @@ class World:
         ) -> Any:
             if name in replaced and level == 0:
                 return replaced[name]
+            if name.partition(".")[0] in REAL_TIME and level == 0:
+                raise ScriptError(
+                    f"module {name} has no stand-in: its waits would take real time, "
+                    "in which the simulation stands still; threading.Thread, Lock, "
+                    "RLock and Event wait in simulated time"
+                )
             return builtins.__import__(name, globals_, locals_, fromlist, level)
 
         own = {"__import__": import_, _MARK: True}

@@ -25,7 +25,6 @@ from atlas_drake.simulation.atlas_simulation import SimulationError
 from atlas_drake.systems.whole_body_controller import WholeBodyController
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "extending" / "own_controller.py"
-COARSE = {"physics_step": 0.002, "control_period": 0.004}
 SQUARE = np.array([[0.1, 0.1], [-0.1, 0.1], [-0.1, -0.1], [0.1, -0.1]])
 PATHS = PlannedPaths(com=np.array([[0.0, 0.0], [0.3, 0.1]]))
 
@@ -89,7 +88,7 @@ class Talkative(LeafSystem):
 @pytest.mark.slow
 def test_a_controller_without_status_holds_the_robot(gravity_pd, tmp_path):
     path = tmp_path / "run.npz"
-    with AtlasSimulation(Scenario(**COARSE), controller=gravity_pd, log=path) as sim:
+    with AtlasSimulation(controller=gravity_pd, log=path) as sim:
         sim.advance(1.0)
         effort = sim.output("behavior_effort")
         report = sim.atlas_sim_interface_state
@@ -108,7 +107,7 @@ def test_a_controller_without_status_holds_the_robot(gravity_pd, tmp_path):
 
 
 def test_efforts_are_blended_as_those_of_ours(gravity_pd):
-    sim = AtlasSimulation(Scenario(**COARSE), controller=gravity_pd)
+    sim = AtlasSimulation(controller=gravity_pd)
     command = AtlasCommand()
     command.position = sim.robot.stand_prep
     command.kp_position = sim.robot.default_kp
@@ -122,7 +121,7 @@ def test_efforts_are_blended_as_those_of_ours(gravity_pd):
 
 @pytest.mark.slow
 def test_a_fall_is_noticed_from_outside_and_ends_with_a_reset():
-    limp = Scenario(**COARSE)
+    limp = Scenario()
     sim = AtlasSimulation(limp, controller=lambda robot, _: sized(robot.num_joints))
     sim.advance(1.5)
     assert sim.has_fallen
@@ -141,11 +140,9 @@ def test_a_behavior_in_the_status_must_be_registered(tmp_path):
             out.set_value(ControllerStatus(current_behavior=hold.behavior))
 
     with pytest.raises(ValueError, match=r"HOLD \(200\), which is not registered"):
-        AtlasSimulation(Scenario(**COARSE), controller=Named).advance(0.02)
+        AtlasSimulation(controller=Named).advance(0.02)
     path = tmp_path / "run.npz"
-    with AtlasSimulation(
-        Scenario(**COARSE), controller=Named, behaviors=[hold], log=path
-    ) as sim:
+    with AtlasSimulation(controller=Named, behaviors=[hold], log=path) as sim:
         sim.advance(0.02)
         assert sim.current_behavior is hold.behavior
     log = read_log(path)
@@ -163,7 +160,7 @@ def test_a_fall_is_what_the_scenario_says_it_is():
     """The watch from outside goes by the limits that the controller goes by."""
 
     def first_tilt(limit):
-        scenario = with_settings(Scenario(**COARSE), [f"controller.fall.tilt={limit}"])
+        scenario = with_settings(Scenario(), [f"controller.fall.tilt={limit}"])
         sim = AtlasSimulation(
             scenario, controller=lambda robot, _: sized(robot.num_joints)
         )
@@ -176,7 +173,7 @@ def test_a_fall_is_what_the_scenario_says_it_is():
 
 def test_what_a_controller_tells_is_shown_logged_and_summed_up(tmp_path):
     path = tmp_path / "run.npz"
-    with AtlasSimulation(Scenario(**COARSE), controller=Talkative, log=path) as sim:
+    with AtlasSimulation(controller=Talkative, log=path) as sim:
         sim.advance(0.1)
         assert sim.current_behavior is Behavior.FREEZE
         assert sim.atlas_sim_interface_state.current_behavior is Behavior.FREEZE
@@ -185,7 +182,7 @@ def test_what_a_controller_tells_is_shown_logged_and_summed_up(tmp_path):
         sim.reset()
         assert sim.station.GetSubsystemByName("controller").resets == [Behavior.STAND]
     log = read_log(path)
-    assert log["controller.unsolved"][-1] > 20
+    assert log["controller.unsolved"][-1] > 5
     assert (log["controller.solved"] == 1).all()
     np.testing.assert_allclose(log["balance.support"][-1][:8], SQUARE.ravel())
 
@@ -250,9 +247,7 @@ def told(robot, status):
     ],
 )
 def test_a_status_that_cannot_be_read_is_told(status, words):
-    sim = AtlasSimulation(
-        Scenario(**COARSE), controller=lambda robot, _: told(robot, status)
-    )
+    sim = AtlasSimulation(controller=lambda robot, _: told(robot, status))
     with pytest.raises((TypeError, ValueError), match=words):
         sim.advance(0.01)
 
@@ -267,7 +262,6 @@ def test_a_status_that_cannot_be_read_is_told(status, words):
 )
 def test_one_fault_is_one_error_with_a_log_too(tmp_path, status):
     sim = AtlasSimulation(
-        Scenario(**COARSE),
         controller=lambda robot, _: told(robot, status),
         log=tmp_path / "run.npz",
     )
@@ -306,7 +300,8 @@ class Counting(LeafSystem):
 
 
 def test_events_that_are_counted_anew_after_a_reset_are_all_told():
-    sim = AtlasSimulation(Scenario(**COARSE), controller=Counting)
+    steps = Scenario(physics_step=0.002, control_period=0.004)  # The counts are of it.
+    sim = AtlasSimulation(steps, controller=Counting)
     sim.advance(0.04)
     assert [event.text for event in sim.events] == [f"{i}" for i in range(12)]
     sim.reset()
@@ -327,7 +322,6 @@ def test_lists_of_points_count_as_arrays(tmp_path):
         return ControllerStatus(plan=plan)
 
     with AtlasSimulation(
-        Scenario(**COARSE),
         controller=lambda robot, _: told(robot, status),
         log=tmp_path / "run.npz",
     ) as sim:
@@ -350,7 +344,7 @@ def test_an_effort_that_is_no_number_is_told(value):
         )
         return system
 
-    sim = AtlasSimulation(Scenario(**COARSE), controller=broken)
+    sim = AtlasSimulation(controller=broken)
     with pytest.raises(SimulationError, match="behavior_effort of back_bkx is not fin"):
         sim.advance(0.01)
 
@@ -386,7 +380,7 @@ def test_a_fall_that_an_error_kept_untold_ends_with_a_reset():
         )
         return system
 
-    sim = AtlasSimulation(Scenario(**COARSE), controller=controller)
+    sim = AtlasSimulation(controller=controller)
     with pytest.raises(ZeroDivisionError):
         sim.advance(0.1)
     sim.reset()
@@ -411,9 +405,9 @@ def test_a_controller_without_reset_gets_its_default_state():
                 raise AttributeError(name)
             return super().__getattribute__(name)
 
-    sim = AtlasSimulation(Scenario(**COARSE), controller=Forgetful)
+    sim = AtlasSimulation(controller=Forgetful)
     sim.advance(0.1)
-    assert sim.output("controller_status").unsolved > 20
+    assert sim.output("controller_status").unsolved > 5
     sim.reset()
     assert sim.output("controller_status").unsolved < 3
 
@@ -426,7 +420,7 @@ def test_ours_through_the_socket_is_ours():
 
     states = []
     for controller in (None, ours):
-        sim = AtlasSimulation(Scenario(**COARSE), controller=controller)
+        sim = AtlasSimulation(controller=controller)
         sim.advance(0.2)
         states.append(sim.output("state").tobytes())
     assert states[0] == states[1]
@@ -477,6 +471,6 @@ def test_systems_are_added_through_extend():
         builder.Connect(station.GetOutputPort("effort"), log.GetInputPort("effort"))
         builder.ExportOutput(log.GetOutputPort("twice"), "twice")
 
-    sim = AtlasSimulation(Scenario(**COARSE), extend=extend)
+    sim = AtlasSimulation(extend=extend)
     assert sim.diagram.HasSubsystemNamed("mine")
     assert sim.output("twice").shape == (28,)

@@ -14,8 +14,6 @@ from atlas_drake import (
 )
 from atlas_drake.errors import AtlasError
 
-COARSE = {"physics_step": 0.002, "control_period": 0.004}
-
 
 def manipulate(builder, station):
     """Adds a source that asks for MANIPULATE, always."""
@@ -29,7 +27,7 @@ def manipulate(builder, station):
 
 
 def test_a_system_may_command_beside_publish():
-    sim = AtlasSimulation(Scenario(**COARSE), extend=manipulate)
+    sim = AtlasSimulation(extend=manipulate)
     assert not sim.diagram.HasInputPort("atlas_sim_interface_command")
     sim.advance(0.02)
     assert sim.current_behavior is Behavior.MANIPULATE
@@ -62,4 +60,4 @@ def test_an_extension_that_drake_would_abort_on_is_refused(names, words):
             builder.Build()
 
     with pytest.raises(AtlasError, match=words):
-        AtlasSimulation(Scenario(programme="tutorial", **COARSE), extend=extend)
+        AtlasSimulation(Scenario(programme="tutorial"), extend=extend)

@@ -1,10 +1,12 @@
 """Every figure of the robots against its source, the original URDF files.
 
-These files are not part of this repository; without them the tests are skipped.
+These files are not part of this repository. ATLAS_DRAKE_REFERENCE names a folder with
+``drcsim/`` in it; without it the tests are skipped.
 """
 
 from __future__ import annotations
 
+import os
 import xml.etree.ElementTree as ET
 from pathlib import Path
 
@@ -13,13 +15,13 @@ import pytest
 from pydrake.math import RigidTransform, RollPitchYaw
 from pydrake.multibody.tree import RevoluteJoint, SpatialInertia, UnitInertia
 
-REFERENCE = Path(__file__).parents[3] / "shared" / "reference" / "drcsim"
+REFERENCE = Path(os.environ.get("ATLAS_DRAKE_REFERENCE", "no such folder")) / "drcsim"
 FILES = {"atlas": "atlas_v3_with_v1_inertia.urdf", "atlas_v3": "atlas_v3.urdf"}
 TOTAL_MASS = {"atlas": 90.920, "atlas_v3": 147.974}
 
 pytestmark = pytest.mark.skipif(
     not REFERENCE.is_dir(),
-    reason="the reference URDF files (../shared/reference/drcsim) are not here",
+    reason="ATLAS_DRAKE_REFERENCE names no folder with the original URDF files",
 )
 
 

@@ -1,4 +1,4 @@
-"""A robot for programs to run on, coarse and quick."""
+"""A robot for programs to run on."""
 
 import math
 import sys
@@ -11,12 +11,13 @@ from atlas_drake import AtlasSimulation, Scenario
 from atlas_drake.ros_scripts.program import Program
 
 Ran = namedtuple("Ran", "problem at_fault printed said complained sim")
-QUICK = {"physics_step": 0.002, "control_period": 0.004}
+STEPS = {"physics_step": 0.002, "control_period": 0.004}
+"""The tests know at which times messages come."""
 
 
 @pytest.fixture(scope="module")
 def shared_sim():
-    return AtlasSimulation(Scenario(**QUICK))
+    return AtlasSimulation(Scenario(**STEPS))
 
 
 @pytest.fixture

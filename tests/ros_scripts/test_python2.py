@@ -21,6 +21,10 @@ keys.sort()
 print(keys, d.has_key("b"), list(d.iteritems()), iter([5]).next())
 print(round(2.5), math.ceil(1.2) / 2, xrange(3)[1], unicode("u"), reduce(max, [1, 2]))
 print(range(math.floor(2.5)), basestring is str, cmp(1, 2))
+print(filter(lambda c: c != "a", "banana"), filter(None, (0, 1)))
+class Empty:
+    def __nonzero__(self): return False
+print(bool(Empty()))
 """
 MEANT = [
     "0 3.5 -1 0",
@@ -28,6 +32,32 @@ MEANT = [
     "['a'] False [('a', 0)] 5",
     "3.0 1.0 1 u 2",
     "[0, 1] True -1",
+    "bnn (1,)",
+    "False",
+]
+LEAKING = """\
+x = i = 5
+a = [x for x in range(4) if x < 2]
+b = [(i, j) for i, j in [(1, 2), (3, 4)] if i > 1]
+print(a, x, b, i, j)
+def f(n=[k for k in range(2)]):
+    rows = [[u * v for u in range(3)] for v in n]
+    return rows, u, v
+print(f(), [function() for function in [lambda: m for m in range(3)]])
+class Outer:
+    own = [k for k in range(2)]
+    def method(self, n=[k for k in (1, 2)]):
+        kept = [k / 2 for k in n]
+        return kept, k
+print(Outer().method(), Outer.own)
+y = 7
+print(set(y for y in [z for z in range(3)]), sum(len([y]) for row in "ab"), y)
+"""
+LEAKED = [
+    "[0, 1] 3 [(3, 4)] 3 4",
+    "([[0, 0, 0], [0, 1, 2]], 2, 1) [2, 2, 2]",
+    "([0, 1], 2) [0, 1]",
+    "{0, 1, 2} 2 7",
 ]
 
 
@@ -37,6 +67,28 @@ def test_words_mean_what_they_meant(run):
     assert ran.printed == MEANT
     assert len(ran.said) == 1  # At the first of them.
     assert ran.said[0].startswith("program.py:2: 1 / 2 is 0, as in Python 2;")
+
+
+def test_variables_of_list_comprehensions_keep_their_last_values(run):
+    ran = run(LEAKING)
+    assert ran.printed == LEAKED, ran.complained
+
+
+@pytest.mark.parametrize(
+    ("content", "where"),
+    [
+        ("def __cmp__(self, other): return 0", "program.py:3: .*__cmp__ .* __eq__"),
+        ("__metaclass__ = type", "program.py:3: .*__metaclass__"),
+    ],
+)
+def test_what_a_class_can_no_longer_say_is_refused(tmp_path, content, where):
+    path = tmp_path / "program.py"
+    path.write_text(f"class Old:\n  x = 1\n  {content}\n")
+    with pytest.raises(ScriptError, match=where):
+        Program(path)
+    also_new = f"class New:\n  __eq__ = 1\n  {content}\n"
+    path.write_text(f"#!/usr/bin/env python3\n{also_new}")
+    Program(path)
 
 
 def test_a_program_that_names_python3_is_taken_at_its_word(run):

@@ -6,8 +6,6 @@ from atlas_drake import AtlasSimulation, Behavior, Scenario, ScenarioError
 from atlas_drake.scenario import scenario_from
 from atlas_drake.scenario.timed_message import TimedMessage
 
-COARSE = {"physics_step": 0.002, "control_period": 0.004}
-
 
 def sim_message(**fields):
     return {"time": 0.1, "atlas_sim_interface_command": fields}
@@ -21,7 +19,7 @@ def test_messages_are_sent_at_their_time():
             sim_message(behavior="MANIPULATE") | {"text": "servo"},
         ]
     }
-    sim = AtlasSimulation(scenario_from(fields, Scenario(**COARSE)))
+    sim = AtlasSimulation(scenario_from(fields, Scenario()))
     sim.advance(0.15)
     assert sim.current_behavior is Behavior.MANIPULATE
     assert set(sim.atlas_state.k_effort) == {0}

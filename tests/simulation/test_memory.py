@@ -2,7 +2,6 @@
 
 import gc
 import importlib
-import re
 import socket
 import weakref
 from pathlib import Path
@@ -13,8 +12,6 @@ from pydrake.systems.framework import Diagram, LeafSystem
 from atlas_drake import AtlasSimulation, Scenario, Start
 from atlas_drake.app.viewer import start_meshcat
 from atlas_drake.systems.collectable_system import CollectableSystem
-
-PAGE = Path(__file__).parents[2] / "docs" / "memory.md"
 
 
 def parts_of(diagram):
@@ -77,10 +74,3 @@ def test_every_system_of_this_package_can_be_freed():
     assert len(CollectableSystem.__subclasses__()) > 15
     with pytest.raises(TypeError, match="__slots__"):
         type("Forgetful", (CollectableSystem,), {})
-
-
-@pytest.mark.slow
-def test_the_examples_of_the_page_run(capsys):
-    for code in re.findall(r"```python\n(.*?)```", PAGE.read_text(), re.DOTALL):
-        exec(compile(code, str(PAGE), "exec"), {"__name__": "page"})
-    assert capsys.readouterr().out.split() in (["True"], ["False"])

@@ -7,8 +7,6 @@ from atlas_drake import AtlasSimulation, PlannedPush, Scenario, ScenarioError
 from atlas_drake.scenario import Jitter, Start, load_scenario, with_settings
 from atlas_drake.simulation.gait_watch import DOWN_FOR, LIFTED_FOR, GaitWatch
 
-COARSE = {"physics_step": 0.002, "control_period": 0.004}
-
 
 def pushes(sim):
     return [e for e in sim.events if e.kind == "push"]
@@ -41,7 +39,7 @@ def test_a_push_comes_at_its_time_along_the_robots_heading(tmp_path):
 
 def test_cutting_an_advance_into_pieces_changes_nothing():
     push = PlannedPush(phase="lift_off", impulse=1.0)
-    sims = [AtlasSimulation(Scenario(**COARSE, pushes=p)) for p in ([push], [])]
+    sims = [AtlasSimulation(Scenario(pushes=p)) for p in ([push], [])]
     for sim in sims:
         sim.advance(0.05)
     states = [sim.output("state") for sim in sims]
@@ -108,7 +106,7 @@ def test_a_push_waits_for_its_foot_and_the_share_of_the_step():
 )
 def test_a_push_that_cannot_be_is_named(push, field):
     with pytest.raises(ScenarioError) as caught:
-        AtlasSimulation(Scenario(**COARSE, pushes=[PlannedPush(**push)]))
+        AtlasSimulation(Scenario(pushes=[PlannedPush(**push)]))
     assert caught.value.field == field
 
 
@@ -135,9 +133,8 @@ def test_elements_of_lists_can_be_set():
 
 
 def test_a_restart_equals_a_new_simulation_bit_for_bit():
-    first = Scenario(**COARSE, noise="rough", jitter=Jitter(mass=0.05))
+    first = Scenario(noise="rough", jitter=Jitter(mass=0.05))
     other = Scenario(
-        **COARSE,
         noise="rough",
         seed=7,
         ground_friction=0.7,
@@ -157,11 +154,11 @@ def test_a_restart_equals_a_new_simulation_bit_for_bit():
 
 
 def test_a_restart_refuses_what_is_built_in():
-    sim = AtlasSimulation(Scenario(**COARSE))
+    sim = AtlasSimulation()
     for other, field in (
         (Scenario(physics_step=0.001), "physics_step"),
-        (with_settings(Scenario(**COARSE), ["controller.gains.dcm_gain=3"]), None),
-        (Scenario(**COARSE, pushes=[PlannedPush(time=1.0, body="tail")]), "pushes"),
+        (with_settings(Scenario(), ["controller.gains.dcm_gain=3"]), None),
+        (Scenario(pushes=[PlannedPush(time=1.0, body="tail")]), "pushes"),
     ):
         with pytest.raises(ScenarioError) as caught:
             sim.restart(other)

@@ -20,14 +20,13 @@ from atlas_drake.diagrams.replay import make_replay
 from atlas_drake.scenario.world_file import available_worlds
 
 EXAMPLE = Path(__file__).parents[2] / "examples/scenarios/qual_task_1.yaml"
-COARSE = {"physics_step": 0.002, "control_period": 0.004}
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", available_worlds())
 def test_the_robot_stands_in_every_world(name, tmp_path):
     log = tmp_path / "run.npz"
-    sim = AtlasSimulation(Scenario(world=name, **COARSE), log=log)
+    sim = AtlasSimulation(Scenario(world=name), log=log)
     boxes = sim.scenario.all_terrain()
     inspector = sim.station.GetSubsystemByName("scene_graph").model_inspector()
     world = inspector.world_frame_id()
@@ -70,7 +69,7 @@ def test_worlds_terrain_models_and_callables_come_together():
 
 
 def test_a_reset_goes_back_to_where_the_world_has_the_robot_start():
-    sim = AtlasSimulation(Scenario(world="qual_task_1", **COARSE))
+    sim = AtlasSimulation(Scenario(world="qual_task_1"))
     begin = sim.pelvis_pose.translation()
     sim.reset(pose=Start(position=[3.0, 1.0]))
     np.testing.assert_allclose(
