@@ -24,8 +24,11 @@ from atlas_drake.messages.controller_status import Plan
 class FreezeConfig:
     """Parameters of FREEZE."""
 
-    stiffness_weight: float = 1.0
-    """Weight of holding each joint in the QP, equal for all joints [1/(rad/s²)²]."""
+    stiffness_weight: float = 0.1
+    """Weight of holding each joint in the QP, equal for all joints [1/(rad/s²)²]. From
+    0.3 on the soles' small motions come back as contact forces at every tick, until
+    the soles flutter and slide; at 0.05 the cost of contact forces makes a robot with
+    staggered feet sag."""
     contact_force: Share = 0.02
     """A sole that carries this share of the weight counts as on the ground [-]."""
 
@@ -69,11 +72,12 @@ class Freeze:
         body = capture_body(observation.terms)
         joints = np.where(observation.user_held, observation.terms.q, memory.joints)
         gains = self._balance.gains.posture
-        carrying = observation.foot_force > self._least_load
+        # False for a force that was not measured yet: the robot is taken to stand.
+        hangs = observation.foot_force <= self._least_load
         left, right = (
-            self._balance.planted(observation, foot)
-            if carrying[foot]
-            else self._balance.hanging(observation, foot)
+            self._balance.hanging(observation, foot)
+            if hangs[foot]
+            else self._balance.planted(observation, foot)
             for foot in (0, 1)
         )
         still = (

@@ -26,6 +26,7 @@ from atlas_drake.control.joints.joint_pid import (
     static_effort,
     step_model,
     user_effort,
+    within_limits,
 )
 from atlas_drake.frozen import NOTHING, Frozen, replace
 from atlas_drake.messages.joint_command import JointCommand
@@ -48,7 +49,7 @@ class PreparedLaw(Frozen):
         time: Time at which the data were computed [s].
         source: The command for which the data were computed.
         q: Joint positions for which the data were computed [rad].
-        command: ``source`` with set-points within the joints' limits.
+        command: ``source`` ``within_limits`` of the joints.
         rest: 1 - k, the behavior's share of each joint.
         active: True for each joint with k > 0.
         offset: The static effort at joint positions zero, without integral [N·m].
@@ -296,12 +297,7 @@ class JointPidBank(CollectableSystem):
         inverse_mass = self._inverse_mass.evaluate(
             self._scratch.Eval(context), state[: self._num_positions]
         )
-        command = replace(
-            source,
-            position=np.clip(
-                source.position, robot.position_lower, robot.position_upper
-            ),
-        )
+        command = within_limits(source, robot.position_lower, robot.position_upper)
         damping = command.kd_position + command.kp_velocity
         share = source.share
         return PreparedLaw(

@@ -60,7 +60,29 @@ def test_behaviors_are_known_by_name_in_any_case_and_by_number(record, spelling)
     assert recording.looks[-1].report.current_behavior is Behavior.FREEZE
 
 
-def test_what_may_not_follow_leaves_the_robot_standing(record):
+def test_freeze_stands_still(record):
+    recording = record()
+    recording.ask("freeze")
+    recording.advance(0.4)
+    assert np.abs(recording.sim.atlas_state.velocity).max() < 0.1
+
+
+@pytest.mark.slow
+def test_freeze_holds_staggered_feet_without_sliding(record, walk_message):
+    def soles(sim):
+        frames = [foot.sole_frame for foot in sim.robot.file.feet]
+        return np.array([sim.frame_pose(frame).translation() for frame in frames])
+
+    recording = record()
+    recording.sim.publish(walk_message((1, 1, 0.35, -0.12)))
+    recording.advance(4.0)
+    before = soles(recording.sim)
+    recording.ask("freeze")
+    recording.advance(2.5)
+    assert not recording.sim.has_fallen
+    np.testing.assert_allclose(soles(recording.sim), before, atol=1e-3)
+    assert np.abs(recording.sim.atlas_state.velocity).max() < 0.02
+
     recording = record()
     recording.ask("freeze")
     recording.advance(0.1)

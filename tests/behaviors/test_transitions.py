@@ -272,6 +272,14 @@ def test_freeze_holds_the_joints_where_they_are(make, observe):
     np.testing.assert_array_equal(np.delete(wanted, moving), np.zeros(27))
 
 
+def test_freeze_stands_before_any_force_was_measured(make, observe):
+    robot = make(FREEZE)
+    robot.tick(dataclasses.replace(observe(), foot_force=np.full(2, np.nan)))
+    assert len(robot.command.contacts) == 2
+    robot.tick(dataclasses.replace(observe(), foot_force=np.zeros(2)))
+    assert robot.command.contacts == ()
+
+
 @pytest.mark.parametrize("behavior", LEGAL, ids=lambda behavior: behavior.name)
 def test_a_fall_is_noticed_once_and_ends_all_effort(make, observe, behavior):
     robot = make(behavior)

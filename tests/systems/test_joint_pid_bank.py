@@ -224,6 +224,17 @@ def test_setpoints_beyond_the_joints_limits_are_as_good_as_the_limits(bench, rob
     np.testing.assert_allclose(bench.effort, 0.1 * (robot.position_lower - bench.q))
 
 
+def test_a_set_point_at_a_limit_has_no_velocity_outward(bench, robot):
+    for limit, out in ((robot.position_upper, 1.0), (robot.position_lower, -1.0)):
+        for beyond in (0.0, 0.3):
+            bench.order(position=limit + beyond * out, velocity=out, kp_velocity=0.1)
+            outward = bench.effort.copy()
+            bench.order(position=limit, velocity=0.0)
+            np.testing.assert_allclose(outward, bench.effort, rtol=1e-9)
+        bench.order(velocity=-out)
+        assert (out * bench.effort < out * outward).all()
+
+
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_the_limit_is_left_to_the_blend(bench, sign):
     # A fifth of this and of what the behavior gives is within the motors' limits.

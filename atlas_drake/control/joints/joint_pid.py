@@ -15,6 +15,7 @@ from atlas_drake.control.whole_body.quadratic_program import (
     QuadraticProgram,
     solve,
 )
+from atlas_drake.frozen import replace
 from atlas_drake.messages.joint_command import JointCommand
 
 
@@ -36,6 +37,24 @@ class PidState:
     applied: np.ndarray
     expected: np.ndarray
     static: np.ndarray
+
+
+def within_limits(
+    command: JointCommand, lower: np.ndarray, upper: np.ndarray
+) -> JointCommand:
+    """Clamps set-points to the joints' limits, positions [rad], shape (n,).
+
+    A set-point at a limit, or beyond it, has no velocity outward either, which would
+    drive the joint into its stop.
+    """
+    at_lower, at_upper = command.position <= lower, command.position >= upper
+    velocity = np.clip(
+        command.velocity,
+        np.where(at_lower, 0.0, -np.inf),
+        np.where(at_upper, 0.0, np.inf),
+    )
+    position = np.clip(command.position, lower, upper)
+    return replace(command, position=position, velocity=velocity)
 
 
 def integrate(
