@@ -84,4 +84,9 @@ def write_parquet(records: Records, path: Path) -> None:
         for name, values in columns(records).items()
     }
     with whole_file(path) as unfinished:
-        pq.write_table(pa.table(arrays), str(unfinished), compression="zstd")
+        pq.write_table(
+            pa.table(arrays),
+            str(unfinished),
+            compression="zstd",
+            write_page_checksum=True,
+        )
