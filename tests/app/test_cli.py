@@ -2,6 +2,7 @@
 
 import base64
 import json
+import os
 import re
 import shutil
 import signal
@@ -318,6 +319,19 @@ def test_a_file_may_have_the_longest_name(tmp_path):
     with whole_file(path) as unfinished:
         unfinished.touch()
     assert [*tmp_path.iterdir()] == [path]
+
+
+def test_a_file_is_on_the_disk_before_it_has_its_name(tmp_path, monkeypatch):
+    path, flushed = tmp_path / "whole.json", []
+
+    def flush(number):
+        flushed.append((path.exists(), os.fstat(number).st_size))
+
+    monkeypatch.setattr(os, "fsync", flush)
+    with whole_file(path) as unfinished:
+        unfinished.write_text("whole")
+    assert flushed == [(False, 5)]
+    assert path.read_text() == "whole"
 
 
 def test_a_host_that_is_not_this_computer_is_bad_input(scenario, capsys):
