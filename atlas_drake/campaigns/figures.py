@@ -14,7 +14,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from atlas_drake.campaigns.campaign import Campaign
-from atlas_drake.campaigns.intervals import wilson
+from atlas_drake.campaigns.intervals import share_interval
 from atlas_drake.campaigns.plan import case_list
 from atlas_drake.campaigns.report import (
     figure_names,
@@ -26,7 +26,10 @@ from atlas_drake.whole_file import whole_file
 
 Records = Mapping[int, Mapping[str, Any]]
 BINS, SECTORS = 8, 12
-"""In which trials are put together by a value, and by a direction."""
+"""Numbers of groups of trials, by a value and by a direction."""
+HISTOGRAM_BINS = 20
+RELATIVE_WIDTH = 1e-9
+"""Least width of a histogram, as a share of its values [-]."""
 DPI = 110
 GOOD, BAD, QUIET = "#2a7f62", "#c0392b", "#5b6770"
 """Colors of successes, of failures, and of what is neither."""
@@ -104,9 +107,8 @@ def _by_value(rows: list[Mapping[str, Any]], paths: list[str]) -> Figure:
         groups = [(x, mine) for x, mine in groups if mine.any()]
         x = np.array([x for x, _ in groups])
         share = np.array([success[mine].mean() for _, mine in groups])
-        ends = np.array(
-            [wilson(int(success[mine].sum()), int(mine.sum())) for _, mine in groups]
-        )
+        counts = [(int(success[mine].sum()), int(mine.sum())) for _, mine in groups]
+        ends = np.array([share_interval(*count) for count in counts])
         error = np.abs(ends.T - share)
         axes.errorbar(x, share, error, fmt="o-", color=GOOD, ecolor=QUIET, capsize=3)
         axes.set_xlabel(path, fontsize=9)
@@ -129,7 +131,7 @@ def _by_direction(campaign: Campaign, records: Records, path: str) -> Figure:
     for index in range(SECTORS):
         mine = sector == index
         if mine.any():
-            low, high = wilson(int(success[mine].sum()), int(mine.sum()))
+            low, high = share_interval(int(success[mine].sum()), int(mine.sum()))
             middle = index * width
             left.bar(middle, success[mine].mean(), 0.9 * width, color=GOOD, alpha=0.6)
             left.plot([middle, middle], [low, high], color=QUIET)
@@ -181,7 +183,16 @@ def _distributions(rows: list[Mapping[str, Any]]) -> Figure:
             figure_values([row for row in rows if row["success"] == wanted], name)
             for wanted in (True, False)
         )
-        axes.hist([good, bad], bins=20, stacked=True, color=[GOOD, BAD])
+        edges = _edges([*good, *bad])
+        axes.hist([good, bad], bins=edges, stacked=True, color=[GOOD, BAD])
         axes.set_title(name, fontsize=9, loc="left")
         axes.tick_params(labelsize=8)
     return figure
+
+
+def _edges(values: list[float]) -> np.ndarray:
+    """Edges of a histogram's bins, which differ also where the values hardly do."""
+    low, high = min(values), max(values)
+    width = max(high - low, RELATIVE_WIDTH * max(abs(low), abs(high))) or 1.0
+    middle = low + 0.5 * (high - low)
+    return np.linspace(middle - 0.5 * width, middle + 0.5 * width, HISTOGRAM_BINS + 1)

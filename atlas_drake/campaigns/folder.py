@@ -107,7 +107,7 @@ class CampaignFolder:
     def write(self, record: Mapping[str, Any]) -> None:
         """Keeps the record of a trial."""
         with whole_file(self.file_of(record["trial"])) as unfinished:
-            unfinished.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
+            unfinished.write_bytes(_as_json(record))
 
     def records(self) -> dict[int, dict[str, Any]]:
         """Every record that is here, by the number of its trial.
@@ -179,6 +179,18 @@ def merge(target: CampaignFolder, sources: list[CampaignFolder]) -> int:
                 problem = f"trial {number} of {source.path} contradicts {target.path}"
                 raise CampaignError("folder", str(source.path), problem)
     return copied
+
+
+def as_kept(record: Mapping[str, Any]) -> dict[str, Any]:
+    """Returns the record as ``records`` reads it after ``write``."""
+    kept: dict[str, Any] = json.loads(_as_json(record))
+    return kept
+
+
+def _as_json(record: Mapping[str, Any]) -> bytes:
+    """Converts to JSON, with ``?`` for a lone surrogate, which no file can hold."""
+    text = json.dumps(record, indent=1, ensure_ascii=False, default=str)
+    return f"{text}\n".encode(errors="replace")
 
 
 def same_result(record: Mapping[str, Any]) -> dict[str, Any]:

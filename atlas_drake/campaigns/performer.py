@@ -9,12 +9,11 @@ from __future__ import annotations
 
 import gc
 import logging
+import math
 import time
 import traceback
 from collections.abc import Mapping
 from typing import Any
-
-import numpy as np
 
 from atlas_drake.campaigns.campaign import Campaign
 from atlas_drake.campaigns.conditions import unmet
@@ -24,7 +23,7 @@ from atlas_drake.campaigns.shipped_trials import TRIALS
 from atlas_drake.campaigns.sources import Sources
 from atlas_drake.errors import shown
 from atlas_drake.kinds import as_plain, typed
-from atlas_drake.numeric import is_number, plain_number
+from atlas_drake.numeric import as_float, is_number, plain_number
 from atlas_drake.robot import load_robot
 from atlas_drake.scenario import Scenario
 from atlas_drake.simulation import AtlasSimulation
@@ -172,7 +171,8 @@ def _plain(given: object, name: str) -> Figures:
         if not isinstance(key, str):
             raise TypeError(f"{name}: the name of a figure is {shown(key)}")
         plain = plain_number(value)
-        if is_number(plain) and not np.isfinite(float(plain)):
+        number = as_float(plain)
+        if number is not None and not math.isfinite(number):
             plain = None
         if not (plain is None or is_number(plain) or isinstance(plain, bool | str)):
             raise TypeError(

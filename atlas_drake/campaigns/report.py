@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 
 from atlas_drake.campaigns.campaign import Campaign
 from atlas_drake.campaigns.conditions import figure_of
-from atlas_drake.campaigns.intervals import wilson
+from atlas_drake.campaigns.intervals import share_interval
 from atlas_drake.campaigns.plan import case_list
 from atlas_drake.campaigns.threshold import Search
 
@@ -35,7 +35,7 @@ def share_text(successes: int, trials: int) -> str:
     """A share with its interval."""
     if trials == 0:
         return "–"
-    low, high = wilson(successes, trials)
+    low, high = share_interval(successes, trials)
     share = 100.0 * successes / trials
     return f"{share:.1f} % ({100 * low:.1f} to {100 * high:.1f} %)"
 
@@ -58,7 +58,7 @@ def figure_names(rows: Iterable[Record]) -> list[str]:
             name
             for row in rows
             for name, value in row["figures"].items()
-            if _is_number(value)
+            if is_number(value)
         )
     )
 
@@ -66,10 +66,11 @@ def figure_names(rows: Iterable[Record]) -> list[str]:
 def figure_values(rows: Iterable[Record], name: str) -> list[float]:
     """A figure of the trials that have it."""
     found = (row["figures"].get(name) for row in rows)
-    return [float(value) for value in found if _is_number(value)]
+    return [float(value) for value in found if is_number(value)]
 
 
-def _is_number(value: object) -> bool:
+def is_number(value: object) -> TypeGuard[float]:
+    """Returns True for a number of a record, which a truth value is not."""
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
@@ -101,7 +102,7 @@ def _repeats(campaign: Campaign, path: str) -> bool:
 
 def _order(value: Any) -> tuple[bool, Any]:
     """Numbers in their order, and before words."""
-    return (False, value) if _is_number(value) else (True, str(value))
+    return (False, value) if is_number(value) else (True, str(value))
 
 
 def _figures_table(rows: list[Record]) -> str:
