@@ -35,6 +35,16 @@ FREE = ("name", "trials", "goal", "code")
 ``code`` the content counts, wherever it lies."""
 HASHED = (".py", ".yaml", ".urdf")
 """Endings of the package's files that decide about results."""
+FIELDS: dict[str, Any] = {
+    "trial": int,
+    "seed": int,
+    "values": dict,
+    "success": bool,
+    "missed": list,
+    "figures": dict,
+    "error": str | None,
+}
+"""Types of the fields of every record."""
 _NAME = re.compile(r"(\d+)\.json")
 
 
@@ -110,10 +120,10 @@ class CampaignFolder:
             unfinished.write_bytes(_as_json(record))
 
     def records(self) -> dict[int, dict[str, Any]]:
-        """Every record that is here, by the number of its trial.
+        """Reads every record, by the number of its trial.
 
         Raises:
-            CampaignError: If a file cannot be read.
+            CampaignError: If a file is not a trial's record.
         """
         found = {}
         folder = self.path / TRIALS
@@ -121,11 +131,17 @@ class CampaignFolder:
             name = _NAME.fullmatch(file.name)
             if name is None:
                 continue
+            number = int(name[1])
             try:
-                found[int(name[1])] = json.loads(file.read_text(encoding="utf-8"))
+                record = json.loads(file.read_text(encoding="utf-8"))
+                _check_record(record, number)
             except (OSError, ValueError) as error:
-                problem = f"{file} cannot be read: {error}"
+                problem = (
+                    f"{file} is not the record of trial {number}: {error}; delete it, "
+                    "and `atlas-drake sweep` runs the trial again"
+                )
                 raise CampaignError("folder", str(self.path), problem) from error
+            found[number] = record
         return found
 
     @contextmanager
@@ -185,6 +201,23 @@ def as_kept(record: Mapping[str, Any]) -> dict[str, Any]:
     """Returns the record as ``records`` reads it after ``write``."""
     kept: dict[str, Any] = json.loads(_as_json(record))
     return kept
+
+
+def _check_record(record: object, number: int) -> None:
+    """Checks the fields of a record that was read.
+
+    Raises:
+        ValueError: If it is not the record of this trial.
+    """
+    if not isinstance(record, dict):
+        raise ValueError(f"it is {shown(record)}")
+    for name, kind in FIELDS.items():
+        if name not in record:
+            raise ValueError(f"it has no {name}")
+        if not isinstance(record[name], kind):
+            raise ValueError(f"its {name} is {shown(record[name])}")
+    if record["trial"] != number:
+        raise ValueError(f"its trial is {record['trial']}")
 
 
 def _as_json(record: Mapping[str, Any]) -> bytes:

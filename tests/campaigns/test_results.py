@@ -1,5 +1,6 @@
 """Tables, reports and pictures of results, whatever figures the trials have."""
 
+import json
 import sys
 
 import numpy as np
@@ -125,3 +126,23 @@ def test_a_missing_package_is_named(package, folder, monkeypatch):
     ):
         with pytest.raises(ScenarioError, match=rf"{package} .*atlas-drake\[sweep\]"):
             use()
+
+
+@pytest.mark.parametrize(
+    ("text", "complaint"),
+    [
+        ("null", "it is None"),
+        ("[]", r"it is \[\]"),
+        ("{}", "it has no trial"),
+        ("{", "Expecting property name"),
+        ("", "Expecting value"),
+        (json.dumps(record(3)), "its trial is 3"),
+        (json.dumps(record(0) | {"figures": None}), "its figures is None"),
+    ],
+)
+def test_a_file_that_is_no_record_is_named(text, complaint, folder):
+    folder.file_of(0).write_text(text)
+    with pytest.raises(
+        ScenarioError, match=rf"000000\.json .*: {complaint}.*; delete it"
+    ):
+        folder.records()
