@@ -5,6 +5,7 @@ One dataclass, one comment per field. How one is read from YAML is in ``reading`
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -109,6 +110,8 @@ class Campaign:
     fresh: bool = False
     """Builds the simulation anew for each trial also where a restart would do: for
     controllers that keep state outside Drake's Context."""
+    trial_timeout: float = 0.0
+    """Wall time after which a trial is ended and has failed [s]; 0 for no limit."""
     threshold: Threshold | None = None
     """Searches for the largest value that is borne, in place of independent trials."""
     goal: float | None = None
@@ -134,6 +137,11 @@ class Campaign:
         for name, good, wanted in (
             ("seeds", self.seeds in SEEDS, f"one of {', '.join(SEEDS)}"),
             ("trials", self.trials >= 1, "1 or more"),
+            (
+                "trial_timeout",
+                0.0 <= self.trial_timeout < math.inf,
+                "a number from 0 up",
+            ),
             ("goal", self.goal is None or 0.0 <= self.goal <= 1.0, "from 0 to 1"),
         ):
             if not good:

@@ -30,7 +30,7 @@ from atlas_drake.whole_file import whole_file
 
 CAMPAIGN, TRIALS = "campaign.yaml", "trials"
 """Names in the folder."""
-FREE = ("name", "trials", "goal", "code")
+FREE = ("name", "trials", "trial_timeout", "goal", "code")
 """Fields of a campaign that may differ when it goes on: they change no result. Of
 ``code`` the content counts, wherever it lies."""
 HASHED = (".py", ".yaml", ".urdf")

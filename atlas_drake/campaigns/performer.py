@@ -80,8 +80,8 @@ class Performer:
         try:
             sim = self._simulation(scenario_of(self._campaign, trial))
             record |= self.judged(sim, trial)
-        except Exception:
-            # What an error left of a simulation is not fit for another trial.
+        except BaseException:  # SystemExit, too, ends the trial and not the process.
+            # After an error the state of a simulation is unknown.
             self._kept.clear()
             gc.collect()
             record |= failed(traceback.format_exc())

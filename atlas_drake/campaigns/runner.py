@@ -5,6 +5,7 @@ The same results for the same campaign, however many processes or machines there
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import closing
 from dataclasses import dataclass, replace
@@ -110,7 +111,7 @@ def run_campaign(
     folder.begin(campaign, sources)
     with (
         folder.only_one(str(shard).replace("/", "-of-")),
-        closing(_workers(performer, jobs, ray)) as workers,
+        closing(_workers(performer, campaign.trial_timeout, jobs, ray)) as workers,
     ):
         records = folder.records()
         while missing := missing_trials(campaign, records, shard):
@@ -147,13 +148,15 @@ class _Workers(Protocol):
     def close(self) -> None: ...
 
 
-def _workers(performer: Performer, jobs: int, ray: str | None) -> _Workers:
+def _workers(
+    performer: Performer, limit: float, jobs: int, ray: str | None
+) -> _Workers:
     if ray is None:
-        return Processes(performer, jobs)
-    # What Ray needs loads only where there is a cluster.
+        return Processes(pickle.dumps(performer), jobs, limit)
+    # Ray loads only if it is used.
     from atlas_drake.campaigns.ray_cluster import RayCluster
 
-    return RayCluster(performer, ray, jobs or None)
+    return RayCluster(performer, limit, ray, jobs or None)
 
 
 def _record(outcome: Outcome) -> dict[str, Any]:

@@ -96,6 +96,8 @@ def test_distributions_have_the_moments_of_their_names(kind):
         ("seeds: random", "seeds"),
         ("seed: -1", "seed"),
         ("goal: 2.0", "goal"),
+        ("trial_timeout: -1", "trial_timeout"),
+        ("trial_timeout: .inf", "trial_timeout"),
         ("vary: {start.yaw: {uniform: [1]}}", "vary.start.yaw.uniform"),
         ("vary: {start.yaw: {uniform: [2, 1]}}", "vary.start.yaw.uniform"),
         ("vary: {start.yaw: {uniforn: [1, 2]}}", "vary.start.yaw.uniforn"),

@@ -142,7 +142,6 @@ def test_a_missing_package_is_named(package, folder, monkeypatch):
 )
 def test_a_file_that_is_no_record_is_named(text, complaint, folder):
     folder.file_of(0).write_text(text)
-    with pytest.raises(
-        ScenarioError, match=rf"000000\.json .*: {complaint}.*; delete it"
-    ):
+    message = rf"000000\.json .*: {complaint}.*; delete it"
+    with pytest.raises(ScenarioError, match=message):
         folder.records()
