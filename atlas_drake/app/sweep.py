@@ -93,7 +93,7 @@ def sweep(options: argparse.Namespace) -> int:
         )
     if kept != exit_status.OK:
         return kept
-    if campaign.goal is None:
+    if campaign.goal is None or not records:
         return exit_status.FAILED if raised else exit_status.OK
     share = sum(record["success"] for record in records.values()) / len(records)
     met = share >= campaign.goal

@@ -53,7 +53,11 @@ class Threshold:
         for name, good, wanted in (
             ("of", bool(self.of), "the path of a value"),
             ("most", self.most > self.least, f"above least ({self.least:g})"),
-            ("within", self.within > 0.0, "a positive number"),
+            (
+                "within",
+                self.within > 0.0 and self.levels >= 1,
+                f"above 0, and at most most - least ({self.most - self.least:g})",
+            ),
             ("replicas", self.replicas >= 1, "1 or more"),
             ("passes", 1 <= self.passes <= self.replicas, "from 1 to replicas"),
             ("search", self.search in SEARCHES, f"one of {', '.join(SEARCHES)}"),

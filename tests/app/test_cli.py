@@ -59,7 +59,11 @@ def test_help_names_what_there_is(arguments, words, capsys):
     ("arguments", "complaint"),
     [
         ([], "COMMAND"),
-        (["dance"], "dance"),
+        (["dance"], "no command 'dance'. There are demo, run"),
+        (["dmo"], "Did you mean 'demo'?"),
+        (["demo", "--hedless"], "--hedless. Did you mean '--headless'?"),
+        (["sweep", "a.yaml", "--trails=3"], "Did you mean '--trials'?"),
+        (["plot", "a.npz", "--xyz"], "arguments: --xyz.\n"),
         (["run"], "SCENARIO.yaml"),
         (["demo", "--realtime-rate", "-1"], "number from 0 up"),
         (["demo", "--realtime-rate", "fast"], "number from 0 up"),

@@ -147,6 +147,19 @@ def test_bad_input_ends_with_status_2(
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.parametrize("verb", ["run", "teleop"])
+def test_a_campaign_is_sent_to_its_own_command(verb, campaign_file, capsys):
+    file = campaign_file()
+    assert main([verb, str(file)]) == 2
+    assert f"use `atlas-drake sweep {file}`" in capsys.readouterr().err
+
+
+def test_a_part_without_trials_has_nothing_to_do(campaign_file, tmp_path, capsys):
+    out = ["--out", str(tmp_path / "out"), "--trials", "1", "--shard", "2/2"]
+    assert main(["sweep", str(campaign_file("goal: 0.5")), *out]) == 0
+    assert "0 trials" in capsys.readouterr().out
+
+
 def test_ray_that_is_not_installed_is_named(
     campaign_file, tmp_path, capsys, monkeypatch
 ):
