@@ -38,12 +38,12 @@ DIRECTION = ("direction", ".direction")
 
 
 def write_figures(campaign: Campaign, records: Records, folder: Path) -> list[Path]:
-    """Draws what the results have something to show of.
+    """Draws every picture for which the results have numbers.
 
     Args:
-        campaign: Whose results.
-        records: The results.
-        folder: Where to.
+        campaign: The campaign.
+        records: Records by the number of their trial.
+        folder: Folder of the pictures.
 
     Returns:
         Paths of the pictures.
@@ -79,7 +79,7 @@ def _numbers(rows: list[Mapping[str, Any]], path: str) -> np.ndarray:
 
 
 def _grid(count: int, across: int = 3) -> tuple[Figure, list[Any]]:
-    """A figure with so many axes."""
+    """Makes a figure with ``count`` axes."""
     across = min(count, across)
     down = -(-count // across)
     figure = Figure(figsize=(4.2 * across, 3.1 * down + 0.3), layout="constrained")
@@ -91,7 +91,7 @@ def _grid(count: int, across: int = 3) -> tuple[Figure, list[Any]]:
 
 
 def _by_value(rows: list[Mapping[str, Any]], paths: list[str]) -> Figure:
-    """Share of successes over each value, with Wilson's intervals."""
+    """Draws the share of successes over each value, with Wilson's intervals."""
     figure, all_axes = _grid(len(paths))
     success = np.array([row["success"] for row in rows], dtype=bool)
     for axes, path in zip(all_axes, paths, strict=True):
@@ -119,7 +119,7 @@ def _by_value(rows: list[Mapping[str, Any]], paths: list[str]) -> Figure:
 
 
 def _by_direction(campaign: Campaign, records: Records, path: str) -> Figure:
-    """Polar plots: share of successes by sector; trials by size; thresholds."""
+    """Draws polar plots: successes by sector; trials by size, or thresholds."""
     figure = Figure(figsize=(9.0, 4.4), layout="constrained")
     FigureCanvasAgg(figure)
     rows = list(records.values())
@@ -175,7 +175,7 @@ def _draw_thresholds(
 
 
 def _distributions(rows: list[Mapping[str, Any]]) -> Figure:
-    """A histogram of each figure, of successes and of failures."""
+    """Draws a histogram of each figure, of successes and of failures."""
     names = figure_names(rows)
     figure, all_axes = _grid(len(names), 4)
     for axes, name in zip(all_axes, names, strict=True):
@@ -191,7 +191,7 @@ def _distributions(rows: list[Mapping[str, Any]]) -> Figure:
 
 
 def _edges(values: list[float]) -> np.ndarray:
-    """Edges of a histogram's bins, which differ also where the values hardly do."""
+    """Returns edges of bins that differ even if the values hardly do."""
     low, high = min(values), max(values)
     width = max(high - low, RELATIVE_WIDTH * max(abs(low), abs(high))) or 1.0
     middle = low + 0.5 * (high - low)

@@ -1,8 +1,8 @@
-"""Does trials, one after the other, in one process.
+"""Runs trials, one after the other, in one process.
 
-It keeps the simulations that it has built: where two trials differ in nothing that is
-built in, the second restarts the simulation of the first, which gives the same result
-bit for bit. Which fields are not built in: ``simulation.restart.OF_A_RUN``.
+The simulations stay built: if two trials differ only in the fields that
+``simulation.restart.OF_A_RUN`` names, the second restarts the simulation of the first,
+with the same result bit for bit.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ from atlas_drake.simulation import AtlasSimulation
 from atlas_drake.simulation.restart import built_in_difference
 
 KEPT = 4
-"""Simulations that a process keeps, such as one for each robot of a campaign."""
+"""Number of simulations that a process keeps, such as one for each robot."""
 
 
 class Performer:
-    """Does the trials of one campaign; can be sent to another process."""
+    """Runs the trials of one campaign; can be pickled."""
 
     def __init__(self, campaign: Campaign, sources: Sources) -> None:
         """Finds the functions.
@@ -55,8 +55,8 @@ class Performer:
         self._kept: list[tuple[Scenario, AtlasSimulation]] = []
 
     def __getstate__(self) -> dict[str, Any]:
-        """Leaves functions and simulations to the process that gets it."""
-        # Drake's configurations cannot be sent.
+        """Leaves out functions and simulations; the other process makes its own."""
+        # Drake's configurations cannot be pickled.
         return {"campaign": as_plain(self._campaign), "sources": self._sources}
 
     def __setstate__(self, state: Mapping[str, Any]) -> None:
@@ -65,10 +65,10 @@ class Performer:
         self._find_functions()
 
     def __call__(self, trial: Trial) -> dict[str, Any]:
-        """Does a trial.
+        """Runs a trial.
 
         Returns:
-            Its record, ready for JSON; an error in the trial is part of it.
+            The trial's record, ready for JSON, with the error if one was raised.
         """
         begin = time.perf_counter()
         record: dict[str, Any] = {
@@ -92,7 +92,7 @@ class Performer:
         return record
 
     def judged(self, sim: AtlasSimulation, trial: Trial) -> dict[str, Any]:
-        """Does a trial in a simulation that has just begun; success and figures."""
+        """Runs a trial in a simulation at its start; returns success and figures."""
         parameters = parameters_of(self._campaign, trial)
         figures = _plain(self._trial(sim, parameters), self._campaign.trial)
         for name, metric in zip(self._campaign.metrics, self._metrics, strict=True):
@@ -109,11 +109,11 @@ class Performer:
         }
 
     def simulation(self, trial: Trial, **arguments: Any) -> AtlasSimulation:
-        """A simulation of a trial, with more arguments such as ``log``."""
+        """Builds the simulation of a trial, with more arguments such as ``log``."""
         return self._build(scenario_of(self._campaign, trial), **arguments)
 
     def _simulation(self, scenario: Scenario) -> AtlasSimulation:
-        """A kept simulation that is restarted, or else a new one."""
+        """Restarts a kept simulation, or builds a new one."""
         if not self._campaign.fresh:
             for place, (known, sim) in enumerate(self._kept):
                 if built_in_difference(known, scenario) is None:
@@ -146,21 +146,21 @@ class Performer:
 
 
 def failed(why: str) -> dict[str, Any]:
-    """What the record of a trial says that did not come to its end."""
+    """Returns the result of a trial that an error ended."""
     return {"success": False, "missed": [], "figures": {}, "error": why}
 
 
 def quiet() -> None:
-    """Keeps out of the way what each of a thousand runs would say."""
+    """Silences per-trial log output."""
     logging.getLogger("atlas_drake").propagate = False
     logging.getLogger("drake").setLevel(logging.ERROR)
 
 
 def _plain(given: object, name: str) -> Figures:
-    """Figures as plain values; numbers that are not finite are none.
+    """Converts figures to plain values, and infinity and NaN to None.
 
     Raises:
-        TypeError: If a function of the user's returns something else.
+        TypeError: If a user's function returns anything but figures.
     """
     if given is None:
         return {}

@@ -55,9 +55,9 @@ class _Worker:
     def __init__(self, pickled: bytes, limit: float) -> None:
         spawn = multiprocessing.get_context("spawn")
         self.pipe, other = spawn.Pipe()
-        # Closed, and by that deleted, in ``stop``.
-        self._trace = tempfile.NamedTemporaryFile(prefix="atlas_drake_")  # noqa: SIM115
-        arguments = (other, pickled, limit, self._trace.name)
+        number, self._path = tempfile.mkstemp(prefix="atlas_drake_")
+        self._trace = os.fdopen(number, errors="replace")
+        arguments = (other, pickled, limit, self._path)
         self.process = spawn.Process(target=_serve, args=arguments, daemon=True)
         with _inherited():
             self.process.start()
@@ -66,7 +66,7 @@ class _Worker:
 
     def timeout_trace(self) -> str:
         """Returns where the dead process was at its time limit, or an empty text."""
-        return Path(self._trace.name).read_text(errors="replace")
+        return self._trace.read()
 
     def stop(self) -> None:
         """Ends the process, whatever it does."""
@@ -74,6 +74,7 @@ class _Worker:
         self.process.terminate()
         self.process.join()
         self._trace.close()
+        Path(self._path).unlink(missing_ok=True)
 
 
 class Processes:
@@ -200,6 +201,8 @@ def _serve(pipe: Connection, pickled: bytes, limit: float, trace: str) -> None:
     threading.Thread(target=_end_with_parent, daemon=True).start()
     function = None
     with open(trace, "w") as file:
+        # The parent has the file open: even if both are killed, nothing remains.
+        os.unlink(trace)
         while True:
             try:
                 item = pipe.recv()

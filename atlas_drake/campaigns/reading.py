@@ -81,11 +81,11 @@ def campaign_from(
     settings: Iterable[str] = (),
     overrides: Mapping[str, Any] | None = None,
 ) -> Campaign:
-    """Makes a campaign of what a YAML file has.
+    """Makes a campaign from the fields of a YAML file.
 
     Args:
-        raw: As YAML reads it.
-        folder: That paths in it are relative to.
+        raw: Fields as YAML reads them.
+        folder: Folder that the paths in them are relative to.
         settings: As for ``load_campaign``.
         overrides: Likewise.
 
@@ -156,7 +156,7 @@ def _scenario(given: object, folder: Path) -> Scenario:
 
 
 def _pushes(given: object, drawn: dict[str, Any]) -> object:
-    """The pushes without their distributions, which are added to ``drawn``."""
+    """Returns the pushes without their distributions, and adds these to ``drawn``."""
     if not isinstance(given, list):
         return given  # For the scenario to refuse.
     pushes = []

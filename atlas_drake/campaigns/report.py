@@ -1,4 +1,4 @@
-"""What a campaign found, as text: successes with intervals, figures, thresholds."""
+"""The report of a campaign: successes with intervals, figures, thresholds."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ from atlas_drake.campaigns.threshold import Search
 Record = Mapping[str, Any]
 Records = Mapping[int, Record]
 SHOWN_ERRORS = 3
-"""Of different kinds of error."""
+"""Largest number of different errors in a report."""
 
 
 def report(campaign: Campaign, records: Records) -> str:
-    """The text, as Markdown."""
+    """Returns the report as Markdown."""
     rows = list(records.values())
     parts = [f"# {campaign.name}: {len(rows)} trials"]
     if campaign.threshold is not None:
@@ -32,7 +32,7 @@ def report(campaign: Campaign, records: Records) -> str:
 
 
 def share_text(successes: int, trials: int) -> str:
-    """A share with its interval."""
+    """Returns a share with its interval, in percent."""
     if trials == 0:
         return "–"
     low, high = share_interval(successes, trials)
@@ -41,18 +41,18 @@ def share_text(successes: int, trials: int) -> str:
 
 
 def markdown(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A table."""
+    """Returns a table in Markdown."""
     lines = [head, ["---"] * len(head), *rows]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
 
 def varied_paths(rows: Iterable[Record]) -> list[str]:
-    """Paths of what differs between trials, in their order."""
+    """Returns the paths of the values that differ between trials, in order."""
     return list(dict.fromkeys(path for row in rows for path in row["values"]))
 
 
 def figure_names(rows: Iterable[Record]) -> list[str]:
-    """Names of the figures that are numbers, in their order."""
+    """Returns the names of the figures that are numbers, in order."""
     return list(
         dict.fromkeys(
             name
@@ -64,7 +64,7 @@ def figure_names(rows: Iterable[Record]) -> list[str]:
 
 
 def figure_values(rows: Iterable[Record], name: str) -> list[float]:
-    """A figure of the trials that have it."""
+    """Returns the numbers of a figure, of the trials that have it."""
     found = (row["figures"].get(name) for row in rows)
     return [float(value) for value in found if is_number(value)]
 
@@ -90,7 +90,7 @@ def _success_table(campaign: Campaign, rows: list[Record]) -> str:
 
 
 def _repeats(campaign: Campaign, path: str) -> bool:
-    """True if several trials have the same value there."""
+    """Returns True if several trials have the same value at the path."""
     drawn = campaign.vary.get(path, {})
     threshold = campaign.threshold
     return (
@@ -101,7 +101,7 @@ def _repeats(campaign: Campaign, path: str) -> bool:
 
 
 def _order(value: Any) -> tuple[bool, Any]:
-    """Numbers in their order, and before words."""
+    """Sorts numbers by size, and words after them."""
     return (False, value) if is_number(value) else (True, str(value))
 
 
@@ -128,7 +128,7 @@ def _thresholds(campaign: Campaign, records: Records) -> str:
 
 
 def _missed(campaign: Campaign, rows: list[Record]) -> str:
-    """Conditions of success that were missed, and how often; empty if none was."""
+    """Lists the conditions of success that were missed, and how often."""
     figures = {name for row in rows for name in row["figures"]}
     lines = []
     for text in campaign.success:
@@ -141,7 +141,7 @@ def _missed(campaign: Campaign, rows: list[Record]) -> str:
 
 
 def _failures(rows: list[Record]) -> str:
-    """Which trials failed, and why."""
+    """Lists the trials that failed, and the errors."""
     lines = []
     failing = [str(row["trial"]) for row in rows if not row["success"]]
     if failing:
