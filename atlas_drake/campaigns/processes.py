@@ -216,7 +216,8 @@ def _serve(pipe: Connection, pickled: bytes, limit: float, trace: str) -> None:
                 result = function(item)
             except Exception:
                 error = traceback.format_exc()
-            faulthandler.cancel_dump_traceback_later()
+            finally:
+                faulthandler.cancel_dump_traceback_later()
             pipe.send((result, error))
 
 
