@@ -52,6 +52,8 @@ def _resolved(path: Path) -> Path:
 def whole_file(path: Path) -> Iterator[Path]:
     """Yields a path to write to, whose file becomes ``path`` if no error is raised.
 
+    The content is on the disk before the file gets its name.
+
     Every call has its own unfinished file: when two programs write one ``path``, the
     last one to finish replaces the file. A ``path`` that is a device or a pipe is
     written to directly.
@@ -73,6 +75,9 @@ def whole_file(path: Path) -> Iterator[Path]:
     os.close(os.open(unfinished, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666))
     try:
         yield unfinished
+        # Otherwise a power failure can leave the name with an empty file.
+        with unfinished.open("rb") as file:
+            os.fsync(file.fileno())
         os.replace(unfinished, path)
     finally:
         unfinished.unlink(missing_ok=True)

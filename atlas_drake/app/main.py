@@ -11,6 +11,7 @@ import math
 import sys
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from atlas_drake.app import exit_status
 from atlas_drake.app.options import (
@@ -25,8 +26,11 @@ from atlas_drake.app.options import (
 from atlas_drake.app.parts import behaviors_told
 from atlas_drake.app.sweep_options import add_sweep_commands
 from atlas_drake.app.worlds import worlds_told
-from atlas_drake.errors import AtlasError
+from atlas_drake.errors import AtlasError, ScenarioError, did_you_mean
 from atlas_drake.visualization.overlays import LOGGED
+
+if TYPE_CHECKING:
+    from atlas_drake.scenario import Scenario
 
 _LOST = "3 an output file could not be written (every other one is kept)"
 _EXIT_STATUS = (
@@ -51,7 +55,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         end = given.index("--")
         given, own = given[:end], given[end + 1 :]
     try:
-        options = _parser(given).parse_args(given)
+        options = _parsed(given)
         options.arguments = own
         _check_files_read(options)
         return options.run(options)
@@ -65,6 +69,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if isinstance(error.__cause__ or error.__context__, KeyboardInterrupt):
             return exit_status.INTERRUPTED
         raise
+
+
+def _parsed(given: Sequence[str]) -> argparse.Namespace:
+    """Parses the arguments; ends the process with a suggestion for a mistyped word."""
+    parser, commands = _parser(given)
+    if given and not given[0].startswith("-") and given[0] not in commands:
+        hint = did_you_mean(given[0], commands) or f" There are {', '.join(commands)}."
+        parser.error(f"there is no command {given[0]!r}.{hint}")
+    options, unknown = parser.parse_known_args(given)
+    if unknown:
+        command = commands[options.command]
+        known = command._option_string_actions
+        hint = did_you_mean(unknown[0].partition("=")[0], known)
+        command.error(f"unrecognized arguments: {' '.join(unknown)}.{hint}")
+    return options
 
 
 def _check_files_read(options: argparse.Namespace) -> None:
@@ -82,6 +101,25 @@ def _check_files_read(options: argparse.Namespace) -> None:
             raise AtlasError(f"{path}: there is no such file")
 
 
+def _scenario(path: Path) -> Scenario:
+    """Reads a scenario, and says so if the file is a campaign.
+
+    Raises:
+        ScenarioError: If the file is not a valid scenario.
+    """
+    from atlas_drake.scenario import load_scenario
+
+    try:
+        return load_scenario(path)
+    except ScenarioError as error:
+        from atlas_drake.campaigns.reading import is_campaign
+
+        if error.field == "file" or not is_campaign(path):
+            raise
+        problem = f"{path} is a campaign: use `atlas-drake sweep {path}`"
+        raise ScenarioError(error.field, error.value, problem) from None
+
+
 def _demo(options: argparse.Namespace) -> int:
     from atlas_drake.app.run import run_scenario
     from atlas_drake.scenario import Scenario
@@ -97,18 +135,17 @@ def _demo(options: argparse.Namespace) -> int:
 
 def _run(options: argparse.Namespace) -> int:
     from atlas_drake.app.run import run_scenario
-    from atlas_drake.scenario import load_scenario
 
-    return run_scenario(load_scenario(options.scenario), options)
+    return run_scenario(_scenario(options.scenario), options)
 
 
 def _script(options: argparse.Namespace) -> int:
     from atlas_drake.app.script import run_script
-    from atlas_drake.scenario import Scenario, load_scenario
+    from atlas_drake.scenario import Scenario
 
     scenario = Scenario(name=options.file.stem)
     if options.scenario is not None:
-        scenario = load_scenario(options.scenario)
+        scenario = _scenario(options.scenario)
     return run_script(scenario, options)
 
 
@@ -126,11 +163,11 @@ def _replay(options: argparse.Namespace) -> int:
 
 def _teleop(options: argparse.Namespace) -> int:
     from atlas_drake.app.teleop import run_teleop
-    from atlas_drake.scenario import Scenario, load_scenario
+    from atlas_drake.scenario import Scenario
 
     scenario = Scenario(name="teleop")
     if options.scenario is not None:
-        scenario = load_scenario(options.scenario)
+        scenario = _scenario(options.scenario)
     return run_teleop(scenario, options)
 
 
@@ -164,7 +201,10 @@ def _diagram(options: argparse.Namespace) -> int:
     return exit_status.OK
 
 
-def _parser(given: Sequence[str]) -> argparse.ArgumentParser:
+def _parser(
+    given: Sequence[str],
+) -> tuple[argparse.ArgumentParser, dict[str, argparse.ArgumentParser]]:
+    """Returns the parser, and the parsers of the commands by their names."""
     told = ""
     if {"-h", "--help"} & set(given) and {"demo", "run", "script", "teleop"} & set(
         given
@@ -327,7 +367,7 @@ def _parser(given: Sequence[str]) -> argparse.ArgumentParser:
         help="do not open the picture where there is a desktop",
     )
     diagram.set_defaults(run=_diagram, reads=())
-    return parser
+    return parser, commands.choices
 
 
 class _Version(argparse.Action):

@@ -25,13 +25,13 @@ from atlas_drake.app.progress import Progress, StatusLine, TrialProgress
 from atlas_drake.app.viewer import interactive, keep_serving
 from atlas_drake.campaigns import Campaign, CampaignError, Shard, load_campaign
 from atlas_drake.campaigns.comparison import compare
-from atlas_drake.campaigns.folder import CampaignFolder, merge, same_result
+from atlas_drake.campaigns.folder import CampaignFolder, as_kept, merge, same_result
+from atlas_drake.campaigns.packages import check_packages
 from atlas_drake.campaigns.performer import Performer
 from atlas_drake.campaigns.plan import make_trial, number_of_trials, scenario_of
 from atlas_drake.campaigns.results import write_results
 from atlas_drake.campaigns.runner import run_campaign
 from atlas_drake.campaigns.sources import Sources, joined
-from atlas_drake.campaigns.table import check_pyarrow
 from atlas_drake.campaigns.threshold import level_of
 from atlas_drake.errors import shown
 from atlas_drake.logs.formats import check_format
@@ -61,7 +61,7 @@ def sweep(options: argparse.Namespace) -> int:
             raise CampaignError(
                 f"--{name}", True, "is for one trial: name it by --only"
             )
-    check_pyarrow()
+    check_packages()
     progress = TrialProgress(sys.stdout)
     try:
         with progress:
@@ -93,7 +93,7 @@ def sweep(options: argparse.Namespace) -> int:
         )
     if kept != exit_status.OK:
         return kept
-    if campaign.goal is None:
+    if campaign.goal is None or not records:
         return exit_status.FAILED if raised else exit_status.OK
     share = sum(record["success"] for record in records.values()) / len(records)
     met = share >= campaign.goal
@@ -217,11 +217,12 @@ def _one_trial(
                 kept = keep_video(options.video, sim.close_video, progress)
             if options.log is not None:
                 kept = keep(options.log, sim.close, progress) and kept
-    for name, value in judged["figures"].items():
+    drawn = {"trial": trial.number, "seed": trial.seed, "values": trial.values}
+    record = as_kept(drawn | judged)
+    for name, value in record["figures"].items():
         progress.say(f"{name:20} {value}")
-    progress.say("Success." if judged["success"] else f"Failed: {_why(judged)}.")
-    record = {"trial": trial.number, "seed": trial.seed, "values": trial.values}
-    _compare_with_folder(folder, record | judged, progress)
+    progress.say("Success." if record["success"] else f"Failed: {_why(record)}.")
+    _compare_with_folder(folder, record, progress)
     if not kept:
         return exit_status.OUTPUT_LOST
     if options.view and interactive():

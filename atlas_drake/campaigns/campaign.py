@@ -5,6 +5,7 @@ One dataclass, one comment per field. How one is read from YAML is in ``reading`
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -25,23 +26,23 @@ PARAMETERS = "parameters."
 
 @dataclass
 class Threshold:
-    """A search for the largest value that the robot bears."""
+    """A search for the largest value under which the robot still succeeds."""
 
     of: str = ""
     """Path of that value, such as ``pushes[0].impulse``."""
     least: float = 0.0
-    """Taken to be borne, without a trial."""
+    """Smallest value; assumed to be borne, and not tried."""
     most: float = 100.0
     """Largest value tried."""
     within: float = 10.0
-    """Distance of the values tried, counted from ``least``."""
+    """Distance between the values tried, from ``least`` up."""
     replicas: int = 5
     """Trials of each value, with seeds that are the same for all values."""
     passes: int = 4
-    """Of them as many must succeed."""
+    """Number of replicas that must succeed."""
     search: str = "bisect"
-    """Halves the interval, or climbs from ``least`` until a value is not borne; one of
-    SEARCHES."""
+    """Order of the values: ``bisect`` halves the interval, ``climb`` goes up from
+    ``least`` until a value is not borne."""
 
     def validate(self) -> None:
         """Checks every field.
@@ -52,7 +53,11 @@ class Threshold:
         for name, good, wanted in (
             ("of", bool(self.of), "the path of a value"),
             ("most", self.most > self.least, f"above least ({self.least:g})"),
-            ("within", self.within > 0.0, "a positive number"),
+            (
+                "within",
+                self.within > 0.0 and self.levels >= 1,
+                f"above 0, and at most most - least ({self.most - self.least:g})",
+            ),
             ("replicas", self.replicas >= 1, "1 or more"),
             ("passes", 1 <= self.passes <= self.replicas, "from 1 to replicas"),
             ("search", self.search in SEARCHES, f"one of {', '.join(SEARCHES)}"),
@@ -68,13 +73,13 @@ class Threshold:
         return int((self.most - self.least) / self.within + 1e-9)
 
     def value(self, level: int) -> float:
-        """The value at a place of the grid; 0 is ``least``."""
+        """Returns the value at a place of the grid; 0 is ``least``."""
         return self.least + level * self.within
 
 
 @dataclass
 class Campaign:
-    """Many runs of one scenario, each drawn from a seed of its own."""
+    """Many runs of one scenario, each with its own seed."""
 
     name: str = "campaign"
     """Shown to the user."""
@@ -83,37 +88,39 @@ class Campaign:
     code: list[str] = field(default_factory=list)
     """Python files with functions and parts of one's own, as ``--with`` takes them."""
     trial: str = "run"
-    """What is done in a trial: ``run`` simulates the scenario's duration; or a function
-    (sim, parameters) -> figures of one's own, by its name in ``code`` or as
+    """Function that runs a trial: ``run`` simulates the scenario's duration; a user's
+    function (sim, parameters) -> figures has its name in ``code``, or is given as
     ``module:function``."""
     parameters: dict[str, Any] = field(default_factory=dict)
-    """For that function."""
+    """Parameters of the trial function."""
     vary: dict[str, Any] = field(default_factory=dict)
     """Distributions by path, such as ``pushes[0].impulse: {uniform: [10, 60]}``. Paths
     are those of ``--set``; ``parameters.NAME`` is for the trial function."""
     cases: dict[str, list[Any]] = field(default_factory=dict)
-    """Values by path; every combination of them runs with the same seeds."""
+    """Values by path; every combination runs with the same seeds."""
     metrics: list[str] = field(default_factory=lambda: list(METRICS_BY_DEFAULT))
-    """What is measured: names of ``metrics.METRICS``, or functions (sim) -> figures of
-    one's own, by their names in ``code`` or as ``module:function``."""
+    """Functions that measure a trial: names of ``metrics.METRICS``, or a user's
+    functions (sim) -> figures, named as in ``trial``."""
     success: list[str] = field(default_factory=lambda: ["success"])
     """Conditions on the figures, all of which must hold: ``NAME``, or such as
     ``landing_max_m <= 0.02``."""
     trials: int = 100
-    """How many there are, of each case; without meaning for a threshold."""
+    """Number of trials of each case; unused with a threshold."""
     seed: int = 0
-    """Of the campaign."""
+    """Seed of the campaign."""
     seeds: str = "spread"
-    """How the seeds of the trials follow from it: spread over all numbers, or counted
-    up from it; one of SEEDS."""
+    """Seeds of the trials: ``spread`` over all numbers, or ``counted`` up from the
+    campaign's."""
     fresh: bool = False
-    """Builds the simulation anew for each trial also where a restart would do: for
-    controllers that keep state outside Drake's Context."""
+    """Builds the simulation anew for each trial: for controllers that keep state
+    outside Drake's Context."""
+    trial_timeout: float = 0.0
+    """Wall time after which a trial is ended and has failed [s]; 0 for no limit."""
     threshold: Threshold | None = None
-    """Searches for the largest value that is borne, in place of independent trials."""
+    """Search for the largest value that is borne, in place of independent trials."""
     goal: float | None = None
-    """Smallest share of successes with which the command ends with status 0; null for
-    none."""
+    """Smallest share of successes for which the command ends with status 0; null for no
+    goal."""
 
     def validate(self) -> Campaign:
         """Checks every field but the names of functions.
@@ -134,6 +141,11 @@ class Campaign:
         for name, good, wanted in (
             ("seeds", self.seeds in SEEDS, f"one of {', '.join(SEEDS)}"),
             ("trials", self.trials >= 1, "1 or more"),
+            (
+                "trial_timeout",
+                0.0 <= self.trial_timeout < math.inf,
+                "a number from 0 up",
+            ),
             ("goal", self.goal is None or 0.0 <= self.goal <= 1.0, "from 0 to 1"),
         ):
             if not good:
@@ -157,7 +169,7 @@ class Campaign:
         return self
 
     def _try(self, path: str, value: Any, where: str) -> None:
-        """Finds out whether a field takes such a value."""
+        """Checks that a field accepts a value like this one."""
         if path == "seed":
             raise CampaignError(where, value, "is of each trial's own; vary another")
         if path.startswith(PARAMETERS):

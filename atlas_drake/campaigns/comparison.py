@@ -1,4 +1,4 @@
-"""Two configurations compared on the same seeds, trial by trial."""
+"""Compares two configurations on the same seeds, trial by trial."""
 
 from __future__ import annotations
 
@@ -9,25 +9,35 @@ import numpy as np
 
 from atlas_drake.campaigns.errors import CampaignError
 from atlas_drake.campaigns.intervals import mcnemar, mean_interval
-from atlas_drake.campaigns.report import figure_names, markdown, share_text
+from atlas_drake.campaigns.packages import check_packages
+from atlas_drake.campaigns.report import (
+    figure_names,
+    is_number,
+    markdown,
+    share_text,
+)
 
-Records = Mapping[int, Mapping[str, Any]]
+Record = Mapping[str, Any]
+Pairs = list[tuple[Record, Record]]
 
 
-def compare(first: Records, second: Records, names: tuple[str, str]) -> str:
-    """What differs, as Markdown.
+def compare(
+    first: Mapping[int, Record], second: Mapping[int, Record], names: tuple[str, str]
+) -> str:
+    """Returns the differences of two campaigns as Markdown.
 
-    Trials belong together that have the same number; those that only one has are left
-    out.
+    Trials with the same number make a pair; trials without a partner are left out.
 
     Args:
-        first: Results of one configuration.
-        second: Of the other.
-        names: Of the two, for the table.
+        first: Records of one campaign by the number of their trial.
+        second: Records of the other campaign.
+        names: Names of the campaigns in the tables.
 
     Raises:
-        CampaignError: If no trials belong together, or their seeds differ.
+        CampaignError: If there is no pair, the seeds of a pair differ, or a package of
+            the extra ``sweep`` is not installed.
     """
+    check_packages()
     numbers = sorted(set(first) & set(second))
     if not numbers:
         raise CampaignError("folder", names[1], "the two have no trial in common")
@@ -37,15 +47,11 @@ def compare(first: Records, second: Records, names: tuple[str, str]) -> str:
             problem = f"trial {number} has the seed {other}, and {one} in {names[0]}"
             raise CampaignError("folder", names[1], f"{problem}: nothing is paired")
     pairs = [(first[number], second[number]) for number in numbers]
-    parts = [f"# {names[0]} and {names[1]}: {len(pairs)} paired trials"]
-    return (
-        "\n\n".join([*parts, _successes(pairs, names), _figures(pairs, names)]) + "\n"
-    )
+    title = f"# {names[0]} and {names[1]}: {len(pairs)} paired trials"
+    return "\n\n".join([title, _successes(pairs, names), _figures(pairs, names)]) + "\n"
 
 
-def _successes(
-    pairs: list[tuple[Mapping[str, Any], Mapping[str, Any]]], names: tuple[str, str]
-) -> str:
+def _successes(pairs: Pairs, names: tuple[str, str]) -> str:
     counts = [sum(pair[side]["success"] for pair in pairs) for side in (0, 1)]
     table = markdown(
         ["", "successes", "share, with its interval of 95 %"],
@@ -54,33 +60,34 @@ def _successes(
             for name, count in zip(names, counts, strict=True)
         ],
     )
-    only = [sum(a["success"] > b["success"] for a, b in pairs)]
-    only.append(sum(b["success"] > a["success"] for a, b in pairs))
+    only_first = sum(a["success"] > b["success"] for a, b in pairs)
+    only_second = sum(b["success"] > a["success"] for a, b in pairs)
     text = (
-        f"Only {names[0]} succeeded in {only[0]}, only {names[1]} in {only[1]}: "
-        f"p = {mcnemar(*only):.3g} (McNemar's exact test)."
+        f"Only {names[0]} succeeded in {only_first}, only {names[1]} in {only_second}: "
+        f"p = {mcnemar(only_first, only_second):.3g} (McNemar's exact test)."
     )
     return f"{table}\n\n{text}"
 
 
-def _figures(
-    pairs: list[tuple[Mapping[str, Any], Mapping[str, Any]]], names: tuple[str, str]
-) -> str:
+def _figures(pairs: Pairs, names: tuple[str, str]) -> str:
+    """Returns the table of means and paired differences, of pairs with both numbers."""
     table = []
     for name in figure_names([a for a, _ in pairs]):
         values = [(a["figures"].get(name), b["figures"].get(name)) for a, b in pairs]
-        both = np.array([v for v in values if None not in v], dtype=float)
+        both = np.array([v for v in values if all(map(is_number, v))], dtype=float)
         if not len(both):
             continue
-        differences = both[:, 1] - both[:, 0]
-        low, high = mean_interval(differences.tolist())
-        means = both.mean(axis=0)
+        means, differences = both.mean(axis=0), both[:, 1] - both[:, 0]
+        interval = mean_interval(differences.tolist())
+        spread = "one pair only"
+        if interval is not None:
+            spread = f"{interval[0]:+.3g} to {interval[1]:+.3g}"
         table.append(
             [
                 name,
                 f"{means[0]:.4g}",
                 f"{means[1]:.4g}",
-                f"{differences.mean():+.3g} ({low:+.3g} to {high:+.3g})",
+                f"{differences.mean():+.3g} ({spread})",
             ]
         )
     head = ["mean of", *names, "paired difference, with its interval of 95 %"]

@@ -14,7 +14,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from atlas_drake.campaigns.campaign import Campaign
-from atlas_drake.campaigns.intervals import wilson
+from atlas_drake.campaigns.intervals import share_interval
 from atlas_drake.campaigns.plan import case_list
 from atlas_drake.campaigns.report import (
     figure_names,
@@ -26,7 +26,10 @@ from atlas_drake.whole_file import whole_file
 
 Records = Mapping[int, Mapping[str, Any]]
 BINS, SECTORS = 8, 12
-"""In which trials are put together by a value, and by a direction."""
+"""Numbers of groups of trials, by a value and by a direction."""
+HISTOGRAM_BINS = 20
+RELATIVE_WIDTH = 1e-9
+"""Least width of a histogram, as a share of its values [-]."""
 DPI = 110
 GOOD, BAD, QUIET = "#2a7f62", "#c0392b", "#5b6770"
 """Colors of successes, of failures, and of what is neither."""
@@ -35,12 +38,12 @@ DIRECTION = ("direction", ".direction")
 
 
 def write_figures(campaign: Campaign, records: Records, folder: Path) -> list[Path]:
-    """Draws what the results have something to show of.
+    """Draws every picture for which the results have numbers.
 
     Args:
-        campaign: Whose results.
-        records: The results.
-        folder: Where to.
+        campaign: The campaign.
+        records: Records by the number of their trial.
+        folder: Folder of the pictures.
 
     Returns:
         Paths of the pictures.
@@ -76,7 +79,7 @@ def _numbers(rows: list[Mapping[str, Any]], path: str) -> np.ndarray:
 
 
 def _grid(count: int, across: int = 3) -> tuple[Figure, list[Any]]:
-    """A figure with so many axes."""
+    """Makes a figure with ``count`` axes."""
     across = min(count, across)
     down = -(-count // across)
     figure = Figure(figsize=(4.2 * across, 3.1 * down + 0.3), layout="constrained")
@@ -88,7 +91,7 @@ def _grid(count: int, across: int = 3) -> tuple[Figure, list[Any]]:
 
 
 def _by_value(rows: list[Mapping[str, Any]], paths: list[str]) -> Figure:
-    """Share of successes over each value, with Wilson's intervals."""
+    """Draws the share of successes over each value, with Wilson's intervals."""
     figure, all_axes = _grid(len(paths))
     success = np.array([row["success"] for row in rows], dtype=bool)
     for axes, path in zip(all_axes, paths, strict=True):
@@ -104,9 +107,8 @@ def _by_value(rows: list[Mapping[str, Any]], paths: list[str]) -> Figure:
         groups = [(x, mine) for x, mine in groups if mine.any()]
         x = np.array([x for x, _ in groups])
         share = np.array([success[mine].mean() for _, mine in groups])
-        ends = np.array(
-            [wilson(int(success[mine].sum()), int(mine.sum())) for _, mine in groups]
-        )
+        counts = [(int(success[mine].sum()), int(mine.sum())) for _, mine in groups]
+        ends = np.array([share_interval(*count) for count in counts])
         error = np.abs(ends.T - share)
         axes.errorbar(x, share, error, fmt="o-", color=GOOD, ecolor=QUIET, capsize=3)
         axes.set_xlabel(path, fontsize=9)
@@ -117,7 +119,7 @@ def _by_value(rows: list[Mapping[str, Any]], paths: list[str]) -> Figure:
 
 
 def _by_direction(campaign: Campaign, records: Records, path: str) -> Figure:
-    """Polar plots: share of successes by sector; trials by size; thresholds."""
+    """Draws polar plots: successes by sector; trials by size, or thresholds."""
     figure = Figure(figsize=(9.0, 4.4), layout="constrained")
     FigureCanvasAgg(figure)
     rows = list(records.values())
@@ -129,7 +131,7 @@ def _by_direction(campaign: Campaign, records: Records, path: str) -> Figure:
     for index in range(SECTORS):
         mine = sector == index
         if mine.any():
-            low, high = wilson(int(success[mine].sum()), int(mine.sum()))
+            low, high = share_interval(int(success[mine].sum()), int(mine.sum()))
             middle = index * width
             left.bar(middle, success[mine].mean(), 0.9 * width, color=GOOD, alpha=0.6)
             left.plot([middle, middle], [low, high], color=QUIET)
@@ -173,7 +175,7 @@ def _draw_thresholds(
 
 
 def _distributions(rows: list[Mapping[str, Any]]) -> Figure:
-    """A histogram of each figure, of successes and of failures."""
+    """Draws a histogram of each figure, of successes and of failures."""
     names = figure_names(rows)
     figure, all_axes = _grid(len(names), 4)
     for axes, name in zip(all_axes, names, strict=True):
@@ -181,7 +183,16 @@ def _distributions(rows: list[Mapping[str, Any]]) -> Figure:
             figure_values([row for row in rows if row["success"] == wanted], name)
             for wanted in (True, False)
         )
-        axes.hist([good, bad], bins=20, stacked=True, color=[GOOD, BAD])
+        edges = _edges([*good, *bad])
+        axes.hist([good, bad], bins=edges, stacked=True, color=[GOOD, BAD])
         axes.set_title(name, fontsize=9, loc="left")
         axes.tick_params(labelsize=8)
     return figure
+
+
+def _edges(values: list[float]) -> np.ndarray:
+    """Returns edges of bins that differ even if the values hardly do."""
+    low, high = min(values), max(values)
+    width = max(high - low, RELATIVE_WIDTH * max(abs(low), abs(high))) or 1.0
+    middle = low + 0.5 * (high - low)
+    return np.linspace(middle - 0.5 * width, middle + 0.5 * width, HISTOGRAM_BINS + 1)

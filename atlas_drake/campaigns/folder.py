@@ -1,7 +1,7 @@
-"""The folder of a campaign: what it is, and one file for each trial that was done.
+"""The folder of a campaign: its description, and one file for each finished trial.
 
-Every file is whole or not there, so that a campaign that was killed goes on where it
-was. What is made of all results together is in ``table``.
+Files are written whole or not at all, so that a campaign that was killed continues
+where it stopped. The table of all results is in ``table``.
 """
 
 from __future__ import annotations
@@ -30,11 +30,21 @@ from atlas_drake.whole_file import whole_file
 
 CAMPAIGN, TRIALS = "campaign.yaml", "trials"
 """Names in the folder."""
-FREE = ("name", "trials", "goal", "code")
-"""Fields of a campaign that may differ when it goes on: they change no result. Of
-``code`` the content counts, wherever it lies."""
+FREE = ("name", "trials", "trial_timeout", "goal", "code")
+"""Fields of a campaign that may change when it continues, because they change no
+result. For ``code`` the contents of the files are compared, and not their paths."""
 HASHED = (".py", ".yaml", ".urdf")
-"""Endings of the package's files that decide about results."""
+"""Endings of the package's files that results depend on."""
+FIELDS: dict[str, Any] = {
+    "trial": int,
+    "seed": int,
+    "values": dict,
+    "success": bool,
+    "missed": list,
+    "figures": dict,
+    "error": str | None,
+}
+"""Types of the fields of every record."""
 _NAME = re.compile(r"(\d+)\.json")
 
 
@@ -50,10 +60,10 @@ class CampaignFolder:
         self.path = path
 
     def begin(self, campaign: Campaign, sources: Sources) -> None:
-        """Makes the folder, or checks that it is of the same campaign.
+        """Makes the folder, or checks that it belongs to the same campaign.
 
         Raises:
-            CampaignError: If it is of another one, or cannot be written.
+            CampaignError: If it belongs to another one, or cannot be written.
         """
         text = _description(campaign, sources)
         try:
@@ -78,7 +88,7 @@ class CampaignFolder:
             )
 
     def campaign(self) -> Campaign:
-        """The campaign whose results are here.
+        """Reads the campaign whose results are here.
 
         Raises:
             CampaignError: If there are none.
@@ -101,19 +111,19 @@ class CampaignFolder:
         return found
 
     def file_of(self, number: int) -> Path:
-        """The file of a trial's record."""
+        """Returns the path of a trial's record."""
         return self.path / TRIALS / f"{number:06d}.json"
 
     def write(self, record: Mapping[str, Any]) -> None:
-        """Keeps the record of a trial."""
+        """Writes the record of a trial."""
         with whole_file(self.file_of(record["trial"])) as unfinished:
-            unfinished.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
+            unfinished.write_bytes(_as_json(record))
 
     def records(self) -> dict[int, dict[str, Any]]:
-        """Every record that is here, by the number of its trial.
+        """Reads every record, by the number of its trial.
 
         Raises:
-            CampaignError: If a file cannot be read.
+            CampaignError: If a file is not a trial's record.
         """
         found = {}
         folder = self.path / TRIALS
@@ -121,19 +131,25 @@ class CampaignFolder:
             name = _NAME.fullmatch(file.name)
             if name is None:
                 continue
+            number = int(name[1])
             try:
-                found[int(name[1])] = json.loads(file.read_text(encoding="utf-8"))
+                record = json.loads(file.read_text(encoding="utf-8"))
+                _check_record(record, number)
             except (OSError, ValueError) as error:
-                problem = f"{file} cannot be read: {error}"
+                problem = (
+                    f"{file} is not the record of trial {number}: {error}; delete it, "
+                    "and `atlas-drake sweep` runs the trial again"
+                )
                 raise CampaignError("folder", str(self.path), problem) from error
+            found[number] = record
         return found
 
     @contextmanager
     def only_one(self, shard: str) -> Iterator[None]:
-        """Keeps a second program from doing the same shard's trials meanwhile.
+        """Locks a shard, so that no second program runs its trials meanwhile.
 
         Raises:
-            CampaignError: If one does.
+            CampaignError: If another program has locked it.
         """
         with (self.path / f".running-{shard}").open("w") as file:
             try:
@@ -181,8 +197,37 @@ def merge(target: CampaignFolder, sources: list[CampaignFolder]) -> int:
     return copied
 
 
+def as_kept(record: Mapping[str, Any]) -> dict[str, Any]:
+    """Returns the record as ``records`` reads it after ``write``."""
+    kept: dict[str, Any] = json.loads(_as_json(record))
+    return kept
+
+
+def _check_record(record: object, number: int) -> None:
+    """Checks the fields of a record that was read.
+
+    Raises:
+        ValueError: If it is not the record of this trial.
+    """
+    if not isinstance(record, dict):
+        raise ValueError(f"it is {shown(record)}")
+    for name, kind in FIELDS.items():
+        if name not in record:
+            raise ValueError(f"it has no {name}")
+        if not isinstance(record[name], kind):
+            raise ValueError(f"its {name} is {shown(record[name])}")
+    if record["trial"] != number:
+        raise ValueError(f"its trial is {record['trial']}")
+
+
+def _as_json(record: Mapping[str, Any]) -> bytes:
+    """Converts to JSON, with ``?`` for a lone surrogate, which no file can hold."""
+    text = json.dumps(record, indent=1, ensure_ascii=False, default=str)
+    return f"{text}\n".encode(errors="replace")
+
+
 def same_result(record: Mapping[str, Any]) -> dict[str, Any]:
-    """What of a record is the same whenever and wherever the trial is done."""
+    """Returns the part of a record that is the same on every machine."""
     figures = {k: v for k, v in record["figures"].items() if not k.startswith("tick_")}
     kept = {k: v for k, v in record.items() if k != "machine"}
     return {**kept, "figures": figures}
@@ -199,7 +244,7 @@ def _description(campaign: Campaign, sources: Sources) -> str:
 
 @functools.cache
 def _fingerprint() -> str:
-    """Of this package's code and robots: with others the results may be others."""
+    """Hash of code and models; results are comparable only for equal hashes."""
     digest = hashlib.sha256()
     files = []
     for folder, _, names in os.walk(
@@ -212,7 +257,7 @@ def _fingerprint() -> str:
 
 
 def _difference(before: Any, now: Any) -> tuple[str, Any, Any] | None:
-    """Path of the first difference that matters, and what is there."""
+    """Returns path and both values of the first difference that matters, or None."""
     one, other = (
         {**found, "campaign": {k: v for k, v in fields.items() if k not in FREE}}
         for found, fields in ((before, before["campaign"]), (now, now["campaign"]))

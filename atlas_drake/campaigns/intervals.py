@@ -1,59 +1,48 @@
-"""Confidence intervals and tests for shares and paired differences."""
+"""Confidence intervals and tests for shares and paired differences, by scipy.
+
+Needs ``scipy``, which is imported on the first call: it takes a second to load.
+"""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
-import numpy as np
-
-Z_95 = 1.959963984540054
-"""Quantile of the normal distribution for intervals of 95 % [-]."""
-RESAMPLES = 2000
-"""Of a bootstrap."""
+LEVEL = 0.95
+"""Confidence level of every interval [-]."""
 
 
-def wilson(successes: int, trials: int, z: float = Z_95) -> tuple[float, float]:
-    """Interval for a probability: Wilson's score interval.
-
-    E. B. Wilson, "Probable inference, the law of succession, and statistical
-    inference", JASA 22 (1927), without continuity correction.
+def share_interval(successes: int, trials: int) -> tuple[float, float]:
+    """Returns Wilson's score interval of a probability.
 
     Args:
         successes: Number of successes.
-        trials: Number of trials; with none the interval is all of [0, 1].
-        z: Quantile of the normal distribution.
+        trials: Number of trials, 1 or more.
     """
-    if trials == 0:
-        return 0.0, 1.0
-    share, spread = successes / trials, z * z / trials
-    middle = (share + 0.5 * spread) / (1.0 + spread)
-    half = z * math.sqrt(share * (1.0 - share) / trials + 0.25 * spread / trials)
-    half /= 1.0 + spread
-    low = 0.0 if successes == 0 else max(0.0, middle - half)
-    high = 1.0 if successes == trials else min(1.0, middle + half)
-    return low, high
+    from scipy.stats import binomtest
+
+    interval = binomtest(successes, trials).proportion_ci(LEVEL, method="wilson")
+    return float(interval.low), float(interval.high)
 
 
 def mcnemar(only_first: int, only_second: int) -> float:
-    """Exact two-sided p-value that two paired success rates are the same.
+    """Returns McNemar's exact two-sided p-value that two success rates are equal.
 
     Args:
-        only_first: Pairs of which only the first succeeded.
-        only_second: Pairs of which only the second did.
+        only_first: Number of pairs of which only the first succeeded.
+        only_second: Number of pairs of which only the second succeeded.
     """
-    n, k = only_first + only_second, min(only_first, only_second)
-    tail = sum(math.comb(n, i) for i in range(k + 1))
-    return min(1.0, 2.0 * tail / 2**n)
+    from scipy.stats import binomtest
+
+    discordant = only_first + only_second
+    return float(binomtest(only_first, discordant).pvalue) if discordant else 1.0
 
 
-def mean_interval(differences: Sequence[float]) -> tuple[float, float]:
-    """Interval of 95 % for the mean of paired differences, by percentile bootstrap.
+def mean_interval(values: Sequence[float]) -> tuple[float, float] | None:
+    """Returns Student's t interval of a mean; None for fewer than two values."""
+    from scipy.stats import sem, t
 
-    The resamples are always the same, so that a table is, too.
-    """
-    values = np.asarray(differences, dtype=float)
-    random = np.random.default_rng(0)
-    picks = random.integers(len(values), size=(RESAMPLES, len(values)))
-    low, high = np.percentile(values[picks].mean(axis=1), [2.5, 97.5])
-    return float(low), float(high)
+    if len(values) < 2:
+        return None
+    mean = sum(values) / len(values)
+    half = t.ppf(0.5 + 0.5 * LEVEL, len(values) - 1) * sem(values)
+    return float(mean - half), float(mean + half)

@@ -1,20 +1,19 @@
-"""Does trials, one after the other, in one process.
+"""Runs trials, one after the other, in one process.
 
-It keeps the simulations that it has built: where two trials differ in nothing that is
-built in, the second restarts the simulation of the first, which gives the same result
-bit for bit. Which fields are not built in: ``simulation.restart.OF_A_RUN``.
+The simulations stay built: if two trials differ only in the fields that
+``simulation.restart.OF_A_RUN`` names, the second restarts the simulation of the first,
+with the same result bit for bit.
 """
 
 from __future__ import annotations
 
 import gc
 import logging
+import math
 import time
 import traceback
 from collections.abc import Mapping
 from typing import Any
-
-import numpy as np
 
 from atlas_drake.campaigns.campaign import Campaign
 from atlas_drake.campaigns.conditions import unmet
@@ -24,18 +23,18 @@ from atlas_drake.campaigns.shipped_trials import TRIALS
 from atlas_drake.campaigns.sources import Sources
 from atlas_drake.errors import shown
 from atlas_drake.kinds import as_plain, typed
-from atlas_drake.numeric import is_number, plain_number
+from atlas_drake.numeric import as_float, is_number, plain_number
 from atlas_drake.robot import load_robot
 from atlas_drake.scenario import Scenario
 from atlas_drake.simulation import AtlasSimulation
 from atlas_drake.simulation.restart import built_in_difference
 
 KEPT = 4
-"""Simulations that a process keeps, such as one for each robot of a campaign."""
+"""Number of simulations that a process keeps, such as one for each robot."""
 
 
 class Performer:
-    """Does the trials of one campaign; can be sent to another process."""
+    """Runs the trials of one campaign; can be pickled."""
 
     def __init__(self, campaign: Campaign, sources: Sources) -> None:
         """Finds the functions.
@@ -56,8 +55,8 @@ class Performer:
         self._kept: list[tuple[Scenario, AtlasSimulation]] = []
 
     def __getstate__(self) -> dict[str, Any]:
-        """Leaves functions and simulations to the process that gets it."""
-        # Drake's configurations cannot be sent.
+        """Leaves out functions and simulations; the other process makes its own."""
+        # Drake's configurations cannot be pickled.
         return {"campaign": as_plain(self._campaign), "sources": self._sources}
 
     def __setstate__(self, state: Mapping[str, Any]) -> None:
@@ -66,10 +65,10 @@ class Performer:
         self._find_functions()
 
     def __call__(self, trial: Trial) -> dict[str, Any]:
-        """Does a trial.
+        """Runs a trial.
 
         Returns:
-            Its record, ready for JSON; an error in the trial is part of it.
+            The trial's record, ready for JSON, with the error if one was raised.
         """
         begin = time.perf_counter()
         record: dict[str, Any] = {
@@ -81,8 +80,8 @@ class Performer:
         try:
             sim = self._simulation(scenario_of(self._campaign, trial))
             record |= self.judged(sim, trial)
-        except Exception:
-            # What an error left of a simulation is not fit for another trial.
+        except BaseException:  # SystemExit, too, ends the trial and not the process.
+            # After an error the state of a simulation is unknown.
             self._kept.clear()
             gc.collect()
             record |= failed(traceback.format_exc())
@@ -93,7 +92,7 @@ class Performer:
         return record
 
     def judged(self, sim: AtlasSimulation, trial: Trial) -> dict[str, Any]:
-        """Does a trial in a simulation that has just begun; success and figures."""
+        """Runs a trial in a simulation at its start; returns success and figures."""
         parameters = parameters_of(self._campaign, trial)
         figures = _plain(self._trial(sim, parameters), self._campaign.trial)
         for name, metric in zip(self._campaign.metrics, self._metrics, strict=True):
@@ -110,11 +109,11 @@ class Performer:
         }
 
     def simulation(self, trial: Trial, **arguments: Any) -> AtlasSimulation:
-        """A simulation of a trial, with more arguments such as ``log``."""
+        """Builds the simulation of a trial, with more arguments such as ``log``."""
         return self._build(scenario_of(self._campaign, trial), **arguments)
 
     def _simulation(self, scenario: Scenario) -> AtlasSimulation:
-        """A kept simulation that is restarted, or else a new one."""
+        """Restarts a kept simulation, or builds a new one."""
         if not self._campaign.fresh:
             for place, (known, sim) in enumerate(self._kept):
                 if built_in_difference(known, scenario) is None:
@@ -147,21 +146,21 @@ class Performer:
 
 
 def failed(why: str) -> dict[str, Any]:
-    """What the record of a trial says that did not come to its end."""
+    """Returns the result of a trial that an error ended."""
     return {"success": False, "missed": [], "figures": {}, "error": why}
 
 
 def quiet() -> None:
-    """Keeps out of the way what each of a thousand runs would say."""
+    """Silences per-trial log output."""
     logging.getLogger("atlas_drake").propagate = False
     logging.getLogger("drake").setLevel(logging.ERROR)
 
 
 def _plain(given: object, name: str) -> Figures:
-    """Figures as plain values; numbers that are not finite are none.
+    """Converts figures to plain values, and infinity and NaN to None.
 
     Raises:
-        TypeError: If a function of the user's returns something else.
+        TypeError: If a user's function returns anything but figures.
     """
     if given is None:
         return {}
@@ -172,7 +171,8 @@ def _plain(given: object, name: str) -> Figures:
         if not isinstance(key, str):
             raise TypeError(f"{name}: the name of a figure is {shown(key)}")
         plain = plain_number(value)
-        if is_number(plain) and not np.isfinite(float(plain)):
+        number = as_float(plain)
+        if number is not None and not math.isfinite(number):
             plain = None
         if not (plain is None or is_number(plain) or isinstance(plain, bool | str)):
             raise TypeError(

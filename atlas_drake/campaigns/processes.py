@@ -1,39 +1,43 @@
-"""A function called with many items in processes of their own, a few at a time.
+"""Calls a function with many items in processes of their own, several at a time.
 
-Knows nothing of robots. A process serves call after call, so that the function may keep
-what is dear to make; one that dies takes no other with it, and no item.
+Knows nothing of robots. A process serves call after call, so that the function can keep
+what is expensive to make. When a process dies, no other process and no item is lost.
 """
 
 from __future__ import annotations
 
+import faulthandler
 import multiprocessing
 import os
+import pickle
 import signal
+import tempfile
 import threading
 import traceback
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass
 from multiprocessing.connection import Connection, wait
+from pathlib import Path
 from typing import Any
 
 ONE_THREAD = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
-"""Variables that keep numpy from starting threads that fight over the cores; read when
-numpy is loaded, and so set before."""
+"""Environment variables for one thread of linear algebra per process; numpy reads them
+when it loads."""
 CALLS = 2
-"""Times that an item is tried whose process dies: a second process that dies with it
-tells that the item is the reason."""
+"""Largest number of calls with one item: when a second process dies during the call,
+the item is the cause."""
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of one call.
+    """The outcome of one call.
 
     Attributes:
-        item: What the function was called with.
-        result: What it returned; None if it failed.
-        error: Why it failed, with its traceback; None if it did not.
+        item: Argument of the call.
+        result: Returned value; None if the call failed.
+        error: Reason of the failure, with its traceback; None if there was none.
     """
 
     item: Any
@@ -42,36 +46,49 @@ class Outcome:
 
 
 class _Worker:
-    """A process and the two ends of its pipe."""
+    """A process, the parent's end of its pipe, and the call that it serves.
 
-    def __init__(self, function: Callable[[Any], Any]) -> None:
+    Attributes:
+        entry: Item and number of its calls, or None if the process is idle.
+    """
+
+    def __init__(self, pickled: bytes, limit: float) -> None:
         spawn = multiprocessing.get_context("spawn")
         self.pipe, other = spawn.Pipe()
-        self.process = spawn.Process(target=_serve, args=(other, function), daemon=True)
+        number, self._path = tempfile.mkstemp(prefix="atlas_drake_")
+        self._trace = os.fdopen(number, errors="replace")
+        arguments = (other, pickled, limit, self._path)
+        self.process = spawn.Process(target=_serve, args=arguments, daemon=True)
         with _inherited():
             self.process.start()
         other.close()
-        self.entry: Any = None
+        self.entry: tuple[Any, int] | None = None
+
+    def timeout_trace(self) -> str:
+        """Returns where the dead process was at its time limit, or an empty text."""
+        return self._trace.read()
 
     def stop(self) -> None:
         """Ends the process, whatever it does."""
         self.pipe.close()
         self.process.terminate()
         self.process.join()
+        self._trace.close()
+        Path(self._path).unlink(missing_ok=True)
 
 
 class Processes:
-    """Processes that call one function; they end with ``close``."""
+    """Processes that call one function until ``close``."""
 
-    def __init__(self, function: Callable[[Any], Any], jobs: int) -> None:
-        """Starts nothing yet.
+    def __init__(self, pickled: bytes, jobs: int, limit: float = 0.0) -> None:
+        """Starts no process yet.
 
         Args:
-            function: That can be sent to a process: defined at the top level of a
-                module, or an instance of a class that is.
-            jobs: Processes at a time.
+            pickled: The function, pickled.
+            jobs: Largest number of processes.
+            limit: Wall time after which a call is ended and fails [s]; 0 for no limit.
         """
-        self._function, self._jobs = function, jobs
+        self._pickled, self._jobs, self._limit = pickled, jobs, limit
         self._workers: dict[Any, _Worker] = {}
 
     def calls(self, items: Iterable[Any]) -> Iterator[Outcome]:
@@ -91,32 +108,41 @@ class Processes:
                 return
             for pipe in wait(busy):
                 worker = self._workers[pipe]
+                assert worker.entry is not None
                 (item, calls), worker.entry = worker.entry, None
                 try:
                     result, error = worker.pipe.recv()
                 except (EOFError, OSError):
-                    del self._workers[pipe]
-                    worker.process.join()
-                    worker.stop()
-                    if calls < CALLS:
+                    result, error = None, self._bury(worker)
+                    if error is None and calls < CALLS:
                         waiting.appendleft((item, calls + 1))
                         continue
-                    code = worker.process.exitcode
-                    result, error = None, f"the process died ({code})"
-                # The next call begins before this one's outcome is dealt with.
+                    error = error or f"the process died ({worker.process.exitcode})"
+                # The next call begins before the caller handles this outcome.
                 self._give(waiting)
                 yield Outcome(item, result, error)
 
     def _give(self, waiting: deque[tuple[Any, int]]) -> None:
-        """Gives items to processes that have none, and starts more of them."""
+        """Gives items to idle processes, and starts further processes."""
         idle = [worker for worker in self._workers.values() if not worker.entry]
         while waiting and (idle or len(self._workers) < self._jobs):
             if idle:
                 worker = idle.pop()
             else:
-                worker = _Worker(self._function)
+                worker = _Worker(self._pickled, self._limit)
                 self._workers[worker.pipe] = worker
-            _send(worker, waiting.popleft())
+            worker.entry = waiting.popleft()
+            # If the process has died, ``recv`` reports it.
+            with suppress(OSError):
+                worker.pipe.send(worker.entry[0])
+
+    def _bury(self, worker: _Worker) -> str | None:
+        """Removes a dead process; returns the error if its time limit ended it."""
+        del self._workers[worker.pipe]
+        worker.process.join()
+        trace = worker.timeout_trace()
+        worker.stop()
+        return f"{trace}took longer than {self._limit:g} s" if trace else None
 
     def close(self) -> None:
         """Ends the processes, whatever they do."""
@@ -126,28 +152,29 @@ class Processes:
 
 
 def run_in_processes(
-    function: Callable[[Any], Any], items: Iterable[Any], jobs: int
+    function: Callable[[Any], Any], items: Iterable[Any], jobs: int, limit: float = 0.0
 ) -> Iterator[Outcome]:
-    """Calls a function with each item, as ``Processes`` do, and ends them."""
-    processes = Processes(function, jobs)
-    try:
+    """Calls a function with each item in ``Processes``, and ends them.
+
+    Args:
+        function: Picklable: defined at the top level of a module, or an instance of a
+            class that is.
+        items: Arguments, one per call.
+        jobs: Largest number of processes.
+        limit: Wall time after which a call is ended and fails [s]; 0 for no limit.
+
+    Yields:
+        Outcomes in the order in which the calls end.
+    """
+    with closing(Processes(pickle.dumps(function), jobs, limit)) as processes:
         yield from processes.calls(items)
-    finally:
-        processes.close()
-
-
-def _send(worker: _Worker, entry: tuple[Any, int]) -> None:
-    worker.entry = entry
-    # Of a process that died meanwhile ``recv`` tells.
-    with suppress(OSError):
-        worker.pipe.send(entry[0])
 
 
 @contextmanager
 def _inherited() -> Iterator[None]:
-    """What a process inherits: one thread for numpy, and no ear for Ctrl-C.
+    """Prepares what a new process inherits: one thread for numpy, Ctrl-C ignored.
 
-    Ctrl-C goes to all processes of a terminal, but only the first should act on it.
+    Ctrl-C reaches all processes of a terminal, but only the first one may act on it.
     """
     before = {name: os.environ.get(name) for name in ONE_THREAD}
     os.environ.update(dict.fromkeys(ONE_THREAD, "1"))
@@ -165,24 +192,37 @@ def _inherited() -> Iterator[None]:
                 os.environ[name] = value
 
 
-def _serve(pipe: Connection, function: Callable[[Any], Any]) -> None:
-    """What a process does: answers calls until nobody is left to ask."""
+def _serve(pipe: Connection, pickled: bytes, limit: float, trace: str) -> None:
+    """Answers calls until the parent closes the pipe.
+
+    A call beyond the limit ends this process, and writes to the file ``trace`` where it
+    was. The thread that does so needs no Python, so that no call can block it.
+    """
     threading.Thread(target=_end_with_parent, daemon=True).start()
-    while True:
-        try:
-            item = pipe.recv()
-        except (EOFError, OSError):
-            return
-        result, error = None, None
-        try:
-            result = function(item)
-        except Exception:
-            error = traceback.format_exc()
-        pipe.send((result, error))
+    function = None
+    with open(trace, "w") as file:
+        # The parent has the file open: even if both are killed, nothing remains.
+        os.unlink(trace)
+        while True:
+            try:
+                item = pipe.recv()
+            except (EOFError, OSError):
+                return
+            result, error = None, None
+            try:
+                function = function or pickle.loads(pickled)
+                if limit:
+                    faulthandler.dump_traceback_later(limit, exit=True, file=file)
+                result = function(item)
+            except Exception:
+                error = traceback.format_exc()
+            finally:
+                faulthandler.cancel_dump_traceback_later()
+            pipe.send((result, error))
 
 
 def _end_with_parent() -> None:
-    """Ends this process when the one that started it is gone, killed perhaps."""
+    """Ends this process when its parent is gone, even by SIGKILL."""
     parent = multiprocessing.parent_process()
     if parent is not None:
         wait([parent.sentinel])

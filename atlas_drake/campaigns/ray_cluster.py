@@ -1,7 +1,8 @@
-"""A function called with many items on the machines of a Ray cluster.
+"""Calls a function with many items on the machines of a Ray cluster.
 
-As ``processes`` does it on this one. Needs ``ray``. A machine that is lost takes no
-item with it: Ray calls again, elsewhere.
+Needs ``ray``. Each call runs as on one machine, in a process of ``Processes``: errors,
+deaths and the time limit have the same outcome. Calls that are lost with a machine
+are repeated on another one.
 """
 
 from __future__ import annotations
@@ -13,29 +14,33 @@ from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 from atlas_drake.campaigns.errors import CampaignError
-from atlas_drake.campaigns.processes import ONE_THREAD, Outcome
+from atlas_drake.campaigns.processes import Outcome, Processes
 
 IN_HAND = 2
-"""Calls in hand for each processor of the cluster: while one runs, the next waits."""
+"""Calls in hand for each processor of the cluster: one runs, the next waits."""
 CONNECT_WITHIN = 5.0
 """Time for the cluster's first machine to answer [s]."""
 
-_kept: dict[str, Callable[[Any], Any]] = {}
-"""The function of a run, by the run's token, in each process of the cluster: Ray would
-send it anew with each call, without what it keeps."""
+_kept: dict[str, Processes] = {}
+"""In each of Ray's workers: the process of the current run, by the run's token."""
 
 
 class RayCluster:
-    """Processors of a cluster that call one function; they are left with ``close``."""
+    """Processors of a cluster that call one function until ``close``."""
 
     def __init__(
-        self, function: Callable[[Any], Any], address: str, jobs: int | None = None
+        self,
+        function: Callable[[Any], Any],
+        limit: float,
+        address: str,
+        jobs: int | None = None,
     ) -> None:
         """Connects to the cluster.
 
         Args:
-            function: As for ``Processes``; this package must be installed on all
-                machines of the cluster, and so must the modules of the function.
+            function: As for ``run_in_processes``; this package and the modules of the
+                function must be installed on all machines of the cluster.
+            limit: Wall time after which a call is ended and fails [s]; 0 for no limit.
             address: Of the cluster, as ``ray.init`` takes it: ``auto``, ``HOST:PORT``.
             jobs: Calls at a time; None is as many as the cluster has processors.
 
@@ -44,8 +49,8 @@ class RayCluster:
         """
         self._ray = _connected(address)
         self._jobs = jobs
-        self._token = secrets.token_hex(8)
-        self._function = self._ray.put(function)
+        pickled = self._ray.cloudpickle.dumps(function)
+        self._run = (secrets.token_hex(8), pickled, limit)
         self._running: dict[Any, Any] = {}
 
     def calls(self, items: Iterable[Any]) -> Iterator[Outcome]:
@@ -57,21 +62,21 @@ class RayCluster:
         Yields:
             Outcomes in the order in which the calls end.
         """
-        ray, running, waiting = self._ray, self._running, iter(items)
+        ray, waiting = self._ray, iter(items)
         call = ray.remote(num_cpus=1, max_retries=-1)(_call)
         while True:
             cpus = int(ray.cluster_resources().get("CPU", 1))
             most = self._jobs or IN_HAND * max(cpus, 1)
-            # A cluster that has lost a machine has more calls in hand than it may.
-            for item in itertools.islice(waiting, max(0, most - len(running))):
-                running[call.remote(self._token, self._function, item)] = item
-            if not running:
+            # A cluster that has lost a machine can have more calls in hand.
+            for item in itertools.islice(waiting, max(0, most - len(self._running))):
+                self._running[call.remote(*self._run, item)] = item
+            if not self._running:
                 return
-            ended, _ = ray.wait(list(running), num_returns=1)
+            ended, _ = ray.wait(list(self._running), num_returns=1)
             for reference in ended:
-                item = running.pop(reference)
+                item = self._running.pop(reference)
                 try:
-                    yield Outcome(item, ray.get(reference))
+                    yield ray.get(reference)
                 except ray.exceptions.RayError as error:
                     yield Outcome(item, None, str(error))
 
@@ -82,13 +87,18 @@ class RayCluster:
         self._running.clear()
 
 
-def _call(token: str, function: Callable[[Any], Any], item: Any) -> Any:
-    """In a process of the cluster."""
-    return _kept.setdefault(token, function)(item)
+def _call(token: str, pickled: bytes, limit: float, item: Any) -> Outcome:
+    """Calls the function on this machine of the cluster."""
+    if token not in _kept:
+        while _kept:
+            _kept.popitem()[1].close()
+        _kept[token] = Processes(pickled, 1, limit)
+    (outcome,) = _kept[token].calls([item])
+    return outcome
 
 
 def _connected(address: str) -> Any:
-    """The module, connected to the cluster."""
+    """Returns the module ``ray``, connected to the cluster."""
     try:
         import ray
     except ImportError:
@@ -98,11 +108,7 @@ def _connected(address: str) -> Any:
     if not ray.is_initialized():
         try:
             _reach(address)
-            ray.init(
-                address=address,
-                log_to_driver=False,
-                runtime_env={"env_vars": dict.fromkeys(ONE_THREAD, "1")},
-            )
+            ray.init(address=address, log_to_driver=False)
         except (OSError, ValueError, RuntimeError) as error:
             problem = f"there is no Ray cluster at {address}: {error}"
             raise CampaignError("--ray", address, problem) from error
@@ -110,7 +116,7 @@ def _connected(address: str) -> Any:
 
 
 def _reach(address: str) -> None:
-    """Misses a machine at once, for which Ray looks for minutes.
+    """Checks that the machine answers; Ray itself would try for minutes.
 
     Raises:
         OSError: If nothing listens there.

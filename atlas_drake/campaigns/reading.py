@@ -6,6 +6,7 @@ A file's ``scenario`` is a path or the fields themselves; ``pushes``, ``duration
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
@@ -28,6 +29,13 @@ from atlas_drake.scenario.scenario import with_full_paths
 
 BESIDE = ("pushes", "duration", "programme")
 """Fields of the scenario that may stand beside it."""
+_CAMPAIGN, _SCENARIO = (
+    {field.name for field in dataclasses.fields(kind)} for kind in (Campaign, Scenario)
+)
+ONLY_CAMPAIGN = _CAMPAIGN - _SCENARIO
+"""Fields of a campaign that no scenario has."""
+ONLY_SCENARIO = _SCENARIO - _CAMPAIGN - set(BESIDE)
+"""Fields of a scenario that a campaign has below ``scenario``."""
 
 
 def load_campaign(
@@ -57,8 +65,14 @@ def load_campaign(
     try:
         return campaign_from(raw, Path(path).parent, settings, overrides)
     except ScenarioError as error:
-        problem = f"{error.problem} (in {path})"
+        problem = f"{error.problem}{_where_drawn(error)} (in {path})"
         raise type(error)(error.field, error.value, problem) from None
+
+
+def is_campaign(path: str | Path) -> bool:
+    """Returns True if a YAML file of fields has any that only a campaign has."""
+    raw = yaml_load(data=Path(path).read_text())
+    return isinstance(raw, Mapping) and any(name in ONLY_CAMPAIGN for name in raw)
 
 
 def campaign_from(
@@ -67,11 +81,11 @@ def campaign_from(
     settings: Iterable[str] = (),
     overrides: Mapping[str, Any] | None = None,
 ) -> Campaign:
-    """Makes a campaign of what a YAML file has.
+    """Makes a campaign from the fields of a YAML file.
 
     Args:
-        raw: As YAML reads it.
-        folder: That paths in it are relative to.
+        raw: Fields as YAML reads them.
+        folder: Folder that the paths in them are relative to.
         settings: As for ``load_campaign``.
         overrides: Likewise.
 
@@ -79,6 +93,13 @@ def campaign_from(
         ScenarioError: Naming the first field that cannot be used.
     """
     fields = dict(raw)
+    for name, value in fields.items():
+        if name in ONLY_SCENARIO:
+            problem = (
+                "is a field of scenarios; a campaign has it below `scenario`, and "
+                "`atlas-drake run` takes a scenario's file"
+            )
+            raise CampaignError(name, value, problem)
     scenario = _scenario(fields.pop("scenario", None), folder)
     drawn: dict[str, Any] = {}
     beside = {name: fields.pop(name) for name in BESIDE if name in fields}
@@ -110,6 +131,15 @@ def campaign_from(
     return campaign.validate()
 
 
+def _where_drawn(error: ScenarioError) -> str:
+    """Returns where a distribution belongs that is in place of a number."""
+    if not is_distribution(error.value):
+        return ""
+    path = error.field.removeprefix("scenario.")
+    hint = f"; distributions belong below `vary`: `{path}: {shown(error.value)}`"
+    return f"{hint}, or in `pushes` beside `scenario`" if "pushes[" in path else hint
+
+
 def _scenario(given: object, folder: Path) -> Scenario:
     if given is None:
         return Scenario()
@@ -126,7 +156,7 @@ def _scenario(given: object, folder: Path) -> Scenario:
 
 
 def _pushes(given: object, drawn: dict[str, Any]) -> object:
-    """The pushes without their distributions, which are added to ``drawn``."""
+    """Returns the pushes without their distributions, and adds these to ``drawn``."""
     if not isinstance(given, list):
         return given  # For the scenario to refuse.
     pushes = []

@@ -1,26 +1,26 @@
-"""What a campaign found, as text: successes with intervals, figures, thresholds."""
+"""The report of a campaign: successes with intervals, figures, thresholds."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 
 from atlas_drake.campaigns.campaign import Campaign
 from atlas_drake.campaigns.conditions import figure_of
-from atlas_drake.campaigns.intervals import wilson
+from atlas_drake.campaigns.intervals import share_interval
 from atlas_drake.campaigns.plan import case_list
 from atlas_drake.campaigns.threshold import Search
 
 Record = Mapping[str, Any]
 Records = Mapping[int, Record]
 SHOWN_ERRORS = 3
-"""Of different kinds of error."""
+"""Largest number of different errors in a report."""
 
 
 def report(campaign: Campaign, records: Records) -> str:
-    """The text, as Markdown."""
+    """Returns the report as Markdown."""
     rows = list(records.values())
     parts = [f"# {campaign.name}: {len(rows)} trials"]
     if campaign.threshold is not None:
@@ -32,44 +32,45 @@ def report(campaign: Campaign, records: Records) -> str:
 
 
 def share_text(successes: int, trials: int) -> str:
-    """A share with its interval."""
+    """Returns a share with its interval, in percent."""
     if trials == 0:
         return "–"
-    low, high = wilson(successes, trials)
+    low, high = share_interval(successes, trials)
     share = 100.0 * successes / trials
     return f"{share:.1f} % ({100 * low:.1f} to {100 * high:.1f} %)"
 
 
 def markdown(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A table."""
+    """Returns a table in Markdown."""
     lines = [head, ["---"] * len(head), *rows]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
 
 def varied_paths(rows: Iterable[Record]) -> list[str]:
-    """Paths of what differs between trials, in their order."""
+    """Returns the paths of the values that differ between trials, in order."""
     return list(dict.fromkeys(path for row in rows for path in row["values"]))
 
 
 def figure_names(rows: Iterable[Record]) -> list[str]:
-    """Names of the figures that are numbers, in their order."""
+    """Returns the names of the figures that are numbers, in order."""
     return list(
         dict.fromkeys(
             name
             for row in rows
             for name, value in row["figures"].items()
-            if _is_number(value)
+            if is_number(value)
         )
     )
 
 
 def figure_values(rows: Iterable[Record], name: str) -> list[float]:
-    """A figure of the trials that have it."""
+    """Returns the numbers of a figure, of the trials that have it."""
     found = (row["figures"].get(name) for row in rows)
-    return [float(value) for value in found if _is_number(value)]
+    return [float(value) for value in found if is_number(value)]
 
 
-def _is_number(value: object) -> bool:
+def is_number(value: object) -> TypeGuard[float]:
+    """Returns True for a number of a record, which a truth value is not."""
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
@@ -89,7 +90,7 @@ def _success_table(campaign: Campaign, rows: list[Record]) -> str:
 
 
 def _repeats(campaign: Campaign, path: str) -> bool:
-    """True if several trials have the same value there."""
+    """Returns True if several trials have the same value at the path."""
     drawn = campaign.vary.get(path, {})
     threshold = campaign.threshold
     return (
@@ -100,8 +101,8 @@ def _repeats(campaign: Campaign, path: str) -> bool:
 
 
 def _order(value: Any) -> tuple[bool, Any]:
-    """Numbers in their order, and before words."""
-    return (False, value) if _is_number(value) else (True, str(value))
+    """Sorts numbers by size, and words after them."""
+    return (False, value) if is_number(value) else (True, str(value))
 
 
 def _figures_table(rows: list[Record]) -> str:
@@ -127,7 +128,7 @@ def _thresholds(campaign: Campaign, records: Records) -> str:
 
 
 def _missed(campaign: Campaign, rows: list[Record]) -> str:
-    """Conditions of success that were missed, and how often; empty if none was."""
+    """Lists the conditions of success that were missed, and how often."""
     figures = {name for row in rows for name in row["figures"]}
     lines = []
     for text in campaign.success:
@@ -140,7 +141,7 @@ def _missed(campaign: Campaign, rows: list[Record]) -> str:
 
 
 def _failures(rows: list[Record]) -> str:
-    """Which trials failed, and why."""
+    """Lists the trials that failed, and the errors."""
     lines = []
     failing = [str(row["trial"]) for row in rows if not row["success"]]
     if failing:

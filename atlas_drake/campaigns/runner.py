@@ -1,10 +1,11 @@
-"""Runs a campaign: the trials that are missing, wherever they run.
+"""Runs the missing trials of a campaign, on this machine or a cluster.
 
-The same results for the same campaign, however many processes or machines there are.
+Results do not depend on the number of processes or machines.
 """
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import closing
 from dataclasses import dataclass, replace
@@ -69,10 +70,10 @@ def run_campaign(
     parts: Mapping[str, Any] | None = None,
     on_trial: Callable[[dict[str, Any], int, int], None] | None = None,
 ) -> Records:
-    """Does all trials of a campaign that are not done yet.
+    """Runs all trials of a campaign that are missing.
 
-    A campaign that was stopped in any way continues when this is called again with the
-    same folder: no trial is done twice.
+    If a campaign was stopped in any way, another call with the same folder continues
+    it: no trial runs twice.
 
     Args:
         campaign: What to run.
@@ -90,7 +91,7 @@ def run_campaign(
             many there are as far as is known.
 
     Returns:
-        Records by the number of their trial, those of earlier calls among them.
+        Records by the number of their trial, with those of earlier calls.
 
     Raises:
         ScenarioError: If the campaign cannot be run, or the folder holds another one.
@@ -110,7 +111,7 @@ def run_campaign(
     folder.begin(campaign, sources)
     with (
         folder.only_one(str(shard).replace("/", "-of-")),
-        closing(_workers(performer, jobs, ray)) as workers,
+        closing(_workers(performer, campaign.trial_timeout, jobs, ray)) as workers,
     ):
         records = folder.records()
         while missing := missing_trials(campaign, records, shard):
@@ -126,7 +127,7 @@ def run_campaign(
 
 
 def missing_trials(campaign: Campaign, records: Records, shard: Shard) -> list[Trial]:
-    """Trials to be done next: all that are missing, or a round of the searches."""
+    """Returns the next trials: all that are missing, or a round of the searches."""
     count = number_of_trials(campaign)
     if count is None:
         cases = len(case_list(campaign))
@@ -140,20 +141,22 @@ def missing_trials(campaign: Campaign, records: Records, shard: Shard) -> list[T
 
 
 class _Workers(Protocol):
-    """Where trials are done."""
+    """Processes or a cluster that run trials."""
 
     def calls(self, items: Iterable[Any]) -> Iterator[Outcome]: ...
 
     def close(self) -> None: ...
 
 
-def _workers(performer: Performer, jobs: int, ray: str | None) -> _Workers:
+def _workers(
+    performer: Performer, limit: float, jobs: int, ray: str | None
+) -> _Workers:
     if ray is None:
-        return Processes(performer, jobs)
-    # What Ray needs loads only where there is a cluster.
+        return Processes(pickle.dumps(performer), jobs, limit)
+    # Ray loads only if it is used.
     from atlas_drake.campaigns.ray_cluster import RayCluster
 
-    return RayCluster(performer, ray, jobs or None)
+    return RayCluster(performer, limit, ray, jobs or None)
 
 
 def _record(outcome: Outcome) -> dict[str, Any]:

@@ -1,87 +1,82 @@
-"""All results of a campaign as one table, in memory and as Parquet.
+"""All results of a campaign as one Parquet table.
 
-A row per trial, in the order of their numbers. Needs ``pyarrow`` for the file.
+One row for each trial, in the order of their numbers. Needs ``pyarrow``.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-from atlas_drake.campaigns.errors import CampaignError
 from atlas_drake.whole_file import whole_file
 
 FILE = "results.parquet"
 """Name of the table in a campaign's folder."""
 VALUE = "set "
-"""Begins the name of a column of what was set or drawn."""
+"""Prefix of the columns of values that were set or drawn."""
+FIGURE = "figure "
+"""Prefix of the columns of figures whose own name could be that of another column."""
+SEED = "seed"
 
 Records = Mapping[int, Mapping[str, Any]]
 
 
-def check_pyarrow() -> None:
-    """Misses pyarrow before the first trial rather than after the last.
-
-    Raises:
-        CampaignError: If it is not installed.
-    """
-    try:
-        import pyarrow  # noqa: F401
-    except ImportError:
-        raise CampaignError(
-            "--out", FILE, 'needs pyarrow: pip install "atlas-drake[sweep]"'
-        ) from None
-
-
-def columns(records: Records) -> dict[str, list[Any]]:
-    """Columns by name, all of the same length; what a trial lacks is None."""
-    rows = [row_of(records[number]) for number in sorted(records)]
-    names = dict.fromkeys(name for row in rows for name in row)
-    return {name: _uniform([row.get(name) for row in rows]) for name in names}
-
-
 def row_of(record: Mapping[str, Any]) -> dict[str, Any]:
-    """A record without its nesting."""
-    figures = {k: v for k, v in record["figures"].items() if k != "success"}
-    return {
+    """Returns a record without its nesting."""
+    own = {
         "trial": record["trial"],
-        "seed": record["seed"],
+        SEED: record["seed"],
         "success": record["success"],
         "missed": "; ".join(record["missed"]) or None,
         "error": record["error"],
-        **{VALUE + path: value for path, value in record["values"].items()},
-        **figures,
-        **record.get("machine", {}),
+        "wall_time_s": record.get("machine", {}).get("wall_time_s"),
+        "built_anew": record.get("machine", {}).get("built_anew"),
     }
-
-
-def _uniform(values: list[Any]) -> list[Any]:
-    """Values of one kind, as a column needs them: numbers, truth values or words."""
-    kinds = {type(value) for value in values} - {type(None)}
-    if len(kinds) <= 1 and not kinds & {list, dict}:
-        return values
-    if kinds <= {int, float}:
-        return [None if value is None else float(value) for value in values]
-    return [None if value is None else str(value) for value in values]
+    values = {VALUE + path: value for path, value in record["values"].items()}
+    figures = {
+        FIGURE + name if name in own or name.startswith((VALUE, FIGURE)) else name: v
+        for name, v in record["figures"].items()
+    }
+    return own | values | figures
 
 
 def write_parquet(records: Records, path: Path) -> None:
     """Writes the table, whole or not at all.
 
     Raises:
-        CampaignError: If pyarrow is not installed.
         OSError: If the file cannot be written.
     """
-    check_pyarrow()
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    # Seeds go up to 2^64 - 1; texts that no trial has would be of no type.
-    types = {"seed": pa.uint64(), "missed": pa.string(), "error": pa.string()}
-    arrays = {
-        name: pa.array(values, type=types.get(name))
-        for name, values in columns(records).items()
-    }
+    rows = [row_of(records[number]) for number in sorted(records)]
+    names = dict.fromkeys(name for row in rows for name in row)
+    columns = {name: _column(name, [row.get(name) for row in rows]) for name in names}
     with whole_file(path) as unfinished:
-        pq.write_table(pa.table(arrays), str(unfinished), compression="zstd")
+        pq.write_table(
+            pa.table(columns),
+            str(unfinished),
+            compression="zstd",
+            write_page_checksum=True,
+        )
+
+
+def _column(name: str, values: list[Any]) -> Any:
+    """Returns a column of one type that holds all values: numbers, flags or text."""
+    import pyarrow as pa
+
+    kinds = {type(value) for value in values} - {type(None)}
+    if kinds == {bool}:
+        return pa.array(values, pa.bool_())
+    if kinds == {int}:
+        # Tables of several campaigns fit together if all seeds are of one type.
+        for whole in (pa.uint64(),) if name == SEED else (pa.int64(), pa.uint64()):
+            with suppress(OverflowError):
+                return pa.array(values, whole)
+    convert: Any = str
+    kind = pa.string()
+    if kinds and kinds <= {int, float}:
+        convert, kind = float, pa.float64()
+    return pa.array([None if v is None else convert(v) for v in values], kind)

@@ -31,6 +31,8 @@ from atlas_drake.logs.notes import (
     Header,
     LogError,
     Note,
+    check,
+    checksum,
     to_plain,
 )
 from atlas_drake.logs.viewer_messages import (
@@ -40,8 +42,9 @@ from atlas_drake.logs.viewer_messages import (
     viewer_messages,
 )
 
-METADATA, HEADER = "atlas_drake", "header"
-"""Names of the metadata record that holds the header, and of its entry."""
+METADATA, HEADER, CHECKSUM = "atlas_drake", "header", "crc32"
+"""Names of the metadata record that holds the header, and of its entries; MCAP's own
+checksums cover the messages only."""
 VIEWER_PERIOD = 0.02
 """Time between messages that are only for viewers [s]."""
 SELDOM = frozenset(
@@ -79,7 +82,9 @@ class McapWriter:
             self._file, chunk_size=CHUNK, compression=CompressionType.ZSTD
         )
         self._writer.start(library="atlas_drake")
-        self._writer.add_metadata(METADATA, {HEADER: self._header.to_json()})
+        header = self._header.to_json()
+        entries = {HEADER: header, CHECKSUM: checksum(header)}
+        self._writer.add_metadata(METADATA, entries)
         blank = [0.0] * self._layout.width
         for name, topic in self._topics.items():
             self._register(name, f"atlas_drake.{name}", topic.message(blank))
@@ -202,6 +207,8 @@ def read_mcap(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]:
         try:
             for record in StreamReader(file, validate_crcs=True).records:
                 if isinstance(record, Metadata) and record.name == METADATA:
+                    if CHECKSUM in record.metadata:  # Older logs have none.
+                        check(record.metadata[CHECKSUM], record.metadata[HEADER])
                     header = Header.from_json(record.metadata[HEADER])
                 elif isinstance(record, McapChannel):
                     topics[record.id] = record.topic.removeprefix("/")

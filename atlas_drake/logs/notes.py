@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import math
+import zlib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
 from functools import cached_property
@@ -136,6 +137,21 @@ class Header:
             )
         except (KeyError, TypeError, ValueError) as error:
             raise LogError("its header is invalid") from error
+
+
+def checksum(*texts: str) -> str:
+    """Returns a checksum, for what the checksums of a format do not cover."""
+    return str(zlib.crc32("\n".join(texts).encode()))
+
+
+def check(stated: str, *texts: str) -> None:
+    """Checks texts that were read against their checksum.
+
+    Raises:
+        LogError: If they differ from those written.
+    """
+    if checksum(*texts) != stated:
+        raise LogError("it is damaged: header or notes do not match their checksum")
 
 
 class LogWriter(Protocol):

@@ -17,6 +17,8 @@ from atlas_drake.logs.layout import Layout
 from atlas_drake.logs.notes import (
     Header,
     Note,
+    check,
+    checksum,
     notes_from_json,
     notes_to_json,
 )
@@ -24,6 +26,8 @@ from atlas_drake.whole_file import WholeFile
 
 HEADER, NOTES = "atlas_drake.header", "atlas_drake.notes"
 """Keys of the file's metadata."""
+CHECKSUM = "atlas_drake.crc32"
+"""Key of the checksum of header and notes; Parquet's own cover the rows only."""
 GROUP = 1024
 """Least number of rows that are written together."""
 
@@ -36,9 +40,12 @@ class ParquetWriter:
         self._schema = _schema(header.layout)
         self._file = WholeFile(path)
         self._writer: Any = pq.ParquetWriter(
-            self._file.file, self._schema, compression="zstd"
+            self._file.file,
+            self._schema,
+            compression="zstd",
+            write_page_checksum=True,
         )
-        self._writer.add_key_value_metadata({HEADER: header.to_json()})
+        self._header = header.to_json()
         self._tables: list[np.ndarray] = []
         self._notes: list[Note] = []
 
@@ -58,7 +65,13 @@ class ParquetWriter:
             try:
                 self._flush()
                 notes = notes_to_json(self._notes)
-                self._writer.add_key_value_metadata({NOTES: notes})
+                self._writer.add_key_value_metadata(
+                    {
+                        HEADER: self._header,
+                        NOTES: notes,
+                        CHECKSUM: checksum(self._header, notes),
+                    }
+                )
             finally:
                 self._writer.close()
 
@@ -87,10 +100,12 @@ def read_parquet(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]
         LogError: If it is not a log of this program.
         Exception: Anything else if it is damaged.
     """
-    file = pq.ParquetFile(path)
+    file = pq.ParquetFile(path, page_checksum_verification=True)
     metadata = file.metadata.metadata or {}
-    header = Header.from_json(metadata[HEADER.encode()].decode())
-    notes = notes_from_json(metadata[NOTES.encode()].decode())
+    texts = [metadata[key.encode()].decode() for key in (HEADER, NOTES)]
+    if CHECKSUM.encode() in metadata:  # Older logs have none.
+        check(metadata[CHECKSUM.encode()].decode(), *texts)
+    header, notes = Header.from_json(texts[0]), notes_from_json(texts[1])
     table = file.read()
     columns = [table.column(name).to_numpy() for name in header.layout.columns()]
     rows = np.array(columns, dtype=float).T.reshape(-1, header.layout.width)

@@ -2,6 +2,7 @@
 
 import base64
 import json
+import os
 import re
 import shutil
 import signal
@@ -58,7 +59,11 @@ def test_help_names_what_there_is(arguments, words, capsys):
     ("arguments", "complaint"),
     [
         ([], "COMMAND"),
-        (["dance"], "dance"),
+        (["dance"], "no command 'dance'. There are demo, run"),
+        (["dmo"], "Did you mean 'demo'?"),
+        (["demo", "--hedless"], "--hedless. Did you mean '--headless'?"),
+        (["sweep", "a.yaml", "--trails=3"], "Did you mean '--trials'?"),
+        (["plot", "a.npz", "--xyz"], "arguments: --xyz.\n"),
         (["run"], "SCENARIO.yaml"),
         (["demo", "--realtime-rate", "-1"], "number from 0 up"),
         (["demo", "--realtime-rate", "fast"], "number from 0 up"),
@@ -318,6 +323,19 @@ def test_a_file_may_have_the_longest_name(tmp_path):
     with whole_file(path) as unfinished:
         unfinished.touch()
     assert [*tmp_path.iterdir()] == [path]
+
+
+def test_a_file_is_on_the_disk_before_it_has_its_name(tmp_path, monkeypatch):
+    path, flushed = tmp_path / "whole.json", []
+
+    def flush(number):
+        flushed.append((path.exists(), os.fstat(number).st_size))
+
+    monkeypatch.setattr(os, "fsync", flush)
+    with whole_file(path) as unfinished:
+        unfinished.write_text("whole")
+    assert flushed == [(False, 5)]
+    assert path.read_text() == "whole"
 
 
 def test_a_host_that_is_not_this_computer_is_bad_input(scenario, capsys):

@@ -96,6 +96,8 @@ def test_distributions_have_the_moments_of_their_names(kind):
         ("seeds: random", "seeds"),
         ("seed: -1", "seed"),
         ("goal: 2.0", "goal"),
+        ("trial_timeout: -1", "trial_timeout"),
+        ("trial_timeout: .inf", "trial_timeout"),
         ("vary: {start.yaw: {uniform: [1]}}", "vary.start.yaw.uniform"),
         ("vary: {start.yaw: {uniform: [2, 1]}}", "vary.start.yaw.uniform"),
         ("vary: {start.yaw: {uniforn: [1, 2]}}", "vary.start.yaw.uniforn"),
@@ -109,8 +111,13 @@ def test_distributions_have_the_moments_of_their_names(kind):
         ("cases: {model: [atlas, atlass]}", "cases.model"),
         ("success: [tilt_max_rad << 3]", "success[0]"),
         ("threshold: {of: jitter.mass, most: 0.1, within: 0}", "threshold.within"),
-        ("threshold: {of: jitter.mass, most: 0.1, passes: 9}", "threshold.passes"),
-        ("threshold: {of: jitter.mass, most: 2.0}", "threshold.of"),
+        ("threshold: {of: jitter.mass, most: 0.1, within: 0.2}", "threshold.within"),
+        (
+            "threshold: {of: jitter.mass, most: 0.1, within: 0.1, passes: 9}",
+            "threshold.passes",
+        ),
+        ("model: atlas", "model"),
+        ("threshold: {of: jitter.mass, most: 2.0, within: 1}", "threshold.of"),
     ],
 )
 def test_bad_input_names_the_field(more, field, campaign_file):
@@ -128,6 +135,27 @@ def test_a_scenario_is_a_file_or_its_fields(tmp_path):
     (tmp_path / "campaign.yaml").write_text("scenario: {ground_friction: -1}\n")
     with pytest.raises(ScenarioError, match=r"scenario\.ground_friction"):
         load_campaign(tmp_path / "campaign.yaml")
+
+
+@pytest.mark.parametrize(
+    ("text", "complaint"),
+    [
+        ("noise: reference", "noise: .* below `scenario`, and `atlas-drake run`"),
+        (
+            "scenario: {pushes: [{time: 1, impulse: {uniform: [1, 2]}}]}",
+            r"`vary`: `pushes\[0\]\.impulse: {'uniform': .*}`, or in `pushes` beside",
+        ),
+        ("scenario: {ground_friction: {normal: [1, 2]}}", "`vary`: `ground_friction: "),
+        ("duration: {normal: [5, 1]}", "`vary`: `duration: "),
+    ],
+)
+def test_what_stands_in_the_wrong_place_is_sent_to_the_right_one(
+    text, complaint, tmp_path
+):
+    path = tmp_path / "campaign.yaml"
+    path.write_text(text)
+    with pytest.raises(ScenarioError, match=complaint):
+        load_campaign(path)
 
 
 def test_conditions_hold_or_not():

@@ -17,17 +17,34 @@ pytestmark = [
     pytest.mark.filterwarnings("ignore::DeprecationWarning"),
 ]
 TRIALS = 10
+LIMIT = 12.0
+"""Of a trial [s]: enough to kill a node meanwhile."""
+ENDS = {
+    5: "the process died (7)",
+    6: "SystemExit: enough",
+    7: f"took longer than {LIMIT:g} s",
+}
+"""Last lines of the errors of trials that end their process, or hang."""
 OWN = """
+    import os
+    import subprocess
+    import sys
     import time
     from pathlib import Path
 
     def stuck_once(sim, parameters):
         sim.advance(0.1)
+        if sim.scenario.seed == 5:
+            os._exit(7)
+        if sim.scenario.seed == 6:
+            sys.exit("enough")
+        if sim.scenario.seed == 7:
+            time.sleep(300.0)
         begun = Path(parameters["folder"], "begun")
         if sim.scenario.seed == 4 and parameters["stuck"] and not begun.exists():
-            import ray
-
-            begun.write_text(ray.get_runtime_context().get_node_id())
+            # The node's raylet is the parent of Ray's worker, and that of this process.
+            parent = ["ps", "-o", "ppid=", "-p", str(os.getppid())]
+            begun.write_text(subprocess.check_output(parent, text=True))
             time.sleep(300.0)
 """
 
@@ -45,10 +62,19 @@ def cluster():
     cluster.shutdown()
 
 
+def raylet_of(node):
+    return node.all_processes["raylet"][0].process.pid
+
+
 def test_a_cluster_finds_the_same_though_a_node_is_killed(cluster, campaign, tmp_path):
     cluster, nodes = cluster
     begun = tmp_path / "begun"
-    lines = f"trial: stuck_once\nseeds: counted\ntrials: {TRIALS}\n"
+    lines = f"""
+trial: stuck_once
+seeds: counted
+trials: {TRIALS}
+trial_timeout: {LIMIT:g}
+"""
 
     def run(stuck, **where):
         stays = campaign(
@@ -61,8 +87,8 @@ def test_a_cluster_finds_the_same_though_a_node_is_killed(cluster, campaign, tmp
     def kill_in_the_middle():
         deadline = time.monotonic() + 120.0
         while time.monotonic() < deadline:
-            if begun.exists() and (node_id := begun.read_text()):
-                (node,) = [n for n in nodes if n.node_id == node_id]
+            if begun.exists() and (raylet := begun.read_text()):
+                (node,) = [n for n in nodes if raylet_of(n) == int(raylet)]
                 cluster.remove_node(node, allow_graceful=False)
                 killed.append(node)
                 return
@@ -81,8 +107,11 @@ def test_a_cluster_finds_the_same_though_a_node_is_killed(cluster, campaign, tmp
     assert len(killed) == 1
     # No trial is lost, and none counts twice.
     assert sorted(done) == list(range(TRIALS))
-    assert all(record["error"] is None for record in there.values())
     here = run("false", jobs=1)
-    assert {n: same_result(r) for n, r in there.items()} == {
-        n: same_result(r) for n, r in here.items()
-    }
+    for number, record in there.items():
+        if number in ENDS:
+            for one in (record, here[number]):
+                assert one["error"].splitlines()[-1] == ENDS[number]
+        else:
+            assert record["error"] is None
+            assert same_result(record) == same_result(here[number])

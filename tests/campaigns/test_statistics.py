@@ -2,53 +2,77 @@
 
 import math
 
+import numpy as np
 import pytest
 
 from atlas_drake import PlannedPush, Scenario, ScenarioError
 from atlas_drake.campaigns import Campaign, Shard, Threshold
 from atlas_drake.campaigns.comparison import compare
 from atlas_drake.campaigns.folder import CampaignFolder
-from atlas_drake.campaigns.intervals import mcnemar, mean_interval, wilson
+from atlas_drake.campaigns.intervals import mcnemar, mean_interval, share_interval
 from atlas_drake.campaigns.report import report
 from atlas_drake.campaigns.results import write_results
 from atlas_drake.campaigns.runner import missing_trials
 from atlas_drake.campaigns.sources import Sources
 from atlas_drake.campaigns.threshold import Search, level_of
 
+from .conftest import record
 
-def test_wilsons_interval_is_the_books():
+
+def test_intervals_of_shares_are_the_books():
     # R. G. Newcombe, Statistics in Medicine 17 (1998), table I, method 3.
-    assert wilson(81, 263) == pytest.approx((0.2553, 0.3662), abs=1e-4)
-    assert wilson(15, 148) == pytest.approx((0.0624, 0.1605), abs=1e-4)
-    assert wilson(0, 20) == pytest.approx((0.0, 0.1611), abs=1e-4)
-    assert wilson(29, 29) == pytest.approx((0.8830, 1.0), abs=1e-4)
-    assert wilson(0, 0) == (0.0, 1.0)
+    assert share_interval(81, 263) == pytest.approx((0.2553, 0.3662), abs=1e-4)
+    assert share_interval(15, 148) == pytest.approx((0.0624, 0.1605), abs=1e-4)
+    assert share_interval(0, 20) == pytest.approx((0.0, 0.1611), abs=1e-4)
+    assert share_interval(29, 29) == pytest.approx((0.8830, 1.0), abs=1e-4)
+
+
+@pytest.mark.parametrize("trials", [1, 5, 40])
+def test_intervals_of_shares_cover_as_often_as_they_say(trials):
+    shares = np.linspace(0.01, 0.99, 99)
+    covered = np.zeros(99)
+    for count in range(trials + 1):
+        low, high = share_interval(count, trials)
+        chance = math.comb(trials, count) * shares**count
+        chance *= (1.0 - shares) ** (trials - count)
+        covered += chance * ((low <= shares) & (shares <= high))
+    assert 0.94 <= covered.mean() <= 0.98
+    assert covered.min() >= 0.79
+
+
+@pytest.mark.parametrize("pairs", [2, 3, 5, 10, 30])
+def test_intervals_of_means_cover_as_often_as_they_say(pairs):
+    random, samples = np.random.default_rng(pairs), 300
+    covered = 0
+    for values in random.normal(7.0, 3.0, (samples, pairs)):
+        low, high = mean_interval(values.tolist())
+        covered += low <= 7.0 <= high
+    # Three standard deviations of the count.
+    assert covered / samples == pytest.approx(0.95, abs=0.038)
+
+
+def test_one_value_has_no_interval_and_equal_values_have_no_width():
+    assert mean_interval([0.3]) is None
+    assert mean_interval(3 * [0.5]) == pytest.approx((0.5, 0.5))
 
 
 def test_mcnemars_test_is_exact():
     assert mcnemar(0, 0) == 1.0
     assert mcnemar(1, 9) == pytest.approx(22 / 1024)
     assert mcnemar(5, 5) == 1.0
+    # As many pairs as a large campaign has.
+    tail = sum(math.comb(2000, count) for count in range(901))
+    assert mcnemar(1100, 900) == pytest.approx(2 * tail / 2**2000)
 
 
-def test_the_interval_of_a_mean_is_that_of_its_spread():
-    values = [math.sin(k) for k in range(200)]
-    low, high = mean_interval(values)
-    mean = sum(values) / 200
-    assert low < mean < high
-    assert high - low == pytest.approx(2 * 1.96 * math.sqrt(0.5 / 200), rel=0.15)
-
-
-def record(number, success=True, seed=None, **figures):
-    return {
-        "trial": number,
-        "seed": number if seed is None else seed,
-        "values": {},
-        "success": success,
-        "missed": [],
-        "figures": figures,
-        "error": None,
-    }
+def test_mcnemars_test_errs_no_more_often_than_it_says():
+    for pairs in (6, 25):
+        chances = [
+            math.comb(pairs, count) / 2**pairs
+            for count in range(pairs + 1)
+            if mcnemar(count, pairs - count) <= 0.05
+        ]
+        assert 0.0 < sum(chances) <= 0.05
 
 
 def test_a_report_says_which_conditions_were_missed():
@@ -72,6 +96,8 @@ def test_two_campaigns_are_compared_pair_by_pair():
     assert "8 paired trials" in text
     assert "only b in 3: p = 0.25" in text
     assert "+0.5 (+0.5 to +0.5)" in text
+    alone = compare(first, {3: record(3, tilt="steep"), 4: second[4]}, ("a", "b"))
+    assert "| tilt | 0.4 | 0.9 | +0.5 (one pair only) |" in alone
     second[3] = record(3, seed=77)
     with pytest.raises(ScenarioError, match="seed 77"):
         compare(first, second, ("a", "b"))

@@ -18,9 +18,13 @@ pytestmark = pytest.mark.usefixtures("restored_loggers")
 
 
 def deadly(item):
-    """Dies, raises or answers."""
+    """Dies, exits, hangs, raises or answers."""
     if item == "die":
         os.abort()
+    if item == "exit":
+        sys.exit(3)
+    if item == "hang":
+        time.sleep(600.0)
     if item == "raise":
         raise ValueError("no")
     return item, os.environ["OMP_NUM_THREADS"], os.getpid()
@@ -28,10 +32,13 @@ def deadly(item):
 
 @pytest.mark.slow
 def test_a_process_that_dies_takes_no_other_item_with_it():
-    items = ["die", "raise", 1, 2, 3]
-    outcomes = {o.item: o for o in run_in_processes(deadly, items, 1)}
+    items = ["die", "exit", "hang", "raise", 1, 2, 3]
+    outcomes = {o.item: o for o in run_in_processes(deadly, items, 1, limit=0.5)}
     assert set(outcomes) == set(items)
     assert outcomes["die"].error == "the process died (-6)"
+    assert outcomes["exit"].error == "the process died (3)"
+    assert "in deadly\n" in outcomes["hang"].error
+    assert outcomes["hang"].error.endswith("\ntook longer than 0.5 s")
     assert outcomes["raise"].error.endswith("ValueError: no\n")
     assert [outcomes[n].result[:2] for n in (1, 2, 3)] == [(n, "1") for n in (1, 2, 3)]
     assert len({outcomes[n].result[2] for n in (1, 2, 3)}) == 1
@@ -140,6 +147,19 @@ def test_bad_input_ends_with_status_2(
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.parametrize("verb", ["run", "teleop"])
+def test_a_campaign_is_sent_to_its_own_command(verb, campaign_file, capsys):
+    file = campaign_file()
+    assert main([verb, str(file)]) == 2
+    assert f"use `atlas-drake sweep {file}`" in capsys.readouterr().err
+
+
+def test_a_part_without_trials_has_nothing_to_do(campaign_file, tmp_path, capsys):
+    out = ["--out", str(tmp_path / "out"), "--trials", "1", "--shard", "2/2"]
+    assert main(["sweep", str(campaign_file("goal: 0.5")), *out]) == 0
+    assert "0 trials" in capsys.readouterr().out
+
+
 def test_ray_that_is_not_installed_is_named(
     campaign_file, tmp_path, capsys, monkeypatch
 ):
@@ -154,12 +174,24 @@ def test_trials_that_raise_are_counted_and_end_with_status_1(
     campaign_file, tmp_path, capsys
 ):
     code = """
+        import sys
+        import time
+
         def fail(sim, parameters):
-            raise ValueError("no such luck")
+            if sim.scenario.seed == 0:
+                raise ValueError("no such luck")
+            if sim.scenario.seed == 1:
+                sys.exit(3)
+            time.sleep(600.0)
     """
-    file, out = campaign_file("trial: fail", code), tmp_path / "out"
-    arguments = ["--out", str(out), "--trials", "2", "--jobs", "1"]
+    file = campaign_file("trial: fail\nseeds: counted\ntrial_timeout: 8", code)
+    out = tmp_path / "out"
+    arguments = ["--out", str(out), "--trials", "3", "--jobs", "2"]
     assert main(["sweep", str(file), *arguments]) == 1
     said = capsys.readouterr().out
-    assert f"! 2 of 2 trials ended with an error; that of trial 0 is in {out}" in said
-    assert "no such luck" in CampaignFolder(out).file_of(0).read_text()
+    assert f"! 3 of 3 trials ended with an error; that of trial 0 is in {out}" in said
+    records = CampaignFolder(out).records()
+    for number, end in enumerate(
+        ("ValueError: no such luck\n", "SystemExit: 3\n", "took longer than 8 s")
+    ):
+        assert records[number]["error"].endswith(end)

@@ -228,19 +228,44 @@ def test_files_of_others_are_refused(tmp_path):
         read_log(path)
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("damage", ["bit", "block"])
+@pytest.mark.parametrize("seed", range(2))
 def test_a_damaged_log_is_refused_or_read_as_far_as_it_goes(
-    seed, log, suffix, tmp_path
+    seed, damage, log, suffix, tmp_path
 ):
     draw = np.random.default_rng(seed)
     path = write(log, tmp_path / f"run{suffix}", rows=20)
-    data = bytearray(path.read_bytes())
-    begin = int(draw.integers(len(data)))
-    length = int(draw.integers(1, 100))
-    data[begin : begin + length] = draw.bytes(length)
-    path.write_bytes(data)
-    with contextlib.suppress(LogError):
-        assert 0 < len(read_log(path)) <= 20
+    whole, data = read_log(path), path.read_bytes()
+    for _ in range(3):
+        damaged = bytearray(data)
+        begin = int(draw.integers(len(data)))
+        if damage == "bit":
+            damaged[begin] ^= 1 << int(draw.integers(8))
+        else:
+            length = int(draw.integers(1, 100))
+            damaged[begin : begin + length] = draw.bytes(length)
+        path.write_bytes(damaged)
+        with contextlib.suppress(LogError):
+            assert_part_of(whole, read_log(path))
+
+
+def assert_part_of(whole, found):
+    """All that was found is as it was written."""
+    assert len(found) > 0
+    for name, values in found.arrays.items():
+        np.testing.assert_array_equal(values, whole[name][: len(found)], err_msg=name)
+    assert found.header.to_json() == whole.header.to_json()
+    assert all(note in whole.notes for note in found.notes)
+
+
+def test_a_parquet_whose_notes_changed_is_refused(log, tmp_path):
+    path = write(log, tmp_path / "run.parquet", rows=3)
+    data = path.read_bytes()
+    for text in (b"duration: ", b'"walk_params'):
+        assert data.count(text) >= 1
+        path.write_bytes(data.replace(text, text.swapcase(), 1))
+        with pytest.raises(LogError, match="do not match their checksum"):
+            read_log(path)
 
 
 @pytest.mark.parametrize(

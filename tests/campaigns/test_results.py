@@ -1,0 +1,147 @@
+"""Tables, reports and pictures of results, whatever figures the trials have."""
+
+import json
+import sys
+
+import numpy as np
+import pyarrow.parquet as pq
+import pytest
+
+from atlas_drake import ScenarioError
+from atlas_drake.app.main import main
+from atlas_drake.campaigns import Campaign, figures
+from atlas_drake.campaigns.comparison import compare
+from atlas_drake.campaigns.folder import CampaignFolder
+from atlas_drake.campaigns.results import write_results
+from atlas_drake.campaigns.sources import Sources
+from atlas_drake.campaigns.table import write_parquet
+
+from .conftest import record
+
+pytestmark = pytest.mark.usefixtures("restored_loggers")
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """The folder of a campaign without trials."""
+    folder = CampaignFolder(tmp_path / "out")
+    folder.begin(Campaign(), Sources())
+    return folder
+
+
+def table_of(records, tmp_path):
+    path = tmp_path / "table.parquet"
+    write_parquet(records, path)
+    return pq.read_table(path, page_checksum_verification=True).to_pydict()
+
+
+def test_no_figure_takes_the_column_of_another(tmp_path):
+    names = ["trial", "seed", "error", "missed", "success", "wall_time_s", "built_anew"]
+    names += ["set model", "figure error", "tilt"]
+    places = {name: place for place, name in enumerate(names)}
+    machine = {"wall_time_s": 0.5}
+    trial = record(5) | {"figures": places, "machine": machine}
+    trial["values"] = {"model": "atlas"}
+    table = table_of({5: trial}, tmp_path)
+    assert len(table) == 7 + 1 + len(names)
+    assert (table["trial"], table["seed"], table["error"]) == ([5], [5], [None])
+    assert (table["wall_time_s"], table["set model"]) == ([0.5], ["atlas"])
+    assert table["success"] == [True]
+    for place, name in enumerate(names[:-1]):
+        assert table[f"figure {name}"] == [place]
+    assert table["tilt"] == [9]
+
+
+@pytest.mark.parametrize(
+    ("values", "column"),
+    [
+        ([1, None, -2], [1, None, -2]),
+        ([1, 2**63], [1, 2**63]),
+        ([-1, 2**63], [-1.0, 2.0**63]),
+        ([1, 2**64], [1.0, 2.0**64]),
+        ([1, 2.5], [1.0, 2.5]),
+        ([True, None], [True, None]),
+        ([True, 2], ["True", "2"]),
+        ([[1, 2], "a"], ["[1, 2]", "a"]),
+        ([None, None], [None, None]),
+    ],
+)
+def test_a_column_holds_all_values(values, column, tmp_path):
+    records = {n: record(n, seed=2**64 - 1, x=value) for n, value in enumerate(values)}
+    table = table_of(records, tmp_path)
+    assert table["x"] == column
+    assert list(map(type, table["x"])) == list(map(type, column))
+    assert table["seed"] == [2**64 - 1] * len(values)
+
+
+def test_a_damaged_table_is_noticed(tmp_path):
+    records = {n: record(n, tilt=0.1 * n) for n in range(50)}
+    table = table_of(records, tmp_path)
+    path = tmp_path / "table.parquet"
+    data, random = path.read_bytes(), np.random.default_rng(0)
+    length = int.from_bytes(data[-8:-4], "little")
+    for place in random.integers(4, len(data) - length - 8, 40):
+        damaged = bytearray(data)
+        damaged[place] ^= 1 << int(random.integers(8))
+        path.write_bytes(damaged)
+        try:
+            found = pq.read_table(path, page_checksum_verification=True)
+        except (OSError, ValueError):
+            continue
+        assert found.to_pydict() == table
+
+
+def test_figures_of_any_size_are_drawn(tmp_path, monkeypatch):
+    monkeypatch.setattr(figures, "DPI", 20)
+    pairs = {
+        "nearly_equal": [0.1, np.nextafter(0.1, 1.0)],
+        "equal": [1e300, 1e300],
+        "zero": [0, 0],
+        "tiny": [5e-324, 0.0],
+    }
+    records = {
+        n: record(n, n > 0, **{name: pair[n] for name, pair in pairs.items()})
+        for n in range(2)
+    }
+    (written,) = figures.write_figures(Campaign(), records, tmp_path)
+    assert written.name == "distributions.png"
+
+
+def test_text_that_no_file_can_hold_is_kept_readable(folder, capsys):
+    trial = record(0, **{"wo\udcffrd": "na\udcffme"})
+    trial |= {"error": "lost \udcff", "values": {"parameters.x": "\ud800"}}
+    folder.write(trial)
+    assert folder.records()[0]["figures"] == {"wo?rd": "na?me"}
+    assert main(["results", str(folder.path)]) == 0
+    assert "lost ?" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("package", ["matplotlib", "pyarrow", "scipy"])
+def test_a_missing_package_is_named(package, folder, monkeypatch):
+    monkeypatch.setitem(sys.modules, package, None)
+    records = {0: record(0)}
+    for use in (
+        lambda: write_results(folder),
+        lambda: compare(records, records, ("a", "b")),
+    ):
+        with pytest.raises(ScenarioError, match=rf"{package} .*atlas-drake\[sweep\]"):
+            use()
+
+
+@pytest.mark.parametrize(
+    ("text", "complaint"),
+    [
+        ("null", "it is None"),
+        ("[]", r"it is \[\]"),
+        ("{}", "it has no trial"),
+        ("{", "Expecting property name"),
+        ("", "Expecting value"),
+        (json.dumps(record(3)), "its trial is 3"),
+        (json.dumps(record(0) | {"figures": None}), "its figures is None"),
+    ],
+)
+def test_a_file_that_is_no_record_is_named(text, complaint, folder):
+    folder.file_of(0).write_text(text)
+    message = rf"000000\.json .*: {complaint}.*; delete it"
+    with pytest.raises(ScenarioError, match=message):
+        folder.records()
