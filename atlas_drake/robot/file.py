@@ -200,8 +200,8 @@ class RobotFile:
     """The schema of a robot's YAML file."""
 
     urdf: str = ""
-    """URDF file, relative to this one, or ``package://drake_models/...``: a file of the
-    models that Drake fetches."""
+    """URDF file, relative to this one, or ``package://NAME/...``: a file of the package
+    above this one, of one in ROS_PACKAGE_PATH, or of drake_models, which Drake fetches."""
     pelvis: str = ""
     """Body at the top of both legs, free in the world."""
     chest: str = ""

@@ -11,7 +11,6 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
 
@@ -19,8 +18,8 @@ from atlas_drake.errors import RobotDescriptionError, shown
 from atlas_drake.robot.file import ContactEntry, RobotFile
 from atlas_drake.robot.joint_constants import JointConstants
 from atlas_drake.robot.leg import Leg
-from atlas_drake.robot.packages import find_urdf, use_local_models
-from atlas_drake.robot.parser_warnings import each_warning_once
+from atlas_drake.robot.packages import find_urdf
+from atlas_drake.robot.parsing import parse
 
 
 @dataclass(frozen=True)
@@ -249,10 +248,7 @@ def add_urdf(plant: MultibodyPlant, urdf: Path, name: str) -> ModelInstanceIndex
     Raises:
         RuntimeError: From Drake, if the file or a mesh is missing or faulty.
     """
-    parser = Parser(plant)
-    use_local_models(parser.package_map())
-    with each_warning_once():
-        instance = parser.AddModels(str(urdf))[0]
+    instance = parse(plant, urdf)[0]
     if plant.GetModelInstanceName(instance) != name:
         plant.RenameModelInstance(instance, name)
     return instance

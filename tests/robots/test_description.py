@@ -1,5 +1,7 @@
 """The description of a robot that is not Atlas: values read, and faults refused."""
 
+import logging
+
 import numpy as np
 import pytest
 
@@ -44,6 +46,34 @@ def test_its_legs_have_the_closed_form(heron, foot):
         sole = terms.feet[foot]
         held = solve_leg(leg, sole.p_WF - terms.p_WP, sole.R_WF)
         np.testing.assert_allclose(held.angles, q[leg.joints], atol=1e-9)
+
+
+WAIST = '<limit lower="-1" upper="1" effort="80" velocity="8" />'
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('<mass value="8"', '<mass value="-5"', "mass > 0"),
+        ('<mass value="8"', '<mass value="0"', "mass > 0"),
+        ('ixx="0.04533"', 'ixx="-1"', "at least one is negative"),
+        ('ixx="0.04533"', 'ixx="100"', "triangle inequality"),
+        (
+            WAIST,
+            WAIST.replace("-1", "9"),
+            "waist_yaw .* lower limit 9 above the upper 1",
+        ),
+        (WAIST, WAIST.replace('"8"', '"-8"'), "waist_yaw has the velocity limit -8"),
+    ],
+)
+def test_what_drake_would_replace_or_abort_at_is_refused(
+    copied, caplog, old, new, words
+):
+    # As in a campaign, which silences Drake's warnings.
+    caplog.set_level(logging.CRITICAL, logger="drake")
+    with pytest.raises(RobotDescriptionError, match=words) as caught:
+        load_robot(copied((old, new)))
+    assert caught.value.field == "urdf"
 
 
 HIPS_ASIDE = [
@@ -109,7 +139,7 @@ def test_legs_of_another_layout_are_refused(copied, layout):
 
 UNUSABLE = {
     "no limit of speed": (' velocity="8"', "", "waist_yaw has the velocity limit inf"),
-    "a motor without effort": ('effort="80" vel', 'effort="0" vel', "actuated joints"),
+    "a motor without effort": ('effort="80" vel', 'effort="0" vel', "zero effort"),
     "a slider": (
         '"waist_yaw" type="revolute"',
         '"waist_yaw" type="prismatic"',
