@@ -6,11 +6,14 @@ the robot; control laws and state are elsewhere.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
+from pydrake.geometry import CollisionFilterDeclaration, GeometrySet
+from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
 
@@ -177,7 +180,9 @@ class Robot:
 
     def add_to(self, plant: MultibodyPlant) -> ModelInstanceIndex:
         """Parses the robot into ``plant`` (before Finalize)."""
-        return add_urdf(plant, self.urdf, self.name)
+        instance = add_urdf(plant, self.urdf, self.name)
+        leave_out_collisions(plant, instance, self.file.no_collisions)
+        return instance
 
     def instance(self, plant: MultibodyPlant) -> ModelInstanceIndex:
         """The robot's model instance in ``plant``, which may hold other models."""
@@ -252,3 +257,28 @@ def add_urdf(plant: MultibodyPlant, urdf: Path, name: str) -> ModelInstanceIndex
     if plant.GetModelInstanceName(instance) != name:
         plant.RenameModelInstance(instance, name)
     return instance
+
+
+def leave_out_collisions(
+    plant: MultibodyPlant,
+    instance: ModelInstanceIndex,
+    pairs: Iterable[Sequence[str]],
+) -> None:
+    """Lets the shapes of bodies pass through each other.
+
+    Args:
+        plant: Plant before Finalize; one without geometry stays as it is.
+        instance: The robot in the plant.
+        pairs: Pairs of bodies.
+    """
+    if not plant.geometry_source_is_registered():
+        return
+    filters = Parser(plant).scene_graph().collision_filter_manager()
+    for pair in pairs:
+        one, other = (
+            GeometrySet(
+                plant.GetCollisionGeometriesForBody(plant.GetBodyByName(name, instance))
+            )
+            for name in pair
+        )
+        filters.Apply(CollisionFilterDeclaration().ExcludeBetween(one, other))

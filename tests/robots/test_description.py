@@ -1,11 +1,12 @@
 """The description of a robot that is not Atlas: values read, and faults refused."""
 
 import logging
+import re
 
 import numpy as np
 import pytest
 
-from atlas_drake import Gait
+from atlas_drake import AtlasSimulation, Gait, Scenario
 from atlas_drake.control.feet.leg_kinematics import solve_leg
 from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.errors import InvalidMessageError, RobotDescriptionError
@@ -74,6 +75,46 @@ def test_what_drake_would_replace_or_abort_at_is_refused(
     with pytest.raises(RobotDescriptionError, match=words) as caught:
         load_robot(copied((old, new)))
     assert caught.value.field == "urdf"
+
+
+INSIDE = (
+    '<link name="left_thigh">',
+    '<link name="left_thigh"><collision><geometry><sphere radius="0.1" /></geometry>'
+    "</collision>",
+)
+"""A ball on the left thigh that reaches into the hips."""
+
+
+def test_shapes_of_the_robot_inside_each_other_are_named_and_can_be_let_pass(copied):
+    path = copied(INSIDE)
+    with pytest.raises(RobotDescriptionError) as caught:
+        load_robot(path)
+    assert caught.value.field == "no_collisions"
+    found = re.search(r"no_collisions: (\[\[.*?\]\])", caught.value.problem)
+    assert found[1] == "[[hips, left_thigh]]"
+    path.write_text(f"{path.read_text()}\n{found[0]}\n")
+    sim = AtlasSimulation(Scenario(model=str(path)))
+    sim.advance(0.03)
+    results = sim.output("contact_results")
+    touching = [
+        sim.plant.get_body(body).name()
+        for k in range(results.num_point_pair_contacts())
+        for info in [results.point_pair_contact_info(k)]
+        for body in (info.bodyA_index(), info.bodyB_index())
+    ]
+    assert set(touching) == {"world", "left_foot", "right_foot"}
+
+
+@pytest.mark.parametrize(
+    ("pairs", "words"),
+    [("[[hips]]", "must be two bodies"), ("[[hips, nose]]", "no body 'nose'")],
+)
+def test_pairs_that_do_not_exist_are_refused(copied, pairs, words):
+    path = copied()
+    path.write_text(f"{path.read_text()}\nno_collisions: {pairs}\n")
+    with pytest.raises(RobotDescriptionError, match=words) as caught:
+        load_robot(path)
+    assert caught.value.field == "no_collisions[0]"
 
 
 HIPS_ASIDE = [
