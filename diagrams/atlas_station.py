@@ -9,7 +9,13 @@ from dataclasses import dataclass, field
 from functools import partial
 
 import numpy as np
-from pydrake.geometry import Box, SceneGraph
+from pydrake.geometry import (
+    AddContactMaterial,
+    AddRigidHydroelasticProperties,
+    Box,
+    ProximityProperties,
+    SceneGraph,
+)
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import (
     AddMultibodyPlant,
@@ -342,14 +348,25 @@ def add_scenery(
         terrain: The boxes.
         ground_friction: Coefficient of friction of ground and boxes.
     """
-    friction = CoulombFriction(ground_friction, ground_friction)
     # A half-space would end the process: FCL's tree of fixed shapes, which has no limit
     # to their number otherwise, cannot balance itself with a shape of infinite size.
     ground = Box(GROUND_SIZE, GROUND_SIZE, GROUND_THICKNESS)
     X_WG = RigidTransform(np.array([0.0, 0.0, -0.5 * GROUND_THICKNESS]))
-    plant.RegisterCollisionGeometry(plant.world_body(), X_WG, ground, GROUND, friction)
+    plant.RegisterCollisionGeometry(
+        plant.world_body(), X_WG, ground, GROUND, _material(ground_friction)
+    )
     for number, block in enumerate(terrain):
         _add_block(plant, block, block_name(number), ground_friction)
+
+
+def _material(friction: float) -> ProximityProperties:
+    """Returns a rigid material; its surface counts where contact is hydroelastic."""
+    properties = ProximityProperties()
+    AddContactMaterial(
+        friction=CoulombFriction(friction, friction), properties=properties
+    )
+    AddRigidHydroelasticProperties(properties)
+    return properties
 
 
 def _add_estimator(
@@ -401,6 +418,6 @@ def _add_block(
     coefficient = ground_friction if block.friction is None else block.friction
     world = plant.world_body()
     plant.RegisterCollisionGeometry(
-        world, block.X_WC, shape, name, CoulombFriction(coefficient, coefficient)
+        world, block.X_WC, shape, name, _material(coefficient)
     )
     plant.RegisterVisualGeometry(world, block.X_WC, shape, name, block.rgba)
