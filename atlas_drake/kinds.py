@@ -188,8 +188,6 @@ def _structure(
         base = kind() if default is None else default
         wanted = f"fields of a {kind.__name__}, such as {example}: "
         raise _wrong(path, value, wanted + shown(as_plain(getattr(base, example))))
-    if base is not value and not from_text and set(given) <= set(kinds):
-        raise _wrong(path, value, f"a {kind.__name__}({', '.join(kinds)})")
     changes = {}
     for name, item in given.items():
         where = f"{path}.{name}" if path else str(name)
@@ -200,7 +198,7 @@ def _structure(
             item,
             kinds[name],
             where,
-            default=None if base is value else getattr(base, name),
+            default=_default(kind, name) if base is value else getattr(base, name),
             bounds=bounds,
             from_text=from_text,
         )
@@ -210,6 +208,14 @@ def _structure(
         raise
     except ValueError as error:  # From the structure's own check.
         raise ScenarioError(path, value, str(error)) from error
+
+
+def _default(kind: Any, name: str) -> Any:
+    """Returns the default of a dataclass' field, of which a mapping has a part."""
+    for one in dataclasses.fields(kind) if dataclasses.is_dataclass(kind) else ():
+        if one.name == name and one.default_factory is not dataclasses.MISSING:
+            return one.default_factory()
+    return None
 
 
 def _changed(base: Any, changes: Mapping[str, Any], in_place: bool) -> Any:

@@ -16,11 +16,9 @@ import time
 from pathlib import Path
 
 import numpy as np
-from pydrake.geometry import HalfSpace, Meshcat
-from pydrake.math import RigidTransform
+from pydrake.geometry import Meshcat
 from pydrake.multibody.plant import (
     AddMultibodyPlant,
-    CoulombFriction,
     MultibodyPlantConfig,
 )
 from pydrake.multibody.tree import PdControllerGains
@@ -29,6 +27,7 @@ from pydrake.systems.framework import DiagramBuilder
 from report import command_line, write_figures
 
 from atlas_drake import AtlasSimulation, Scenario
+from atlas_drake.diagrams.atlas_station import add_scenery
 from atlas_drake.diagrams.standing import place_robot
 from atlas_drake.robot import Robot, load_robot
 from atlas_drake.simulation.start import draw_variation, scale_masses
@@ -75,10 +74,7 @@ class BarePlant:
             builder,
         )
         instance = robot.add_to(plant)
-        friction = CoulombFriction(scenario.ground_friction, scenario.ground_friction)
-        plant.RegisterCollisionGeometry(
-            plant.world_body(), RigidTransform(), HalfSpace(), "ground", friction
-        )
+        add_scenery(plant, (), scenario.ground_friction)
         for entry in robot.file.joints:
             actuator = self._actuator(plant, entry.name)
             actuator.set_controller_gains(PdControllerGains(p=entry.kp, d=entry.kd))

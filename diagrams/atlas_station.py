@@ -9,7 +9,13 @@ from dataclasses import dataclass, field
 from functools import partial
 
 import numpy as np
-from pydrake.geometry import Box, HalfSpace, SceneGraph
+from pydrake.geometry import (
+    AddContactMaterial,
+    AddRigidHydroelasticProperties,
+    Box,
+    ProximityProperties,
+    SceneGraph,
+)
 from pydrake.math import RigidTransform
 from pydrake.multibody.plant import (
     AddMultibodyPlant,
@@ -29,6 +35,10 @@ from atlas_drake.diagrams.controller_socket import (
     add_controller,
     make_controller,
 )
+from atlas_drake.diagrams.dissipation import (
+    scene_graph_config,
+    set_robot_dissipation,
+)
 from atlas_drake.diagrams.ground_friction import GROUND, block_name
 from atlas_drake.diagrams.standing import stand_by_default
 from atlas_drake.messages import Behavior
@@ -36,7 +46,7 @@ from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.robot import Robot, load_robot
 from atlas_drake.scenario.drake_configs import checked_plant_config, plant_config
 from atlas_drake.scenario.noise import NoiseModel
-from atlas_drake.scenario.terrain import Block
+from atlas_drake.scenario.terrain import GROUND_SIZE, GROUND_THICKNESS, Block
 from atlas_drake.scenario.time_grid import on_common_grid
 from atlas_drake.scenario.world import (
     WorldError,
@@ -309,9 +319,12 @@ def _add_plant(
 ) -> tuple[MultibodyPlant, SceneGraph]:
     """Adds the plant with robot, level ground at z = 0, terrain and world."""
     plant, scene_graph = AddMultibodyPlant(
-        checked_plant_config(config.plant, config.physics_step), builder
+        checked_plant_config(config.plant, config.physics_step),
+        scene_graph_config(),
+        builder,
     )
     robot.add_to(plant)
+    set_robot_dissipation(plant, scene_graph, robot)
     add_scenery(plant, config.terrain, config.ground_friction)
     add_world(plant, world)
     plant.Finalize()
@@ -335,12 +348,25 @@ def add_scenery(
         terrain: The boxes.
         ground_friction: Coefficient of friction of ground and boxes.
     """
-    friction = CoulombFriction(ground_friction, ground_friction)
+    # A half-space would end the process: FCL's tree of fixed shapes, which has no limit
+    # to their number otherwise, cannot balance itself with a shape of infinite size.
+    ground = Box(GROUND_SIZE, GROUND_SIZE, GROUND_THICKNESS)
+    X_WG = RigidTransform(np.array([0.0, 0.0, -0.5 * GROUND_THICKNESS]))
     plant.RegisterCollisionGeometry(
-        plant.world_body(), RigidTransform(), HalfSpace(), GROUND, friction
+        plant.world_body(), X_WG, ground, GROUND, _material(ground_friction)
     )
     for number, block in enumerate(terrain):
         _add_block(plant, block, block_name(number), ground_friction)
+
+
+def _material(friction: float) -> ProximityProperties:
+    """Returns a rigid material; its surface counts where contact is hydroelastic."""
+    properties = ProximityProperties()
+    AddContactMaterial(
+        friction=CoulombFriction(friction, friction), properties=properties
+    )
+    AddRigidHydroelasticProperties(properties)
+    return properties
 
 
 def _add_estimator(
@@ -392,6 +418,6 @@ def _add_block(
     coefficient = ground_friction if block.friction is None else block.friction
     world = plant.world_body()
     plant.RegisterCollisionGeometry(
-        world, block.X_WC, shape, name, CoulombFriction(coefficient, coefficient)
+        world, block.X_WC, shape, name, _material(coefficient)
     )
     plant.RegisterVisualGeometry(world, block.X_WC, shape, name, block.rgba)

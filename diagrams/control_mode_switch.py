@@ -114,7 +114,13 @@ def make_control_mode_switch(
         port = station.GetInputPort(name)
         if not builder.IsConnectedOrExported(port):
             builder.ExportInput(port, name)
-    diagram = builder.Build()
+    try:
+        diagram = builder.Build()
+    except RuntimeError as error:  # What is exported, Drake checks only here.
+        raise AtlasError(
+            f"extend adds what Drake cannot build: {error}; give each port a name of "
+            "its own"
+        ) from error
     diagram.set_name("control_mode_switch")
     return diagram
 

@@ -7,11 +7,14 @@ are arguments of ``AtlasSimulation``.
 from __future__ import annotations
 
 import argparse
+import functools
+import traceback
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from atlas_drake.errors import ScenarioError
+from atlas_drake.errors import AtlasError, ScenarioError
 
 OPTION = "--with"
 
@@ -35,7 +38,8 @@ def load_parts(path: Path | None) -> dict[str, Any]:
         path: Path of the file; None for no parts.
 
     Returns:
-        Arguments of ``AtlasSimulation``.
+        Arguments of ``AtlasSimulation``. If a callable of a part fails while the
+        simulation is built, it raises a ScenarioError.
 
     Raises:
         ScenarioError: If the file fails, or defines no part.
@@ -50,7 +54,36 @@ def load_parts(path: Path | None) -> dict[str, Any]:
         raise ScenarioError(
             OPTION, str(path), f"{path} defines none of {', '.join(PARTS)}"
         )
-    return parts
+    return {name: _guarded(part, name, path) for name, part in parts.items()}
+
+
+def _guarded(part: Any, name: str, path: Path) -> Any:
+    """Returns a part whose callables, when they fail, name file, part and line."""
+    from atlas_drake.behaviors.entry import BehaviorEntry
+
+    if isinstance(part, list | tuple):
+        return [_guarded(one, f"{name}[{i}]", path) for i, one in enumerate(part)]
+    if isinstance(part, BehaviorEntry):
+        return replace(part, make=_guarded(part.make, f"{name}.make", path))
+    if not callable(part):
+        return part
+
+    @functools.wraps(part)
+    def call(*arguments: Any) -> Any:
+        try:
+            return part(*arguments)
+        except AtlasError:
+            raise
+        except Exception as error:
+            last = traceback.extract_tb(error.__traceback__)[-1]
+            raise ScenarioError(
+                OPTION,
+                str(path),
+                f"{name} of {path} failed: {type(error).__name__}: {error} "
+                f"({last.filename}:{last.lineno})",
+            ) from error
+
+    return call
 
 
 def behaviors_told(arguments: Sequence[str]) -> str:

@@ -13,7 +13,7 @@ import time
 from collections import deque
 from typing import TextIO
 
-from atlas_drake.messages.event import FOOTSTEP, Event
+from atlas_drake.messages.event import Event
 
 REPEAT = 5.0
 """Wall time between lines of progress where lines cannot be rewritten [s]."""
@@ -25,8 +25,6 @@ AGAIN_AS_LINES = 60.0
 """The same where each is a line of its own, as in the log of a batch queue [s]."""
 BAR = 24
 """Width of a bar [characters]."""
-
-_FEET = ("left", "right")
 
 
 class StatusLine:
@@ -182,10 +180,6 @@ def duration_text(seconds: float) -> str:
 
 def event_line(event: Event) -> str:
     """Makes one line about an event; commands stand out, consequences are indented."""
-    text = event.text
-    if event.kind == FOOTSTEP:
-        error = 1000.0 * event.data["error_m"]
-        text += f" ({_FEET[event.data['foot']]}, {error:.0f} mm off)"
     indent = "" if event.kind in ("command", "push") else "  "
     warning = "! " if event.kind in ("fall", "refusal", "warning", "steps left") else ""
-    return f"{event.time:7.2f} s {indent}{warning}{text}"
+    return f"{event.time:7.2f} s {indent}{warning}{event.text}"

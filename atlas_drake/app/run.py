@@ -34,7 +34,6 @@ from atlas_drake.logs.formats import check_format
 from atlas_drake.messages.event import STEPS_LEFT
 from atlas_drake.scenario import Scenario, with_settings
 from atlas_drake.simulation import AtlasSimulation, SimulationError
-from atlas_drake.simulation.drake_log import is_news
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.viewer_gate import show_latest
 
@@ -219,10 +218,8 @@ def quiet_logs() -> None:
     ours = logging.getLogger("atlas_drake")
     ours.propagate = False
     ours.addHandler(logging.NullHandler())
-    drake = logging.getLogger("drake")
     # The address of the 3D view is printed separately.
-    drake.setLevel(logging.WARNING)
-    drake.addFilter(is_news)
+    logging.getLogger("drake").setLevel(logging.WARNING)
 
 
 def _plain(value: Any) -> Any:

@@ -16,6 +16,9 @@ from atlas_drake.control.feet.footstep import (
 )
 from atlas_drake.messages.event import FOOTSTEP, Event
 
+_FEET = ("left", "right")
+"""Word for each foot index."""
+
 
 def footstep_event(
     time: float, sent: Footstep, taken: Footstep, landed: FootPose
@@ -28,10 +31,11 @@ def footstep_event(
         taken: The step as executed, after saturation.
         landed: Pose of the sole at touchdown.
     """
+    error = landing_error(sent, landed)
     return Event(
         time,
         FOOTSTEP,
-        f"step {taken.index} landed",
+        f"step {taken.index} landed ({_FEET[taken.foot]}, {1e3 * error:.0f} mm off)",
         {
             "index": taken.index,
             "foot": taken.foot,
@@ -39,7 +43,7 @@ def footstep_event(
             "saturated": [*map(float, taken.p_WF[:2]), float(taken.yaw)],
             "landed": [*map(float, landed.p_WF[:2]), float(landed.yaw)],
             "landed_height": float(landed.p_WF[2]),
-            "error_m": landing_error(sent, landed),
+            "error_m": error,
             "error_rad": heading_error(sent, landed),
         },
     )

@@ -200,8 +200,8 @@ class RobotFile:
     """The schema of a robot's YAML file."""
 
     urdf: str = ""
-    """URDF file, relative to this one, or ``package://drake_models/...``: a file of the
-    models that Drake fetches."""
+    """URDF file, relative to this one, or ``package://NAME/...``: in the package above
+    this file, in one of ROS_PACKAGE_PATH, or in drake_models, which Drake fetches."""
     pelvis: str = ""
     """Body at the top of both legs, free in the world."""
     chest: str = ""
@@ -220,6 +220,9 @@ class RobotFile:
     """Bodies that teleoperation can push; pelvis, chest and hands if left out."""
     joints: list[JointEntry] = field(default_factory=list)
     """Every actuated joint in the order of the messages' arrays."""
+    no_collisions: list[list[str]] = field(default_factory=list)
+    """Pairs of bodies of the URDF whose shapes do not touch each other, such as
+    ``[[hips, left_thigh]]``. Neighbors in the tree never do."""
     com_drop: float = 0.02
     """Lowering of the center of mass in standing and walking below the stand-prep pose
     [m]: bent knees give the trailing leg its reach."""
@@ -267,6 +270,9 @@ def check_file(file: RobotFile) -> None:
         _check_given(f"sole.{name}", value)
     _check_joints(file.joints)
     _check_contacts(file.contacts)
+    for index, pair in enumerate(file.no_collisions):
+        if len(pair) != 2:
+            raise _wrong(f"no_collisions[{index}]", pair, "must be two bodies")
     _check_order("", file, ("least_knee_flexion", "most_knee_flexion"))
     for name in ("walk_limits", "step_limits"):
         _check_limits(name, getattr(file, name))

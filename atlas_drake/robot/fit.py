@@ -20,6 +20,9 @@ LEAST_COM_HEIGHT = 0.35
 balance feedback would treat a shorter pendulum as a longer one."""
 _LEVEL, _TILT = 0.01, 0.1
 """Tolerances for level [m] and flat [rad] soles in the stand-prep pose."""
+_TOUCH = 1e-4
+"""Depth up to which shapes may overlap in the stand-prep pose [m]: they then push each
+other apart with some 50 N."""
 
 
 def check_names(plant: Any, instance: Any, file: RobotFile) -> None:
@@ -29,6 +32,8 @@ def check_names(plant: Any, instance: Any, file: RobotFile) -> None:
         named.append((f"feet[{index}].body", foot.body))
     named += [(f"hands[{index}]", hand) for index, hand in enumerate(file.hands)]
     named += [(f"pushed[{index}]", body) for index, body in enumerate(file.pushed)]
+    for index, pair in enumerate(file.no_collisions):
+        named += [(f"no_collisions[{index}]", body) for body in pair]
     for field, name in named:
         if not plant.HasBodyNamed(name):
             known = [
@@ -145,11 +150,45 @@ def check_pose(file: RobotFile, lower: np.ndarray, upper: np.ndarray) -> None:
             )
 
 
+def check_overlaps(plant: Any, context: Any, file: RobotFile) -> None:
+    """Checks that no shapes of the robot are inside each other in its stand-prep pose.
+
+    Args:
+        plant: Plant of the robot alone.
+        context: Context of the plant in a diagram with its scene graph.
+        file: File of the robot.
+    """
+    _take_stand_prep(plant, context, file)
+    query = plant.get_geometry_query_input_port().Eval(context)
+    depths: dict[tuple[str, ...], float] = {}
+    for pair in query.ComputePointPairPenetration():
+        frames = map(query.inspector().GetFrameId, (pair.id_A, pair.id_B))
+        bodies = tuple(sorted(plant.GetBodyFromFrameId(f).name() for f in frames))
+        depths[bodies] = max(pair.depth, depths.get(bodies, _TOUCH))
+    inside = {pair: depth for pair, depth in depths.items() if depth > _TOUCH}
+    if inside:
+        found = ", ".join(
+            f"{one} and {other} by {depth:.4f} m"
+            for (one, other), depth in inside.items()
+        )
+        pairs = ", ".join(f"[{one}, {other}]" for one, other in inside)
+        raise RobotDescriptionError(
+            "no_collisions",
+            file.no_collisions,
+            f"in the stand-prep pose shapes are inside each other: {found}; correct "
+            f"the shapes, or let them pass: no_collisions: [{pairs}]",
+        )
+
+
+def _take_stand_prep(plant: Any, context: Any, file: RobotFile) -> None:
+    for joint in file.joints:
+        plant.GetJointByName(joint.name).set_angle(context, joint.stand_prep)
+
+
 def check_stance(plant: Any, instance: Any, file: RobotFile) -> None:
     """Checks that the robot can stand on both feet in its stand-prep pose."""
     context = plant.CreateDefaultContext()
-    for joint in file.joints:
-        plant.GetJointByName(joint.name).set_angle(context, joint.stand_prep)
+    _take_stand_prep(plant, context, file)
     soles = [
         plant.GetFrameByName(foot.sole_frame).CalcPoseInWorld(context)
         for foot in file.feet

@@ -12,8 +12,9 @@ from typing import Any
 
 import numpy as np
 from pydrake.common.yaml import yaml_load
-from pydrake.geometry import SceneGraph
-from pydrake.multibody.plant import MultibodyPlant
+from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, MultibodyPlant
+from pydrake.multibody.tree import ModelInstanceIndex
+from pydrake.systems.framework import DiagramBuilder
 
 from atlas_drake.bounds import NOT_NEGATIVE
 from atlas_drake.errors import (
@@ -28,12 +29,13 @@ from atlas_drake.robot.fit import (
     check_joints,
     check_limits,
     check_names,
+    check_overlaps,
     check_pose,
     check_stance,
 )
 from atlas_drake.robot.leg import read_legs
 from atlas_drake.robot.packages import find_urdf
-from atlas_drake.robot.robot import Robot, add_urdf
+from atlas_drake.robot.robot import Robot, add_urdf, leave_out_collisions
 
 MODELS_FOLDER = Path(__file__).parent.parent / "models"
 DEFAULT_ROBOT = "atlas"
@@ -91,9 +93,13 @@ def load_robot(model: str | Path = DEFAULT_ROBOT) -> Robot:
 def _load(path: Path, name: str | None) -> Robot:
     file = _read_file(path)
     robot_name = name or path.stem
-    plant = _parse(find_urdf(path.parent, file.urdf), robot_name)
-    instance = plant.GetModelInstanceByName(robot_name)
+    builder = DiagramBuilder()
+    plant: Any = AddMultibodyPlantSceneGraph(builder, time_step=0.0)[0]
+    instance = _parse(plant, find_urdf(path.parent, file.urdf), robot_name)
     check_names(plant, instance, file)
+    leave_out_collisions(plant, instance, file.no_collisions)
+    plant.Finalize()
+    diagram = builder.Build()
     pelvis = check_base(plant, instance, file)
     names = tuple(joint.name for joint in file.joints)
     actuators = check_joints(plant, names, file.urdf)
@@ -106,6 +112,8 @@ def _load(path: Path, name: str | None) -> Robot:
     check_pose(file, lower, upper)
     legs = read_legs(plant, pelvis, file)
     check_stance(plant, instance, file)
+    root = diagram.CreateDefaultContext()
+    check_overlaps(plant, plant.GetMyMutableContextFromRoot(root), file)
     return Robot(
         name=robot_name,
         path=path,
@@ -160,16 +168,11 @@ def _read_file(path: Path) -> RobotFile:
     return file
 
 
-def _parse(urdf: Path, name: str) -> Any:
-    """Makes a finalized plant of the robot alone; missing meshes are found, too."""
-    plant = MultibodyPlant(time_step=0.0)
-    scene_graph = SceneGraph()
-    plant.RegisterAsSourceForSceneGraph(scene_graph)
+def _parse(plant: MultibodyPlant, urdf: Path, name: str) -> ModelInstanceIndex:
+    """Adds the robot alone to a plant with geometry, so that meshes are read, too."""
     try:
-        add_urdf(plant, urdf, name)
+        return add_urdf(plant, urdf, name)
     except RuntimeError as error:
         raise RobotDescriptionError(
             "urdf", str(urdf), f"Drake cannot read it: {error}"
         ) from error
-    plant.Finalize()
-    return plant

@@ -1,4 +1,4 @@
-"""Finds a robot's URDF: beside its YAML file, or in the models that Drake fetches.
+"""Finds a robot's URDF: beside its YAML file, or in a package.
 
 Drake's ``PackageMap`` fetches ``drake_models`` once and keeps it. This module replaces
 it by a local copy, if there is one, and reports within seconds if there is neither.
@@ -18,6 +18,8 @@ from atlas_drake.errors import RobotDescriptionError, shown
 
 LOCAL_MODELS = "ATLAS_DRAKE_MODELS"
 """Environment variable that names a folder with the content of ``drake_models``."""
+ROS_PATH = "ROS_PACKAGE_PATH"
+"""Environment variable that names folders with ROS packages, separated by colons."""
 PATIENCE = 5.0
 """Longest wait for the network to answer before models are fetched [s]. Drake's own
 download waits half a minute at each of three addresses."""
@@ -35,7 +37,7 @@ def find_urdf(folder: Path, urdf: str) -> Path:
 
     Args:
         folder: That of the robot's YAML file.
-        urdf: As that names it: a path from there, or ``package://drake_models/PATH``.
+        urdf: As that names it: a path from there, or ``package://PACKAGE/PATH``.
 
     Raises:
         RobotDescriptionError: If there is no such file, or no copy of the models.
@@ -48,8 +50,7 @@ def find_urdf(folder: Path, urdf: str) -> Path:
         return path
     package, _, inner = urdf.removeprefix(_PACKAGE).partition("/")
     if package != _MODELS:
-        problem = f"is {shown(urdf)}; the one package known here is {_PACKAGE}{_MODELS}"
-        raise RobotDescriptionError("urdf", urdf, problem)
+        return _in_package(package, inner, folder, urdf)
     models = _models()
     if not (models / inner).is_file():
         source = f"{LOCAL_MODELS} names" if _local() else f"Drake has {_MODELS} in"
@@ -58,13 +59,26 @@ def find_urdf(folder: Path, urdf: str) -> Path:
     return models / inner
 
 
-def use_local_models(packages: PackageMap) -> None:
-    """Replaces Drake's models in a package map by the local copy, if there is one."""
+def add_packages(packages: PackageMap, file: Path | None) -> None:
+    """Adds to Drake's packages those of a local copy, of the file, and of ROS.
+
+    Args:
+        packages: Map of Drake's parser, which knows Drake's models.
+        file: The nearest ``package.xml`` above it names a package; None for no file.
+
+    Raises:
+        RuntimeError: If a ``package.xml`` is faulty.
+    """
     local = _local()
     if local is not None and local.is_dir():
-        if packages.Contains(_MODELS):
-            packages.Remove(_MODELS)
+        packages.Remove(_MODELS)
         packages.Add(_MODELS, str(local))
+    folders = [] if file is None else file.absolute().parents
+    manifests = (folder / "package.xml" for folder in folders)
+    nearest = next(filter(Path.is_file, manifests), None)
+    if nearest is not None:
+        packages.AddPackageXml(str(nearest))
+    packages.PopulateFromRosPackagePath()
 
 
 def models_at_hand() -> bool:
@@ -78,6 +92,29 @@ def models_at_hand() -> bool:
         Path(os.environ[name], inner) for name, inner in places if os.environ.get(name)
     ]
     return any(any(cache.glob("drake/package_map/*/atlas")) for cache in caches)
+
+
+def _in_package(package: str, inner: str, folder: Path, urdf: str) -> Path:
+    """Returns a robot's URDF in a package that is not Drake's.
+
+    Raises:
+        RobotDescriptionError: If there is no such package or file.
+    """
+    packages = PackageMap()
+    try:
+        add_packages(packages, folder / inner)
+    except RuntimeError as error:
+        raise RobotDescriptionError("urdf", urdf, str(error)) from error
+    if not packages.Contains(package):
+        problem = (
+            f"is {shown(urdf)}; {package} is neither {_MODELS}, nor named by a "
+            f"package.xml above {folder}, nor in a folder of {ROS_PATH}"
+        )
+        raise RobotDescriptionError("urdf", urdf, problem)
+    path = Path(packages.GetPath(package)) / inner
+    if not path.is_file():
+        raise RobotDescriptionError("urdf", urdf, f"there is no file {path}")
+    return path
 
 
 def _local() -> Path | None:

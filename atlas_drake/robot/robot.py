@@ -6,11 +6,13 @@ the robot; control laws and state are elsewhere.
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
+from pydrake.geometry import CollisionFilterDeclaration, GeometrySet
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
@@ -19,8 +21,8 @@ from atlas_drake.errors import RobotDescriptionError, shown
 from atlas_drake.robot.file import ContactEntry, RobotFile
 from atlas_drake.robot.joint_constants import JointConstants
 from atlas_drake.robot.leg import Leg
-from atlas_drake.robot.packages import find_urdf, use_local_models
-from atlas_drake.robot.parser_warnings import each_warning_once
+from atlas_drake.robot.packages import find_urdf
+from atlas_drake.robot.parsing import parse
 
 
 @dataclass(frozen=True)
@@ -178,7 +180,9 @@ class Robot:
 
     def add_to(self, plant: MultibodyPlant) -> ModelInstanceIndex:
         """Parses the robot into ``plant`` (before Finalize)."""
-        return add_urdf(plant, self.urdf, self.name)
+        instance = add_urdf(plant, self.urdf, self.name)
+        leave_out_collisions(plant, instance, self.file.no_collisions)
+        return instance
 
     def instance(self, plant: MultibodyPlant) -> ModelInstanceIndex:
         """The robot's model instance in ``plant``, which may hold other models."""
@@ -249,10 +253,32 @@ def add_urdf(plant: MultibodyPlant, urdf: Path, name: str) -> ModelInstanceIndex
     Raises:
         RuntimeError: From Drake, if the file or a mesh is missing or faulty.
     """
-    parser = Parser(plant)
-    use_local_models(parser.package_map())
-    with each_warning_once():
-        instance = parser.AddModels(str(urdf))[0]
+    instance = parse(plant, urdf)[0]
     if plant.GetModelInstanceName(instance) != name:
         plant.RenameModelInstance(instance, name)
     return instance
+
+
+def leave_out_collisions(
+    plant: MultibodyPlant,
+    instance: ModelInstanceIndex,
+    pairs: Iterable[Sequence[str]],
+) -> None:
+    """Lets the shapes of bodies pass through each other.
+
+    Args:
+        plant: Plant before Finalize; one without geometry stays as it is.
+        instance: The robot in the plant.
+        pairs: Pairs of bodies.
+    """
+    if not plant.geometry_source_is_registered():
+        return
+    filters = Parser(plant).scene_graph().collision_filter_manager()
+    for pair in pairs:
+        one, other = (
+            GeometrySet(
+                plant.GetCollisionGeometriesForBody(plant.GetBodyByName(name, instance))
+            )
+            for name in pair
+        )
+        filters.Apply(CollisionFilterDeclaration().ExcludeBetween(one, other))

@@ -53,8 +53,6 @@ def checked_plant_config(
     _decide(config, "plant", "time_step", physics_step, "set physics_step instead")
     sampled = "use_sampled_output_ports"
     _decide(config, "plant", sampled, False, "must be false: controllers need it")
-    contact = "must be point: foot wrenches and contact views read point contacts"
-    _decide(config, "plant", "contact_model", "point", contact)
     try:
         AddMultibodyPlant(config, DiagramBuilder())
     except (Exception, SystemExit) as error:  # Drake raises both.

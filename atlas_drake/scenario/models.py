@@ -14,12 +14,12 @@ from typing import Any
 from pydrake.common.schema import Transform
 from pydrake.math import RigidTransform
 from pydrake.multibody.math import SpatialVelocity
-from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex, RigidBody
 from pydrake.systems.framework import Context
 
 from atlas_drake.errors import ScenarioError, shown
+from atlas_drake.robot.parsing import parse
 from atlas_drake.scenario.world import WorldMaker
 
 
@@ -54,7 +54,7 @@ class Model:
             ScenarioError: Naming the field that cannot be used.
         """
         try:
-            instances = self._parsed(plant)
+            instances = parse(plant, self.file)
         except Exception as error:  # Drake raises several kinds.
             raise ScenarioError(
                 f"{path}.file", self.file, f"cannot be read: {error}"
@@ -118,13 +118,6 @@ class Model:
         plant.Finalize()
         if self.V_WB is not None:
             _free_base(plant, "model", f"{path}.V_WB")
-
-    def _parsed(self, plant: MultibodyPlant) -> list[ModelInstanceIndex]:
-        parser = Parser(plant)
-        parser.SetAutoRenaming(True)
-        if "://" in self.file:
-            return parser.AddModels(url=self.file)
-        return parser.AddModels(Path(self.file))
 
     @staticmethod
     def _base(

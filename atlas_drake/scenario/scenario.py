@@ -36,7 +36,7 @@ from atlas_drake.scenario.models import Model, models_beside
 from atlas_drake.scenario.noise import NOISE_MODELS
 from atlas_drake.scenario.paths import is_path, put
 from atlas_drake.scenario.pushes import PlannedPush
-from atlas_drake.scenario.terrain import Block
+from atlas_drake.scenario.terrain import START_REACH, Block, Place
 from atlas_drake.scenario.time_grid import is_multiple, on_common_grid
 from atlas_drake.scenario.timed_message import TimedMessage
 from atlas_drake.scenario.world_file import World, world_beside, world_from
@@ -61,7 +61,7 @@ class Jitter:
     Every value is the half width of a uniform distribution; 0 is no variation.
     """
 
-    position: float = 0.0
+    position: Annotated[float, Bounds(0.0, START_REACH)] = 0.0
     """Position of the pelvis along x and y [m]."""
     orientation: float = 0.0
     """Roll, pitch and yaw of the pelvis [rad]."""
@@ -75,7 +75,7 @@ class Jitter:
 class Start:
     """Start of the robot, on its feet on the terrain."""
 
-    position: list[float] | None = None
+    position: list[Place] | None = None
     """Position of the pelvis along x and y in W [m]; null for the world's start."""
     yaw: float | None = None
     """Heading of the pelvis in W [rad]; null for the world's start."""
@@ -95,9 +95,7 @@ class Start:
             ScenarioError: Naming the first field that cannot be used.
         """
         position = self.position
-        if position is not None and not (
-            len(position) == 2 and np.isfinite(position).all()
-        ):
+        if position is not None and len(position) != 2:
             raise ScenarioError(
                 "start.position", position, f"is {shown(position)}; must be two numbers"
             )

@@ -6,12 +6,22 @@ Geometry and its checks; ``diagrams`` adds the boxes to plant and 3D view.
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from typing import Annotated
 
 import numpy as np
 from pydrake.math import RigidTransform, RollPitchYaw
 
+from atlas_drake.bounds import Bounds
 from atlas_drake.errors import ScenarioError, shown
 
+GROUND_SIZE, GROUND_THICKNESS = 2e4, 100.0
+"""Side and thickness of the ground [m]. The narrow phase tilts the normals of cylinders
+and meshes by 2e-10 rad for each meter of the side."""
+START_REACH = 5e3
+"""Distance from W's origin along each axis at which a robot can start [m]: hours of
+walking away from the edge of the ground."""
+Place = Annotated[float, Bounds(-START_REACH, START_REACH)]
+"""Coordinate of a start on the ground [m]."""
 BLOCK_COLOR = np.array([0.80, 0.70, 0.56, 1.0])
 """Red, green, blue, alpha of boxes without a color: light wood on the pale ground."""
 _PARALLEL = 1e-12

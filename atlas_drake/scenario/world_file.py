@@ -20,7 +20,7 @@ from atlas_drake.robot.data_file import file_beside, find_data_file
 from atlas_drake.robot.load import MODELS_FOLDER
 from atlas_drake.scenario.models import Model, models_beside
 from atlas_drake.scenario.obstacles import Blocks, Ramp, Stairs, Strewn
-from atlas_drake.scenario.terrain import Block
+from atlas_drake.scenario.terrain import Block, Place
 
 WORLDS_FOLDER = MODELS_FOLDER / "worlds"
 DEFAULT_WORLD = "level"
@@ -31,7 +31,7 @@ _OBSTACLES = ("stairs", "ramp", "blocks", "strewn")
 class WorldStart:
     """Start of the robot in a world; ``start`` of the scenario overrides it."""
 
-    position: list[float] = field(default_factory=lambda: [0.0, 0.0])
+    position: list[Place] = field(default_factory=lambda: [0.0, 0.0])
     """Position of the pelvis along x and y in W [m]."""
     yaw: float = 0.0
     """Heading of the pelvis in W [rad]."""
@@ -113,7 +113,7 @@ class World:
             ScenarioError: Naming the first field that cannot be used.
         """
         start = self.start
-        if len(start.position) != 2 or not all(map(math.isfinite, start.position)):
+        if len(start.position) != 2:
             raise ScenarioError(
                 f"{path}.start.position",
                 start.position,

@@ -37,7 +37,7 @@ def run_file(path: Path, option: str) -> dict[str, Any]:
         return runpy.run_path(str(path), run_name="atlas_drake_parts")
     except AtlasError:
         raise
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise ScenarioError(
             option, str(path), f"{path} failed: {type(error).__name__}: {error}"
         ) from error

@@ -27,7 +27,6 @@ from atlas_drake.scenario import Scenario, Start
 from atlas_drake.scenario.models import set_velocities
 from atlas_drake.scenario.noise import NOISE_MODELS
 from atlas_drake.scenario.world import WorldMaker, put_world_back
-from atlas_drake.simulation.drake_log import only_news
 from atlas_drake.simulation.pushes import ActivePushes
 from atlas_drake.simulation.start import Variation, draw_variation, scale_masses
 from atlas_drake.simulation.suspension import CLEARANCE, Suspension
@@ -106,8 +105,7 @@ class Stage:
             own.tick_seconds = tick_seconds
         self.pushes = ActivePushes(self.diagram, self.plant, robot)
         self.suspension = Suspension(self.station, scenario.start.harnessed)
-        with only_news():
-            self.simulator = Simulator(self.diagram)
+        self.simulator = Simulator(self.diagram)
         ApplySimulatorConfig(scenario.simulator, self.simulator)
         self.begin(scenario)
 

@@ -3,12 +3,14 @@
 Messages are made only when their ports are read; the controller reads plain vectors.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from pydrake.common.value import AbstractValue
+from pydrake.geometry import GeometryId
 from pydrake.multibody.plant import ContactResults, MultibodyPlant
-from pydrake.multibody.tree import FrameIndex
+from pydrake.multibody.tree import BodyIndex, FrameIndex
 from pydrake.systems.framework import (
     BasicVector,
     Context,
@@ -99,6 +101,7 @@ class RobotSensors(NoisySystem):
         ]
         for body, hand in robot.hand_bodies(plant).items():
             self._bodies[body] = len(feet) + hand
+        self._shapes = shapes_of(plant, self._bodies)
         num_states = plant.num_multibody_states(own)
         self._num_q = plant.num_positions(own)
         self._base = self._indices.generalized[:6]
@@ -182,7 +185,9 @@ class RobotSensors(NoisySystem):
         Reading them before the controller's update would solve them once more, with
         outdated efforts.
         """
-        totals = contact_wrenches(self._contacts.Eval(context), self._bodies)
+        totals = contact_wrenches(
+            self._contacts.Eval(context), self._bodies, self._shapes
+        )
         wrenches = np.zeros(24)
         wrenches[: 6 * len(totals)] = [number for total in totals for number in total]
         discrete.set_value(self._wrenches, wrenches)
@@ -269,35 +274,64 @@ class RobotSensors(NoisySystem):
         output.set_value(message)
 
 
+def shapes_of(
+    plant: MultibodyPlant, bodies: Mapping[int, int]
+) -> dict[GeometryId, int]:
+    """Maps each collision shape of some bodies to what its body maps to."""
+    return {
+        shape: place
+        for body, place in bodies.items()
+        for shape in plant.GetCollisionGeometriesForBody(
+            plant.get_body(BodyIndex(body))
+        )
+    }
+
+
 def contact_wrenches(
-    results: ContactResults, bodies: dict[int, int]
+    results: ContactResults,
+    bodies: Mapping[int, int],
+    shapes: Mapping[GeometryId, int],
 ) -> list[list[float]]:
     """Sums the contact forces on some bodies, about W's origin.
 
     Args:
-        results: Contacts of the plant.
+        results: Contacts of the plant, as points or as surfaces.
         bodies: Maps the index of a body in the plant to its index in the result.
+        shapes: Maps each collision shape of these bodies likewise.
 
     Returns:
         Moment and force in W for each body [N·m; N], six numbers.
     """
     totals = [[0.0] * 6 for _ in set(bodies.values())]
+
+    def add(place: int, sign: float, point: Any, force: Any) -> None:
+        x, y, z = point.tolist()
+        fx, fy, fz = (sign * force).tolist()
+        total = totals[place]
+        total[0] += y * fz - z * fy
+        total[1] += z * fx - x * fz
+        total[2] += x * fy - y * fx
+        total[3] += fx
+        total[4] += fy
+        total[5] += fz
+
     for k in range(results.num_point_pair_contacts()):
         info = results.point_pair_contact_info(k)
         # The force is that on body B.
         for body, sign in ((info.bodyB_index(), 1.0), (info.bodyA_index(), -1.0)):
             place = bodies.get(int(body))
-            if place is None:
-                continue
-            x, y, z = info.contact_point().tolist()
-            fx, fy, fz = (sign * info.contact_force()).tolist()
-            total = totals[place]
-            total[0] += y * fz - z * fy
-            total[1] += z * fx - x * fz
-            total[2] += x * fy - y * fx
-            total[3] += fx
-            total[4] += fy
-            total[5] += fz
+            if place is not None:
+                add(place, sign, info.contact_point(), info.contact_force())
+    for k in range(results.num_hydroelastic_contacts()):
+        info = results.hydroelastic_contact_info(k)
+        surface, F_Ac_W = info.contact_surface(), info.F_Ac_W()
+        # The force is that on body A, whose shape is M.
+        for shape, sign in ((surface.id_M(), 1.0), (surface.id_N(), -1.0)):
+            place = shapes.get(shape)
+            if place is not None:
+                add(place, sign, surface.centroid(), F_Ac_W.translational())
+                for axis, moment in enumerate((sign * F_Ac_W.rotational()).tolist()):
+                    totals[place][axis] += moment
     return totals
 
 

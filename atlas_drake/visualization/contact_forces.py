@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from pydrake.common.value import AbstractValue
-from pydrake.geometry import Meshcat
+from pydrake.geometry import Meshcat, QueryObject, SceneGraphInspector
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.plant import ContactResults
 from pydrake.multibody.tree import world_index
@@ -38,23 +38,42 @@ class ContactForce(NamedTuple):
     force_W: np.ndarray
 
 
-def contact_forces_of(results: Any) -> list[ContactForce]:
+def contact_forces_of(
+    results: ContactResults, inspector: SceneGraphInspector
+) -> list[ContactForce]:
     """Returns the forces on the robot.
 
     Two touching links push each other: the returned force is the one that points up.
+
+    Args:
+        results: Contacts of the plant, as points or as surfaces.
+        inspector: Of the plant's geometry.
     """
-    world = int(world_index())
+    world = world_index()
     forces = []
     for index in range(results.num_point_pair_contacts()):
-        contact = results.point_pair_contact_info(index)
-        # Drake gives the force on body B, which may be the robot or the ground.
-        force = np.array(contact.contact_force())
-        ground = int(contact.bodyA_index()) == world
-        if int(contact.bodyB_index()) == world or (not ground and force[2] < 0.0):
-            force = -force
-        if np.linalg.norm(force) > LEAST_FORCE:
-            forces.append(ContactForce(np.array(contact.contact_point()), force))
-    return forces
+        pair = results.point_pair_contact_info(index)
+        bodies = pair.bodyA_index() == world, pair.bodyB_index() == world
+        # Drake gives the force on body B.
+        forces.append(_on_robot(pair.contact_point(), pair.contact_force(), *bodies))
+    for index in range(results.num_hydroelastic_contacts()):
+        info = results.hydroelastic_contact_info(index)
+        surface = info.contact_surface()
+        are_world = (
+            inspector.GetFrameId(shape) == inspector.world_frame_id()
+            for shape in (surface.id_M(), surface.id_N())
+        )
+        force = -info.F_Ac_W().translational()
+        forces.append(_on_robot(surface.centroid(), force, *are_world))
+    return [one for one in forces if np.linalg.norm(one.force_W) > LEAST_FORCE]
+
+
+def _on_robot(
+    p_WC: np.ndarray, force_B: np.ndarray, a_is_world: bool, b_is_world: bool
+) -> ContactForce:
+    """Chooses between the force on body B, which may be the ground, and on A."""
+    is_reaction = b_is_world or (not a_is_world and force_B[2] < 0.0)
+    return ContactForce(np.array(p_WC), np.array(-force_B if is_reaction else force_B))
 
 
 def arrow_pose(force: ContactForce) -> RigidTransform:
@@ -76,6 +95,7 @@ class ContactForces(Display):
 
     Input ports:
         contact_results: Contact results of the plant.
+        query_object: Of the scene graph.
     """
 
     __slots__ = ()
@@ -88,6 +108,9 @@ class ContactForces(Display):
         self._results = self.DeclareAbstractInputPort(
             "contact_results", AbstractValue.Make(ContactResults())
         )
+        self._query = self.DeclareAbstractInputPort(
+            "query_object", AbstractValue.Make(QueryObject())
+        )
         self._timeline = Timeline(meshcat)
         self._made = 0
         meshcat.Delete(PATH)
@@ -95,7 +118,8 @@ class ContactForces(Display):
     def _publish(self, context: Context) -> None:
         forces = []
         if self._overlays.is_on("forces"):
-            forces = contact_forces_of(self._results.Eval(context))
+            inspector = self._query.Eval(context).inspector()
+            forces = contact_forces_of(self._results.Eval(context), inspector)
         time = context.get_time()
         for number, force in enumerate(forces):
             path = f"{PATH}/{number}"

@@ -46,6 +46,7 @@ from atlas_drake.visualization.footsteps import (
 )
 from atlas_drake.visualization.ribbons import ribbons
 from atlas_drake.visualization.video_camera import camera_pose
+from atlas_drake.visualization.video_file import VideoError
 
 Picture = NDArray[np.uint8]
 """Red, green and blue of each pixel, shape (height, width, 3)."""
@@ -91,6 +92,9 @@ class VideoStage:
             width: Width of the pictures [pixel].
             height: Height of the pictures [pixel].
             world: Callables that add models beside the robot.
+
+        Raises:
+            VideoError: If a mesh cannot be drawn, such as one without normals.
         """
         self._outline = sole_outline(robot.file.sole)
         builder = DiagramBuilder()
@@ -115,7 +119,12 @@ class VideoStage:
                 RigidTransform(),
             )
         )
-        self._scene_graph.AddRenderer(_RENDERER, MakeRenderEngineVtk(_looks()))
+        try:
+            self._scene_graph.AddRenderer(_RENDERER, MakeRenderEngineVtk(_looks()))
+        except RuntimeError as error:
+            raise VideoError(
+                f"--video: Drake's renderer cannot draw robot and world: {error}"
+            ) from error
         self._context = self._diagram.CreateDefaultContext()
         self._shown: dict[FootstepMark, GeometryId] = {}
         self._drawn = 0

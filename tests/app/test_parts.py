@@ -29,6 +29,12 @@ if __name__ == "__main__":
     raise SystemExit("this is no run of its own")
 """
 
+TAKEN = """
+def extend(builder, station):
+    builder.ExportOutput(station.GetOutputPort("effort"), "effort")
+"""
+MAKE = PARTS.replace("Idle(),", '{}["idle"],')
+
 
 @pytest.fixture
 def parts(tmp_path):
@@ -68,11 +74,18 @@ def test_help_names_the_behaviors_that_it_brings(form, parts, capsys):
         ("extend = 3", "extend must be a callable"),
         ("world = 3", "world must be a list"),
         ("behaviors = None", "must be a list of BehaviorEntry values"),
+        ("raise SystemExit(0)", "failed: SystemExit"),
+        ("def controller(robot, config): 1 / 0", "controller of {} failed: ZeroDiv"),
+        ("def add(plant): plant.fly()\nworld = [add]", "world[0] of {} failed: Attrib"),
+        (MAKE, "behaviors[0].make of {} failed: KeyError"),
+        (TAKEN, "extend adds what Drake cannot build: System _ already has an output"),
+        ("def extend(builder, station): 1 / 0", "extend of {} failed: ZeroDivision"),
     ],
 )
 def test_a_file_that_cannot_be_used_is_named(text, words, parts, scenario, capsys):
-    assert main(["run", scenario(), *SHORT, "--with", parts(text)]) == 2
-    assert words in capsys.readouterr().err
+    file = parts(text)
+    assert main(["run", scenario(), *SHORT, "--with", file]) == 2
+    assert words.format(file) in capsys.readouterr().err
     if text.startswith("behaviors"):
         assert main(["run", "--help", "--with", parts(text)]) == 2
         assert words in capsys.readouterr().err

@@ -6,7 +6,7 @@ import time
 
 from atlas_drake.app import progress
 from atlas_drake.app.progress import Progress, StatusLine, TrialProgress, event_line
-from atlas_drake.messages.event import FOOTSTEP_DATA, Event
+from atlas_drake.messages.event import Event
 
 
 class Terminal(io.StringIO):
@@ -21,9 +21,6 @@ def test_events_are_lines_with_their_time():
     assert event_line(command) == "   2.00 s [USER] Going to stand prep position..."
     fall = Event(12.3, "fall", "falling in WALK")
     assert event_line(fall) == "  12.30 s   ! falling in WALK"
-    data = dict.fromkeys(FOOTSTEP_DATA, 0.0) | {"foot": 1, "error_m": 0.0023}
-    step = Event(10.0, "footstep", "step 2 landed", data)
-    assert event_line(step) == "  10.00 s   step 2 landed (right, 2 mm off)"
 
 
 def test_a_terminal_has_one_line_that_is_rewritten():

@@ -1,9 +1,12 @@
 """The description of a robot that is not Atlas: values read, and faults refused."""
 
+import logging
+import re
+
 import numpy as np
 import pytest
 
-from atlas_drake import Gait
+from atlas_drake import AtlasSimulation, Gait, Scenario
 from atlas_drake.control.feet.leg_kinematics import solve_leg
 from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.errors import InvalidMessageError, RobotDescriptionError
@@ -44,6 +47,74 @@ def test_its_legs_have_the_closed_form(heron, foot):
         sole = terms.feet[foot]
         held = solve_leg(leg, sole.p_WF - terms.p_WP, sole.R_WF)
         np.testing.assert_allclose(held.angles, q[leg.joints], atol=1e-9)
+
+
+WAIST = '<limit lower="-1" upper="1" effort="80" velocity="8" />'
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('<mass value="8"', '<mass value="-5"', "mass > 0"),
+        ('<mass value="8"', '<mass value="0"', "mass > 0"),
+        ('ixx="0.04533"', 'ixx="-1"', "at least one is negative"),
+        ('ixx="0.04533"', 'ixx="100"', "triangle inequality"),
+        (
+            WAIST,
+            WAIST.replace("-1", "9"),
+            "waist_yaw .* lower limit 9 above the upper 1",
+        ),
+        (WAIST, WAIST.replace('"8"', '"-8"'), "waist_yaw has the velocity limit -8"),
+    ],
+)
+def test_what_drake_would_replace_or_abort_at_is_refused(
+    copied, caplog, old, new, words
+):
+    # As in a campaign, which silences Drake's warnings.
+    caplog.set_level(logging.CRITICAL, logger="drake")
+    with pytest.raises(RobotDescriptionError, match=words) as caught:
+        load_robot(copied((old, new)))
+    assert caught.value.field == "urdf"
+
+
+INSIDE = (
+    '<link name="left_thigh">',
+    '<link name="left_thigh"><collision><geometry><sphere radius="0.1" /></geometry>'
+    "</collision>",
+)
+"""A ball on the left thigh that reaches into the hips."""
+
+
+def test_shapes_of_the_robot_inside_each_other_are_named_and_can_be_let_pass(copied):
+    path = copied(INSIDE)
+    with pytest.raises(RobotDescriptionError) as caught:
+        load_robot(path)
+    assert caught.value.field == "no_collisions"
+    found = re.search(r"no_collisions: (\[\[.*?\]\])", caught.value.problem)
+    assert found[1] == "[[hips, left_thigh]]"
+    path.write_text(f"{path.read_text()}\n{found[0]}\n")
+    sim = AtlasSimulation(Scenario(model=str(path)))
+    sim.advance(0.03)
+    results = sim.output("contact_results")
+    touching = [
+        sim.plant.get_body(body).name()
+        for k in range(results.num_point_pair_contacts())
+        for info in [results.point_pair_contact_info(k)]
+        for body in (info.bodyA_index(), info.bodyB_index())
+    ]
+    assert set(touching) == {"world", "left_foot", "right_foot"}
+
+
+@pytest.mark.parametrize(
+    ("pairs", "words"),
+    [("[[hips]]", "must be two bodies"), ("[[hips, nose]]", "no body 'nose'")],
+)
+def test_pairs_that_do_not_exist_are_refused(copied, pairs, words):
+    path = copied()
+    path.write_text(f"{path.read_text()}\nno_collisions: {pairs}\n")
+    with pytest.raises(RobotDescriptionError, match=words) as caught:
+        load_robot(path)
+    assert caught.value.field == "no_collisions[0]"
 
 
 HIPS_ASIDE = [
@@ -109,7 +180,7 @@ def test_legs_of_another_layout_are_refused(copied, layout):
 
 UNUSABLE = {
     "no limit of speed": (' velocity="8"', "", "waist_yaw has the velocity limit inf"),
-    "a motor without effort": ('effort="80" vel', 'effort="0" vel', "actuated joints"),
+    "a motor without effort": ('effort="80" vel', 'effort="0" vel', "zero effort"),
     "a slider": (
         '"waist_yaw" type="revolute"',
         '"waist_yaw" type="prismatic"',

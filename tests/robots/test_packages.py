@@ -17,6 +17,7 @@ from atlas_drake.robot import (
     models_at_hand,
     packages,
 )
+from atlas_drake.robot.packages import ROS_PATH
 
 from .conftest import HERON
 
@@ -101,12 +102,39 @@ def test_a_folder_without_the_model_is_named(tmp_path, monkeypatch):
         assert load_robot(HERON).num_joints == 15
 
 
+@pytest.mark.parametrize("in_ros_path", [False, True])
+def test_packages_above_the_file_and_of_ros_are_known(
+    copied, tmp_path, monkeypatch, in_ros_path
+):
+    package = tmp_path / "elsewhere" / "birds" if in_ros_path else tmp_path
+    package.mkdir(parents=True, exist_ok=True)
+    (package / "package.xml").write_text("<package><name>birds</name></package>")
+    shutil.copy(MODELS_FOLDER / "meshes" / "head.gltf", package)
+    mesh = (
+        '<visual><geometry><mesh filename="package://birds/head.gltf"/>'
+        "</geometry></visual>"
+    )
+    path = copied(('<link name="trunk">', f'<link name="trunk">{mesh}'))
+    shutil.copy(path.parent / "heron.urdf", package)
+    monkeypatch.setenv(ROS_PATH, str(package.parent) if in_ros_path else "")
+    assert load_robot(path).num_joints == 15
+    text = path.read_text()
+    path.write_text(text.replace(URDF, "urdf: package://birds/heron.urdf"))
+    assert load_robot(path).urdf == package / "heron.urdf"
+    (package / "heron.urdf").unlink()
+    with pytest.raises(RobotDescriptionError, match=r"no file .*heron\.urdf"):
+        load_robot(path)
+
+
 def test_other_packages_are_unknown(copied):
     path = copied()
     path.write_text(path.read_text().replace(URDF, "urdf: package://mine/heron.urdf"))
     with pytest.raises(
-        RobotDescriptionError, match="package known here is package://d"
+        RobotDescriptionError, match="mine is neither drake_models, nor"
     ):
+        load_robot(path)
+    (path.parent / "package.xml").write_text("<package>")
+    with pytest.raises(RobotDescriptionError, match=r"package\.xml"):
         load_robot(path)
 
 

@@ -1,5 +1,6 @@
 """Models beside the robot in a scenario: read, placed, and refused by field."""
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -45,6 +46,26 @@ def test_the_example_has_a_ball_and_a_ramp():
     sim.advance(0.1)
     sim.reset(seed=3)
     np.testing.assert_array_equal(sim.output("ball.state"), ball)
+
+
+@pytest.mark.parametrize("mass", ["0", "-1"])
+def test_a_model_without_mass_is_refused(tmp_path, mass):
+    file = tmp_path / "ball.sdf"
+    text = Path(BALL).read_text()
+    file.write_text(re.sub("<mass>.*?</mass>", f"<mass>{mass}</mass>", text))
+    with pytest.raises(ScenarioError, match=r"models\[0\]\.file.*mass > 0"):
+        Scenario(models=[Model(file=str(file))]).validate()
+
+
+def test_joint_limits_in_the_wrong_order_are_refused(tmp_path):
+    file = tmp_path / "door.xml"
+    file.write_text(
+        '<mujoco model="door"><worldbody><body name="door"><joint name="hinge" '
+        'type="hinge" range="1 -1" limited="true"/><geom type="box" size="1 1 1" '
+        'mass="1"/></body></worldbody></mujoco>'
+    )
+    with pytest.raises(ScenarioError, match=r"models\[0\]\.file.*limits"):
+        Scenario(models=[Model(file=str(file))]).validate()
 
 
 def test_models_of_one_file_get_names_of_their_own(tmp_path):

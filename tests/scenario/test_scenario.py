@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from pydrake.common.yaml import yaml_dump, yaml_load
 from pydrake.multibody.plant import MultibodyPlantConfig
+from pydrake.systems.analysis import SimulatorConfig
 
 from atlas_drake import Block, Scenario, ScenarioError, Start, load_scenario
 from atlas_drake.behaviors.config import ControllerConfig
@@ -20,6 +21,7 @@ from atlas_drake.errors import shown
 from atlas_drake.kinds import as_plain
 from atlas_drake.messages import Behavior
 from atlas_drake.scenario import Jitter, scenario_from, with_settings
+from atlas_drake.scenario.drake_configs import plant_config
 from atlas_drake.scenario.time_grid import on_common_grid
 
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples/scenarios").glob("*.yaml"))
@@ -141,12 +143,28 @@ def test_a_value_that_cannot_be_used_is_named(field, value):
     assert str(error.value).startswith(f"{field}: ")
 
 
+def test_mappings_stand_for_drakes_configurations_and_for_ours():
+    given = Scenario(
+        plant={"discrete_contact_approximation": "sap"},
+        simulator={"accuracy": 1e-3},
+        start={"yaw": 1.0},
+        terrain=[{"size": [1.0, 1.0, 0.2]}],
+    )
+    assert given.validate() == Scenario(
+        # Of the other fields the scenario's defaults count, not Drake's.
+        plant=plant_config(discrete_contact_approximation="sap"),
+        simulator=SimulatorConfig(accuracy=1e-3),
+        start=Start(yaw=1.0),
+        terrain=[Block(size=[1.0, 1.0, 0.2])],
+    )
+
+
 @pytest.mark.parametrize(
     ("scenario", "field"),
     [
-        (Scenario(start={"yaw": 1.0}), "start"),
-        (Scenario(jitter={}), "jitter"),
-        (Scenario(terrain=[{"size": [1.0, 1.0, 0.1]}]), "terrain[0]"),
+        (Scenario(start={"yaws": 1.0}), "start.yaws"),
+        (Scenario(plant={"stiction_tolerance": "1e-3"}), "plant.stiction_tolerance"),
+        (Scenario(terrain=[{"size": [1.0, "1", 0.1]}]), "terrain[0].size[1]"),
         (Scenario(terrain=[Block(size=[1.0, 1e308, 0.1])]), "terrain[0].size[1]"),
         (Scenario(terrain=[Block(position=[0, 0, 10**400])]), "terrain[0].position[2]"),
         (Scenario(terrain=[Block(rpy=[0, 0, 1e308])]), "terrain[0].rpy[2]"),
@@ -336,8 +354,7 @@ simulator: {accuracy: 1e-3}
             "does not stop",
         ),
         ("plant.time_step=0.0005", "plant.time_step", "physics_step"),
-        ("plant.contact_model=magnetic", "plant.contact_model", "must be point"),
-        ("plant.contact_model=hydroelastic", "plant.contact_model", "must be point"),
+        ("plant.contact_model=magnetic", "plant", "magnetic"),
         ("plant.discrete_contact_approximation=exact", "plant", "exact"),
         ("simulator.integration_scheme=guess", "simulator", "guess"),
         ("simulator.start_time=1", "simulator.start_time", "must be 0"),

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from pydrake.common.schema import Transform
-from pydrake.geometry import Box, Sphere
+from pydrake.geometry import Box, SceneGraphConfig, Sphere
 from pydrake.math import RigidTransform
 from pydrake.multibody.math import SpatialVelocity
 from pydrake.multibody.plant import CoulombFriction
@@ -51,6 +51,26 @@ def ball(plant):
     """A ball in the air; its link has a name of the robot's."""
     added = body(plant, "ball", Sphere(0.1), 3.0, link="pelvis")
     plant.SetDefaultFloatingBaseBodyPose(added, RigidTransform([2.0, 0.0, 1.4]))
+
+
+def boxes_at_rest(plant):
+    """A box on the ground and one on a table, with no more than friction."""
+    plant.RegisterCollisionGeometry(
+        plant.world_body(),
+        RigidTransform([2.0, 0.0, 0.7]),
+        Box(0.7, 0.9, 0.04),
+        "table",
+        FRICTION,
+    )
+    for name, p_WB in REST.items():
+        inertia = SpatialInertia.SolidBoxWithMass(3.0, 0.3, 0.3, 0.3)
+        box = plant.AddRigidBody(name, plant.AddModelInstance(name), inertia)
+        shape = Box(0.3, 0.3, 0.3)
+        plant.RegisterCollisionGeometry(box, RigidTransform(), shape, name, FRICTION)
+        plant.SetDefaultFloatingBaseBodyPose(box, RigidTransform(np.array(p_WB)))
+
+
+REST = {"on_table": [2.0, 0.1, 0.87], "on_ground": [2.0, 2.0, 0.15]}
 
 
 def slider(plant):
@@ -151,6 +171,32 @@ def test_what_the_feet_stand_on_counts_in_their_wrenches():
             touched |= pair - feet
     assert touched == {"plate"}
     assert not sim.has_fallen
+
+
+def test_boxes_rest_where_they_lie():
+    sim = AtlasSimulation(world=[boxes_at_rest])
+    sim.advance(0.5)
+    context = sim.plant.GetMyContextFromRoot(sim.context)
+    for name, p_WB in REST.items():
+        box = sim.plant.GetBodyByName(name)
+        X_WB = sim.plant.EvalBodyPoseInWorld(context, box)
+        np.testing.assert_allclose(X_WB.translation(), p_WB, atol=5e-4)
+
+
+def test_the_soles_meet_the_ground_with_drakes_own_dissipation():
+    sim = AtlasSimulation()
+    # That of the Context: it has Drake's defaults filled in.
+    inspector = sim.output("query_object").inspector()
+    foot = sim.plant.GetBodyByName(sim.robot.file.feet[0].body)
+
+    def dissipation(body):
+        shape = sim.plant.GetCollisionGeometriesForBody(body)[0]
+        properties = inspector.GetProximityProperties(shape)
+        return properties.GetProperty("material", "hunt_crossley_dissipation")
+
+    mean = 0.5 * (dissipation(foot) + dissipation(sim.plant.world_body()))
+    drakes = SceneGraphConfig().default_proximity_properties
+    assert mean == drakes.hunt_crossley_dissipation
 
 
 def table(height, x=0.0):

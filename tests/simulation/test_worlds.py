@@ -11,12 +11,14 @@ from atlas_drake import (
     Behavior,
     Block,
     Scenario,
+    ScenarioError,
     Start,
     load_scenario,
     read_log,
 )
 from atlas_drake.app.main import main
 from atlas_drake.diagrams.replay import make_replay
+from atlas_drake.scenario.terrain import START_REACH
 from atlas_drake.scenario.world_file import available_worlds
 
 EXAMPLE = Path(__file__).parents[2] / "examples/scenarios/qual_task_1.yaml"
@@ -53,6 +55,28 @@ def test_the_robot_stands_in_every_world(name, tmp_path):
     assert shown.NumGeometriesForFrameWithRole(
         shown.world_frame_id(), Role.kIllustration
     ) == len(boxes)
+
+
+def test_boxes_of_any_number_can_stand_on_the_ground():
+    sim = AtlasSimulation(Scenario(world={"stairs": {"number": 100}}))
+    sim.advance(0.05)
+    assert len(sim.scenario.all_terrain()) == 100
+
+
+def test_there_is_ground_wherever_a_robot_can_start():
+    sim = AtlasSimulation(Scenario(start=Start(position=[START_REACH, -START_REACH])))
+    sim.advance(0.3)
+    assert not sim.has_fallen
+    loads = sim.output("foot_wrenches")[[5, 11]]
+    assert sum(loads) == pytest.approx(9.81 * sim.robot.mass, rel=0.1)
+    beyond = [0.0, 1.01 * START_REACH]
+    with pytest.raises(ScenarioError, match=r"start.position\[1\].*from -5000 to 5000"):
+        Scenario(start=Start(position=beyond)).validate()
+    with pytest.raises(ScenarioError, match=r"pose.position\[1\]"):
+        sim.reset(pose=Start(position=beyond))
+    world = {"start": {"position": beyond}}
+    with pytest.raises(ScenarioError, match=r"world.start.position\[1\]"):
+        Scenario(world=world).validate()
 
 
 def test_worlds_terrain_models_and_callables_come_together():

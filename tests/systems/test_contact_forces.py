@@ -1,5 +1,8 @@
 """Contact forces: Drake's own law, and its unchanged values in the sensors."""
 
+import shutil
+from pathlib import Path
+
 import numpy as np
 import pytest
 from pydrake.geometry import HalfSpace, Sphere
@@ -13,16 +16,18 @@ from pydrake.multibody.tree import SpatialInertia, UnitInertia
 from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
-from atlas_drake import AtlasSimulation, Scenario
+from atlas_drake import AtlasSimulation, Scenario, SimulationError
 from atlas_drake.control.wrenches import shift_wrench
+from atlas_drake.scenario import with_settings
 from atlas_drake.scenario.drake_configs import plant_config
-from atlas_drake.systems.robot_sensors import contact_wrenches
+from atlas_drake.systems.robot_sensors import contact_wrenches, shapes_of
 from atlas_drake.visualization.contact_forces import contact_forces_of
 
 MU = 0.9
 STIFFNESS, DISSIPATION = 5e5, 50.0
 """Of two of Drake's default surfaces in series [N/m], [s/m]."""
 RADIUS = 0.01
+HERON = Path(__file__).parents[1] / "robots/heron"
 
 
 class SlidingBall:
@@ -103,13 +108,45 @@ def test_only_lagged_friction_may_pass_coulombs_bound(approximation):
 
 @pytest.mark.parametrize("approximation", ["lagged", "similar", "sap"])
 def test_the_sensors_read_what_the_plant_exerts(approximation):
-    sim = AtlasSimulation(
-        Scenario(
-            plant=plant_config(discrete_contact_approximation=approximation),
-        )
+    plant = plant_config(discrete_contact_approximation=approximation)
+    results = check_sensors(AtlasSimulation(Scenario(plant=plant)), 60.0)
+    assert results.num_point_pair_contacts() == 8
+
+
+def test_the_sensors_read_surfaces_as_well_as_points(tmp_path):
+    robot = tmp_path / "heron.yaml"
+    shutil.copy(HERON / "heron.yaml", robot)
+    soft = "<drake:proximity_properties><drake:compliant_hydroelastic/>"
+    soft += '<drake:hydroelastic_modulus value="1e8"/>'
+    soft += '<drake:mesh_resolution_hint value="0.005"/>'
+    text = (HERON / "heron.urdf").read_text()
+    text = text.replace("<drake:proximity_properties>", soft)
+    (tmp_path / "heron.urdf").write_text(text)
+    scenario = with_settings(
+        Scenario(model=str(robot)), ["plant.contact_model=hydroelastic_with_fallback"]
     )
+    sim = AtlasSimulation(scenario)
+    results = check_sensors(sim, 10.0)
+    assert results.num_hydroelastic_contacts() == 8
+    loads = sim.output("foot_wrenches")[[5, 11]]
+    assert sum(loads) == pytest.approx(9.81 * sim.robot.mass, rel=0.1)
+
+
+def test_without_surfaces_contact_falls_back_to_points_or_ends_the_run():
+    surfaces = Scenario(plant=plant_config(contact_model="hydroelastic_with_fallback"))
+    sims = AtlasSimulation(), AtlasSimulation(surfaces)
+    for sim in sims:
+        sim.advance(0.05)
+    np.testing.assert_array_equal(*(sim.output("state") for sim in sims))
+    strict = Scenario(plant=plant_config(contact_model="hydroelastic"))
+    with pytest.raises(SimulationError, match="without hydroelastic representation"):
+        AtlasSimulation(strict).advance(0.05)
+
+
+def check_sensors(sim, push):
+    """Pushes the robot, and compares the forces that are read with the plant's own."""
     plant, robot = sim.plant, sim.robot
-    sim.apply_push(robot.file.chest, [60.0, -80.0, 0.0], 0.1)
+    sim.apply_push(robot.file.chest, [push, -push, 0.0], 0.1)
     sim.advance(0.051)
     context = plant.GetMyContextFromRoot(sim.context)
     results = sim.diagram.GetOutputPort("contact_results").Eval(sim.context)
@@ -117,21 +154,26 @@ def test_the_sensors_read_what_the_plant_exerts(approximation):
         int(plant.GetBodyByName(name).index()): place
         for place, name in enumerate(robot.body_names)
     }
-    total = np.sum(contact_wrenches(results, bodies), axis=0)
+    shapes = shapes_of(plant, bodies)
+    total = np.sum(contact_wrenches(results, bodies, shapes), axis=0)
     pelvis = plant.GetBodyByName(robot.file.pelvis)
     shift_wrench(total, plant.EvalBodyPoseInWorld(context, pelvis).translation())
     # The floating base's generalized forces are the wrench about its origin.
     port = plant.get_generalized_contact_forces_output_port(pelvis.model_instance())
     exerted = port.Eval(context)[:6]
-    assert np.linalg.norm(exerted[3:5]) > 10.0
+    assert np.linalg.norm(exerted[3:5]) > 0.1 * push
     np.testing.assert_allclose(total, exerted, atol=1e-6)
-    arrows = np.sum([force.force_W for force in contact_forces_of(results)], axis=0)
+    inspector = sim.output("query_object").inspector()
+    forces = contact_forces_of(results, inspector)
+    arrows = np.sum([force.force_W for force in forces], axis=0)
     np.testing.assert_allclose(arrows, exerted[3:], atol=20.0)
+    return results
 
 
 def test_an_arrow_points_down_where_friction_does():
     # Up a steep and rough slope friction holds the ball back more than it is borne.
     ball = SlidingBall("sap", [1.0, 0.0, -0.3], slope=1.2, mu=2.0)
-    (force,) = contact_forces_of(ball.results())
+    query = ball.plant.get_geometry_query_input_port().Eval(ball.context)
+    (force,) = contact_forces_of(ball.results(), query.inspector())
     assert force.force_W[2] < 0.0
     assert force.force_W @ ball.R_WS.matrix()[:, 2] > 0.0

@@ -131,7 +131,9 @@ def test_an_arrow_is_as_long_as_its_force_is_strong():
 def test_the_ground_carries_a_standing_robot():
     sim = AtlasSimulation()
     sim.advance_to(0.5)
-    forces = contact_forces_of(sim.output("contact_results"))
+    forces = contact_forces_of(
+        sim.output("contact_results"), sim.output("query_object").inspector()
+    )
     weight = sum(force.force_W[2] for force in forces)
     assert len(forces) == 8
     assert weight == pytest.approx(sim.robot.mass * 9.81, rel=0.05)

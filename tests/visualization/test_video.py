@@ -4,6 +4,8 @@ import importlib
 
 import numpy as np
 import pytest
+from pydrake.geometry import Mesh
+from pydrake.math import RigidTransform
 
 from atlas_drake import AtlasSimulation
 from atlas_drake.app.main import main
@@ -143,6 +145,19 @@ def test_the_robot_stands_in_the_picture(stage, standing):
     sky = empty[0, 0].astype(int)
     ground = np.nonzero(np.abs(empty[:, 0].astype(int) - sky).max(axis=1) > 8)[0]
     assert rows.min() < ground.min() < rows.max()
+
+
+def test_a_mesh_that_cannot_be_drawn_is_named(tmp_path):
+    mesh = tmp_path / "tetra.obj"
+    mesh.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\n")
+
+    def add(plant):
+        plant.RegisterVisualGeometry(
+            plant.world_body(), RigidTransform(), Mesh(str(mesh)), "mesh", np.ones(4)
+        )
+
+    with pytest.raises(VideoError, match=f"no normals: {mesh}"):
+        VideoStage(load_robot(), [], WIDTH, HEIGHT, [add])
 
 
 def test_footsteps_appear_and_disappear(stage, standing):
