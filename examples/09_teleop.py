@@ -58,7 +58,7 @@ overlays = Overlays(["com", "dcm", "cop", "support", "swing", "follow"])
 sim = AtlasSimulation(meshcat=meshcat, overlays=overlays)
 session = Session(sim, Panel(meshcat, sim.robot, overlays, sim.behaviors))
 with ctrl_c() as asked_to_stop:
-    print(f"Steer at {meshcat.web_url()}; Ctrl-C here ends it.\n\n{legend(sim.robot)}")
+    print(f"Steer at {meshcat.web_url()} (Ctrl-C here ends it).\n\n{legend(sim.robot)}")
     while not asked_to_stop.is_set():
         session.advance()
 print(f"Stopped after {sim.time:.1f} s and {len(sim.footsteps)} steps.")
