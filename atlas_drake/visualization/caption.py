@@ -73,16 +73,12 @@ def caption_of(
         return "user", "all joints under user control"
     if behavior is Behavior.NONE:  # A controller without behaviors reports NONE.
         return "no behavior", note
-    title = entry.title
-    if behavior is Behavior.WALK:
-        walk = report.walk_feedback
-        if walk.status_flags & WalkStatus.SUBSTATE_STEPPING:
-            title = f"{title} - step {max(walk.current_step_index, 1)}"
-    elif behavior is Behavior.STEP:
-        step = report.step_feedback
-        if step.status_flags & StepStatus.SUBSTATE_STEPPING:
-            title = f"{title} - step {step.current_step_index}"
-    return title, note
+    walk, step = report.walk_feedback, report.step_feedback
+    if walk.status_flags & WalkStatus.SUBSTATE_STEPPING:
+        return f"{entry.title} - step {max(walk.current_step_index, 1)}", note
+    if step.status_flags & StepStatus.SUBSTATE_STEPPING:
+        return f"{entry.title} - step {step.current_step_index}", note
+    return entry.title, note
 
 
 @dataclass(frozen=True)

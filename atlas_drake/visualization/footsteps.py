@@ -23,7 +23,6 @@ from atlas_drake.messages import (
     NO_STEP,
     AtlasBehaviorStepData,
     AtlasSimInterfaceState,
-    Behavior,
 )
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan
@@ -100,8 +99,8 @@ def footstep_marks(
         marks.append(_mark(Kind.COMMANDED, foot, commanded, z))
         if _differ(commanded, saturated):
             marks.append(_mark(Kind.SATURATED, foot, saturated, z))
-    if report.current_behavior == Behavior.STEP:
-        step = report.step_feedback
+    walk, step = report.walk_feedback, report.step_feedback
+    if step.is_active:
         if step.t_step_rem > 0.0:
             taken = _poses([step.desired_step_saturated])
             marks += [
@@ -114,7 +113,7 @@ def footstep_marks(
                 for foot, pose in taken.values()
             ]
         return marks
-    if report.current_behavior != Behavior.WALK:
+    if not walk.is_active:
         for planned in plan.footsteps:
             place = [*map(float, planned.p_WF[:2]), planned.yaw]
             marks.append(
@@ -123,14 +122,14 @@ def footstep_marks(
                 )
             )
         return marks
-    first = max(report.walk_feedback.current_step_index, 1)
-    queue = report.walk_feedback.step_queue_saturated
+    first = max(walk.current_step_index, 1)
+    queue = walk.step_queue_saturated
     taken = _poses(queue)
     # The report of the step to be taken defines the commanded height.
     heights = {data.step_index: data.pose.position.z for data in queue}
     coming = {}
     params = request.command.walk_params
-    if request.behavior is Behavior.WALK and not params.use_demo_walk:
+    if request.behavior == report.current_behavior and not params.use_demo_walk:
         for index, (foot, pose) in _poses(params.step_queue).items():
             if index >= first:
                 coming[index] = pose

@@ -153,6 +153,9 @@ def test_effort_has_colors():
     assert colors == [IDLE_RGB, BUSY_RGB, SPENT_RGB, SPENT_RGB]
 
 
+MY_WALK = Behavior.named(160, "MY_WALK")
+
+
 def report(behavior=Behavior.STAND, transition=0, walk=0, step=0, error=0):
     message = AtlasSimInterfaceState()
     message.current_behavior = behavior
@@ -186,8 +189,8 @@ def report(behavior=Behavior.STAND, transition=0, walk=0, step=0, error=0):
             "catching, out of steps, transition in progress",
         ),
         (report(Behavior.STEP, step=StepStatus.SUBSTATE_STEPPING), "stepping"),
-        # Flags of a behavior that is not active say nothing.
-        (report(Behavior.STAND, walk=WalkStatus.SUBSTATE_STEPPING), "ok"),
+        # A behavior of one's own that is derived from WALK has its flags, too.
+        (report(MY_WALK, walk=WalkStatus.SUBSTATE_STEPPING), "stepping"),
         (
             report(error=ErrorCode.VALUE_OUT_OF_RANGE),
             "error: VALUE OUT OF RANGE",
