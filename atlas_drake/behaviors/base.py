@@ -95,7 +95,10 @@ class BehaviorProtocol(Protocol):
         """Computes one tick; ``leaving`` requests an orderly end of the behavior."""
 
     def report(self, memory: Any, state: AtlasSimInterfaceState) -> None:
-        """Fills in the behavior's own part of the state message, except its flags."""
+        """Fills in the behavior's own part of the state message, except its flags.
+
+        The part of a user's own behavior is ``state.feedback``, any frozen value.
+        """
 
     def plan(self, memory: Any, com: np.ndarray, omega: float) -> Plan:
         """Returns the behavior's plan, for viewers and logs.

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -222,6 +223,7 @@ class ControllerStatus(Frozen):
         step_feedback: State of STEP.
         walk_feedback: State of WALK.
         manipulate_feedback: State of MANIPULATE.
+        feedback: State of a user's own behavior; frozen.
         events: The latest events. Older events are dropped; those of the last
             ``recent.READ_WITHIN`` seconds must be there.
         event_count: Number of events since the diagram was built, including dropped
@@ -253,6 +255,7 @@ class ControllerStatus(Frozen):
     manipulate_feedback: AtlasBehaviorManipulateFeedback = field(
         default_factory=AtlasBehaviorManipulateFeedback
     )
+    feedback: Any = None
     events: tuple[Event, ...] = ()
     event_count: int = 0
     solved: bool | None = None
@@ -304,6 +307,7 @@ REPORTED = (
     "step_feedback",
     "walk_feedback",
     "manipulate_feedback",
+    "feedback",
 )
 """Fields that ``ControllerStatus`` and ``AtlasSimInterfaceState`` share."""
 
