@@ -16,6 +16,7 @@ from atlas_drake.behaviors.body_reference import BodyReference
 from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.whole_body.command import WholeBodyCommand
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
+from atlas_drake.frozen import read_only
 from atlas_drake.messages import AtlasSimInterfaceState
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan
@@ -25,6 +26,8 @@ from atlas_drake.messages.event import Event
 @dataclass(frozen=True)
 class Observation:
     """Input of a behavior in one tick; n joints in message order.
+
+    All arrays are read-only: copy what shall be changed.
 
     Attributes:
         time: [s]
@@ -44,7 +47,7 @@ class Observation:
     @cached_property
     def user_held(self) -> np.ndarray:
         """Joints that the user controls alone, bool, shape (n,)."""
-        return self.user_share >= 1.0
+        return read_only(self.user_share >= 1.0)
 
     def foot_pose(self, foot: int) -> FootPose:
         """Present pose of a sole in W."""

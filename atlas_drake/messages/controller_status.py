@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from atlas_drake.errors import ErrorCode, shown
-from atlas_drake.frozen import Frozen
+from atlas_drake.frozen import Frozen, read_only
 from atlas_drake.messages.behavior import Behavior
 from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.messages.behavior_feedback import (
@@ -172,12 +172,12 @@ def _take_tuple(values: object, name: str, kind: type) -> None:
 def _take_array(
     values: object, name: str, shape: tuple[int, ...], *, optional: bool = True
 ) -> None:
-    """Makes an array of a field unless it is None; -1 stands for any length."""
+    """Makes a read-only array of a field unless it is None; -1 is for any length."""
     given = getattr(values, name)
     if given is None and optional:
         return
     try:
-        array = np.asarray(given, dtype=float)
+        array = np.array(given, dtype=float)
     except (TypeError, ValueError):
         array = np.array(np.nan)
     if (
@@ -187,7 +187,7 @@ def _take_array(
     ):
         wanted = str(shape).replace("-1", "k")
         raise ValueError(f"{name} must have shape {wanted}, is {shown(given)}")
-    object.__setattr__(values, name, array)
+    object.__setattr__(values, name, read_only(array))
 
 
 _FEEDBACK = {
