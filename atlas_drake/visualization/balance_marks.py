@@ -21,11 +21,11 @@ from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.frozen import NOTHING
 from atlas_drake.messages.controller_status import Plan
+from atlas_drake.palette import COM, COP, DCM, SUPPORT, SWING
 from atlas_drake.robot import Robot
 from atlas_drake.visualization.display import Display
 from atlas_drake.visualization.marks import Marks
 from atlas_drake.visualization.overlays import Overlays
-from atlas_drake.visualization.palette import COM, COP, DCM, SUPPORT, SWING
 from atlas_drake.visualization.ribbons import draw_flat
 from atlas_drake.visualization.timeline import Timeline
 from atlas_drake.visualization.tubes import thinned, tube
@@ -50,8 +50,9 @@ slowly."""
 AREA_GRID, CURVE_GRID, BEND = 0.002, 0.001, 0.002
 """Corners and points are rounded to a grid [m]; points are left out where a curve bends
 by less [m], because a recording keeps every shape."""
-_COLORS = {"com": COM, "dcm": DCM, "cop": COP}
-_CURVES = {"plan_com": COM, "plan_dcm": DCM, "swing": SWING}
+_COLORS = {"com": Rgba(*COM), "dcm": Rgba(*DCM), "cop": Rgba(*COP)}
+_CURVES = {"plan_com": Rgba(*COM), "plan_dcm": Rgba(*DCM), "swing": Rgba(*SWING)}
+_AREA = Rgba(*SUPPORT, 0.5)
 _NAMES = ("com", "dcm", "cop", "support", "plan", "swing")
 
 Point = tuple[float, float, float]
@@ -153,13 +154,13 @@ class BalanceMarks(Display):
         x, y, z = map(float, terms.com)
         if "com_ball" not in self._drawn:
             path = f"{PATH}/com_ball"
-            self._meshcat.SetObject(path, Sphere(BALL), COM)
+            self._meshcat.SetObject(path, Sphere(BALL), _COLORS["com"])
             self._see_through(path)
         self._move("com_ball", [x, y, z], time)
         height = max(z - ground, LOWEST)
         rod = f"{PATH}/com_line/rod"
         if "com_line" not in self._drawn:
-            self._meshcat.SetObject(rod, Cylinder(PLUMB_LINE, 1.0), COM)
+            self._meshcat.SetObject(rod, Cylinder(PLUMB_LINE, 1.0), _COLORS["com"])
         # A separate node, because every transform resets the scale of its node.
         self._meshcat.SetProperty(rod, "scale", [1.0, 1.0, height], time)
         self._move("com_line", [x, y, ground + 0.5 * height], time)
@@ -185,7 +186,7 @@ class BalanceMarks(Display):
         corners: Any = mark
         fan = [[0, i, i + 1] for i in range(1, len(corners) - 1)]
         faces = np.array(fan, dtype=np.int32).T
-        draw_flat(self._meshcat, path, np.array(corners).T, faces, SUPPORT)
+        draw_flat(self._meshcat, path, np.array(corners).T, faces, _AREA)
         self._see_through(path, order=1.0)
 
     def _draw_curve(self, color: Rgba, path: str, mark: object) -> None:

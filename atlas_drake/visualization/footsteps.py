@@ -27,13 +27,12 @@ from atlas_drake.messages import (
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan
 from atlas_drake.messages.event import Event
+from atlas_drake.palette import FEET
 from atlas_drake.robot import SoleSize
 from atlas_drake.visualization.display import Display
 from atlas_drake.visualization.marks import Marks
 from atlas_drake.visualization.ribbons import draw_flat, ribbons
 
-COLORS = (Rgba(0.10, 0.42, 0.85, 1.0), Rgba(0.90, 0.42, 0.08, 1.0))
-"""Colors of the left and the right foot."""
 LANDED_OPACITY = 0.45
 KEPT = 40
 """Number of landed steps that stay in view."""
@@ -255,8 +254,7 @@ class FootstepDisplay(Display):
 
     def _draw(self, path: str, mark: object) -> None:
         assert isinstance(mark, FootstepMark)
-        color = COLORS[mark.foot]
-        if mark.kind is Kind.LANDED:
-            color = Rgba(color.r(), color.g(), color.b(), LANDED_OPACITY)
+        opacity = LANDED_OPACITY if mark.kind is Kind.LANDED else 1.0
+        color = Rgba(*FEET[mark.foot], opacity)
         draw_flat(self._meshcat, path, *mark_triangles(mark.kind, self._outline), color)
         self._meshcat.SetTransform(path, mark.X_WF)

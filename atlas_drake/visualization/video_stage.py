@@ -33,11 +33,11 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.sensors import CameraInfo
 
+from atlas_drake.palette import FEET
 from atlas_drake.robot import Robot
 from atlas_drake.scenario.terrain import Block
 from atlas_drake.scenario.world import WorldMaker, add_world
 from atlas_drake.visualization.footsteps import (
-    COLORS,
     LANDED_OPACITY,
     FootstepMark,
     Kind,
@@ -190,11 +190,10 @@ def _mesh(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> Mesh:
 
 def _color(mark: FootstepMark) -> Rgba:
     """Color of a mark; pale if landed, because transparency is not drawn reliably."""
-    color = COLORS[mark.foot]
-    if mark.kind is not Kind.LANDED:
-        return color
-    rgb = np.array([color.r(), color.g(), color.b()])
-    return Rgba(*(LANDED_OPACITY * rgb + (1.0 - LANDED_OPACITY) * GROUND_COLOR[:3]))
+    color = np.array(FEET[mark.foot])
+    if mark.kind is Kind.LANDED:
+        color = LANDED_OPACITY * color + (1.0 - LANDED_OPACITY) * GROUND_COLOR[:3]
+    return Rgba(*color)
 
 
 def _painted(color: Rgba) -> PerceptionProperties:
