@@ -191,6 +191,7 @@ class AtlasSimulation:
                 recorded=recorded,
                 recorder=self._recorder,
                 video=video,
+                view=self.scenario.surroundings().view,
             )
         except BaseException:
             if self._recorder is not None:

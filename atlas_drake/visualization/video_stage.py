@@ -7,6 +7,7 @@ the simulation, so that filming changes nothing. ``video_display`` uses the pict
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -82,6 +83,7 @@ class VideoStage:
         width: int,
         height: int,
         world: Sequence[WorldMaker] = (),
+        X_TC: RigidTransform | None = None,
     ) -> None:
         """Sets up the scene.
 
@@ -91,13 +93,15 @@ class VideoStage:
             width: Width of the pictures [pixel].
             height: Height of the pictures [pixel].
             world: Callables that add models beside the robot.
+            X_TC: Pose of the camera from its target, in the axes in which the lamps'
+                positions are; None for a camera that follows the robot.
         """
         self._outline = sole_outline(robot.file.sole)
         builder = DiagramBuilder()
         self._scene_graph = builder.AddSystem(SceneGraph())
         self._plant = builder.AddSystem(MultibodyPlant(0.0))
         self._plant.RegisterAsSourceForSceneGraph(self._scene_graph)
-        robot.add_to(self._plant)
+        self._robot = robot.add_to(self._plant)
         self._add_ground(terrain)
         add_world(self._plant, world)
         self._plant.Finalize()
@@ -115,7 +119,7 @@ class VideoStage:
                 RigidTransform(),
             )
         )
-        self._scene_graph.AddRenderer(_RENDERER, MakeRenderEngineVtk(_looks()))
+        self._scene_graph.AddRenderer(_RENDERER, MakeRenderEngineVtk(_looks(X_TC)))
         self._context = self._diagram.CreateDefaultContext()
         self._shown: dict[FootstepMark, GeometryId] = {}
         self._drawn = 0
@@ -141,11 +145,57 @@ class VideoStage:
         context = self._plant.GetMyMutableContextFromRoot(self._context)
         self._plant.SetPositions(context, q)
         self._show(set(marks))
-        own = self._scene_graph.GetMyContextFromRoot(self._context)
-        query = self._scene_graph.get_query_output_port().Eval(own)
         world = SceneGraph.world_frame_id()
-        image = query.RenderColorImage(self._camera, world, X_WC)
+        image = self._query().RenderColorImage(self._camera, world, X_WC)
         return np.array(image.data[:, :, :3])
+
+    def links(self, X_WC: RigidTransform) -> NDArray[np.int16]:
+        """Returns which link each pixel of the last picture shows.
+
+        Args:
+            X_WC: Pose of the camera.
+
+        Returns:
+            Index of a body in the plant, or another number, shape (height, width).
+        """
+        world = SceneGraph.world_frame_id()
+        # The plant labels the geometries of a body with its index.
+        image = self._query().RenderLabelImage(self._camera, world, X_WC)
+        return np.array(image.data[:, :, 0])
+
+    def bodies(self, names: Iterable[str]) -> list[int]:
+        """Returns the indices of the robot's bodies with these names."""
+        return [int(self._plant.GetBodyByName(n, self._robot).index()) for n in names]
+
+    def pixels(
+        self, points: NDArray[np.float64], X_WC: RigidTransform
+    ) -> NDArray[np.float64] | None:
+        """Projects points.
+
+        Args:
+            points: Points in W [m], shape (k, 3).
+            X_WC: Pose of the camera.
+
+        Returns:
+            Column and row of each point [pixel], and its distance ahead of the lens
+            [m], shape (k, 3); None if a point is not in front of the camera.
+        """
+        x, y, z = X_WC.inverse() @ np.asarray(points, dtype=float).T
+        if (z < NEAR).any():
+            return None
+        lens = self._camera.core().intrinsics()
+        columns = lens.center_x() + lens.focal_x() * x / z
+        rows = lens.center_y() + lens.focal_y() * y / z
+        return np.column_stack([columns, rows, z])
+
+    @property
+    def focal_length(self) -> float:
+        """Size of 1 m at a distance of 1 m [pixel]."""
+        return float(self._camera.core().intrinsics().focal_y())
+
+    def _query(self) -> Any:
+        own = self._scene_graph.GetMyContextFromRoot(self._context)
+        return self._scene_graph.get_query_output_port().Eval(own)
 
     def _show(self, marks: set[FootstepMark]) -> None:
         context = self._scene_graph.GetMyMutableContextFromRoot(self._context)
@@ -203,9 +253,9 @@ def _painted(color: Rgba) -> PerceptionProperties:
     return properties
 
 
-def _looks() -> RenderEngineVtkParams:
+def _looks(X_TC: RigidTransform | None) -> RenderEngineVtkParams:
     """Lamps hang in the camera's frame, so that they follow the robot with it."""
-    X_CT = camera_pose(np.zeros(3), 0.0).inverse()
+    X_CT = (X_TC or camera_pose(np.zeros(3), 0.0)).inverse()
     p_CT = X_CT.translation()
 
     def lamp(
