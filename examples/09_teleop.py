@@ -42,6 +42,9 @@ class Script:
     def show_joints(self, positions: object) -> None:
         """Does nothing: there are no sliders."""
 
+    def show_paused(self, paused: bool) -> None:
+        """Does nothing: there is no view."""
+
 
 if options.headless:
     sim = AtlasSimulation()

@@ -24,6 +24,7 @@ from atlas_drake.teleop.controls import (
 from atlas_drake.teleop.paged_controls import PagedControls
 from atlas_drake.teleop.pages import SWITCHES, joint_slider, pages_with
 from atlas_drake.teleop.walking import Direction
+from atlas_drake.visualization.caption import show_paused
 from atlas_drake.visualization.overlays import Overlays
 
 DEAD_ZONE = 0.25
@@ -44,6 +45,9 @@ class PanelLike(Protocol):
 
     def show_joints(self, positions: Mapping[int, float]) -> None:
         """Shows sliders for these joints only; new sliders start at given positions."""
+
+    def show_paused(self, paused: bool) -> None:
+        """Shows if time stands still."""
 
 
 class Panel:
@@ -101,6 +105,10 @@ class Panel:
         for index in new:
             self._controls.set(self._joints[index], positions[index])
         self._controls.set_pages(pages_with(robot, positions, self._buttons))
+
+    def show_paused(self, paused: bool) -> None:
+        """Shows in the 3D view if time stands still."""
+        show_paused(self._meshcat, paused)
 
     def _switch_overlays(self) -> None:
         """Reads the switches, and updates those that another switch turned off."""

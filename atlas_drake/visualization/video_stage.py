@@ -59,7 +59,7 @@ SKY = np.array([0.84, 0.90, 0.95])
 GROUND_COLOR = np.array([0.86, 0.87, 0.88, 1.0])
 GROUND_SIZE, GROUND_THICKNESS = 160.0, 0.02
 """Side and thickness of the ground slab [m]."""
-GRID_SIZE, GRID_SPACING, GRID_LIFT = 12.0, 0.5, 0.002
+GRID_SIZE, GRID_SPACING, GRID_LIFT = 40.0, 0.5, 0.002
 """Side, line spacing and height above the ground of the grid [m]."""
 GRID_WIDTH, GRID_COLOR = 0.012, np.array([0.75, 0.78, 0.81, 1.0])
 SHADOW_MAP = 1280

@@ -19,6 +19,7 @@ from atlas_drake.teleop.controls import (
 from atlas_drake.teleop.pages import MAX_ROWS, SWITCHES, joint_slider, pages_with
 from atlas_drake.teleop.panel import Panel, stick_direction
 from atlas_drake.visualization.overlays import Overlays
+from atlas_drake.visualization.scene import CAMERA
 
 
 @pytest.fixture(scope="module")
@@ -183,6 +184,13 @@ def test_a_browser_may_round_to_a_step_beyond_the_end(panel, meshcat, said):
     slide(meshcat, STRIDE, STRIDE.high + 0.5 * STRIDE.step)
     assert panel.read().value(STRIDE) == STRIDE.high
     assert said == []
+
+
+def test_the_view_says_that_time_stands_still(panel, meshcat):
+    panel.show_paused(True)
+    assert meshcat.HasPath(f"{CAMERA}/paused")
+    panel.show_paused(False)
+    assert not meshcat.HasPath(f"{CAMERA}/paused")
 
 
 def test_no_key_does_two_things():
