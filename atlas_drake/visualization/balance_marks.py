@@ -119,15 +119,15 @@ class BalanceMarks(Display):
             return
         plan: Plan = self._status.Eval(context).plan
         terms = self._model.evaluate(self._scratch, self._state.Eval(context))
-        points = balance_points(terms, self._wrenches.Eval(context))
-        ground = points.ground
+        at = balance_points(terms, self._wrenches.Eval(context))
+        ground = at.ground
         if "com" in on:
-            self._move_com(points, time)
+            self._move_com(at, time)
         if "dcm" in on:
-            self._move_disc("dcm", points.dcm, time)
+            self._move_disc("dcm", at.dcm, time)
         if "cop" in on:
-            if points.cop is not None:
-                self._move_disc("cop", points.cop, time)
+            if at.cop is not None:
+                self._move_disc("cop", at.cop, time)
             elif "cop" in self._drawn:
                 self._timeline.show(f"{PATH}/cop", False, time)
         if "support" in on:
