@@ -9,6 +9,11 @@ ARGS ?=
 BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 
+# What is installed; a variable, because a comma would end an argument of QUIETLY.
+EXTRAS := .[dev,log,plot]
+# Shows the output of a command only if the command fails.
+QUIETLY = output=$$($(1) 2>&1) || { echo "$$output"; exit 1; }
+
 .DEFAULT_GOAL := help
 .PHONY: help setup demo test fast check format docs bench constraints clean
 
@@ -24,7 +29,7 @@ demo: $(STAMP) ## Run the demonstration in a browser (Meshcat).
 test: $(STAMP) ## Run all tests.
 	@$(BIN)/python -m pytest -n $(TEST_JOBS) --dist worksteal $(ARGS)
 
-fast: $(STAMP) ## Run the tests that take seconds.
+fast: $(STAMP) ## Run the fast tests (a minute on two cores).
 	@$(BIN)/python -m pytest -n $(TEST_JOBS) --dist worksteal -m "not slow" $(ARGS)
 
 check: $(STAMP) ## Check style, formatting, imports and types.
@@ -72,8 +77,8 @@ $(BIN)/python:
 
 $(STAMP): pyproject.toml constraints.txt | $(BIN)/python
 	@echo "Installing atlas-drake and its tools into $(VENV) (one to three minutes) ..."
-	@$(BIN)/python -m pip install --quiet --disable-pip-version-check \
-	  -c constraints.txt -e ".[dev,log,plot]"
+	@$(call QUIETLY,$(BIN)/python -m pip install --disable-pip-version-check \
+	  -c constraints.txt -e "$(EXTRAS)")
 	@touch $@
 
 # Each Python has the newest Drake that supports it: 3.11 the last one made for it, later
@@ -85,8 +90,8 @@ constraints: ## Pin the newest versions of all dependencies, for PYTHON's versio
 	@echo "Resolving the newest versions in $(VENV)-fresh (one to three minutes) ..."
 	@rm -rf $(VENV)-fresh
 	@$(PYTHON) -m venv $(VENV)-fresh
-	@$(VENV)-fresh/bin/python -m pip install --quiet --disable-pip-version-check \
-	  -e ".[dev,log,plot]"
+	@$(call QUIETLY,$(VENV)-fresh/bin/python -m pip install \
+	  --disable-pip-version-check -e "$(EXTRAS)")
 	@{ echo "# Versions that are known to work together. Written by \`make constraints\`" \
 	     "with Python 3.11"; \
 	   echo "# and with a later one; do not edit."; \

@@ -1,17 +1,20 @@
-"""Frozen values in a Context: cheap copies and cheap changes.
+"""Frozen values in a Context: cheap copies, cheap changes, read-only arrays.
 
 The values themselves are defined elsewhere.
 """
 
 from __future__ import annotations
 
+from itertools import zip_longest
 from typing import Any, TypeVar
+
+import numpy as np
 
 _T = TypeVar("_T")
 
 
 class Frozen:
-    """Base of frozen dataclasses that pass through a Context."""
+    """Base of values that pass through a Context, such as frozen dataclasses."""
 
     def __deepcopy__(self: _T, memo: dict[int, Any]) -> _T:
         """Returns the value itself, which never changes: cloning a Context is cheap."""
@@ -58,3 +61,41 @@ def replace(value: _T, **changes: Any) -> _T:
     other.__dict__.update(fields)
     other.__dict__.update(changes)
     return other
+
+
+def read_only(value: _T, before: Any = None) -> _T:
+    """Makes all arrays within a value read-only, and returns the value.
+
+    Whoever writes into an array that others share gets a ``ValueError``. Arrays are
+    found in dataclasses, other ``Frozen`` values, tuples, lists and dictionaries.
+
+    Args:
+        value: Value that is handed out.
+        before: Earlier value whose arrays are read-only; parts of ``value`` that are
+            the same objects are skipped, so that each tick costs what it changes.
+    """
+    if value is before or type(value) in _IMMUTABLE:
+        return value
+    if isinstance(value, np.ndarray):
+        value.setflags(write=False)
+    elif isinstance(value, (tuple, list)):
+        earlier = before if isinstance(before, (tuple, list)) else ()
+        for item, old in zip_longest(value, earlier[: len(value)]):
+            read_only(item, old)
+    elif isinstance(value, dict):
+        old = before if isinstance(before, dict) else {}
+        for key, item in value.items():
+            read_only(item, old.get(key))
+    elif getattr(value, "_frozen", False):
+        # A snapshot of a message is immutable as it is.
+        return value
+    elif isinstance(value, Frozen):
+        for name, item in vars(value).items():
+            read_only(item, getattr(before, name, None))
+    elif not isinstance(value, type):
+        for name in getattr(value, "__dataclass_fields__", ()):
+            read_only(getattr(value, name), getattr(before, name, None))
+    return value
+
+
+_IMMUTABLE = (float, int, bool, str, type(None))

@@ -16,7 +16,7 @@ import math
 import types
 import typing
 from collections.abc import Mapping, Sequence
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydrake.common.schema import Transform
@@ -113,7 +113,8 @@ def typed(
             value, only, path, default=default, bounds=bounds, from_text=from_text
         )
     if not any(_is(value, one, from_text) for one in kinds):
-        raise _wrong(path, value, " or ".join(_NAMES[one] for one in kinds))
+        names = [_NAMES.get(one, getattr(one, "__name__", str(one))) for one in kinds]
+        raise _wrong(path, value, " or ".join(names))
     if float not in kinds:
         plain: Any = plain_number(value)
         if int in kinds and bounds is not None and not bounds.allow(plain):
@@ -240,14 +241,19 @@ def _number(value: Any, path: str, bounds: Bounds | None) -> float:
     return float(number)
 
 
-def _is(value: object, kind: type, from_text: bool) -> bool:
+def _is(value: object, kind: Any, from_text: bool) -> bool:
     if kind is float:
         if from_text and isinstance(value, str):
             return _reads_as_number(value)
         return is_number(value)
     if kind is int:
         return is_whole(value)
-    return isinstance(value, kind)
+    if kind is Any:
+        return True
+    if typing.get_origin(kind) is Literal:
+        return value in typing.get_args(kind)
+    # No plain value is an instance of another generic type, such as an array of floats.
+    return isinstance(kind, type) and isinstance(value, kind)
 
 
 def _reads_as_number(text: str) -> bool:

@@ -17,6 +17,7 @@ from atlas_drake.diagrams.controller_socket import ControllerSource
 from atlas_drake.errors import AtlasError, shown
 from atlas_drake.robot import Robot, load_robot
 from atlas_drake.scenario.world import WorldMaker
+from atlas_drake.scenario.world_file import View
 from atlas_drake.systems.command_scheduler import CommandScheduler, ScheduledCommand
 from atlas_drake.visualization.overlays import Overlays
 
@@ -39,6 +40,7 @@ def make_control_mode_switch(
     recorder: LogRecorder | None = None,
     video: Video | None = None,
     *,
+    view: View | None = None,
     controller: ControllerSource | None = None,
     behaviors: Iterable[BehaviorEntry] = (),
     extend: Extend | None = None,
@@ -52,10 +54,11 @@ def make_control_mode_switch(
             no scheduler.
         config: Settings of the station; None for the defaults.
         meshcat: Meshcat instance to draw in; None for no 3D view.
-        overlays: Switches of the overlays in the 3D view.
+        overlays: Switches of the overlays in 3D view and video.
         recorded: True if Meshcat records.
         recorder: Writer of a log; None for no log.
         video: Settings of a video; None for no video.
+        view: Camera of the video; None for a camera that follows the robot.
         controller: As for ``make_atlas_station``.
         behaviors: As for ``make_atlas_station``.
         world: As for ``make_atlas_station``; called for the video's scene, too.
@@ -102,7 +105,8 @@ def make_control_mode_switch(
     if video is not None:
         from atlas_drake.visualization.video_display import add_video
 
-        add_video(builder, station, robot, config.terrain, video, world)
+        terrain = config.terrain
+        add_video(builder, station, robot, terrain, video, world, overlays, view)
     if extend is not None:
         if not callable(extend):
             raise AtlasError(

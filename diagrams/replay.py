@@ -64,7 +64,9 @@ def make_replay(
     if video is not None:
         from atlas_drake.visualization.video_display import add_video
 
-        add_video(builder, station, robot, log.scenario.all_terrain(), video, world)
+        scenario = log.scenario
+        terrain, view = scenario.all_terrain(), scenario.surroundings().view
+        add_video(builder, station, robot, terrain, video, world, overlays, view)
     diagram = builder.Build()
     diagram.set_name("replay")
     return diagram

@@ -200,7 +200,7 @@ def _draw_fall(own: dict[str, Any], picture: Path) -> None:
 def _save_head_view(own: dict[str, Any], picture: Path) -> None:
     """Keeps the last picture of the camera on the head."""
     with tempfile.TemporaryDirectory() as folder:
-        extend = partial(own["add_head_camera"], files=Path(folder) / "head_{count:02}")
+        extend = partial(own["extend"], files=f"{folder}/head_{{count:02}}")
         sim = AtlasSimulation(world=[own["add_scenery"]], extend=extend)
         sim.advance(0.6)
         shutil.copy(Path(folder) / "head_01.png", picture)

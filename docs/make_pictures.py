@@ -31,7 +31,7 @@ from atlas_drake.visualization.overlays import Overlays
 PAGES = ("readme", "extending", "worlds")
 IMAGES = Path(__file__).parent / "images"
 FILM, FILM_SIZE = "demo.mp4", "400x224"
-MOMENTS = {"atlas.png": 10.5, "walk.png": 11.72}
+MOMENTS = {"atlas.png": 10.66, "walk.png": 11.92}
 """Which picture, and when in the tutorial [s]: in the second and in the last step."""
 FIGURES = "figures.png"
 THOUGHTS = (
@@ -45,7 +45,7 @@ THOUGHTS = (
     "flags",
     "follow",
 )
-THOUGHTS_AT = 9.0
+THOUGHTS_AT = 9.25
 """Overlays of ``thoughts.png``, and their time in the demo walk [s]."""
 SIZE = "1200,800"
 """Size of the pictures [pixel]."""

@@ -42,6 +42,9 @@ class Script:
     def show_joints(self, positions: object) -> None:
         """Does nothing: there are no sliders."""
 
+    def show_paused(self, paused: bool) -> None:
+        """Does nothing: there is no view."""
+
 
 if options.headless:
     sim = AtlasSimulation()
@@ -58,7 +61,7 @@ overlays = Overlays(["com", "dcm", "cop", "support", "swing", "follow"])
 sim = AtlasSimulation(meshcat=meshcat, overlays=overlays)
 session = Session(sim, Panel(meshcat, sim.robot, overlays, sim.behaviors))
 with ctrl_c() as asked_to_stop:
-    print(f"Steer at {meshcat.web_url()}; Ctrl-C here ends it.\n\n{legend(sim.robot)}")
+    print(f"Steer at {meshcat.web_url()} (Ctrl-C here ends it).\n\n{legend(sim.robot)}")
     while not asked_to_stop.is_set():
         session.advance()
 print(f"Stopped after {sim.time:.1f} s and {len(sim.footsteps)} steps.")

@@ -3,7 +3,7 @@
 import re
 import subprocess
 import sys
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import pi, sin
 from pathlib import Path
 
@@ -16,6 +16,7 @@ from atlas_drake import (
     Behavior,
     read_log,
 )
+from atlas_drake.app.parts import load_parts
 from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES, shipped_entry
 from atlas_drake.behaviors.stand.stand import Stand
@@ -71,6 +72,22 @@ def test_the_table_leads_to_every_section():
     assert re.findall(r"\]\(#(.*?)\)", text) == anchors
 
 
+@pytest.mark.parametrize(
+    ("name", "parts"),
+    [
+        ("falls_on_purpose", ["controller"]),
+        ("limp_arms", ["controller"]),
+        ("own_behavior", ["behaviors"]),
+        ("own_controller", ["controller"]),
+        ("own_diagram", ["world", "extend"]),
+        ("own_task", ["behaviors"]),
+        ("own_world", ["world"]),
+    ],
+)
+def test_the_programs_bring_their_parts_on_the_command_line(name, parts):
+    assert list(load_parts(FOLDER / f"{name}.py")) == parts
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", QUICK)
 def test_quick_programs_come_to_a_good_end(name, tmp_path):
@@ -121,17 +138,29 @@ class Nod(Stand):
         joints[self._neck] += 0.2 * sin(2.0 * pi * seen.time / 3.0)
         return replace(still, joints=joints)
 
+    def report(self, memory, state):
+        state.feedback = Nodding(memory.com)
+
+
+@dataclass(frozen=True)
+class Nodding:
+    com: np.ndarray
+
 
 def test_standing_with_a_nod_is_a_behavior_that_ends_when_it_is_left():
     nod = BehaviorEntry(name="NOD", number=100, make=Nod)
     sim = AtlasSimulation(behaviors=[nod])
     sim.publish(AtlasSimInterfaceCommand(behavior="NOD"))
     sim.advance(1.0)
+    np.testing.assert_allclose(
+        sim.atlas_sim_interface_state.feedback.com, [0.0, 0.0], atol=0.1
+    )
     neck = sim.atlas_state.position[sim.robot.joint_index("neck_ry")]
     assert neck == pytest.approx(0.19, abs=0.03)
     sim.publish(AtlasSimInterfaceCommand(behavior="STAND"))
     sim.advance(0.02)
     assert sim.current_behavior is Behavior.STAND
+    assert sim.atlas_sim_interface_state.feedback is None
 
 
 def test_a_shipped_entry_is_found():

@@ -146,7 +146,8 @@ def add_show_option(
         type=partial(_overlays, offered=offered),
         default=_overlays(show, offered),
         metavar="LIST",
-        help="overlays of the controller's state and plan in the 3D view, with commas: "
+        help="overlays of the controller's state and plan in 3D view and video, with "
+        "commas: "
         + ", ".join(offered)
         + f"; or all, or none (default: {show})"
         + (f"; {', '.join(missing)}: not in a log" if missing else ""),

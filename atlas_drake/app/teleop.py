@@ -55,11 +55,12 @@ def run_teleop(scenario: Scenario, options: argparse.Namespace) -> int:
         overlays=overlays,
         **parts,
     )
-    session = Session(sim, Panel(meshcat, sim.robot, overlays, sim.behaviors))
+    panel = Panel(meshcat, sim.robot, overlays, sim.behaviors, progress.say)
+    session = Session(sim, panel)
     with ctrl_c() as asked_to_stop:
         progress.say(
-            f"Steer at {meshcat.web_url()}; Ctrl-C here ends it.\n\n"
-            f"{legend(sim.robot)}\n"
+            f"Steer at {meshcat.web_url()} (Ctrl-C here ends it).\n\n"
+            f"{legend(sim.robot, sim.behaviors)}\n"
         )
         if interactive():
             open_on_desktop(meshcat.web_url())

@@ -40,6 +40,7 @@ from atlas_drake.control.whole_body.tracking import (
     orientation_acceleration,
     position_acceleration,
 )
+from atlas_drake.frozen import read_only
 from atlas_drake.robot import Robot
 
 FULL_LOAD = 3.0
@@ -89,6 +90,7 @@ class Balance:
             (self._frames[0], self._frames[1]),
             np.array([weights.internal_contact_moment, force, force]),
         )
+        read_only(vars(self))
 
     def command(
         self,

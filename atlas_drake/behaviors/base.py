@@ -16,6 +16,7 @@ from atlas_drake.behaviors.body_reference import BodyReference
 from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.whole_body.command import WholeBodyCommand
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
+from atlas_drake.frozen import read_only
 from atlas_drake.messages import AtlasSimInterfaceState
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan
@@ -25,6 +26,8 @@ from atlas_drake.messages.event import Event
 @dataclass(frozen=True)
 class Observation:
     """Input of a behavior in one tick; n joints in message order.
+
+    All arrays are read-only: copy what shall be changed.
 
     Attributes:
         time: [s]
@@ -44,7 +47,7 @@ class Observation:
     @cached_property
     def user_held(self) -> np.ndarray:
         """Joints that the user controls alone, bool, shape (n,)."""
-        return self.user_share >= 1.0
+        return read_only(self.user_share >= 1.0)
 
     def foot_pose(self, foot: int) -> FootPose:
         """Present pose of a sole in W."""
@@ -95,7 +98,10 @@ class BehaviorProtocol(Protocol):
         """Computes one tick; ``leaving`` requests an orderly end of the behavior."""
 
     def report(self, memory: Any, state: AtlasSimInterfaceState) -> None:
-        """Fills in the behavior's own part of the state message, except its flags."""
+        """Fills in the behavior's own part of the state message, except its flags.
+
+        The part of a user's own behavior is ``state.feedback``, any frozen value.
+        """
 
     def plan(self, memory: Any, com: np.ndarray, omega: float) -> Plan:
         """Returns the behavior's plan, for viewers and logs.

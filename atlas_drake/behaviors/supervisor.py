@@ -28,7 +28,7 @@ from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.control.whole_body.command import WholeBodyCommand
 from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.errors import ErrorCode, shown
-from atlas_drake.frozen import replace
+from atlas_drake.frozen import read_only, replace
 from atlas_drake.messages import (
     AtlasSimInterfaceState,
     Behavior,
@@ -160,9 +160,8 @@ class Supervisor:
             behavior acts.
         """
         if state.body is None:
-            state = replace(
-                state, body=capture_body(observation.terms), request=requests[0]
-            )
+            body = read_only(capture_body(observation.terms))
+            state = replace(state, body=body, request=requests[0])
         state = self._watch_for_fall(state, observation)
         if requests[-1].number != state.request_number:
             for new in requests:
@@ -170,7 +169,8 @@ class Supervisor:
                     state = self._take_request(state, observation, new)
         if state.in_damping_mode:
             # No behavior acts or reports while the joints are only damped.
-            return replace(state, body=capture_body(observation.terms)), None
+            body = read_only(capture_body(observation.terms))
+            return replace(state, body=body), None
         request = state.request
         assert request is not None
         if not state.entered:
@@ -190,8 +190,8 @@ class Supervisor:
         _check_outcome(outcome, state.current)
         state = replace(
             state,
-            memory=outcome.memory,
-            body=outcome.body,
+            memory=read_only(outcome.memory, state.memory),
+            body=read_only(outcome.body, state.body),
             behavior_flags=_latch(state.behavior_flags, outcome.status_flags),
         )
         for event in outcome.events:
@@ -336,7 +336,7 @@ class Supervisor:
     ) -> SupervisorState:
         assert state.body is not None
         behavior = self.behaviors[state.current]
-        memory = behavior.enter(observation, state.body, request)
+        memory = read_only(behavior.enter(observation, state.body, request))
         return replace(state, memory=memory, entered=True)
 
     def _warn_of_user_legs(

@@ -16,17 +16,18 @@ from atlas_drake.logs.layout import SIDES
 from atlas_drake.logs.log import Log
 from atlas_drake.logs.panels import Band, Item, Line, Outline, Panel
 from atlas_drake.logs.support import Feet, double_supports, footprints
+from atlas_drake.palette import COM, COP, DCM, FEET, hex_color
 
-SIDE_COLORS = ("#1a6bd8", "#e66b14")
-"""Colors of the left and the right foot, as in the 3D view."""
-COM, DCM, COP, SUPPORT = "#222222", "#c2185b", "#2a9d3a", "#cfd8dc"
+SIDE_COLORS = tuple(map(hex_color, FEET))
+_AREA = "#cfd8dc"
+"""Pale, as the supports of many steps overlap."""
 _TRACKS = (
-    ("com_reference", COM, "", True),
-    ("com", COM, "CoM", False),
-    ("dcm_reference", DCM, "", True),
-    ("dcm", DCM, "DCM", False),
-    ("cop_reference", COP, "", True),
-    ("cop", COP, "CoP", False),
+    ("com_reference", hex_color(COM), "", True),
+    ("com", hex_color(COM), "CoM", False),
+    ("dcm_reference", hex_color(DCM), "", True),
+    ("dcm", hex_color(DCM), "DCM", False),
+    ("cop_reference", hex_color(COP), "", True),
+    ("cop", hex_color(COP), "CoP", False),
 )
 """Channel below ``balance``, color, label, and whether it is a plan: dashed."""
 
@@ -34,8 +35,7 @@ _TRACKS = (
 def view_from_above(log: Log, feet: Feet) -> Panel:
     """Draw CoM, DCM and CoP over the footprints and support polygons."""
     items: list[Item] = [
-        Outline(polygon, SUPPORT, opacity=0.35)
-        for polygon in double_supports(log, feet)
+        Outline(polygon, _AREA, opacity=0.35) for polygon in double_supports(log, feet)
     ]
     for foot, side in enumerate(SIDES):
         color = SIDE_COLORS[foot]
@@ -63,7 +63,7 @@ def view_from_above(log: Log, feet: Feet) -> Panel:
 
 def balance_over_time(log: Log, feet: Feet, axis: int) -> Panel:
     """CoM, DCM and CoP along x (axis 0) or y (1) against the extent of the support."""
-    items: list[Item] = [Band(log.time, *feet.extent(axis), SUPPORT, "support")]
+    items: list[Item] = [Band(log.time, *feet.extent(axis), _AREA, "support")]
     items += [
         Line(log.time, track[:, axis], color, label, dashed)
         for _, track, color, label, dashed in _tracks(log)

@@ -30,8 +30,11 @@ from atlas_drake.logs.support import runs
 POINTS = 2400
 """Approximate number of points of a curve, or columns of a map, that are kept."""
 PIXELS_PER_INCH = 92
-HEADER, GAP, FOOTER = 100, 78, 60
+HEADER, GAP, FOOTER = 132, 110, 60
 """Space above the first row, between rows, below the last row [pixel]."""
+TITLE_ABOVE = 34
+"""Height of a panel's title above the panel [pixel]: up to two lines of a legend fit
+between them, however narrow the page is."""
 GAP_BETWEEN_COLUMNS = 0.09
 """Gap between columns as a share of the page's width."""
 SMALL_STEP = 1e-3
@@ -115,15 +118,15 @@ def _draw_panel(figure: Any, panel: Panel, page: Page, suffix: str) -> None:
         y.range = panel.y_range
     if panel.equal:
         y.scaleanchor, y.scaleratio = y.anchor, 1.0
-    left, right = x.domain
+    left = x.domain[0]
     top = y.domain[1]
     legend = f"legend{suffix}"
     figure.update_layout(
         {
             legend: {
                 "orientation": "h",
-                "x": right,
-                "xanchor": "right",
+                "x": left,
+                "xanchor": "left",
                 "y": top,
                 "yanchor": "bottom",
                 "font": {"size": 10},
@@ -140,6 +143,7 @@ def _draw_panel(figure: Any, panel: Panel, page: Page, suffix: str) -> None:
         yref="paper",
         xanchor="left",
         yanchor="bottom",
+        yshift=TITLE_ABOVE,
         showarrow=False,
         font={"size": 12},
     )

@@ -4,6 +4,7 @@ Joints and sensors are reported in ``atlas_state``.
 """
 
 from dataclasses import dataclass, field
+from typing import Any
 
 from atlas_drake.errors import ErrorCode
 from atlas_drake.messages.base import FloatArray, IntArray, Message
@@ -56,6 +57,8 @@ class AtlasSimInterfaceState(Message):
         walk_feedback: State of WALK.
         manipulate_feedback: State of MANIPULATE.
         k_effort: Shares of user control in force, one per joint in message order.
+        feedback: State of a user's own behavior, as its ``report`` sets it; None if it
+            sets none.
     """
 
     NO_ERRORS = ErrorCode.NO_ERRORS
@@ -100,3 +103,4 @@ class AtlasSimInterfaceState(Message):
         default_factory=AtlasBehaviorManipulateFeedback
     )
     k_effort: IntArray = field(default_factory=list)
+    feedback: Any = None

@@ -70,6 +70,14 @@ class StepStatus(IntFlag):
     """A foot is in the air."""
 
 
+_WALK_SUBSTATES = (
+    WalkStatus.SUBSTATE_SWAYING
+    | WalkStatus.SUBSTATE_STEPPING
+    | WalkStatus.SUBSTATE_CATCHING
+)
+_STEP_SUBSTATES = StepStatus.SUBSTATE_SWAYING | StepStatus.SUBSTATE_STEPPING
+
+
 @dataclass(slots=True, eq=False)
 class AtlasBehaviorFeedback(Message):
     """Result of the last transition.
@@ -135,6 +143,11 @@ class AtlasBehaviorWalkFeedback(Message):
         default_factory=empty_step_queue
     )
 
+    @property
+    def is_active(self) -> bool:
+        """True while WALK is active, or a behavior that is derived from it."""
+        return bool(self.status_flags & _WALK_SUBSTATES)
+
 
 @dataclass(slots=True, eq=False)
 class AtlasBehaviorStepFeedback(Message):
@@ -166,6 +179,11 @@ class AtlasBehaviorStepFeedback(Message):
     desired_step_spec_saturated: AtlasBehaviorStepSpec = field(
         default_factory=AtlasBehaviorStepSpec
     )
+
+    @property
+    def is_active(self) -> bool:
+        """True while STEP is active, or a behavior that is derived from it."""
+        return bool(self.status_flags & _STEP_SUBSTATES)
 
 
 @dataclass(slots=True, eq=False)

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from atlas_drake.errors import ErrorCode, InvalidMessageError
-from atlas_drake.frozen import NOTHING, Frozen, replace
+from atlas_drake.frozen import NOTHING, Frozen, read_only, replace
 from atlas_drake.messages import (
     K_EFFORT_MAX,
     AtlasCommand,
@@ -318,7 +318,8 @@ def _apply_sim_command(
     given = _given(message, SERVO_FIELDS, robot)
     if behavior is Behavior.USER:
         # USER returns every joint to the user at once, for any k_effort of the message.
-        given["k_effort"] = np.full(robot.num_joints, float(K_EFFORT_MAX))
+        all_user = np.full(robot.num_joints, float(K_EFFORT_MAX))
+        given["k_effort"] = read_only(all_user)
     return replace(
         force,
         # Keep the object when nothing changes, so that the joint law stays prepared.
@@ -346,4 +347,4 @@ def _given(
     }
     if "kp_velocity" in given:
         given["kp_velocity"] = np.minimum(given["kp_velocity"], robot.kp_velocity_limit)
-    return given
+    return read_only(given)

@@ -9,11 +9,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from atlas_drake.errors import ErrorCode, shown
-from atlas_drake.frozen import Frozen
+from atlas_drake.frozen import Frozen, read_only
 from atlas_drake.messages.behavior import Behavior
 from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.messages.behavior_feedback import (
@@ -171,12 +172,12 @@ def _take_tuple(values: object, name: str, kind: type) -> None:
 def _take_array(
     values: object, name: str, shape: tuple[int, ...], *, optional: bool = True
 ) -> None:
-    """Makes an array of a field unless it is None; -1 stands for any length."""
+    """Makes a read-only array of a field unless it is None; -1 is for any length."""
     given = getattr(values, name)
     if given is None and optional:
         return
     try:
-        array = np.asarray(given, dtype=float)
+        array = np.array(given, dtype=float)
     except (TypeError, ValueError):
         array = np.array(np.nan)
     if (
@@ -186,7 +187,7 @@ def _take_array(
     ):
         wanted = str(shape).replace("-1", "k")
         raise ValueError(f"{name} must have shape {wanted}, is {shown(given)}")
-    object.__setattr__(values, name, array)
+    object.__setattr__(values, name, read_only(array))
 
 
 _FEEDBACK = {
@@ -222,6 +223,7 @@ class ControllerStatus(Frozen):
         step_feedback: State of STEP.
         walk_feedback: State of WALK.
         manipulate_feedback: State of MANIPULATE.
+        feedback: State of a user's own behavior; frozen.
         events: The latest events. Older events are dropped; those of the last
             ``recent.READ_WITHIN`` seconds must be there.
         event_count: Number of events since the diagram was built, including dropped
@@ -253,6 +255,7 @@ class ControllerStatus(Frozen):
     manipulate_feedback: AtlasBehaviorManipulateFeedback = field(
         default_factory=AtlasBehaviorManipulateFeedback
     )
+    feedback: Any = None
     events: tuple[Event, ...] = ()
     event_count: int = 0
     solved: bool | None = None
@@ -304,6 +307,7 @@ REPORTED = (
     "step_feedback",
     "walk_feedback",
     "manipulate_feedback",
+    "feedback",
 )
 """Fields that ``ControllerStatus`` and ``AtlasSimInterfaceState`` share."""
 

@@ -8,13 +8,15 @@ from functools import cached_property
 
 import numpy as np
 
-from atlas_drake.frozen import Frozen
+from atlas_drake.frozen import Frozen, read_only
 from atlas_drake.messages.validation import K_EFFORT_MAX
 
 
 @dataclass(frozen=True)
 class JointCommand(Frozen):
     """Set-points, gains and shares of the joint PIDs; arrays (n,) in message order.
+
+    All are read-only.
 
     Attributes:
         position: Desired positions [rad].
@@ -40,14 +42,16 @@ class JointCommand(Frozen):
     i_effort_max: np.ndarray
     k_effort: np.ndarray
 
+    def __post_init__(self) -> None:
+        """Make the arrays read-only."""
+        read_only(self)
+
     # Read many times between two commands.
 
     @cached_property
     def share(self) -> np.ndarray:
         """The user's blend weight k of each joint, 0 to 1, shape (n,); read-only."""
-        share = self.k_effort * (1.0 / K_EFFORT_MAX)
-        share.setflags(write=False)
-        return share
+        return read_only(self.k_effort * (1.0 / K_EFFORT_MAX))
 
     @cached_property
     def has_user(self) -> bool:

@@ -13,7 +13,6 @@ from atlas_drake.messages import (
     AtlasBehaviorStepData,
     AtlasSimInterfaceCommand,
     AtlasSimInterfaceState,
-    Behavior,
 )
 
 AHEAD = 2
@@ -29,7 +28,8 @@ class StepStream:
     Steps are counted from 1, as at the start of a walk.
 
     Call ``next_command`` about ten times a second, publish the result, and continue
-    until ``is_over`` returns True.
+    until ``is_over`` returns True. For a behavior that is derived from WALK, set the
+    ``behavior`` of each command.
     """
 
     def __init__(self, steps: Sequence[AtlasBehaviorStepData]):
@@ -83,7 +83,7 @@ class StepStream:
             return True
         passed = (report.header.stamp or 0.0) - self._sent_at
         answered = self._sent > 0 and passed > ANSWER
-        return answered and report.current_behavior != Behavior.WALK
+        return answered and not report.walk_feedback.is_active
 
     def _wants_more(self, report: AtlasSimInterfaceState) -> bool:
         walk = report.walk_feedback

@@ -18,6 +18,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
 
 from atlas_drake.errors import RobotDescriptionError, shown
+from atlas_drake.frozen import read_only
 from atlas_drake.robot.file import ContactEntry, RobotFile
 from atlas_drake.robot.joint_constants import JointConstants
 from atlas_drake.robot.leg import Leg
@@ -68,7 +69,7 @@ class PlantIndices:
 class Robot:
     """One robot, read from its YAML description and its URDF.
 
-    All joint arrays are in message order and have shape (n,).
+    All joint arrays are in message order, have shape (n,), and are read-only.
 
     Attributes:
         name: Name of the robot, and of its model instance in a plant.
@@ -102,6 +103,10 @@ class Robot:
     moved_links: tuple[tuple[str, ...], ...]
     legs: tuple[Leg, Leg]
 
+    def __post_init__(self) -> None:
+        """Make the arrays read-only, because all parts of a simulation share them."""
+        read_only(self)
+
     @property
     def num_joints(self) -> int:
         """Number of actuated joints, which is the length of message arrays."""
@@ -110,22 +115,22 @@ class Robot:
     @cached_property
     def stand_prep(self) -> np.ndarray:
         """Joint positions of the stand-prep pose [rad], shape (n,)."""
-        return np.array([joint.stand_prep for joint in self.file.joints])
+        return read_only(np.array([joint.stand_prep for joint in self.file.joints]))
 
     @cached_property
     def default_kp(self) -> np.ndarray:
         """Default position gains [N·m/rad], shape (n,)."""
-        return np.array([joint.kp for joint in self.file.joints])
+        return read_only(np.array([joint.kp for joint in self.file.joints]))
 
     @cached_property
     def default_kd(self) -> np.ndarray:
         """Default derivative gains [N·m·s/rad], shape (n,)."""
-        return np.array([joint.kd for joint in self.file.joints])
+        return read_only(np.array([joint.kd for joint in self.file.joints]))
 
     @cached_property
     def kp_velocity_limit(self) -> np.ndarray:
         """Largest velocity gain that counts, as in the original [N·m·s/rad]."""
-        return 50.0 * self.effort_limit / self.velocity_limit
+        return read_only(50.0 * self.effort_limit / self.velocity_limit)
 
     def limb(self, *names: str) -> np.ndarray:
         """Returns the mask of joints in the named limbs, bool, shape (n,)."""

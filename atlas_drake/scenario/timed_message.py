@@ -7,11 +7,12 @@ The scheduler delivers them; the tutorial's own messages are in
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 from atlas_drake.errors import InvalidMessageError, ScenarioError, shown
+from atlas_drake.kinds import typed
 from atlas_drake.messages import AtlasCommand, AtlasSimInterfaceCommand
 from atlas_drake.messages.base import Message
 from atlas_drake.messages.behavior_catalog import SHIPPED, BehaviorCatalog
@@ -37,7 +38,7 @@ class TimedMessage:
     place of a list stands for all joints."""
     atlas_sim_interface_command: dict[str, Any] = field(default_factory=dict)
     """Fields of an ``AtlasSimInterfaceCommand``, such as ``{behavior: STAND}``,
-    likewise."""
+    likewise; ``params`` has the fields of the parameters of a behavior of one's own."""
 
     def validate(self, path: str) -> None:
         """Check what can be checked without the robot.
@@ -82,6 +83,8 @@ class TimedMessage:
         """
         name, made = self._made(len(joint_names), path)
         try:
+            if isinstance(made, AtlasSimInterfaceCommand):
+                _take_params(made, catalog, f"{path}.{name}.params")
             check_command(made, joint_names, catalog)
         except InvalidMessageError as error:
             raise ScenarioError(
@@ -99,3 +102,18 @@ class TimedMessage:
             raise ScenarioError(
                 f"{path}.{name}.{error.field}", error.value, error.problem
             ) from None
+
+
+def _take_params(
+    message: AtlasSimInterfaceCommand, catalog: BehaviorCatalog, path: str
+) -> None:
+    """Makes the parameters of a user's own behavior from their fields.
+
+    Raises:
+        InvalidMessageError: If there is no such behavior.
+        ScenarioError: Naming the first field that cannot be used.
+    """
+    entry = catalog.entry(catalog.find(message.behavior))
+    reads_params = entry.params is not None and entry.params_field == "params"
+    if reads_params and isinstance(message.params, Mapping):
+        message.params = typed(message.params, entry.params, path, from_text=True)

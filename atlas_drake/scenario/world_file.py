@@ -39,7 +39,7 @@ class WorldStart:
 
 @dataclass(frozen=True)
 class View:
-    """Initial camera of the 3D view."""
+    """Initial camera of the 3D view, and camera of a video."""
 
     lens: list[float] = field(default_factory=lambda: [3.3, -2.5, 1.45])
     """Position of the camera in W [m]."""
@@ -82,7 +82,8 @@ class World:
     start: WorldStart = field(default_factory=WorldStart)
     """Start of the robot."""
     view: View | None = None
-    """Initial camera of the 3D view; null for one in front of the robot."""
+    """Initial camera of the 3D view, and camera of a video; null for one in front of
+    the robot."""
     boxes: list[Block] = field(default_factory=list)
     """Boxes that do not move, as a scenario's ``terrain``."""
     models: list[Model] = field(default_factory=list)

@@ -136,7 +136,7 @@ class AtlasSimulation:
             extend: Called with (builder, station) before the diagram is built, to add
                 systems of your own. ``output`` reads the ports that it exports.
             meshcat: Meshcat that shows the run; None shows nothing.
-            overlays: Plans of the controller that are shown there.
+            overlays: Plans of the controller that are shown there and in the video.
             recorded: True if Meshcat is recording already; then every picture is kept
                 for the recording. Otherwise pictures are left out while a viewer is too
                 slow for them, and a recording that runs then is lost.
@@ -191,6 +191,7 @@ class AtlasSimulation:
                 recorded=recorded,
                 recorder=self._recorder,
                 video=video,
+                view=self.scenario.surroundings().view,
             )
         except BaseException:
             if self._recorder is not None:

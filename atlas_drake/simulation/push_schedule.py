@@ -12,7 +12,6 @@ import numpy as np
 
 from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.errors import InvalidMessageError, ScenarioError
-from atlas_drake.messages import Behavior
 from atlas_drake.messages.controller_status import ControllerStatus
 from atlas_drake.robot import Robot
 from atlas_drake.scenario.pushes import FEET, PlannedPush
@@ -87,8 +86,4 @@ class PushSchedule:
 
 def time_to_touchdown(status: ControllerStatus) -> float:
     """Time until the next touchdown as the active behavior plans it [s]; else 0."""
-    if status.current_behavior is Behavior.WALK:
-        return max(0.0, status.walk_feedback.t_step_rem)
-    if status.current_behavior is Behavior.STEP:
-        return max(0.0, status.step_feedback.t_step_rem)
-    return 0.0
+    return max(0.0, status.walk_feedback.t_step_rem, status.step_feedback.t_step_rem)

@@ -75,7 +75,7 @@ class Stage:
             behaviors: Behaviors beside the shipped ones.
             world: Callables (plant) -> None.
             extend: Callable (builder, station) -> None.
-            **views: Meshcat, overlays, recorder and video.
+            **views: Meshcat, overlays, recorder, video and its view.
         """
         config = _station_config(scenario)
         self.robot = robot

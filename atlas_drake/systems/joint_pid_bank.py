@@ -28,7 +28,7 @@ from atlas_drake.control.joints.joint_pid import (
     user_effort,
     within_limits,
 )
-from atlas_drake.frozen import NOTHING, Frozen, replace
+from atlas_drake.frozen import NOTHING, Frozen, read_only, replace
 from atlas_drake.messages.joint_command import JointCommand
 from atlas_drake.robot import PlantIndices, Robot
 from atlas_drake.systems.collectable_system import CollectableSystem
@@ -134,7 +134,7 @@ class JointPidBank(CollectableSystem):
         self._at_start = np.zeros(len(_PID_FIELDS) * n)
         self._at_start[n : 2 * n] = np.nan
         self._memory = self.DeclareDiscreteState(self._at_start)
-        self._nothing = np.zeros(n)
+        self._nothing = read_only(np.zeros(n))
         # Output and update read the same step.
         self._step = self.DeclareCacheEntry(
             "one step of the law",

@@ -37,7 +37,7 @@ from atlas_drake.control.whole_body.model import (
 )
 from atlas_drake.control.whole_body.qp import WholeBodyQp, WholeBodySolution
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
-from atlas_drake.frozen import NOTHING, Frozen
+from atlas_drake.frozen import NOTHING, Frozen, read_only
 from atlas_drake.messages import Behavior
 from atlas_drake.messages.commands import CommandsInForce
 from atlas_drake.messages.controller_status import REPORTED, ControllerStatus
@@ -45,7 +45,7 @@ from atlas_drake.robot import Robot
 from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.systems.scratch import declare_scratch_context
 
-_UNKNOWN = np.full(2, np.nan)
+_UNKNOWN = read_only(np.full(2, np.nan))
 
 
 @dataclass(frozen=True)
@@ -117,7 +117,9 @@ class WholeBodyController(CollectableSystem):
         the machine, and is not part of the Context."""
 
         start = ControllerMemory(
-            self._supervisor.start(initial_behavior), np.zeros(n), np.zeros(2)
+            self._supervisor.start(initial_behavior),
+            np.zeros(n),
+            read_only(np.zeros(2)),
         )
         self._state_input = self.DeclareVectorInputPort("state", self._model.num_states)
         self._load_input = self.DeclareVectorInputPort("foot_loads", 2)
@@ -175,13 +177,13 @@ class WholeBodyController(CollectableSystem):
             time=context.get_time(),
             dt=self._period,
             terms=terms,
-            foot_force=_UNKNOWN if first else self._load_input.Eval(context),
+            foot_force=_UNKNOWN if first else read_only(self._load_input.Eval(context)),
             user_share=share,
         )
         supervisor, command = self._supervisor.update(
             before.supervisor, observation, commands.requests
         )
-        com = terms.com[:2].copy()
+        com = read_only(terms.com[:2].copy())
         omega = pendulum_frequency(float(terms.com[2]) - mean_sole_height(terms))
         if command is None:
             effort = (

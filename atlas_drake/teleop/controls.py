@@ -17,7 +17,7 @@ from atlas_drake.messages import (
     AtlasBehaviorPelvisServoParams,
     Behavior,
 )
-from atlas_drake.messages.behavior_catalog import BehaviorCatalog
+from atlas_drake.messages.behavior_catalog import SHIPPED, BehaviorCatalog
 from atlas_drake.planning.footholds import Gait
 from atlas_drake.robot import Robot, RobotFile
 from atlas_drake.teleop.limbs import GROUPS
@@ -257,9 +257,9 @@ Keys work where the 3D view has the focus; every key is a button there too.
    space  pause or go on    p  push                5  FREEZE
    n      single time step  r  reset               6  USER
    PgUp  PgDn  turn the panel's pages              7  STAND_PREP
-
-"Open Controls" unfolds the panel, page by page: modes, walking, pelvis, push, limbs,
-overlays, scene. Every key works on every page, and while the panel is folded.
+{own}
+"Open Controls" unfolds the panel, page by page: modes, {page}walking, pelvis, push,
+limbs, overlays, scene. Every key works on every page, and while the panel is folded.
 
 The robot keeps its direction until another key; a gamepad's sticks steer it while they
 are held. Sliders set the stride and, per limb, k_effort: 0 is the behavior, 255 you.
@@ -268,9 +268,23 @@ A limb that is yours gets a page with a slider for each joint. A push goes ahead
 {bodies}."""
 
 
-def legend(robot: Robot) -> str:
-    """Makes the terminal's explanation of the keys."""
-    return LEGEND.format(bodies=pushed_bodies(robot))
+def legend(robot: Robot, catalog: BehaviorCatalog = SHIPPED) -> str:
+    """Makes the terminal's explanation of the keys.
+
+    Args:
+        robot: Robot whose bodies can be pushed.
+        catalog: The robot's behaviors; the user's own are listed with their keys.
+    """
+    buttons = behavior_buttons(catalog)
+    own = [
+        f"   {button.key.cap if button.key else '-'}  {button.behavior.name}\n"
+        for button in buttons
+    ]
+    return LEGEND.format(
+        own="".join(["\nBehaviors of your own:\n\n", *own]) if own else "",
+        page="behaviors, " if own else "",
+        bodies=pushed_bodies(robot),
+    )
 
 
 def pushed_bodies(robot: Robot) -> str:

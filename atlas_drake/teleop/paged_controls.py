@@ -6,10 +6,13 @@ controls is in ``panel``.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Callable, Sequence
 
 from pydrake.geometry import Meshcat
 
+from atlas_drake.control.feet.footstep import clip
+from atlas_drake.errors import shown
 from atlas_drake.teleop.controls import (
     PAGE_TURNS,
     Action,
@@ -29,6 +32,7 @@ class PagedControls:
         meshcat: Meshcat,
         pages: Sequence[Page],
         more_buttons: Sequence[BehaviorButton] = (),
+        say: Callable[[str], object] = print,
     ) -> None:
         """Adds the buttons, and opens the first page.
 
@@ -36,8 +40,10 @@ class PagedControls:
             meshcat: Meshcat instance that shows the panel.
             pages: Initial pages.
             more_buttons: Buttons beside those that every panel has.
+            say: Called with a message about a value beyond its slider's range.
         """
         self._meshcat = meshcat
+        self._say = say
         self._clicks: dict[Button, int] = dict.fromkeys((*Action, *more_buttons), 0)
         self._values: dict[Slider, float] = {}
         self._in_view: dict[Slider, float] = {}  # Meshcat's values when last read.
@@ -59,7 +65,7 @@ class PagedControls:
         for slider, before in self._in_view.items():
             value = self._meshcat.GetSliderValue(slider.label)
             if value != before:
-                self._values[slider] = self._in_view[slider] = value
+                self._take(slider, value)
         pressed: list[Button] = []
         turns = 0
         for action, before in self._clicks.items():
@@ -74,6 +80,22 @@ class PagedControls:
         if turns % len(self._pages):
             self._open((self._number + turns) % len(self._pages))
         return tuple(pressed)
+
+    def _take(self, slider: Slider, value: float) -> None:
+        """Takes a value that a browser sent, within the range of its slider.
+
+        Meshcat passes on any number that a web client sends, also infinities and NaN.
+        """
+        within = self.value(slider)
+        if math.isfinite(value):
+            within = clip(value, slider.low, slider.high)
+        self._in_view[slider], self._values[slider] = value, within
+        # A browser rounds to steps from zero, which may lead beyond the end by less
+        # than a step; the difference from NaN is not below anything.
+        if not abs(value - within) < slider.step:
+            sent = shown(value)
+            self._say(f"! {slider.label}: a browser sent {sent}, {within:g} holds.")
+            self.set(slider, within)
 
     def value(self, slider: Slider) -> float:
         """Returns the value in force of a slider on any page."""

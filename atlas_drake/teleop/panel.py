@@ -6,7 +6,8 @@ converts them to orders.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Callable, Mapping, Sequence
 from typing import Protocol
 
 from pydrake.geometry import Meshcat
@@ -23,6 +24,7 @@ from atlas_drake.teleop.controls import (
 from atlas_drake.teleop.paged_controls import PagedControls
 from atlas_drake.teleop.pages import SWITCHES, joint_slider, pages_with
 from atlas_drake.teleop.walking import Direction
+from atlas_drake.visualization.caption import show_paused
 from atlas_drake.visualization.overlays import Overlays
 
 DEAD_ZONE = 0.25
@@ -44,6 +46,9 @@ class PanelLike(Protocol):
     def show_joints(self, positions: Mapping[int, float]) -> None:
         """Shows sliders for these joints only; new sliders start at given positions."""
 
+    def show_paused(self, paused: bool) -> None:
+        """Shows if time stands still."""
+
 
 class Panel:
     """The panel in Meshcat."""
@@ -54,6 +59,7 @@ class Panel:
         robot: Robot,
         overlays: Overlays,
         behaviors: BehaviorCatalog = SHIPPED,
+        say: Callable[[str], object] = print,
     ) -> None:
         """Adds the first page.
 
@@ -62,6 +68,7 @@ class Panel:
             robot: Robot whose joints get sliders.
             overlays: Overlays that the panel switches on and off.
             behaviors: Catalog whose user-defined behaviors get buttons.
+            say: Called with a message about a value beyond its slider's range.
         """
         self._meshcat = meshcat
         self._robot = robot
@@ -70,7 +77,7 @@ class Panel:
         self._buttons = behavior_buttons(behaviors)
         self._own = fitted(robot)
         self._controls = PagedControls(
-            meshcat, pages_with(robot, (), self._buttons), self._buttons
+            meshcat, pages_with(robot, (), self._buttons), self._buttons, say
         )
         self._show_overlays()
 
@@ -99,6 +106,10 @@ class Panel:
             self._controls.set(self._joints[index], positions[index])
         self._controls.set_pages(pages_with(robot, positions, self._buttons))
 
+    def show_paused(self, paused: bool) -> None:
+        """Shows in the 3D view if time stands still."""
+        show_paused(self._meshcat, paused)
+
     def _switch_overlays(self) -> None:
         """Reads the switches, and updates those that another switch turned off."""
         overlays = self._overlays
@@ -126,12 +137,13 @@ def stick_direction(axes: Sequence[float]) -> Direction:
     """Returns the direction of a gamepad's sticks: the left one walks, the right turns.
 
     Args:
-        axes: Left x, left y, right x, ...; x to the right and y down, -1 to 1.
+        axes: Left x, left y, right x, ...; x to the right and y down, -1 to 1. Numbers
+            that are not finite count as 0.
     """
 
     def share(index: int) -> float:
         value = axes[index] if index < len(axes) else 0.0
-        if abs(value) < DEAD_ZONE:
+        if not math.isfinite(value) or abs(value) < DEAD_ZONE:
             return 0.0
         return -STICK_STEP * round(min(max(value, -1.0), 1.0) / STICK_STEP)
 

@@ -50,11 +50,14 @@ class Session:
         begin = time.perf_counter()
         controls = self._panel.read()
         clicks = controls.clicks
+        before = self.paused
         if Action.PAUSE in clicks:
             self.paused = not self.paused
         single = Action.SINGLE_STEP in clicks
         if single:
             self.paused = True
+        if self.paused != before:
+            self._panel.show_paused(self.paused)
         others = tuple(action for action in clicks if action not in _OF_TIME)
         self._waiting += others
         if self.paused and not single and Action.RESET not in others:

@@ -15,17 +15,15 @@ from pydrake.geometry import Cylinder, Meshcat, Rgba, Sphere
 from pydrake.math import RigidTransform
 from pydrake.systems.framework import Context
 
-from atlas_drake.control.balance.center_of_pressure import center_of_pressure
-from atlas_drake.control.balance.feedback import dcm, pendulum_frequency
 from atlas_drake.control.whole_body.model import WholeBodyModel
-from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.frozen import NOTHING
 from atlas_drake.messages.controller_status import Plan
+from atlas_drake.palette import COM, COP, DCM, SUPPORT, SWING
 from atlas_drake.robot import Robot
+from atlas_drake.visualization.balance_points import BalancePoints, balance_points
 from atlas_drake.visualization.display import Display
 from atlas_drake.visualization.marks import Marks
 from atlas_drake.visualization.overlays import Overlays
-from atlas_drake.visualization.palette import COM, COP, DCM, SUPPORT, SWING
 from atlas_drake.visualization.ribbons import draw_flat
 from atlas_drake.visualization.timeline import Timeline
 from atlas_drake.visualization.tubes import thinned, tube
@@ -50,8 +48,9 @@ slowly."""
 AREA_GRID, CURVE_GRID, BEND = 0.002, 0.001, 0.002
 """Corners and points are rounded to a grid [m]; points are left out where a curve bends
 by less [m], because a recording keeps every shape."""
-_COLORS = {"com": COM, "dcm": DCM, "cop": COP}
-_CURVES = {"plan_com": COM, "plan_dcm": DCM, "swing": SWING}
+_COLORS = {"com": Rgba(*COM), "dcm": Rgba(*DCM), "cop": Rgba(*COP)}
+_CURVES = {"plan_com": Rgba(*COM), "plan_dcm": Rgba(*DCM), "swing": Rgba(*SWING)}
+_AREA = Rgba(*SUPPORT, 0.5)
 _NAMES = ("com", "dcm", "cop", "support", "plan", "swing")
 
 Point = tuple[float, float, float]
@@ -120,17 +119,15 @@ class BalanceMarks(Display):
             return
         plan: Plan = self._status.Eval(context).plan
         terms = self._model.evaluate(self._scratch, self._state.Eval(context))
-        ground = min(float(foot.p_WF[2]) for foot in terms.feet)
-        omega = pendulum_frequency(float(terms.com[2]) - ground)
+        at = balance_points(terms, self._wrenches.Eval(context))
+        ground = at.ground
         if "com" in on:
-            self._move_com(terms, ground, time)
+            self._move_com(at, time)
         if "dcm" in on:
-            self._move_disc("dcm", dcm(terms, omega), ground, time)
+            self._move_disc("dcm", at.dcm, time)
         if "cop" in on:
-            soles = [foot.p_WF for foot in terms.feet]
-            p_WC = center_of_pressure(soles, self._wrenches.Eval(context))
-            if p_WC is not None:
-                self._move_disc("cop", p_WC[:2], float(p_WC[2]), time)
+            if at.cop is not None:
+                self._move_disc("cop", at.cop, time)
             elif "cop" in self._drawn:
                 self._timeline.show(f"{PATH}/cop", False, time)
         if "support" in on:
@@ -148,32 +145,31 @@ class BalanceMarks(Display):
         if "swing" in on:
             self._curves["swing"].show(_curve(plan.paths.swing), time)
 
-    def _move_com(self, terms: WholeBodyTerms, ground: float, time: float) -> None:
+    def _move_com(self, points: BalancePoints, time: float) -> None:
         """Draws a ball, visible through the body, and its projection on the ground."""
-        x, y, z = map(float, terms.com)
+        ground = points.ground
+        x, y, z = map(float, points.com)
         if "com_ball" not in self._drawn:
             path = f"{PATH}/com_ball"
-            self._meshcat.SetObject(path, Sphere(BALL), COM)
+            self._meshcat.SetObject(path, Sphere(BALL), _COLORS["com"])
             self._see_through(path)
         self._move("com_ball", [x, y, z], time)
         height = max(z - ground, LOWEST)
         rod = f"{PATH}/com_line/rod"
         if "com_line" not in self._drawn:
-            self._meshcat.SetObject(rod, Cylinder(PLUMB_LINE, 1.0), COM)
+            self._meshcat.SetObject(rod, Cylinder(PLUMB_LINE, 1.0), _COLORS["com"])
         # A separate node, because every transform resets the scale of its node.
         self._meshcat.SetProperty(rod, "scale", [1.0, 1.0, height], time)
         self._move("com_line", [x, y, ground + 0.5 * height], time)
-        self._move_disc("com", terms.com[:2], ground, time)
+        self._move_disc("com", np.array([x, y, ground]), time)
 
-    def _move_disc(
-        self, name: str, point: np.ndarray, ground: float, time: float
-    ) -> None:
+    def _move_disc(self, name: str, point: np.ndarray, time: float) -> None:
         if name not in self._drawn:
             disc = Cylinder(DISC[name], DISC_HEIGHT)
             self._meshcat.SetObject(f"{PATH}/{name}", disc, _COLORS[name])
             self._see_through(f"{PATH}/{name}")
-        x, y = map(float, point)
-        self._move(name, [x, y, ground + LIFT[name]], time)
+        x, y, z = map(float, point)
+        self._move(name, [x, y, z + LIFT[name]], time)
 
     def _move(self, name: str, position: list[float], time: float) -> None:
         p_W: Any = np.array(position)
@@ -185,7 +181,7 @@ class BalanceMarks(Display):
         corners: Any = mark
         fan = [[0, i, i + 1] for i in range(1, len(corners) - 1)]
         faces = np.array(fan, dtype=np.int32).T
-        draw_flat(self._meshcat, path, np.array(corners).T, faces, SUPPORT)
+        draw_flat(self._meshcat, path, np.array(corners).T, faces, _AREA)
         self._see_through(path, order=1.0)
 
     def _draw_curve(self, color: Rgba, path: str, mark: object) -> None:

@@ -41,7 +41,7 @@ HALF_PICTURE = DISTANCE * math.tan(0.5 * math.radians(FIELD_OF_VIEW))
 it."""
 TITLE_HEIGHT, NOTE_HEIGHT = 0.075, 0.034
 """Heights of the letters."""
-TITLE_Y, NOTE_Y, FLAGS_Y = 0.83, 0.74, 0.68
+TITLE_Y, NOTE_Y, FLAGS_Y, PAUSED_Y = 0.83, 0.74, 0.68, -0.88
 """Heights of the baselines above the middle of the picture."""
 STROKE = 0.13
 """Width of a stroke as a share of the letters' height."""
@@ -73,16 +73,12 @@ def caption_of(
         return "user", "all joints under user control"
     if behavior is Behavior.NONE:  # A controller without behaviors reports NONE.
         return "no behavior", note
-    title = entry.title
-    if behavior is Behavior.WALK:
-        walk = report.walk_feedback
-        if walk.status_flags & WalkStatus.SUBSTATE_STEPPING:
-            title = f"{title} - step {max(walk.current_step_index, 1)}"
-    elif behavior is Behavior.STEP:
-        step = report.step_feedback
-        if step.status_flags & StepStatus.SUBSTATE_STEPPING:
-            title = f"{title} - step {step.current_step_index}"
-    return title, note
+    walk, step = report.walk_feedback, report.step_feedback
+    if walk.status_flags & WalkStatus.SUBSTATE_STEPPING:
+        return f"{entry.title} - step {max(walk.current_step_index, 1)}", note
+    if step.status_flags & StepStatus.SUBSTATE_STEPPING:
+        return f"{entry.title} - step {step.current_step_index}", note
+    return entry.title, note
 
 
 @dataclass(frozen=True)
@@ -138,8 +134,26 @@ class CaptionDisplay(Display):
 
     def _draw(self, path: str, mark: object) -> None:
         assert isinstance(mark, _Line)
-        height = HALF_PICTURE * mark.height
-        starts, ends = text_segments(mark.text, height)
-        draw_flat(self._meshcat, path, *ribbons(starts, ends, STROKE * height), COLOR)
-        p_CT: Any = np.array([0.0, HALF_PICTURE * mark.y, -DISTANCE])
-        self._meshcat.SetTransform(path, RigidTransform(p_CT))
+        _draw_line(self._meshcat, path, mark)
+
+
+def show_paused(meshcat: Meshcat, paused: bool) -> None:
+    """Says in the picture that time stands still, or takes that away.
+
+    Args:
+        meshcat: Meshcat instance to draw in.
+        paused: True if no time passes.
+    """
+    path = f"{CAMERA}/paused"
+    if not paused:
+        meshcat.Delete(path)
+        return
+    _draw_line(meshcat, path, _Line("paused", TITLE_HEIGHT, PAUSED_Y))
+
+
+def _draw_line(meshcat: Meshcat, path: str, line: _Line) -> None:
+    height = HALF_PICTURE * line.height
+    starts, ends = text_segments(line.text, height)
+    draw_flat(meshcat, path, *ribbons(starts, ends, STROKE * height), COLOR)
+    p_CT: Any = np.array([0.0, HALF_PICTURE * line.y, -DISTANCE])
+    meshcat.SetTransform(path, RigidTransform(p_CT))

@@ -9,15 +9,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from pydrake.common.value import AbstractValue
-from pydrake.geometry import Meshcat, QueryObject, SceneGraphInspector
+from pydrake.geometry import Meshcat, QueryObject, Rgba, SceneGraphInspector
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.multibody.plant import ContactResults
 from pydrake.multibody.tree import world_index
 from pydrake.systems.framework import Context
 
+from atlas_drake.palette import FORCE
 from atlas_drake.visualization.display import Display
 from atlas_drake.visualization.overlays import Overlays
-from atlas_drake.visualization.palette import FORCE
 from atlas_drake.visualization.ribbons import draw_flat
 from atlas_drake.visualization.timeline import Timeline
 from atlas_drake.visualization.tubes import tube
@@ -145,4 +145,4 @@ class ContactForces(Display):
         bottom = np.array([[0, 0], [2, 3], [1, 2]]) + count
         vertices = np.hstack([shaft[0], cone])
         faces = np.hstack([shaft[1], sides, bottom]).astype(np.int32)
-        draw_flat(self._meshcat, path, vertices, faces, FORCE)
+        draw_flat(self._meshcat, path, vertices, faces, Rgba(*FORCE))

@@ -24,18 +24,11 @@ from pydrake.systems.framework import Context
 
 from atlas_drake.frozen import NOTHING
 from atlas_drake.messages import K_EFFORT_MAX
+from atlas_drake.palette import BEHAVIOR, BUSY, IDLE, SHARED, SPENT, USER, Color
 from atlas_drake.robot import Robot
 from atlas_drake.visualization.display import Display
 from atlas_drake.visualization.gltf_triangles import gltf_triangles
 from atlas_drake.visualization.overlays import Overlays
-from atlas_drake.visualization.palette import (
-    BEHAVIOR_RGB,
-    BUSY_RGB,
-    IDLE_RGB,
-    SHARED_RGB,
-    SPENT_RGB,
-    USER_RGB,
-)
 from atlas_drake.visualization.timeline import Timeline
 
 SHADES = 20
@@ -45,8 +38,6 @@ GAMMA = 2.2
 COVER = "_colored"
 """Suffix of the path of a link's copy."""
 
-Color = tuple[float, float, float]
-
 
 def owner_colors(k_effort: np.ndarray) -> list[Color]:
     """Colors joints from the behavior's color over shared joints to the user's color.
@@ -54,14 +45,14 @@ def owner_colors(k_effort: np.ndarray) -> list[Color]:
     Args:
         k_effort: User's share per joint, 0 to 255, shape (n,).
     """
-    colors = (BEHAVIOR_RGB, SHARED_RGB, USER_RGB)
+    colors = (BEHAVIOR, SHARED, USER)
     return [_between(colors, share / K_EFFORT_MAX) for share in k_effort]
 
 
 def effort_colors(effort: np.ndarray, limit: np.ndarray) -> list[Color]:
     """Colors joints on a scale of three by effort over limit [N·m], shapes (n,)."""
     shares = np.minimum(np.abs(effort) / limit, 1.0)
-    return [_between((IDLE_RGB, BUSY_RGB, SPENT_RGB), share) for share in shares]
+    return [_between((IDLE, BUSY, SPENT), share) for share in shares]
 
 
 def _between(colors: Sequence[Color], share: float) -> Color:

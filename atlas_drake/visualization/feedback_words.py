@@ -46,12 +46,9 @@ _STEP = {
 
 def feedback_words(report: AtlasSimInterfaceState) -> str:
     """Describes the flags: substate, transition, errors; "ok" if there is none."""
-    words: list[str] = []
-    if report.current_behavior == Behavior.WALK:
-        words += _said(report.walk_feedback.status_flags, _WALK)
-    elif report.current_behavior == Behavior.STEP:
-        words += _said(report.step_feedback.status_flags, _STEP)
-    elif report.current_behavior == Behavior.MANIPULATE:
+    words = _said(report.walk_feedback.status_flags, _WALK)
+    words += _said(report.step_feedback.status_flags, _STEP)
+    if report.current_behavior == Behavior.MANIPULATE:
         words += _pelvis_words(report.manipulate_feedback)
     words += _said(report.behavior_feedback.status_flags, _TRANSITION)
     if report.error_code != ErrorCode.NO_ERRORS:

@@ -23,18 +23,16 @@ from atlas_drake.messages import (
     NO_STEP,
     AtlasBehaviorStepData,
     AtlasSimInterfaceState,
-    Behavior,
 )
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan
 from atlas_drake.messages.event import Event
+from atlas_drake.palette import FEET
 from atlas_drake.robot import SoleSize
 from atlas_drake.visualization.display import Display
 from atlas_drake.visualization.marks import Marks
 from atlas_drake.visualization.ribbons import draw_flat, ribbons
 
-COLORS = (Rgba(0.10, 0.42, 0.85, 1.0), Rgba(0.90, 0.42, 0.08, 1.0))
-"""Colors of the left and the right foot."""
 LANDED_OPACITY = 0.45
 KEPT = 40
 """Number of landed steps that stay in view."""
@@ -100,8 +98,8 @@ def footstep_marks(
         marks.append(_mark(Kind.COMMANDED, foot, commanded, z))
         if _differ(commanded, saturated):
             marks.append(_mark(Kind.SATURATED, foot, saturated, z))
-    if report.current_behavior == Behavior.STEP:
-        step = report.step_feedback
+    walk, step = report.walk_feedback, report.step_feedback
+    if step.is_active:
         if step.t_step_rem > 0.0:
             taken = _poses([step.desired_step_saturated])
             marks += [
@@ -114,7 +112,7 @@ def footstep_marks(
                 for foot, pose in taken.values()
             ]
         return marks
-    if report.current_behavior != Behavior.WALK:
+    if not walk.is_active:
         for planned in plan.footsteps:
             place = [*map(float, planned.p_WF[:2]), planned.yaw]
             marks.append(
@@ -123,14 +121,14 @@ def footstep_marks(
                 )
             )
         return marks
-    first = max(report.walk_feedback.current_step_index, 1)
-    queue = report.walk_feedback.step_queue_saturated
+    first = max(walk.current_step_index, 1)
+    queue = walk.step_queue_saturated
     taken = _poses(queue)
     # The report of the step to be taken defines the commanded height.
     heights = {data.step_index: data.pose.position.z for data in queue}
     coming = {}
     params = request.command.walk_params
-    if request.behavior is Behavior.WALK and not params.use_demo_walk:
+    if request.behavior == report.current_behavior and not params.use_demo_walk:
         for index, (foot, pose) in _poses(params.step_queue).items():
             if index >= first:
                 coming[index] = pose
@@ -256,8 +254,7 @@ class FootstepDisplay(Display):
 
     def _draw(self, path: str, mark: object) -> None:
         assert isinstance(mark, FootstepMark)
-        color = COLORS[mark.foot]
-        if mark.kind is Kind.LANDED:
-            color = Rgba(color.r(), color.g(), color.b(), LANDED_OPACITY)
+        opacity = LANDED_OPACITY if mark.kind is Kind.LANDED else 1.0
+        color = Rgba(*FEET[mark.foot], opacity)
         draw_flat(self._meshcat, path, *mark_triangles(mark.kind, self._outline), color)
         self._meshcat.SetTransform(path, mark.X_WF)

@@ -16,6 +16,7 @@ from atlas_drake.visualization.caption import CaptionDisplay
 from atlas_drake.visualization.contact_forces import ContactForces
 from atlas_drake.visualization.control_colors import ControlColors
 from atlas_drake.visualization.display import Display
+from atlas_drake.visualization.following_scene import FollowingScene
 from atlas_drake.visualization.footsteps import FootstepDisplay
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.scene import prepare_scene
@@ -64,6 +65,7 @@ def add_meshcat_view(
             FootstepDisplay(meshcat, robot.file.sole, period, recorded),
         ),
         ("caption_display", CaptionDisplay(meshcat, overlays, period, recorded)),
+        ("following_scene", FollowingScene(meshcat, period, recorded)),
         ("following_camera", FollowingCamera(meshcat, overlays, period)),
         ("balance_marks", BalanceMarks(meshcat, robot, overlays, period, recorded)),
         ("contact_force_display", ContactForces(meshcat, overlays, period)),

@@ -21,8 +21,8 @@ GROUND_SIZE, GROUND_THICKNESS = 80.0, 0.02
 """Side and thickness of the ground slab in the view [m]."""
 GRID_SPACING, GRID_BOLD = 0.25, 4
 """Distance between lines [m], and the interval of darker lines."""
-GRID_SIZE = 8.0
-"""Side of the grid [m]."""
+GRID_SIZE = 12.0
+"""Side of the grid, which goes with the robot [m]."""
 GRID_LIFT = 0.001
 """Height of the lines above the ground, so that the ground does not hide them [m]."""
 
@@ -36,8 +36,10 @@ CAMERA_TARGET: Array = np.array([0.2, 0.0, 0.98])
 """Initial camera, from the robot's first place on the ground, in axes W [m]: from the
 front and side, with start and end of the tutorial in view."""
 
+SUN = "/Lights/SpotLight/<object>"
 SUN_POSITION = np.array([2.0, -3.0, 6.0])
-"""Position of the lamp that throws the shadows, in W [m]."""
+"""Position of the lamp that throws the shadows, from the robot's place, in W [m]."""
+GROUND = "/atlas_drake/ground"
 
 
 def prepare_scene(meshcat: Meshcat) -> None:
@@ -62,6 +64,26 @@ def look_at(meshcat: Meshcat, p_WG: np.ndarray) -> None:
     meshcat.SetCameraPose(CAMERA_POSITION + p_WG, CAMERA_TARGET + p_WG)
 
 
+def center_at(meshcat: Meshcat, x: float, y: float) -> None:
+    """Moves ground, grid and lamp to a place, so that the robot never leaves them.
+
+    Args:
+        meshcat: Whose scene.
+        x: Place of the robot in W [m].
+        y: Likewise.
+    """
+    # By whole squares of the darker lines, which then seem to stand still.
+    square = GRID_SPACING * GRID_BOLD
+    p_WS: Array = np.array([square * round(x / square), square * round(y / square), 0])
+    meshcat.SetTransform(GROUND, RigidTransform(p_WS))
+    p_WL = SUN_POSITION + np.array([x, y, 0.0])
+    meshcat.SetProperty(SUN, "position", p_WL.tolist())
+    # The lamp's target is no object of the scene: only its matrix can be set, in the
+    # browser's own axes, whose y points up and whose z is -y of W.
+    meshcat.SetProperty(SUN, "target.matrixWorld.elements[12]", x)
+    meshcat.SetProperty(SUN, "target.matrixWorld.elements[14]", -y)
+
+
 def show_start(meshcat: Meshcat, scenario: Scenario) -> None:
     """Shows the world as its file says, or else the robot where it begins."""
     view = scenario.surroundings().view
@@ -73,7 +95,7 @@ def show_start(meshcat: Meshcat, scenario: Scenario) -> None:
 
 
 def _add_ground(meshcat: Meshcat) -> None:
-    path = "/atlas_drake/ground"
+    path = GROUND
     slab = Box(GROUND_SIZE, GROUND_SIZE, GROUND_THICKNESS)
     meshcat.SetObject(f"{path}/slab", slab, Rgba(0.93, 0.94, 0.95, 1.0))
     p_WS: Array = np.array([0.0, 0.0, -0.5 * GROUND_THICKNESS])
@@ -104,10 +126,8 @@ def _add_light(meshcat: Meshcat) -> None:
     for name in ("PointLightNegativeX", "PointLightPositiveX"):
         meshcat.SetProperty(f"/Lights/{name}/<object>", "decay", 0.0)
         meshcat.SetProperty(f"/Lights/{name}/<object>", "distance", 0.0)
-    sun = "/Lights/SpotLight"
-    meshcat.SetProperty(sun, "visible", True)
-    sun += "/<object>"
-    meshcat.SetProperty(sun, "position", SUN_POSITION.tolist())
+    meshcat.SetProperty(SUN.removesuffix("/<object>"), "visible", True)
+    center_at(meshcat, 0.0, 0.0)
     for name, value in (
         ("intensity", 2.2),
         ("decay", 0.0),
@@ -119,4 +139,4 @@ def _add_light(meshcat: Meshcat) -> None:
         ("shadow.mapSize.width", 2048.0),
         ("shadow.mapSize.height", 2048.0),
     ):
-        meshcat.SetProperty(sun, name, value)
+        meshcat.SetProperty(SUN, name, value)

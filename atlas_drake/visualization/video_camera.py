@@ -49,8 +49,19 @@ def camera_pose(target: Vector, yaw: float) -> RigidTransform:
         yaw: Yaw of the axes H in W [rad].
     """
     p_TC: Any = RotationMatrix.MakeZRotation(yaw).multiply(OFFSET_H)
-    ahead = -p_TC / np.linalg.norm(p_TC)
+    return looking_at(target + p_TC, target)
+
+
+def looking_at(lens: Vector, target: Vector) -> RigidTransform:
+    """Computes the pose of a camera, x right in the picture, y down and z ahead.
+
+    Args:
+        lens: Position of the camera in W [m].
+        target: Point that it looks at, not straight above or below [m].
+    """
+    ahead = (target - lens) / np.linalg.norm(target - lens)
     right = np.cross(ahead, [0.0, 0.0, 1.0])
     right /= np.linalg.norm(right)
     axes: Any = np.column_stack([right, np.cross(ahead, right), ahead])
-    return RigidTransform(RotationMatrix(axes), target + p_TC)
+    p_WC: Any = lens
+    return RigidTransform(RotationMatrix(axes), p_WC)

@@ -1,4 +1,4 @@
-"""Films a run: the robot, its footsteps and a caption, followed by a camera.
+"""Films a run: the robot, its footsteps, overlays and a caption.
 
 Reads ports and passes pictures to a file; filming never changes the simulation.
 """
@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 from pydrake.common.eigen_geometry import Quaternion
 from pydrake.common.value import AbstractValue
-from pydrake.math import RollPitchYaw
+from pydrake.math import RigidTransform, RollPitchYaw
+from pydrake.multibody.plant import ContactResults
 from pydrake.systems.framework import Context, DiagramBuilder, System
 
 from atlas_drake.errors import shown
@@ -25,11 +26,15 @@ from atlas_drake.numeric import is_whole
 from atlas_drake.robot import Robot
 from atlas_drake.scenario.terrain import Block
 from atlas_drake.scenario.world import WorldMaker
+from atlas_drake.scenario.world_file import View
 from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.visualization.caption import caption_of
+from atlas_drake.visualization.feedback_words import feedback_words
 from atlas_drake.visualization.footsteps import footstep_marks
-from atlas_drake.visualization.video_camera import camera_pose, follow
+from atlas_drake.visualization.overlays import Overlays
+from atlas_drake.visualization.video_camera import camera_pose, follow, looking_at
 from atlas_drake.visualization.video_file import VideoError, VideoFile
+from atlas_drake.visualization.video_overlays import Seen, VideoOverlays
 from atlas_drake.visualization.video_stage import VideoStage
 
 VIDEO_RATE = 25
@@ -43,8 +48,9 @@ ACCENTS = ((60, 125, 225), (235, 135, 50), (160, 190, 230), (235, 195, 160))
 """Red, green and blue of footsteps in the light of the scene."""
 
 
-STATES = ("state", "plant_state")
-"""Ports with the state of robot and world."""
+VECTORS = ("state", "plant_state", "foot_wrenches", "effort")
+"""Ports that hold vectors."""
+CONTACTS = "contact_results"
 
 
 @dataclass(frozen=True)
@@ -87,6 +93,9 @@ class VideoDisplay(CollectableSystem):
         commands: ``CommandsInForce``
         controller_status: ``ControllerStatus``
         atlas_sim_interface_state: ``AtlasSimInterfaceState``
+        foot_wrenches: Contact wrenches on both soles, see ``RobotSensors``.
+        effort: Efforts of the motors [N·m], shape (n,).
+        contact_results: Contact results of the plant; left out in a replay.
 
     Attributes:
         fault: Error that ended the filming; None if there was none.
@@ -101,6 +110,8 @@ class VideoDisplay(CollectableSystem):
         terrain: Sequence[Block],
         world: Sequence[WorldMaker],
         sizes: Mapping[str, int],
+        overlays: Overlays,
+        view: View | None,
     ) -> None:
         """Opens the file.
 
@@ -109,7 +120,10 @@ class VideoDisplay(CollectableSystem):
             robot: Robot in the picture.
             terrain: Boxes on the ground.
             world: Models beside the robot.
-            sizes: Sizes of the states, by port.
+            sizes: Sizes of the vector ports that are connected, by name.
+            overlays: Switches of the overlays.
+            view: Camera of the world; None, and with the overlay ``follow``, for a
+                camera that follows the robot.
 
         Raises:
             VideoError: If the video cannot be made.
@@ -119,14 +133,28 @@ class VideoDisplay(CollectableSystem):
         self._file = VideoFile(
             video.path, VIDEO_RATE, video.width, video.height, ACCENTS
         )
-        self._stage = VideoStage(robot, terrain, video.width, video.height, world)
-        self._state, self._plant_state = (
-            self.DeclareVectorInputPort(name, sizes[name]) for name in STATES
+        self._fixed: RigidTransform | None = None
+        X_TC = None
+        if view is not None and not overlays.is_on("follow"):
+            lens, target = np.array(view.lens), np.array(view.target)
+            self._fixed = looking_at(lens, target)
+            X_TC = RigidTransform(self._fixed.rotation(), lens - target)
+        size = video.width, video.height
+        self._stage = VideoStage(robot, terrain, *size, world, X_TC)
+        self._overlays = overlays
+        self._drawing = VideoOverlays(robot, overlays, self._stage)
+        self._state, self._plant_state, self._wrenches, self._effort = (
+            self.DeclareVectorInputPort(name, sizes[name]) for name in VECTORS
         )
         self._commands, self._status, self._report = (
             self.DeclareAbstractInputPort(name, AbstractValue.Make(NOTHING))
             for name in ("commands", "controller_status", "atlas_sim_interface_state")
         )
+        self._contacts = None
+        if CONTACTS in sizes:
+            self._contacts = self.DeclareAbstractInputPort(
+                CONTACTS, AbstractValue.Make(ContactResults())
+            )
         self._target: NDArray[np.float64] | None = None
         self._yaw = 0.0
         self.DeclarePeriodicPublishEvent(1.0 / VIDEO_RATE, 0.0, self._publish)
@@ -162,23 +190,41 @@ class VideoDisplay(CollectableSystem):
         commands: Any = self._commands.Eval(context)
         report: Any = self._report.Eval(context)
         status: Any = self._status.Eval(context)
-        if self._target is None:
-            self._yaw = RollPitchYaw(
-                Quaternion(q[:4] / np.linalg.norm(q[:4]))
-            ).yaw_angle()
-        self._target = follow(self._target, q[4:7], 1.0 / VIDEO_RATE)
         marks = footstep_marks(commands.request, report, status.events, status.plan)
-        pose = camera_pose(self._target, self._yaw)
+        pose = self._fixed or self._following(q)
         shown = self._plant_state.Eval(context)[: self._stage.num_positions]
         picture = self._stage.picture(shown, marks, pose)
+        seen = Seen(
+            q,
+            status.plan,
+            self._wrenches.Eval(context),
+            None if self._contacts is None else self._contacts.Eval(context),
+            commands.k_effort,
+            self._effort.Eval(context),
+        )
+        title, *notes = caption_of(report, commands.catalog)
+        if self._overlays.is_on("flags"):
+            notes.append(feedback_words(report))
         captioned = with_caption(
-            picture, *caption_of(report, commands.catalog), context.get_time()
+            self._drawing.onto(picture, seen, pose),
+            title,
+            "\n".join(notes),
+            context.get_time(),
         )
         try:
             self._file.add(captioned)
         except VideoError as error:
             # The simulation continues.
             self.fault = error
+
+    def _following(self, q: NDArray[np.float64]) -> RigidTransform:
+        """Returns the next pose of the camera that follows the pelvis."""
+        if self._target is None:
+            self._yaw = RollPitchYaw(
+                Quaternion(q[:4] / np.linalg.norm(q[:4]))
+            ).yaw_angle()
+        self._target = follow(self._target, q[4:7], 1.0 / VIDEO_RATE)
+        return camera_pose(self._target, self._yaw)
 
 
 def with_caption(
@@ -189,7 +235,7 @@ def with_caption(
     Args:
         picture: Picture, shape (height, width, 3).
         title: Behavior of the robot.
-        note: Shares of user control.
+        note: Shares of user control; further lines below.
         time: Simulated time [s].
     """
     from PIL import Image, ImageDraw
@@ -220,22 +266,29 @@ def add_video(
     terrain: Sequence[Block],
     video: Video,
     world: Sequence[WorldMaker] = (),
+    overlays: Overlays | None = None,
+    view: View | None = None,
 ) -> None:
     """Adds a ``VideoDisplay`` named ``video`` to a diagram that holds a station.
 
     Args:
         builder: Builder of the diagram.
-        station: An AtlasStation.
+        station: An AtlasStation, or a diagram with some of its output ports.
         robot: Robot of the station.
         terrain: Boxes on the ground of the station.
         video: Settings of the video.
         world: Models beside the robot in the station.
+        overlays: Switches of the overlays.
+        view: See ``VideoDisplay``.
 
     Raises:
         VideoError: If the video cannot be made.
     """
-    sizes = {name: station.GetOutputPort(name).size() for name in STATES}
-    display = VideoDisplay(video, robot, terrain, world, sizes)
+    # A replay has no contact results.
+    names = [*VECTORS, *([CONTACTS] if station.HasOutputPort(CONTACTS) else [])]
+    sizes = {name: station.GetOutputPort(name).size() for name in names}
+    overlays = overlays or Overlays()
+    display = VideoDisplay(video, robot, terrain, world, sizes, overlays, view)
     builder.AddNamedSystem("video", display)
     for index in range(display.num_input_ports()):
         port = display.get_input_port(index)

@@ -7,6 +7,7 @@ the simulation, so that filming changes nothing. ``video_display`` uses the pict
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,11 +34,11 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.sensors import CameraInfo
 
+from atlas_drake.palette import FEET
 from atlas_drake.robot import Robot
 from atlas_drake.scenario.terrain import Block
 from atlas_drake.scenario.world import WorldMaker, add_world
 from atlas_drake.visualization.footsteps import (
-    COLORS,
     LANDED_OPACITY,
     FootstepMark,
     Kind,
@@ -59,7 +60,7 @@ SKY = np.array([0.84, 0.90, 0.95])
 GROUND_COLOR = np.array([0.86, 0.87, 0.88, 1.0])
 GROUND_SIZE, GROUND_THICKNESS = 160.0, 0.02
 """Side and thickness of the ground slab [m]."""
-GRID_SIZE, GRID_SPACING, GRID_LIFT = 12.0, 0.5, 0.002
+GRID_SIZE, GRID_SPACING, GRID_LIFT = 40.0, 0.5, 0.002
 """Side, line spacing and height above the ground of the grid [m]."""
 GRID_WIDTH, GRID_COLOR = 0.012, np.array([0.75, 0.78, 0.81, 1.0])
 SHADOW_MAP = 1280
@@ -83,6 +84,7 @@ class VideoStage:
         width: int,
         height: int,
         world: Sequence[WorldMaker] = (),
+        X_TC: RigidTransform | None = None,
     ) -> None:
         """Sets up the scene.
 
@@ -92,6 +94,8 @@ class VideoStage:
             width: Width of the pictures [pixel].
             height: Height of the pictures [pixel].
             world: Callables that add models beside the robot.
+            X_TC: Pose of the camera from its target, in the axes in which the lamps'
+                positions are; None for a camera that follows the robot.
 
         Raises:
             VideoError: If a mesh cannot be drawn, such as one without normals.
@@ -101,7 +105,7 @@ class VideoStage:
         self._scene_graph = builder.AddSystem(SceneGraph())
         self._plant = builder.AddSystem(MultibodyPlant(0.0))
         self._plant.RegisterAsSourceForSceneGraph(self._scene_graph)
-        robot.add_to(self._plant)
+        self._robot = robot.add_to(self._plant)
         self._add_ground(terrain)
         add_world(self._plant, world)
         self._plant.Finalize()
@@ -120,7 +124,7 @@ class VideoStage:
             )
         )
         try:
-            self._scene_graph.AddRenderer(_RENDERER, MakeRenderEngineVtk(_looks()))
+            self._scene_graph.AddRenderer(_RENDERER, MakeRenderEngineVtk(_looks(X_TC)))
         except RuntimeError as error:
             raise VideoError(
                 f"--video: Drake's renderer cannot draw robot and world: {error}"
@@ -150,11 +154,57 @@ class VideoStage:
         context = self._plant.GetMyMutableContextFromRoot(self._context)
         self._plant.SetPositions(context, q)
         self._show(set(marks))
-        own = self._scene_graph.GetMyContextFromRoot(self._context)
-        query = self._scene_graph.get_query_output_port().Eval(own)
         world = SceneGraph.world_frame_id()
-        image = query.RenderColorImage(self._camera, world, X_WC)
+        image = self._query().RenderColorImage(self._camera, world, X_WC)
         return np.array(image.data[:, :, :3])
+
+    def links(self, X_WC: RigidTransform) -> NDArray[np.int16]:
+        """Returns which link each pixel of the last picture shows.
+
+        Args:
+            X_WC: Pose of the camera.
+
+        Returns:
+            Index of a body in the plant, or another number, shape (height, width).
+        """
+        world = SceneGraph.world_frame_id()
+        # The plant labels the geometries of a body with its index.
+        image = self._query().RenderLabelImage(self._camera, world, X_WC)
+        return np.array(image.data[:, :, 0])
+
+    def bodies(self, names: Iterable[str]) -> list[int]:
+        """Returns the indices of the robot's bodies with these names."""
+        return [int(self._plant.GetBodyByName(n, self._robot).index()) for n in names]
+
+    def pixels(
+        self, points: NDArray[np.float64], X_WC: RigidTransform
+    ) -> NDArray[np.float64] | None:
+        """Projects points.
+
+        Args:
+            points: Points in W [m], shape (k, 3).
+            X_WC: Pose of the camera.
+
+        Returns:
+            Column and row of each point [pixel], and its distance ahead of the lens
+            [m], shape (k, 3); None if a point is not in front of the camera.
+        """
+        x, y, z = X_WC.inverse() @ np.asarray(points, dtype=float).T
+        if (z < NEAR).any():
+            return None
+        lens = self._camera.core().intrinsics()
+        columns = lens.center_x() + lens.focal_x() * x / z
+        rows = lens.center_y() + lens.focal_y() * y / z
+        return np.column_stack([columns, rows, z])
+
+    @property
+    def focal_length(self) -> float:
+        """Size of 1 m at a distance of 1 m [pixel]."""
+        return float(self._camera.core().intrinsics().focal_y())
+
+    def _query(self) -> Any:
+        own = self._scene_graph.GetMyContextFromRoot(self._context)
+        return self._scene_graph.get_query_output_port().Eval(own)
 
     def _show(self, marks: set[FootstepMark]) -> None:
         context = self._scene_graph.GetMyMutableContextFromRoot(self._context)
@@ -199,11 +249,10 @@ def _mesh(vertices: NDArray[np.float64], faces: NDArray[np.int32]) -> Mesh:
 
 def _color(mark: FootstepMark) -> Rgba:
     """Color of a mark; pale if landed, because transparency is not drawn reliably."""
-    color = COLORS[mark.foot]
-    if mark.kind is not Kind.LANDED:
-        return color
-    rgb = np.array([color.r(), color.g(), color.b()])
-    return Rgba(*(LANDED_OPACITY * rgb + (1.0 - LANDED_OPACITY) * GROUND_COLOR[:3]))
+    color = np.array(FEET[mark.foot])
+    if mark.kind is Kind.LANDED:
+        color = LANDED_OPACITY * color + (1.0 - LANDED_OPACITY) * GROUND_COLOR[:3]
+    return Rgba(*color)
 
 
 def _painted(color: Rgba) -> PerceptionProperties:
@@ -213,9 +262,9 @@ def _painted(color: Rgba) -> PerceptionProperties:
     return properties
 
 
-def _looks() -> RenderEngineVtkParams:
+def _looks(X_TC: RigidTransform | None) -> RenderEngineVtkParams:
     """Lamps hang in the camera's frame, so that they follow the robot with it."""
-    X_CT = camera_pose(np.zeros(3), 0.0).inverse()
+    X_CT = (X_TC or camera_pose(np.zeros(3), 0.0)).inverse()
     p_CT = X_CT.translation()
 
     def lamp(

@@ -52,12 +52,15 @@ class Fainting(LeafSystem):
         output.set_value(status)
 
 
+controller = Fainting  # what --with takes from this file
+
+
 def main():
     """Falls, and prints the report of the fall."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--log", type=Path, help="default: in a temporary folder")
     path = parser.parse_args().log or Path(tempfile.mkdtemp()) / "fall.npz"
-    with AtlasSimulation(controller=Fainting, log=path, on_event=print) as sim:
+    with AtlasSimulation(controller=controller, log=path, on_event=print) as sim:
         sim.wait_until(lambda sim: sim.has_fallen)
         sim.advance(1.5)
     summary = sim.summary()

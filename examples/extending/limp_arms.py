@@ -42,9 +42,12 @@ def make_controller(robot, config):
     return builder.Build()
 
 
+controller = make_controller  # what --with takes from this file
+
+
 def main():
     """Stands for three seconds, the arms hanging."""
-    sim = AtlasSimulation(controller=make_controller, on_event=print)
+    sim = AtlasSimulation(controller=controller, on_event=print)
     arms = sim.robot.limb("l_arm", "r_arm")
     sim.advance(3.0)
     effort = np.abs(sim.output("effort"))

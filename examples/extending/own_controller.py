@@ -52,12 +52,15 @@ class GravityCompensatedPd(LeafSystem):
         output.SetFromVector(springs + forces[self._indices.v])
 
 
+controller = GravityCompensatedPd  # what --with takes from this file
+
+
 def main():
     """Stands for two seconds, and is pushed."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--push", type=float, default=200.0, help="of the chest [N]")
     options = parser.parse_args()
-    sim = AtlasSimulation(controller=GravityCompensatedPd, on_event=print)
+    sim = AtlasSimulation(controller=controller, on_event=print)
     sim.advance(2.0)
     sim.apply_push("utorso", [options.push, 0.0, 0.0], 0.1)
     sim.advance(3.0)

@@ -2,8 +2,7 @@
 
     python examples/extending/own_diagram.py [--folder pictures]
 
-``extend`` is called with the builder before the diagram is built; here it adds Drake's
-camera and Drake's writer of pictures. Drake's renderer needs no window and no display.
+``extend`` adds Drake's camera and writer of pictures, without window or display.
 """
 
 import argparse
@@ -47,7 +46,7 @@ def add_scenery(plant):
         plant.RegisterVisualGeometry(plant.world_body(), X_WB, Box(*size), name, color)
 
 
-def add_head_camera(builder, station, files):
+def add_head_camera(builder, station, files="head_{count:02}.png"):
     """Adds a camera on the head, and a writer of its pictures."""
     renderer = MakeRenderEngineVtk(RenderEngineVtkParams(lights=[LIGHT]))
     station.GetSubsystemByName("scene_graph").AddRenderer("vtk", renderer)
@@ -59,10 +58,11 @@ def add_head_camera(builder, station, files):
     geometry = station.GetOutputPort("query_object")
     builder.Connect(geometry, camera.GetInputPort("geometry_query"))
     writer = builder.AddNamedSystem("writer", ImageWriter())
-    picture = writer.DeclareImageInputPort(
-        PixelType.kRgba8U, "head", str(files), PERIOD, 0.0
-    )
-    builder.Connect(camera.GetOutputPort("color_image"), picture)
+    port = writer.DeclareImageInputPort(PixelType.kRgba8U, "head", files, PERIOD, 0.0)
+    builder.Connect(camera.GetOutputPort("color_image"), port)
+
+
+world, extend = [add_scenery], add_head_camera  # what --with takes from this file
 
 
 def main():
@@ -70,8 +70,8 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--folder", default=tempfile.mkdtemp(), help="of the pictures")
     folder = Path(parser.parse_args().folder)
-    extend = partial(add_head_camera, files=folder / "head_{count:02}.png")
-    sim = AtlasSimulation(world=[add_scenery], extend=extend)
+    files = str(folder / "head_{count:02}.png")
+    sim = AtlasSimulation(world=world, extend=partial(extend, files=files))
     sim.advance(1.2)
     print(f"{len(list(folder.glob('head_*.png')))} pictures are in {folder}.")
 

@@ -7,7 +7,6 @@ WALK with one more task, for which the posture of the arm is made cheap.
 
 import argparse
 from dataclasses import replace
-from math import cos, pi, sin
 
 import numpy as np
 
@@ -24,8 +23,8 @@ GAINS, WEIGHT = PdGains(kp=150.0, kd=25.0), 20.0  # [1/sÂ²], [1/s]; [cost]/[m/sÂ
 
 def circle(time):
     """Computes desired position in P [m] and velocity [m/s] of the hand."""
-    rate = 2.0 * pi / PERIOD
-    c, s = cos(rate * time), sin(rate * time)
+    rate = 2.0 * np.pi / PERIOD
+    c, s = np.cos(rate * time), np.sin(rate * time)
     return CENTER + RADIUS * np.array([0.0, c, s]), RADIUS * rate * np.array([0, -s, c])
 
 
@@ -54,6 +53,7 @@ WALK_WITH_HAND = replace(
     make=WalkWithHand,
     follows=("STAND",),
 )
+behaviors = [WALK_WITH_HAND]  # what --with takes from this file
 
 
 def main():
@@ -61,7 +61,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--seconds", type=float, default=6.0, help="of walking [s]")
     options = parser.parse_args()
-    sim = AtlasSimulation(behaviors=[WALK_WITH_HAND], on_event=print)
+    sim = AtlasSimulation(behaviors=behaviors, on_event=print)
     errors, command = [], AtlasSimInterfaceCommand(behavior="WALK_WITH_HAND")
     command.walk_params.use_demo_walk = True
     sim.publish(command)

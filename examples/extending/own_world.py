@@ -5,7 +5,6 @@
 A world is made by functions that add to Drake's plant before it is finalized.
 """
 
-import argparse
 import tempfile
 from pathlib import Path
 
@@ -19,7 +18,7 @@ from pydrake.multibody.tree import SpatialInertia
 from atlas_drake import AtlasSimulation, read_log
 
 RADIUS, MASS = 0.1, 2.0  # of the ball [m], [kg]
-START = np.array([2.5, 0.0, 1.2])  # in W [m]
+START, SPEED = np.array([2.5, 0.0, 1.2]), 5.0  # in W [m], of the throw [m/s]
 GRAVITY = 9.81  # [m/s²]
 ORANGE = np.array([1.0, 0.5, 0.1, 1.0])
 
@@ -58,15 +57,15 @@ def find_hit(log):
     return log.time[first], impulses[first:last].sum(axis=0)
 
 
+world = [add_ball]  # what --with takes from this file
+
+
 def main():
     """Throws, and reads the log."""
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--speed", type=float, default=5.0, help="of the ball [m/s]")
-    options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "run.npz"
-        with AtlasSimulation(world=[add_ball], log=path, on_event=print) as sim:
-            throw(sim, options.speed)
+        with AtlasSimulation(world=world, log=path, on_event=print) as sim:
+            throw(sim, SPEED)
             sim.advance(2.0)
         log = read_log(path)
     time, impulse = find_hit(log)

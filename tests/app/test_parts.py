@@ -1,6 +1,7 @@
 """``--with FILE.py``: the user's own parts on the command line."""
 
 import json
+from pathlib import Path
 
 import pytest
 
@@ -52,6 +53,19 @@ def test_a_file_brings_its_parts(parts, scenario, tmp_path):
     arguments = ["run", scenario(), *SHORT, "--with", parts(PARTS)]
     assert main([*arguments, "--json", str(summary)]) == 0
     assert json.loads(summary.read_text())["success"]
+
+
+def test_a_scenario_sets_the_parameters_of_a_behavior_that_a_file_brings(
+    scenario, tmp_path
+):
+    summary = tmp_path / "run.json"
+    shipped = Path(__file__).parents[2] / "examples" / "extending" / "own_behavior.py"
+    command = "{behavior: BOW, params: {depth: 0.3}}"
+    messages = f"[{{time: 0.0, atlas_sim_interface_command: {command}}}]"
+    arguments = ["run", scenario(), *SHORT, "--with", str(shipped)]
+    arguments += ["--set", f"messages={messages}", "--json", str(summary)]
+    assert main(arguments) == 0
+    assert json.loads(summary.read_text())["final_behavior"] == "BOW"
 
 
 @pytest.mark.parametrize("form", ["--with {}", "--with={}"])

@@ -11,10 +11,10 @@ from pydrake.geometry import Meshcat, MeshcatParams
 
 from atlas_drake import AtlasSimInterfaceCommand, AtlasSimulation
 from atlas_drake.app.main import main
+from atlas_drake.palette import BEHAVIOR, USER
 from atlas_drake.visualization import FRAME_RATE
 from atlas_drake.visualization.control_colors import COVER, GAMMA
 from atlas_drake.visualization.overlays import Overlays, overlays_from
-from atlas_drake.visualization.palette import BEHAVIOR_RGB, USER_RGB
 
 pytestmark = pytest.mark.slow
 
@@ -261,7 +261,7 @@ def test_a_recording_shows_what_the_controller_thinks(open_page, tmp_path):
         on_one_foot = arrow_heights(page)
         assert seen_of(page, ["atlas_drake", "forces"]) > 30
         users = color_of(page, HEAD)
-        np.testing.assert_allclose(users, np.power(USER_RGB, GAMMA), atol=0.01)
+        np.testing.assert_allclose(users, np.power(USER, GAMMA), atol=0.01)
         assert page.evaluate(f"{node(covered)}.object.visible")
         assert not page.evaluate(f"{node(HEAD)}.object.visible")
 
@@ -277,7 +277,7 @@ def test_a_recording_shows_what_the_controller_thinks(open_page, tmp_path):
         assert len(on_one_foot) <= 4
         assert max(on_one_foot) > 1.2 * max(on_two_feet)
         behaviors = color_of(page, HEAD)
-        np.testing.assert_allclose(behaviors, np.power(BEHAVIOR_RGB, GAMMA), atol=0.01)
+        np.testing.assert_allclose(behaviors, np.power(BEHAVIOR, GAMMA), atol=0.01)
 
     seek(page, UNCOLOURED)
     assert not page.evaluate(f"{node(covered)}.object.visible")

@@ -331,3 +331,8 @@ def test_every_kind_of_item_is_drawn_on_the_web_page(page):
     assert len(figure.data) == sum(len(p.items) for p in page.panels)
     times = figure.layout.xaxis4.range
     assert times == page.time
+    # Between a panel and its title, two lines of the legend have room at any width.
+    titles = [note for note in figure.layout.annotations if "<b>" in note.text]
+    assert len(titles) == len(page.panels)
+    line = 1.4 * figure.layout.legend.font.size
+    assert all(title.yshift > 2.0 * line for title in titles)

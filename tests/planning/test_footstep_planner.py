@@ -29,6 +29,7 @@ from atlas_drake.control.feet.footstep import (
     saturate,
 )
 from atlas_drake.control.rotations import mean_yaw, rotation_z, wrap_angle
+from atlas_drake.messages import WalkStatus
 from atlas_drake.robot import StepLimits
 
 LIMITS = StepLimits()
@@ -325,6 +326,8 @@ def walking(needed, current, time=1.0, behavior=Behavior.WALK):
     report = standing()
     report.header.stamp = time
     report.current_behavior = behavior
+    if behavior != Behavior.STAND:
+        report.walk_feedback.status_flags = WalkStatus.SUBSTATE_STEPPING
     report.walk_feedback.next_step_index_needed = needed
     report.walk_feedback.current_step_index = current
     return report
@@ -352,6 +355,14 @@ def test_a_stream_sends_four_at_a_time_when_they_are_needed():
     assert stream.next_command(walking(10, 9)) is None
     assert not stream.is_over(walking(10, 9, 8.0))
     assert stream.is_over(walking(1, 0, 9.0, Behavior.STAND))
+
+
+def test_a_stream_goes_on_in_a_behavior_derived_from_walk():
+    own = Behavior.named(160, "MY_WALK")
+    stream = StepStream(steps_ahead(standing(), 1.5))
+    stream.next_command(walking(1, 0, 0.0, Behavior.STAND))
+    assert not stream.is_over(walking(5, 2, 1.0, own))
+    assert indices(stream.next_command(walking(5, 2, 1.0, own))) == [5, 6, 7, 8]
 
 
 def test_a_stream_ends_with_a_walk_that_ends_early_or_never_begins():

@@ -1,8 +1,19 @@
 """Messages in a scenario: made from their fields, sent at their time, faults named."""
 
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from atlas_drake import AtlasSimulation, Behavior, Scenario, ScenarioError
+from atlas_drake.messages.behavior_catalog import (
+    SHIPPED,
+    BehaviorCatalog,
+    BehaviorInterface,
+)
+from atlas_drake.messages.checks import check_number
 from atlas_drake.scenario import scenario_from
 from atlas_drake.scenario.timed_message import TimedMessage
 
@@ -43,6 +54,56 @@ def test_steps_are_made_from_their_fields():
     assert [data.step_index for data in queue] == [1, -1, -1, -1]
     assert queue[0].pose.position.x == 0.25
     assert queue[0].pose.orientation.w == 1.0
+
+
+@dataclass
+class BowParams:
+    depth: float = 0.4
+    sides: tuple[float, ...] = ()
+    manner: Literal["deep", "curt"] = "deep"
+    goal: NDArray[np.float64] | None = None
+
+
+def check_bow(params, field):
+    check_number(params.depth, f"{field}.depth", 0.0, 0.6)
+
+
+BOW = BehaviorInterface(name="BOW", number=100, params=BowParams, check=check_bow)
+CATALOG = BehaviorCatalog((*SHIPPED, BOW))
+
+
+def bow(behavior="BOW", **params):
+    fields = {"behavior": behavior, "params": params}
+    entry = TimedMessage(atlas_sim_interface_command=fields)
+    return entry.message(["joint"], "messages[0]", CATALOG)
+
+
+def test_parameters_of_ones_own_behavior_are_made_from_their_fields():
+    assert bow(depth=0.3).params == BowParams(depth=0.3)
+    # YAML reads 1e-1 as a word.
+    assert bow(depth="1e-1", sides=[0, 1]).params == BowParams(0.1, (0.0, 1.0))
+    assert bow(manner="curt", behavior=100).params == BowParams(manner="curt")
+
+
+@pytest.mark.parametrize(
+    ("fields", "field", "told"),
+    [
+        ({"dept": 0.3}, ".dept", "Did you mean 'depth'"),
+        ({"depth": "deep"}, ".depth", "is 'deep'; must be a number"),
+        ({"depth": 0.7}, ".depth", "0.7"),
+        ({"manner": "long"}, ".manner", "is 'long'; must be"),
+        ({"goal": [1.0]}, ".goal", r"is \[1.0\]; must be"),
+        ({"behavior": "STAND", "depth": 1.0}, "", "for the user's own behaviors"),
+        ({"behavior": "BOWL"}, None, "Did you mean 'BOW'"),
+    ],
+)
+def test_parameters_that_cannot_be_used_are_named(fields, field, told):
+    with pytest.raises(ScenarioError, match=told) as error:
+        bow(**fields)
+    path = "messages[0].atlas_sim_interface_command."
+    assert error.value.field == path + (
+        "behavior" if field is None else f"params{field}"
+    )
 
 
 @pytest.mark.parametrize(

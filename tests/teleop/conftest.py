@@ -14,7 +14,11 @@ class FakePanel:
         self.sliders = {slider.label: slider.value for slider in SLIDERS}
         self.joints = {}
         self.stick = None
+        self.paused = False
         self._clicks = []
+
+    def show_paused(self, paused):
+        self.paused = paused
 
     def press(self, *actions):
         self._clicks += actions

@@ -26,6 +26,7 @@ from atlas_drake.teleop.controls import (
     Action,
     Controls,
     behavior_buttons,
+    legend,
 )
 from atlas_drake.teleop.limbs import DAMPING, SPEED
 from atlas_drake.teleop.pages import pages_with
@@ -229,7 +230,8 @@ def test_a_behavior_of_ones_own_has_a_button_and_a_page(robot, standing, state):
         BehaviorInterface(name=f"TRICK_{number}", number=100 + number)
         for number in range(4)
     ]
-    buttons = behavior_buttons(BehaviorCatalog((*SHIPPED, *entries)))
+    catalog = BehaviorCatalog((*SHIPPED, *entries))
+    buttons = behavior_buttons(catalog)
     assert [button.label for button in buttons] == [
         "TRICK_0 (8)",
         "TRICK_1 (9)",
@@ -242,3 +244,7 @@ def test_a_behavior_of_ones_own_has_a_button_and_a_page(robot, standing, state):
     commander = Commander(robot, standing)
     orders = commander.look(Controls(clicks=(buttons[1],)), standing, state, DT)
     assert orders.sim_command.behavior.name == "TRICK_1"
+    told = legend(robot, catalog)
+    assert "\n   8  TRICK_0\n   9  TRICK_1\n   0  TRICK_2\n   -  TRICK_3\n" in told
+    assert "modes, behaviors, walking" in told
+    assert "behaviors," not in legend(robot)

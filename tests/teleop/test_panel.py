@@ -1,5 +1,8 @@
 """The widgets in Meshcat, without a browser."""
 
+import math
+import struct
+
 import pytest
 from pydrake.geometry import Meshcat
 
@@ -13,9 +16,10 @@ from atlas_drake.teleop.controls import (
     Action,
     legend,
 )
-from atlas_drake.teleop.pages import MAX_ROWS, SWITCHES, pages_with
+from atlas_drake.teleop.pages import MAX_ROWS, SWITCHES, joint_slider, pages_with
 from atlas_drake.teleop.panel import Panel, stick_direction
 from atlas_drake.visualization.overlays import Overlays
+from atlas_drake.visualization.scene import CAMERA
 
 
 @pytest.fixture(scope="module")
@@ -29,20 +33,33 @@ def overlays():
 
 
 @pytest.fixture
-def panel(meshcat, robot, overlays):
+def said():
+    return []
+
+
+@pytest.fixture
+def panel(meshcat, robot, overlays, said):
     meshcat.DeleteAddedControls()
-    return Panel(meshcat, robot, overlays)
+    return Panel(meshcat, robot, overlays, say=said.append)
+
+
+def text(word):
+    """A word in MessagePack."""
+    return bytes([0xD9, len(word)]) + word.encode()
 
 
 def click(meshcat, action, times=1):
-    """What a browser sends, in MessagePack."""
-
-    def text(word):
-        return bytes([0xD9, len(word)]) + word.encode()
-
+    """What a browser sends."""
     fields = ("type", "button", "name", action.label)
     for _ in range(times):
         meshcat._InjectWebsocketMessage(b"\x82" + b"".join(map(text, fields)))
+
+
+def slide(meshcat, slider, value):
+    """What a web client sends, whatever the value."""
+    fields = ("type", "slider", "name", slider.label, "value")
+    number = b"\xcb" + struct.pack(">d", value)
+    meshcat._InjectWebsocketMessage(b"\x83" + b"".join(map(text, fields)) + number)
 
 
 def open_page(panel, meshcat, slider):
@@ -129,6 +146,53 @@ def test_a_slider_that_cannot_say_a_value_does_not_change_it(panel, meshcat):
     assert panel.read().value(STRIDE) == STRIDE.high
 
 
+@pytest.mark.parametrize("slider", SLIDERS, ids=lambda slider: slider.label)
+def test_no_web_client_sets_a_value_beyond_its_slider(panel, meshcat, slider, said):
+    open_page(panel, meshcat, slider)
+    sent = {-1e6: slider.low, 1e300: slider.high}
+    sent |= dict.fromkeys((math.nan, math.inf, -math.inf), slider.high)
+    for value, in_force in sent.items():
+        said.clear()
+        slide(meshcat, slider, value)
+        assert panel.read().value(slider) == pytest.approx(in_force)
+        # The browser's slider shows the value in force again.
+        shown = meshcat.GetSliderValue(slider.label)
+        assert shown == pytest.approx(in_force, abs=slider.step)
+        (line,) = said
+        assert slider.label in line
+        assert repr(value) in line
+
+
+def test_a_joint_stays_within_its_limits_and_a_switch_is_on_or_off(
+    panel, meshcat, robot, overlays
+):
+    elbow = robot.joint_index("l_arm_ely")
+    panel.show_joints({elbow: 0.5})
+    slider = joint_slider(robot, elbow)
+    open_page(panel, meshcat, slider)
+    for value, in_force in ((math.nan, 0.5), (1e3, robot.position_upper[elbow])):
+        slide(meshcat, slider, value)
+        assert panel.read().joints == pytest.approx({elbow: in_force})
+    open_page(panel, meshcat, SWITCHES["com"])
+    slide(meshcat, SWITCHES["com"], math.nan)
+    panel.read()
+    assert overlays.is_on("com")
+
+
+def test_a_browser_may_round_to_a_step_beyond_the_end(panel, meshcat, said):
+    open_page(panel, meshcat, STRIDE)
+    slide(meshcat, STRIDE, STRIDE.high + 0.5 * STRIDE.step)
+    assert panel.read().value(STRIDE) == STRIDE.high
+    assert said == []
+
+
+def test_the_view_says_that_time_stands_still(panel, meshcat):
+    panel.show_paused(True)
+    assert meshcat.HasPath(f"{CAMERA}/paused")
+    panel.show_paused(False)
+    assert not meshcat.HasPath(f"{CAMERA}/paused")
+
+
 def test_no_key_does_two_things():
     codes = [action.key.code for action in Action]
     assert len(set(codes)) == len(codes)
@@ -198,3 +262,4 @@ def test_sticks_point_somewhere():
     assert stick_direction([0.0, -1.0, 0.0]) == (1.0, 0.0, 0.0)
     assert stick_direction([-1.0, 0.0, 0.6]) == (0.0, 1.0, -0.5)
     assert stick_direction([]) == (0.0, 0.0, 0.0)
+    assert stick_direction([math.nan, -math.inf, 7.0]) == (0.0, 0.0, -1.0)

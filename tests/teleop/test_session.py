@@ -56,9 +56,11 @@ def test_time_stands_still_while_paused(steered, panel):
     session.advance()
     assert sim.time == pytest.approx(SLICE + SINGLE_STEP)
     assert session.paused
+    assert panel.paused
     assert sim.current_behavior is Behavior.FREEZE
     panel.press(Action.PAUSE)
     session.advance()
+    assert not panel.paused
     assert sim.time == pytest.approx(2 * SLICE + SINGLE_STEP)
 
 

@@ -1,5 +1,7 @@
 """The caption agrees with the report, in letters of the stroke font."""
 
+from dataclasses import replace
+
 import pytest
 
 from atlas_drake.messages import (
@@ -8,6 +10,7 @@ from atlas_drake.messages import (
     BehaviorStatus,
     WalkStatus,
 )
+from atlas_drake.messages.behavior_catalog import SHIPPED, BehaviorCatalog
 from atlas_drake.visualization.caption import caption_of
 from atlas_drake.visualization.stroke_font import _GLYPHS
 
@@ -58,6 +61,13 @@ USERS = "all joints under user control"
 )
 def test_captions(state, title, note):
     assert caption_of(state) == (title, note)
+
+
+def test_a_behavior_derived_from_walk_says_its_step():
+    own = replace(SHIPPED.entry(Behavior.WALK), name="MY_WALK", number=160)
+    state = report(own.behavior, [0], walk_flags=WalkStatus.SUBSTATE_STEPPING, step=2)
+    title, _ = caption_of(state, BehaviorCatalog((*SHIPPED, own)))
+    assert title == "MY WALK - step 2"
 
 
 @pytest.mark.parametrize("behavior", Behavior)

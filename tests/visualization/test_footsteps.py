@@ -7,9 +7,11 @@ import pytest
 
 from atlas_drake.messages import (
     AtlasBehaviorStepData,
+    AtlasBehaviorWalkFeedback,
     AtlasSimInterfaceCommand,
     AtlasSimInterfaceState,
     Behavior,
+    WalkStatus,
 )
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan, PlannedStep
@@ -35,17 +37,23 @@ def step(index, x, y=0.1, yaw=0.0, z=0.0):
     return data
 
 
-def walking(steps, taken=(), current=0):
+def walking(steps, taken=(), current=0, behavior=Behavior.WALK):
     command = AtlasSimInterfaceCommand()
-    command.behavior = command.WALK
+    command.behavior = behavior
     report = AtlasSimInterfaceState()
-    report.current_behavior = Behavior.WALK
+    report.current_behavior = behavior
+    report.walk_feedback.status_flags = WalkStatus.SUBSTATE_SWAYING
     report.walk_feedback.current_step_index = current
     for place, data in enumerate(steps):
         command.walk_params.step_queue[place] = data
     for place, data in enumerate(taken or steps):
         report.walk_feedback.step_queue_saturated[place] = data
-    return BehaviorRequest(Behavior.WALK, command, 1), report
+    return BehaviorRequest(behavior, command, 1), report
+
+
+def leave(report, behavior):
+    report.current_behavior = behavior
+    report.walk_feedback = AtlasBehaviorWalkFeedback()
 
 
 def landed(index, commanded, saturated=None, at=None, z=0.0):
@@ -55,8 +63,10 @@ def landed(index, commanded, saturated=None, at=None, z=0.0):
     return Event(1.0, "footstep", f"step {index} landed", data)
 
 
-def test_steps_to_come_are_drawn_where_commanded():
-    request, report = walking([step(1, 0.25, yaw=0.2), step(2, 0.5, -0.1)])
+@pytest.mark.parametrize("behavior", [Behavior.WALK, Behavior.named(160, "MY_WALK")])
+def test_steps_to_come_are_drawn_where_commanded(behavior):
+    steps = [step(1, 0.25, yaw=0.2), step(2, 0.5, -0.1)]
+    request, report = walking(steps, behavior=behavior)
     assert footstep_marks(request, report, [], Plan()) == [
         FootstepMark(Kind.COMMANDED, 0, 0.25, 0.1, 0.2),
         FootstepMark(Kind.COMMANDED, 1, 0.5, -0.1, 0.0),
@@ -121,21 +131,21 @@ def test_landed_steps_look_the_same_before_and_after_the_walk_ends():
     event = landed(1, [0.25, 0.1, 0.0], saturated=[0.2, 0.1, 0.0])
     request, report = walking([step(1, 0.25)], current=2)
     before = set(footstep_marks(request, report, [event], Plan()))
-    report.current_behavior = Behavior.STAND
+    leave(report, Behavior.STAND)
     assert set(footstep_marks(request, report, [event], Plan())) == before
     assert {mark.kind for mark in before} == set(Kind)
 
 
 def test_nothing_to_come_is_drawn_unless_atlas_walks():
     request, report = walking([step(1, 0.25)])
-    report.current_behavior = Behavior.STAND
+    leave(report, Behavior.STAND)
     assert footstep_marks(request, report, [], Plan()) == []
 
 
 @pytest.mark.parametrize("behavior", [Behavior.STAND, Behavior.named(100, "MARCH")])
 def test_steps_that_a_plan_has_are_drawn_for_any_behavior(behavior):
     request, report = walking([])
-    report.current_behavior = behavior
+    leave(report, behavior)
     plan = Plan(footsteps=(PlannedStep(1, np.array([0.301, -0.1, 0.1]), 0.2),))
     assert footstep_marks(request, report, [], plan) == [
         FootstepMark(Kind.COMMANDED, 1, 0.3, -0.1, 0.21, 0.1)

@@ -6,6 +6,7 @@ from pydrake.geometry import Meshcat
 
 from atlas_drake import AtlasSimulation
 from atlas_drake.errors import ErrorCode, ScenarioError
+from atlas_drake.logs.balance_figures import _TRACKS
 from atlas_drake.messages import (
     AtlasSimInterfaceCommand,
     AtlasSimInterfaceState,
@@ -15,6 +16,16 @@ from atlas_drake.messages import (
     WalkStatus,
 )
 from atlas_drake.messages.controller_status import PlannedPaths
+from atlas_drake.palette import (
+    BEHAVIOR,
+    BUSY,
+    IDLE,
+    SHARED,
+    SPENT,
+    USER,
+    hex_color,
+)
+from atlas_drake.visualization.balance_marks import _COLORS
 from atlas_drake.visualization.balance_marks import PATH as BALANCE
 from atlas_drake.visualization.contact_forces import (
     PATH as FORCES,
@@ -33,14 +44,6 @@ from atlas_drake.visualization.control_colors import (
 )
 from atlas_drake.visualization.feedback_words import feedback_words
 from atlas_drake.visualization.overlays import LOGGED, OVERLAYS, Overlays, overlays_from
-from atlas_drake.visualization.palette import (
-    BEHAVIOR_RGB,
-    BUSY_RGB,
-    IDLE_RGB,
-    SHARED_RGB,
-    SPENT_RGB,
-    USER_RGB,
-)
 from atlas_drake.visualization.stroke_font import _GLYPHS
 from atlas_drake.visualization.tubes import SIDES, thinned, tube
 
@@ -144,15 +147,18 @@ def test_the_ground_carries_a_standing_robot():
 
 def test_owners_have_colors():
     behavior, shared, user = owner_colors(np.array([0.0, 128.0, 255.0]))
-    assert behavior == BEHAVIOR_RGB
-    assert user == USER_RGB
-    np.testing.assert_allclose(shared, SHARED_RGB, atol=0.01)
+    assert behavior == BEHAVIOR
+    assert user == USER
+    np.testing.assert_allclose(shared, SHARED, atol=0.01)
 
 
 def test_effort_has_colors():
     effort, limit = np.array([0.0, -50.0, 100.0, 900.0]), np.full(4, 100.0)
     colors = effort_colors(effort, limit)
-    assert colors == [IDLE_RGB, BUSY_RGB, SPENT_RGB, SPENT_RGB]
+    assert colors == [IDLE, BUSY, SPENT, SPENT]
+
+
+MY_WALK = Behavior.named(160, "MY_WALK")
 
 
 def report(behavior=Behavior.STAND, transition=0, walk=0, step=0, error=0):
@@ -188,8 +194,8 @@ def report(behavior=Behavior.STAND, transition=0, walk=0, step=0, error=0):
             "catching, out of steps, transition in progress",
         ),
         (report(Behavior.STEP, step=StepStatus.SUBSTATE_STEPPING), "stepping"),
-        # Flags of a behavior that is not active say nothing.
-        (report(Behavior.STAND, walk=WalkStatus.SUBSTATE_STEPPING), "ok"),
+        # A behavior of one's own that is derived from WALK has its flags, too.
+        (report(MY_WALK, walk=WalkStatus.SUBSTATE_STEPPING), "stepping"),
         (
             report(error=ErrorCode.VALUE_OUT_OF_RANGE),
             "error: VALUE OUT OF RANGE",
@@ -267,3 +273,13 @@ def test_overlays_reach_the_scene_and_can_be_switched_while_running():
     sim.advance(0.1)
     # Drake's visualiser began anew, and the link is colored again.
     assert meshcat.HasPath(f"{LINK}{COVER}")
+
+
+def test_figures_have_the_colors_of_the_view():
+    in_figures = {label: color for _, color, label, _ in _TRACKS if label}
+    for name in ("com", "dcm", "cop"):
+        color = _COLORS[name]
+        rgb = color.r(), color.g(), color.b()
+        assert in_figures[{"com": "CoM", "dcm": "DCM", "cop": "CoP"}[name]] == (
+            hex_color(rgb)
+        )

@@ -1,13 +1,19 @@
-"""The 3D view's first camera: beside the robot, or where a world has it."""
+"""The scene of the 3D view: its first camera, and that it goes with the robot."""
+
+import struct
 
 import numpy as np
 import pytest
+from pydrake.geometry import Meshcat
 
-from atlas_drake import Scenario, Start
+from atlas_drake import AtlasSimulation, Scenario, Start
 from atlas_drake.scenario.world_file import load_world
 from atlas_drake.visualization.scene import (
     CAMERA_POSITION,
     CAMERA_TARGET,
+    GROUND,
+    SUN,
+    SUN_POSITION,
     show_start,
 )
 
@@ -43,3 +49,17 @@ def test_a_world_may_say_where_the_view_begins():
     view = load_world("stairs").view
     assert camera.lens.tolist() == view.lens
     assert camera.target.tolist() == view.target
+
+
+def doubles(packed, count):
+    """The last numbers of a message in MessagePack."""
+    return [n for (n,) in struct.iter_unpack(">xd", packed[-9 * count :])]
+
+
+def test_ground_grid_and_lamp_go_with_the_robot():
+    meshcat = Meshcat()
+    AtlasSimulation(Scenario(start=Start(position=[8.3, -4.8])), meshcat=meshcat)
+    # By whole squares, so that the lines stay where they were.
+    assert doubles(meshcat._GetPackedTransform(GROUND), 16)[12:14] == [8.0, -5.0]
+    lamp = doubles(meshcat._GetPackedProperty(SUN, "position"), 3)
+    assert lamp == pytest.approx(SUN_POSITION + np.array([8.3, -4.8, 0.0]), abs=0.05)

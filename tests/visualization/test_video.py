@@ -7,13 +7,17 @@ import pytest
 from pydrake.geometry import Mesh
 from pydrake.math import RigidTransform
 
-from atlas_drake import AtlasSimulation
+from atlas_drake import AtlasSimulation, Scenario
 from atlas_drake.app.main import main
+from atlas_drake.palette import COM, FORCE
 from atlas_drake.robot import load_robot
+from atlas_drake.scenario.world_file import load_world
 from atlas_drake.visualization.footsteps import FootstepMark, Kind
+from atlas_drake.visualization.overlays import OVERLAYS, Overlays
 from atlas_drake.visualization.video_camera import LAG, camera_pose, follow
 from atlas_drake.visualization.video_display import VIDEO_RATE, Video, with_caption
 from atlas_drake.visualization.video_file import VideoError, VideoFile, check_video
+from atlas_drake.visualization.video_overlays import Seen, VideoOverlays
 from atlas_drake.visualization.video_stage import VideoStage
 
 av = pytest.importorskip("av", reason='needs pip install "atlas-drake[video]"')
@@ -126,9 +130,27 @@ def stage():
 
 
 @pytest.fixture(scope="module")
-def standing():
+def sim():
     sim = AtlasSimulation()
+    sim.advance(0.1)
+    return sim
+
+
+@pytest.fixture(scope="module")
+def standing(sim):
     return sim.plant.GetPositions(sim.plant.GetMyContextFromRoot(sim.context))
+
+
+@pytest.fixture(scope="module")
+def seen(sim):
+    return Seen(
+        sim.output("state"),
+        sim.output("controller_status").plan,
+        sim.output("foot_wrenches"),
+        sim.output("contact_results"),
+        np.array([0] * 16 + [255] * 12),
+        sim.output("effort"),
+    )
 
 
 def test_the_robot_stands_in_the_picture(stage, standing):
@@ -173,6 +195,52 @@ def test_footsteps_appear_and_disappear(stage, standing):
     assert not differing(before, after, by=15).any()
 
 
+@pytest.mark.parametrize(
+    ("name", "color"),
+    [("com", COM), ("cop", None), ("support", None), ("forces", FORCE), ("plan", None)],
+)
+def test_an_overlay_is_drawn_over_the_robot(name, color, stage, standing, sim, seen):
+    X_WC = camera_pose(follow(None, standing[4:7], 0.0), 0.0)
+    plain = stage.picture(standing, [], X_WC)
+    drawing = VideoOverlays(sim.robot, Overlays([name]), stage)
+    drawn = drawing.onto(plain, seen, X_WC)
+    changed = differing(plain, drawn, by=10)
+    if name == "plan":  # STAND has no path.
+        assert not changed.any()
+        return
+    rows, _ = np.nonzero(changed)
+    assert rows.size
+    if color is not None:
+        nearest = np.abs(drawn[changed] - 255.0 * np.array(color)).sum(axis=1).min()
+        assert nearest < 40.0
+    if name == "com":  # The ball is in the body, the disc on the ground.
+        assert np.ptp(rows) > 0.2 * HEIGHT
+
+
+def test_links_are_colored_by_their_owner(stage, standing, sim, seen):
+    X_WC = camera_pose(follow(None, standing[4:7], 0.0), 0.0)
+    plain = stage.picture(standing, [], X_WC)
+    drawing = VideoOverlays(sim.robot, Overlays(["owner"]), stage)
+    red, _, blue = drawing.onto(plain, seen, X_WC).astype(int).transpose(2, 0, 1)
+    links = stage.links(X_WC)
+    (foot,), (hand,) = stage.bodies(["l_foot"]), stage.bodies(["r_hand"])
+    assert (blue - red)[links == foot].mean() > 20  # The behavior's.
+    assert (red - blue)[links == hand].mean() > 20  # The user's.
+
+
+def test_a_world_with_a_view_is_filmed_from_there(tmp_path):
+    def camera(*overlays):
+        sim = AtlasSimulation(
+            Scenario(world="stairs"),
+            video=Video(tmp_path / "video.mp4", WIDTH, HEIGHT),
+            overlays=Overlays(overlays),
+        )
+        return sim.diagram.GetSubsystemByName("video")._fixed
+
+    assert camera().translation().tolist() == load_world("stairs").view.lens
+    assert camera("follow") is None
+
+
 def test_the_caption_is_in_the_corner():
     plain = np.full((540, 960, 3), 200, dtype=np.uint8)
     rows, columns = np.nonzero(differing(with_caption(plain, "walk", "x", 1.0), plain))
@@ -188,7 +256,8 @@ def test_the_caption_is_in_the_corner():
 @pytest.mark.slow
 def test_filming_changes_nothing(tmp_path):
     path = tmp_path / "video.mp4"
-    filmed = AtlasSimulation(video=Video(path, WIDTH, HEIGHT))
+    video, overlays = Video(path, WIDTH, HEIGHT), Overlays(OVERLAYS)
+    filmed = AtlasSimulation(video=video, overlays=overlays)
     plain = AtlasSimulation()
     for sim in (filmed, plain):
         sim.advance_to(0.1)

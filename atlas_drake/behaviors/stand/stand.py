@@ -27,12 +27,12 @@ from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.feet.leg_reach import highest_com, hips_from_com
 from atlas_drake.control.rotations import mean_yaw
-from atlas_drake.frozen import replace
+from atlas_drake.frozen import read_only, replace
 from atlas_drake.messages import AtlasSimInterfaceState
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan
 
-_UPRIGHT = np.zeros(2)
+_UPRIGHT = read_only(np.zeros(2))
 
 
 @dataclass(frozen=True)

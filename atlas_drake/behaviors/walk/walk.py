@@ -38,13 +38,13 @@ from atlas_drake.behaviors.walk.single_support import SingleSupport
 from atlas_drake.behaviors.walk.steps import feet_to_come, steps_asked_for
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.rotations import mean_yaw
-from atlas_drake.frozen import replace
+from atlas_drake.frozen import read_only, replace
 from atlas_drake.messages import AtlasBehaviorWalkFeedback, AtlasSimInterfaceState
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan
 from atlas_drake.planning.footholds import Gait
 
-_UPRIGHT = np.zeros(2)
+_UPRIGHT = read_only(np.zeros(2))
 
 
 class Walk:

@@ -16,6 +16,8 @@ from itertools import accumulate
 
 import numpy as np
 
+from atlas_drake.frozen import Frozen
+
 
 @dataclass(frozen=True)
 class CopSegment:
@@ -40,7 +42,7 @@ class DcmReference:
     cop: np.ndarray
 
 
-class DcmPlan:
+class DcmPlan(Frozen):
     """A bounded DCM trajectory that ends at rest over the last segment's end."""
 
     def __init__(self, segments: Sequence[CopSegment], omega: float):

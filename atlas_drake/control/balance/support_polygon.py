@@ -9,8 +9,10 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from atlas_drake.frozen import Frozen
 
-class SupportPolygon:
+
+class SupportPolygon(Frozen):
     """The convex hull of points on the ground.
 
     Attributes:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from atlas_drake.control.whole_body.constraints import EffortBounds
+from atlas_drake.frozen import read_only
 
 
 @dataclass(frozen=True)
@@ -71,11 +72,9 @@ def forecast_user_effort(
         dt: Length of the tick [s].
         step: Step h of the user's law [s].
     """
-    return UserForecast(
-        effort=static_effort - (0.5 * (dt - step) * stiffness + damping) * v,
-        inertia=dt * damping + ((dt * dt - step * step) / 6.0) * stiffness,
-        excess=excess,
-    )
+    effort = static_effort - (0.5 * (dt - step) * stiffness + damping) * v
+    inertia = dt * damping + ((dt * dt - step * step) / 6.0) * stiffness
+    return read_only(UserForecast(effort, inertia, excess))
 
 
 def effort_bounds(

@@ -14,6 +14,7 @@ import numpy as np
 from pydrake.math import RollPitchYaw, RotationMatrix, VectorToSkewSymmetric
 
 from atlas_drake.control.gains import ContactModel
+from atlas_drake.frozen import read_only
 from atlas_drake.robot import ContactEntry
 
 WRENCH = 6
@@ -125,7 +126,7 @@ class ContactPatch:
         to_patch = np.zeros((WRENCH, WRENCH))
         to_patch[:3, :3] = to_patch[3:, 3:] = self.R_FC.T
         to_patch[:3, 3:] = -self.R_FC.T @ VectorToSkewSymmetric(self.p_FC)
-        return np.array(rows) @ to_patch
+        return read_only(np.array(rows) @ to_patch)
 
     @cached_property
     def num_rows(self) -> int:

@@ -15,13 +15,14 @@ from pydrake.systems.framework import Context
 
 from atlas_drake.control.whole_body.terms import FrameTerms, WholeBodyTerms
 from atlas_drake.errors import RobotDescriptionError, did_you_mean, shown
+from atlas_drake.frozen import read_only
 from atlas_drake.robot import Robot
 
 GRAVITY = 9.81
 """Magnitude of the gravitational acceleration [m/s²]."""
 
 _ORIGIN = np.zeros(3)
-_NO_BIAS = np.zeros(6)
+_NO_BIAS = read_only(np.zeros(6))
 _PARTS = (slice(0, 6), slice(6, 12), slice(12, 18))
 """Rows of the frames that every tick needs, stacked."""
 
@@ -42,7 +43,7 @@ class WholeBodyModel:
         self._tracked = [plant.GetFrameByName(name) for name in self._names[:3]]
         self._soles = self._tracked[:2]
         generalized = self._indices.generalized
-        self._pelvis_jacobian = np.eye(6, len(generalized))
+        self._pelvis_jacobian = read_only(np.eye(6, len(generalized)))
         joints = [plant.GetJointByName(name) for name in robot.joint_names]
         self._damping = np.array(
             [joint.default_damping_vector()[0] for joint in joints]
@@ -76,7 +77,7 @@ class WholeBodyModel:
         plant.SetPositionsAndVelocities(context, state)
         velocity = state[plant.num_positions() :]
         order = indices.generalized
-        v = velocity.take(order)
+        v = read_only(velocity.take(order))
 
         # Drake's matrices are column-major: their transposes are read in memory order.
         # Any mode but the default one avoids a copy of the result.
@@ -110,9 +111,14 @@ class WholeBodyModel:
         X_WP = plant.EvalBodyPoseInWorld(context, self._pelvis)
         R_WP, p_WP = X_WP.rotation().matrix(), X_WP.translation()
         pelvis = FrameTerms(p_WP, R_WP, v[:6], self._pelvis_jacobian, _NO_BIAS)
+        q = state.take(indices.q)
+        com = plant.CalcCenterOfMassPositionInWorld(context)
+        com_velocity = (M[3:6] @ v) / self.robot.mass
+        for array in (q, M, h, R_WP, p_WP, com, com_velocity):
+            array.setflags(write=False)
         return WholeBodyTerms(
             mass=self.robot.mass,
-            q=state.take(indices.q),
+            q=q,
             v=v[6:],
             M=M,
             h=h,
@@ -121,8 +127,8 @@ class WholeBodyModel:
             V_WP=v[:6],
             R_WC=chest.R_WF,
             w_WC=chest.V_WF[:3],
-            com=plant.CalcCenterOfMassPositionInWorld(context),
-            com_velocity=(M[3:6] @ v) / self.robot.mass,
+            com=com,
+            com_velocity=com_velocity,
             feet=(left, right),
             frames=dict(zip(self._names, [*tracked, pelvis], strict=True)),
             compute_frame=compute_frame,
@@ -166,9 +172,10 @@ class WholeBodyModel:
     ) -> FrameTerms:
         """A frame's differential kinematics together with its pose."""
         X_WF = frame.CalcPoseInWorld(context)
-        return FrameTerms(
-            X_WF.translation(), X_WF.rotation().matrix(), V_WF, J_WF, bias
-        )
+        p_WF, R_WF = X_WF.translation(), X_WF.rotation().matrix()
+        for array in (p_WF, R_WF, V_WF, J_WF, bias):
+            array.setflags(write=False)
+        return FrameTerms(p_WF, R_WF, V_WF, J_WF, bias)
 
 
 def mean_sole_height(terms: WholeBodyTerms) -> float:

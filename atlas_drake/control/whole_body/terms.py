@@ -34,7 +34,7 @@ class FrameTerms(NamedTuple):
 
 @dataclass(frozen=True)
 class WholeBodyTerms:
-    """All model terms at one state; n joints in message order.
+    """All model terms at one state, read-only; n joints in message order.
 
     Generalized velocities v ∈ R^{n_v} are [ω_WP, v_WP, joints]: the pelvis' angular
     and translational velocity in W, then the joints; n_v = 6 + n.

@@ -1,0 +1,189 @@
+"""All arrays that sockets hand out are read-only, so that nobody changes a Context."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from pydrake.common.value import AbstractValue
+from pydrake.systems.framework import LeafSystem
+
+from atlas_drake import (
+    AtlasCommand,
+    AtlasSimInterfaceCommand,
+    AtlasSimulation,
+    Behavior,
+)
+from atlas_drake.behaviors.entry import BehaviorEntry
+from atlas_drake.behaviors.shipped import shipped_entry
+from atlas_drake.behaviors.stand.stand import Stand
+from atlas_drake.behaviors.walk.walk import Walk
+from atlas_drake.frozen import NOTHING, read_only
+
+PERIOD = 0.01
+"""Of the controller that only listens [s]."""
+
+
+def writable(value, path, seen=None):
+    """Paths of the arrays within a value that can be written into."""
+    seen = {} if seen is None else seen
+    if id(value) in seen or isinstance(value, type):
+        return set()
+    seen[id(value)] = value
+    if isinstance(value, np.ndarray):
+        return {path} if value.flags.writeable else set()
+    if isinstance(value, (tuple, list)):
+        parts = enumerate(value)
+    elif isinstance(value, dict):
+        parts = value.items()
+    elif type(value).__module__.startswith("atlas_drake"):
+        # Fields, cached properties and attributes.
+        names = [*getattr(value, "__slots__", ()), *getattr(value, "__dict__", ())]
+        parts = [(name, getattr(value, name)) for name in names]
+    else:
+        return set()
+    return {
+        found
+        for name, part in parts
+        for found in writable(part, f"{path}.{name}", seen)
+    }
+
+
+def listening(kind, behavior):
+    """The entry of a shipped behavior that looks at all that it gets."""
+    found, heard = set(), set()
+
+    def look(name, *values):
+        heard.add(name)
+        found.update(writable(values, name))
+
+    class Own(kind):
+        def __init__(self, tools, config):
+            look("tools", tools.robot, tools.balance)
+            more = [config] if kind is Walk else []
+            super().__init__(tools.balance, tools.nominal_height, tools.rates, *more)
+
+        def enter(self, observation, body, request):
+            look("enter", observation, body, request)
+            return super().enter(observation, body, request)
+
+        def update(self, memory, observation, body, request, leaving):
+            _ = observation.user_held, observation.terms.frame("l_hand")
+            look("update", memory, observation, body, request)
+            outcome = super().update(memory, observation, body, request, leaving)
+            # Its targets are new in each tick; the weights are constants of all.
+            command = outcome.command
+            tasks = (command.posture, *command.tasks)
+            look("command", [task.weight for task in tasks], command.contacts)
+            return outcome
+
+        def plan(self, memory, com, omega):
+            look("plan", memory, com)
+            return super().plan(memory, com, omega)
+
+    def condition(asked):
+        look("condition", asked.observation, asked.command)
+        return ""
+
+    entry = replace(
+        shipped_entry(behavior),
+        name=f"MY_{behavior.name}",
+        number=100,
+        make=Own,
+        follows=("STAND",),
+        conditions=(condition,),
+    )
+    return entry, found, heard
+
+
+@pytest.mark.parametrize(("kind", "behavior"), [(Stand, "STAND"), (Walk, "WALK")])
+def test_a_behavior_gets_read_only_arrays(kind, behavior):
+    entry, found, heard = listening(kind, Behavior[behavior])
+    sim = AtlasSimulation(behaviors=[entry])
+    arms = AtlasCommand()
+    arms.k_effort = [0] * 16 + [255] * 6 + [100] * 6
+    sim.publish(arms)
+    command = AtlasSimInterfaceCommand(behavior=entry.name)
+    command.walk_params.use_demo_walk = True
+    sim.publish(command)
+    sim.advance(0.1)
+    status = sim.output("controller_status")
+    _ = status.plan.paths
+    assert sim.current_behavior == entry.behavior
+    assert heard == {"tools", "condition", "enter", "update", "command", "plan"}
+    assert found == set()
+    assert writable(status, "status") == set()
+
+
+class Listening(LeafSystem):
+    """A controller that looks at what the ports hand out."""
+
+    def __init__(self, robot, config):
+        super().__init__()
+        self.found = writable(robot, "robot")
+        self._ports = [
+            self.DeclareAbstractInputPort(name, AbstractValue.Make(NOTHING))
+            for name in ("commands", "user_forecast")
+        ]
+        self.DeclareVectorOutputPort(
+            "behavior_effort",
+            robot.num_joints,
+            self._calc,
+            prerequisites_of_calc={self.nothing_ticket()},
+        )
+        self.DeclarePeriodicPublishEvent(PERIOD, 0.0, self._look)
+
+    def _calc(self, context, output):
+        output.SetFromVector(np.zeros(output.size()))
+
+    def _look(self, context):
+        for port in self._ports:
+            self.found |= writable(port.Eval(context), port.get_name())
+
+
+def test_a_controller_gets_read_only_arrays():
+    made = []
+
+    def make(robot, config):
+        made.append(Listening(robot, config))
+        return made[0]
+
+    sim = AtlasSimulation(controller=make)
+    sim.advance(2 * PERIOD)
+    arms = AtlasCommand()
+    arms.position, arms.kp_velocity = [0.1] * 28, [10.0] * 28
+    arms.k_effort = [100] * 28
+    sim.publish(arms)
+    sim.advance(2 * PERIOD)
+    sim.publish(AtlasSimInterfaceCommand(behavior="USER"))
+    sim.advance(2 * PERIOD)
+    assert set(sim.atlas_state.k_effort) == {255}
+    assert made[0].found == set()
+
+
+class InPlace(Stand):
+    """Forgets to copy."""
+
+    def __init__(self, tools, config):
+        super().__init__(tools.balance, tools.nominal_height, tools.rates)
+
+    def update(self, memory, observation, body, request, leaving):
+        body.joints[3] += 0.002
+        return super().update(memory, observation, body, request, leaving)
+
+
+def test_a_behavior_that_writes_into_what_it_was_given_is_stopped():
+    entry = BehaviorEntry(name="MINE", number=100, make=InPlace)
+    sim = AtlasSimulation(behaviors=[entry])
+    sim.publish(AtlasSimInterfaceCommand(behavior="MINE"))
+    with pytest.raises(ValueError, match="read-only"):
+        sim.advance(0.05)
+
+
+def test_what_was_read_only_before_is_not_walked_through_again():
+    old, new = np.zeros(2), np.zeros(2)
+    before = {"a": (old, [old])}
+    assert read_only({"a": (old, [old, new])}, before)["a"][1][1] is new
+    assert old.flags.writeable
+    assert not new.flags.writeable
+    read_only(before)
+    assert not old.flags.writeable
