@@ -87,7 +87,7 @@ class StationConfig:
         plant: Contact model and solver; see ``Scenario.plant``.
     """
 
-    physics_step: float = 0.003
+    physics_step: float = 0.0015
     control_period: float = 0.0
     ground_friction: float = 0.9
     terrain: tuple[Block, ...] = ()

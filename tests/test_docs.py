@@ -18,7 +18,7 @@ from pathlib import Path
 
 import pytest
 
-from atlas_drake.app.main import _parser, main
+from atlas_drake.app.main import _parsed, main
 from atlas_drake.app.run import with_options
 from atlas_drake.app.sweep import _campaign
 from atlas_drake.scenario import Scenario, load_scenario
@@ -159,7 +159,7 @@ def test_command_lines_are_understood(page, workplace):
             # Run by test_examples, test_extending or test_benchmarks.
             assert (ROOT / arguments[0]).is_file()
         elif program == "atlas-drake" and "--help" not in arguments:
-            options = _parser(arguments).parse_args(_before_own(arguments))
+            options = _parsed(_before_own(arguments))
             path = getattr(options, "scenario", None) or Path()
             if options.command in ("demo", "run", "script", "teleop"):
                 found = load_scenario(path) if path.is_file() else Scenario()

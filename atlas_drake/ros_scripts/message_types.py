@@ -20,7 +20,7 @@ from atlas_drake.ros_scripts.ros_message import (
 )
 from atlas_drake.ros_scripts.ros_time import Duration, Time
 
-NOT_IN_ROS = {"params"}
+NOT_IN_ROS = {"params", "feedback"}
 """Fields of this package's messages that the original does not have."""
 BYTES = {"k_effort"}
 """Fields that are ``uint8[]``, which ROS hands out as bytes."""

@@ -140,7 +140,7 @@ class Scenario:
     """Length of the run on the command line [s]."""
     initial_behavior: str = "STAND"
     """Behavior active at the start; USER gives all joints to the user."""
-    physics_step: float = 0.003
+    physics_step: float = 0.0015
     """Step of plant and joint controllers [s], within PHYSICS_STEPS. The field is here
     rather than in ``plant`` because joint controllers and sensors share the step."""
     control_period: float = 0.0

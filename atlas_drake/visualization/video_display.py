@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from pydrake.common.eigen_geometry import Quaternion
 from pydrake.common.value import AbstractValue
+from pydrake.geometry import QueryObject
 from pydrake.math import RigidTransform, RollPitchYaw
 from pydrake.multibody.plant import ContactResults
 from pydrake.systems.framework import Context, DiagramBuilder, System
@@ -29,6 +30,7 @@ from atlas_drake.scenario.world import WorldMaker
 from atlas_drake.scenario.world_file import View
 from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.visualization.caption import caption_of
+from atlas_drake.visualization.contact_forces import ContactForce, contact_forces_of
 from atlas_drake.visualization.feedback_words import feedback_words
 from atlas_drake.visualization.footsteps import footstep_marks
 from atlas_drake.visualization.overlays import Overlays
@@ -50,7 +52,8 @@ ACCENTS = ((60, 125, 225), (235, 135, 50), (160, 190, 230), (235, 195, 160))
 
 VECTORS = ("state", "plant_state", "foot_wrenches", "effort")
 """Ports that hold vectors."""
-CONTACTS = "contact_results"
+CONTACTS = {"contact_results": ContactResults, "query_object": QueryObject}
+"""Ports from which contact forces are computed, with their types."""
 
 
 @dataclass(frozen=True)
@@ -96,6 +99,7 @@ class VideoDisplay(CollectableSystem):
         foot_wrenches: Contact wrenches on both soles, see ``RobotSensors``.
         effort: Efforts of the motors [N·m], shape (n,).
         contact_results: Contact results of the plant; left out in a replay.
+        query_object: Of the scene graph; left out in a replay.
 
     Attributes:
         fault: Error that ended the filming; None if there was none.
@@ -150,11 +154,10 @@ class VideoDisplay(CollectableSystem):
             self.DeclareAbstractInputPort(name, AbstractValue.Make(NOTHING))
             for name in ("commands", "controller_status", "atlas_sim_interface_state")
         )
-        self._contacts = None
-        if CONTACTS in sizes:
-            self._contacts = self.DeclareAbstractInputPort(
-                CONTACTS, AbstractValue.Make(ContactResults())
-            )
+        self._contacts, self._query = (
+            self.DeclareAbstractInputPort(name, AbstractValue.Make(kind()))
+            for name, kind in CONTACTS.items()
+        )
         self._target: NDArray[np.float64] | None = None
         self._yaw = 0.0
         self.DeclarePeriodicPublishEvent(1.0 / VIDEO_RATE, 0.0, self._publish)
@@ -198,7 +201,7 @@ class VideoDisplay(CollectableSystem):
             q,
             status.plan,
             self._wrenches.Eval(context),
-            None if self._contacts is None else self._contacts.Eval(context),
+            self._forces(context),
             commands.k_effort,
             self._effort.Eval(context),
         )
@@ -216,6 +219,13 @@ class VideoDisplay(CollectableSystem):
         except VideoError as error:
             # The simulation continues.
             self.fault = error
+
+    def _forces(self, context: Context) -> list[ContactForce]:
+        """Returns the contact forces on the robot, if the overlay needs them."""
+        if not (self._overlays.is_on("forces") and self._contacts.HasValue(context)):
+            return []
+        query: Any = self._query.Eval(context)
+        return contact_forces_of(self._contacts.Eval(context), query.inspector())
 
     def _following(self, q: NDArray[np.float64]) -> RigidTransform:
         """Returns the next pose of the camera that follows the pelvis."""
@@ -284,12 +294,12 @@ def add_video(
     Raises:
         VideoError: If the video cannot be made.
     """
-    # A replay has no contact results.
-    names = [*VECTORS, *([CONTACTS] if station.HasOutputPort(CONTACTS) else [])]
-    sizes = {name: station.GetOutputPort(name).size() for name in names}
+    sizes = {name: station.GetOutputPort(name).size() for name in VECTORS}
     overlays = overlays or Overlays()
     display = VideoDisplay(video, robot, terrain, world, sizes, overlays, view)
     builder.AddNamedSystem("video", display)
     for index in range(display.num_input_ports()):
         port = display.get_input_port(index)
-        builder.Connect(station.GetOutputPort(port.get_name()), port)
+        # A replay has no contact results.
+        if station.HasOutputPort(port.get_name()):
+            builder.Connect(station.GetOutputPort(port.get_name()), port)

@@ -5,6 +5,7 @@ The same overlays as in the 3D view, whose files compute what is shown.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,7 +21,6 @@ from atlas_drake.visualization.balance_points import balance_points
 from atlas_drake.visualization.contact_forces import (
     SCALE,
     ContactForce,
-    contact_forces_of,
 )
 from atlas_drake.visualization.control_colors import effort_colors, owner_colors
 from atlas_drake.visualization.overlays import Overlays
@@ -47,7 +47,7 @@ class Seen(NamedTuple):
         state: State of the robot.
         plan: Plan of the controller.
         foot_wrenches: Contact wrenches on both soles, see ``RobotSensors``.
-        contact_results: Contact results of the plant; None in a replay.
+        forces: Contact forces on the robot; none in a replay.
         k_effort: User's share per joint, 0 to 255, shape (n,).
         effort: Efforts of the motors [N·m], shape (n,).
     """
@@ -55,7 +55,7 @@ class Seen(NamedTuple):
     state: NDArray[np.float64]
     plan: Plan
     foot_wrenches: NDArray[np.float64]
-    contact_results: Any
+    forces: Sequence[ContactForce]
     k_effort: NDArray[np.float64]
     effort: NDArray[np.float64]
 
@@ -120,8 +120,8 @@ class VideoOverlays:
             pencil.disc(points.dcm, DISC["dcm"], DCM)
         if "cop" in on and points.cop is not None:
             pencil.disc(points.cop, DISC["cop"], COP)
-        if "forces" in on and seen.contact_results is not None:
-            for force in contact_forces_of(seen.contact_results):
+        if "forces" in on:
+            for force in seen.forces:
                 pencil.arrow(force, FORCE)
 
     def _colored(

@@ -75,7 +75,9 @@ def test_angular_velocity_and_acceleration_are_those_of_the_orientation(tipped):
     smooth = np.abs(times - swing.lift) > 2 * DT
     smooth &= np.abs(times - swing.lift - swing.move) > 2 * DT
     faster = (w[2:] - w[:-2]) / (2 * DT)
-    np.testing.assert_allclose(faster[smooth[1:-1]], alpha[1:-1][smooth[1:-1]], atol=0.2)
+    np.testing.assert_allclose(
+        faster[smooth[1:-1]], alpha[1:-1][smooth[1:-1]], atol=0.2
+    )
 
 
 def test_the_sole_turns_from_the_first_to_the_second_foothold(swing):

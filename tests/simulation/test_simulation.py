@@ -476,7 +476,7 @@ def test_pushes_that_make_no_sense_are_refused(sim, arguments, field):
 
 def test_a_push_gives_its_impulse_and_ends():
     # In the air nothing but push and gravity acts: the momentum is their impulse.
-    sim = AtlasSimulation(Scenario(initial_behavior="FREEZE"))
+    sim = AtlasSimulation(Scenario(initial_behavior="USER"))
     plant, context = sim.plant, sim.plant.GetMyMutableContextFromRoot(sim.context)
     pelvis = plant.GetBodyByName("pelvis")
     X_WP = sim.pelvis_pose

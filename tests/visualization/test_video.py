@@ -12,6 +12,7 @@ from atlas_drake.app.main import main
 from atlas_drake.palette import COM, FORCE
 from atlas_drake.robot import load_robot
 from atlas_drake.scenario.world_file import load_world
+from atlas_drake.visualization.contact_forces import contact_forces_of
 from atlas_drake.visualization.footsteps import FootstepMark, Kind
 from atlas_drake.visualization.overlays import OVERLAYS, Overlays
 from atlas_drake.visualization.video_camera import LAG, camera_pose, follow
@@ -147,7 +148,9 @@ def seen(sim):
         sim.output("state"),
         sim.output("controller_status").plan,
         sim.output("foot_wrenches"),
-        sim.output("contact_results"),
+        contact_forces_of(
+            sim.output("contact_results"), sim.output("query_object").inspector()
+        ),
         np.array([0] * 16 + [255] * 12),
         sim.output("effort"),
     )
