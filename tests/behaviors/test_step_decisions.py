@@ -18,7 +18,7 @@ from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.frozen import replace
 from atlas_drake.messages import AtlasSimInterfaceState, StepStatus, Vector3
-from atlas_drake.messages.event import STEPS_LEFT
+from atlas_drake.messages.event import FOOTSTEP, STEPS_LEFT
 
 from .as_request import as_request
 
@@ -141,10 +141,10 @@ def test_a_foot_that_stays_loaded_is_given_up_after_a_while(step, observe):
     assert gives_up.events[-1].kind == STEPS_LEFT
 
 
-def standing_still_at(memory, place, **fields):
+def standing_still_at(memory, place, duration=1.0, **fields):
     """The memory with a weight shift that is at ``place`` from now on."""
-    shift = WeightShift(place, place, 1.0)
-    return replace(memory, shift=shift, shift_time=1.0, **fields)
+    shift = WeightShift(place, place, duration)
+    return replace(memory, shift=shift, shift_time=duration, **fields)
 
 
 def in_phase(kind, memory, **fields):
@@ -199,6 +199,52 @@ def test_a_foot_that_is_unloaded_is_loaded_again_for_balance(step, observe, bala
     low = feet[LEFT].max_normal_force / balance.weight
     assert 0.4 < low < 0.9
     assert np.linalg.norm(left - right) > 0.2
+
+
+@pytest.mark.parametrize("foot", [LEFT, RIGHT])
+@pytest.mark.parametrize("duration", [0.5, 2.0])
+def test_the_leaving_foot_is_unloaded_evenly_until_lift_off(
+    step, observe, balance, foot, duration
+):
+    memory = shifting(step, observe(), request(foot=foot, y=0.14 - 0.28 * foot))
+    stance = memory.feet[1 - foot].p_WF[:2]
+    for left in (0.75, 0.5, 0.25):
+        elapsed = duration * (1.0 - left * RULES.unload_share)
+        still = {"elapsed": elapsed, "heel": 0.0, "fresh": None}
+        memory = standing_still_at(memory, stance, duration, **still)
+        feet = commanded(step, memory, observe(above=stance))
+        loads = [feet[side].max_normal_force for side in (foot, 1 - foot)]
+        assert loads[0] == pytest.approx(left * balance.weight)
+        assert loads[1] > 0.8 * balance.weight
+
+
+@pytest.mark.parametrize("foot", [LEFT, RIGHT])
+def test_a_foot_that_touches_down_is_pressed_flat_and_its_landing_told(
+    step, observe, balance, foot
+):
+    command = request(foot=foot, y=0.14 - 0.28 * foot)
+    memory = shifting(step, observe(), command)
+    lowering = in_phase(Lower, memory, elapsed=0.9 * memory.taken.swing.duration)
+    force = np.zeros(2)
+    for side, share, kind in (
+        (foot, 0.9, Lower),
+        (1 - foot, 5.0, Lower),
+        (foot, 1.1, Settle),
+    ):
+        force[:] = 0.0
+        force[side] = share * RULES.touchdown_force * balance.weight
+        seen = replace(observe(pitch=0.05), foot_force=force)
+        settling = tick(step, lowering, seen, command).memory
+        assert isinstance(settling, kind)
+    assert settling.feet[1 - foot] is memory.feet[1 - foot]
+    landed = seen.foot_pose(foot).p_WF
+    np.testing.assert_array_equal(settling.feet[foot].p_WF, landed)
+    done = replace(settling, elapsed=RULES.settle)
+    outcome = tick(step, done, observe(), command)
+    assert isinstance(outcome.memory, Rest)
+    (event,) = outcome.events
+    assert (event.kind, event.text) == (FOOTSTEP, "step 1 landed")
+    assert tick(step, replace(done, went_back=True), observe(), command).events == ()
 
 
 def time_left(step, memory):

@@ -59,13 +59,6 @@ def test_feet_that_lie_elsewhere_at_lift_off_may_end_the_walk(
     assert event.text.startswith("WALK will end before step 1")
 
 
-def at_dcm(seen, dcm):
-    """The same look with the center of mass at rest above ``dcm`` [m], shape (2,)."""
-    com = np.append(dcm, seen.terms.com[2])
-    terms = replace(seen.terms, com=com, com_velocity=np.zeros(3))
-    return replace(seen, terms=terms)
-
-
 def bent(seen, robot, flexion):
     """The same look with both knees so far from the straight leg [rad]."""
     q = seen.terms.q.copy()
@@ -96,12 +89,11 @@ def shifting(walk, seen, request, elapsed):
 def test_a_foot_lifts_off_when_the_dcm_is_ready_or_waiting_is_in_vain(
     walk, observe, robot, walk_message, foot, late, ready, flexion, lifts
 ):
-    seen = bent(observe(), robot, flexion)
     request = as_request(walk_message((1, foot, 0.2, 0.14 * outward(foot))))
-    phase = shifting(walk, seen, request, 0.0)
+    phase = shifting(walk, observe(), request, 0.0)
     phase = replace(phase, elapsed=phase.duration + late, plan_time=phase.duration)
     miss = (0.5 if ready else 1.5) * RULES.dcm_ready * np.array([0.6, 0.8])
-    seen = at_dcm(seen, phase.planned.dcm + miss)
+    seen = bent(observe(above=phase.planned.dcm + miss), robot, flexion)
     after, _ = walk._control(phase).advance(phase, seen)
     assert isinstance(after, Swing) == lifts
     if lifts:
@@ -175,7 +167,7 @@ def test_a_moved_step_leaves_the_ankles_what_they_can_hold_until_touchdown(
     side = (1.0, outward(foot))[axis]
     error[axis] = side * (held + 0.02) / growth
     moved = walk._control(phase)._adjust_step(
-        phase, at_dcm(observe(), phase.planned.dcm + error)
+        phase, observe(above=phase.planned.dcm + error)
     )
     change = moved.plan.evaluate(touchdown).dcm - phase.plan.evaluate(touchdown).dcm
     rest = error * growth - change
@@ -184,14 +176,14 @@ def test_a_moved_step_leaves_the_ankles_what_they_can_hold_until_touchdown(
     # What they can hold by themselves moves no step.
     for share in (-0.9, 0.9):
         small = share * held / (held + 0.02) * error
-        seen = at_dcm(observe(), phase.planned.dcm + small)
+        seen = observe(above=phase.planned.dcm + small)
         assert walk._control(phase)._adjust_step(phase, seen) is phase
 
 
 def test_the_landing_place_is_fixed_at_the_end_of_a_swing(walk, observe, swinging):
     for before, moves in ((0.01, True), (-0.01, False)):
         phase = swinging(LEFT, swinging(LEFT, 0.0).duration - RULES.frozen_end - before)
-        seen = at_dcm(observe(), phase.planned.dcm + np.array([0.3, 0.0]))
+        seen = observe(above=phase.planned.dcm + np.array([0.3, 0.0]))
         moved = walk._control(phase)._adjust_step(phase, seen)
         assert (moved is not phase) == moves
 
