@@ -10,11 +10,13 @@ from atlas_drake import AtlasSimInterfaceCommand
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.body_reference import capture_body
 from atlas_drake.behaviors.step.phases import Lower, Rest, Settle, Shift, Swing
+from atlas_drake.behaviors.step.plan import PostureRules, StepPlanner
 from atlas_drake.behaviors.step.rules import StepRules
 from atlas_drake.behaviors.step.step import Step
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.weight_shift import WeightShift
 from atlas_drake.control.feet.footstep import FootPose
+from atlas_drake.control.feet.leg_reach import _knee_ahead
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.frozen import replace
 from atlas_drake.messages import AtlasSimInterfaceState, StepStatus, Vector3
@@ -338,3 +340,34 @@ def test_at_rest_the_body_is_half_way_between_the_feet(step, observe, foot):
     level = height(memory)
     up = height(raised(memory, foot, 0.01))
     assert up == pytest.approx(level + 0.005)
+
+
+@pytest.mark.parametrize("foot", [LEFT, RIGHT])
+@pytest.mark.parametrize("rise", [0.05, 0.15])
+def test_a_step_up_is_planned_with_what_the_standing_knee_can_carry(
+    step, observe, balance, foot, rise
+):
+    seen = observe()
+    feet = (seen.foot_pose(LEFT), seen.foot_pose(RIGHT))
+    wanted = step._next(
+        entered(step, seen, request()), request(foot=foot, y=0.14 - 0.28 * foot)
+    )
+    up = wanted.step.p_WF + np.array([0.0, 0.0, rise])
+    wanted = replace(wanted, step=replace(wanted.step, p_WF=up))
+    knee = balance.robot.legs[1 - foot].knee
+    leans = []
+    for heavier in (1.0, 2.0, 4.0):
+        loaded = Balance(balance.robot, balance.gains)
+        loaded.weight = heavier * balance.weight
+        planner = StepPlanner(loaded, step._stance._nominal_height)
+        plan = planner.plan(seen.terms, feet, wanted)
+        leans.append(plan.lean)
+        com = np.append(plan.com, plan.height)
+        stance = 1 - foot
+        leg, hip = planner.legs[stance], plan.hips[stance]
+        torque = loaded.weight * _knee_ahead(leg, hip, com, feet[stance])
+        limit = PostureRules().knee_efforts[-1] * balance.robot.effort_limit[knee]
+        assert torque < limit + 1.0
+    # The heavier the robot, the farther it leans over the knee.
+    assert leans == sorted(leans)
+    assert leans[0] < leans[-1]

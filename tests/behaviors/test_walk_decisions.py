@@ -226,3 +226,43 @@ def test_touchdown_is_felt_by_the_foot_in_the_air(
     # The other foot's load says nothing.
     elsewhere = replace(seen, foot_force=felt[::-1].copy())
     assert walk._control(phase).advance(phase, elsewhere)[0] is phase
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_a_walk_is_over_when_the_robot_has_come_to_rest(
+    walk, observe, walk_message, axis
+):
+    seen = observe()
+    begun = shifting(walk, seen, as_request(walk_message()), 0.0)
+    settle = walk._planner.settle(begun.course, begun.planned.cop)
+    end = settle.duration + walk._timing.rest
+    for late, speed, over in (
+        (0.01, 0.9 * RULES.rest_speed, True),
+        (0.01, 1.1 * RULES.rest_speed, False),
+        (0.01, -1.1 * RULES.rest_speed, False),
+        (-0.01, 0.0, False),
+    ):
+        velocity = np.zeros(3)
+        velocity[axis] = speed
+        now = replace(seen, terms=replace(seen.terms, com_velocity=velocity))
+        phase = replace(settle, elapsed=end + late)
+        finished, events = walk._control(phase).end(phase, now, leaving=False)
+        assert finished == over
+        assert len(events) == over
+        # Nothing is left out if the end was asked for.
+        assert walk._control(phase).end(phase, now, leaving=True) == (over, ())
+
+
+def test_a_step_may_be_warned_of_again_when_a_message_replaces_it(
+    walk, observe, walk_message
+):
+    seen = observe()
+    steps = [(1, LEFT, 0.2, 0.14), (2, RIGHT, 0.4, -0.14)]
+    phase = shifting(walk, seen, as_request(walk_message(*steps)), 0.0)
+    told = frozenset({(1, "place"), (2, "place"), (2, "pace")})
+    phase = replace(phase, course=replace(phase.course, told=told))
+    assert walk._read_queue(phase, phase.course.request) is phase
+    steps[1] = (2, RIGHT, 0.3, -0.14)
+    read = walk._read_queue(phase, as_request(walk_message(*steps)))
+    assert read.course.told == {(1, "place")}
+    assert [step.p_WF[0] for step in read.course.pending] == [0.2, 0.3]

@@ -7,8 +7,9 @@ from atlas_drake import AtlasSimulation, Scenario
 
 
 @pytest.mark.parametrize("model", ["atlas", "atlas_v3"])
-def test_the_imu_measures_the_motion_of_its_frame(model):
-    sim = AtlasSimulation(Scenario(model=model))
+@pytest.mark.parametrize("noise", ["none", "rough"])
+def test_the_imu_measures_the_motion_of_its_frame(model, noise):
+    sim = AtlasSimulation(Scenario(model=model, noise=noise))
     sim.advance(0.3)
     # A blow that turns the pelvis, too.
     sim.apply_push("l_farm", [80.0, 60.0, -40.0], 0.05)
@@ -28,11 +29,19 @@ def test_the_imu_measures_the_motion_of_its_frame(model):
     R_IW = X_WI.rotation().inverse().matrix()
     message = sim.imu
     assert np.abs(message.angular_velocity.to_array()).max() > 0.01
-    for found, expected in (
-        (message.angular_velocity, R_IW @ V_WI.rotational()),
-        (message.linear_acceleration, R_IW @ (A_WI.translational() + upward)),
+    sensors = sim.station.GetSubsystemByName("robot_sensors")
+    source = sensors.noise(sensors.GetMyContextFromRoot(sim.context))
+    drawn = source.sample(sim.time)
+    for found, expected, error in (
+        (message.angular_velocity, R_IW @ V_WI.rotational(), drawn.angular_velocity),
+        (
+            message.linear_acceleration,
+            R_IW @ (A_WI.translational() + upward),
+            drawn.specific_force,
+        ),
     ):
-        np.testing.assert_allclose(found.to_array(), expected, atol=1e-9)
+        assert error.any() == (noise == "rough")
+        np.testing.assert_allclose(found.to_array(), expected + error, atol=1e-9)
     np.testing.assert_allclose(
         message.orientation.to_wxyz(),
         X_WI.rotation().ToQuaternion().wxyz(),
