@@ -10,13 +10,12 @@ from atlas_drake import AtlasSimInterfaceCommand
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.body_reference import capture_body
 from atlas_drake.behaviors.step.phases import Lower, Rest, Settle, Shift, Swing
-from atlas_drake.behaviors.step.plan import PostureRules, StepPlanner
+from atlas_drake.behaviors.step.preview import TIME_STEP
 from atlas_drake.behaviors.step.rules import StepRules
 from atlas_drake.behaviors.step.step import Step
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.weight_shift import WeightShift
 from atlas_drake.control.feet.footstep import FootPose
-from atlas_drake.control.feet.leg_reach import _knee_ahead
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.frozen import replace
 from atlas_drake.messages import AtlasSimInterfaceState, StepStatus, Vector3
@@ -342,32 +341,41 @@ def test_at_rest_the_body_is_half_way_between_the_feet(step, observe, foot):
     assert up == pytest.approx(level + 0.005)
 
 
+@pytest.mark.parametrize("speed", [0.0, RULES.rest_speed + 0.01])
+def test_a_step_cut_short_ends_at_rest(step, observe, speed):
+    command = request()
+    memory = shifting(step, observe(), command)
+    for elapsed in (-0.1, 0.1):
+        landed = in_phase(Rest, memory, elapsed=memory.shift.duration + elapsed)
+        cut_short = replace(landed, progress=replace(landed.progress, leaving=True))
+        seen = observe(speed=-speed)
+        finished = tick(step, cut_short, seen, command, leaving=True).finished
+        assert finished == (elapsed > 0.0 and speed == 0.0)
+        # If both feet are down anyway, STAND brings the robot to rest.
+        assert tick(step, landed, seen, command, leaving=True).finished
+
+
 @pytest.mark.parametrize("foot", [LEFT, RIGHT])
-@pytest.mark.parametrize("rise", [0.05, 0.15])
-def test_a_step_up_is_planned_with_what_the_standing_knee_can_carry(
-    step, observe, balance, foot, rise
-):
-    seen = observe()
-    feet = (seen.foot_pose(LEFT), seen.foot_pose(RIGHT))
-    wanted = step._next(
-        entered(step, seen, request()), request(foot=foot, y=0.14 - 0.28 * foot)
-    )
-    up = wanted.step.p_WF + np.array([0.0, 0.0, rise])
-    wanted = replace(wanted, step=replace(wanted.step, p_WF=up))
-    knee = balance.robot.legs[1 - foot].knee
-    leans = []
-    for heavier in (1.0, 2.0, 4.0):
-        loaded = Balance(balance.robot, balance.gains)
-        loaded.weight = heavier * balance.weight
-        planner = StepPlanner(loaded, step._stance._nominal_height)
-        plan = planner.plan(seen.terms, feet, wanted)
-        leans.append(plan.lean)
-        com = np.append(plan.com, plan.height)
-        stance = 1 - foot
-        leg, hip = planner.legs[stance], plan.hips[stance]
-        torque = loaded.weight * _knee_ahead(leg, hip, com, feet[stance])
-        limit = PostureRules().knee_efforts[-1] * balance.robot.effort_limit[knee]
-        assert torque < limit + 1.0
-    # The heavier the robot, the farther it leans over the knee.
-    assert leans == sorted(leans)
-    assert leans[0] < leans[-1]
+def test_the_plan_shows_the_way_of_foot_and_body(step, observe, foot):
+    seen, command = observe(), request(foot=foot, y=0.14 - 0.28 * foot)
+    memory = shifting(step, seen, command)
+    plan = step.plan(memory, seen.terms.com[:2], 3.2)
+    paths, shift = plan.preview(), memory.shift
+    assert plan.footsteps == ()
+    assert paths.swing is None
+    np.testing.assert_allclose(plan.dcm_reference, shift.start, atol=1e-9)
+    for path in (paths.com, paths.dcm, paths.cop):
+        np.testing.assert_allclose(path[0], shift.start, atol=1e-3)
+        np.testing.assert_allclose(path[-1], shift.end, atol=0.01)
+    # ξ = c + ċ/ω, along the whole way.
+    rate = np.gradient(paths.com, TIME_STEP, axis=0)[1:-1]
+    ahead = (paths.dcm - paths.com)[1:-1]
+    np.testing.assert_allclose(ahead, rate / 3.2, atol=2e-3)
+    flying = in_phase(Swing, memory, elapsed=0.1)
+    plan = step.plan(flying, seen.terms.com[:2], 3.2)
+    (target,) = plan.footsteps
+    assert (target.foot, target.yaw) == (foot, memory.taken.step.yaw)
+    swing, duration = plan.preview().swing, memory.taken.swing.duration
+    assert len(swing) == pytest.approx(duration / TIME_STEP, abs=1.0)
+    np.testing.assert_allclose(swing[0][:2], memory.feet[foot].p_WF[:2], atol=0.01)
+    np.testing.assert_allclose(swing[-1], target.p_WF, atol=0.01)

@@ -8,6 +8,7 @@ import pytest
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.body_reference import BodyRates, capture_body
 from atlas_drake.behaviors.walk.phases import Settle, Swing, Transfer
+from atlas_drake.behaviors.walk.preview import TIME_STEP
 from atlas_drake.behaviors.walk.rules import WalkRules
 from atlas_drake.behaviors.walk.walk import Walk
 from atlas_drake.control.balance.step_adjustment import StepAdjustmentLimits
@@ -266,3 +267,29 @@ def test_a_step_may_be_warned_of_again_when_a_message_replaces_it(
     read = walk._read_queue(phase, as_request(walk_message(*steps)))
     assert read.course.told == {(1, "place")}
     assert [step.p_WF[0] for step in read.course.pending] == [0.2, 0.3]
+
+
+@pytest.mark.parametrize("foot", [LEFT, RIGHT])
+def test_the_plan_shows_the_way_of_foot_and_body(walk, observe, swinging, foot):
+    phase, seen = swinging(foot, 0.2), observe()
+    # The body is where the plan wants it.
+    omega, touchdown = phase.plan.omega, phase.duration
+    plan = walk.plan(phase, phase.planned.dcm, omega)
+    paths = plan.preview()
+    np.testing.assert_array_equal(plan.dcm_reference, phase.planned.dcm)
+    np.testing.assert_array_equal(plan.cop_reference, phase.planned.cop)
+    assert [(step.foot, step.p_WF[0]) for step in plan.footsteps] == [
+        (foot, 0.2),
+        (1 - foot, 0.4),
+    ]
+    np.testing.assert_allclose(paths.swing[0], seen.foot_pose(foot).p_WF)
+    np.testing.assert_allclose(paths.swing[-1], phase.step.p_WF, atol=2e-3)
+    assert len(paths.swing) == pytest.approx(touchdown / TIME_STEP, abs=2.0)
+    # ċ = ω(ξ - c) along the whole way, to rest between the feet.
+    rate = np.diff(paths.com, axis=0) / TIME_STEP
+    apart = paths.dcm - paths.com
+    np.testing.assert_allclose(rate, omega * 0.5 * (apart[1:] + apart[:-1]), atol=5e-3)
+    np.testing.assert_array_equal(paths.dcm[0], phase.planned.dcm)
+    end = phase.plan.duration
+    for path in (paths.com, paths.dcm, paths.cop):
+        np.testing.assert_allclose(path[-1], phase.plan.evaluate(end).dcm, atol=0.03)
