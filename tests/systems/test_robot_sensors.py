@@ -1,13 +1,13 @@
-"""The IMU's message against Drake's own kinematics of the plant."""
+"""Messages of IMU and contact forces against the kinematics of the plant."""
 
 import numpy as np
 import pytest
 
 from atlas_drake import AtlasSimulation, Scenario
+from atlas_drake.scenario import Start
 
 
-@pytest.mark.parametrize("model", ["atlas", "atlas_v3"])
-@pytest.mark.parametrize("noise", ["none", "rough"])
+@pytest.mark.parametrize(("model", "noise"), [("atlas", "none"), ("atlas_v3", "rough")])
 def test_the_imu_measures_the_motion_of_its_frame(model, noise):
     sim = AtlasSimulation(Scenario(model=model, noise=noise))
     sim.advance(0.3)
@@ -47,3 +47,18 @@ def test_the_imu_measures_the_motion_of_its_frame(model, noise):
         X_WI.rotation().ToQuaternion().wxyz(),
         atol=1e-12,
     )
+
+
+def test_the_soles_are_pressed_within_their_edges_wherever_the_robot_stands():
+    sim = AtlasSimulation(Scenario(start=Start(position=[3.0, -2.0], yaw=1.0)))
+    sim.advance(0.05)
+    sole, report = sim.robot.file.sole, sim.atlas_state
+    weight = sim.robot.mass * 9.81
+    for wrench in (report.l_foot, report.r_foot):
+        force, moment = wrench.force.to_array(), wrench.torque.to_array()
+        assert force[2] > 0.2 * weight
+        # m = r × f: the force acts at most half a diagonal from the sole's middle.
+        reach = np.hypot(moment[0], moment[1]) / force[2]
+        assert reach < 0.5 * np.hypot(sole.length, sole.width)
+    for wrench in (report.l_hand, report.r_hand):
+        assert not wrench.force.to_array().any()
