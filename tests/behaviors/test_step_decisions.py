@@ -379,3 +379,150 @@ def test_the_plan_shows_the_way_of_foot_and_body(step, observe, foot):
     assert len(swing) == pytest.approx(duration / TIME_STEP, abs=1.0)
     np.testing.assert_allclose(swing[0][:2], memory.feet[foot].p_WF[:2], atol=0.01)
     np.testing.assert_allclose(swing[-1], target.p_WF, atol=0.01)
+
+
+@pytest.mark.parametrize("foot", [LEFT, RIGHT])
+@pytest.mark.parametrize(
+    ("late", "load", "miss", "lifts"),
+    [
+        (-0.01, 0.0, 0.0, False),
+        (0.0, 0.9, 0.9, True),
+        (0.0, 1.1, 0.0, False),
+        (0.0, 0.0, 1.1, False),
+    ],
+)
+def test_a_foot_lifts_off_without_load_when_the_weight_is_over_the_other(
+    step, observe, balance, foot, late, load, miss, lifts
+):
+    command = request(foot=foot, y=0.14 - 0.28 * foot)
+    memory = shifting(step, observe(), command)
+    memory = replace(memory, elapsed=memory.shift.duration + late)
+    away = miss * RULES.dcm_ready * np.array([0.8, -0.6])
+    seen = observe(above=memory.shift.end + away)
+    felt = np.full(2, balance.weight)
+    felt[foot] = load * RULES.still_loaded * balance.weight
+    after = tick(step, memory, replace(seen, foot_force=felt), command).memory
+    assert isinstance(after, Swing) == lifts
+    if lifts:
+        alone = balance.support(memory.feet[1 - foot])
+        np.testing.assert_array_equal(after.support.vertices, alone.vertices)
+
+
+def test_the_heel_rises_smoothly_in_the_last_part_of_the_shift(step, observe):
+    memory = replace(shifting(step, observe(), request()), heel=0.3)
+    begins, end, dt = 0.5 * memory.shift.duration, memory.shift.duration, 1e-5
+
+    def heel(time):
+        return np.array(replace(memory, elapsed=time).heel_motion(0.5))
+
+    for time in (0.0, begins, end, end + 0.5):
+        angle = 0.3 if time >= end else 0.0
+        np.testing.assert_allclose(heel(time), [angle, 0.0, 0.0], atol=1e-9)
+    for time in np.linspace(begins, end, 7)[1:-1]:
+        slope = (heel(time + dt) - heel(time - dt)) / (2.0 * dt)
+        np.testing.assert_allclose(heel(time)[1:], slope[:2], atol=1e-4)
+        assert heel(time)[1] > 0.0
+    assert not replace(memory, heel=0.0).heel_motion(0.5)[0]
+    # On its toes the foot still widens the support, but carries no moment.
+    shift = step._control(memory)
+    flat, raised = (
+        shift.support(replace(memory, elapsed=time)) for time in (0.0, 0.9 * end)
+    )
+    length = np.array([0.1, 0.0])
+    behind = memory.feet[LEFT].p_WF[:2] - length
+    ahead = memory.feet[LEFT].p_WF[:2] + length
+    assert flat.distance_outside(behind) < 0.0 < raised.distance_outside(behind)
+    assert raised.distance_outside(ahead) < flat.distance_outside(ahead) + 0.05
+    assert shift.are_both_flat(replace(memory, elapsed=begins))
+    assert not shift.are_both_flat(replace(memory, elapsed=0.9 * end))
+
+
+@pytest.fixture
+def lowered(step, observe):
+    """Makes the phase in which ``foot`` comes down and the body leans [m]."""
+
+    def make(foot, lean):
+        command = request(foot=foot, y=0.14 - 0.28 * foot)
+        memory = shifting(step, observe(), command)
+        action = replace(memory.taken.action, step_end_dist=lean)
+        taken = replace(memory.taken, action=action)
+        rising = {"elapsed": 0.0, "taken": taken}
+        stance = step._stance.balance.support(memory.feet[1 - foot])
+        swing = in_phase(Swing, memory, **rising, support=stance)
+        assert tick(step, swing, observe(), command).memory.elapsed > 0.0
+        above = replace(swing, elapsed=taken.swing.duration - taken.swing.lower)
+        lower = tick(step, above, observe(), command).memory
+        assert isinstance(lower, Lower)
+        return lower, command
+
+    return make
+
+
+@pytest.mark.parametrize("foot", [LEFT, RIGHT])
+@pytest.mark.parametrize("lean", [-0.02, -0.001, 0.0, 0.001, 0.02])
+def test_the_body_leans_into_the_step_as_far_as_the_foot_can_bring_it_back(
+    step, observe, lowered, foot, lean
+):
+    lower, _ = lowered(foot, lean)
+    taken, shift = lower.taken, lower.shift
+    leant = shift.end - shift.start
+    if lean == 0.0:
+        assert np.hypot(*leant) > 0.05  # The whole weight shift before, unchanged.
+        return
+    assert lower.shift_time == 0.0
+    assert shift.duration == taken.swing.lower
+    way = taken.step.p_WF[:2] - lower.feet[1 - foot].p_WF[:2]
+    ahead = way / np.hypot(*way)
+    assert leant == pytest.approx((leant @ ahead) * ahead, abs=1e-9)
+    share = (leant @ ahead) / lean
+
+    def reserves(share):
+        end = shift.start + share * lean * ahead
+        omega = step._stance.omega(observe(), (lower.feet[1 - foot],))
+        moved = WeightShift(shift.start, end, shift.duration)
+        inside = -lower.support.distance_outside(end) - RULES.lean_inside
+        return inside, -moved.cop_outside(lower.support, omega) - RULES.cop_inside
+
+    # In tenths, and no more than the stance foot has room for.
+    assert min(reserves(share)) >= -1e-9
+    if abs(lean) < 0.01:
+        assert share == pytest.approx(1.0)
+    else:
+        assert 0.0 < share < 1.0
+        assert min(reserves(share + 0.1)) < 0.0
+
+
+@pytest.mark.parametrize("foot", [LEFT, RIGHT])
+@pytest.mark.parametrize("lean", [0.0, 0.02])
+def test_a_foot_that_finds_no_ground_returns_to_where_it_was(
+    step, observe, lowered, foot, lean
+):
+    lower, command = lowered(foot, lean)
+    times = np.arange(0.0, 3.0, 0.01) + lower.elapsed
+    missed = next(time for time in times if lower.taken.swing.has_missed(time))
+    in_air = replace(observe(), foot_force=np.zeros(2))
+    before = tick(step, replace(lower, elapsed=missed - 0.02), in_air, command)
+    assert isinstance(before.memory, Lower)
+    outcome = tick(step, replace(lower, elapsed=missed), in_air, command)
+    (event,) = outcome.events
+    assert (event.kind, event.text) == (
+        STEPS_LEFT,
+        "step 1 found no ground; its foot returns",
+    )
+    back = outcome.memory
+    assert isinstance(back, Swing)
+    assert (back.went_back, back.elapsed) == (True, 0.0)
+    home, here = lower.feet[foot], in_air.foot_pose(foot)
+    np.testing.assert_array_equal(back.taken.step.p_WF, home.p_WF)
+    assert back.taken.step.yaw == pytest.approx(home.yaw)
+    swing = back.taken.swing
+    np.testing.assert_allclose(swing.evaluate(0.0).p_WF, here.p_WF, atol=1e-9)
+    landed = swing.evaluate(swing.duration).p_WF
+    np.testing.assert_allclose(landed[:2], home.p_WF[:2], atol=1e-6)
+    # The body goes back with it, from where it leant, and does not lean again.
+    assert back.taken.action.step_end_dist == 0.0
+    if lean:
+        np.testing.assert_allclose(back.shift.end, lower.shift.start)
+        assert back.shift.duration >= swing.lower
+    else:
+        assert back.shift is lower.shift
