@@ -522,3 +522,33 @@ def test_a_foot_that_finds_no_ground_returns_to_where_it_was(
         assert back.shift.duration >= swing.lower
     else:
         assert back.shift is lower.shift
+
+
+@pytest.mark.parametrize("foot", [LEFT, RIGHT])
+def test_a_new_foot_is_pressed_with_the_body_over_the_other(step, observe, foot):
+    memory = shifting(step, observe(), request(foot=foot, y=0.14 - 0.28 * foot))
+
+    def height(memory):
+        return step._control(memory).reach(memory).height
+
+    settling = in_phase(Settle, memory)
+    assert height(raised(settling, foot, 0.1)) == height(settling)
+    higher = height(raised(settling, 1 - foot, 0.1))
+    assert higher == pytest.approx(height(settling) + 0.1)
+
+
+def test_a_step_that_comes_too_late_is_told_once(step, observe):
+    seen, command = observe(), request(2)
+    memory = replace(entered(step, seen, request()), elapsed=9.0)
+    memory = tick(step, memory, seen, command).memory
+    assert memory.progress.index == 2
+    late = request(1)
+    outcome = tick(step, memory, seen, late)
+    (event,) = outcome.events
+    assert event.text == "step 1 is not taken: the next one is 3"
+    assert tick(step, outcome.memory, seen, late).events == ()
+    # The demonstration counts by itself.
+    demo = request(1)
+    demo.command.step_params.use_demo_walk = True
+    assert tick(step, memory, seen, demo).events == ()
+    assert tick(step, memory, seen, request(3)).events == ()

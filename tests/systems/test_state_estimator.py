@@ -70,6 +70,22 @@ def test_it_begins_where_the_robot_is_put_and_is_told_no_more(alone, robot):
     np.testing.assert_allclose(port.Eval(context), state, atol=1e-6)
 
 
+def test_it_begins_with_the_motion_in_which_the_robot_is_put(alone):
+    estimator, context, state = alone
+    moving = state + np.random.default_rng(6).uniform(-0.5, 0.5, state.shape)
+    moving[:4] = turned(state[:4], np.array([0.3, -0.2, 1.0]))
+    pelvis = estimator._pelvis
+    turning = rotation_matrix(moving[:4]).T @ moving[pelvis.angular_velocity]
+    for name, value in (
+        ("measured_state", moving),
+        ("start_state", moving),
+        ("inertial", np.append(turning, np.zeros(6))),
+    ):
+        estimator.GetInputPort(name).FixValue(context, value)
+    estimate = estimator.GetOutputPort("estimated_state").Eval(context)
+    np.testing.assert_allclose(estimate, moving, atol=1e-9)
+
+
 def test_the_legs_are_seen_as_they_move_in_the_world(alone):
     # Everything moves, the pelvis too, whose own velocity no leg can tell.
     estimator, context, state = alone
