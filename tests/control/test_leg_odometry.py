@@ -206,6 +206,17 @@ def test_the_period_does_not_decide_how_soon_the_bias_is_known(period):
     np.testing.assert_allclose(state.bias_P, BIAS, atol=0.02)
 
 
+@pytest.mark.parametrize("period", [0.001, 0.004])
+def test_a_wrong_tilt_is_forgotten_at_its_rate(period):
+    tuning = replace(TUNING, gravity_settling=2.0)
+    state = start(q=turned(UPRIGHT, np.array([0.04, -0.03, 0.0])))
+    for _ in range(round(1.0 / period)):
+        felt = np.array([0.0, 0.0, GRAVITY]) * period
+        state = predict(state, np.zeros(3), felt, period, tuning)
+    left = np.exp(-0.5) * np.array([0.04, -0.03, 0.0])
+    np.testing.assert_allclose(turn_between(UPRIGHT, state.q_WP), left, atol=2e-4)
+
+
 def test_a_foot_drifts_the_more_the_less_it_carries_and_the_faster_it_moves():
     t = OdometryTuning()
     firm, loose = t.slip, t.slip + t.loose_slip

@@ -462,6 +462,17 @@ def test_a_task_without_which_there_were_a_solution_is_named(
     assert re.match(words, answer.why)
 
 
+@pytest.mark.parametrize("part", ["q", "v", "M"])
+@pytest.mark.filterwarnings("ignore:invalid value")
+def test_a_state_that_is_no_number_is_named(robot, qp, bounds, terms, part):
+    lost = dataclasses.replace(
+        terms, **{part: np.full_like(getattr(terms, part), np.nan)}
+    )
+    answer = qp.solve(lost, still(robot, contacts=soles(robot)), bounds)
+    assert not answer.found
+    assert answer.why == "the state of the robot is not finite"
+
+
 def test_rows_and_bounds_without_which_there_were_a_solution_are_named(
     robot, qp, bounds, terms
 ):
