@@ -1,5 +1,7 @@
 """STAND on the simulated robot: upright, at rest, also with joints of the user."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -13,7 +15,7 @@ from atlas_drake import (
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.body_reference import BodyRates, capture_body
 from atlas_drake.behaviors.stand.config import StandConfig
-from atlas_drake.behaviors.stand.stand import Stand
+from atlas_drake.behaviors.stand.stand import Stand, _towards
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.frozen import replace
 from atlas_drake.messages import Behavior, BehaviorStatus
@@ -58,6 +60,20 @@ def test_a_foot_that_starts_in_the_air_is_not_thrown_about(steps):
     sim.advance_to(0.8)
     assert not sim.has_fallen
     assert sim.summary()["max_pelvis_tilt_rad"] < 0.1
+
+
+@pytest.mark.parametrize("way", [(0.03, 0.0), (0.0, -0.03), (-0.03, 0.04)])
+def test_the_reference_goes_straight_to_the_middle_and_stays(way):
+    begin, speed = np.array([0.2, -0.1]), 0.01
+    goal, place = begin + way, begin
+    ticks = math.ceil(np.hypot(*way) / speed)
+    for tick in range(1, ticks):
+        place = _towards(place, goal, speed)
+        done = tick * speed / np.hypot(*way)
+        np.testing.assert_allclose(place, begin + done * np.array(way))
+    place = _towards(place, goal, speed)
+    np.testing.assert_array_equal(place, goal)
+    assert _towards(place, goal, speed) is place
 
 
 @pytest.mark.parametrize("foot", [0, 1])

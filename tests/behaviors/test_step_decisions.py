@@ -74,6 +74,7 @@ def test_a_weight_shift_starts_where_the_robot_is_and_how_it_moves(
 ):
     seen, command = observe(speed=speed), request()
     memory = entered(step, seen, command)
+    assert (memory.shift_time, memory.elapsed, memory.lean) == (0.0, 0.0, 0.0)
     np.testing.assert_allclose(memory.shift.start, dcm(seen, balance), atol=0.002)
     middle = 0.5 * (seen.terms.feet[LEFT].p_WF + seen.terms.feet[RIGHT].p_WF)[:2]
     np.testing.assert_allclose(memory.shift.end, middle)
@@ -429,6 +430,13 @@ def test_the_heel_rises_smoothly_in_the_last_part_of_the_shift(step, observe):
     ahead = memory.feet[LEFT].p_WF[:2] + length
     assert flat.distance_outside(behind) < 0.0 < raised.distance_outside(behind)
     assert raised.distance_outside(ahead) < flat.distance_outside(ahead) + 0.05
+    # Its contact moves to the toes while the heel is up.
+    whole, toes = (
+        commanded(step, replace(memory, elapsed=time, fresh=None), observe())[LEFT]
+        for time in (0.0, 0.9 * end)
+    )
+    assert whole.patch.corners[:, 0].min() < -0.05
+    assert toes.patch.corners[:, 0].min() > 0.05
     assert shift.are_both_flat(replace(memory, elapsed=begins))
     assert not shift.are_both_flat(replace(memory, elapsed=0.9 * end))
 
