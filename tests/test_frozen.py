@@ -2,12 +2,16 @@
 
 import copy
 import dataclasses
+import importlib
+import pkgutil
 from dataclasses import FrozenInstanceError, dataclass
 from functools import cached_property
 
 import pytest
 
+from atlas_drake import behaviors, control, messages, systems
 from atlas_drake.frozen import Frozen, replace
+from atlas_drake.messages import Message
 
 
 @dataclass(frozen=True)
@@ -48,3 +52,25 @@ def test_what_is_cached_is_not_handed_on():
     value = Value(1)
     assert value.twice == 2
     assert replace(value, a=2).twice == 4
+
+
+@pytest.mark.parametrize("package", [behaviors, control, messages, systems])
+def test_what_a_context_may_hold_is_frozen_or_a_message(package):
+    places = pkgutil.walk_packages(package.__path__, f"{package.__name__}.")
+    modules = [importlib.import_module(place.name) for place in places]
+    kinds = {
+        kind
+        for module in modules
+        for kind in vars(module).values()
+        if isinstance(kind, type)
+        and dataclasses.is_dataclass(kind)
+        and kind.__module__ == module.__name__
+    }
+    assert kinds
+    for kind in kinds:
+        if issubclass(kind, Message):
+            # Comparison is the message's own, and misspelt fields are errors.
+            assert "__slots__" in vars(kind), kind
+            assert kind.__eq__ is Message.__eq__, kind
+        else:
+            assert kind.__dataclass_params__.frozen, kind

@@ -13,6 +13,7 @@ from atlas_drake import (
 )
 from atlas_drake.behaviors.base import Observation
 from atlas_drake.control.whole_body.model import WholeBodyModel
+from atlas_drake.frozen import replace
 from atlas_drake.messages import AtlasSimInterfaceState
 from atlas_drake.robot import load_robot
 
@@ -37,12 +38,13 @@ def observe(model):
     """Makes what a behavior sees of the robot in the stand-prep pose.
 
     Tilted by ``pitch`` [rad] forward, moving ahead at ``speed`` [m/s], with joints that
-    move by name [rad/s], and the ``users`` share of joints by name.
+    move by name [rad/s], and the ``users`` share of joints by name. With ``above`` [m]
+    the center of mass is at rest over this place.
     """
     robot, plant = model.robot, model.plant
     indices = robot.indices(plant)
 
-    def make(pitch=0.0, speed=0.0, joints=None, users=None):
+    def make(pitch=0.0, speed=0.0, joints=None, users=None, above=None):
         users = users or {}
         state = np.zeros(model.num_states)
         state[[0, 2]] = np.cos(0.5 * pitch), np.sin(0.5 * pitch)
@@ -51,10 +53,14 @@ def observe(model):
         velocities[3] = speed
         for name, velocity in (joints or {}).items():
             velocities[indices.v[robot.joint_names.index(name)]] = velocity
+        terms = model.evaluate(model.create_context(), state)
+        if above is not None:
+            com = np.append(above, terms.com[2])
+            terms = replace(terms, com=com, com_velocity=np.zeros(3))
         return Observation(
             time=1.0,
             dt=0.002,
-            terms=model.evaluate(model.create_context(), state),
+            terms=terms,
             foot_force=np.full(2, 0.5 * robot.mass * 9.81),
             user_share=np.array([users.get(name, 0.0) for name in robot.joint_names]),
         )

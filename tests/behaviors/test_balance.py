@@ -3,12 +3,23 @@
 import numpy as np
 import pytest
 
+from atlas_drake import AtlasSimInterfaceCommand
 from atlas_drake.behaviors.balance import Balance
+from atlas_drake.behaviors.body_reference import capture_body
+from atlas_drake.behaviors.config import ControllerConfig
+from atlas_drake.behaviors.supervisor import Supervisor
+from atlas_drake.control.balance import feedback
+from atlas_drake.control.balance.dcm_plan import DcmReference
 from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.feet.swing_foot import SwingReference
 from atlas_drake.control.gains import ControlGains
+from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.frozen import replace
+from atlas_drake.messages import Behavior
 
+from .as_request import as_request
+
+OMEGA = 3.2
 FOOT = FootPose(np.array([1.0, 0.5, 0.0]), np.eye(3))
 
 
@@ -66,3 +77,81 @@ def test_a_planted_sole_is_trusted_with_little_more_than_it_carries(
     # What the behavior itself allows is never exceeded.
     less = balance.planted(seen, 1, max_load=0.05).contact
     assert less.max_normal_force == pytest.approx(0.05 * balance.weight)
+
+
+def commanded(balance, seen, *, body=None, dcm=None):
+    """The command to a robot on both feet; without references, to stay as it is."""
+    feet = (balance.planted(seen, 0), balance.planted(seen, 1))
+    dcm = feedback.dcm(seen.terms, OMEGA) if dcm is None else dcm
+    support = balance.support(*(seen.foot_pose(foot) for foot in (0, 1)))
+    body = body or capture_body(seen.terms)
+    reference = DcmReference(dcm, dcm)
+    return balance.command(seen, body, reference, OMEGA, support, feet)
+
+
+def test_a_robot_at_its_reference_is_left_at_rest(balance, observe):
+    middle = np.mean([foot.p_WF[:2] for foot in observe().terms.feet], axis=0)
+    seen = observe(above=middle)
+    command = commanded(balance, seen)
+    left, right, chest, pelvis, moment, com, internal = command.tasks
+    frames = [contact.frame for contact in command.contacts]
+    assert frames == [left.frame, right.frame] == list(internal.frames)
+    for task in (left, right, chest, pelvis, com):
+        np.testing.assert_allclose(task.target, 0.0, atol=1e-9)
+    np.testing.assert_allclose(command.posture.target, 0.0, atol=1e-9)
+    # The force points from the eCMP to the center of mass, which it carries.
+    np.testing.assert_allclose(moment.p_WE[:2], middle, atol=1e-9)
+    arm = seen.terms.com[2] - moment.p_WE[2]
+    assert arm * OMEGA**2 == pytest.approx(GRAVITY)
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+@pytest.mark.parametrize("error", [-0.01, 0.01])
+def test_the_center_of_mass_is_pushed_back_to_its_reference(
+    balance, observe, axis, error
+):
+    middle = np.mean([foot.p_WF[:2] for foot in observe().terms.feet], axis=0)
+    away = middle.copy()
+    away[axis] += error
+    *_, moment, com, _ = commanded(balance, observe(above=away), dcm=middle).tasks
+    # ξ̇ = ω(ξ - p): the error of the DCM shrinks at the rate k·ω.
+    gain = balance.gains.dcm_gain
+    assert moment.p_WE[axis] - away[axis] == pytest.approx(gain * error)
+    assert com.target[axis] == pytest.approx(-(OMEGA**2) * gain * error)
+    assert com.target[1 - axis] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_trunk_and_posture_are_turned_to_their_reference(balance, observe):
+    seen = observe()
+    body = capture_body(seen.terms)
+    ahead = replace(
+        body, yaw_rate=0.3, height=body.height + 0.01, joints=body.joints + 0.1
+    )
+    command = commanded(balance, seen, body=ahead)
+    _, _, chest, pelvis, _, com, _ = command.tasks
+    gains = balance.gains
+    for task in (chest, pelvis):
+        spin = [0.0, 0.0, 0.3 * gains.orientation.kd]
+        np.testing.assert_allclose(task.target, spin, atol=1e-9)
+    assert com.target[2] == pytest.approx(0.01 * gains.com_height.kp)
+    np.testing.assert_allclose(command.posture.target, 0.1 * gains.posture.kp)
+    # With the back under the user's control, the chest may not tilt the pelvis.
+    back = balance.robot.joint_names[int(balance._back[0])]
+    _, _, chest, pelvis, *_ = commanded(
+        balance, observe(users={back: 1.0}), body=ahead
+    ).tasks
+    assert not chest.target.any()
+    assert pelvis.target.any()
+
+
+@pytest.mark.parametrize("behavior", ["STAND", "WALK", "STEP", "MANIPULATE"])
+def test_every_behavior_begins_with_each_foot_planted(model, observe, behavior):
+    seen = observe()
+    made = Supervisor(model, ControllerConfig(), 0.9).behaviors[Behavior[behavior]]
+    request = as_request(AtlasSimInterfaceCommand(behavior=behavior))
+    body = capture_body(seen.terms)
+    memory = made.enter(seen, body, request)
+    command = made.update(memory, seen, body, request, False).command
+    soles = [foot.sole_frame for foot in model.robot.file.feet]
+    assert [contact.frame for contact in command.contacts] == soles
+    assert [task.frame for task in command.tasks[:2]] == soles

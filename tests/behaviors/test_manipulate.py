@@ -111,6 +111,19 @@ def test_without_a_wish_it_stays_as_it_began(start, observe):
     np.testing.assert_allclose(now, began, atol=1e-9)
 
 
+def test_the_reference_moves_as_a_pendulum_on_its_cop(start, observe):
+    omega, request = 3.2, asked(com_v0=0.03, com_v1=-0.02)
+    robot = start(request)
+    for _ in range(20):
+        robot.tick(observe(), request)
+    com = robot.memory.motion.com
+    assert np.abs(com.acceleration).min() > 1e-4
+    reference = robot.memory.dcm_reference(omega)
+    np.testing.assert_allclose(omega * (reference.dcm - com.position), com.velocity)
+    away = com.position - reference.cop
+    np.testing.assert_allclose(omega**2 * away, com.acceleration, atol=1e-12)
+
+
 def test_it_takes_over_from_stand_and_gives_back_without_a_jump(parts, observe, start):
     """At the hand-over both ask for the same accelerations."""
     manipulate, stand = parts

@@ -1,5 +1,7 @@
 """STAND on the simulated robot: upright, at rest, also with joints of the user."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -10,8 +12,16 @@ from atlas_drake import (
     AtlasState,
     Scenario,
 )
+from atlas_drake.behaviors.balance import Balance
+from atlas_drake.behaviors.body_reference import BodyRates, capture_body
+from atlas_drake.behaviors.stand.config import StandConfig
+from atlas_drake.behaviors.stand.stand import Stand, _towards
+from atlas_drake.control.gains import ControlGains
+from atlas_drake.frozen import replace
 from atlas_drake.messages import Behavior, BehaviorStatus
 from atlas_drake.scenario import Jitter
+
+from .as_request import as_request
 
 
 def pelvis_height(look):
@@ -50,6 +60,42 @@ def test_a_foot_that_starts_in_the_air_is_not_thrown_about(steps):
     sim.advance_to(0.8)
     assert not sim.has_fallen
     assert sim.summary()["max_pelvis_tilt_rad"] < 0.1
+
+
+@pytest.mark.parametrize("way", [(0.03, 0.0), (0.0, -0.03), (-0.03, 0.04)])
+def test_the_reference_goes_straight_to_the_middle_and_stays(way):
+    begin, speed = np.array([0.2, -0.1]), 0.01
+    goal, place = begin + way, begin
+    ticks = math.ceil(np.hypot(*way) / speed)
+    for tick in range(1, ticks):
+        place = _towards(place, goal, speed)
+        done = tick * speed / np.hypot(*way)
+        np.testing.assert_allclose(place, begin + done * np.array(way))
+    place = _towards(place, goal, speed)
+    np.testing.assert_array_equal(place, goal)
+    assert _towards(place, goal, speed) is place
+
+
+@pytest.mark.parametrize("foot", [0, 1])
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_a_foot_that_slips_is_latched_anew(robot, observe, foot, axis):
+    seen = observe()
+    body, request = capture_body(seen.terms), as_request(AtlasSimInterfaceCommand())
+    stand = Stand(Balance(robot, ControlGains()), 0.9, BodyRates())
+    before = stand.enter(seen, body, request)
+    for share in (-1.1, -0.9, 0.9, 1.1):
+        slip = np.zeros(3)
+        slip[axis] = share * StandConfig().foot_slip
+        feet = list(seen.terms.feet)
+        feet[foot] = feet[foot]._replace(p_WF=feet[foot].p_WF + slip)
+        now = replace(seen, terms=replace(seen.terms, feet=tuple(feet)))
+        after = stand.update(before, now, body, request, False).memory
+        moved = slip if abs(share) > 1.0 else np.zeros(3)
+        for side, old, new in zip((0, 1), before.feet, after.feet, strict=True):
+            expected = old.p_WF + moved * (side == foot)
+            np.testing.assert_allclose(new.p_WF, expected, atol=1e-12)
+        np.testing.assert_allclose(after.middle - before.middle, 0.5 * moved)
+        assert after.height - before.height == pytest.approx(0.5 * moved[2])
 
 
 @pytest.mark.parametrize("spelling", ["freeze", "Freeze", " FREEZE ", 1])

@@ -48,10 +48,6 @@ def waiting(index):
     return look
 
 
-def in_step(report):
-    return report.step_feedback.t_step_rem > 0.0
-
-
 def in_air(report):
     return flags(report) == StepStatus.SUBSTATE_STEPPING
 
@@ -316,20 +312,6 @@ def test_a_foot_that_cannot_be_spared_stays(stepping):
     assert "cannot be unloaded" in left.text
     assert not robot.sim.has_fallen
     robot.stand()
-
-
-@pytest.mark.slow
-def test_the_time_left_of_a_step_only_falls(stepping):
-    robot = stepping()
-    robot.send(LEFT, 0.15, 0.12, step_end_dist=0.03)
-    assert robot.recording.advance(LONGEST, waiting(1))
-    looks = [look for look in robot.recording.looks if in_step(look.report)]
-    left = np.array([look.report.step_feedback.t_step_rem for look in looks])
-    assert (np.diff(left) <= 1e-9).all()
-    # It was right from the start.
-    taken = looks[-1].time - looks[0].time
-    assert left[0] == pytest.approx(taken, abs=0.3)
-    robot.assert_done()
 
 
 def test_a_height_that_no_foot_can_mean_is_that_of_the_ground(stepping):

@@ -10,6 +10,7 @@ from atlas_drake import AtlasSimInterfaceCommand
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.body_reference import capture_body
 from atlas_drake.behaviors.step.phases import Lower, Rest, Settle, Shift, Swing
+from atlas_drake.behaviors.step.preview import TIME_STEP
 from atlas_drake.behaviors.step.rules import StepRules
 from atlas_drake.behaviors.step.step import Step
 from atlas_drake.control.balance import feedback
@@ -18,7 +19,7 @@ from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.frozen import replace
 from atlas_drake.messages import AtlasSimInterfaceState, StepStatus, Vector3
-from atlas_drake.messages.event import STEPS_LEFT
+from atlas_drake.messages.event import FOOTSTEP, STEPS_LEFT
 
 from .as_request import as_request
 
@@ -73,6 +74,7 @@ def test_a_weight_shift_starts_where_the_robot_is_and_how_it_moves(
 ):
     seen, command = observe(speed=speed), request()
     memory = entered(step, seen, command)
+    assert (memory.shift_time, memory.elapsed, memory.lean) == (0.0, 0.0, 0.0)
     np.testing.assert_allclose(memory.shift.start, dcm(seen, balance), atol=0.002)
     middle = 0.5 * (seen.terms.feet[LEFT].p_WF + seen.terms.feet[RIGHT].p_WF)[:2]
     np.testing.assert_allclose(memory.shift.end, middle)
@@ -153,10 +155,10 @@ def test_a_foot_that_stays_loaded_is_given_up_after_a_while(step, observe):
     assert gives_up.events[-1].kind == STEPS_LEFT
 
 
-def standing_still_at(memory, place, **fields):
+def standing_still_at(memory, place, duration=1.0, **fields):
     """The memory with a weight shift that is at ``place`` from now on."""
-    shift = WeightShift(place, place, 1.0)
-    return replace(memory, shift=shift, shift_time=1.0, **fields)
+    shift = WeightShift(place, place, duration)
+    return replace(memory, shift=shift, shift_time=duration, **fields)
 
 
 def in_phase(kind, memory, **fields):
@@ -199,18 +201,60 @@ def test_a_foot_that_is_unloaded_is_loaded_again_for_balance(step, observe, bala
     seen = observe()
     memory = shifting(step, seen, request(foot=LEFT))
     here, left = dcm(seen, balance), seen.terms.feet[LEFT].p_WF[:2]
-    # At the end of the weight shift no load is left on the foot ...
-    done = {"elapsed": memory.shift.duration, "heel": 0.0}
     right = seen.terms.feet[RIGHT].p_WF[:2]
-    well = standing_still_at(memory, here + 0.5 * (here - right), **done)
-    feet = commanded(step, well, seen)
-    assert feet[LEFT].max_normal_force == pytest.approx(0.01 * balance.weight)
-    # ... unless the CoP has to come back to it.
+    # The CoP has to come back to it at the end of its weight shift.
+    done = {"elapsed": memory.shift.duration, "heel": 0.0}
     ill = standing_still_at(memory, here + 0.25 * (right - here), **done)
     feet = commanded(step, ill, seen)
     low = feet[LEFT].max_normal_force / balance.weight
     assert 0.4 < low < 0.9
     assert np.linalg.norm(left - right) > 0.2
+
+
+@pytest.mark.parametrize("foot", [LEFT, RIGHT])
+@pytest.mark.parametrize("duration", [0.5, 2.0])
+def test_the_leaving_foot_is_unloaded_evenly_until_lift_off(
+    step, observe, balance, foot, duration
+):
+    memory = shifting(step, observe(), request(foot=foot, y=0.14 - 0.28 * foot))
+    stance = memory.feet[1 - foot].p_WF[:2]
+    for left in (0.75, 0.5, 0.25):
+        elapsed = duration * (1.0 - left * RULES.unload_share)
+        still = {"elapsed": elapsed, "heel": 0.0, "fresh": None}
+        memory = standing_still_at(memory, stance, duration, **still)
+        feet = commanded(step, memory, observe(above=stance))
+        loads = [feet[side].max_normal_force for side in (foot, 1 - foot)]
+        assert loads[0] == pytest.approx(left * balance.weight)
+        assert loads[1] > 0.8 * balance.weight
+
+
+@pytest.mark.parametrize("foot", [LEFT, RIGHT])
+def test_a_foot_that_touches_down_is_pressed_flat_and_its_landing_told(
+    step, observe, balance, foot
+):
+    command = request(foot=foot, y=0.14 - 0.28 * foot)
+    memory = shifting(step, observe(), command)
+    lowering = in_phase(Lower, memory, elapsed=0.9 * memory.taken.swing.duration)
+    force = np.zeros(2)
+    for side, share, kind in (
+        (foot, 0.9, Lower),
+        (1 - foot, 5.0, Lower),
+        (foot, 1.1, Settle),
+    ):
+        force[:] = 0.0
+        force[side] = share * RULES.touchdown_force * balance.weight
+        seen = replace(observe(pitch=0.05), foot_force=force)
+        settling = tick(step, lowering, seen, command).memory
+        assert isinstance(settling, kind)
+    assert settling.feet[1 - foot] is memory.feet[1 - foot]
+    landed = seen.foot_pose(foot).p_WF
+    np.testing.assert_array_equal(settling.feet[foot].p_WF, landed)
+    done = replace(settling, elapsed=RULES.settle)
+    outcome = tick(step, done, observe(), command)
+    assert isinstance(outcome.memory, Rest)
+    (event,) = outcome.events
+    assert (event.kind, event.text) == (FOOTSTEP, "step 1 landed")
+    assert tick(step, replace(done, went_back=True), observe(), command).events == ()
 
 
 def time_left(step, memory):
@@ -304,3 +348,227 @@ def test_at_rest_the_body_is_half_way_between_the_feet(step, observe, foot):
     level = height(memory)
     up = height(raised(memory, foot, 0.01))
     assert up == pytest.approx(level + 0.005)
+
+
+@pytest.mark.parametrize("speed", [0.0, RULES.rest_speed + 0.01])
+def test_a_step_cut_short_ends_at_rest(step, observe, speed):
+    command = request()
+    memory = shifting(step, observe(), command)
+    for elapsed in (-0.1, 0.1):
+        landed = in_phase(Rest, memory, elapsed=memory.shift.duration + elapsed)
+        cut_short = replace(landed, progress=replace(landed.progress, leaving=True))
+        seen = observe(speed=-speed)
+        finished = tick(step, cut_short, seen, command, leaving=True).finished
+        assert finished == (elapsed > 0.0 and speed == 0.0)
+        # If both feet are down anyway, STAND brings the robot to rest.
+        assert tick(step, landed, seen, command, leaving=True).finished
+
+
+@pytest.mark.parametrize("foot", [LEFT, RIGHT])
+def test_the_plan_shows_the_way_of_foot_and_body(step, observe, foot):
+    seen, command = observe(), request(foot=foot, y=0.14 - 0.28 * foot)
+    memory = shifting(step, seen, command)
+    plan = step.plan(memory, seen.terms.com[:2], 3.2)
+    paths, shift = plan.preview(), memory.shift
+    assert plan.footsteps == ()
+    assert paths.swing is None
+    np.testing.assert_allclose(plan.dcm_reference, shift.start, atol=1e-9)
+    for path in (paths.com, paths.dcm, paths.cop):
+        np.testing.assert_allclose(path[0], shift.start, atol=1e-3)
+        np.testing.assert_allclose(path[-1], shift.end, atol=0.01)
+    # ξ = c + ċ/ω, along the whole way.
+    rate = np.gradient(paths.com, TIME_STEP, axis=0)[1:-1]
+    ahead = (paths.dcm - paths.com)[1:-1]
+    np.testing.assert_allclose(ahead, rate / 3.2, atol=2e-3)
+    flying = in_phase(Swing, memory, elapsed=0.1)
+    plan = step.plan(flying, seen.terms.com[:2], 3.2)
+    (target,) = plan.footsteps
+    assert (target.foot, target.yaw) == (foot, memory.taken.step.yaw)
+    swing, duration = plan.preview().swing, memory.taken.swing.duration
+    assert len(swing) == pytest.approx(duration / TIME_STEP, abs=1.0)
+    np.testing.assert_allclose(swing[0][:2], memory.feet[foot].p_WF[:2], atol=0.01)
+    np.testing.assert_allclose(swing[-1], target.p_WF, atol=0.01)
+
+
+@pytest.mark.parametrize("foot", [LEFT, RIGHT])
+@pytest.mark.parametrize(
+    ("late", "load", "miss", "lifts"),
+    [
+        (-0.01, 0.0, 0.0, False),
+        (0.0, 0.9, 0.9, True),
+        (0.0, 1.1, 0.0, False),
+        (0.0, 0.0, 1.1, False),
+    ],
+)
+def test_a_foot_lifts_off_without_load_when_the_weight_is_over_the_other(
+    step, observe, balance, foot, late, load, miss, lifts
+):
+    command = request(foot=foot, y=0.14 - 0.28 * foot)
+    memory = shifting(step, observe(), command)
+    memory = replace(memory, elapsed=memory.shift.duration + late)
+    away = miss * RULES.dcm_ready * np.array([0.8, -0.6])
+    seen = observe(above=memory.shift.end + away)
+    felt = np.full(2, balance.weight)
+    felt[foot] = load * RULES.still_loaded * balance.weight
+    after = tick(step, memory, replace(seen, foot_force=felt), command).memory
+    assert isinstance(after, Swing) == lifts
+    if lifts:
+        alone = balance.support(memory.feet[1 - foot])
+        np.testing.assert_array_equal(after.support.vertices, alone.vertices)
+
+
+def test_the_heel_rises_smoothly_in_the_last_part_of_the_shift(step, observe):
+    memory = replace(shifting(step, observe(), request()), heel=0.3)
+    begins, end, dt = 0.5 * memory.shift.duration, memory.shift.duration, 1e-5
+
+    def heel(time):
+        return np.array(replace(memory, elapsed=time).heel_motion(0.5))
+
+    for time in (0.0, begins, end, end + 0.5):
+        angle = 0.3 if time >= end else 0.0
+        np.testing.assert_allclose(heel(time), [angle, 0.0, 0.0], atol=1e-9)
+    for time in np.linspace(begins, end, 7)[1:-1]:
+        slope = (heel(time + dt) - heel(time - dt)) / (2.0 * dt)
+        np.testing.assert_allclose(heel(time)[1:], slope[:2], atol=1e-4)
+        assert heel(time)[1] > 0.0
+    assert not replace(memory, heel=0.0).heel_motion(0.5)[0]
+    # On its toes the foot still widens the support, but carries no moment.
+    shift = step._control(memory)
+    flat, raised = (
+        shift.support(replace(memory, elapsed=time)) for time in (0.0, 0.9 * end)
+    )
+    length = np.array([0.1, 0.0])
+    behind = memory.feet[LEFT].p_WF[:2] - length
+    ahead = memory.feet[LEFT].p_WF[:2] + length
+    assert flat.distance_outside(behind) < 0.0 < raised.distance_outside(behind)
+    assert raised.distance_outside(ahead) < flat.distance_outside(ahead) + 0.05
+    # Its contact moves to the toes while the heel is up.
+    whole, toes = (
+        commanded(step, replace(memory, elapsed=time, fresh=None), observe())[LEFT]
+        for time in (0.0, 0.9 * end)
+    )
+    assert whole.patch.corners[:, 0].min() < -0.05
+    assert toes.patch.corners[:, 0].min() > 0.05
+    assert shift.are_both_flat(replace(memory, elapsed=begins))
+    assert not shift.are_both_flat(replace(memory, elapsed=0.9 * end))
+
+
+@pytest.fixture
+def lowered(step, observe):
+    """Makes the phase in which ``foot`` comes down and the body leans [m]."""
+
+    def make(foot, lean):
+        command = request(foot=foot, y=0.14 - 0.28 * foot)
+        memory = shifting(step, observe(), command)
+        action = replace(memory.taken.action, step_end_dist=lean)
+        taken = replace(memory.taken, action=action)
+        rising = {"elapsed": 0.0, "taken": taken}
+        stance = step._stance.balance.support(memory.feet[1 - foot])
+        swing = in_phase(Swing, memory, **rising, support=stance)
+        assert tick(step, swing, observe(), command).memory.elapsed > 0.0
+        above = replace(swing, elapsed=taken.swing.duration - taken.swing.lower)
+        lower = tick(step, above, observe(), command).memory
+        assert isinstance(lower, Lower)
+        return lower, command
+
+    return make
+
+
+@pytest.mark.parametrize("foot", [LEFT, RIGHT])
+@pytest.mark.parametrize("lean", [-0.02, -0.001, 0.0, 0.001, 0.02])
+def test_the_body_leans_into_the_step_as_far_as_the_foot_can_bring_it_back(
+    step, observe, lowered, foot, lean
+):
+    lower, _ = lowered(foot, lean)
+    taken, shift = lower.taken, lower.shift
+    leant = shift.end - shift.start
+    if lean == 0.0:
+        assert np.hypot(*leant) > 0.05  # The whole weight shift before, unchanged.
+        return
+    assert lower.shift_time == 0.0
+    assert shift.duration == taken.swing.lower
+    way = taken.step.p_WF[:2] - lower.feet[1 - foot].p_WF[:2]
+    ahead = way / np.hypot(*way)
+    assert leant == pytest.approx((leant @ ahead) * ahead, abs=1e-9)
+    share = (leant @ ahead) / lean
+
+    def reserves(share):
+        end = shift.start + share * lean * ahead
+        omega = step._stance.omega(observe(), (lower.feet[1 - foot],))
+        moved = WeightShift(shift.start, end, shift.duration)
+        inside = -lower.support.distance_outside(end) - RULES.lean_inside
+        return inside, -moved.cop_outside(lower.support, omega) - RULES.cop_inside
+
+    # In tenths, and no more than the stance foot has room for.
+    assert min(reserves(share)) >= -1e-9
+    if abs(lean) < 0.01:
+        assert share == pytest.approx(1.0)
+    else:
+        assert 0.0 < share < 1.0
+        assert min(reserves(share + 0.1)) < 0.0
+
+
+@pytest.mark.parametrize("foot", [LEFT, RIGHT])
+@pytest.mark.parametrize("lean", [0.0, 0.02])
+def test_a_foot_that_finds_no_ground_returns_to_where_it_was(
+    step, observe, lowered, foot, lean
+):
+    lower, command = lowered(foot, lean)
+    times = np.arange(0.0, 3.0, 0.01) + lower.elapsed
+    missed = next(time for time in times if lower.taken.swing.has_missed(time))
+    in_air = replace(observe(), foot_force=np.zeros(2))
+    before = tick(step, replace(lower, elapsed=missed - 0.02), in_air, command)
+    assert isinstance(before.memory, Lower)
+    outcome = tick(step, replace(lower, elapsed=missed), in_air, command)
+    (event,) = outcome.events
+    assert (event.kind, event.text) == (
+        STEPS_LEFT,
+        "step 1 found no ground; its foot returns",
+    )
+    back = outcome.memory
+    assert isinstance(back, Swing)
+    assert (back.went_back, back.elapsed) == (True, 0.0)
+    home, here = lower.feet[foot], in_air.foot_pose(foot)
+    np.testing.assert_array_equal(back.taken.step.p_WF, home.p_WF)
+    assert back.taken.step.yaw == pytest.approx(home.yaw)
+    swing = back.taken.swing
+    np.testing.assert_allclose(swing.evaluate(0.0).p_WF, here.p_WF, atol=1e-9)
+    landed = swing.evaluate(swing.duration).p_WF
+    np.testing.assert_allclose(landed[:2], home.p_WF[:2], atol=1e-6)
+    # The body goes back with it, from where it leant, and does not lean again.
+    assert back.taken.action.step_end_dist == 0.0
+    if lean:
+        np.testing.assert_allclose(back.shift.end, lower.shift.start)
+        assert back.shift.duration >= swing.lower
+    else:
+        assert back.shift is lower.shift
+
+
+@pytest.mark.parametrize("foot", [LEFT, RIGHT])
+def test_a_new_foot_is_pressed_with_the_body_over_the_other(step, observe, foot):
+    memory = shifting(step, observe(), request(foot=foot, y=0.14 - 0.28 * foot))
+
+    def height(memory):
+        return step._control(memory).reach(memory).height
+
+    settling = in_phase(Settle, memory)
+    assert height(raised(settling, foot, 0.1)) == height(settling)
+    higher = height(raised(settling, 1 - foot, 0.1))
+    assert higher == pytest.approx(height(settling) + 0.1)
+
+
+def test_a_step_that_comes_too_late_is_told_once(step, observe):
+    seen, command = observe(), request(2)
+    memory = replace(entered(step, seen, request()), elapsed=9.0)
+    memory = tick(step, memory, seen, command).memory
+    assert memory.progress.index == 2
+    late = request(1)
+    outcome = tick(step, memory, seen, late)
+    (event,) = outcome.events
+    assert event.text == "step 1 is not taken: the next one is 3"
+    assert tick(step, outcome.memory, seen, late).events == ()
+    # The demonstration counts by itself.
+    demo = request(1)
+    demo.command.step_params.use_demo_walk = True
+    assert tick(step, memory, seen, demo).events == ()
+    assert tick(step, memory, seen, request(3)).events == ()

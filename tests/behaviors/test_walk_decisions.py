@@ -1,14 +1,18 @@
 """Decisions of WALK about its phases, without a simulation."""
 
+import math
+
 import numpy as np
 import pytest
 
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.body_reference import BodyRates, capture_body
-from atlas_drake.behaviors.walk.phases import Settle, Swing
+from atlas_drake.behaviors.walk.phases import Settle, Swing, Transfer
+from atlas_drake.behaviors.walk.preview import TIME_STEP
 from atlas_drake.behaviors.walk.rules import WalkRules
 from atlas_drake.behaviors.walk.walk import Walk
-from atlas_drake.control.feet.footstep import FootPose
+from atlas_drake.control.balance.step_adjustment import StepAdjustmentLimits
+from atlas_drake.control.feet.footstep import LEFT, RIGHT, FootPose, outward
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.frozen import replace
 
@@ -54,3 +58,238 @@ def test_feet_that_lie_elsewhere_at_lift_off_may_end_the_walk(
     assert outcome.memory.obstacle == "step 1 leads 0.15 m up, which is too much"
     (event,) = outcome.events
     assert event.text.startswith("WALK will end before step 1")
+
+
+def bent(seen, robot, flexion):
+    """The same look with both knees so far from the straight leg [rad]."""
+    q = seen.terms.q.copy()
+    for leg in robot.legs:
+        q[leg.knee] = leg.straight + flexion
+    return replace(seen, terms=replace(seen.terms, q=q))
+
+
+def shifting(walk, seen, request, elapsed):
+    phase = walk.enter(seen, capture_body(seen.terms), request)
+    return replace(phase, elapsed=elapsed, plan_time=elapsed)
+
+
+@pytest.mark.parametrize("foot", [LEFT, RIGHT])
+@pytest.mark.parametrize(
+    ("late", "ready", "flexion", "lifts"),
+    [
+        (-0.01, True, 0.5, False),
+        (0.0, True, 0.5, True),
+        (0.0, False, 0.5, False),
+        (RULES.longest_wait - 0.01, False, 0.5, False),
+        (RULES.longest_wait + 0.01, False, 0.5, True),
+        # A straight leg holds the pelvis back: waiting brings the DCM no nearer.
+        (0.0, False, RULES.straight_flexion + 0.01, False),
+        (0.0, False, RULES.straight_flexion - 0.01, True),
+    ],
+)
+def test_a_foot_lifts_off_when_the_dcm_is_ready_or_waiting_is_in_vain(
+    walk, observe, robot, walk_message, foot, late, ready, flexion, lifts
+):
+    request = as_request(walk_message((1, foot, 0.2, 0.14 * outward(foot))))
+    phase = shifting(walk, observe(), request, 0.0)
+    phase = replace(phase, elapsed=phase.duration + late, plan_time=phase.duration)
+    miss = (0.5 if ready else 1.5) * RULES.dcm_ready * np.array([0.6, 0.8])
+    seen = bent(observe(above=phase.planned.dcm + miss), robot, flexion)
+    after, _ = walk._control(phase).advance(phase, seen)
+    assert isinstance(after, Swing) == lifts
+    if lifts:
+        assert after.step.foot == foot
+        swing = walk._timing.swing(after.sent.duration)
+        assert after.duration == pytest.approx(swing - min(late, seen.dt))
+    else:
+        # The plan stands still while lift-off waits.
+        held = 0.0 if late < 0.0 else seen.dt
+        assert after.plan_time == pytest.approx(phase.plan_time - held)
+
+
+@pytest.mark.parametrize("foot", [LEFT, RIGHT])
+def test_the_foot_that_lifts_off_next_is_unloaded_evenly(
+    walk, observe, walk_message, foot
+):
+    seen = observe()
+    request = as_request(walk_message((1, foot, 0.2, 0.14 * outward(foot))))
+    phase = shifting(walk, seen, request, 0.0)
+
+    def loads(share):
+        now = replace(phase, elapsed=share * phase.duration)
+        _, feet = walk._control(now).command_feet(now, seen)
+        loads = [feet[side].contact.max_normal_force for side in (foot, 1 - foot)]
+        return np.array(loads) / walk._balance.weight
+
+    # The sole is trusted with so much before; none is left at lift-off.
+    begins = 1.0 - RULES.unload_share
+    trusted = loads(0.0)
+    np.testing.assert_array_equal(loads(begins - 0.01), trusted)
+    for share in (0.25, 0.5, 0.75):
+        now = loads(begins + share * RULES.unload_share)
+        np.testing.assert_allclose(now, [1.0 - share, trusted[1]])
+    np.testing.assert_allclose(loads(1.0), [0.01, trusted[1]])
+    # While lift-off waits both feet carry.
+    np.testing.assert_array_equal(loads(1.01), trusted)
+
+
+@pytest.fixture
+def swinging(walk, observe, walk_message):
+    """Makes a swing of ``foot`` after ``elapsed`` [s]."""
+
+    def make(foot, elapsed):
+        seen = observe()
+        step = (1, foot, 0.2, 0.14 * outward(foot))
+        ahead = (2, 1 - foot, 0.4, -0.14 * outward(foot))
+        begun = shifting(walk, seen, as_request(walk_message(step, ahead)), 0.0)
+        phase = walk._planner.swing(begun.course, 0.0)
+        motion = replace(phase.motion, elapsed=elapsed)
+        return replace(phase, elapsed=elapsed, plan_time=elapsed, motion=motion)
+
+    return make
+
+
+@pytest.mark.parametrize("foot", [LEFT, RIGHT])
+@pytest.mark.parametrize("left", [0.45, 0.3, 0.1])
+@pytest.mark.parametrize("axis", [0, 1])
+def test_a_moved_step_leaves_the_ankles_what_they_can_hold_until_touchdown(
+    walk, observe, swinging, foot, left, axis
+):
+    phase = swinging(foot, 0.0)
+    omega, touchdown = phase.plan.omega, phase.duration
+    phase = swinging(foot, touchdown - left)
+    growth = math.exp(omega * left)
+    limits = StepAdjustmentLimits()
+    ankle = (limits.cop_forward, limits.cop_sideways)[axis]
+    tolerated = (limits.tolerated_forward, limits.tolerated_sideways)[axis]
+    held = ankle * (growth - 1.0) + tolerated
+    error = np.zeros(2)
+    # Ahead and outward, where there is room for the landing place to move.
+    side = (1.0, outward(foot))[axis]
+    error[axis] = side * (held + 0.02) / growth
+    moved = walk._control(phase)._adjust_step(
+        phase, observe(above=phase.planned.dcm + error)
+    )
+    change = moved.plan.evaluate(touchdown).dcm - phase.plan.evaluate(touchdown).dcm
+    rest = error * growth - change
+    assert rest[axis] == pytest.approx(side * held, abs=1e-6)
+    assert rest[1 - axis] == pytest.approx(0.0, abs=1e-4)
+    # What they can hold by themselves moves no step.
+    for share in (-0.9, 0.9):
+        small = share * held / (held + 0.02) * error
+        seen = observe(above=phase.planned.dcm + small)
+        assert walk._control(phase)._adjust_step(phase, seen) is phase
+
+
+def test_the_landing_place_is_fixed_at_the_end_of_a_swing(walk, observe, swinging):
+    for before, moves in ((0.01, True), (-0.01, False)):
+        phase = swinging(LEFT, swinging(LEFT, 0.0).duration - RULES.frozen_end - before)
+        seen = observe(above=phase.planned.dcm + np.array([0.3, 0.0]))
+        moved = walk._control(phase)._adjust_step(phase, seen)
+        assert (moved is not phase) == moves
+
+
+@pytest.mark.parametrize("foot", [LEFT, RIGHT])
+@pytest.mark.parametrize(
+    ("left", "force", "touches"),
+    [
+        (0.3, 1.0, False),  # A stumble.
+        (0.07, 1.1 * RULES.touchdown_force, True),
+        (0.07, 0.9 * RULES.touchdown_force, False),
+        # The ground is expected: a light touch counts.
+        (0.01, 1.1 * RULES.landing_force, True),
+        (0.01, 0.9 * RULES.landing_force, False),
+    ],
+)
+def test_touchdown_is_felt_by_the_foot_in_the_air(
+    walk, observe, swinging, foot, left, force, touches
+):
+    phase = swinging(foot, swinging(foot, 0.0).duration - left)
+    felt = np.zeros(2)
+    felt[foot] = force * walk._balance.weight
+    seen = replace(observe(), foot_force=felt)
+    after, _ = walk._control(phase).advance(phase, seen)
+    if not touches:
+        assert after is phase
+        return
+    assert isinstance(after, Transfer)
+    landed = seen.foot_pose(foot).p_WF
+    np.testing.assert_array_equal(after.course.feet[foot].p_WF, landed)
+    np.testing.assert_array_equal(after.course.aimed[foot].p_WF, phase.step.p_WF)
+    for kept in ("feet", "aimed"):
+        before, now = getattr(phase.course, kept), getattr(after.course, kept)
+        assert now[1 - foot] is before[1 - foot]
+    # The step after it touches down when it would have after a touchdown in time.
+    transfer = walk._timing.transfer(phase.course.pending[0].duration)
+    assert after.duration == pytest.approx(
+        transfer + min(left, RULES.transfer_change * transfer)
+    )
+    # The other foot's load says nothing.
+    elsewhere = replace(seen, foot_force=felt[::-1].copy())
+    assert walk._control(phase).advance(phase, elsewhere)[0] is phase
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_a_walk_is_over_when_the_robot_has_come_to_rest(
+    walk, observe, walk_message, axis
+):
+    seen = observe()
+    begun = shifting(walk, seen, as_request(walk_message()), 0.0)
+    settle = walk._planner.settle(begun.course, begun.planned.cop)
+    end = settle.duration + walk._timing.rest
+    for late, speed, over in (
+        (0.01, 0.9 * RULES.rest_speed, True),
+        (0.01, 1.1 * RULES.rest_speed, False),
+        (0.01, -1.1 * RULES.rest_speed, False),
+        (-0.01, 0.0, False),
+    ):
+        velocity = np.zeros(3)
+        velocity[axis] = speed
+        now = replace(seen, terms=replace(seen.terms, com_velocity=velocity))
+        phase = replace(settle, elapsed=end + late)
+        finished, events = walk._control(phase).end(phase, now, leaving=False)
+        assert finished == over
+        assert len(events) == over
+        # Nothing is left out if the end was asked for.
+        assert walk._control(phase).end(phase, now, leaving=True) == (over, ())
+
+
+def test_a_step_may_be_warned_of_again_when_a_message_replaces_it(
+    walk, observe, walk_message
+):
+    seen = observe()
+    steps = [(1, LEFT, 0.2, 0.14), (2, RIGHT, 0.4, -0.14)]
+    phase = shifting(walk, seen, as_request(walk_message(*steps)), 0.0)
+    told = frozenset({(1, "place"), (2, "place"), (2, "pace")})
+    phase = replace(phase, course=replace(phase.course, told=told))
+    assert walk._read_queue(phase, phase.course.request) is phase
+    steps[1] = (2, RIGHT, 0.3, -0.14)
+    read = walk._read_queue(phase, as_request(walk_message(*steps)))
+    assert read.course.told == {(1, "place")}
+    assert [step.p_WF[0] for step in read.course.pending] == [0.2, 0.3]
+
+
+@pytest.mark.parametrize("foot", [LEFT, RIGHT])
+def test_the_plan_shows_the_way_of_foot_and_body(walk, observe, swinging, foot):
+    phase, seen = swinging(foot, 0.2), observe()
+    # The body is where the plan wants it.
+    omega, touchdown = phase.plan.omega, phase.duration
+    plan = walk.plan(phase, phase.planned.dcm, omega)
+    paths = plan.preview()
+    np.testing.assert_array_equal(plan.dcm_reference, phase.planned.dcm)
+    np.testing.assert_array_equal(plan.cop_reference, phase.planned.cop)
+    assert [(step.foot, step.p_WF[0]) for step in plan.footsteps] == [
+        (foot, 0.2),
+        (1 - foot, 0.4),
+    ]
+    np.testing.assert_allclose(paths.swing[0], seen.foot_pose(foot).p_WF)
+    np.testing.assert_allclose(paths.swing[-1], phase.step.p_WF, atol=2e-3)
+    assert len(paths.swing) == pytest.approx(touchdown / TIME_STEP, abs=2.0)
+    # ċ = ω(ξ - c) along the whole way, to rest between the feet.
+    rate = np.diff(paths.com, axis=0) / TIME_STEP
+    apart = paths.dcm - paths.com
+    np.testing.assert_allclose(rate, omega * 0.5 * (apart[1:] + apart[:-1]), atol=5e-3)
+    np.testing.assert_array_equal(paths.dcm[0], phase.planned.dcm)
+    end = phase.plan.duration
+    for path in (paths.com, paths.dcm, paths.cop):
+        np.testing.assert_allclose(path[-1], phase.plan.evaluate(end).dcm, atol=0.03)

@@ -6,7 +6,12 @@ import math
 import numpy as np
 import pytest
 
-from atlas_drake.behaviors.footstep_event import footstep_event, landed_elsewhere
+from atlas_drake.behaviors.footstep_event import (
+    footstep_event,
+    is_elsewhere,
+    landed_elsewhere,
+    out_of_reach,
+)
 from atlas_drake.behaviors.walk.outlook import (
     LOOK_AHEAD,
     look_ahead,
@@ -199,6 +204,22 @@ def test_what_was_told_of_a_steps_pace_does_not_hide_that_it_is_out_of_reach():
 
 def test_a_step_within_reach_is_not_worth_a_word():
     assert texts(outlook_of([step(1, 0.42), step(2, 0.42, yaw=-0.2)])) == []
+
+
+@pytest.mark.parametrize(
+    ("x", "yaw", "told"),
+    [(0.0009, 0.0, 0), (0.001, 0.0, 1), (0.0, 0.0099, 0), (0.0, -0.0101, 1)],
+)
+def test_a_millimetre_or_a_centiradian_is_worth_a_word(x, yaw, told):
+    assert len(out_of_reach(0.0, step(1), step(1, x, yaw=yaw))) == told
+
+
+@pytest.mark.parametrize(
+    ("away", "turned", "elsewhere"),
+    [(0.049, 0.19, False), (0.05, 0.0, True), (0.0, 0.2, True)],
+)
+def test_a_landing_counts_as_elsewhere_from_its_thresholds_on(away, turned, elsewhere):
+    assert is_elsewhere({"error_m": away, "error_rad": turned}) is elsewhere
 
 
 def test_a_landing_elsewhere_is_not_what_was_asked_for():

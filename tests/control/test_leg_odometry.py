@@ -10,6 +10,7 @@ from atlas_drake.control.estimation.attitude import (
 )
 from atlas_drake.control.estimation.leg_odometry import (
     OdometryTuning,
+    _slip,
     correct,
     predict,
     start_odometry,
@@ -203,3 +204,26 @@ def test_the_period_does_not_decide_how_soon_the_bias_is_known(period):
         state = predict(state, np.zeros(3), felt, period, TUNING)
         state = correct(state, FEET - P_WI, REST, BOTH, period, TUNING)
     np.testing.assert_allclose(state.bias_P, BIAS, atol=0.02)
+
+
+@pytest.mark.parametrize("period", [0.001, 0.004])
+def test_a_wrong_tilt_is_forgotten_at_its_rate(period):
+    tuning = replace(TUNING, gravity_settling=2.0)
+    state = start(q=turned(UPRIGHT, np.array([0.04, -0.03, 0.0])))
+    for _ in range(round(1.0 / period)):
+        felt = np.array([0.0, 0.0, GRAVITY]) * period
+        state = predict(state, np.zeros(3), felt, period, tuning)
+    left = np.exp(-0.5) * np.array([0.04, -0.03, 0.0])
+    np.testing.assert_allclose(turn_between(UPRIGHT, state.q_WP), left, atol=2e-4)
+
+
+def test_a_foot_drifts_the_more_the_less_it_carries_and_the_faster_it_moves():
+    t = OdometryTuning()
+    firm, loose = t.slip, t.slip + t.loose_slip
+    assert _slip(t.full_load, t.still, t) == _slip(1.0, 0.0, t) == pytest.approx(firm)
+    assert _slip(t.no_load, 0.0, t) == _slip(-0.1, 9.0, t) == pytest.approx(loose)
+    assert _slip(1.0, t.sliding, t) == _slip(1.0, 9.0, t) == pytest.approx(loose)
+    between = 0.5 * np.array([t.no_load + t.full_load, t.still + t.sliding])
+    half = t.slip + 0.25 * t.loose_slip
+    assert _slip(between[0], 0.0, t) == pytest.approx(half)
+    assert _slip(1.0, between[1], t) == pytest.approx(half)

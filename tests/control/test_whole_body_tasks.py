@@ -462,6 +462,17 @@ def test_a_task_without_which_there_were_a_solution_is_named(
     assert re.match(words, answer.why)
 
 
+@pytest.mark.parametrize("part", ["q", "v", "M"])
+@pytest.mark.filterwarnings("ignore:invalid value")
+def test_a_state_that_is_no_number_is_named(robot, qp, bounds, terms, part):
+    lost = dataclasses.replace(
+        terms, **{part: np.full_like(getattr(terms, part), np.nan)}
+    )
+    answer = qp.solve(lost, still(robot, contacts=soles(robot)), bounds)
+    assert not answer.found
+    assert answer.why == "the state of the robot is not finite"
+
+
 def test_rows_and_bounds_without_which_there_were_a_solution_are_named(
     robot, qp, bounds, terms
 ):
@@ -469,8 +480,10 @@ def test_rows_and_bounds_without_which_there_were_a_solution_are_named(
     nothing = OwnTask(A=np.full((3, 34), np.nan))
     answer = qp.solve(terms, command.plus(nothing), bounds)
     assert answer.why == "A of OwnTask is not finite"
-    crossed = TaskBounds(ComTask(ZERO, 1.0), np.ones(3), -np.ones(3))
-    answer = qp.solve(terms, command.plus(constraints=[crossed]), bounds)
+    # One row of three, behind bounds that may stay.
+    fine = TaskBounds(PositionTask(HAND, ZERO, 1.0), -1e3, 1e3)
+    crossed = TaskBounds(ComTask(ZERO, 1.0), np.array([1.0, -9.0, -9.0]), -ZERO)
+    answer = qp.solve(terms, command.plus(constraints=[fine, crossed]), bounds)
     assert answer.why.startswith("bounds of TaskBounds of ComTask contradict")
     beyond = TaskBounds(ComTask(ZERO, 1.0), 50.0, 60.0, soft=False)
     answer = qp.solve(terms, command.plus(constraints=[beyond]), bounds)

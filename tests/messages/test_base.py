@@ -160,6 +160,13 @@ def test_a_truth_value_is_not_the_content_of_a_number(flag):
     assert same_content([1.0, 1], (1, 1.0))
 
 
+def test_arrays_differ_in_shape_and_type():
+    values = np.array([1.0, 2.0])
+    assert same_content(values, frozen(values))
+    for other in (values[:, np.newaxis], values.view(int), values + 1.0, [1.0, 2.0]):
+        assert not same_content(values, frozen(other))
+
+
 def test_snapshot_is_free_to_copy():
     snapshot = filled_command().snapshot()
     assert snapshot.snapshot() is snapshot

@@ -521,3 +521,5 @@ def test_values_are_their_own_copies(start):
         with pytest.raises(dataclasses.FrozenInstanceError):
             setattr(value, dataclasses.fields(value)[0].name, None)
     assert isinstance(start, CommandsInForce)
+    with pytest.raises(ValueError, match="read-only"):
+        start.joints.share[0] = 1.0

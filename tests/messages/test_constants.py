@@ -1,13 +1,18 @@
 """Indices and bits against the figures of the control interface."""
 
+from dataclasses import fields, is_dataclass
+
+from atlas_drake import messages
 from atlas_drake.errors import ErrorCode
 from atlas_drake.messages import (
+    NO_STEP,
     AtlasBehaviorFeedback,
-    AtlasBehaviorManipulateParams,
     AtlasBehaviorStepFeedback,
     AtlasBehaviorWalkFeedback,
     AtlasSimInterfaceState,
     AtlasState,
+    Message,
+    ToeOff,
 )
 
 TRUNK = ["back_bkz", "back_bky", "back_bkx", "neck_ry"]
@@ -98,5 +103,30 @@ def test_walk_and_step_flags():
     assert step.STEP_SUBSTATE_STEPPING == 2
 
 
-def test_customary_pelvis_height():
-    assert AtlasBehaviorManipulateParams().desired.pelvis_height == 0.8
+CUSTOMARY = {
+    "Quaternion.w": 1.0,
+    "AtlasBehaviorStepData.step_index": NO_STEP,
+    "AtlasBehaviorStepSpec.step_index": NO_STEP,
+    "AtlasBehaviorStepAction.step_duration": 0.7,
+    "AtlasBehaviorStepAction.sway_duration": 0.1,
+    "AtlasBehaviorStepAction.toe_off": ToeOff.ENABLE,
+    "AtlasBehaviorStepAction.sway_end_dist": 0.1,
+    "AtlasBehaviorStepAction.step_end_dist": 0.1,
+    "AtlasBehaviorPelvisServoParams.pelvis_height": 0.8,
+    "AtlasBehaviorWalkFeedback.next_step_index_needed": 1,
+    "AtlasBehaviorStepFeedback.next_step_index_needed": 1,
+}
+"""Fields of an empty message that are not zero."""
+
+
+def test_an_empty_message_is_zero_but_for_the_customary_values():
+    kinds = [kind for kind in vars(messages).values() if is_dataclass(kind)]
+    values = {
+        f"{kind.__name__}.{field.name}": getattr(kind(), field.name)
+        for kind in kinds
+        if issubclass(kind, Message)
+        for field in fields(kind)
+    }
+    numbers = {k: v for k, v in values.items() if isinstance(v, (int, float))}
+    assert len(numbers) > 40
+    assert {name: value for name, value in numbers.items() if value} == CUSTOMARY

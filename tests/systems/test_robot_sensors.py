@@ -1,14 +1,15 @@
-"""The IMU's message against Drake's own kinematics of the plant."""
+"""Messages of IMU and contact forces against the kinematics of the plant."""
 
 import numpy as np
 import pytest
 
 from atlas_drake import AtlasSimulation, Scenario
+from atlas_drake.scenario import Start
 
 
-@pytest.mark.parametrize("model", ["atlas", "atlas_v3"])
-def test_the_imu_measures_the_motion_of_its_frame(model):
-    sim = AtlasSimulation(Scenario(model=model))
+@pytest.mark.parametrize(("model", "noise"), [("atlas", "none"), ("atlas_v3", "rough")])
+def test_the_imu_measures_the_motion_of_its_frame(model, noise):
+    sim = AtlasSimulation(Scenario(model=model, noise=noise))
     sim.advance(0.3)
     # A blow that turns the pelvis, too.
     sim.apply_push("l_farm", [80.0, 60.0, -40.0], 0.05)
@@ -28,13 +29,36 @@ def test_the_imu_measures_the_motion_of_its_frame(model):
     R_IW = X_WI.rotation().inverse().matrix()
     message = sim.imu
     assert np.abs(message.angular_velocity.to_array()).max() > 0.01
-    for found, expected in (
-        (message.angular_velocity, R_IW @ V_WI.rotational()),
-        (message.linear_acceleration, R_IW @ (A_WI.translational() + upward)),
+    sensors = sim.station.GetSubsystemByName("robot_sensors")
+    source = sensors.noise(sensors.GetMyContextFromRoot(sim.context))
+    drawn = source.sample(sim.time)
+    for found, expected, error in (
+        (message.angular_velocity, R_IW @ V_WI.rotational(), drawn.angular_velocity),
+        (
+            message.linear_acceleration,
+            R_IW @ (A_WI.translational() + upward),
+            drawn.specific_force,
+        ),
     ):
-        np.testing.assert_allclose(found.to_array(), expected, atol=1e-9)
+        assert error.any() == (noise == "rough")
+        np.testing.assert_allclose(found.to_array(), expected + error, atol=1e-9)
     np.testing.assert_allclose(
         message.orientation.to_wxyz(),
         X_WI.rotation().ToQuaternion().wxyz(),
         atol=1e-12,
     )
+
+
+def test_the_soles_are_pressed_within_their_edges_wherever_the_robot_stands():
+    sim = AtlasSimulation(Scenario(start=Start(position=[3.0, -2.0], yaw=1.0)))
+    sim.advance(0.05)
+    sole, report = sim.robot.file.sole, sim.atlas_state
+    weight = sim.robot.mass * 9.81
+    for wrench in (report.l_foot, report.r_foot):
+        force, moment = wrench.force.to_array(), wrench.torque.to_array()
+        assert force[2] > 0.2 * weight
+        # m = r × f: the force acts at most half a diagonal from the sole's middle.
+        reach = np.hypot(moment[0], moment[1]) / force[2]
+        assert reach < 0.5 * np.hypot(sole.length, sole.width)
+    for wrench in (report.l_hand, report.r_hand):
+        assert not wrench.force.to_array().any()

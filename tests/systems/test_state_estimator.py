@@ -70,6 +70,22 @@ def test_it_begins_where_the_robot_is_put_and_is_told_no_more(alone, robot):
     np.testing.assert_allclose(port.Eval(context), state, atol=1e-6)
 
 
+def test_it_begins_with_the_motion_in_which_the_robot_is_put(alone):
+    estimator, context, state = alone
+    moving = state + np.random.default_rng(6).uniform(-0.5, 0.5, state.shape)
+    moving[:4] = turned(state[:4], np.array([0.3, -0.2, 1.0]))
+    pelvis = estimator._pelvis
+    turning = rotation_matrix(moving[:4]).T @ moving[pelvis.angular_velocity]
+    for name, value in (
+        ("measured_state", moving),
+        ("start_state", moving),
+        ("inertial", np.append(turning, np.zeros(6))),
+    ):
+        estimator.GetInputPort(name).FixValue(context, value)
+    estimate = estimator.GetOutputPort("estimated_state").Eval(context)
+    np.testing.assert_allclose(estimate, moving, atol=1e-9)
+
+
 def test_the_legs_are_seen_as_they_move_in_the_world(alone):
     # Everything moves, the pelvis too, whose own velocity no leg can tell.
     estimator, context, state = alone
@@ -91,6 +107,31 @@ def test_the_legs_are_seen_as_they_move_in_the_world(alone):
         v_IF = V_WF.translational() - V_WI.translational()
         np.testing.assert_allclose(R_WP @ positions[foot], p_IF, atol=1e-12)
         np.testing.assert_allclose(R_WP @ velocities[foot], v_IF, atol=1e-12)
+
+
+def test_only_a_foot_that_carries_load_tells_where_the_robot_is(alone, robot):
+    estimator, context, state = alone
+    plant = estimator._plant
+    # The right knee bends: either its foot moves, or the robot.
+    bent = state.copy()
+    bent[robot.indices(plant).q[robot.joint_names.index("r_leg_kny")]] += 0.05
+    weight = robot.mass * 9.81
+    found = []
+    for right in (0.0, 0.02, 0.5):
+        loads = weight * np.array([1.0 - right, right])
+        estimator.reset(context)
+        estimator.GetInputPort("measured_state").FixValue(context, state)
+        context.SetTime(0.0)
+        simulator = Simulator(estimator, context)
+        simulator.AdvanceTo(TICK)
+        estimator.GetInputPort("foot_loads").FixValue(context, loads)
+        estimator.GetInputPort("measured_state").FixValue(context, bent)
+        simulator.AdvanceTo(2 * TICK)
+        estimate = estimator.GetOutputPort("estimated_state").Eval(context)
+        found.append(estimate[4:7] - state[4:7])
+    unloaded, touching, carrying = found
+    np.testing.assert_array_equal(touching, unloaded)
+    assert np.linalg.norm(carrying - unloaded) > 1e-6
 
 
 def test_a_reset_begins_anew_from_where_the_robot_is_then(alone):

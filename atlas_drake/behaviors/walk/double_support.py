@@ -57,7 +57,7 @@ class DoubleSupport(PhaseControl[Shift | Transfer]):
             # The step cannot be taken from the present poses of the feet.
             return planner.settle(phase.course, phase.planned.cop), news
         # Shorten the swing by the delay of lift-off, at most by one tick.
-        return planner.swing(phase.course, min(max(late, 0.0), observation.dt)), news
+        return planner.swing(phase.course, min(late, observation.dt)), news
 
     def command_feet(
         self, phase: Shift | Transfer, observation: Observation

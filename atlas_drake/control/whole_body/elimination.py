@@ -88,9 +88,9 @@ def rows_of(task: Task, terms: WholeBodyTerms, contacts: Sequence[Contact]) -> T
             f"rows of {task_name(task)} must return TaskRows, returned {shown(rows)}"
         )
     A, b, G = rows
-    # Quick where all is well: this runs for every task of every tick.
-    k = len(b) if type(b) is np.ndarray and b.ndim == 1 else np.size(b)
+    k = np.size(b)
     motion, wrenches = (k, len(terms.h)), (k, WRENCH * len(contacts))
+    # Quick where all is well: this runs for every task of every tick.
     if (
         type(b) is np.ndarray
         and b.ndim == 1

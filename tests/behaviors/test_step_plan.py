@@ -1,0 +1,145 @@
+"""Plans of single steps of STEP: heel, posture, knee torque and shortening."""
+
+import numpy as np
+import pytest
+
+from atlas_drake.behaviors.balance import Balance
+from atlas_drake.behaviors.step.action import DesiredStep, StepAction
+from atlas_drake.behaviors.step.plan import PostureRules, StepPlanner
+from atlas_drake.control.feet.footstep import LEFT, RIGHT, FootPose, Footstep, outward
+from atlas_drake.control.feet.leg_reach import _knee_ahead, highest_com
+from atlas_drake.control.feet.toe_off import on_toes
+from atlas_drake.control.gains import ControlGains
+from atlas_drake.control.rotations import rotation_z
+from atlas_drake.messages import ToeOff
+
+RULES = PostureRules()
+HALF_WIDTH = 0.14
+
+
+@pytest.fixture(scope="module")
+def planner(robot, observe):
+    terms = observe().terms
+    height = float(terms.com[2] - terms.feet[0].p_WF[2]) - robot.file.com_drop
+    return StepPlanner(Balance(robot, ControlGains()), height)
+
+
+@pytest.fixture
+def seen(observe):
+    """The robot's terms and the poses of its feet."""
+    observation = observe()
+    return observation.terms, (observation.foot_pose(0), observation.foot_pose(1))
+
+
+def step_of(feet, foot, ahead=0.0, aside=HALF_WIDTH, rise=0.0, **action):
+    """A step to a place seen from the middle of the feet, ``aside`` outward."""
+    middle = 0.5 * (feet[0].p_WF + feet[1].p_WF)
+    place = middle + np.array([ahead, outward(foot) * aside, rise])
+    step = Footstep(1, foot, place, 0.0, 0.7, 0.1)
+    return DesiredStep(step, StepAction(**action))
+
+
+def test_a_step_on_the_spot_is_planned_as_it_was_sent(planner, seen):
+    terms, feet = seen
+    for foot in (LEFT, RIGHT):
+        wanted = step_of(feet, foot, knee_nominal=0.9)
+        plan = planner.plan(terms, feet, wanted)
+        np.testing.assert_allclose(plan.taken.p_WF, wanted.step.p_WF, atol=1e-9)
+        assert (plan.lean, plan.heel) == (0.0, 0.0)
+        stance = feet[1 - foot]
+        height = plan.height - stance.p_WF[2]
+        assert height == pytest.approx(planner.height(wanted.action))
+        # Over the stance foot, a little to the inside.
+        inside = (plan.com - stance.p_WF[:2]) * [1.0, outward(foot)]
+        np.testing.assert_allclose(
+            inside, [0.0, wanted.action.sway_end_dist], atol=1e-3
+        )
+        assert plan.ceiling > stance.p_WF[2] + 0.1
+
+
+def test_plans_of_both_feet_are_mirror_images(planner, seen):
+    terms, feet = seen
+    left, right = (
+        planner.plan(terms, feet, step_of(feet, foot, 0.15, rise=0.1))
+        for foot in (LEFT, RIGHT)
+    )
+    for name in ("lean", "heel", "height", "ceiling"):
+        assert getattr(left, name) == pytest.approx(getattr(right, name), abs=2e-3)
+    np.testing.assert_allclose(left.com, right.com * [1.0, -1.0], atol=2e-3)
+    np.testing.assert_allclose(left.hips, right.hips[::-1] * [1, -1, 1], atol=2e-3)
+
+
+@pytest.mark.parametrize("foot", [LEFT, RIGHT])
+@pytest.mark.parametrize("behind", [0.0, 0.2, 0.4])
+def test_the_heel_rises_as_far_as_the_body_needs(planner, seen, foot, behind):
+    terms, feet = seen[0], list(seen[1])
+    p_WF = feet[foot].p_WF - np.array([behind, 0.0, 0.0])
+    feet[foot] = FootPose(p_WF, feet[foot].R_WF)
+
+    def plan(setting):
+        wanted = step_of(seen[1], foot, toe_off=setting)
+        return planner._posture(terms, feet, wanted, wanted.step, 0.0), wanted
+
+    flat, wanted = plan(ToeOff.DISABLE)
+    free, _ = plan(ToeOff.ENABLE)
+    forced, _ = plan(ToeOff.FORCE_ENABLE)
+    assert flat.heel == 0.0
+    assert (free.heel > 0.0) == (behind > 0.1)
+    assert forced.heel == max(free.heel, RULES.forced_heel)
+    # A flat foot holds the body down, unless it is held down by the landing.
+    assert flat.height <= free.height <= planner.height(wanted.action) + feet[0].p_WF[2]
+
+    def highest(heel):
+        pose = on_toes(feet[foot], heel, planner.half_length)
+        return highest_com(planner.legs, free.hips, free.com, [(foot, pose)])
+
+    if free.heel:
+        # The next smaller angle of the search is not enough.
+        assert free.heel <= RULES.steepest_heel
+        needed = free.height - RULES.drop
+        assert highest(free.heel) > needed > flat.height
+        assert highest(free.heel - RULES.steepest_heel / 12) < free.height
+
+
+@pytest.mark.parametrize("foot", [LEFT, RIGHT])
+@pytest.mark.parametrize("rise", [0.05, 0.15])
+def test_a_step_up_is_planned_with_what_the_standing_knee_can_carry(
+    planner, seen, robot, foot, rise
+):
+    (terms, feet), leans = seen, []
+    stance = 1 - foot
+    leg = planner.legs[stance]
+    for heavier in (1.0, 2.0, 4.0):
+        loaded = Balance(robot, ControlGains())
+        loaded.weight *= heavier
+        plan = StepPlanner(loaded, planner._nominal_height).plan(
+            terms, feet, step_of(feet, foot, 0.15, rise=rise)
+        )
+        com = np.append(plan.com, plan.height)
+        lever = _knee_ahead(leg, plan.hips[stance], com, feet[stance])
+        most = RULES.knee_efforts[-1] * robot.effort_limit[leg.knee]
+        assert lever * loaded.weight < most + 1.0
+        assert plan.lean <= RULES.lean
+        leans.append(plan.lean)
+    # The heavier the robot, the farther it leans over the knee.
+    assert leans == sorted(leans)
+    assert leans[0] < leans[-1]
+
+
+@pytest.mark.parametrize("foot", [LEFT, RIGHT])
+@pytest.mark.parametrize("yaw", [0.0, 0.5])
+@pytest.mark.parametrize(("ahead", "aside"), [(0.4, 0.16), (-0.3, 0.2), (0.1, 0.3)])
+def test_a_step_is_shortened_towards_the_place_beside_the_other_foot(
+    planner, seen, foot, yaw, ahead, aside
+):
+    _, feet = seen
+    R_WS = rotation_z(yaw)
+    stance = FootPose(feet[1 - foot].p_WF, R_WS)
+    out = outward(foot) * np.array([0.0, 1.0, 0.0])
+    p_SF = np.array([ahead, 0.0, 0.0]) + (aside + HALF_WIDTH) * out
+    step = Footstep(1, foot, stance.p_WF + R_WS @ p_SF, yaw, 0.7, 0.1)
+    beside = min(aside + HALF_WIDTH, planner._easy_width) * out
+    for share in (0.8, 0.4):
+        nearer = planner._shortened(step, stance, share)
+        way = R_WS.T @ (nearer.p_WF - stance.p_WF) - beside
+        np.testing.assert_allclose(way, share * (p_SF - beside), atol=1e-9)
