@@ -86,4 +86,4 @@ class PushSchedule:
 
 def time_to_touchdown(status: ControllerStatus) -> float:
     """Time until the next touchdown as the active behavior plans it [s]; else 0."""
-    return max(0.0, status.walk_feedback.t_step_rem, status.step_feedback.t_step_rem)
+    return max(0.0, getattr(status.feedback, "t_step_rem", 0.0))
