@@ -150,8 +150,8 @@ def test_every_behavior_begins_with_each_foot_planted(model, observe, behavior):
     made = Supervisor(model, ControllerConfig(), 0.9).behaviors[Behavior[behavior]]
     request = as_request(AtlasSimInterfaceCommand(behavior=behavior))
     body = capture_body(seen.terms)
-    memory = made.enter(seen, body, request)
-    command = made.update(memory, seen, body, request, False).command
+    state = made.enter(seen, body, request)
+    command = made.update(state, seen, body, request, False).command
     soles = [foot.sole_frame for foot in model.robot.file.feet]
     assert [contact.frame for contact in command.contacts] == soles
     assert [task.frame for task in command.tasks[:2]] == soles

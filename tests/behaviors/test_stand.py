@@ -89,7 +89,7 @@ def test_a_foot_that_slips_is_latched_anew(robot, observe, foot, axis):
         feet = list(seen.terms.feet)
         feet[foot] = feet[foot]._replace(p_WF=feet[foot].p_WF + slip)
         now = replace(seen, terms=replace(seen.terms, feet=tuple(feet)))
-        after = stand.update(before, now, body, request, False).memory
+        after = stand.update(before, now, body, request, False).state
         moved = slip if abs(share) > 1.0 else np.zeros(3)
         for side, old, new in zip((0, 1), before.feet, after.feet, strict=True):
             expected = old.p_WF + moved * (side == foot)
@@ -262,7 +262,7 @@ def test_a_fall_is_flagged_early_and_time_goes_on(record, force, duration):
     assert recording.sim.has_fallen
     assert recording.sim.summary()["fell"]
     assert not recording.sim.summary()["success"]
-    # Limp: braked, and no more.
+    # Damping mode: braked, and no more.
     share = recording.looks[-1].report.f_out / recording.sim.robot.effort_limit
     assert np.abs(share).max() < 0.1
     assert [event.kind for event in recording.sim.events].count("fall") == 1

@@ -41,21 +41,21 @@ def test_feet_that_lie_elsewhere_at_lift_off_may_end_the_walk(
     body = capture_body(seen.terms)
     phase = walk.enter(seen, body, request)
     # The walk last saw the feet level with the step; since, they have come down.
-    feet = tuple(raised(foot, height) for foot in phase.course.feet)
-    (step,) = phase.course.pending
+    feet = tuple(raised(foot, height) for foot in phase.progress.feet)
+    (step,) = phase.progress.pending
     place = np.array([*step.p_WF[:2], feet[1].p_WF[2]])
     pending = (replace(step, p_WF=place),)
     phase = replace(
         phase,
         elapsed=phase.duration + RULES.longest_wait,
-        course=replace(phase.course, feet=feet, pending=pending),
+        progress=replace(phase.progress, feet=feet, pending=pending),
     )
     outcome = walk.update(phase, seen, body, request, leaving=False)
     if height == 0.0:
-        assert isinstance(outcome.memory, Swing)
+        assert isinstance(outcome.state, Swing)
         return
-    assert isinstance(outcome.memory, Settle)
-    assert outcome.memory.obstacle == "step 1 leads 0.15 m up, which is too much"
+    assert isinstance(outcome.state, Settle)
+    assert outcome.state.obstacle == "step 1 leads 0.15 m up, which is too much"
     (event,) = outcome.events
     assert event.text.startswith("WALK will end before step 1")
 
@@ -142,7 +142,7 @@ def swinging(walk, observe, walk_message):
         step = (1, foot, 0.2, 0.14 * outward(foot))
         ahead = (2, 1 - foot, 0.4, -0.14 * outward(foot))
         begun = shifting(walk, seen, as_request(walk_message(step, ahead)), 0.0)
-        phase = walk._planner.swing(begun.course, 0.0)
+        phase = walk._planner.swing(begun.progress, 0.0)
         motion = replace(phase.motion, elapsed=elapsed)
         return replace(phase, elapsed=elapsed, plan_time=elapsed, motion=motion)
 
@@ -214,13 +214,13 @@ def test_touchdown_is_felt_by_the_foot_in_the_air(
         return
     assert isinstance(after, Transfer)
     landed = seen.foot_pose(foot).p_WF
-    np.testing.assert_array_equal(after.course.feet[foot].p_WF, landed)
-    np.testing.assert_array_equal(after.course.aimed[foot].p_WF, phase.step.p_WF)
+    np.testing.assert_array_equal(after.progress.feet[foot].p_WF, landed)
+    np.testing.assert_array_equal(after.progress.aimed[foot].p_WF, phase.step.p_WF)
     for kept in ("feet", "aimed"):
-        before, now = getattr(phase.course, kept), getattr(after.course, kept)
+        before, now = getattr(phase.progress, kept), getattr(after.progress, kept)
         assert now[1 - foot] is before[1 - foot]
     # The step after it touches down when it would have after a touchdown in time.
-    transfer = walk._timing.transfer(phase.course.pending[0].duration)
+    transfer = walk._timing.transfer(phase.progress.pending[0].duration)
     assert after.duration == pytest.approx(
         transfer + min(left, RULES.transfer_change * transfer)
     )
@@ -235,7 +235,7 @@ def test_a_walk_is_over_when_the_robot_has_come_to_rest(
 ):
     seen = observe()
     begun = shifting(walk, seen, as_request(walk_message()), 0.0)
-    settle = walk._planner.settle(begun.course, begun.planned.cop)
+    settle = walk._planner.settle(begun.progress, begun.planned.cop)
     end = settle.duration + walk._timing.rest
     for late, speed, over in (
         (0.01, 0.9 * RULES.rest_speed, True),
@@ -260,13 +260,13 @@ def test_a_step_may_be_warned_of_again_when_a_message_replaces_it(
     seen = observe()
     steps = [(1, LEFT, 0.2, 0.14), (2, RIGHT, 0.4, -0.14)]
     phase = shifting(walk, seen, as_request(walk_message(*steps)), 0.0)
-    told = frozenset({(1, "place"), (2, "place"), (2, "pace")})
-    phase = replace(phase, course=replace(phase.course, told=told))
-    assert walk._read_queue(phase, phase.course.request) is phase
+    warned = frozenset({(1, "place"), (2, "place"), (2, "pace")})
+    phase = replace(phase, progress=replace(phase.progress, warned=warned))
+    assert walk._read_queue(phase, phase.progress.request) is phase
     steps[1] = (2, RIGHT, 0.3, -0.14)
     read = walk._read_queue(phase, as_request(walk_message(*steps)))
-    assert read.course.told == {(1, "place")}
-    assert [step.p_WF[0] for step in read.course.pending] == [0.2, 0.3]
+    assert read.progress.warned == {(1, "place")}
+    assert [step.p_WF[0] for step in read.progress.pending] == [0.2, 0.3]
 
 
 @pytest.mark.parametrize("foot", [LEFT, RIGHT])

@@ -416,7 +416,7 @@ def test_a_plan_that_is_none_is_told(bow):
         def __init__(self, tools, config):
             super().__init__(tools.balance, tools.nominal_height, tools.rates)
 
-        def plan(self, memory, com, omega):
+        def plan(self, state, com, omega):
             return None
 
     sim = AtlasSimulation(behaviors=[replace(bow, make=Planless)])

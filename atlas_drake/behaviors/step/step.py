@@ -128,7 +128,7 @@ class Step(BehaviorProtocol):
         finished = leaving and self._may_stand(phase, observation)
         left = self._left_by_standing(phase, observation, request) if finished else ()
         return Outcome(
-            memory=phase,
+            state=phase,
             body=body,
             command=self._command(phase, observation, body),
             finished=finished,

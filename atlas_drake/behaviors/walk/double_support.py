@@ -31,7 +31,7 @@ class DoubleSupport(PhaseControl[Shift | Transfer]):
 
     def leave(self, phase: Shift | Transfer) -> Settle:
         """Keeps both feet where they are."""
-        return self._planner.settle(phase.course, phase.planned.cop)
+        return self._planner.settle(phase.progress, phase.planned.cop)
 
     def advance(
         self, phase: Shift | Transfer, observation: Observation
@@ -40,8 +40,8 @@ class DoubleSupport(PhaseControl[Shift | Transfer]):
         planner = self._planner
         if phase.elapsed < phase.duration:
             return phase, ()
-        if not planner.coming(phase.course):
-            return planner.settle(phase.course, phase.planned.cop), ()
+        if not planner.coming(phase.progress):
+            return planner.settle(phase.progress, phase.planned.cop), ()
         late = phase.elapsed - phase.duration
         patient = late < self._rules.longest_wait and not self._is_stretched(
             phase, observation
@@ -51,13 +51,13 @@ class DoubleSupport(PhaseControl[Shift | Transfer]):
             return replace(phase, plan_time=phase.plan_time - observation.dt), ()
         # Measure the feet again: since touchdown the load has turned the soles flat.
         feet = (observation.foot_pose(0), observation.foot_pose(1))
-        phase = replace(phase, course=replace(phase.course, feet=feet))
+        phase = replace(phase, progress=replace(phase.progress, feet=feet))
         phase, news = planner.warn(phase, observation.time)
-        if not planner.coming(phase.course):
+        if not planner.coming(phase.progress):
             # The step cannot be taken from the present poses of the feet.
-            return planner.settle(phase.course, phase.planned.cop), news
+            return planner.settle(phase.progress, phase.planned.cop), news
         # Shorten the swing by the delay of lift-off, at most by one tick.
-        return planner.swing(phase.course, min(late, observation.dt)), news
+        return planner.swing(phase.progress, min(late, observation.dt)), news
 
     def command_feet(
         self, phase: Shift | Transfer, observation: Observation

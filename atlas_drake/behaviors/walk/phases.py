@@ -1,4 +1,4 @@
-"""The state of a walk between ticks: its course and its present phase.
+"""The state of a walk between ticks: its progress and its present phase.
 
 Frozen data, and functions of these data alone. ``planner`` makes the phases;
 ``double_support``, ``single_support`` and ``settling`` compute their ticks.
@@ -21,7 +21,7 @@ from atlas_drake.robot import GaitTiming
 
 
 @dataclass(frozen=True)
-class Course:
+class WalkProgress:
     """Feet and steps of a walk in any phase.
 
     Attributes:
@@ -32,7 +32,7 @@ class Course:
         request: The last request whose steps were read.
         last_foot: Foot of the step begun last; None before the first step.
         last_index: Index of the step begun last; 0 before the first step.
-        told: Earlier warnings: index of the step, and topic.
+        warned: Earlier warnings: index of the step, and topic.
     """
 
     feet: tuple[FootPose, FootPose]
@@ -42,7 +42,7 @@ class Course:
     request: BehaviorRequest
     last_foot: int | None = None
     last_index: int = 0
-    told: frozenset[tuple[int, str]] = frozenset()
+    warned: frozenset[tuple[int, str]] = frozenset()
 
     @property
     def known(self) -> tuple[Footstep, ...]:
@@ -55,7 +55,7 @@ class WalkPhase:
     """Common part of all phases of a walk.
 
     Attributes:
-        course: Feet and steps.
+        progress: Feet and steps.
         plan: Plan of the DCM.
         support: Region of the CoP.
         duration: Planned duration of the phase [s].
@@ -63,7 +63,7 @@ class WalkPhase:
         plan_time: Time since the beginning of the plan [s].
     """
 
-    course: Course
+    progress: WalkProgress
     plan: DcmPlan
     support: SupportPolygon
     duration: float

@@ -29,7 +29,7 @@ def walk_plan(phase: Phase) -> Plan:
         cop_reference=reference.cop,
         footsteps=tuple(
             PlannedStep(step.foot, step.p_WF, step.yaw)
-            for step in (*current, *phase.course.known)
+            for step in (*current, *phase.progress.known)
         ),
     )
 

@@ -29,10 +29,10 @@ class Settling(PhaseControl[Settle]):
         self, phase: Settle, observation: Observation
     ) -> tuple[Settle | Shift, tuple[Event, ...]]:
         """Begins a new weight shift if new steps arrived that can be taken."""
-        if phase.obstacle or not self._planner.coming(phase.course):
+        if phase.obstacle or not self._planner.coming(phase.progress):
             return phase, ()
         now = phase.planned
-        return self._planner.shift(phase.course, now.dcm, now.cop), ()
+        return self._planner.shift(phase.progress, now.dcm, now.cop), ()
 
     def command_feet(
         self, phase: Settle, observation: Observation
@@ -52,13 +52,13 @@ class Settling(PhaseControl[Settle]):
         )
         if not at_rest:
             return False, ()
-        course = phase.course
-        if course.pending:
-            left = ", ".join(str(step.index) for step in course.pending)
+        progress = phase.progress
+        if progress.pending:
+            left = ", ".join(str(step.index) for step in progress.pending)
             text = f"WALK ends without the steps {left}"
             if phase.obstacle:
                 text += f": {phase.obstacle}"
-        elif course.last_foot is None and not leaving:
+        elif progress.last_foot is None and not leaving:
             text = "WALK ends without a step: walk_params.step_queue has none"
         else:
             return True, ()

@@ -67,14 +67,14 @@ class SingleSupport(PhaseControl[Swing]):
     ) -> tuple[Phase, tuple[Event, ...]]:
         step = phase.step
         landed = observation.foot_pose(step.foot)
-        feet, aimed = list(phase.course.feet), list(phase.course.aimed)
+        feet, aimed = list(phase.progress.feet), list(phase.progress.aimed)
         feet[step.foot], aimed[step.foot] = landed, step.pose
-        course = replace(
-            phase.course, feet=(feet[0], feet[1]), aimed=(aimed[0], aimed[1])
+        progress = replace(
+            phase.progress, feet=(feet[0], feet[1]), aimed=(aimed[0], aimed[1])
         )
         early = phase.duration - phase.elapsed
         event = footstep_event(observation.time, phase.sent, step, landed)
-        return self._planner.land(course, phase.planned.cop, early), (event,)
+        return self._planner.land(progress, phase.planned.cop, early), (event,)
 
     def _adjust_step(self, phase: Swing, observation: Observation) -> Swing:
         """Moves the landing place when the ankles cannot hold the DCM."""
@@ -82,7 +82,7 @@ class SingleSupport(PhaseControl[Swing]):
         if remaining < self._rules.frozen_end:
             return phase
         step, omega = phase.step, phase.plan.omega
-        stance = phase.course.feet[1 - step.foot]
+        stance = phase.progress.feet[1 - step.foot]
         shift = step_shift(
             feedback.dcm(observation.terms, omega) - phase.planned.dcm,
             remaining,
