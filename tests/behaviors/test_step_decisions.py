@@ -9,7 +9,13 @@ import pytest
 from atlas_drake import AtlasSimInterfaceCommand
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.body_reference import capture_body
-from atlas_drake.behaviors.step.phases import Lower, Rest, Settle, Shift, Swing
+from atlas_drake.behaviors.step.phases import (
+    Lower,
+    Rest,
+    StepSettle,
+    StepShift,
+    StepSwing,
+)
 from atlas_drake.behaviors.step.preview import TIME_STEP
 from atlas_drake.behaviors.step.rules import StepRules
 from atlas_drake.behaviors.step.step import Step
@@ -59,7 +65,7 @@ def tick(step, state, seen, command, leaving=False):
 
 def shifting(step, seen, command):
     outcome = tick(step, entered(step, seen, command), seen, command)
-    assert isinstance(outcome.state, Shift)
+    assert isinstance(outcome.state, StepShift)
     return outcome.state
 
 
@@ -93,7 +99,7 @@ def test_a_slope_that_is_too_steep_is_told(step, observe, tilt, less):
     normal = Vector3(math.sin(tilt), 0.0, math.cos(tilt))
     command.command.step_params.desired_step_spec.foot.normal = normal
     outcome = tick(step, entered(step, seen, command), seen, command)
-    assert isinstance(outcome.state, Shift)
+    assert isinstance(outcome.state, StepShift)
     told = [] if less is None else [f"step 1 is tilted {less} rad less than its normal"]
     assert [event.text for event in outcome.events] == told
 
@@ -106,7 +112,7 @@ def test_a_rise_at_the_limit_is_taken_whatever_the_ground_rounds_to(
     command = request(x=0.3, z=z)
     seen = observe()
     outcome = tick(step, entered(step, seen, command), seen, command)
-    assert isinstance(outcome.state, Shift) == taken
+    assert isinstance(outcome.state, StepShift) == taken
     assert ("out of reach" in str(outcome.events)) != taken
 
 
@@ -118,7 +124,7 @@ def test_no_weight_shift_begins_while_the_robot_is_about_to_tip(step, observe, s
     # The step is not lost: it begins when the robot has come to rest.
     assert outcome.events == ()
     later = tick(step, outcome.state, observe(), command)
-    assert isinstance(later.state, Shift)
+    assert isinstance(later.state, StepShift)
     assert later.state.progress.index == 1
 
 
@@ -127,7 +133,7 @@ def test_a_weight_shift_is_given_up_when_the_robot_begins_to_tip(step, observe, 
     command = request()
     state = shifting(step, observe(), command)
     steady = tick(step, state, observe(), command)
-    assert isinstance(steady.state, Shift)
+    assert isinstance(steady.state, StepShift)
     assert steady.events == ()
     outcome = tick(step, state, observe(speed=speed), command)
     assert isinstance(outcome.state, Rest)
@@ -140,7 +146,7 @@ def test_a_weight_shift_is_given_up_when_the_robot_begins_to_tip(step, observe, 
     assert isinstance(waits.state, Rest)
     back = replace(outcome.state, elapsed=outcome.state.shift.duration)
     begins = tick(step, back, observe(), second)
-    assert isinstance(begins.state, Shift)
+    assert isinstance(begins.state, StepShift)
     assert begins.state.progress.index == 2
 
 
@@ -149,7 +155,7 @@ def test_a_foot_that_stays_loaded_is_given_up_after_a_while(step, observe):
     state = shifting(step, observe(), command)
     end = state.shift.duration + RULES.longest_wait
     waits = tick(step, replace(state, elapsed=end - 0.01), observe(), command)
-    assert isinstance(waits.state, Shift)
+    assert isinstance(waits.state, StepShift)
     gives_up = tick(step, replace(state, elapsed=end), observe(), command)
     assert isinstance(gives_up.state, Rest)
     assert gives_up.events[-1].kind == STEPS_LEFT
@@ -165,7 +171,7 @@ def in_phase(kind, state, **fields):
     """The same step in another phase."""
     if kind is Rest:
         fields["last"] = state.taken
-    elif kind is Settle:
+    elif kind is StepSettle:
         fields["went_back"] = False
     names = {field.name for field in dataclasses.fields(kind)}
     kept = {name: value for name, value in vars(state).items() if name in names}
@@ -184,7 +190,7 @@ def test_a_foot_is_pressed_flat_only_as_far_as_balance_allows(
     seen = observe()
     state = shifting(step, seen, request(foot=pressed, y=0.14 - 0.28 * pressed))
     here = dcm(seen, balance)
-    state = in_phase(Settle, state)
+    state = in_phase(StepSettle, state)
     settling = standing_still_at(state, here)
     feet = commanded(step, settling, seen)
     least = RULES.settling_load * balance.weight
@@ -239,7 +245,7 @@ def test_a_foot_that_touches_down_is_pressed_flat_and_its_landing_told(
     for side, share, kind in (
         (foot, 0.9, Lower),
         (1 - foot, 5.0, Lower),
-        (foot, 1.1, Settle),
+        (foot, 1.1, StepSettle),
     ):
         force[:] = 0.0
         force[side] = share * RULES.touchdown_force * balance.weight
@@ -266,15 +272,15 @@ def test_the_time_left_counts_to_the_end_of_the_step_in_every_phase(step, observ
     shift, swing = state.shift.duration, state.taken.swing.duration
     settle = RULES.settle
     for phase, elapsed, left in (
-        (Shift, 0.0, shift + swing + settle),
-        (Shift, shift, swing + settle),
-        (Shift, shift + 0.2, swing + settle),
-        (Swing, 0.0, swing + settle),
+        (StepShift, 0.0, shift + swing + settle),
+        (StepShift, shift, swing + settle),
+        (StepShift, shift + 0.2, swing + settle),
+        (StepSwing, 0.0, swing + settle),
         (Lower, 0.75 * swing, 0.25 * swing + settle),
         (Lower, swing + 0.3, settle),
-        (Settle, 0.0, settle),
-        (Settle, 0.1, settle - 0.1),
-        (Settle, settle + 0.1, 0.0),
+        (StepSettle, 0.0, settle),
+        (StepSettle, 0.1, settle - 0.1),
+        (StepSettle, settle + 0.1, 0.0),
         (Rest, 0.1, 0.0),
     ):
         now = in_phase(phase, state, elapsed=elapsed)
@@ -300,8 +306,8 @@ def test_status_says_whether_a_foot_is_in_the_air(step, observe):
     seen, command = observe(), request()
     state = shifting(step, seen, command)
     for phase, flag in (
-        (Shift, StepStatus.SUBSTATE_SWAYING),
-        (Swing, StepStatus.SUBSTATE_STEPPING),
+        (StepShift, StepStatus.SUBSTATE_SWAYING),
+        (StepSwing, StepStatus.SUBSTATE_STEPPING),
     ):
         now = in_phase(phase, state, elapsed=0.0)
         assert tick(step, now, seen, command).status_flags == flag
@@ -378,7 +384,7 @@ def test_the_plan_shows_the_way_of_foot_and_body(step, observe, foot):
     rate = np.gradient(paths.com, TIME_STEP, axis=0)[1:-1]
     ahead = (paths.dcm - paths.com)[1:-1]
     np.testing.assert_allclose(ahead, rate / 3.2, atol=2e-3)
-    flying = in_phase(Swing, state, elapsed=0.1)
+    flying = in_phase(StepSwing, state, elapsed=0.1)
     plan = step.plan(flying, seen.terms.com[:2], 3.2)
     (target,) = plan.footsteps
     assert (target.foot, target.yaw) == (foot, state.taken.step.yaw)
@@ -410,7 +416,7 @@ def test_a_foot_lifts_off_without_load_when_the_weight_is_over_the_other(
     felt = np.full(2, balance.weight)
     felt[foot] = load * RULES.still_loaded * balance.weight
     after = tick(step, state, replace(seen, foot_force=felt), command).state
-    assert isinstance(after, Swing) == lifts
+    assert isinstance(after, StepSwing) == lifts
     if lifts:
         alone = balance.support(state.feet[1 - foot])
         np.testing.assert_array_equal(after.support.vertices, alone.vertices)
@@ -463,7 +469,7 @@ def lowered(step, observe):
         taken = replace(state.taken, action=action)
         rising = {"elapsed": 0.0, "taken": taken}
         stance = step._stance.balance.support(state.feet[1 - foot])
-        swing = in_phase(Swing, state, **rising, support=stance)
+        swing = in_phase(StepSwing, state, **rising, support=stance)
         assert tick(step, swing, observe(), command).state.elapsed > 0.0
         above = replace(swing, elapsed=taken.swing.duration - taken.swing.lower)
         lower = tick(step, above, observe(), command).state
@@ -525,7 +531,7 @@ def test_a_foot_that_finds_no_ground_returns_to_where_it_was(
         "step 1 found no ground; its foot returns",
     )
     back = outcome.state
-    assert isinstance(back, Swing)
+    assert isinstance(back, StepSwing)
     assert (back.went_back, back.elapsed) == (True, 0.0)
     home, here = lower.feet[foot], in_air.foot_pose(foot)
     np.testing.assert_array_equal(back.taken.step.p_WF, home.p_WF)
@@ -550,7 +556,7 @@ def test_a_new_foot_is_pressed_with_the_body_over_the_other(step, observe, foot)
     def height(state):
         return step._control(state).reach(state).height
 
-    settling = in_phase(Settle, state)
+    settling = in_phase(StepSettle, state)
     assert height(raised(settling, foot, 0.1)) == height(settling)
     higher = height(raised(settling, 1 - foot, 0.1))
     assert higher == pytest.approx(height(settling) + 0.1)

@@ -7,7 +7,7 @@ import pytest
 
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.body_reference import BodyRates, capture_body
-from atlas_drake.behaviors.walk.phases import Settle, Swing, Transfer
+from atlas_drake.behaviors.walk.phases import Transfer, WalkSettle, WalkSwing
 from atlas_drake.behaviors.walk.preview import TIME_STEP
 from atlas_drake.behaviors.walk.rules import WalkRules
 from atlas_drake.behaviors.walk.walk import Walk
@@ -52,9 +52,9 @@ def test_feet_that_lie_elsewhere_at_lift_off_may_end_the_walk(
     )
     outcome = walk.update(phase, seen, body, request, leaving=False)
     if height == 0.0:
-        assert isinstance(outcome.state, Swing)
+        assert isinstance(outcome.state, WalkSwing)
         return
-    assert isinstance(outcome.state, Settle)
+    assert isinstance(outcome.state, WalkSettle)
     assert outcome.state.obstacle == "step 1 leads 0.15 m up, which is too much"
     (event,) = outcome.events
     assert event.text.startswith("WALK will end before step 1")
@@ -96,7 +96,7 @@ def test_a_foot_lifts_off_when_the_dcm_is_ready_or_waiting_is_in_vain(
     miss = (0.5 if ready else 1.5) * RULES.dcm_ready * np.array([0.6, 0.8])
     seen = bent(observe(above=phase.planned.dcm + miss), robot, flexion)
     after, _ = walk._control(phase).advance(phase, seen)
-    assert isinstance(after, Swing) == lifts
+    assert isinstance(after, WalkSwing) == lifts
     if lifts:
         assert after.step.foot == foot
         swing = walk._timing.swing(after.sent.duration)

@@ -13,11 +13,11 @@ from atlas_drake.behaviors.footstep_event import (
     out_of_reach,
 )
 from atlas_drake.behaviors.walk.phases import (
-    Settle,
-    Shift,
-    Swing,
     Transfer,
     WalkProgress,
+    WalkSettle,
+    WalkShift,
+    WalkSwing,
 )
 from atlas_drake.behaviors.walk.step_preview import (
     LOOK_AHEAD,
@@ -264,7 +264,7 @@ def in_phase():
 def test_the_time_to_touchdown_counts_through_the_phases_of_a_step(in_phase):
     steps = [step(1, duration=0.8), step(2, duration=1.0)]
     swing = TIMING.swing(steps[0].duration)
-    shift = in_phase(Shift, duration=0.8, elapsed=0.3, unloading=LEFT)
+    shift = in_phase(WalkShift, duration=0.8, elapsed=0.3, unloading=LEFT)
     assert shift.time_to_touchdown(steps, TIMING) == pytest.approx(0.5 + swing)
     assert shift.time_to_touchdown((), TIMING) == 0.0
     # At the end of a transfer as at the beginning of the swing.
@@ -274,7 +274,7 @@ def test_the_time_to_touchdown_counts_through_the_phases_of_a_step(in_phase):
     assert waiting.waiting
     assert waiting.time_to_touchdown(steps, TIMING) == pytest.approx(swing)
     lifted = in_phase(
-        Swing,
+        WalkSwing,
         duration=swing,
         step=steps[0],
         sent=steps[0],
@@ -284,5 +284,5 @@ def test_the_time_to_touchdown_counts_through_the_phases_of_a_step(in_phase):
     assert lifted.time_to_touchdown(steps, TIMING) == pytest.approx(swing)
     late = dataclasses.replace(lifted, elapsed=swing + 0.1)
     assert late.time_to_touchdown(steps, TIMING) == 0.0
-    settling = in_phase(Settle, duration=0.8, obstacle="")
+    settling = in_phase(WalkSettle, duration=0.8, obstacle="")
     assert settling.time_to_touchdown(steps, TIMING) == 0.0

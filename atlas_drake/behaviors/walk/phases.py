@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from atlas_drake.behaviors.step.queue import next_runs
+from atlas_drake.behaviors.step_queue import next_runs
 from atlas_drake.control.balance.dcm_plan import DcmPlan, DcmReference
 from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet import swing_foot
@@ -108,7 +108,7 @@ class WalkPhase:
 
 @dataclass(frozen=True, kw_only=True)
 class BothFeet(WalkPhase):
-    """Common part of ``Shift`` and ``Transfer``, which end with lift-off."""
+    """Common part of ``WalkShift`` and ``Transfer``, which end with lift-off."""
 
     @property
     def waiting(self) -> bool:
@@ -131,7 +131,7 @@ class BothFeet(WalkPhase):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Shift(BothFeet):
+class WalkShift(BothFeet):
     """The weight shifts over the first stance foot.
 
     Attributes:
@@ -158,7 +158,7 @@ class Transfer(BothFeet):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Swing(WalkPhase):
+class WalkSwing(WalkPhase):
     """Single support: one foot is in the air.
 
     Attributes:
@@ -171,7 +171,7 @@ class Swing(WalkPhase):
 
     step: Footstep
     sent: Footstep
-    motion: swing_foot.Swing
+    motion: swing_foot.FootSwing
     sensitivity: float
 
     @property
@@ -187,7 +187,7 @@ class Swing(WalkPhase):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Settle(WalkPhase):
+class WalkSettle(WalkPhase):
     """The robot comes to rest over both feet.
 
     Attributes:
@@ -207,5 +207,5 @@ class Settle(WalkPhase):
         return WalkStatus.SUBSTATE_CATCHING | why
 
 
-Phase = Shift | Swing | Transfer | Settle
+WalkState = WalkShift | WalkSwing | Transfer | WalkSettle
 """The state of a walk: one of its phases."""

@@ -20,12 +20,12 @@ from atlas_drake.behaviors.walk.gait import (
     stance_cop,
 )
 from atlas_drake.behaviors.walk.phases import (
-    Settle,
-    Shift,
-    Swing,
     Transfer,
     WalkPhase,
     WalkProgress,
+    WalkSettle,
+    WalkShift,
+    WalkSwing,
 )
 from atlas_drake.behaviors.walk.step_preview import (
     StepPreview,
@@ -88,13 +88,15 @@ class WalkPlanner:
 
     # ---- phases --------------------------------------------------------------
 
-    def shift(self, progress: WalkProgress, dcm: np.ndarray, cop: np.ndarray) -> Shift:
+    def shift(
+        self, progress: WalkProgress, dcm: np.ndarray, cop: np.ndarray
+    ) -> WalkShift:
         """Makes the weight shift from the given DCM and CoP in W [m], shape (2,)."""
         support = self._balance.support(*progress.feet)
         duration = self._timing.first_shift
         coming = self.coming(progress)
         plan = self._plan(progress, coming, cop, duration)
-        return Shift(
+        return WalkShift(
             progress=progress,
             plan=begun_at(plan, dcm, support),
             support=support,
@@ -102,7 +104,7 @@ class WalkPlanner:
             unloading=coming[0].foot if coming else None,
         )
 
-    def swing(self, progress: WalkProgress, late: float) -> Swing:
+    def swing(self, progress: WalkProgress, late: float) -> WalkSwing:
         """Makes the swing of the next step.
 
         Args:
@@ -121,7 +123,7 @@ class WalkPlanner:
             last_index=step.index,
         )
         coming = self.coming(begun, step)
-        return Swing(
+        return WalkSwing(
             progress=begun,
             plan=self._plan(begun, coming, cop, duration, swinging=True),
             support=self._balance.support(stance),
@@ -134,7 +136,7 @@ class WalkPlanner:
             ),
         )
 
-    def move_landing(self, phase: Swing, step: Footstep) -> Swing:
+    def move_landing(self, phase: WalkSwing, step: Footstep) -> WalkSwing:
         """Replans a swing for the same step with another landing place."""
         progress = phase.progress
         cop = stance_cop(progress.feet[1 - step.foot], 1 - step.foot)
@@ -144,7 +146,7 @@ class WalkPlanner:
 
     def land(
         self, progress: WalkProgress, cop: np.ndarray, early: float
-    ) -> Transfer | Settle:
+    ) -> Transfer | WalkSettle:
         """Makes the phase after a touchdown: a transfer if a step follows.
 
         Args:
@@ -167,11 +169,11 @@ class WalkPlanner:
             unloading=coming[0].foot,
         )
 
-    def settle(self, progress: WalkProgress, cop: np.ndarray) -> Settle:
+    def settle(self, progress: WalkProgress, cop: np.ndarray) -> WalkSettle:
         """Makes the end of a walk, from a CoP reference in W [m], shape (2,)."""
         step_preview = self.step_preview(progress)
         duration = self._timing.settle
-        return Settle(
+        return WalkSettle(
             progress=progress,
             plan=self._plan(progress, step_preview.steps, cop, duration),
             support=self._balance.support(*progress.feet),

@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from atlas_drake.behaviors.footstep_event import out_of_reach, pace_changed
-from atlas_drake.behaviors.step.queue import step_data_from
+from atlas_drake.behaviors.step_queue import step_data_from
 from atlas_drake.behaviors.walk.phases import WalkProgress
 from atlas_drake.behaviors.walk.steps import feet_to_come
 from atlas_drake.control.feet.footstep import (

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from atlas_drake.behaviors.step.queue import merge
+from atlas_drake.behaviors.step_queue import merge
 from atlas_drake.behaviors.walk.phases import WalkProgress
 from atlas_drake.control.feet.footstep import (
     LEFT,

@@ -19,17 +19,17 @@ from atlas_drake.behaviors.body_reference import (
     BodyTarget,
     advance_body,
 )
-from atlas_drake.behaviors.step.queue import replaced
+from atlas_drake.behaviors.step_queue import replaced
 from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.behaviors.walk.double_support import DoubleSupport
-from atlas_drake.behaviors.walk.phase_control import PhaseControl
+from atlas_drake.behaviors.walk.phase_control import WalkPhaseControl
 from atlas_drake.behaviors.walk.phases import (
-    Phase,
-    Settle,
-    Shift,
-    Swing,
     Transfer,
     WalkProgress,
+    WalkSettle,
+    WalkShift,
+    WalkState,
+    WalkSwing,
 )
 from atlas_drake.behaviors.walk.planner import WalkPlanner
 from atlas_drake.behaviors.walk.preview import walk_paths, walk_plan
@@ -73,11 +73,11 @@ class Walk(BehaviorProtocol):
         self._omega = feedback.pendulum_frequency(nominal_height)
         self._planner = WalkPlanner(balance, self._omega, config)
         double_support = DoubleSupport(balance, self._planner, config.rules)
-        self._controls: dict[type[Phase], PhaseControl[Any]] = {
-            Shift: double_support,
-            Swing: SingleSupport(balance, self._planner, config),
+        self._controls: dict[type[WalkState], WalkPhaseControl[Any]] = {
+            WalkShift: double_support,
+            WalkSwing: SingleSupport(balance, self._planner, config),
             Transfer: double_support,
-            Settle: Settling(balance, self._planner, config.rules),
+            WalkSettle: Settling(balance, self._planner, config.rules),
         }
 
     def enter(
@@ -85,7 +85,7 @@ class Walk(BehaviorProtocol):
         observation: Observation,
         body: BodyReference,
         request: BehaviorRequest,
-    ) -> Shift:
+    ) -> WalkShift:
         """Begins to shift the weight to the first stance foot."""
         feet = (observation.foot_pose(0), observation.foot_pose(1))
         params = request.command.walk_params
@@ -99,7 +99,7 @@ class Walk(BehaviorProtocol):
 
     def update(
         self,
-        phase: Phase,
+        phase: WalkState,
         observation: Observation,
         body: BodyReference,
         request: BehaviorRequest,
@@ -140,15 +140,17 @@ class Walk(BehaviorProtocol):
             events=(*events, *left),
         )
 
-    def plan(self, phase: Phase, com: np.ndarray, omega: float) -> Plan:
+    def plan(self, phase: WalkState, com: np.ndarray, omega: float) -> Plan:
         """Returns the references of the DCM plan and the coming footsteps."""
         return walk_plan(phase)
 
-    def paths(self, phase: Phase, com: np.ndarray, omega: float) -> PlannedPaths:
+    def paths(self, phase: WalkState, com: np.ndarray, omega: float) -> PlannedPaths:
         """Returns the paths of the DCM plan and of the present swing."""
         return walk_paths(phase, com, self._profile)
 
-    def feedback(self, phase: Phase, status_flags: int) -> AtlasBehaviorWalkFeedback:
+    def feedback(
+        self, phase: WalkState, status_flags: int
+    ) -> AtlasBehaviorWalkFeedback:
         """Returns timing and the steps as they will be executed."""
         progress = phase.progress
         step_preview = self._planner.step_preview(progress, phase.in_air)
@@ -160,15 +162,15 @@ class Walk(BehaviorProtocol):
             step_queue_saturated=list(step_preview.reported),
         )
 
-    def _control(self, phase: Phase) -> PhaseControl[Any]:
+    def _control(self, phase: WalkState) -> WalkPhaseControl[Any]:
         return self._controls[type(phase)]
 
-    def _leave(self, phase: Phase) -> Phase:
+    def _leave(self, phase: WalkState) -> WalkState:
         """Drops the pending steps: a foot in the air lands, then the robot settles."""
         phase = replace(phase, progress=replace(phase.progress, pending=()))
         return self._control(phase).leave(phase)
 
-    def _read_queue(self, phase: Phase, request: BehaviorRequest) -> Phase:
+    def _read_queue(self, phase: WalkState, request: BehaviorRequest) -> WalkState:
         """Merges the steps of a new message with those that have not begun."""
         progress = phase.progress
         if request.number == progress.request.number:
@@ -192,7 +194,7 @@ class Walk(BehaviorProtocol):
             phase, progress=replace(progress, pending=pending, warned=warned)
         )
 
-    def _body_target(self, phase: Phase) -> BodyTarget:
+    def _body_target(self, phase: WalkState) -> BodyTarget:
         left, right = feet_to_come(phase.progress, phase.in_air)
         low, high = sorted([float(left.p_WF[2]), float(right.p_WF[2])])
         # With feet at different heights, now or after this step, raise the CoM as far
