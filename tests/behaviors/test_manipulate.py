@@ -200,7 +200,7 @@ def test_arms_stay_and_hands_are_taken_back_where_the_user_leaves_them(
     assert robot.body.joints[arm] == held.terms.q[arm]
 
 
-def test_a_user_who_has_a_leg_is_waited_for(start, observe):
+def test_the_pelvis_rests_while_the_user_controls_a_leg(start, observe):
     request = asked(pelvis_height=0.85)
     robot = start(request)
     held = observe(users={"r_leg_kny": 1.0})

@@ -110,7 +110,7 @@ def test_leaving_ends_at_once_while_the_pose_is_held(manipulate, observe):
     assert left.finished
 
 
-def test_a_wish_outlasts_the_time_without_a_leg(manipulate, observe):
+def test_the_commanded_pose_survives_the_stance_guard(manipulate, observe):
     commanded = AtlasSimInterfaceCommand()
     commanded.behavior = commanded.MANIPULATE
     commanded.manipulate_params.use_desired = True
@@ -128,7 +128,7 @@ def test_a_wish_outlasts_the_time_without_a_leg(manipulate, observe):
         assert clamped.pelvis_height == pytest.approx(0.80, abs=1e-6)
 
 
-def test_the_robot_is_still_looked_at(manipulate, observe):
+def test_the_measured_pose_is_updated_under_the_stance_guard(manipulate, observe):
     (held,) = run(manipulate, None, [observe(users=BOTH_HIPS)])
     tilted = observe(pitch=0.1, users=BOTH_HIPS)
     (later,) = run(manipulate, held.state, [tilted])

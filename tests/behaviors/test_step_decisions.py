@@ -94,7 +94,7 @@ def test_a_weight_shift_starts_where_the_robot_is_and_how_it_moves(
 
 
 @pytest.mark.parametrize(("tilt", "less"), [(0.2, None), (0.45, "0.20")])
-def test_a_slope_that_is_too_steep_is_told(step, observe, tilt, less):
+def test_a_slope_that_is_too_steep_gives_a_warning(step, observe, tilt, less):
     seen, command = observe(), request()
     normal = Vector3(math.sin(tilt), 0.0, math.cos(tilt))
     command.command.step_params.desired_step_spec.foot.normal = normal
@@ -562,7 +562,7 @@ def test_a_new_foot_is_pressed_with_the_body_over_the_other(step, observe, foot)
     assert higher == pytest.approx(height(settling) + 0.1)
 
 
-def test_a_step_that_comes_too_late_is_told_once(step, observe):
+def test_a_step_that_comes_too_late_gives_one_warning(step, observe):
     seen, command = observe(), request(2)
     state = replace(entered(step, seen, request()), elapsed=9.0)
     state = tick(step, state, seen, command).state

@@ -69,7 +69,7 @@ def texts(step_preview, warned=frozenset()):
 
 @pytest.mark.parametrize("short", [0.0, 0.005, 0.015])
 @pytest.mark.parametrize("ahead", [1, -1])
-def test_where_a_foot_landed_does_not_eat_the_limits(short, ahead):
+def test_a_landing_error_does_not_reduce_the_next_step(short, ahead):
     length = LIMITS.forward if ahead > 0 else -LIMITS.backward
     feet = (foot_at(LEFT), foot_at(RIGHT, -ahead * short))
     aimed = (foot_at(LEFT), foot_at(RIGHT))
@@ -188,7 +188,7 @@ def test_the_same_foot_again_is_an_obstacle():
     ],
     ids=["far", "little", "turned", "both", "fast", "high", "steep"],
 )
-def test_every_saturation_is_told_of_once(goal, text):
+def test_every_saturation_gives_one_warning(goal, text):
     step_preview = preview_of([goal])
     (event,) = warnings_about(step_preview, frozenset(), 2.5)
     assert event.kind == "warning"
@@ -199,14 +199,14 @@ def test_every_saturation_is_told_of_once(goal, text):
     assert texts(step_preview, frozenset([subject(event)])) == []
 
 
-def test_what_was_told_of_a_steps_pace_does_not_hide_that_it_is_out_of_reach():
+def test_a_warning_of_pace_does_not_hide_one_of_reach():
     (pace,) = warnings_about(preview_of([step(1, swing_height=0.0)]), frozenset(), 0.0)
     far = preview_of([step(1, 1.0, swing_height=0.0)])
     (news,) = warnings_about(far, frozenset([subject(pace)]), 0.0)
     assert news.data["error_m"] == pytest.approx(0.58)
 
 
-def test_a_step_within_reach_is_not_worth_a_word():
+def test_a_step_within_reach_gives_no_warning():
     assert texts(preview_of([step(1, 0.42), step(2, 0.42, yaw=-0.2)])) == []
 
 
@@ -214,7 +214,7 @@ def test_a_step_within_reach_is_not_worth_a_word():
     ("x", "yaw", "warned"),
     [(0.0009, 0.0, 0), (0.001, 0.0, 1), (0.0, 0.0099, 0), (0.0, -0.0101, 1)],
 )
-def test_a_millimetre_or_a_centiradian_is_worth_a_word(x, yaw, warned):
+def test_a_saturation_above_rounding_gives_a_warning(x, yaw, warned):
     assert len(out_of_reach(0.0, step(1), step(1, x, yaw=yaw))) == warned
 
 

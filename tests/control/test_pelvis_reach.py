@@ -83,7 +83,7 @@ def test_each_number_is_granted_as_far_as_it_goes_and_no_other_is_moved(
         st.floats(0.3, 1.2), *[st.floats(-1.5, 1.5)] * 3, *[st.floats(-0.4, 0.4)] * 2
     )
 )
-def test_whatever_is_wished_what_is_granted_is_allowed_and_stable(case, commanded):
+def test_every_commanded_pose_is_clamped_to_a_stable_one(case, commanded):
     granted = case.clamp(**PelvisPose(*commanded)._asdict())
     assert case.allows(granted)
     assert case.clamp(**granted._asdict()) == granted
