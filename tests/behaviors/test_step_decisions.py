@@ -253,7 +253,11 @@ def test_a_foot_that_touches_down_is_pressed_flat_and_its_landing_told(
     outcome = tick(step, done, observe(), command)
     assert isinstance(outcome.memory, Rest)
     (event,) = outcome.events
-    assert (event.kind, event.text) == (FOOTSTEP, "step 1 landed")
+    at_rest = observe().foot_pose(foot).p_WF
+    miss = 1e3 * np.hypot(*(at_rest - memory.taken.step.p_WF)[:2])
+    side = ("left", "right")[foot]
+    assert event.kind == FOOTSTEP
+    assert event.text == f"step 1 landed ({side}, {miss:.0f} mm off)"
     assert tick(step, replace(done, went_back=True), observe(), command).events == ()
 
 

@@ -106,7 +106,7 @@ def test_behaviors_are_named_in_any_case(name):
         ("ground_friction", -0.1),
         ("ground_friction", math.nan),
         ("control_period", -0.006),
-        ("control_period", 0.0015),
+        ("control_period", 0.0016),
         ("control_period", 0.1),
         ("seed", -1),
         ("friction_jitter", 0.9),
