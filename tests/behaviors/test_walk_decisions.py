@@ -18,7 +18,19 @@ from atlas_drake.frozen import replace
 
 from .as_request import as_request
 
-RULES = WalkRules()
+RULES = WalkRules(
+    touchdown_force=0.08,
+    landing_force=0.01,
+    earliest_touchdown=0.75,
+    unload_share=0.4,
+    dcm_ready=0.025,
+    longest_wait=0.25,
+    straight_flexion=0.12,
+    frozen_end=0.06,
+    rest_speed=0.08,
+    transfer_change=0.15,
+)
+"""The defaults, in numbers: another default is another walk."""
 
 
 @pytest.fixture(scope="module")
