@@ -92,6 +92,8 @@ def test_a_weight_shift_starts_where_the_robot_is_and_how_it_moves(
     np.testing.assert_allclose(memory.shift.end, middle)
     memory = shifting(step, seen, command)
     np.testing.assert_allclose(memory.shift.start, dcm(seen, balance), atol=0.002)
+    on = tick(step, memory, seen, command).memory
+    assert on.shift_time == on.elapsed == seen.dt
     # Over the right foot, a centimetre short of its middle.
     right = seen.terms.feet[RIGHT].p_WF
     np.testing.assert_allclose(
