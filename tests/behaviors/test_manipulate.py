@@ -1,6 +1,7 @@
 """MANIPULATE: its goals for messages, and the motion of the simulated robot."""
 
 import dataclasses
+import math
 
 import numpy as np
 import pytest
@@ -200,6 +201,22 @@ def test_arms_stay_and_hands_are_taken_back_where_the_user_leaves_them(
     assert robot.body.joints[arm] == held.terms.q[arm]
     robot.tick(observe(), quiet)
     assert robot.body.joints[arm] == held.terms.q[arm]
+
+
+@pytest.mark.parametrize("bend", [-0.2, 0.2])
+def test_the_back_is_straightened_at_its_rate(start, observe, model, bend):
+    quiet = asked(use_desired=False)
+    robot, back = start(quiet), model.robot.limb("back")
+    straight = model.robot.stand_prep[back]
+    bent = robot.body.joints + bend * back
+    robot.body = dataclasses.replace(robot.body, joints=bent)
+    step = BodyRates().joints * observe().dt
+    robot.tick(observe(), quiet)
+    moved = robot.body.joints[back] - bent[back]
+    np.testing.assert_allclose(moved, -np.sign(bend) * step)
+    for _ in range(math.ceil(abs(bend) / step)):
+        robot.tick(observe(), quiet)
+    np.testing.assert_allclose(robot.body.joints[back], straight, atol=1e-12)
 
 
 def test_a_user_who_has_a_leg_is_waited_for(start, observe):

@@ -24,7 +24,19 @@ from atlas_drake.messages.event import FOOTSTEP, STEPS_LEFT
 from .as_request import as_request
 
 LEFT, RIGHT = 0, 1
-RULES = StepRules()
+RULES = StepRules(
+    touchdown_force=0.04,
+    settle=0.25,
+    settling_load=0.06,
+    unload_share=0.35,
+    still_loaded=0.10,
+    dcm_ready=0.02,
+    cop_inside=0.01,
+    longest_wait=0.3,
+    lean_inside=0.025,
+    rest_speed=0.05,
+)
+"""The defaults, in numbers: another default is another step."""
 
 
 @pytest.fixture(scope="module")
@@ -80,6 +92,8 @@ def test_a_weight_shift_starts_where_the_robot_is_and_how_it_moves(
     np.testing.assert_allclose(memory.shift.end, middle)
     memory = shifting(step, seen, command)
     np.testing.assert_allclose(memory.shift.start, dcm(seen, balance), atol=0.002)
+    on = tick(step, memory, seen, command).memory
+    assert on.shift_time == on.elapsed == seen.dt
     # Over the right foot, a centimetre short of its middle.
     right = seen.terms.feet[RIGHT].p_WF
     np.testing.assert_allclose(
