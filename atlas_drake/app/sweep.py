@@ -27,12 +27,12 @@ from atlas_drake.campaigns import Campaign, CampaignError, Shard, load_campaign
 from atlas_drake.campaigns.comparison import compare
 from atlas_drake.campaigns.folder import CampaignFolder, as_kept, merge, same_result
 from atlas_drake.campaigns.packages import check_packages
-from atlas_drake.campaigns.performer import Performer
 from atlas_drake.campaigns.plan import make_trial, number_of_trials, scenario_of
 from atlas_drake.campaigns.results import write_results
 from atlas_drake.campaigns.runner import run_campaign
 from atlas_drake.campaigns.sources import Sources, joined
 from atlas_drake.campaigns.threshold import level_of
+from atlas_drake.campaigns.trial_runner import TrialRunner
 from atlas_drake.errors import shown
 from atlas_drake.logs.formats import check_format
 from atlas_drake.visualization.overlays import Overlays
@@ -196,8 +196,8 @@ def _one_trial(
     for path, value in {"seed": trial.seed, **trial.values}.items():
         progress.say(f"{path} = {value}")
     meshcat = open_view(options, progress)
-    performer = Performer(campaign, sources)
-    sim = performer.simulation(
+    trial_runner = TrialRunner(campaign, sources)
+    sim = trial_runner.simulation(
         trial,
         meshcat=meshcat,
         overlays=Overlays(options.show),
@@ -210,7 +210,7 @@ def _one_trial(
         sim.set_realtime_rate(1.0)
     kept = True
     try:
-        judged = performer.judged(sim, trial)
+        judged = trial_runner.judged(sim, trial)
     finally:
         with nothing_cut_off():
             if options.video is not None:

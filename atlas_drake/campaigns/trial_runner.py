@@ -33,7 +33,7 @@ KEPT = 4
 """Number of simulations that a process keeps, such as one for each robot."""
 
 
-class Performer:
+class TrialRunner:
     """Runs the trials of one campaign; can be pickled."""
 
     def __init__(self, campaign: Campaign, sources: Sources) -> None:
