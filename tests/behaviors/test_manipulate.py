@@ -110,6 +110,8 @@ def test_without_a_wish_it_stays_as_it_began(start, observe):
         robot.tick(observe(), request)
     now = numbers(robot.feedback.internal_desired)
     np.testing.assert_allclose(now, began, atol=1e-9)
+    assert robot.body.height == pytest.approx(observe().terms.com[2])
+    assert robot.body.height_rate == pytest.approx(0.0, abs=1e-9)
 
 
 def test_the_reference_moves_as_a_pendulum_on_its_cop(start, observe):
