@@ -327,6 +327,9 @@ def test_every_plan_lasts_until_the_robot_is_at_rest(walk, observe, swinging):
 def test_steps_that_come_while_the_robot_settles_are_taken(walk, observe, swinging):
     going, seen = swinging(LEFT, 0.1), observe()
     settle = walk._planner.settle(going.course, going.planned.cop)
+    _, feet = walk._control(settle).command_feet(settle, seen)
+    soles = [foot.sole_frame for foot in walk._balance.robot.file.feet]
+    assert [foot.contact.frame for foot in feet] == soles
     again, _ = walk._control(settle).advance(settle, seen)
     assert isinstance(again, Shift)
     assert again.unloading == RIGHT
