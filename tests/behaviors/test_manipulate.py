@@ -112,6 +112,18 @@ def test_without_a_wish_it_stays_as_it_began(start, observe):
     np.testing.assert_allclose(now, began, atol=1e-9)
 
 
+def test_the_body_rises_and_sinks_with_the_pelvis(start, observe):
+    request, terms = asked(pelvis_height=0.8), observe().terms
+    robot = start(request)
+    for _ in range(20):
+        robot.tick(observe(), request)
+    pelvis = robot.memory.motion.height
+    sunk = pelvis.position[0] - terms.p_WP[2]
+    assert -0.02 < sunk < -1e-4
+    assert robot.body.height - terms.com[2] == pytest.approx(sunk)
+    assert robot.body.height_rate == pytest.approx(pelvis.velocity[0])
+
+
 def test_the_reference_moves_as_a_pendulum_on_its_cop(start, observe):
     omega, request = 3.2, asked(com_v0=0.03, com_v1=-0.02)
     robot = start(request)

@@ -75,6 +75,20 @@ def test_the_reference_goes_straight_to_the_middle_and_stays(way):
     assert _towards(place, goal, speed) is place
 
 
+def test_the_weight_moves_to_the_middle_at_eight_centimetres_a_second(robot, observe):
+    middle = 0.5 * sum(foot.p_WF[:2] for foot in observe().terms.feet)
+    begin = middle + np.array([0.05, 0.0])
+    seen = observe(above=begin)
+    body, request = capture_body(seen.terms), as_request(AtlasSimInterfaceCommand())
+    stand = Stand(Balance(robot, ControlGains()), 0.9, BodyRates())
+    memory = stand.enter(seen, body, request)
+    np.testing.assert_allclose(memory.com, begin)
+    after = stand.update(memory, seen, body, request, False).memory
+    np.testing.assert_allclose(
+        after.com - memory.com, [-0.08 * seen.dt, 0.0], atol=1e-9
+    )
+
+
 @pytest.mark.parametrize("foot", [0, 1])
 @pytest.mark.parametrize("axis", [0, 1, 2])
 def test_a_foot_that_slips_is_latched_anew(robot, observe, foot, axis):

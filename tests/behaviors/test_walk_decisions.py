@@ -7,7 +7,7 @@ import pytest
 
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.body_reference import BodyRates, capture_body
-from atlas_drake.behaviors.walk.phases import Settle, Swing, Transfer
+from atlas_drake.behaviors.walk.phases import Settle, Shift, Swing, Transfer
 from atlas_drake.behaviors.walk.preview import TIME_STEP
 from atlas_drake.behaviors.walk.rules import WalkRules
 from atlas_drake.behaviors.walk.walk import Walk
@@ -322,3 +322,19 @@ def test_every_plan_lasts_until_the_robot_is_at_rest(walk, observe, swinging):
         (over, timing.settle),
     ):
         assert phase.plan.duration == pytest.approx(duration)
+
+
+def test_steps_that_come_while_the_robot_settles_are_taken(walk, observe, swinging):
+    going, seen = swinging(LEFT, 0.1), observe()
+    settle = walk._planner.settle(going.course, going.planned.cop)
+    _, feet = walk._control(settle).command_feet(settle, seen)
+    soles = [foot.sole_frame for foot in walk._balance.robot.file.feet]
+    assert [foot.contact.frame for foot in feet] == soles
+    again, _ = walk._control(settle).advance(settle, seen)
+    assert isinstance(again, Shift)
+    assert again.unloading == RIGHT
+    np.testing.assert_allclose(again.planned.cop, settle.planned.cop)
+    blocked = replace(settle, obstacle="step 2 leads up")
+    done = replace(settle, course=replace(settle.course, pending=()))
+    for phase in (blocked, done):
+        assert walk._control(phase).advance(phase, seen) == (phase, ())
