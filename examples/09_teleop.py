@@ -56,9 +56,9 @@ if options.headless:
     sys.exit(not done)
 
 overlays = Overlays(["com", "dcm", "cop", "support", "swing", "follow"])
-sim = AtlasSimulation(view=True, overlays=overlays)
-session = Session(sim, Panel(sim.meshcat, sim.robot, overlays, sim.behaviors))
 with ctrl_c() as asked_to_stop:
+    sim = AtlasSimulation(view=True, overlays=overlays)
+    session = Session(sim, Panel(sim.meshcat, sim.robot, overlays, sim.behaviors))
     print(f"Steer there (Ctrl-C here ends it).\n\n{legend(sim.robot)}")
     while not asked_to_stop.is_set():
         session.advance()
