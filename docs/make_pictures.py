@@ -25,8 +25,8 @@ from atlas_drake import (
 )
 from atlas_drake.app.diagram_picture import write_diagram_picture
 from atlas_drake.app.main import main as atlas_drake
-from atlas_drake.app.viewer import start_meshcat
 from atlas_drake.visualization.overlays import Overlays
+from atlas_drake.visualization.viewer import start_meshcat
 
 PAGES = ("readme", "extending", "worlds")
 IMAGES = Path(__file__).parent / "images"
@@ -97,12 +97,12 @@ def make_readme_pictures(browser: str) -> None:
     film = ["--headless", "--video", str(IMAGES / FILM), "--video-size", FILM_SIZE]
     subprocess.run([sys.executable, "-m", "atlas_drake", "demo", *film], check=True)
     meshcat = start_meshcat()
-    sim = AtlasSimulation(Scenario(programme="tutorial"), meshcat=meshcat)
+    sim = AtlasSimulation(Scenario(programme="tutorial"), view=meshcat)
     for name, time in sorted(MOMENTS.items(), key=lambda item: item[1]):
         sim.advance_to(time)
         photograph(browser, meshcat.StaticHtml(), IMAGES / name)
     meshcat.Delete()
-    sim = AtlasSimulation(meshcat=meshcat, overlays=Overlays(THOUGHTS))
+    sim = AtlasSimulation(view=meshcat, overlays=Overlays(THOUGHTS))
     walk = AtlasSimInterfaceCommand()
     walk.behavior = Behavior.WALK
     walk.walk_params.use_demo_walk = True

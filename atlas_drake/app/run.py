@@ -28,13 +28,13 @@ from atlas_drake.app.outputs import (
 )
 from atlas_drake.app.parts import load_parts
 from atlas_drake.app.progress import Progress
-from atlas_drake.app.viewer import interactive, keep_serving
 from atlas_drake.behaviors.footstep_event import is_elsewhere
 from atlas_drake.logs.formats import check_format
 from atlas_drake.messages.event import STEPS_LEFT
 from atlas_drake.scenario import Scenario, with_settings
 from atlas_drake.simulation import AtlasSimulation, SimulationError
 from atlas_drake.visualization.overlays import Overlays
+from atlas_drake.visualization.viewer import interactive, keep_serving
 from atlas_drake.visualization.viewer_gate import show_latest
 
 PIECE = 0.1
@@ -79,7 +79,7 @@ def run_scenario(
     meshcat = open_view(options, progress)
     sim = AtlasSimulation(
         scenario,
-        meshcat=meshcat,
+        view=meshcat,
         recorded=options.record is not None,
         video=video,
         on_event=progress.event,
@@ -112,7 +112,7 @@ def run_scenario(
         return exit_status.OUTPUT_LOST
     if not options.headless and interactive():
         show_latest(sim.diagram, sim.context)
-        keep_serving(progress)
+        keep_serving(progress.say)
     return exit_status.OK if summary["success"] else exit_status.FAILED
 
 

@@ -22,7 +22,6 @@ from atlas_drake.app.outputs import (
     video_asked_for,
 )
 from atlas_drake.app.progress import Progress, StatusLine, TrialProgress
-from atlas_drake.app.viewer import interactive, keep_serving
 from atlas_drake.campaigns import Campaign, CampaignError, Shard, load_campaign
 from atlas_drake.campaigns.comparison import compare
 from atlas_drake.campaigns.folder import CampaignFolder, as_kept, merge, same_result
@@ -36,6 +35,7 @@ from atlas_drake.campaigns.trial_runner import TrialRunner
 from atlas_drake.errors import shown
 from atlas_drake.logs.formats import check_format
 from atlas_drake.visualization.overlays import Overlays
+from atlas_drake.visualization.viewer import interactive, keep_serving
 
 RESULTS = Path("results")
 """Folder of all campaigns whose folder is not named."""
@@ -199,7 +199,7 @@ def _one_trial(
     trial_runner = TrialRunner(campaign, sources)
     sim = trial_runner.simulation(
         trial,
-        meshcat=meshcat,
+        view=meshcat,
         overlays=Overlays(options.show),
         log=options.log,
         video=video_asked_for(options),
@@ -226,7 +226,7 @@ def _one_trial(
     if not kept:
         return exit_status.OUTPUT_LOST
     if options.view and interactive():
-        keep_serving(progress)
+        keep_serving(progress.say)
     return exit_status.OK if judged["success"] else exit_status.FAILED
 
 

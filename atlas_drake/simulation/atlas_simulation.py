@@ -95,6 +95,7 @@ class AtlasSimulation:
         station: The ``AtlasStation`` in the diagram.
         plant: The ``MultibodyPlant`` of the station.
         simulator: Drake's simulator of the diagram.
+        meshcat: Meshcat of the 3D view, None without a view.
 
     Example:
         >>> sim = AtlasSimulation()
@@ -113,7 +114,7 @@ class AtlasSimulation:
         behaviors: Iterable[BehaviorEntry] = (),
         world: Sequence[WorldMaker] = (),
         extend: Extend | None = None,
-        meshcat: Meshcat | None = None,
+        view: bool | Meshcat | None = None,
         overlays: Overlays | None = None,
         recorded: bool = False,
         video: Video | None = None,
@@ -135,7 +136,10 @@ class AtlasSimulation:
                 plant is finalized: a table, a ball. They are called again for a video.
             extend: Called with (builder, station) before the diagram is built, to add
                 systems of your own. ``output`` reads the ports that it exports.
-            meshcat: Meshcat that shows the run; None shows nothing.
+            view: True opens a 3D view in the browser, prints its address, and shows
+                the run in real time; ``atlas_drake.visualization.viewer`` has more
+                choices. A Meshcat of yours is drawn in at full speed. None and
+                False show nothing.
             overlays: Plans of the controller that are shown there and in the video.
             recorded: True if Meshcat is recording already; then every picture is kept
                 for the recording. Otherwise pictures are left out while a viewer is too
@@ -157,7 +161,7 @@ class AtlasSimulation:
                 a model of it.
             BehaviorError: If a behavior cannot be registered.
         """
-        check_arguments(scenario, meshcat, overlays, video, on_event, log)
+        check_arguments(scenario, view, overlays, video, on_event, log)
         self.scenario = (scenario or Scenario()).resolved()
         self.robot = load_robot(self.scenario.model)
         self._own_behaviors = configured(
@@ -175,7 +179,7 @@ class AtlasSimulation:
         self._recorder = None if log is None else self._start_log(Path(log), world)
         log_event = None if self._recorder is None else self._recorder.event
         self._listeners = (log_event, on_event)
-        self._meshcat = meshcat
+        self.meshcat = self._open(view)
         try:
             self._stage = Stage(
                 self.robot,
@@ -186,7 +190,7 @@ class AtlasSimulation:
                 behaviors=self._own_behaviors,
                 world=world,
                 extend=extend,
-                meshcat=meshcat,
+                meshcat=self.meshcat,
                 overlays=overlays,
                 recorded=recorded,
                 recorder=self._recorder,
@@ -207,11 +211,26 @@ class AtlasSimulation:
         )
         self._pace = Pace(self.simulator)
         self._note_begin()
-        if meshcat is not None:
-            # Meshcat's part loads only where there is something to see.
+        if self.meshcat is not None:
+            # The modules for Meshcat load only with a 3D view.
             from atlas_drake.visualization.scene import show_start
 
-            show_start(meshcat, self.scenario)
+            show_start(self.meshcat, self.scenario)
+        if view is True:
+            from atlas_drake.visualization.viewer import await_viewer
+
+            await_viewer(self.meshcat)
+            if not self.realtime_rate:
+                self.set_realtime_rate(1.0)
+
+    @staticmethod
+    def _open(view: bool | Meshcat | None) -> Meshcat | None:
+        """Returns the Meshcat to draw in, a new one for True."""
+        if view is True:
+            from atlas_drake.visualization.viewer import start_meshcat
+
+            return start_meshcat()
+        return view or None
 
     def _note_begin(self) -> None:
         """Starts the records of a run that begins."""
@@ -373,7 +392,7 @@ class AtlasSimulation:
                             self._advance_chunk(end)
         finally:
             self._wall_time += time.perf_counter() - begin
-        if self._meshcat is not None:
+        if self.meshcat is not None:
             self._show_end(time.perf_counter())
 
     def _show_end(self, now: float) -> None:

@@ -44,7 +44,10 @@ def sim():
         ({"scenario": "x.yaml"}, "scenario must be a Scenario, is 'x.yaml'; load_sc"),
         ({"video": "x.mp4"}, r"video must be a Video of .*, is 'x.mp4', such as Video"),
         ({"overlays": ["com"]}, r"overlays must be Overlays of .*, is \['com'\]"),
-        ({"meshcat": True}, "meshcat must be a Meshcat of pydrake.geometry, is True"),
+        (
+            {"view": 1},
+            "view must be True, False or a Meshcat of pydrake.geometry, is 1",
+        ),
         ({"on_event": "print"}, "on_event must be a callable"),
         ({"log": True}, "log must be the name of a file, is True"),
         ({"log": b"run.npz"}, "log must be the name of a file, is b'run.npz'"),
