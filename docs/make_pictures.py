@@ -30,6 +30,7 @@ from atlas_drake.visualization.viewer import start_meshcat
 
 PAGES = ("readme", "extending", "worlds")
 IMAGES = Path(__file__).parent / "images"
+DIAGRAM = Path(__file__).parent / "reference" / "diagram.svg"
 FILM, FILM_SIZE = "demo.mp4", "400x224"
 MOMENTS = {"atlas.png": 10.66, "walk.png": 11.92}
 """Which picture, and when in the tutorial [s]: in the second and in the last step."""
@@ -92,8 +93,8 @@ def main() -> None:
 
 def make_readme_pictures(browser: str) -> None:
     """Makes the pictures and the film of the README."""
-    write_diagram_picture(IMAGES / "diagram.svg")
-    print(f"Wrote {IMAGES / 'diagram.svg'}.")
+    write_diagram_picture(DIAGRAM)
+    print(f"Wrote {DIAGRAM}.")
     film = ["--headless", "--video", str(IMAGES / FILM), "--video-size", FILM_SIZE]
     subprocess.run([sys.executable, "-m", "atlas_drake", "demo", *film], check=True)
     meshcat = start_meshcat()

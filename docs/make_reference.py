@@ -302,7 +302,8 @@ def index_page(pages: list[str]) -> str:
         "- [Flags and error codes](flags.md)\n"
         "- [A robot's file](robot.md): every field, with unit and default\n"
         "- [Fields of a scenario](scenario.md), among them every number of the "
-        "controller",
+        "controller\n"
+        "- [The diagram](diagram.svg): all systems and connections, from the code",
         "## Behaviors",
         "\n".join(
             f"- [{Path(p).stem}]({p})" for p in pages if p.startswith("behaviors/")
