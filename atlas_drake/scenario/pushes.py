@@ -1,6 +1,6 @@
 """Pushes of a scenario as data: on what, how hard, where to, and when.
 
-When one is due is decided in ``simulation.push_schedule``.
+``systems.push_source`` decides when a push is due.
 """
 
 from __future__ import annotations

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from pydrake.geometry import Meshcat
-from pydrake.math import RigidTransform, RollPitchYaw
+from pydrake.math import RigidTransform
 from pydrake.systems.framework import Context
 
 from atlas_drake.behaviors.entry import BehaviorEntry, configured
@@ -58,11 +58,8 @@ from atlas_drake.scenario.world import (
     listed,
 )
 from atlas_drake.simulation.arguments import check_arguments
-from atlas_drake.simulation.fall_watch import FallWatch
 from atlas_drake.simulation.pace import Pace
 from atlas_drake.simulation.programme import scheduled_programme
-from atlas_drake.simulation.push_schedule import PushSchedule, time_to_touchdown
-from atlas_drake.simulation.pushes import make_push
 from atlas_drake.simulation.restart import built_in_difference
 from atlas_drake.simulation.run_log import RunLog
 from atlas_drake.simulation.stage import Stage
@@ -77,11 +74,9 @@ if TYPE_CHECKING:
     from atlas_drake.visualization.video_display import Video, VideoDisplay
 
 CHUNK = 0.02
-"""Simulated time between looks at events, pushes and Ctrl-C [s]."""
+"""Simulated time between looks at events and Ctrl-C [s]."""
 SHOWN_EVERY = 0.5
 """At most this often a slow viewer is shown where an advance ended [s of wall time]."""
-CLEARANCE = 0.10
-"""How far above the ground the feet of a harnessed robot hang [m]."""
 
 
 class AtlasSimulation:
@@ -172,7 +167,6 @@ class AtlasSimulation:
         # Absolute, so that it is valid in another working folder, too.
         self.scenario.model = self.robot.model
         self._programme = scheduled_programme(self.scenario, self.robot, self.behaviors)
-        self._schedule = PushSchedule(self.scenario.pushes, self.robot)
         self._tick_seconds = array("d")
         self._turns = Turns()
         world = (*world_of(self.scenario.all_models()), *listed(world))
@@ -206,9 +200,6 @@ class AtlasSimulation:
         self._film: VideoDisplay | None = None
         if self.diagram.HasSubsystemNamed("video"):
             self._film = self.diagram.GetSubsystemByName("video")
-        self._fall_watch = FallWatch(
-            self.robot, self.plant, self.scenario.controller.fall
-        )
         self._pace = Pace(self.simulator)
         self._note_begin()
         if self.meshcat is not None:
@@ -343,11 +334,8 @@ class AtlasSimulation:
             InvalidMessageError: If there is no such body or a value is not a number.
         """
         with self._turns:
-            push = make_push(self.robot.body_names, body, force_W, duration, self.time)
-            self._stage.pushes.add(push)
-            force = np.round(push.force_W, 1).tolist()
-            text = f"push of {force} N on {body} for {float(duration):g} s"
-            self._log.note(Event(self.time, "push", text))
+            self._stage.push(body, force_W, duration)
+            self._look()
 
     # ---- time ----------------------------------------------------------------
 
@@ -409,20 +397,8 @@ class AtlasSimulation:
     def _advance_chunk(self, t: float) -> None:
         """Simulates until the next look at the events, at most until ``t``."""
         self._pace.forget_lost_time()
-        pushes, suspension = self._stage.pushes, self._stage.suspension
-        self._begin_pushes()
-        pushes.update(self.context)
-        if suspension.is_due(self.time):
-            self.release()
-        stops = [t, self.time + CHUNK, self._schedule.next_time, *pushes.ends]
-        if suspension.release_time is not None:
-            stops.append(suspension.release_time)
-        stop = min(stop for stop in stops if stop > self.time + 1e-9)
         try:
-            if self._schedule.awaits_gait:
-                self._advance_watching(stop)
-            else:
-                self.simulator.AdvanceTo(stop)
+            self.simulator.AdvanceTo(min(t, self.time + CHUNK))
         except RuntimeError as error:
             raise SimulationError(
                 f"the simulation stopped at {self.time:.3f} s: {error}"
@@ -597,11 +573,9 @@ class AtlasSimulation:
                 scenario.seed,
                 f"a log or a video holds one run: {last}() completes it",
             )
-        # Refuses what the robot lacks while the present run is still whole.
-        schedule = PushSchedule(scenario.pushes, self.robot)
         with self._turns:
             self._stage.begin(scenario)
-            self.scenario, self._schedule = scenario, schedule
+            self.scenario = scenario
             self._note_begin()
 
     def release(self) -> None:
@@ -611,8 +585,8 @@ class AtlasSimulation:
             ScenarioError: If the scenario has no harness.
         """
         with self._turns:
-            self._stage.suspension.release(self.context)
-            self._log.note(Event(self.time, "harness", "harness lets the robot down"))
+            self._stage.release()
+            self._look()
 
     # ---- state ---------------------------------------------------------------
 
@@ -737,26 +711,6 @@ class AtlasSimulation:
         joint = self.robot.joint_names[wrong[0]]
         return f" The controller's behavior_effort of {joint} is not finite."
 
-    def _advance_watching(self, stop: float) -> None:
-        """Advances tick by tick, until the feet did what a push waits for."""
-        period = self.scenario.control_period
-        while self.time < stop - 1e-9 and self._schedule.awaits_gait:
-            tick = (math.floor(self.time / period + 1e-6) + 1) * period
-            self.simulator.AdvanceTo(min(tick, stop))
-            self._schedule.look(
-                self.time,
-                self.output("foot_wrenches"),
-                time_to_touchdown(self.output("controller_status")),
-            )
-            stop = min(stop, self._schedule.next_time)
-
-    def _begin_pushes(self) -> None:
-        """Begins the scenario's pushes that are due."""
-        for plan in self._schedule.due(self.time):
-            heading = RollPitchYaw(self.pelvis_pose.rotation()).yaw_angle()
-            body = plan.body or self.robot.file.chest
-            self.apply_push(body, plan.force(heading), plan.duration)
-
     def _look(self, *, anew: bool = False) -> None:
         """Takes in what happened since the last look, which a reset may follow."""
         with self._noted_error():
@@ -778,13 +732,13 @@ class AtlasSimulation:
             self.output("sent") if self._programme else 0,
             self.output("commands"),
             status,
+            self.output("pushes"),
             anew=anew,
         )
+        harnessed = self.station.HasSubsystemNamed("harness")
+        released = self.output("harness").released if harnessed else None
+        self._log.watch_robot(self.time, self.output("fall"), released)
         self._log.watch_solver(self.time, status)
-        if not self._log.fallen():
-            sign = self._fall_watch.sign(self._stage.plant_context)
-            if sign:
-                self._log.note(Event(self.time, "fall", f"falling ({sign})"))
         for system in (self._recorder, self._film):
             fault: AtlasError | None = None if system is None else system.fault
             if fault is not None and fault not in self._faults:
