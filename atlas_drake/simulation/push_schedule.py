@@ -14,7 +14,7 @@ from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.errors import InvalidMessageError, ScenarioError
 from atlas_drake.messages.controller_status import ControllerStatus
 from atlas_drake.robot import Robot
-from atlas_drake.scenario.pushes import FEET, PlannedPush
+from atlas_drake.scenario.pushes import PlannedPush
 from atlas_drake.simulation.gait_watch import GaitWatch
 from atlas_drake.simulation.pushes import make_push
 
@@ -74,7 +74,7 @@ class PushSchedule:
         for event in self._watch.look(time, wrenches):
             still = []
             for plan, count in self._awaited:
-                of_foot = plan.foot in ("any", FEET[1 + event.foot])
+                of_foot = plan.foot in ("any", ("left", "right")[event.foot])
                 left = count - (of_foot and plan.phase == event.phase)
                 if left:
                     still.append((plan, left))
