@@ -11,6 +11,7 @@ import logging
 import math
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 from atlas_drake.app import exit_status
@@ -139,10 +140,10 @@ def with_options(scenario: Scenario, options: argparse.Namespace) -> Scenario:
     Raises:
         ScenarioError: If a resulting value cannot be used.
     """
-    for name in ("model", "world", "seed", "physics_step"):
-        if getattr(options, name) is not None:
-            setattr(scenario, name, getattr(options, name))
-    return with_settings(scenario, options.set)
+    names = ("model", "world", "seed", "physics_step")
+    given = {name: getattr(options, name) for name in names}
+    changes = {name: value for name, value in given.items() if value is not None}
+    return with_settings(replace(scenario, **changes), options.set)
 
 
 INTERRUPTED = "interrupted"

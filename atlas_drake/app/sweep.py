@@ -8,6 +8,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -131,8 +132,7 @@ def _campaign(options: argparse.Namespace) -> Campaign:
     overrides = {name: value for name, value in given.items() if value is not None}
     campaign = load_campaign(options.campaign, options.set, overrides)
     if options.seed is not None:
-        campaign.seed = options.seed
-        campaign.validate()
+        campaign = replace(campaign, seed=options.seed).validate()
     return campaign
 
 

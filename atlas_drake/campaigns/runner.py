@@ -96,7 +96,7 @@ def run_campaign(
     Raises:
         ScenarioError: If the campaign cannot be run, or the folder holds another one.
     """
-    campaign.validate()
+    campaign = campaign.validate()
     if jobs < (0 if ray is not None else 1):
         raise CampaignError("--jobs", jobs, f"is {shown(jobs)}; must be 1 or more")
     if trials is not None:

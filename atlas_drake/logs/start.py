@@ -7,7 +7,7 @@ from pathlib import Path
 
 from pydrake.common.yaml import yaml_dump
 
-from atlas_drake.kinds import as_plain
+from atlas_drake.checked import as_plain
 from atlas_drake.logs.formats import LogFile
 from atlas_drake.logs.notes import Header
 from atlas_drake.logs.recorder import LogRecorder

@@ -6,7 +6,6 @@ happens. The diagram is built and reset in ``stage``; no control law is here.
 
 from __future__ import annotations
 
-import copy
 import functools
 import math
 import time
@@ -14,6 +13,7 @@ import weakref
 from array import array
 from collections.abc import Callable, Iterable, Iterator, MutableSequence, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,6 +25,7 @@ from pydrake.systems.framework import Context
 from atlas_drake.behaviors.entry import BehaviorEntry, configured
 from atlas_drake.behaviors.registration import registered
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
+from atlas_drake.checked import checked
 from atlas_drake.diagrams.control_mode_switch import Extend
 from atlas_drake.diagrams.controller_socket import ControllerSource
 from atlas_drake.errors import (
@@ -35,7 +36,6 @@ from atlas_drake.errors import (
     did_you_mean,
     shown,
 )
-from atlas_drake.kinds import typed
 from atlas_drake.messages import (
     AtlasCommand,
     AtlasSimInterfaceCommand,
@@ -165,7 +165,7 @@ class AtlasSimulation:
         self.behaviors = BehaviorCatalog((*SHIPPED_ENTRIES, *self._own_behaviors))
         self._asked_model = self.scenario.model
         # Absolute, so that it is valid in another working folder, too.
-        self.scenario.model = self.robot.model
+        self.scenario = replace(self.scenario, model=self.robot.model)
         self._programme = scheduled_programme(self.scenario, self.robot, self.behaviors)
         self._tick_seconds = array("d")
         self._turns = Turns()
@@ -517,15 +517,15 @@ class AtlasSimulation:
         asked = self.scenario.initial_behavior if behavior is None else behavior
         start = self.scenario.start if pose is None else pose
         begin = starting_behavior(asked, "behavior", self.behaviors)
-        typed(start, Start, "pose").validate(begin)
+        start = checked(Start, start, "pose")
+        start.check_behavior(begin)
         if start.harnessed and not self.scenario.start.harnessed:
             raise ScenarioError(
                 "start.harnessed", True, "needs a scenario that began in a harness"
             )
         where = None if pose is None else self.scenario.start_pose(pose)
         if seed is not None:
-            new = copy.copy(self.scenario)
-            new.seed = check_seed(seed)
+            new = replace(self.scenario, seed=check_seed(seed))
             if where is not None:
                 self._stage.check_reset(new, start, where)
             self._begin_anew(new)
@@ -557,7 +557,7 @@ class AtlasSimulation:
         """
         asked = scenario.resolved()
         if asked.model == self._asked_model:
-            asked.model = self.robot.model
+            asked = replace(asked, model=self.robot.model)
         field = built_in_difference(self.scenario, asked)
         if field is not None:
             raise ScenarioError(field, None, "is changed, and needs a new simulation")

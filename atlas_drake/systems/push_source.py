@@ -24,7 +24,7 @@ from atlas_drake.messages.checks import check_number, check_vector
 from atlas_drake.messages.controller_status import ControllerStatus
 from atlas_drake.messages.recent import append_recent
 from atlas_drake.robot import Robot
-from atlas_drake.scenario.pushes import FEET, LARGEST_FORCE, PlannedPush
+from atlas_drake.scenario.pushes import LARGEST_FORCE, PlannedPush
 from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.systems.gait_watch import FootLoad
 
@@ -100,7 +100,7 @@ class PushState(Frozen):
             left: Time until the next touchdown as the behavior plans it [s].
         """
         feet, planned, awaited = [], list(self.planned), self.awaited
-        for name, foot, load in zip(FEET[1:], self.feet, loads, strict=True):
+        for name, foot, load in zip(("left", "right"), self.feet, loads, strict=True):
             after, phase = foot.after(time, load)
             feet.append(after)
             waiting = []

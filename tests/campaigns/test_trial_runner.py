@@ -1,6 +1,7 @@
 """Trials in one process: figures, errors, simulations that are kept."""
 
 import pickle
+from dataclasses import replace
 
 import pytest
 
@@ -115,7 +116,7 @@ def test_a_function_that_is_not_there_is_named(more, field, campaign):
 def test_shards_merge_to_the_same_results(campaign, tmp_path):
     campaign, sources = campaign(), Sources()
     whole = {n: fake(make_trial(campaign, n)) for n in range(7)}
-    campaign.trials = 7
+    campaign = replace(campaign, trials=7)
     parts = []
     for index in (1, 2, 3):
         folder = CampaignFolder(tmp_path / f"part{index}")
@@ -131,7 +132,7 @@ def test_shards_merge_to_the_same_results(campaign, tmp_path):
     parts[1].write({**fake(make_trial(campaign, 1)), "success": False})
     with pytest.raises(ScenarioError, match=r"trial 1 of .* contradicts"):
         merge(target, parts)
-    campaign.seed = 3
+    campaign = replace(campaign, seed=3)
     other = CampaignFolder(tmp_path / "other")
     other.begin(campaign, sources)
     with pytest.raises(ScenarioError, match="another campaign: seed is 3, and 0"):
@@ -161,10 +162,11 @@ def test_a_folder_is_of_one_campaign(campaign, campaign_file, tmp_path):
     sources = Sources(tuple(first.code))
     folder = CampaignFolder(tmp_path / "out")
     folder.begin(first, sources)
-    first.trials = 7
+    first = replace(first, trials=7)
     folder.begin(first, sources)
     changed = campaign("", "NUMBER = 1\n")
-    changed.scenario.jitter.mass = 0.1
+    jitter = replace(changed.scenario.jitter, mass=0.1)
+    changed = replace(changed, scenario=replace(changed.scenario, jitter=jitter))
     with pytest.raises(ScenarioError, match=r"jitter\.mass is 0\.1, and was 0\.05"):
         folder.begin(changed, sources)
     campaign_file("", "NUMBER = 2\n")

@@ -15,10 +15,10 @@ from pydrake.systems.analysis import SimulatorConfig
 from atlas_drake import Block, Scenario, ScenarioError, Start, load_scenario
 from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.walk.rules import WalkRules
+from atlas_drake.checked import as_plain
 from atlas_drake.control.gains import PdGains
 from atlas_drake.diagrams.atlas_station import StationConfig
 from atlas_drake.errors import shown
-from atlas_drake.kinds import as_plain
 from atlas_drake.messages import Behavior
 from atlas_drake.scenario import Jitter, scenario_from, with_settings
 from atlas_drake.scenario.drake_configs import plant_config
@@ -53,11 +53,6 @@ def test_the_true_state_needs_no_quotes(text, tmp_path):
 def test_nothing_else_stands_for_the_true_state(text, tmp_path):
     with pytest.raises(ScenarioError, match="state"):
         load(tmp_path, f"state: {text}\n")
-
-
-def test_validate_returns_the_scenario_itself():
-    scenario = Scenario()
-    assert scenario.validate() is scenario
 
 
 @pytest.mark.parametrize(
@@ -196,7 +191,8 @@ def test_numbers_of_every_kind_mean_the_same():
         start=Start(position=[1.0, 2.0], yaw=0.25),
         terrain=[Block(size=[1, 1, 0.1], friction=0.5)],
     )
-    assert odd.validate() == plain.validate()
+    odd, plain = odd.validate(), plain.validate()
+    assert odd == plain
     assert type(odd.start.yaw) is type(odd.ground_friction) is float
     assert json.loads(json.dumps(vars(odd.start))) == vars(plain.start)
 
@@ -228,18 +224,10 @@ def test_a_number_of_less_precision_is_not_the_same():
         Scenario(physics_step=np.float32(0.001), control_period=0.002).validate()
 
 
-def test_a_field_that_does_not_exist_is_noticed_in_python_too():
-    scenario = Scenario()
-    scenario.modle = "atlas"
-    with pytest.raises(ScenarioError, match=r"modle: .*Did you mean 'model'"):
-        scenario.validate()
-
-
 @pytest.mark.parametrize("field", ["position", "orientation", "joints", "mass"])
 @pytest.mark.parametrize("value", [-0.1, math.nan, math.inf, "much"])
 def test_jitter_is_checked_field_by_field(field, value):
-    scenario = Scenario()
-    setattr(scenario.jitter, field, value)
+    scenario = Scenario(jitter=Jitter(**{field: value}))
     with pytest.raises(ScenarioError) as error:
         scenario.validate()
     assert error.value.field == f"jitter.{field}"
@@ -264,7 +252,7 @@ def test_no_link_can_lose_all_its_mass():
         ("terrain: [{sizes: [1, 1, 1]}]\n", r"terrain\[0\]\.sizes: .*'size'"),
         ("terrain: [{size: [1, 1, high]}]\n", r"terrain\[0\]\.size\[2\]: is 'high'"),
         ("", "file: must have fields of a scenario"),
-        ("duration: 1e308\n", "duration: is '1e308'; must be within"),
+        ("duration: 1e308\n", "duration: is 1e\\+308; must be within"),
         (f"ground_friction: 1{'0' * 400}\n", "ground_friction: .*within"),
         (f"seed: 1{'0' * 5000}\n", "file"),
         ("duration: [\n", "file"),
@@ -387,7 +375,7 @@ def test_settings_win_in_their_order():
 
 def test_the_steps_of_a_valid_scenario_may_change():
     scenario = Scenario().validate()
-    scenario.physics_step, scenario.control_period = 0.0005, 0.001
+    scenario = dataclasses.replace(scenario, physics_step=0.0005, control_period=0.001)
     assert scenario.validate().resolved().plant.time_step == 0.0005
     finer = with_settings(scenario, ["physics_step=0.00025"])
     assert finer.resolved().plant.time_step == 0.00025
