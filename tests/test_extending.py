@@ -138,8 +138,8 @@ class Nod(Stand):
         joints[self._neck] += 0.2 * sin(2.0 * pi * seen.time / 3.0)
         return replace(still, joints=joints)
 
-    def report(self, memory, state):
-        state.feedback = Nodding(memory.com)
+    def feedback(self, memory, status_flags):
+        return Nodding(memory.com)
 
 
 @dataclass(frozen=True)

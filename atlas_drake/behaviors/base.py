@@ -17,7 +17,6 @@ from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.whole_body.command import WholeBodyCommand
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.frozen import read_only
-from atlas_drake.messages import AtlasSimInterfaceState
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan
 from atlas_drake.messages.event import Event
@@ -77,7 +76,10 @@ class Outcome:
 
 
 class BehaviorProtocol(Protocol):
-    """One behavior. Objects hold constants only."""
+    """One behavior. Objects hold constants only.
+
+    A class derived from it needs ``enter`` and ``update`` only.
+    """
 
     def enter(
         self,
@@ -97,17 +99,24 @@ class BehaviorProtocol(Protocol):
     ) -> Outcome:
         """Computes one tick; ``leaving`` requests an orderly end of the behavior."""
 
-    def report(self, memory: Any, state: AtlasSimInterfaceState) -> None:
-        """Fills in the behavior's own part of the state message, except its flags.
+    def feedback(self, memory: Any, status_flags: int) -> Any:
+        """Returns the behavior's feedback for the state message; None without one.
 
-        The part of a user's own behavior is ``state.feedback``, any frozen value.
+        A feedback message of the interface, such as ``AtlasBehaviorWalkFeedback``, is
+        reported in its own field, any other frozen value in ``feedback``.
+
+        Args:
+            memory: State of the behavior after the last tick.
+            status_flags: The behavior's own flags, latched.
         """
+        return None
 
     def plan(self, memory: Any, com: np.ndarray, omega: float) -> Plan:
-        """Returns the behavior's plan, for viewers and logs.
+        """Returns the behavior's plan, for viewers and logs; empty without one.
 
         Args:
             memory: State of the behavior after the last tick.
             com: Center of mass at that tick, horizontal in W [m], shape (2,).
             omega: Natural frequency of the pendulum at that tick [1/s].
         """
+        return Plan()

@@ -98,7 +98,6 @@ class BehaviorEntry(BehaviorInterface):
         ends_in_order: True if the behavior comes to an orderly end when STAND is
             requested.
         lifts_feet: True if the behavior lifts feet, and so needs both legs.
-        feedback: Field of ``AtlasSimInterfaceState`` for the behavior's status flags.
     """
 
     make: Callable[[BehaviorTools, Any], BehaviorProtocol]
@@ -111,7 +110,6 @@ class BehaviorEntry(BehaviorInterface):
     balanced: bool = True
     ends_in_order: bool = True
     lifts_feet: bool = False
-    feedback: str = ""
 
     def may_follow(self, source: BehaviorEntry) -> bool:
         """True if the transition from ``source`` is legal."""

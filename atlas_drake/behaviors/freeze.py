@@ -11,13 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from atlas_drake.behaviors.balance import Balance
-from atlas_drake.behaviors.base import Observation, Outcome
+from atlas_drake.behaviors.base import BehaviorProtocol, Observation, Outcome
 from atlas_drake.behaviors.body_reference import BodyReference, capture_body
 from atlas_drake.configuration import Configuration, NotNegative, Share
 from atlas_drake.control.whole_body.tasks import PostureTask
-from atlas_drake.messages import AtlasSimInterfaceState
 from atlas_drake.messages.commands import BehaviorRequest
-from atlas_drake.messages.controller_status import Plan
 
 
 @dataclass(frozen=True)
@@ -40,7 +38,7 @@ class FreezeMemory:
     joints: np.ndarray
 
 
-class Freeze:
+class Freeze(BehaviorProtocol):
     """Holds every joint at its position and the feet still."""
 
     def __init__(self, balance: Balance, config: FreezeConfig | None = None):
@@ -85,10 +83,3 @@ class Freeze:
         )
         command = self._balance.on_feet((left, right), PostureTask(still, self._weight))
         return Outcome(memory=FreezeMemory(joints), body=body, command=command)
-
-    def plan(self, memory: FreezeMemory, com: np.ndarray, omega: float) -> Plan:
-        """Returns an empty plan: FREEZE holds the pose."""
-        return Plan()
-
-    def report(self, memory: FreezeMemory, state: AtlasSimInterfaceState) -> None:
-        """Reports nothing beyond the behavior's name."""

@@ -6,16 +6,12 @@ control get zero effort.
 
 from __future__ import annotations
 
-import numpy as np
-
-from atlas_drake.behaviors.base import Observation, Outcome
+from atlas_drake.behaviors.base import BehaviorProtocol, Observation, Outcome
 from atlas_drake.behaviors.body_reference import BodyReference, capture_body
-from atlas_drake.messages import AtlasSimInterfaceState
 from atlas_drake.messages.commands import BehaviorRequest
-from atlas_drake.messages.controller_status import Plan
 
 
-class Idle:
+class Idle(BehaviorProtocol):
     """Commands no effort and has no state."""
 
     def enter(
@@ -36,10 +32,3 @@ class Idle:
     ) -> Outcome:
         """Computes one tick: the body reference follows the robot."""
         return Outcome(memory=None, body=capture_body(observation.terms), command=None)
-
-    def plan(self, memory: None, com: np.ndarray, omega: float) -> Plan:
-        """Returns an empty plan."""
-        return Plan()
-
-    def report(self, memory: None, state: AtlasSimInterfaceState) -> None:
-        """Reports nothing beyond the behavior's name."""

@@ -11,7 +11,7 @@ from typing import Any
 from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.errors import did_you_mean, shown
-from atlas_drake.messages import AtlasSimInterfaceCommand, AtlasSimInterfaceState
+from atlas_drake.messages import AtlasSimInterfaceCommand
 from atlas_drake.messages.behavior_catalog import BehaviorCatalog, BehaviorError
 
 
@@ -87,6 +87,3 @@ def _check(entry: Any, names: list[str]) -> None:
                     f"no behavior.{did_you_mean(str(name), names)} Known are "
                     + ", ".join(names)
                 )
-    feedback = getattr(AtlasSimInterfaceState(), str(entry.feedback), None)
-    if entry.feedback != "" and not hasattr(feedback, "status_flags"):
-        refuse("feedback", "a feedback field of AtlasSimInterfaceState, or ''")

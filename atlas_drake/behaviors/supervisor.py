@@ -29,14 +29,10 @@ from atlas_drake.control.whole_body.command import WholeBodyCommand
 from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.errors import ErrorCode, shown
 from atlas_drake.frozen import read_only, replace
-from atlas_drake.messages import (
-    AtlasSimInterfaceState,
-    Behavior,
-    BehaviorStatus,
-)
+from atlas_drake.messages import AtlasBehaviorFeedback, Behavior, BehaviorStatus
 from atlas_drake.messages.behavior_catalog import BehaviorError
 from atlas_drake.messages.commands import BehaviorRequest
-from atlas_drake.messages.controller_status import KEPT_EVENTS, Plan
+from atlas_drake.messages.controller_status import KEPT_EVENTS, ControllerStatus, Plan
 from atlas_drake.messages.event import Event
 from atlas_drake.messages.recent import append_recent
 
@@ -206,31 +202,35 @@ class Supervisor:
             state = self._change(state, observation, Behavior.STAND, status)
         return state, None if state.falling else outcome.command
 
-    def report(self, state: SupervisorState, message: AtlasSimInterfaceState) -> None:
-        """Fills in the behaviors' part of the state message."""
-        message.error_code = state.error_code
-        message.current_behavior = state.current
-        message.desired_behavior = state.desired
-        feedback = message.behavior_feedback
-        feedback.status_flags = state.status
-        if state.falling:
-            feedback.status_flags |= BehaviorStatus.ERROR_FALLING
-        feedback.trans_from = state.trans_from
-        feedback.trans_to = state.trans_to
-        if state.memory is not None:
-            self.behaviors[state.current].report(state.memory, message)
-        field = self._entries[state.current].feedback
-        if field:
-            getattr(message, field).status_flags = state.behavior_flags
-
-    def plan(self, state: SupervisorState, com: np.ndarray, omega: float) -> Plan:
-        """Returns the plan of the active behavior.
+    def status(
+        self, state: SupervisorState, com: np.ndarray, omega: float
+    ) -> ControllerStatus:
+        """Returns the status of the behaviors; it says nothing of the QP.
 
         Args:
             state: State after the last tick.
             com: Center of mass at that tick, horizontal in W [m], shape (2,).
             omega: Natural frequency of the pendulum at that tick [1/s].
         """
+        falling = BehaviorStatus.ERROR_FALLING if state.falling else BehaviorStatus.OK
+        return ControllerStatus(
+            current_behavior=state.current,
+            desired_behavior=state.desired,
+            error_code=state.error_code,
+            behavior_feedback=AtlasBehaviorFeedback(
+                state.status | falling, state.trans_from, state.trans_to
+            ),
+            feedback=None
+            if state.memory is None
+            else self.behaviors[state.current].feedback(
+                state.memory, state.behavior_flags
+            ),
+            events=state.events,
+            event_count=state.event_count,
+            plan=self._plan(state, com, omega),
+        )
+
+    def _plan(self, state: SupervisorState, com: np.ndarray, omega: float) -> Plan:
         if state.memory is None or state.in_damping_mode:
             return Plan()
         plan = self.behaviors[state.current].plan(state.memory, com, omega)
@@ -377,7 +377,7 @@ def _made(entry: BehaviorEntry, tools: BehaviorTools, config: Any) -> BehaviorPr
         BehaviorError: If the result is not a behavior.
     """
     behavior = entry.make(tools, config)
-    for name in ("enter", "update", "plan", "report"):
+    for name in ("enter", "update", "feedback", "plan"):
         if not callable(getattr(behavior, name, None)):
             raise BehaviorError(
                 f"behavior {entry.name!r}: make must return a behavior, but what it "

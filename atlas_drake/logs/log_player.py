@@ -35,7 +35,6 @@ from atlas_drake.messages.commands import (
 )
 from atlas_drake.messages.controller_status import (
     KEPT_EVENTS,
-    REPORTED,
     ControllerStatus,
     Plan,
 )
@@ -137,12 +136,14 @@ class LogPlayer(CollectableSystem):
         return replace(self._start, requests=(request,), joints=joints)
 
     def _status(self, context: Context) -> ControllerStatus:
-        report, row = self._report(context), self.row(context)
+        row = self.row(context)
         # The latest events, as in the status of a controller.
         now = context.get_time() + 1e-9
         past: list[Event] = [e for e in self._log.events if e.time <= now]
         return ControllerStatus(
-            **{name: getattr(report, name) for name in REPORTED},
+            current_behavior=self._log.behavior(
+                int(self._log["behavior.current"][row])
+            ),
             events=tuple(past[-KEPT_EVENTS:]),
             event_count=len(past),
             solved=self._solved(row),

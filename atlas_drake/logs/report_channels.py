@@ -19,7 +19,6 @@ from atlas_drake.messages import (
     AtlasBehaviorStepAction,
     AtlasSimInterfaceState,
 )
-from atlas_drake.messages.controller_status import REPORTED, ControllerStatus
 
 _POSITION = {axis: f"position.{axis}" for axis in XYZ}
 _ORIENTATION = {axis: f"orientation.{axis}" for axis in WXYZ}
@@ -56,9 +55,7 @@ class ReportChannel:
     owner: tuple[str | int, ...]
     leaves: tuple[str, ...]
 
-    def read(
-        self, report: AtlasSimInterfaceState | ControllerStatus
-    ) -> Sequence[float]:
+    def read(self, report: AtlasSimInterfaceState) -> Sequence[float]:
         """Reads the channel's numbers."""
         numbers = self._get(self._owner(report))
         return numbers if self.channel.labels else (numbers,)
@@ -73,16 +70,11 @@ class ReportChannel:
             kind = int if isinstance(getattr(message, name), int) else float
             setattr(message, name, kind(number))
 
-    @property
-    def part(self) -> str:
-        """The field of the report that holds the numbers."""
-        return str(self.owner[0]) if self.owner else self.leaves[0]
-
     @cached_property
     def _get(self) -> Callable[[object], Any]:
         return attrgetter(*self.leaves)
 
-    def _owner(self, report: AtlasSimInterfaceState | ControllerStatus) -> Any:
+    def _owner(self, report: AtlasSimInterfaceState) -> Any:
         message: Any = report
         for key in self.owner:
             message = message[key] if isinstance(key, int) else getattr(message, key)
@@ -90,12 +82,12 @@ class ReportChannel:
 
 
 def reported(
-    report: AtlasSimInterfaceState | ControllerStatus, channels: Iterable[ReportChannel]
+    report: AtlasSimInterfaceState, channels: Iterable[ReportChannel]
 ) -> list[float]:
     """Reads the numbers of some channels, one after the other.
 
     Args:
-        report: A report, or a status for STATUS_CHANNELS.
+        report: A report.
         channels: The channels to read.
     """
     numbers: list[float] = []
@@ -235,6 +227,10 @@ REPORT_CHANNELS = (
     ),
 )
 """Channels in the order of the log."""
-STATUS_CHANNELS = tuple(entry for entry in REPORT_CHANNELS if entry.part in REPORTED)
-"""The channels whose numbers are in a controller's status, too; the poses and the
-velocity of the others are measured."""
+STATUS_CHANNELS = tuple(
+    entry
+    for entry in REPORT_CHANNELS
+    if not entry.owner or entry.owner[0] not in ("pos_est", "foot_pos_est")
+)
+"""The channels that a controller's status determines; those of poses and velocity are
+measured."""

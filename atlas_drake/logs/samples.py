@@ -15,10 +15,14 @@ from atlas_drake.logs.layout import SIDES, Layout
 from atlas_drake.logs.report_channels import STATUS_CHANNELS, reported
 from atlas_drake.logs.world_state import WorldCoordinates
 from atlas_drake.messages.commands import CommandsInForce
-from atlas_drake.messages.controller_status import LARGEST_SUPPORT, Plan
+from atlas_drake.messages.controller_status import (
+    LARGEST_SUPPORT,
+    ControllerStatus,
+    Plan,
+)
 from atlas_drake.messages.imu import Imu
-from atlas_drake.messages.reported_status import reported_status
 from atlas_drake.robot import Robot
+from atlas_drake.systems.interface_reporter import behavior_report
 
 NO_QP = -1
 """Value of ``controller.solved`` where a controller has, or needed, no QP."""
@@ -146,7 +150,7 @@ def take_sample(
     tick_time: float,
     numbers: np.ndarray,
     commands: CommandsInForce,
-    status: object,
+    status: ControllerStatus,
     imu: Imu,
 ) -> np.ndarray:
     """Makes one sample, as ``SampleLayout`` describes it; NaN for missing values.
@@ -163,17 +167,17 @@ def take_sample(
         TypeError: If ``status`` is not a ControllerStatus.
         ValueError: If it names a behavior that is not registered.
     """
-    known = reported_status(status, commands)
-    plan, joints = known.plan, commands.joints
+    report = behavior_report(status, commands)
+    plan, joints = status.plan, commands.joints
     orientation, rate = imu.orientation, imu.angular_velocity
     force = imu.linear_acceleration
     first = [
         time,
         tick_time,
-        known.unsolved,
-        NO_QP if known.solved is None else known.solved,
+        status.unsolved,
+        NO_QP if status.solved is None else status.solved,
         commands.request.number,
-        *reported(known, STATUS_CHANNELS),
+        *reported(report, STATUS_CHANNELS),
         *(orientation.w, orientation.x, orientation.y, orientation.z),
         *(rate.x, rate.y, rate.z),
         *(force.x, force.y, force.z),

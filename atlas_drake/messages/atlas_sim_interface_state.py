@@ -57,8 +57,7 @@ class AtlasSimInterfaceState(Message):
         walk_feedback: State of WALK.
         manipulate_feedback: State of MANIPULATE.
         k_effort: Shares of user control in force, one per joint in message order.
-        feedback: State of a user's own behavior, as its ``report`` sets it; None if it
-            sets none.
+        feedback: Feedback of a user's own behavior; None without one.
     """
 
     NO_ERRORS = ErrorCode.NO_ERRORS

@@ -17,13 +17,7 @@ from atlas_drake.errors import ErrorCode, shown
 from atlas_drake.frozen import Frozen, read_only
 from atlas_drake.messages.behavior import Behavior
 from atlas_drake.messages.behavior_catalog import BehaviorCatalog
-from atlas_drake.messages.behavior_feedback import (
-    AtlasBehaviorFeedback,
-    AtlasBehaviorManipulateFeedback,
-    AtlasBehaviorStandFeedback,
-    AtlasBehaviorStepFeedback,
-    AtlasBehaviorWalkFeedback,
-)
+from atlas_drake.messages.behavior_feedback import AtlasBehaviorFeedback
 from atlas_drake.messages.event import Event
 from atlas_drake.numeric import as_float, is_whole
 
@@ -190,15 +184,6 @@ def _take_array(
     object.__setattr__(values, name, read_only(array))
 
 
-_FEEDBACK = {
-    "behavior_feedback": AtlasBehaviorFeedback,
-    "stand_feedback": AtlasBehaviorStandFeedback,
-    "step_feedback": AtlasBehaviorStepFeedback,
-    "walk_feedback": AtlasBehaviorWalkFeedback,
-    "manipulate_feedback": AtlasBehaviorManipulateFeedback,
-}
-"""Types of a status' fields."""
-
 KEPT_EVENTS = 200
 """Number of events in a status, beside those of the last ``recent.READ_WITHIN``
 seconds; as many as displays show."""
@@ -219,11 +204,8 @@ class ControllerStatus(Frozen):
             transition.
         error_code: Error of the last command.
         behavior_feedback: Result of the last transition.
-        stand_feedback: State of STAND.
-        step_feedback: State of STEP.
-        walk_feedback: State of WALK.
-        manipulate_feedback: State of MANIPULATE.
-        feedback: State of a user's own behavior; frozen.
+        feedback: Feedback of the active behavior: a message such as
+            ``AtlasBehaviorWalkFeedback``, or any frozen value; None without one.
         events: The latest events. Older events are dropped; those of the last
             ``recent.READ_WITHIN`` seconds must be there.
         event_count: Number of events since the diagram was built, including dropped
@@ -242,18 +224,6 @@ class ControllerStatus(Frozen):
     error_code: ErrorCode = ErrorCode.NO_ERRORS
     behavior_feedback: AtlasBehaviorFeedback = field(
         default_factory=AtlasBehaviorFeedback
-    )
-    stand_feedback: AtlasBehaviorStandFeedback = field(
-        default_factory=AtlasBehaviorStandFeedback
-    )
-    step_feedback: AtlasBehaviorStepFeedback = field(
-        default_factory=AtlasBehaviorStepFeedback
-    )
-    walk_feedback: AtlasBehaviorWalkFeedback = field(
-        default_factory=AtlasBehaviorWalkFeedback
-    )
-    manipulate_feedback: AtlasBehaviorManipulateFeedback = field(
-        default_factory=AtlasBehaviorManipulateFeedback
     )
     feedback: Any = None
     events: tuple[Event, ...] = ()
@@ -276,10 +246,11 @@ class ControllerStatus(Frozen):
                 raise TypeError(f"{name} must be a Behavior, is {shown(value)}")
         if not isinstance(self.plan, Plan):
             raise TypeError(f"plan must be a Plan, is {shown(self.plan)}")
-        for name, kind in _FEEDBACK.items():
-            value = getattr(self, name)
-            if not isinstance(value, kind):
-                raise TypeError(f"{name} must be {kind.__name__}, is {shown(value)}")
+        if not isinstance(self.behavior_feedback, AtlasBehaviorFeedback):
+            raise TypeError(
+                "behavior_feedback must be AtlasBehaviorFeedback, is "
+                f"{shown(self.behavior_feedback)}"
+            )
         for name in ("error_code", "event_count", "unsolved"):
             value = getattr(self, name)
             if type(value) is not int and not is_whole(value):
@@ -296,20 +267,6 @@ class ControllerStatus(Frozen):
                 f"event_count must count all events, is {self.event_count} with "
                 f"{len(self.events)} of them"
             )
-
-
-REPORTED = (
-    "error_code",
-    "current_behavior",
-    "desired_behavior",
-    "behavior_feedback",
-    "stand_feedback",
-    "step_feedback",
-    "walk_feedback",
-    "manipulate_feedback",
-    "feedback",
-)
-"""Fields that ``ControllerStatus`` and ``AtlasSimInterfaceState`` share."""
 
 
 def check_status(value: object, catalog: BehaviorCatalog) -> ControllerStatus:

@@ -4,6 +4,7 @@ The controller's own values are in its status; efforts, shares and poses are rea
 ports.
 """
 
+from dataclasses import fields
 from typing import Any
 
 import numpy as np
@@ -11,9 +12,16 @@ from pydrake.common.value import AbstractValue
 from pydrake.math import RigidTransform
 from pydrake.systems.framework import Context
 
+from atlas_drake.errors import ErrorCode
 from atlas_drake.frozen import NOTHING
 from atlas_drake.messages import (
+    AtlasBehaviorFeedback,
+    AtlasBehaviorManipulateFeedback,
+    AtlasBehaviorStandFeedback,
+    AtlasBehaviorStepFeedback,
+    AtlasBehaviorWalkFeedback,
     AtlasSimInterfaceState,
+    BehaviorStatus,
     Header,
     Pose,
     Quaternion,
@@ -21,11 +29,56 @@ from atlas_drake.messages import (
 )
 from atlas_drake.messages.atlas_sim_interface_state import AtlasPositionData
 from atlas_drake.messages.commands import CommandsInForce
-from atlas_drake.messages.controller_status import REPORTED
-from atlas_drake.messages.reported_status import reported_status
+from atlas_drake.messages.controller_status import check_status
 from atlas_drake.robot import Robot
 from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.systems.scratch import declare_scratch_context
+
+_BLANK = AtlasSimInterfaceState().snapshot()
+_PARTS = {field.name: getattr(_BLANK, field.name) for field in fields(_BLANK)}
+"""Blank parts that all reports share; making them takes longer than the rest."""
+_FEEDBACK = {
+    AtlasBehaviorStandFeedback: "stand_feedback",
+    AtlasBehaviorStepFeedback: "step_feedback",
+    AtlasBehaviorWalkFeedback: "walk_feedback",
+    AtlasBehaviorManipulateFeedback: "manipulate_feedback",
+}
+"""Fields of the behaviors' feedback messages; other values are in ``feedback``."""
+
+
+def behavior_report(value: object, commands: CommandsInForce) -> AtlasSimInterfaceState:
+    """Returns the report as far as the controller knows it; nothing is measured.
+
+    The errors of refused messages, which never reach the controller, are added.
+
+    Args:
+        value: Value of a controller's status port.
+        commands: The commands in force.
+
+    Raises:
+        TypeError: If the value is not a status.
+        ValueError: If it names a behavior that is not registered.
+    """
+    status = check_status(value, commands.catalog)
+    transition = status.behavior_feedback
+    if commands.error_code is ErrorCode.NO_SUCH_BEHAVIOR:
+        transition = AtlasBehaviorFeedback(
+            transition.status_flags | BehaviorStatus.FAILED_TRANS_UNKNOWN_BEHAVIOR,
+            transition.trans_from,
+            transition.trans_to,
+        )
+    # Otherwise the last message is not the controller's last request.
+    reached = commands.received == commands.request.number
+    return AtlasSimInterfaceState(
+        **{
+            **_PARTS,
+            "current_behavior": status.current_behavior,
+            "desired_behavior": status.desired_behavior,
+            "error_code": status.error_code if reached else commands.error_code,
+            "behavior_feedback": transition,
+            _FEEDBACK.get(type(status.feedback), "feedback"): status.feedback,
+        }
+    )
 
 
 class InterfaceReporter(CollectableSystem):
@@ -69,22 +122,17 @@ class InterfaceReporter(CollectableSystem):
 
     def _calc_report(self, context: Context, output: AbstractValue) -> None:
         commands: CommandsInForce = self._commands.Eval(context)
-        status = reported_status(self._status.Eval(context), commands)
         state = self._state.Eval(context)
-        # All at once: an empty message first would make every part twice.
-        output.set_value(
-            AtlasSimInterfaceState(
-                header=Header(context.get_time()),
-                f_out=self._effort.Eval(context).tolist(),
-                pos_est=AtlasPositionData(
-                    Vector3.from_array(state[self._pelvis.position]),
-                    Vector3.from_array(state[self._pelvis.velocity]),
-                ),
-                foot_pos_est=self._sole_poses(context, state),
-                k_effort=commands.k_effort.astype(int).tolist(),
-                **{name: getattr(status, name) for name in REPORTED},
-            )
+        report = behavior_report(self._status.Eval(context), commands)
+        report.header = Header(context.get_time())
+        report.f_out = self._effort.Eval(context).tolist()
+        report.pos_est = AtlasPositionData(
+            Vector3.from_array(state[self._pelvis.position]),
+            Vector3.from_array(state[self._pelvis.velocity]),
         )
+        report.foot_pos_est = self._sole_poses(context, state)
+        report.k_effort = commands.k_effort.astype(int).tolist()
+        output.set_value(report)
 
     def _sole_poses(self, context: Context, state: np.ndarray) -> list[Pose]:
         scratch = self._scratch.Eval(context)

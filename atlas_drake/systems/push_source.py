@@ -302,4 +302,4 @@ class PushSource(CollectableSystem):
 
 def time_to_touchdown(status: ControllerStatus) -> float:
     """Returns the planned time until the next touchdown [s]; 0 if none is planned."""
-    return max(0.0, status.walk_feedback.t_step_rem, status.step_feedback.t_step_rem)
+    return max(0.0, getattr(status.feedback, "t_step_rem", 0.0))

@@ -22,7 +22,6 @@ from pydrake.systems.framework import (
 from atlas_drake.behaviors.base import Observation
 from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.entry import BehaviorEntry
-from atlas_drake.behaviors.report_draft import ReportDraft
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.behaviors.supervisor import Supervisor, SupervisorState
 from atlas_drake.control.balance.feedback import pendulum_frequency
@@ -37,10 +36,10 @@ from atlas_drake.control.whole_body.model import (
 )
 from atlas_drake.control.whole_body.qp import WholeBodyQp, WholeBodySolution
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
-from atlas_drake.frozen import NOTHING, Frozen, read_only
+from atlas_drake.frozen import NOTHING, Frozen, read_only, replace
 from atlas_drake.messages import Behavior
 from atlas_drake.messages.commands import CommandsInForce
-from atlas_drake.messages.controller_status import REPORTED, ControllerStatus
+from atlas_drake.messages.controller_status import ControllerStatus
 from atlas_drake.robot import Robot
 from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.systems.scratch import declare_scratch_context
@@ -224,16 +223,12 @@ class WholeBodyController(CollectableSystem):
 
     def _calc_status(self, context: Context, output: AbstractValue) -> None:
         memory = self._remembered(context)
-        report = ReportDraft()
-        self._supervisor.report(memory.supervisor, report)
+        solution = memory.solution
         output.set_value(
-            ControllerStatus(
-                **report.parts(REPORTED),
-                events=memory.supervisor.events,
-                event_count=memory.supervisor.event_count,
-                solved=None if memory.solution is None else memory.solution.found,
+            replace(
+                self._supervisor.status(memory.supervisor, memory.com, memory.omega),
+                solved=None if solution is None else solution.found,
                 unsolved=memory.unsolved,
-                why_unsolved="" if memory.solution is None else memory.solution.why,
-                plan=self._supervisor.plan(memory.supervisor, memory.com, memory.omega),
+                why_unsolved="" if solution is None else solution.why,
             )
         )

@@ -13,7 +13,7 @@ from atlas_drake.behaviors.manipulate.manipulate import Manipulate
 from atlas_drake.behaviors.stand.stand import Stand
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.control.pelvis.pelvis_reach import PelvisReach
-from atlas_drake.messages import AtlasSimInterfaceState, Behavior, BehaviorStatus
+from atlas_drake.messages import Behavior, BehaviorStatus
 
 from .as_request import as_request
 
@@ -73,9 +73,7 @@ class Ticked:
 
     @property
     def feedback(self):
-        state = AtlasSimInterfaceState()
-        self.behavior.report(self.memory, state)
-        return state.manipulate_feedback
+        return self.behavior.feedback(self.memory, 0)
 
 
 @pytest.fixture(scope="module")

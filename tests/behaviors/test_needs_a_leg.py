@@ -13,7 +13,6 @@ from atlas_drake.behaviors.stand.stand import Stand
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.control.pelvis.pelvis_reach import PelvisReach
 from atlas_drake.control.whole_body import ComTask
-from atlas_drake.messages import AtlasSimInterfaceState
 
 from .as_request import as_request
 
@@ -125,9 +124,7 @@ def test_a_wish_outlasts_the_time_without_a_leg(manipulate, observe):
     held = outcomes[1].memory
     (resumed,) = run(manipulate, held, [observe()], silent)
     for memory in (outcomes[2].memory, resumed.memory):
-        report = AtlasSimInterfaceState()
-        manipulate.report(memory, report)
-        clamped = report.manipulate_feedback.clamped
+        clamped = manipulate.feedback(memory, 0).clamped
         assert clamped.pelvis_height == pytest.approx(0.80, abs=1e-6)
 
 
@@ -135,7 +132,5 @@ def test_the_robot_is_still_looked_at(manipulate, observe):
     (held,) = run(manipulate, None, [observe(users=BOTH_HIPS)])
     tilted = observe(pitch=0.1, users=BOTH_HIPS)
     (later,) = run(manipulate, held.memory, [tilted])
-    report = AtlasSimInterfaceState()
-    manipulate.report(later.memory, report)
-    sensed = report.manipulate_feedback.internal_sensed
+    sensed = manipulate.feedback(later.memory, 0).internal_sensed
     assert sensed.pelvis_pitch == pytest.approx(0.1, abs=0.01)

@@ -18,7 +18,7 @@ from atlas_drake.control.balance.weight_shift import WeightShift
 from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.frozen import replace
-from atlas_drake.messages import AtlasSimInterfaceState, StepStatus, Vector3
+from atlas_drake.messages import StepStatus, Vector3
 from atlas_drake.messages.event import FOOTSTEP, STEPS_LEFT
 
 from .as_request import as_request
@@ -276,9 +276,7 @@ def test_a_foot_that_touches_down_is_pressed_flat_and_its_landing_told(
 
 
 def time_left(step, memory):
-    state = AtlasSimInterfaceState()
-    step.report(memory, state)
-    return state.step_feedback.t_step_rem
+    return step.feedback(memory, 0).t_step_rem
 
 
 def test_the_time_left_counts_to_the_end_of_the_step_in_every_phase(step, observe):

@@ -23,7 +23,6 @@ from atlas_drake.control.gains import ControlGains
 from atlas_drake.errors import ErrorCode
 from atlas_drake.messages import (
     AtlasSimInterfaceCommand,
-    AtlasSimInterfaceState,
     AtlasState,
     Behavior,
     BehaviorStatus,
@@ -84,10 +83,8 @@ class Robot:
         )
 
     @property
-    def report(self):
-        message = AtlasSimInterfaceState()
-        self.supervisor.report(self.state, message)
-        return message
+    def status(self):
+        return self.supervisor.status(self.state, np.zeros(2), 3.0)
 
     def texts(self, kind):
         return [event.text for event in self.state.events if event.kind == kind]
@@ -100,7 +97,7 @@ def make(model, observe):
 
 
 def assert_refused(robot, source, target, flags, code):
-    report = robot.report
+    report = robot.status
     assert (report.current_behavior, report.desired_behavior) == (source, source)
     feedback = report.behavior_feedback
     assert feedback.status_flags == flags
@@ -129,7 +126,7 @@ def test_a_legal_change_happens_in_the_same_tick(make, observe, source, target):
     robot = make(source)
     robot.ask(target)
     robot.tick(observe())
-    report = robot.report
+    report = robot.status
     assert (report.current_behavior, report.desired_behavior) == (target, target)
     assert report.error_code is ErrorCode.NO_ERRORS
     feedback = report.behavior_feedback
@@ -190,11 +187,11 @@ def test_stand_takes_over_only_a_robot_that_it_can_hold(
     assert_refused(robot, source, STAND, flag, ErrorCode.FAILED_TO_START_BEHAVIOR)
     # Asked again when all is well, it does.
     robot.tick(observe())
-    assert robot.report.current_behavior is source
+    assert robot.status.current_behavior is source
     robot.ask(STAND)
     robot.tick(observe())
-    assert robot.report.current_behavior is STAND
-    assert robot.report.error_code is ErrorCode.NO_ERRORS
+    assert robot.status.current_behavior is STAND
+    assert robot.status.error_code is ErrorCode.NO_ERRORS
 
 
 def test_the_dcm_is_that_of_a_pendulum_between_both_soles(model, observe):
@@ -228,7 +225,7 @@ def test_joints_that_stay_with_the_user_may_move_as_they_like(make, observe):
     robot = make(USER)
     robot.ask(STAND)
     robot.tick(observe(joints={WRIST: 8.0}, users={WRIST: 1.0}))
-    assert robot.report.current_behavior is STAND
+    assert robot.status.current_behavior is STAND
 
 
 @pytest.mark.parametrize("target", [STAND_PREP, FREEZE, NONE, USER])
@@ -236,7 +233,7 @@ def test_only_stand_has_conditions(make, observe, target):
     robot = make(USER)
     robot.ask(target)
     robot.tick(observe(pitch=0.5, speed=0.8))
-    assert robot.report.current_behavior is target
+    assert robot.status.current_behavior is target
 
 
 @pytest.mark.parametrize("source", [WALK, MANIPULATE])
@@ -244,14 +241,14 @@ def test_some_take_their_time_to_stand(make, observe, source):
     robot = make(source)
     robot.ask(STAND)
     robot.tick(observe())
-    report = robot.report
+    report = robot.status
     assert (report.current_behavior, report.desired_behavior) == (source, STAND)
     flags = report.behavior_feedback.status_flags
     assert flags == BehaviorStatus.TRANSITION_IN_PROGRESS
     # Second thoughts.
     robot.ask(source)
     robot.tick(observe())
-    assert robot.report.desired_behavior is source
+    assert robot.status.desired_behavior is source
 
 
 def test_one_request_is_acted_upon_once(make, observe):
@@ -286,7 +283,7 @@ def test_a_fall_is_noticed_once_and_ends_all_effort(make, observe, behavior):
     assert not robot.state.falling
     for _ in range(3):
         robot.tick(observe(pitch=1.0))
-        flags = robot.report.behavior_feedback.status_flags
+        flags = robot.status.behavior_feedback.status_flags
         assert flags & BehaviorStatus.ERROR_FALLING
         assert robot.command is None
     assert len(robot.texts("fall")) == 1
@@ -295,7 +292,7 @@ def test_a_fall_is_noticed_once_and_ends_all_effort(make, observe, behavior):
     assert robot.command is None
     robot.ask(STAND)
     robot.tick(observe())
-    flags = robot.report.behavior_feedback.status_flags
+    flags = robot.status.behavior_feedback.status_flags
     assert not flags & BehaviorStatus.ERROR_FALLING
     assert robot.command is not None
 
@@ -308,7 +305,7 @@ def test_a_robot_that_lies_stays_a_fallen_one_whoever_has_it(make, observe, beha
     robot.ask(behavior)
     for _ in range(3):
         robot.tick(lying)
-        flags = robot.report.behavior_feedback.status_flags
+        flags = robot.status.behavior_feedback.status_flags
         assert flags & BehaviorStatus.ERROR_FALLING
         assert robot.command is None
     assert len(robot.texts("fall")) == 1
@@ -324,7 +321,7 @@ def test_no_behavior_takes_a_robot_that_lies(make, observe, source, target):
     robot.tick(lying)
     robot.ask(target)
     robot.tick(lying)
-    report = robot.report
+    report = robot.status
     assert report.current_behavior == source
     assert report.error_code is ErrorCode.FAILED_TO_START_BEHAVIOR
     assert report.behavior_feedback.status_flags & BehaviorStatus.ERROR_FALLING
@@ -340,7 +337,7 @@ def test_a_robot_put_back_on_its_feet_is_given_to_the_same_behavior_again(
     robot.ask(STAND_PREP)
     robot.tick(observe())
     assert robot.texts("behavior") == ["STAND_PREP -> STAND_PREP"]
-    flags = robot.report.behavior_feedback.status_flags
+    flags = robot.status.behavior_feedback.status_flags
     assert flags == BehaviorStatus.TRANSITION_SUCCESS
     assert robot.command is not None
 
@@ -369,14 +366,14 @@ def test_a_refused_command_changes_nothing_of_what_is_done(make, observe, walk_m
     steps = [(k, k % 2, 0.2 * k, 0.15 - 0.3 * (k % 2)) for k in range(1, 5)]
     robot.send(walk_message(*steps))
     robot.tick(observe())
-    coming = list(robot.report.walk_feedback.step_queue_saturated)
+    coming = list(robot.status.feedback.step_queue_saturated)
     assert coming[0].step_index == 1
     other = AtlasSimInterfaceCommand(behavior="MANIPULATE")
     other.walk_params.use_demo_walk = True
     robot.send(other)
     robot.tick(observe())
-    assert robot.report.error_code is ErrorCode.FAILED_TO_START_BEHAVIOR
-    assert list(robot.report.walk_feedback.step_queue_saturated) == coming
+    assert robot.status.error_code is ErrorCode.FAILED_TO_START_BEHAVIOR
+    assert list(robot.status.feedback.step_queue_saturated) == coming
 
 
 def test_a_refusal_does_not_hide_that_another_change_is_under_way(
@@ -389,9 +386,9 @@ def test_a_refusal_does_not_hide_that_another_change_is_under_way(
     robot.tick(observe())
     robot.ask(MANIPULATE)
     robot.tick(observe())
-    flags = robot.report.behavior_feedback.status_flags
+    flags = robot.status.behavior_feedback.status_flags
     assert flags == (
         BehaviorStatus.FAILED_TRANS_ILLEGAL_BEHAVIOR
         | BehaviorStatus.TRANSITION_IN_PROGRESS
     )
-    assert robot.report.desired_behavior == STAND
+    assert robot.status.desired_behavior == STAND

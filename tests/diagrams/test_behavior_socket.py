@@ -343,7 +343,6 @@ def test_a_behavior_beside_the_members_is_one_all_the_same():
         ({"conditions": len}, "conditions must be a tuple of callables"),
         ({"follows": "STAND"}, "follows must be a tuple of names"),
         ({"leads_to": ("STNAD",)}, "leads_to names 'STNAD'.* Did you mean.*STAND"),
-        ({"feedback": "bow_feedback"}, "feedback must be a feedback field"),
         ({"config": Speed}, "config must be an instance of a frozen dataclass"),
         ({"config": {"speed": 1}}, "config must be an instance of a frozen dataclass"),
         ({"make": lambda _tools, _config: None}, "has no method enter: None"),

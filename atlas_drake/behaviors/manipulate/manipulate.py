@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from atlas_drake.behaviors.balance import Balance
-from atlas_drake.behaviors.base import Observation, Outcome
+from atlas_drake.behaviors.base import BehaviorProtocol, Observation, Outcome
 from atlas_drake.behaviors.body_reference import BodyRates, BodyReference
 from atlas_drake.behaviors.manipulate.config import ManipulateConfig
 from atlas_drake.behaviors.manipulate.pelvis_demo import demo_amplitude, demo_pose
@@ -29,8 +29,8 @@ from atlas_drake.control.pelvis.smooth_motion import at_rest
 from atlas_drake.control.rotations import tilt_of
 from atlas_drake.frozen import replace
 from atlas_drake.messages import (
+    AtlasBehaviorManipulateFeedback,
     AtlasBehaviorPelvisServoParams,
-    AtlasSimInterfaceState,
 )
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan
@@ -75,7 +75,7 @@ class ManipulateMemory:
         )
 
 
-class Manipulate:
+class Manipulate(BehaviorProtocol):
     """Balance on both feet with a servoed pelvis."""
 
     def __init__(
@@ -203,12 +203,16 @@ class Manipulate:
             cop_reference=reference.cop,
         )
 
-    def report(self, memory: ManipulateMemory, state: AtlasSimInterfaceState) -> None:
-        """Reports the clamped, the commanded and the measured pose of the pelvis."""
-        feedback = state.manipulate_feedback
-        feedback.clamped = _params(memory.goal)
-        feedback.internal_desired = _params(memory.motion.pose(memory.stance))
-        feedback.internal_sensed = _params(memory.sensed)
+    def feedback(
+        self, memory: ManipulateMemory, status_flags: int
+    ) -> AtlasBehaviorManipulateFeedback:
+        """Returns the clamped, the commanded and the measured pose of the pelvis."""
+        return AtlasBehaviorManipulateFeedback(
+            status_flags,
+            AtlasBehaviorPelvisServoParams(*memory.goal),
+            AtlasBehaviorPelvisServoParams(*memory.motion.pose(memory.stance)),
+            AtlasBehaviorPelvisServoParams(*memory.sensed),
+        )
 
     def _here(self, observation: Observation, body: BodyReference) -> ManipulateMemory:
         """Returns the state whose goal is the present pose."""
@@ -363,7 +367,3 @@ def _pose(params: AtlasBehaviorPelvisServoParams) -> PelvisPose:
         float(params.com_v0),
         float(params.com_v1),
     )
-
-
-def _params(pose: PelvisPose) -> AtlasBehaviorPelvisServoParams:
-    return AtlasBehaviorPelvisServoParams(*pose)

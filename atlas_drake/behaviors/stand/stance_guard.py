@@ -18,7 +18,6 @@ from atlas_drake.behaviors.base import BehaviorProtocol, Observation, Outcome
 from atlas_drake.behaviors.body_reference import BodyReference
 from atlas_drake.behaviors.freeze import Freeze, FreezeMemory
 from atlas_drake.frozen import replace
-from atlas_drake.messages import AtlasSimInterfaceState
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan
 from atlas_drake.messages.event import Event
@@ -56,7 +55,7 @@ class StandingBehavior(BehaviorProtocol, Protocol):
         """Returns the state in which the behavior continues from the present pose."""
 
 
-class StanceGuard:
+class StanceGuard(BehaviorProtocol):
     """A standing behavior, interrupted while it has no leg to balance on.
 
     Attributes:
@@ -129,11 +128,11 @@ class StanceGuard:
             return Plan()
         return self.behavior.plan(memory, com, omega)
 
-    def report(self, memory: Any, state: AtlasSimInterfaceState) -> None:
-        """Fills in the behavior's part of the state message."""
+    def feedback(self, memory: Any, status_flags: int) -> Any:
+        """Returns the behavior's feedback."""
         if isinstance(memory, Holding):
             memory = memory.before
-        self.behavior.report(memory, state)
+        return self.behavior.feedback(memory, status_flags)
 
     def has_a_leg(self, observation: Observation) -> bool:
         """True if the behavior has a leg to balance on.

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from atlas_drake.behaviors.balance import Balance
-from atlas_drake.behaviors.base import Observation, Outcome
+from atlas_drake.behaviors.base import BehaviorProtocol, Observation, Outcome
 from atlas_drake.behaviors.body_reference import (
     BodyRates,
     BodyReference,
@@ -28,7 +28,6 @@ from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.feet.leg_reach import highest_com, hips_from_com
 from atlas_drake.control.rotations import mean_yaw
 from atlas_drake.frozen import read_only, replace
-from atlas_drake.messages import AtlasSimInterfaceState
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan
 
@@ -56,7 +55,7 @@ class StandMemory:
     height: float
 
 
-class Stand:
+class Stand(BehaviorProtocol):
     """Static balance on both feet."""
 
     def __init__(
@@ -170,9 +169,6 @@ class Stand:
             dcm_reference=memory.com,
             cop_reference=memory.com,
         )
-
-    def report(self, memory: StandMemory, state: AtlasSimInterfaceState) -> None:
-        """Reports nothing beyond the behavior's name."""
 
     def _note_feet(self, observation: Observation, com: np.ndarray) -> StandMemory:
         left, right = observation.foot_pose(0), observation.foot_pose(1)

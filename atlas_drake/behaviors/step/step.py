@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from atlas_drake.behaviors.balance import Balance
-from atlas_drake.behaviors.base import Observation, Outcome
+from atlas_drake.behaviors.base import BehaviorProtocol, Observation, Outcome
 from atlas_drake.behaviors.body_reference import BodyReference, advance_body
 from atlas_drake.behaviors.step.action import (
     DesiredStep,
@@ -44,7 +44,7 @@ from atlas_drake.control.whole_body.command import WholeBodyCommand
 from atlas_drake.frozen import replace
 from atlas_drake.messages import (
     NO_STEP,
-    AtlasSimInterfaceState,
+    AtlasBehaviorStepFeedback,
     StepStatus,
 )
 from atlas_drake.messages.commands import BehaviorRequest
@@ -53,7 +53,7 @@ from atlas_drake.messages.event import STEPS_LEFT, Event
 from atlas_drake.planning.footholds import Gait
 
 
-class Step:
+class Step(BehaviorProtocol):
     """Takes one requested step after the other.
 
     Reads the requests, and calls the control of the present phase: ``RestControl``,
@@ -142,18 +142,20 @@ class Step:
         """Returns the present weight shift or swing."""
         return step_plan(phase, omega)
 
-    def report(self, phase: Phase, state: AtlasSimInterfaceState) -> None:
-        """Reports indices, timing and the step as executed."""
-        feedback, index = state.step_feedback, phase.progress.index
-        feedback.current_step_index = index
-        feedback.next_step_index_needed = index + 1
-        taken = phase.reported
-        if taken is None:
-            return
-        feedback.t_step_rem = phase.time_left(self._rules.settle)
-        feedback.desired_step_saturated = step_data_from(taken.step)
-        spec = step_spec_from(taken.step, taken.action)
-        feedback.desired_step_spec_saturated = spec
+    def feedback(self, phase: Phase, status_flags: int) -> AtlasBehaviorStepFeedback:
+        """Returns indices, timing and the step as executed."""
+        index, taken = phase.progress.index, phase.reported
+        feedback = AtlasBehaviorStepFeedback(
+            current_step_index=index,
+            next_step_index_needed=index + 1,
+            status_flags=status_flags,
+        )
+        if taken is not None:
+            feedback.t_step_rem = phase.time_left(self._rules.settle)
+            feedback.desired_step_saturated = step_data_from(taken.step)
+            spec = step_spec_from(taken.step, taken.action)
+            feedback.desired_step_spec_saturated = spec
+        return feedback
 
     def _control(self, phase: Phase) -> PhaseControl[Any]:
         return self._controls[type(phase)]

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from atlas_drake.behaviors.balance import Balance
-from atlas_drake.behaviors.base import Observation, Outcome
+from atlas_drake.behaviors.base import BehaviorProtocol, Observation, Outcome
 from atlas_drake.behaviors.body_reference import (
     BodyRates,
     BodyReference,
@@ -39,7 +39,7 @@ from atlas_drake.behaviors.walk.steps import feet_to_come, steps_asked_for
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.rotations import mean_yaw
 from atlas_drake.frozen import read_only, replace
-from atlas_drake.messages import AtlasBehaviorWalkFeedback, AtlasSimInterfaceState
+from atlas_drake.messages import AtlasBehaviorWalkFeedback
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan
 from atlas_drake.planning.footholds import Gait
@@ -47,7 +47,7 @@ from atlas_drake.planning.footholds import Gait
 _UPRIGHT = read_only(np.zeros(2))
 
 
-class Walk:
+class Walk(BehaviorProtocol):
     """Walks over given footsteps.
 
     Reads the requested steps, and calls the control of the present phase:
@@ -142,14 +142,15 @@ class Walk:
         """Returns the DCM plan, the coming footsteps and the present swing."""
         return walk_plan(phase, com, self._profile)
 
-    def report(self, phase: Phase, state: AtlasSimInterfaceState) -> None:
-        """Reports timing and the steps as they will be executed."""
+    def feedback(self, phase: Phase, status_flags: int) -> AtlasBehaviorWalkFeedback:
+        """Returns timing and the steps as they will be executed."""
         course = phase.course
         outlook = self._planner.outlook(course, phase.in_air)
-        state.walk_feedback = AtlasBehaviorWalkFeedback(
+        return AtlasBehaviorWalkFeedback(
             t_step_rem=phase.time_to_touchdown(outlook.steps, self._timing),
             current_step_index=course.last_index,
             next_step_index_needed=course.next_index + len(course.known),
+            status_flags=status_flags,
             step_queue_saturated=list(outlook.reported),
         )
 
