@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from annotated_types import Interval
-from pydantic import BeforeValidator
+from pydantic import BeforeValidator, Strict
 from pydrake.common.yaml import yaml_load
 from pydrake.multibody.plant import MultibodyPlantConfig
 from pydrake.systems.analysis import SimulatorConfig
@@ -46,7 +46,7 @@ SHORTEST_STEP, LONGEST_STEP = 1e-5, 0.003
 a robot that stands under the tutorial's gains sways until it falls."""
 LARGEST_SEED = 2**64 - 1
 """Largest seed of the random generator."""
-Seed = Annotated[int, Interval(ge=0, le=LARGEST_SEED)]
+Seed = Annotated[int, Strict(), Interval(ge=0, le=LARGEST_SEED)]
 LONGEST_PERIOD = 0.02
 """Longest control period on offer [s]."""
 IN_THE_AIR = (Behavior.USER, Behavior.FREEZE)
@@ -93,6 +93,9 @@ class Start(Configuration):
 
     def check_behavior(self, behavior: Behavior) -> None:
         """Checks that the robot can begin so with a behavior.
+
+        Args:
+            behavior: The behavior that is active at the start.
 
         Raises:
             ScenarioError: If it cannot.
