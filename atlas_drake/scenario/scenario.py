@@ -37,7 +37,7 @@ from atlas_drake.scenario.noise import NOISE_MODELS
 from atlas_drake.scenario.paths import is_path, put
 from atlas_drake.scenario.pushes import PlannedPush
 from atlas_drake.scenario.terrain import START_REACH, Block, Place
-from atlas_drake.scenario.time_grid import is_multiple, on_common_grid
+from atlas_drake.scenario.time_grid import is_multiple, nominal_period
 from atlas_drake.scenario.timed_message import TimedMessage
 from atlas_drake.scenario.world_file import World, world_beside, world_from
 
@@ -200,13 +200,14 @@ class Scenario:
     def resolved(self) -> "Scenario":
         """Return a valid copy in which every field is as a simulation uses it.
 
+        The steps stay as they were given; a station rounds both to a common grid.
+
         Raises:
             ScenarioError: As ``validate`` does.
         """
         scenario = copy.deepcopy(self.validate())
-        scenario.physics_step, scenario.control_period = on_common_grid(
-            scenario.physics_step, scenario.control_period
-        )
+        if scenario.control_period == 0.0:
+            scenario.control_period = nominal_period(scenario.physics_step)
         scenario.plant = checked_plant_config(scenario.plant, scenario.physics_step)
         return scenario
 
