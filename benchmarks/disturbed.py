@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import logging
 import random
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from atlas_drake import AtlasSimulation, Scenario, load_scenario
@@ -47,10 +47,17 @@ def disturbed_simulation(
     logging.getLogger("drake").setLevel(logging.ERROR)
     physics = physics or Physics()
     scenario = load_scenario(CAMPAIGNS / "disturbed.yaml")
-    scenario.model, scenario.seed = model, seed
-    scenario.programme, scenario.duration = programme, duration
-    scenario.physics_step, scenario.control_period = physics.step, physics.period
-    scenario.plant.discrete_contact_approximation = physics.contact
+    plant = plant_config(discrete_contact_approximation=physics.contact)
+    scenario = replace(
+        scenario,
+        model=model,
+        seed=seed,
+        programme=programme,
+        duration=duration,
+        physics_step=physics.step,
+        control_period=physics.period,
+        plant=plant,
+    )
     return AtlasSimulation(scenario)
 
 

@@ -148,7 +148,7 @@ def measure(model: str) -> dict:
             "npz": AtlasSimulation(scenario, log=Path(folder) / "run.npz"),
             "mcap": AtlasSimulation(scenario, log=Path(folder) / "run.mcap"),
             # Pictures are sent whether or not a browser is there to draw them.
-            "view": AtlasSimulation(scenario, meshcat=Meshcat()),
+            "view": AtlasSimulation(scenario, view=Meshcat()),
         }
         for piece in range(round(DURATION / PIECE)):
             for name, sim in runs.items():

@@ -46,6 +46,7 @@ from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.robot import Robot, load_robot
 from atlas_drake.scenario.drake_configs import checked_plant_config, plant_config
 from atlas_drake.scenario.noise import NoiseModel
+from atlas_drake.scenario.pushes import PlannedPush
 from atlas_drake.scenario.terrain import GROUND_SIZE, GROUND_THICKNESS, Block
 from atlas_drake.scenario.time_grid import on_common_grid
 from atlas_drake.scenario.world import (
@@ -57,10 +58,12 @@ from atlas_drake.scenario.world import (
 from atlas_drake.systems.command_interface import CommandInterface
 from atlas_drake.systems.effort_selector import EffortSelector
 from atlas_drake.systems.estimation_error import EstimationError
+from atlas_drake.systems.fall_monitor import FallMonitor
 from atlas_drake.systems.harness import Harness
 from atlas_drake.systems.inertial_sensor import InertialSensor
 from atlas_drake.systems.interface_reporter import InterfaceReporter
 from atlas_drake.systems.joint_pid_bank import JointPidBank
+from atlas_drake.systems.push_source import PushSource
 from atlas_drake.systems.robot_sensors import RobotSensors
 from atlas_drake.systems.run_statistics import RunStatistics
 from atlas_drake.systems.state_estimator import StateEstimator
@@ -85,6 +88,7 @@ class StationConfig:
         controller: Parameters of the controller.
         estimator: Parameters of the state estimator.
         plant: Contact model and solver; see ``Scenario.plant``.
+        pushes: Pushes on the robot, see ``PlannedPush``.
     """
 
     physics_step: float = 0.0015
@@ -99,6 +103,7 @@ class StationConfig:
     controller: ControllerConfig = field(default_factory=ControllerConfig)
     estimator: OdometryTuning = field(default_factory=OdometryTuning)
     plant: MultibodyPlantConfig = field(default_factory=plant_config)
+    pushes: tuple[PlannedPush, ...] = ()
 
     def __post_init__(self) -> None:
         """Adjusts both steps so that their multiples coincide exactly."""
@@ -133,7 +138,7 @@ def make_atlas_station(
         atlas_command: ``AtlasCommand``; optional. See ``CommandInterface`` for when a
             message counts as a new one.
         atlas_sim_interface_command: ``AtlasSimInterfaceCommand``; optional.
-        applied_spatial_force: Pushes, as Drake's plant takes them; optional.
+        applied_spatial_force: Further forces, as Drake's plant takes them; optional.
 
     Output ports:
         atlas_state: ``AtlasState``
@@ -148,6 +153,9 @@ def make_atlas_station(
         behavior_state: State that the behaviors read.
         foot_wrenches, hand_wrenches, contact_wrenches: See ``RobotSensors``.
         extremes: Extremes of the run so far, see ``RunStatistics``.
+        pushes: ``PushState``
+        fall: ``Fall``; NOTHING until the robot falls.
+        harness: ``HarnessState``; only with a harness.
         state: Positions and velocities of the robot.
         plant_state: Positions and velocities of the whole plant.
         NAME.state: Positions and velocities of each other model that can move.
@@ -159,6 +167,7 @@ def make_atlas_station(
     Raises:
         ControllerError: If the controller does not fit the socket.
         BehaviorError: If a behavior cannot be registered.
+        ScenarioError: If the robot lacks a body that is to be pushed.
         WorldError: If the world cannot be added.
     """
     robot = robot or load_robot()
@@ -209,6 +218,14 @@ def make_atlas_station(
         ),
     )
 
+    pushes = builder.AddNamedSystem(
+        "push_source", PushSource(robot, plant, config.pushes, config.control_period)
+    )
+    falls = builder.AddNamedSystem(
+        "fall_monitor",
+        FallMonitor(robot, plant, config.controller.fall, config.control_period),
+    )
+
     def connect(source: System, output: str, target: System, *inputs: str) -> None:
         for name in inputs or (output,):
             builder.Connect(source.GetOutputPort(output), target.GetInputPort(name))
@@ -220,7 +237,8 @@ def make_atlas_station(
     connect(pid, "user_effort", selector)
     for reader in (selector, pid, reporter):
         builder.Connect(socket.effort, reader.GetInputPort("behavior_effort"))
-    builder.Connect(socket.status, reporter.GetInputPort("controller_status"))
+    for reader in (reporter, pushes):
+        builder.Connect(socket.status, reader.GetInputPort("controller_status"))
     builder.Connect(
         selector.GetOutputPort("actuation"), plant.get_actuation_input_port(own)
     )
@@ -245,20 +263,25 @@ def make_atlas_station(
         plant.get_generalized_acceleration_output_port(robot.instance(plant)),
         sensors.GetInputPort("acceleration"),
     )
-    for reader in (sensors, pid, statistics):
+    for reader in (sensors, pid, statistics, pushes, falls):
         builder.Connect(own_state, reader.GetInputPort("state"))
 
     for name in ("atlas_command", "atlas_sim_interface_command"):
         builder.ExportInput(commands.GetInputPort(name), name)
-    pushes = plant.get_applied_spatial_force_input_port()
+    connect(sensors, "foot_wrenches", pushes)
+    builder.ExportInput(
+        pushes.GetInputPort("other_spatial_force"), "applied_spatial_force"
+    )
+    forces = pushes.GetOutputPort("applied_spatial_force")
     if config.harnessed:
         harness = builder.AddNamedSystem("harness", Harness(robot, plant))
         builder.Connect(own_state, harness.GetInputPort("state"))
         connect(selector, "actuation", harness)
         connect(sensors, "foot_wrenches", harness)
-        builder.Connect(harness.GetOutputPort("applied_spatial_force"), pushes)
-        pushes = harness.GetInputPort("other_spatial_force")
-    builder.ExportInput(pushes, "applied_spatial_force")
+        builder.Connect(forces, harness.GetInputPort("other_spatial_force"))
+        forces = harness.GetOutputPort("applied_spatial_force")
+        builder.ExportOutput(harness.GetOutputPort("harness"), "harness")
+    builder.Connect(forces, plant.get_applied_spatial_force_input_port())
     for system, names in (
         (sensors, ("atlas_state", "imu")),
         (sensors, ("foot_wrenches", "hand_wrenches", "contact_wrenches")),
@@ -267,6 +290,8 @@ def make_atlas_station(
         (pid, ("user_effort",)),
         (selector, ("effort",)),
         (statistics, ("extremes",)),
+        (pushes, ("pushes",)),
+        (falls, ("fall",)),
         (plant, ("body_poses", "contact_results")),
     ):
         for name in names:

@@ -69,7 +69,7 @@ def make_control_mode_switch(
     Input ports, all optional:
         atlas_command, atlas_sim_interface_command: Command ports of the station, unless
             a scheduler or ``extend`` has connected them.
-        applied_spatial_force: Pushes.
+        applied_spatial_force: Forces beside the station's pushes.
 
     Output ports: those of the station; with a scheduler, its ``sent``.
 

@@ -13,8 +13,15 @@ from atlas_drake.diagrams.ground_friction import set_ground_friction
 from atlas_drake.messages import Behavior
 from atlas_drake.scenario.terrain import Block
 
-_FORGET = ("joint_pid_bank", "robot_sensors", "inertial_sensor", "state_estimator")
-"""Systems that get their default state; a station need not have every one."""
+_FORGET = (
+    "joint_pid_bank",
+    "robot_sensors",
+    "inertial_sensor",
+    "state_estimator",
+    "push_source",
+    "fall_monitor",
+)
+"""Systems that return to a state of rest; a station need not have every one."""
 _BEGIN = ("command_interface", CONTROLLER)
 """Systems that restart with a behavior."""
 

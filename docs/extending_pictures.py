@@ -19,10 +19,10 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
 from atlas_drake import AtlasSimInterfaceCommand, AtlasSimulation, Scenario, read_log
-from atlas_drake.app.viewer import start_meshcat
 from atlas_drake.diagrams.atlas_station import make_atlas_station
 from atlas_drake.robot import load_robot
 from atlas_drake.visualization.scene import prepare_scene
+from atlas_drake.visualization.viewer import start_meshcat
 
 PROGRAMS = Path(__file__).parents[1] / "examples" / "extending"
 SIZE, COLORS = (480, 320), 200
@@ -86,7 +86,7 @@ def _trace(
 
 def _controller(own: dict[str, Any], meshcat: Meshcat) -> np.ndarray:
     """Joint springs do not balance: the robot falls after the push."""
-    sim = AtlasSimulation(controller=own["GravityCompensatedPd"], meshcat=meshcat)
+    sim = AtlasSimulation(controller=own["GravityCompensatedPd"], view=meshcat)
     sim.advance(2.0)
     sim.apply_push("utorso", [300.0, 0.0, 0.0], 0.1)
     sim.advance(1.3)
@@ -95,14 +95,14 @@ def _controller(own: dict[str, Any], meshcat: Meshcat) -> np.ndarray:
 
 def _limp_arms(own: dict[str, Any], meshcat: Meshcat) -> np.ndarray:
     """The arms hang as they fall."""
-    sim = AtlasSimulation(controller=own["make_controller"], meshcat=meshcat)
+    sim = AtlasSimulation(controller=own["make_controller"], view=meshcat)
     sim.advance(1.5)
     return _ground_below(sim)
 
 
 def _behavior(own: dict[str, Any], meshcat: Meshcat) -> np.ndarray:
     """The deepest bow."""
-    sim = AtlasSimulation(behaviors=[own["BOW"]], meshcat=meshcat)
+    sim = AtlasSimulation(behaviors=[own["BOW"]], view=meshcat)
     params = own["BowParams"](depth=0.6)
     sim.publish(AtlasSimInterfaceCommand(behavior="BOW", params=params))
     sim.advance(3.0)
@@ -111,7 +111,7 @@ def _behavior(own: dict[str, Any], meshcat: Meshcat) -> np.ndarray:
 
 def _task(own: dict[str, Any], meshcat: Meshcat) -> np.ndarray:
     """The way of the hand while the robot walks."""
-    sim = AtlasSimulation(behaviors=[own["WALK_WITH_HAND"]], meshcat=meshcat)
+    sim = AtlasSimulation(behaviors=[own["WALK_WITH_HAND"]], view=meshcat)
     command = AtlasSimInterfaceCommand(behavior="WALK_WITH_HAND")
     command.walk_params.use_demo_walk = True
     sim.publish(command)
@@ -123,7 +123,7 @@ def _task(own: dict[str, Any], meshcat: Meshcat) -> np.ndarray:
 
 def _world(own: dict[str, Any], meshcat: Meshcat) -> np.ndarray:
     """The ball's flight, up to shortly after the hit."""
-    sim = AtlasSimulation(world=[own["add_ball"]], meshcat=meshcat)
+    sim = AtlasSimulation(world=[own["add_ball"]], view=meshcat)
     own["throw"](sim, 5.0)
     ball = sim.plant.GetBodyByName("ball")
     context = sim.plant.GetMyContextFromRoot(sim.context)
@@ -134,7 +134,7 @@ def _world(own: dict[str, Any], meshcat: Meshcat) -> np.ndarray:
 
 def _robot(own: dict[str, Any], meshcat: Meshcat) -> np.ndarray:
     """Heron in a step."""
-    sim = AtlasSimulation(Scenario(model=str(own["HERON"])), meshcat=meshcat)
+    sim = AtlasSimulation(Scenario(model=str(own["HERON"])), view=meshcat)
     command = AtlasSimInterfaceCommand(behavior="WALK")
     command.walk_params.use_demo_walk = True
     sim.publish(command)

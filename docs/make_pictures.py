@@ -14,25 +14,27 @@ import tempfile
 from functools import partial
 from pathlib import Path
 
+import av
 from extending_pictures import make_extending_pictures
+from PIL import Image
 from worlds_pictures import make_worlds_pictures
 
 from atlas_drake import (
     AtlasSimInterfaceCommand,
     AtlasSimulation,
     Behavior,
-    Scenario,
 )
 from atlas_drake.app.diagram_picture import write_diagram_picture
 from atlas_drake.app.main import main as atlas_drake
-from atlas_drake.app.viewer import start_meshcat
 from atlas_drake.visualization.overlays import Overlays
+from atlas_drake.visualization.viewer import start_meshcat
 
 PAGES = ("readme", "extending", "worlds")
 IMAGES = Path(__file__).parent / "images"
+DIAGRAM = Path(__file__).parent / "reference" / "diagram.svg"
 FILM, FILM_SIZE = "demo.mp4", "400x224"
-MOMENTS = {"atlas.png": 10.66, "walk.png": 11.92}
-"""Which picture, and when in the tutorial [s]: in the second and in the last step."""
+CLIP, CLIP_TIMES, CLIP_FPS, CLIP_COLORS = "walk.gif", (7.5, 13.5), 10, 48
+"""Part of the film that moves in the README [s]: the walk, with the user's arms."""
 FIGURES = "figures.png"
 THOUGHTS = (
     "com",
@@ -74,6 +76,26 @@ def photograph(browser: str, page: str, picture: Path) -> None:
     print(f"Wrote {picture} ({picture.stat().st_size / 1e3:.0f} kB).")
 
 
+def cut_clip(film: Path, clip: Path) -> None:
+    """Writes the part ``CLIP_TIMES`` of a film as an animated picture."""
+    begin, end = CLIP_TIMES
+    with av.open(str(film)) as container:
+        frames = [
+            frame.to_image()
+            for frame in container.decode(video=0)
+            if begin <= frame.time < end
+        ]
+    every = round(len(frames) / ((end - begin) * CLIP_FPS))
+    palette = frames[len(frames) // 2].quantize(CLIP_COLORS)
+    first, *others = [
+        frame.quantize(palette=palette, dither=Image.Dither.NONE)
+        for frame in frames[::every]
+    ]
+    spacing = 1e3 * (end - begin) / (1 + len(others))  # [ms]
+    first.save(clip, save_all=True, append_images=others, duration=spacing, loop=0)
+    print(f"Wrote {clip} ({clip.stat().st_size / 1e3:.0f} kB).")
+
+
 def main() -> None:
     """Makes all pictures, or those of one page."""
     parser = argparse.ArgumentParser(description="Make the pictures of the pages.")
@@ -92,17 +114,13 @@ def main() -> None:
 
 def make_readme_pictures(browser: str) -> None:
     """Makes the pictures and the film of the README."""
-    write_diagram_picture(IMAGES / "diagram.svg")
-    print(f"Wrote {IMAGES / 'diagram.svg'}.")
+    write_diagram_picture(DIAGRAM)
+    print(f"Wrote {DIAGRAM}.")
     film = ["--headless", "--video", str(IMAGES / FILM), "--video-size", FILM_SIZE]
     subprocess.run([sys.executable, "-m", "atlas_drake", "demo", *film], check=True)
+    cut_clip(IMAGES / FILM, IMAGES / CLIP)
     meshcat = start_meshcat()
-    sim = AtlasSimulation(Scenario(programme="tutorial"), meshcat=meshcat)
-    for name, time in sorted(MOMENTS.items(), key=lambda item: item[1]):
-        sim.advance_to(time)
-        photograph(browser, meshcat.StaticHtml(), IMAGES / name)
-    meshcat.Delete()
-    sim = AtlasSimulation(meshcat=meshcat, overlays=Overlays(THOUGHTS))
+    sim = AtlasSimulation(view=meshcat, overlays=Overlays(THOUGHTS))
     walk = AtlasSimInterfaceCommand()
     walk.behavior = Behavior.WALK
     walk.walk_params.use_demo_walk = True

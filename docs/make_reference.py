@@ -31,8 +31,8 @@ from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.entry import legal_transitions
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.behaviors.stand import stance_guard
+from atlas_drake.checked import as_plain
 from atlas_drake.control.whole_body.model import WholeBodyModel
-from atlas_drake.kinds import as_plain
 from atlas_drake.messages import Behavior, Message
 from atlas_drake.robot import RobotFile, load_robot
 from atlas_drake.robot import file as robot_file
@@ -218,19 +218,19 @@ def robot_page() -> str:
     parts = [
         "# A robot's file",
         source_docs.paragraphs(robot_file.__doc__),
-        "How to write one: [models/README.md](../../models/README.md). Only "
-        "`urdf`, `pelvis`, `chest`, `feet`, `sole` and `joints` must be given.",
+        "How to write one: [models/README.md](../../models/README.md).",
         _numbers(RobotFile),
     ]
     for name, value in source_docs.defaults(RobotFile).items():
-        kinds = typing.get_args(RobotFile.__annotations__[name])
-        cls = kinds[0] if kinds else type(value)
+        kind = RobotFile.__annotations__[name]
+        kinds = typing.get_args(kind) if typing.get_origin(kind) is list else ()
+        cls = kinds[0] if kinds else kind
         if not dataclasses.is_dataclass(cls):
             continue
         parts += [
             f"## {name}{'[i]' if kinds else ''}",
             source_docs.head(cls.__doc__),
-            _numbers(cls, vars(cls() if kinds else value)),
+            _numbers(cls, vars(value) if isinstance(value, cls) else None),
         ]
     parts += ["## Layout of a leg", source_docs.paragraphs(robot_leg.__doc__)]
     return "\n\n".join([*parts, NOTE]) + "\n"
@@ -302,7 +302,8 @@ def index_page(pages: list[str]) -> str:
         "- [Flags and error codes](flags.md)\n"
         "- [A robot's file](robot.md): every field, with unit and default\n"
         "- [Fields of a scenario](scenario.md), among them every number of the "
-        "controller",
+        "controller\n"
+        "- [The diagram](diagram.svg): all systems and connections, from the code",
         "## Behaviors",
         "\n".join(
             f"- [{Path(p).stem}]({p})" for p in pages if p.startswith("behaviors/")
@@ -397,6 +398,8 @@ def _value(value: Any) -> str:
         return str(value.value)
     if isinstance(value, Message):
         return "empty"
+    if value is dataclasses.MISSING:
+        return "must be given"
     if dataclasses.is_dataclass(value):
         return "see below"
     if value in ("", []):

@@ -10,8 +10,8 @@ import numpy as np
 from extending_pictures import shrink
 
 from atlas_drake import AtlasSimulation, Scenario
-from atlas_drake.app.viewer import start_meshcat
 from atlas_drake.scenario.world_file import available_worlds
+from atlas_drake.visualization.viewer import start_meshcat
 
 ABOVE = np.array([2.5, -19.0, 20.0]), np.array([9.5, 2.0, 0.0])
 """Lens and target of the view of the tutorial's whole world, in W [m]."""
@@ -26,7 +26,7 @@ def make_worlds_pictures(folder: Path, photograph: Callable[[str, Path], None]) 
     """
     for name in available_worlds():
         meshcat = start_meshcat()
-        sim = AtlasSimulation(Scenario(world=name), meshcat=meshcat)
+        sim = AtlasSimulation(Scenario(world=name), view=meshcat)
         sim.advance(0.1)
         _keep(folder / f"world_{name}.png", meshcat.StaticHtml(), photograph)
         if name == "qual_task_1":

@@ -5,18 +5,13 @@ import signal
 import sys
 
 from atlas_drake import AtlasSimInterfaceCommand, AtlasSimulation, Behavior
-from atlas_drake.app.viewer import await_viewer, start_meshcat
 
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("--headless", action="store_true", help="no 3D view")
 options = parser.parse_args()
 signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl-C ends it, without ado
 
-meshcat = None if options.headless else start_meshcat()
-sim = AtlasSimulation(meshcat=meshcat)
-if meshcat is not None:
-    sim.set_realtime_rate(1.0)
-    await_viewer(meshcat)
+sim = AtlasSimulation(view=not options.headless)
 
 command = AtlasSimInterfaceCommand()
 command.behavior = command.STAND

@@ -10,7 +10,6 @@ from atlas_drake import (
     Behavior,
     steps_along_arc,
 )
-from atlas_drake.app.viewer import await_viewer, start_meshcat
 
 LENGTH, ANGLE = 1.8, 0.9  # of the curve [m], [rad]
 
@@ -19,11 +18,7 @@ parser.add_argument("--headless", action="store_true", help="no 3D view")
 options = parser.parse_args()
 signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl-C ends it, without ado
 
-meshcat = None if options.headless else start_meshcat()
-sim = AtlasSimulation(meshcat=meshcat)
-if meshcat is not None:
-    sim.set_realtime_rate(1.0)
-    await_viewer(meshcat)
+sim = AtlasSimulation(view=not options.headless)
 
 
 def wants_steps(sim: AtlasSimulation) -> bool:

@@ -14,7 +14,6 @@ from atlas_drake import (
     AtlasSimulation,
     AtlasState,
 )
-from atlas_drake.app.viewer import await_viewer, start_meshcat
 
 GAINS = [20.0, 4000.0, 2000.0, 20.0]  # back, neck
 GAINS += 2 * [5.0, 100.0, 2000.0, 1000.0, 900.0, 300.0]  # legs
@@ -25,11 +24,7 @@ parser.add_argument("--headless", action="store_true", help="no 3D view")
 options = parser.parse_args()
 signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl-C ends it, without ado
 
-meshcat = None if options.headless else start_meshcat()
-sim = AtlasSimulation(meshcat=meshcat)
-if meshcat is not None:
-    sim.set_realtime_rate(1.0)
-    await_viewer(meshcat)
+sim = AtlasSimulation(view=not options.headless)
 n = sim.robot.num_joints
 
 

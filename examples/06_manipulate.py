@@ -15,7 +15,6 @@ from atlas_drake import (
     AtlasState,
     Behavior,
 )
-from atlas_drake.app.viewer import await_viewer, start_meshcat
 
 POSES = [  # what, and how [m], [rad]
     ("lean forward", {"pelvis_height": 0.85, "pelvis_pitch": 0.35}),
@@ -29,11 +28,7 @@ parser.add_argument("--headless", action="store_true", help="no 3D view")
 options = parser.parse_args()
 signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl-C ends it, without ado
 
-meshcat = None if options.headless else start_meshcat()
-sim = AtlasSimulation(meshcat=meshcat)
-if meshcat is not None:
-    sim.set_realtime_rate(1.0)
-    await_viewer(meshcat)
+sim = AtlasSimulation(view=not options.headless)
 sim.advance(0.5)
 
 arms = AtlasCommand()  # both arms are yours: elbows out, well damped

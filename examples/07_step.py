@@ -11,7 +11,6 @@ from atlas_drake import (
     Block,
     Scenario,
 )
-from atlas_drake.app.viewer import await_viewer, start_meshcat
 
 RISE = 0.12  # [m]
 
@@ -20,12 +19,8 @@ parser.add_argument("--headless", action="store_true", help="no 3D view")
 options = parser.parse_args()
 signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl-C ends it, without ado
 
-meshcat = None if options.headless else start_meshcat()
 block = Block(size=[0.8, 1.2, RISE], position=[0.6, 0.0, RISE])
-sim = AtlasSimulation(Scenario(terrain=[block]), meshcat=meshcat)
-if meshcat is not None:
-    sim.set_realtime_rate(1.0)
-    await_viewer(meshcat)
+sim = AtlasSimulation(Scenario(terrain=[block]), view=not options.headless)
 
 # Foot (0 left, 1 right), then x, y, z of the sole in the world [m].
 FOOTHOLDS = [

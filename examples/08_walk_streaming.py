@@ -6,7 +6,6 @@ import signal
 import sys
 
 from atlas_drake import AtlasSimulation, Gait, StepStream, steps_along_arc
-from atlas_drake.app.viewer import await_viewer, start_meshcat
 
 RADIUS = 0.8  # of the circle [m]
 
@@ -15,11 +14,7 @@ parser.add_argument("--headless", action="store_true", help="no 3D view")
 options = parser.parse_args()
 signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl-C ends it, without ado
 
-meshcat = None if options.headless else start_meshcat()
-sim = AtlasSimulation(meshcat=meshcat)
-if meshcat is not None:
-    sim.set_realtime_rate(1.0)
-    await_viewer(meshcat)
+sim = AtlasSimulation(view=not options.headless)
 
 steps = steps_along_arc(
     sim.atlas_sim_interface_state,

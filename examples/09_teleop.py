@@ -10,7 +10,6 @@ import sys
 
 from atlas_drake import AtlasSimulation, Behavior
 from atlas_drake.app.interrupts import ctrl_c
-from atlas_drake.app.viewer import start_meshcat
 from atlas_drake.teleop.controls import Action, Controls, legend
 from atlas_drake.teleop.panel import Panel
 from atlas_drake.teleop.session import Session
@@ -56,12 +55,11 @@ if options.headless:
     print(f"Atlas stands after {steps} steps." if done else "Atlas did not make it.")
     sys.exit(not done)
 
-meshcat = start_meshcat()
 overlays = Overlays(["com", "dcm", "cop", "support", "swing", "follow"])
-sim = AtlasSimulation(meshcat=meshcat, overlays=overlays)
-session = Session(sim, Panel(meshcat, sim.robot, overlays, sim.behaviors))
 with ctrl_c() as asked_to_stop:
-    print(f"Steer at {meshcat.web_url()} (Ctrl-C here ends it).\n\n{legend(sim.robot)}")
+    sim = AtlasSimulation(view=True, overlays=overlays)
+    session = Session(sim, Panel(sim.meshcat, sim.robot, overlays, sim.behaviors))
+    print(f"Steer there (Ctrl-C here ends it).\n\n{legend(sim.robot)}")
     while not asked_to_stop.is_set():
         session.advance()
 print(f"Stopped after {sim.time:.1f} s and {len(sim.footsteps)} steps.")

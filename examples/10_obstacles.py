@@ -17,7 +17,6 @@ from atlas_drake import (
     StepStream,
     Vector3,
 )
-from atlas_drake.app.viewer import await_viewer, start_meshcat
 from atlas_drake.scenario.terrain import Block, surface_height
 from atlas_drake.scenario.world_file import World
 
@@ -123,11 +122,7 @@ def main() -> None:
     options = parser.parse_args()
     signal.signal(signal.SIGINT, signal.SIG_DFL)  # Ctrl-C ends it, without ado
 
-    meshcat = None if options.headless else start_meshcat()
-    sim = AtlasSimulation(Scenario(world=options.world), meshcat=meshcat)
-    if meshcat is not None:
-        sim.set_realtime_rate(1.0)
-        await_viewer(meshcat)
+    sim = AtlasSimulation(Scenario(world=options.world), view=not options.headless)
     steps = steps_over(sim.scenario.world)
     sim.advance(0.5)
     {"walk": walk, "step": step}[options.behavior](sim, steps)

@@ -15,10 +15,10 @@ import numpy as np
 import pytest
 
 from atlas_drake.campaigns import load_campaign, processes
-from atlas_drake.campaigns.performer import Performer
 from atlas_drake.campaigns.plan import make_trial
 from atlas_drake.campaigns.sources import Sources
 from atlas_drake.campaigns.threshold import level_of
+from atlas_drake.campaigns.trial_runner import TrialRunner
 
 FOLDER = Path(__file__).parents[1] / "benchmarks"
 SCRIPTS = sorted(
@@ -188,7 +188,7 @@ def test_a_probe_reads_every_step_of_the_physics(load):
 @pytest.mark.parametrize("name", CAMPAIGNS)
 def test_a_campaign_can_be_run(name):
     campaign = load_campaign(FOLDER / "campaigns" / f"{name}.yaml")
-    Performer(campaign, Sources(tuple(campaign.code)))
+    TrialRunner(campaign, Sources(tuple(campaign.code)))
     commands = (FOLDER.parent / "docs" / "benchmarks.md").read_text()
     assert f"atlas-drake sweep benchmarks/campaigns/{name}.yaml" in commands
 
@@ -199,11 +199,11 @@ def test_a_displaced_start_is_judged():
     path = FOLDER / "campaigns" / "entry_joints.yaml"
     steps = ["physics_step=0.002", "control_period=0.004"]
     campaign = load_campaign(path, steps)
-    performer = Performer(campaign, Sources(tuple(campaign.code)))
+    trial_runner = TrialRunner(campaign, Sources(tuple(campaign.code)))
     for level, survived in ((1, True), (4, False)):
         number = 4 * level
         assert level_of(campaign, number) == level
-        record = performer(make_trial(campaign, number, level))
+        record = trial_runner(make_trial(campaign, number, level))
         assert record["error"] is None
         assert record["figures"]["survived"] is survived
         assert record["figures"]["let_in"] == 0

@@ -25,7 +25,7 @@ from atlas_drake.scenario import Scenario, load_scenario
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
-PAGES = ["README.md", "models/README.md"]
+PAGES = ["README.md", "CONTRIBUTING.md", "models/README.md"]
 PAGES += sorted(f"docs/{page.name}" for page in DOCS.glob("*.md"))
 COMMENT = re.compile(
     r"<!-- (not run|file|first):\s((?:(?!-->).)+?)\s*-->\n\n", re.DOTALL
@@ -226,11 +226,10 @@ def test_every_field_of_the_interfaces_messages_is_explained(pages):
 
 
 @pytest.mark.parametrize(
-    "path",
-    ["README.md", *sorted(str(p.relative_to(DOCS.parent)) for p in DOCS.rglob("*.md"))],
+    "path", sorted({*PAGES, *(str(p.relative_to(ROOT)) for p in DOCS.rglob("*.md"))})
 )
 def test_links_lead_somewhere(path):
-    page = DOCS.parent / path
+    page = ROOT / path
     for target in re.findall(r"\]\(([^)#]+)(?:#[^)]*)?\)", page.read_text("utf-8")):
         if not target.startswith(("http:", "https:")):
             assert (page.parent / target).exists(), target

@@ -52,8 +52,8 @@ def test_examples_explain_themselves(name, monkeypatch, capsys):
 @pytest.mark.parametrize("name", EXPECTED)
 def test_examples_are_watched_from_this_computer_alone(name):
     text = (FOLDER / f"{name}.py").read_text()
-    assert "start_meshcat()" in text
-    assert "Meshcat()" not in text
+    assert "view=" in text
+    assert "eshcat(" not in text
     assert "input(" not in text  # It fails where there is nobody to press Enter.
 
 

@@ -258,6 +258,7 @@ def logged(tmp_path_factory):
     """A robot whose log gets all that is refused."""
     file = tmp_path_factory.mktemp("hostile") / "run.npz"
     with AtlasSimulation(log=file) as sim:
+        sim.advance(0.01)  # Each test may run alone; a log has a sample.
         yield sim, file
         received = sim.output("commands").received
     assert len(read_log(file).commands) == received

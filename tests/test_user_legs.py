@@ -5,10 +5,12 @@ import pytest
 
 from atlas_drake import (
     AtlasBehaviorStepData,
+    AtlasCommand,
     AtlasSimInterfaceCommand,
     AtlasSimulation,
     AtlasState,
 )
+from atlas_drake.simulation.tutorial import KP_POSITION
 
 
 def joints_of(sim, *parts):
@@ -109,3 +111,24 @@ def test_who_takes_every_joint_is_not_warned_until_some_are_given_back(take):
     take(sim, joints_of(sim, "_leg_"))
     sim.advance(0.1)
     assert len(warnings(sim)) == 1
+
+
+@pytest.mark.slow
+def test_five_times_the_tutorials_stiffness_comes_to_rest_on_the_ground():
+    sim = AtlasSimulation()
+    sim.advance(1.0)
+    command = AtlasCommand()
+    command.position = sim.robot.stand_prep
+    command.kp_position = [
+        5.0 * KP_POSITION.get(joint.name, joint.kp) for joint in sim.robot.file.joints
+    ]
+    command.kd_position = np.zeros(28)
+    command.kp_velocity = np.full(28, 50.0)
+    command.k_effort = np.full(28, 255)
+    sim.publish(command)
+    sim.advance(16.0)
+    fastest = 0.0
+    for _ in range(50):
+        sim.advance(0.006)
+        fastest = max(fastest, np.abs(sim.atlas_state.velocity).max())
+    assert fastest < 5e-3

@@ -31,7 +31,6 @@ from atlas_drake.app.outputs import (
 )
 from atlas_drake.app.progress import Progress
 from atlas_drake.app.run import PIECE, quiet_logs
-from atlas_drake.app.viewer import interactive, keep_serving
 from atlas_drake.diagrams.replay import make_replay
 from atlas_drake.errors import did_you_mean
 from atlas_drake.logs import Log, LogError, read_log
@@ -44,6 +43,7 @@ from atlas_drake.logs.formats import (
 from atlas_drake.logs.panels import Page
 from atlas_drake.simulation.pace import Pace
 from atlas_drake.visualization.overlays import Overlays
+from atlas_drake.visualization.viewer import interactive, keep_serving
 from atlas_drake.visualization.viewer_gate import show_latest
 from atlas_drake.whole_file import whole_file
 
@@ -174,7 +174,7 @@ def replay_log(options: argparse.Namespace) -> int:
         return exit_status.OUTPUT_LOST
     if not options.headless and interactive():
         show_latest(diagram, simulator.get_context())
-        keep_serving(progress)
+        keep_serving(progress.say)
     return exit_status.OK
 
 

@@ -195,7 +195,7 @@ def _diagram(options: argparse.Namespace) -> int:
     write_diagram_picture(options.file)
     print(f"Wrote {options.file}.")
     if not options.no_open and options.file.suffix != ".dot":
-        from atlas_drake.app.viewer import open_on_desktop
+        from atlas_drake.visualization.viewer import open_on_desktop
 
         open_on_desktop(options.file.resolve().as_uri())
     return exit_status.OK

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, TypeVar
 from pydrake.geometry import Meshcat
 
 from atlas_drake.app.progress import Progress
-from atlas_drake.app.viewer import await_viewer, start_meshcat
 from atlas_drake.errors import AtlasError, ScenarioError
 from atlas_drake.visualization import FRAME_RATE
+from atlas_drake.visualization.viewer import await_viewer, start_meshcat
 from atlas_drake.whole_file import whole_file, why_not_writable
 
 if TYPE_CHECKING:

@@ -11,6 +11,7 @@ import logging
 import math
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 from atlas_drake.app import exit_status
@@ -28,13 +29,13 @@ from atlas_drake.app.outputs import (
 )
 from atlas_drake.app.parts import load_parts
 from atlas_drake.app.progress import Progress
-from atlas_drake.app.viewer import interactive, keep_serving
 from atlas_drake.behaviors.footstep_event import is_elsewhere
 from atlas_drake.logs.formats import check_format
 from atlas_drake.messages.event import STEPS_LEFT
 from atlas_drake.scenario import Scenario, with_settings
 from atlas_drake.simulation import AtlasSimulation, SimulationError
 from atlas_drake.visualization.overlays import Overlays
+from atlas_drake.visualization.viewer import interactive, keep_serving
 from atlas_drake.visualization.viewer_gate import show_latest
 
 PIECE = 0.1
@@ -79,7 +80,7 @@ def run_scenario(
     meshcat = open_view(options, progress)
     sim = AtlasSimulation(
         scenario,
-        meshcat=meshcat,
+        view=meshcat,
         recorded=options.record is not None,
         video=video,
         on_event=progress.event,
@@ -112,7 +113,7 @@ def run_scenario(
         return exit_status.OUTPUT_LOST
     if not options.headless and interactive():
         show_latest(sim.diagram, sim.context)
-        keep_serving(progress)
+        keep_serving(progress.say)
     return exit_status.OK if summary["success"] else exit_status.FAILED
 
 
@@ -139,10 +140,10 @@ def with_options(scenario: Scenario, options: argparse.Namespace) -> Scenario:
     Raises:
         ScenarioError: If a resulting value cannot be used.
     """
-    for name in ("model", "world", "seed", "physics_step"):
-        if getattr(options, name) is not None:
-            setattr(scenario, name, getattr(options, name))
-    return with_settings(scenario, options.set)
+    names = ("model", "world", "seed", "physics_step")
+    given = {name: getattr(options, name) for name in names}
+    changes = {name: value for name, value in given.items() if value is not None}
+    return with_settings(replace(scenario, **changes), options.set)
 
 
 INTERRUPTED = "interrupted"

@@ -8,6 +8,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -22,20 +23,20 @@ from atlas_drake.app.outputs import (
     video_asked_for,
 )
 from atlas_drake.app.progress import Progress, StatusLine, TrialProgress
-from atlas_drake.app.viewer import interactive, keep_serving
 from atlas_drake.campaigns import Campaign, CampaignError, Shard, load_campaign
 from atlas_drake.campaigns.comparison import compare
 from atlas_drake.campaigns.folder import CampaignFolder, as_kept, merge, same_result
 from atlas_drake.campaigns.packages import check_packages
-from atlas_drake.campaigns.performer import Performer
 from atlas_drake.campaigns.plan import make_trial, number_of_trials, scenario_of
 from atlas_drake.campaigns.results import write_results
 from atlas_drake.campaigns.runner import run_campaign
 from atlas_drake.campaigns.sources import Sources, joined
 from atlas_drake.campaigns.threshold import level_of
+from atlas_drake.campaigns.trial_runner import TrialRunner
 from atlas_drake.errors import shown
 from atlas_drake.logs.formats import check_format
 from atlas_drake.visualization.overlays import Overlays
+from atlas_drake.visualization.viewer import interactive, keep_serving
 
 RESULTS = Path("results")
 """Folder of all campaigns whose folder is not named."""
@@ -131,8 +132,7 @@ def _campaign(options: argparse.Namespace) -> Campaign:
     overrides = {name: value for name, value in given.items() if value is not None}
     campaign = load_campaign(options.campaign, options.set, overrides)
     if options.seed is not None:
-        campaign.seed = options.seed
-        campaign.validate()
+        campaign = replace(campaign, seed=options.seed).validate()
     return campaign
 
 
@@ -196,10 +196,10 @@ def _one_trial(
     for path, value in {"seed": trial.seed, **trial.values}.items():
         progress.say(f"{path} = {value}")
     meshcat = open_view(options, progress)
-    performer = Performer(campaign, sources)
-    sim = performer.simulation(
+    trial_runner = TrialRunner(campaign, sources)
+    sim = trial_runner.simulation(
         trial,
-        meshcat=meshcat,
+        view=meshcat,
         overlays=Overlays(options.show),
         log=options.log,
         video=video_asked_for(options),
@@ -210,7 +210,7 @@ def _one_trial(
         sim.set_realtime_rate(1.0)
     kept = True
     try:
-        judged = performer.judged(sim, trial)
+        judged = trial_runner.judged(sim, trial)
     finally:
         with nothing_cut_off():
             if options.video is not None:
@@ -226,7 +226,7 @@ def _one_trial(
     if not kept:
         return exit_status.OUTPUT_LOST
     if options.view and interactive():
-        keep_serving(progress)
+        keep_serving(progress.say)
     return exit_status.OK if judged["success"] else exit_status.FAILED
 
 

@@ -20,13 +20,13 @@ from atlas_drake.app.run import (
     verdict,
     with_options,
 )
-from atlas_drake.app.viewer import interactive, open_on_desktop, start_meshcat
 from atlas_drake.scenario import Scenario
 from atlas_drake.simulation import AtlasSimulation, SimulationError
 from atlas_drake.teleop.controls import legend
 from atlas_drake.teleop.panel import Panel
 from atlas_drake.teleop.session import Session
 from atlas_drake.visualization.overlays import Overlays
+from atlas_drake.visualization.viewer import interactive, open_on_desktop, start_meshcat
 
 
 def run_teleop(scenario: Scenario, options: argparse.Namespace) -> int:
@@ -50,7 +50,7 @@ def run_teleop(scenario: Scenario, options: argparse.Namespace) -> int:
     meshcat = start_meshcat(options.host, options.port, progress.say)
     sim = AtlasSimulation(
         scenario,
-        meshcat=meshcat,
+        view=meshcat,
         on_event=progress.event,
         overlays=overlays,
         **parts,

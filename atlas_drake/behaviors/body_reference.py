@@ -11,22 +11,22 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from atlas_drake.bounds import Positive
+from atlas_drake.configuration import Configuration, NotNegative, Positive
 from atlas_drake.control.rotations import orientation, tilt_of, wrap_angle, yaw_of
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
 
 
 @dataclass(frozen=True)
-class BodyRates:
+class BodyRates(Configuration):
     """Speed limits of the reference of trunk and posture."""
 
-    joints: float = 0.6
+    joints: NotNegative = 0.6
     """Speed of each joint [rad/s]."""
-    tilt: float = 0.3
+    tilt: NotNegative = 0.3
     """Speed of roll and pitch of pelvis and chest [rad/s]."""
-    yaw: float = 1.2
+    yaw: NotNegative = 1.2
     """Speed of the heading [rad/s]."""
-    height: float = 0.12
+    height: NotNegative = 0.12
     """Speed of the height of the center of mass [m/s]."""
     easing: Positive = 0.1
     """Time in which height and heading reach their speed, and slow down again [s]."""

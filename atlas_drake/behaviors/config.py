@@ -15,11 +15,12 @@ from atlas_drake.behaviors.manipulate.config import ManipulateConfig
 from atlas_drake.behaviors.stand.config import StandConfig
 from atlas_drake.behaviors.step.config import StepConfig
 from atlas_drake.behaviors.walk.config import WalkConfig
+from atlas_drake.configuration import Configuration
 from atlas_drake.control.gains import ControlGains
 
 
 @dataclass(frozen=True)
-class ControllerConfig:
+class ControllerConfig(Configuration):
     """Parameters of the controller; field ``controller`` of a scenario."""
 
     gains: ControlGains = field(default_factory=ControlGains)

@@ -15,10 +15,9 @@ from atlas_drake.behaviors.body_reference import BodyRates
 from atlas_drake.behaviors.entry_limits import EntryLimits
 from atlas_drake.behaviors.freeze import Freeze
 from atlas_drake.behaviors.stand.stance_guard import StanceGuard, StandingBehavior
-from atlas_drake.bounds import NOT_NEGATIVE
+from atlas_drake.checked import checked
 from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.errors import ScenarioError, did_you_mean, shown
-from atlas_drake.kinds import typed
 from atlas_drake.messages import AtlasSimInterfaceCommand, Behavior, BehaviorStatus
 from atlas_drake.messages.behavior_catalog import BehaviorError, BehaviorInterface
 from atlas_drake.robot import Robot
@@ -151,14 +150,7 @@ def configured(
         config = own[name].config
         if config is None:
             raise ScenarioError(path, fields, f"{name} has no configuration")
-        config = typed(
-            fields,
-            type(config),
-            path,
-            default=config,
-            bounds=NOT_NEGATIVE,
-            from_text=True,
-        )
+        config = checked(type(config), fields, path, base=config, from_text=True)
         own[name] = replace(own[name], config=config)
     return tuple(own.get(entry.name, entry) for entry in made)
 

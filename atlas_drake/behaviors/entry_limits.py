@@ -7,14 +7,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from atlas_drake.configuration import Configuration, NotNegative
+
 
 @dataclass(frozen=True)
-class EntryLimits:
+class EntryLimits(Configuration):
     """Limits within which STAND can take over."""
 
-    com_inside: float = 0.01
+    com_inside: NotNegative = 0.01
     """Least distance of the CoM from the edge of the support polygon, inside it [m]."""
-    dcm_inside: float = 0.03
+    dcm_inside: NotNegative = 0.03
     """Least distance of the DCM from the edge of the support polygon, inside it [m]."""
-    joint_speed: float = 4.0
+    joint_speed: NotNegative = 4.0
     """Largest speed of any joint that STAND takes over [rad/s]."""

@@ -8,15 +8,15 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from atlas_drake.bounds import Share
+from atlas_drake.configuration import Configuration, NotNegative, Share
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
 
 
 @dataclass(frozen=True)
-class FallLimits:
+class FallLimits(Configuration):
     """Limits of the posture beyond which the robot counts as falling."""
 
-    tilt: float = 0.8
+    tilt: NotNegative = 0.8
     """Angle of the pelvis' z axis from the vertical [rad]."""
     height: Share = 0.6
     """Height of the CoM above the lower sole, relative to the nominal height [-]."""

@@ -13,16 +13,16 @@ import numpy as np
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.base import BehaviorProtocol, Observation, Outcome
 from atlas_drake.behaviors.body_reference import BodyReference, capture_body
-from atlas_drake.bounds import Share
+from atlas_drake.configuration import Configuration, NotNegative, Share
 from atlas_drake.control.whole_body.tasks import PostureTask
 from atlas_drake.messages.commands import BehaviorRequest
 
 
 @dataclass(frozen=True)
-class FreezeConfig:
+class FreezeConfig(Configuration):
     """Parameters of FREEZE."""
 
-    stiffness_weight: float = 0.1
+    stiffness_weight: NotNegative = 0.1
     """Weight of holding each joint in the QP, equal for all joints [1/(rad/s²)²]. From
     0.3 on the soles' small motions come back as contact forces at every tick, until
     the soles flutter and slide; at 0.05 the cost of contact forces makes a robot with

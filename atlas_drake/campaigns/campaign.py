@@ -5,67 +5,57 @@ One dataclass, one comment per field. How one is read from YAML is in ``reading`
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Annotated, Any, Literal
+
+from annotated_types import Ge, MinLen
 
 from atlas_drake.campaigns.conditions import check_conditions
-from atlas_drake.campaigns.distributions import checked, example
+from atlas_drake.campaigns.distributions import check_distribution, example
 from atlas_drake.campaigns.errors import CampaignError
+from atlas_drake.checked import checked
+from atlas_drake.configuration import Configuration, NotNegative, Positive, Share
 from atlas_drake.errors import ScenarioError, shown
-from atlas_drake.kinds import typed
 from atlas_drake.scenario import Scenario, with_values
-from atlas_drake.scenario.scenario import check_seed
+from atlas_drake.scenario.scenario import Seed
 
-SEEDS = ("spread", "counted")
-SEARCHES = ("bisect", "climb")
 METRICS_BY_DEFAULT = ("success", "landing", "tilt", "effort", "energy", "drift")
 PARAMETERS = "parameters."
 """Begins the path of a value for the trial function rather than for the scenario."""
 
 
-@dataclass
-class Threshold:
+@dataclass(frozen=True)
+class Threshold(Configuration):
     """A search for the largest value under which the robot still succeeds."""
 
-    of: str = ""
+    of: Annotated[str, MinLen(1)]
     """Path of that value, such as ``pushes[0].impulse``."""
     least: float = 0.0
     """Smallest value; assumed to be borne, and not tried."""
     most: float = 100.0
     """Largest value tried."""
-    within: float = 10.0
+    within: Positive = 10.0
     """Distance between the values tried, from ``least`` up."""
-    replicas: int = 5
+    replicas: Annotated[int, Ge(1)] = 5
     """Trials of each value, with seeds that are the same for all values."""
-    passes: int = 4
+    passes: Annotated[int, Ge(1)] = 4
     """Number of replicas that must succeed."""
-    search: str = "bisect"
+    search: Literal["bisect", "climb"] = "bisect"
     """Order of the values: ``bisect`` halves the interval, ``climb`` goes up from
     ``least`` until a value is not borne."""
 
-    def validate(self) -> None:
-        """Checks every field.
-
-        Raises:
-            CampaignError: Naming the first field that cannot be used.
-        """
+    def check(self) -> None:
+        """Checks that there are values to try, and that replicas can pass."""
+        span = self.most - self.least
         for name, good, wanted in (
-            ("of", bool(self.of), "the path of a value"),
-            ("most", self.most > self.least, f"above least ({self.least:g})"),
-            (
-                "within",
-                self.within > 0.0 and self.levels >= 1,
-                f"above 0, and at most most - least ({self.most - self.least:g})",
-            ),
-            ("replicas", self.replicas >= 1, "1 or more"),
-            ("passes", 1 <= self.passes <= self.replicas, "from 1 to replicas"),
-            ("search", self.search in SEARCHES, f"one of {', '.join(SEARCHES)}"),
+            ("most", span > 0.0, f"above least ({self.least:g})"),
+            ("within", self.levels >= 1, f"at most most - least ({span:g})"),
+            ("passes", self.passes <= self.replicas, "from 1 to replicas"),
         ):
             if not good:
                 value = getattr(self, name)
                 problem = f"is {shown(value)}; must be {wanted}"
-                raise CampaignError(f"threshold.{name}", value, problem)
+                raise CampaignError(name, value, problem)
 
     @property
     def levels(self) -> int:
@@ -77,8 +67,8 @@ class Threshold:
         return self.least + level * self.within
 
 
-@dataclass
-class Campaign:
+@dataclass(frozen=True)
+class Campaign(Configuration):
     """Many runs of one scenario, each with its own seed."""
 
     name: str = "campaign"
@@ -104,69 +94,48 @@ class Campaign:
     success: list[str] = field(default_factory=lambda: ["success"])
     """Conditions on the figures, all of which must hold: ``NAME``, or such as
     ``landing_max_m <= 0.02``."""
-    trials: int = 100
+    trials: Annotated[int, Ge(1)] = 100
     """Number of trials of each case; unused with a threshold."""
-    seed: int = 0
+    seed: Seed = 0
     """Seed of the campaign."""
-    seeds: str = "spread"
+    seeds: Literal["spread", "counted"] = "spread"
     """Seeds of the trials: ``spread`` over all numbers, or ``counted`` up from the
     campaign's."""
     fresh: bool = False
     """Builds the simulation anew for each trial: for controllers that keep state
     outside Drake's Context."""
-    trial_timeout: float = 0.0
+    trial_timeout: NotNegative = 0.0
     """Wall time after which a trial is ended and has failed [s]; 0 for no limit."""
     threshold: Threshold | None = None
     """Search for the largest value that is borne, in place of independent trials."""
-    goal: float | None = None
+    goal: Share | None = None
     """Smallest share of successes for which the command ends with status 0; null for no
     goal."""
 
     def validate(self) -> Campaign:
-        """Checks every field but the names of functions.
-
-        Returns:
-            The campaign itself.
+        """Returns the campaign with every field checked, but the names of functions.
 
         Raises:
             ScenarioError: Naming the first field that cannot be used.
         """
-        typed(self, Campaign)
-        try:
-            self.scenario.validate()
-        except ScenarioError as error:
-            name = f"scenario.{error.field}"
-            raise CampaignError(name, error.value, error.problem) from None
-        check_seed(self.seed)
-        for name, good, wanted in (
-            ("seeds", self.seeds in SEEDS, f"one of {', '.join(SEEDS)}"),
-            ("trials", self.trials >= 1, "1 or more"),
-            (
-                "trial_timeout",
-                0.0 <= self.trial_timeout < math.inf,
-                "a number from 0 up",
-            ),
-            ("goal", self.goal is None or 0.0 <= self.goal <= 1.0, "from 0 to 1"),
-        ):
-            if not good:
-                value = getattr(self, name)
-                problem = f"is {shown(value)}; must be {wanted}"
-                raise CampaignError(name, value, problem)
+        valid: Campaign = checked(Campaign, self)
+        return valid
+
+    def check(self) -> None:
+        """Checks the conditions, and that the fields take the values that vary."""
         check_conditions(self.success)
         for path, distribution in self.vary.items():
             where = f"vary.{path}"
-            self.vary[path] = checked(distribution, where)
-            self._try(path, example(self.vary[path]), where)
+            given = check_distribution(distribution, where)
+            self._try(path, example(given), where)
         for path, values in self.cases.items():
-            if not isinstance(values, list) or not values:
+            if not values:
                 problem = f"is {shown(values)}; must be a list of values"
                 raise CampaignError(f"cases.{path}", values, problem)
             for value in values:
                 self._try(path, value, f"cases.{path}")
         if self.threshold is not None:
-            self.threshold.validate()
             self._try(self.threshold.of, self.threshold.most, "threshold.of")
-        return self
 
     def _try(self, path: str, value: Any, where: str) -> None:
         """Checks that a field accepts a value like this one."""

@@ -30,7 +30,7 @@ def is_distribution(value: object) -> bool:
     return isinstance(value, Mapping) and len(value) == 1 and set(value) <= set(FORMS)
 
 
-def checked(value: object, path: str) -> dict[str, Any]:
+def check_distribution(value: object, path: str) -> dict[str, Any]:
     """Checks a distribution.
 
     Args:
@@ -94,7 +94,7 @@ def draw(distribution: Mapping[str, Any], random: np.random.Generator) -> Any:
     """Draws one value.
 
     Args:
-        distribution: As ``checked`` returns it.
+        distribution: As ``check_distribution`` returns it.
         random: Drawn from once.
     """
     ((kind, given),) = distribution.items()

@@ -24,8 +24,8 @@ import atlas_drake
 from atlas_drake.campaigns.campaign import Campaign
 from atlas_drake.campaigns.errors import CampaignError
 from atlas_drake.campaigns.sources import Sources
+from atlas_drake.checked import as_plain, checked
 from atlas_drake.errors import shown
-from atlas_drake.kinds import as_plain, typed
 from atlas_drake.whole_file import whole_file
 
 CAMPAIGN, TRIALS = "campaign.yaml", "trials"
@@ -94,7 +94,7 @@ class CampaignFolder:
             CampaignError: If there are none.
         """
         fields = dict(self._read()["campaign"])
-        campaign: Campaign = typed(fields, Campaign, from_text=True)
+        campaign: Campaign = checked(Campaign, fields, from_text=True)
         return campaign
 
     def _read(self) -> Any:

@@ -16,8 +16,8 @@ from pydrake.common.yaml import yaml_load
 from atlas_drake.campaigns.campaign import PARAMETERS, Campaign
 from atlas_drake.campaigns.distributions import is_distribution
 from atlas_drake.campaigns.errors import CampaignError
+from atlas_drake.checked import checked
 from atlas_drake.errors import ScenarioError, shown
-from atlas_drake.kinds import typed
 from atlas_drake.scenario import (
     Scenario,
     load_scenario,
@@ -114,21 +114,28 @@ def campaign_from(
     if isinstance(fields.get("code"), str):
         fields["code"] = [fields["code"]]
     fields["vary"] = _joined(drawn, fields.get("vary"))
-    campaign: Campaign = typed(
-        fields, Campaign, default=Campaign(scenario=scenario), from_text=True
-    )
     fixed = {text.partition("=")[0] for text in settings} | set(overrides or {})
-    for path in fixed:
-        campaign.vary.pop(path, None)
-        campaign.cases.pop(path, None)
+    for name in ("vary", "cases"):
+        if isinstance(fields.get(name), Mapping):
+            varied = fields[name].items()
+            fields[name] = {path: item for path, item in varied if path not in fixed}
+    base = Campaign(scenario=scenario)
+    if not isinstance(fields.get("parameters", {}), Mapping):
+        own = []  # The check refuses the parameters themselves.
     for text in own:
         name, equals, value = text.removeprefix(PARAMETERS).partition("=")
         if not (name and equals):
             problem = f"is {shown(text)}; must be {PARAMETERS}NAME=VALUE"
             raise CampaignError("--set", text, problem)
-        campaign.parameters[name] = yaml_load(data=value)
-    campaign.code = [str((folder / name).absolute()) for name in campaign.code]
-    return campaign.validate()
+        parameters = fields.get("parameters", {})
+        fields["parameters"] = {**parameters, name: yaml_load(data=value)}
+    if isinstance(fields.get("code"), list):
+        fields["code"] = [
+            str((folder / name).absolute()) if isinstance(name, str) else name
+            for name in fields["code"]
+        ]
+    campaign: Campaign = checked(Campaign, fields, base=base, from_text=True)
+    return campaign
 
 
 def _where_drawn(error: ScenarioError) -> str:
@@ -177,7 +184,7 @@ def _joined(drawn: dict[str, Any], vary: object) -> object:
     if vary is None:
         return drawn
     if not isinstance(vary, Mapping):
-        return vary  # For ``typed`` to refuse.
+        return vary  # For the check to refuse.
     twice = set(drawn) & set(vary)
     if twice:
         name = min(twice)

@@ -15,11 +15,11 @@ from typing import Any, Protocol
 from atlas_drake.campaigns.campaign import Campaign
 from atlas_drake.campaigns.errors import CampaignError
 from atlas_drake.campaigns.folder import CampaignFolder
-from atlas_drake.campaigns.performer import Performer, failed
 from atlas_drake.campaigns.plan import Trial, case_list, make_trial, number_of_trials
 from atlas_drake.campaigns.processes import Outcome, Processes
 from atlas_drake.campaigns.sources import Sources, joined
 from atlas_drake.campaigns.threshold import Search
+from atlas_drake.campaigns.trial_runner import TrialRunner, failed
 from atlas_drake.errors import shown
 
 Records = dict[int, dict[str, Any]]
@@ -96,7 +96,7 @@ def run_campaign(
     Raises:
         ScenarioError: If the campaign cannot be run, or the folder holds another one.
     """
-    campaign.validate()
+    campaign = campaign.validate()
     if jobs < (0 if ray is not None else 1):
         raise CampaignError("--jobs", jobs, f"is {shown(jobs)}; must be 1 or more")
     if trials is not None:
@@ -106,12 +106,12 @@ def run_campaign(
         campaign = replace(campaign, trials=trials)
     shard = shard or Shard()
     sources = Sources(joined(campaign.code, files), functions or {}, parts or {})
-    performer = Performer(campaign, sources)
+    trial_runner = TrialRunner(campaign, sources)
     folder = CampaignFolder(Path(out))
     folder.begin(campaign, sources)
     with (
         folder.only_one(str(shard).replace("/", "-of-")),
-        closing(_workers(performer, campaign.trial_timeout, jobs, ray)) as workers,
+        closing(_workers(trial_runner, campaign.trial_timeout, jobs, ray)) as workers,
     ):
         records = folder.records()
         while missing := missing_trials(campaign, records, shard):
@@ -149,14 +149,14 @@ class _Workers(Protocol):
 
 
 def _workers(
-    performer: Performer, limit: float, jobs: int, ray: str | None
+    trial_runner: TrialRunner, limit: float, jobs: int, ray: str | None
 ) -> _Workers:
     if ray is None:
-        return Processes(pickle.dumps(performer), jobs, limit)
+        return Processes(pickle.dumps(trial_runner), jobs, limit)
     # Ray loads only if it is used.
     from atlas_drake.campaigns.ray_cluster import RayCluster
 
-    return RayCluster(performer, limit, ray, jobs or None)
+    return RayCluster(trial_runner, limit, ray, jobs or None)
 
 
 def _record(outcome: Outcome) -> dict[str, Any]:

@@ -9,69 +9,69 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from atlas_drake.bounds import Positive
+from atlas_drake.configuration import Configuration, NotNegative, Positive
 
 
 @dataclass(frozen=True)
-class PdGains:
+class PdGains(Configuration):
     """Stiffness and damping of a task, per unit of inertia."""
 
-    kp: float
+    kp: NotNegative
     """Stiffness [1/s²]."""
-    kd: float
+    kd: NotNegative
     """Damping [1/s]."""
 
 
 @dataclass(frozen=True)
-class QpWeights:
+class QpWeights(Configuration):
     """Weights of the QP's cost, per squared unit of the task's acceleration."""
 
-    com: float = 30.0
+    com: NotNegative = 30.0
     """Center of mass, horizontal, through the contact forces [1/(m/s²)²]."""
-    com_height: float = 60.0
+    com_height: NotNegative = 60.0
     """Height of the center of mass [1/(m/s²)²]. Below the weight of the moment: where a
     knee is at its limit, the robot gives up height before balance."""
-    moment: float = 70.0
+    moment: NotNegative = 70.0
     """Moment of the contact forces about the enhanced centroidal moment pivot (eCMP):
     their sum passes through the center of pressure that balance asks for
     [1/(m/s²)²]."""
-    pelvis_orientation: float = 2.0
+    pelvis_orientation: NotNegative = 2.0
     """Orientation of the pelvis [1/(rad/s²)²]."""
-    chest_orientation: float = 0.2
+    chest_orientation: NotNegative = 0.2
     """Orientation of the chest [1/(rad/s²)²]."""
-    stance_foot: float = 50.0
+    stance_foot: NotNegative = 50.0
     """Stance feet keep still [1/(m/s²)²]."""
-    swing_foot_position: float = 20.0
+    swing_foot_position: NotNegative = 20.0
     """Position of the swing foot [1/(m/s²)²]."""
-    swing_foot_orientation: float = 10.0
+    swing_foot_orientation: NotNegative = 10.0
     """Orientation of the swing foot [1/(rad/s²)²]."""
     contact_force: Positive = 1e-6
     """Contact forces: spreads the load over the feet [1/N²]."""
     contact_moment: Positive = 1e-4
     """Contact moments: keeps the center of pressure near the middle of each sole
     [1/(N·m)²]."""
-    internal_contact_force: float = 3e-5
+    internal_contact_force: NotNegative = 3e-5
     """Internal contact force: horizontal forces of the feet against each other. Large
     enough to prevent them where they have no use, small enough to allow them where
     knees at their limit need them [1/N²]."""
-    internal_contact_moment: float = 1e-3
+    internal_contact_moment: NotNegative = 1e-3
     """Internal contact moment: moments of the feet against each other about the
     vertical [1/(N·m)²]."""
 
 
 @dataclass(frozen=True)
-class ContactModel:
+class ContactModel(Configuration):
     """Contact of each sole with the ground, as the controller assumes it."""
 
     friction: Positive = 0.5
     """Friction coefficient assumed by the QP; lower than that of the intended grounds,
     as a reserve."""
-    length_margin: float = 0.015
+    length_margin: NotNegative = 0.015
     """Width of the strip at toe and heel that is closed to the center of pressure
     [m]."""
-    width_margin: float = 0.010
+    width_margin: NotNegative = 0.010
     """Width of the strip at both sides that is closed to the center of pressure [m]."""
-    yaw_moment_arm: float = 0.05
+    yaw_moment_arm: NotNegative = 0.05
     """Greatest moment about the normal, as a lever arm of the friction force [m]."""
     unloaded_share: Positive = 0.1
     """Normal force that the QP may count on below a planted sole on which no force is
@@ -83,35 +83,35 @@ class ContactModel:
 
 
 @dataclass(frozen=True)
-class JointLimitGains:
+class JointLimitGains(Configuration):
     """Bounds on joint accelerations that keep joint positions within their limits."""
 
-    kp: float = 400.0
+    kp: NotNegative = 400.0
     """[1/s²]"""
-    kd: float = 40.0
+    kd: NotNegative = 40.0
     """[1/s]"""
-    margin: float = 0.02
+    margin: NotNegative = 0.02
     """Distance kept from each end stop [rad]."""
 
 
 @dataclass(frozen=True)
-class ControlGains:
+class ControlGains(Configuration):
     """Everything that tunes the whole-body controller."""
 
     weights: QpWeights = field(default_factory=QpWeights)
     contact: ContactModel = field(default_factory=ContactModel)
     joint_limits: JointLimitGains = field(default_factory=JointLimitGains)
     com_height: PdGains = PdGains(kp=40.0, kd=12.0)
-    dcm_gain: float = 2.0
+    dcm_gain: NotNegative = 2.0
     """Gain k of the DCM feedback: the center of pressure moves by (1 + k) times the
     error of the DCM [-]."""
     orientation: PdGains = PdGains(kp=100.0, kd=20.0)
     """Pelvis and chest."""
-    stance_foot_damping: float = 10.0
+    stance_foot_damping: NotNegative = 10.0
     """[1/s]"""
     swing_position: PdGains = PdGains(kp=200.0, kd=28.0)
     swing_orientation: PdGains = PdGains(kp=200.0, kd=28.0)
     posture: PdGains = PdGains(kp=80.0, kd=18.0)
-    leg_posture_weight: float = 0.02
-    back_posture_weight: float = 0.1
-    arm_posture_weight: float = 2.0
+    leg_posture_weight: NotNegative = 0.02
+    back_posture_weight: NotNegative = 0.1
+    arm_posture_weight: NotNegative = 2.0

@@ -50,9 +50,9 @@ WORLD = 1e6
 """Greatest distance of the feet from the world's origin [m]."""
 UNEVEN = 0.02
 """Difference in height of the feet above which the ground is not level [m]."""
-THERE, THERE_YAW = 1e-6, 1e-6
+REACHED, REACHED_YAW = 1e-6, 1e-6
 """Tolerance for rounding with which a place counts as reached [m], [rad]."""
-ASTRIDE, ASTRIDE_YAW = 0.03, 0.05
+SIDE_BY_SIDE, SIDE_BY_SIDE_YAW = 0.03, 0.05
 """Tolerance with which feet count as side by side [m], [rad]."""
 
 
@@ -188,7 +188,7 @@ def _steps(
     feet = _feet(report)
     height = 0.5 * sum(pose.position.z for pose in report.foot_pos_est)
     here = _middle(report)
-    if all(_is_there(here, place) for place in way) and _side_by_side(feet, gait):
+    if all(_is_reached(here, place) for place in way) and _side_by_side(feet, gait):
         return []
     foot = _first_foot(here, way)
     steps: list[AtlasBehaviorStepData] = []
@@ -204,7 +204,7 @@ def _steps(
         # Before the first step the feet may be farther apart than in the gait.
         step.duration = min(gait.duration, longest_duration(apart, gait.limits))
         steps.append(step)
-        reached = _is_there(middle, remaining[0])
+        reached = _is_reached(middle, remaining[0])
         if len(remaining) > 1:
             if reached:
                 del remaining[0]
@@ -247,7 +247,7 @@ def _farthest_ahead(out: float, turn: float, gait: Gait) -> float:
     """
     limits, width = gait.limits, gait.half_width + out
     farthest = (limits.forward + width * math.sin(turn)) / math.cos(0.5 * turn)
-    if turn < -THERE_YAW:
+    if turn < -REACHED_YAW:
         room = gait.half_width + width * math.cos(turn) - limits.min_width
         farthest = min(farthest, room / math.sin(-0.5 * turn))
     return farthest
@@ -259,7 +259,7 @@ def _first_foot(here: Foothold, way: Sequence[Foothold]) -> int:
         _, left = way_to(here, place, 0.0)
         turn = wrap_angle(place.yaw - here.yaw)
         for lean in (left, turn):
-            if abs(lean) > THERE:
+            if abs(lean) > REACHED:
                 return LEFT if lean > 0.0 else RIGHT
     return LEFT
 
@@ -287,15 +287,15 @@ def _middle(report: AtlasSimInterfaceState) -> Foothold:
 def _side_by_side(feet: Sequence[Foothold], gait: Gait) -> bool:
     beside = sole_beside(middle_beside(feet[LEFT], LEFT, gait), RIGHT, gait)
     return (
-        math.dist(beside[:2], feet[RIGHT][:2]) <= ASTRIDE
-        and abs(wrap_angle(beside.yaw - feet[RIGHT].yaw)) <= ASTRIDE_YAW
+        math.dist(beside[:2], feet[RIGHT][:2]) <= SIDE_BY_SIDE
+        and abs(wrap_angle(beside.yaw - feet[RIGHT].yaw)) <= SIDE_BY_SIDE_YAW
     )
 
 
-def _is_there(place: Foothold, goal: Foothold) -> bool:
+def _is_reached(place: Foothold, goal: Foothold) -> bool:
     return (
-        math.dist(place[:2], goal[:2]) <= THERE
-        and abs(wrap_angle(place.yaw - goal.yaw)) <= THERE_YAW
+        math.dist(place[:2], goal[:2]) <= REACHED
+        and abs(wrap_angle(place.yaw - goal.yaw)) <= REACHED_YAW
     )
 
 

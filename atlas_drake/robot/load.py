@@ -7,6 +7,7 @@ Every error about a robot's files carries the file's name. The checks are in ``f
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,14 +17,13 @@ from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex
 from pydrake.systems.framework import DiagramBuilder
 
-from atlas_drake.bounds import NOT_NEGATIVE
+from atlas_drake.checked import checked
 from atlas_drake.errors import (
     RobotDescriptionError,
     ScenarioError,
 )
-from atlas_drake.kinds import typed
 from atlas_drake.robot.data_file import file_beside, find_data_file
-from atlas_drake.robot.file import RobotFile, check_file
+from atlas_drake.robot.file import RobotFile
 from atlas_drake.robot.fit import (
     check_base,
     check_joints,
@@ -151,21 +151,15 @@ def _read_file(path: Path) -> RobotFile:
             "file", raw, "must have fields of a robot, such as urdf: robot.urdf"
         )
     try:
-        file: RobotFile = typed(
-            raw,
-            RobotFile,
-            default=RobotFile(),
-            bounds=NOT_NEGATIVE,
-            from_text=True,
-        )
+        file: RobotFile = checked(RobotFile, raw, from_text=True)
     except ScenarioError as error:
         raise RobotDescriptionError(error.field, error.value, error.problem) from None
-    check_file(file)
-    file.imu_frame = file.imu_frame or file.pelvis
-    file.pushed = file.pushed or list(
-        dict.fromkeys([file.pelvis, file.chest, *file.hands])
+    pushed = list(dict.fromkeys([file.pelvis, file.chest, *file.hands]))
+    return replace(
+        file,
+        imu_frame=file.imu_frame or file.pelvis,
+        pushed=file.pushed or pushed,
     )
-    return file
 
 
 def _parse(plant: MultibodyPlant, urdf: Path, name: str) -> ModelInstanceIndex:

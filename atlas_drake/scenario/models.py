@@ -9,8 +9,9 @@ import functools
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
+from annotated_types import Len
 from pydrake.common.schema import Transform
 from pydrake.math import RigidTransform
 from pydrake.multibody.math import SpatialVelocity
@@ -18,13 +19,15 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.multibody.tree import ModelInstanceIndex, RigidBody
 from pydrake.systems.framework import Context
 
+from atlas_drake.checked import Pose, joined
+from atlas_drake.configuration import Configuration
 from atlas_drake.errors import ScenarioError, shown
 from atlas_drake.robot.parsing import parse
 from atlas_drake.scenario.world import WorldMaker
 
 
-@dataclass
-class Model:
+@dataclass(frozen=True)
+class Model(Configuration):
     """One file of models, such as a table, a ball or a ramp."""
 
     file: str = ""
@@ -32,23 +35,23 @@ class Model:
     scenario's file; or a URI such as ``package://drake_models/...``."""
     name: str = ""
     """Name of the model in the plant; the file's name if left out."""
-    X_WB: Transform | None = None
+    X_WB: Annotated[Transform, Pose()] | None = None
     """Pose of the model's base body in W, a ``Transform`` of Drake's schema, such as
     ``{translation: [1, 0, 0.5], rotation: !Rpy {deg: [0, 0, 90]}}``; null for the pose
     in the file."""
-    V_WB: list[float] | None = None
+    V_WB: Annotated[list[float], Len(6, 6)] | None = None
     """Velocity of the base body at the start, rotation first [rad/s; m/s]; null for at
     rest."""
     weld: bool = False
     """True to fix the base body in W, at X_WB or at W's origin."""
 
-    def add_to(self, plant: MultibodyPlant, name: str, path: str = "models") -> None:
+    def add_to(self, plant: MultibodyPlant, name: str, path: str) -> None:
         """Add the models of the file to a plant that is not finalized yet.
 
         Args:
             plant: Plant to add to.
             name: Name of the model, for a file with one model.
-            path: Path of this entry in its scenario.
+            path: Path of this entry in its scenario; empty for names of fields alone.
 
         Raises:
             ScenarioError: Naming the field that cannot be used.
@@ -57,13 +60,13 @@ class Model:
             instances = parse(plant, self.file)
         except Exception as error:  # Drake raises several kinds.
             raise ScenarioError(
-                f"{path}.file", self.file, f"cannot be read: {error}"
+                joined(path, "file"), self.file, f"cannot be read: {error}"
             ) from error
         if len(instances) != 1:
             for field in ("name", "X_WB", "V_WB", "weld"):
                 if getattr(self, field):
                     raise ScenarioError(
-                        f"{path}.{field}",
+                        joined(path, field),
                         getattr(self, field),
                         f"must not be given for a file of {len(instances)} models, "
                         "which places them itself",
@@ -73,51 +76,40 @@ class Model:
             plant.RenameModelInstance(instances[0], name)
         except Exception as error:
             raise ScenarioError(
-                f"{path}.name", name, f"{name!r} is taken; give another name"
+                joined(path, "name"), name, f"{name!r} is taken; give another name"
             ) from error
         X_WB = RigidTransform()
         if self.X_WB is not None:
             X_WB = self.X_WB.GetDeterministicValue()
         if self.weld:
-            base = self._base(plant, instances[0], f"{path}.weld")
+            base = self._base(plant, instances[0], joined(path, "weld"))
             plant.WeldFrames(plant.world_frame(), base.body_frame(), X_WB)
         elif self.X_WB is not None:
-            base = self._base(plant, instances[0], f"{path}.X_WB")
+            base = self._base(plant, instances[0], joined(path, "X_WB"))
             plant.SetDefaultFloatingBaseBodyPose(base, X_WB)
 
-    def validate(self, path: str) -> None:
-        """Check every field.
-
-        Args:
-            path: Path of the model in its scenario, such as ``models[0]``.
-
-        Raises:
-            ScenarioError: Naming the first field that cannot be used.
-        """
+    def check(self) -> None:
+        """Checks the fields with the file, by a plant on trial."""
         if not self.file:
-            raise ScenarioError(f"{path}.file", self.file, "must be given")
+            raise ScenarioError("file", self.file, "must be given")
         if "://" not in self.file and not Path(self.file).is_file():
             raise ScenarioError(
-                f"{path}.file", self.file, f"is {shown(self.file)}: no such file"
+                "file", self.file, f"is {shown(self.file)}: no such file"
             )
         X_WB = self.X_WB
         if X_WB is not None and not (
             X_WB.IsDeterministic() and X_WB.base_frame in (None, "", "world")
         ):
             raise ScenarioError(
-                f"{path}.X_WB", X_WB, "must be one pose in W: no distribution, no frame"
-            )
-        if self.V_WB is not None and len(self.V_WB) != 6:
-            raise ScenarioError(
-                f"{path}.V_WB", self.V_WB, f"is {shown(self.V_WB)}; must be six numbers"
+                "X_WB", X_WB, "must be one pose in W: no distribution, no frame"
             )
         if self.V_WB is not None and self.weld:
-            raise ScenarioError(f"{path}.V_WB", self.V_WB, "is not for a welded model")
+            raise ScenarioError("V_WB", self.V_WB, "is not for a welded model")
         plant = MultibodyPlant(time_step=0.001)
-        self.add_to(plant, "model", path)
+        self.add_to(plant, "model", "")
         plant.Finalize()
         if self.V_WB is not None:
-            _free_base(plant, "model", f"{path}.V_WB")
+            _free_base(plant, "model", "V_WB")
 
     @staticmethod
     def _base(

@@ -9,8 +9,8 @@ import itertools
 import re
 from typing import Any
 
+from atlas_drake.checked import as_plain
 from atlas_drake.errors import ScenarioError, shown
-from atlas_drake.kinds import as_plain
 
 _PART = re.compile(r"([^.\[\]]+)((?:\[\d+\])*)")
 

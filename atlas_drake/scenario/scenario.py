@@ -3,19 +3,20 @@
 One dataclass, one comment per field, all defaults here. ``simulation`` runs a scenario.
 """
 
-import copy
-from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
-import numpy as np
+from annotated_types import Interval
+from pydantic import BeforeValidator, Strict
 from pydrake.common.yaml import yaml_load
 from pydrake.multibody.plant import MultibodyPlantConfig
 from pydrake.systems.analysis import SimulatorConfig
 
 from atlas_drake.behaviors.config import ControllerConfig
-from atlas_drake.bounds import NOT_NEGATIVE, Bounds
+from atlas_drake.checked import As, OfDrake, as_plain, checked
+from atlas_drake.configuration import Configuration, NotNegative, Positive
 from atlas_drake.control.estimation.leg_odometry import OdometryTuning
 from atlas_drake.errors import (
     InvalidMessageError,
@@ -23,7 +24,6 @@ from atlas_drake.errors import (
     ScenarioError,
     shown,
 )
-from atlas_drake.kinds import as_plain, typed
 from atlas_drake.messages import Behavior
 from atlas_drake.messages.behavior_catalog import SHIPPED, BehaviorCatalog
 from atlas_drake.robot import DEFAULT_ROBOT, find_robot, model_beside
@@ -37,84 +37,69 @@ from atlas_drake.scenario.noise import NOISE_MODELS
 from atlas_drake.scenario.paths import is_path, put
 from atlas_drake.scenario.pushes import PlannedPush
 from atlas_drake.scenario.terrain import START_REACH, Block, Place
-from atlas_drake.scenario.time_grid import is_multiple, on_common_grid
+from atlas_drake.scenario.time_grid import is_multiple, nominal_period
 from atlas_drake.scenario.timed_message import TimedMessage
 from atlas_drake.scenario.world_file import World, world_beside, world_from
 
-PHYSICS_STEPS = Bounds(1e-5, 0.003)
+SHORTEST_STEP, LONGEST_STEP = 1e-5, 0.003
 """Range of the physics step [s]. Below it a simulated second takes minutes; above it
 a robot that stands under the tutorial's gains sways until it falls."""
 LARGEST_SEED = 2**64 - 1
 """Largest seed of the random generator."""
+Seed = Annotated[int, Strict(), Interval(ge=0, le=LARGEST_SEED)]
 LONGEST_PERIOD = 0.02
 """Longest control period on offer [s]."""
-PROGRAMMES = ("none", "tutorial", "tutorial_literal")
-STATES = ("true", "estimated")
 IN_THE_AIR = (Behavior.USER, Behavior.FREEZE)
 """Behaviors in which a robot can start in the harness."""
 
 
-@dataclass
-class Jitter:
+@dataclass(frozen=True)
+class Jitter(Configuration):
     """Random variations of the start and the physics, drawn from the scenario's seed.
 
     Every value is the half width of a uniform distribution; 0 is no variation.
     """
 
-    position: Annotated[float, Bounds(0.0, START_REACH)] = 0.0
+    position: Annotated[float, Interval(ge=0.0, le=START_REACH)] = 0.0
     """Position of the pelvis along x and y [m]."""
-    orientation: float = 0.0
+    orientation: NotNegative = 0.0
     """Roll, pitch and yaw of the pelvis [rad]."""
-    joints: float = 0.0
+    joints: NotNegative = 0.0
     """Position of each joint [rad]."""
-    mass: float = 0.0
+    mass: Annotated[float, Interval(ge=0.0, lt=1.0)] = 0.0
     """Mass and inertia of each link, as a share of the controller's model; below 1."""
 
 
-@dataclass
-class Start:
+@dataclass(frozen=True)
+class Start(Configuration):
     """Start of the robot, on its feet on the terrain."""
 
-    position: list[Place] | None = None
+    position: Place | None = None
     """Position of the pelvis along x and y in W [m]; null for the world's start."""
     yaw: float | None = None
     """Heading of the pelvis in W [rad]; null for the world's start."""
     harnessed: bool = False
     """True to start in a harness that holds the pelvis, with the feet in the air."""
-    release_time: float | None = None
+    release_time: NotNegative | None = None
     """Time after the start, or the reset, at which the harness lowers and releases the
     robot [s]; null for no automatic release."""
 
-    def validate(self, behavior: Behavior) -> None:
-        """Checks every field against each other and the behavior to begin with.
+    def check(self) -> None:
+        """Checks that there is a harness to be released from."""
+        if self.release_time is not None and not self.harnessed:
+            raise ScenarioError(
+                "release_time", self.release_time, "needs start.harnessed: true"
+            )
+
+    def check_behavior(self, behavior: Behavior) -> None:
+        """Checks that the robot can begin so with a behavior.
 
         Args:
-            behavior: The initial behavior.
+            behavior: The behavior that is active at the start.
 
         Raises:
-            ScenarioError: Naming the first field that cannot be used.
+            ScenarioError: If it cannot.
         """
-        position = self.position
-        if position is not None and len(position) != 2:
-            raise ScenarioError(
-                "start.position", position, f"is {shown(position)}; must be two numbers"
-            )
-        if self.yaw is not None and not np.isfinite(self.yaw):
-            raise ScenarioError(
-                "start.yaw", self.yaw, f"is {shown(self.yaw)}; must be a number"
-            )
-        release = self.release_time
-        if release is not None:
-            if not (np.isfinite(release) and release >= 0.0):
-                raise ScenarioError(
-                    "start.release_time",
-                    release,
-                    f"is {shown(release)}; must be a number not below 0",
-                )
-            if not self.harnessed:
-                raise ScenarioError(
-                    "start.release_time", release, "needs start.harnessed: true"
-                )
         if self.harnessed and behavior not in IN_THE_AIR:
             raise ScenarioError(
                 "initial_behavior",
@@ -123,8 +108,8 @@ class Start:
             )
 
 
-@dataclass(eq=False)
-class Scenario:
+@dataclass(frozen=True, eq=False)
+class Scenario(Configuration):
     """All settings of a run."""
 
     name: str = "sandbox"
@@ -132,41 +117,43 @@ class Scenario:
     model: str = DEFAULT_ROBOT
     """Robot: a name from ``models/``, or the path of a robot's YAML file, relative to
     the scenario's file, and in Python and on the command line to the working folder."""
-    programme: str = "none"
-    """Commands that are sent automatically: one of PROGRAMMES."""
+    programme: Literal["none", "tutorial", "tutorial_literal"] = "none"
+    """Commands that are sent automatically."""
     messages: list[TimedMessage] = field(default_factory=list)
     """Commands that are sent automatically beside the programme, each at its time."""
-    duration: float = 10.0
+    duration: Positive = 10.0
     """Length of the run on the command line [s]."""
     initial_behavior: str = "STAND"
     """Behavior active at the start; USER gives all joints to the user."""
-    physics_step: float = 0.0015
-    """Step of plant and joint controllers [s], within PHYSICS_STEPS. The field is here
+    physics_step: Positive = 0.0015
+    """Step of plant and joint controllers [s], from 1e-5 to 0.003. The field is here
     rather than in ``plant`` because joint controllers and sensors share the step."""
-    control_period: float = 0.0
+    control_period: NotNegative = 0.0
     """Step of the behaviors [s], a multiple of physics_step; 0 for the multiple that is
     nearest to NOMINAL_PERIOD, 9 ms."""
-    plant: MultibodyPlantConfig = field(default_factory=plant_config)
+    plant: Annotated[MultibodyPlantConfig, OfDrake()] = field(
+        default_factory=plant_config
+    )
     """Contact model and solver: all fields of Drake's ``MultibodyPlantConfig`` but
     ``time_step``, which is physics_step, and ``use_sampled_output_ports``, which is
     false."""
-    simulator: SimulatorConfig = field(default_factory=SimulatorConfig)
+    simulator: Annotated[SimulatorConfig, OfDrake()] = field(
+        default_factory=SimulatorConfig
+    )
     """Drake's ``SimulatorConfig``: the integration of continuous systems that a user
     adds, and the real-time rate. ``start_time`` is 0."""
-    controller: Annotated[ControllerConfig, NOT_NEGATIVE] = field(
-        default_factory=ControllerConfig
-    )
+    controller: ControllerConfig = field(default_factory=ControllerConfig)
     """Gains, weights, limits and timings of the controller, such as
     ``gains: {dcm_gain: 2.5}``."""
-    estimator: Annotated[OdometryTuning, NOT_NEGATIVE] = field(
-        default_factory=OdometryTuning
-    )
+    estimator: OdometryTuning = field(default_factory=OdometryTuning)
     """Noise parameters of the state estimator."""
-    ground_friction: float = 0.9
+    ground_friction: Positive = 0.9
     """Friction coefficient of the ground [-]."""
-    friction_jitter: float = 0.0
+    friction_jitter: NotNegative = 0.0
     """Half width of a uniform random variation of ``ground_friction`` [-]."""
-    world: World | str | Mapping[str, Any] = field(default_factory=World)
+    world: Annotated[World | str | Mapping[str, Any], As(World)] = field(
+        default_factory=World
+    )
     """World around the robot, and start of the robot: a name from ``models/worlds``,
     the path of a world's YAML file, relative as ``model``, or fields of a world, such
     as ``{name: stairs, stairs: {rise: 0.06}}``."""
@@ -180,11 +167,14 @@ class Scenario:
     """Pushes on the robot, each at a time or at a phase of its gait."""
     noise: str = "none"
     """Sensor noise, a name from NOISE_MODELS."""
-    state: str | bool = "true"
-    """State that the behaviors read, one of STATES: the true state with the noise of
+    state: Annotated[
+        Literal["true", "estimated"],
+        BeforeValidator(lambda value: "true" if value is True else value),
+    ] = "true"
+    """State that the behaviors read: the true state with the noise of
     the sensors, or the state estimated from IMU, joints and loads on the feet. A bare
     ``true``, which YAML reads as a truth value, means the word."""
-    seed: int = 0
+    seed: Seed = 0
     """Seed of noise and jitter."""
     jitter: Jitter = field(default_factory=Jitter)
     """Random variations at the start."""
@@ -195,102 +185,61 @@ class Scenario:
             return NotImplemented
         return bool(as_plain(self) == as_plain(other))
 
-    __hash__ = None  # type: ignore[assignment]  # A scenario is mutable.
+    __hash__ = None  # type: ignore[assignment]  # It holds lists.
 
     def resolved(self) -> "Scenario":
-        """Return a valid copy in which every field is as a simulation uses it.
+        """Returns a valid copy in which every field is as a simulation uses it.
+
+        The steps stay as they were given; a station rounds both to a common grid.
 
         Raises:
             ScenarioError: As ``validate`` does.
         """
-        scenario = copy.deepcopy(self.validate())
-        scenario.physics_step, scenario.control_period = on_common_grid(
-            scenario.physics_step, scenario.control_period
-        )
-        scenario.plant = checked_plant_config(scenario.plant, scenario.physics_step)
-        return scenario
+        valid = self.validate()
+        period = valid.control_period or nominal_period(valid.physics_step)
+        plant = checked_plant_config(valid.plant, valid.physics_step)
+        return replace(valid, control_period=period, plant=plant)
 
     def validate(self) -> "Scenario":
-        """Checks every field.
-
-        Replaces a truth value for ``state`` by the word, and numbers by Python's own.
-
-        Returns:
-            The scenario itself.
+        """Returns the scenario with every field checked and of its declared type.
 
         Raises:
             ScenarioError: Naming the first field that cannot be used.
         """
-        self.world = world_from(self.world)
-        typed(self, Scenario)
+        given = replace(self, world=self.surroundings())
+        valid: Scenario = checked(Scenario, given, base=Scenario())
+        return valid
+
+    def check(self) -> None:
+        """Checks what files and other fields decide."""
         try:
             find_robot(self.model)
         except RobotDescriptionError as error:
             raise ScenarioError("model", self.model, error.problem) from None
-        _one_of("programme", self.programme, PROGRAMMES)
-        _one_of("noise", self.noise, tuple(NOISE_MODELS))
-        if self.state is True:
-            self.state = "true"
-        _one_of("state", self.state, STATES)
+        if self.noise not in NOISE_MODELS:
+            wanted = f"one of {', '.join(NOISE_MODELS)}"
+            raise self._refusal("noise", wanted)
         # A step on the common grid may be longer, by a relative error below 1e-9.
-        if not PHYSICS_STEPS.allow(round(self.physics_step, 10)):
-            raise ScenarioError(
-                "physics_step",
-                self.physics_step,
-                f"is {shown(self.physics_step)}; must be {PHYSICS_STEPS} s",
-            )
+        if not SHORTEST_STEP <= round(self.physics_step, 10) <= LONGEST_STEP:
+            wanted = f"from {SHORTEST_STEP:g} to {LONGEST_STEP:g} s"
+            raise self._refusal("physics_step", wanted)
         check_simulator_config(self.simulator)
-        self.behavior()
-        _positive("duration", self.duration)
-        _positive("ground_friction", self.ground_friction)
-        if not 0.0 <= self.control_period < np.inf:
-            raise ScenarioError(
-                "control_period",
-                self.control_period,
-                f"is {shown(self.control_period)}; must be positive, or 0 for the "
-                "default",
-            )
-        if not is_multiple(self.control_period, self.physics_step):
-            raise ScenarioError(
-                "control_period",
-                self.control_period,
-                f"is {shown(self.control_period)}; must be a whole multiple of "
-                f"physics_step ({self.physics_step} s), or 0 for the default",
-            )
+        self.start.check_behavior(self.behavior())
         if round(self.control_period, 10) > LONGEST_PERIOD:
-            raise ScenarioError(
-                "control_period",
-                self.control_period,
-                f"is {shown(self.control_period)}; must be at most {LONGEST_PERIOD}: "
-                "the robot cannot balance with longer ones",
-            )
+            wanted = f"at most {LONGEST_PERIOD}: the robot cannot balance with more"
+            raise self._refusal("control_period", wanted)
+        if not is_multiple(self.control_period, self.physics_step):
+            step = f"physics_step ({self.physics_step} s)"
+            wanted = f"a whole multiple of {step}, or 0 for the default"
+            raise self._refusal("control_period", wanted)
         checked_plant_config(self.plant, self.physics_step)
-        check_seed(self.seed)
-        for name, value in vars(self.jitter).items():
-            most = 1.0 if name == "mass" else np.inf
-            if not 0.0 <= value < most:
-                wanted = "0 or more, and below 1" if name == "mass" else "0 or more"
-                raise ScenarioError(
-                    f"jitter.{name}", value, f"is {shown(value)}; must be {wanted}"
-                )
-        if not 0.0 <= self.friction_jitter < self.ground_friction:
-            raise ScenarioError(
-                "friction_jitter",
-                self.friction_jitter,
-                f"is {shown(self.friction_jitter)}; must be 0 or more, and below the "
-                f"ground's friction ({self.ground_friction})",
-            )
-        self.surroundings().validate()
-        for index, block in enumerate(self.terrain):
-            block.validate(f"terrain[{index}]")
-        for index, model in enumerate(self.models):
-            model.validate(f"models[{index}]")
-        for index, push in enumerate(self.pushes):
-            push.validate(f"pushes[{index}]")
-        for index, message in enumerate(self.messages):
-            message.validate(f"messages[{index}]")
-        self.start.validate(self.behavior())
-        return self
+        if not self.friction_jitter < self.ground_friction:
+            wanted = f"below the ground's friction ({self.ground_friction})"
+            raise self._refusal("friction_jitter", wanted)
+
+    def _refusal(self, name: str, wanted: str) -> ScenarioError:
+        value = getattr(self, name)
+        return ScenarioError(name, value, f"is {shown(value)}; must be {wanted}")
 
     def surroundings(self) -> World:
         """Return the world that ``world`` stands for.
@@ -347,11 +296,7 @@ def check_seed(value: object) -> int:
     Raises:
         ScenarioError: If it cannot be used.
     """
-    seed: int = typed(value, int, "seed")
-    if not 0 <= seed <= LARGEST_SEED:
-        raise ScenarioError(
-            "seed", value, f"is {shown(value)}; must be from 0 to {LARGEST_SEED}"
-        )
+    seed: int = checked(Seed, value, "seed")
     return seed
 
 
@@ -432,11 +377,13 @@ def scenario_from(
         ScenarioError: Naming the first field that cannot be used.
     """
     base = Scenario() if default is None else default
+    present = base.surroundings()
+    base = replace(base, world=present)
     if "world" in fields:
-        world = world_from(fields["world"], base.surroundings())
+        world = world_from(fields["world"], present)
         fields = {**fields, "world": world}
-    scenario: Scenario = typed(fields, Scenario, default=base, from_text=True)
-    return scenario.validate()
+    scenario: Scenario = checked(Scenario, fields, base=base, from_text=True)
+    return scenario
 
 
 def with_settings(scenario: Scenario, settings: Iterable[str]) -> Scenario:
@@ -483,19 +430,3 @@ def with_values(scenario: Scenario, values: Mapping[str, Any]) -> Scenario:
     for path, value in values.items():
         put(fields, path, value, scenario)
     return scenario_from(fields, scenario)
-
-
-def _one_of(name: str, value: object, allowed: Collection[object]) -> None:
-    if value not in allowed:
-        raise ScenarioError(
-            name,
-            value,
-            f"is {shown(value)}; must be one of {', '.join(map(str, allowed))}",
-        )
-
-
-def _positive(name: str, value: float) -> None:
-    if not (np.isfinite(value) and value > 0.0):
-        raise ScenarioError(
-            name, value, f"is {shown(value)}; must be a positive number"
-        )

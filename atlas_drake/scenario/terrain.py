@@ -9,9 +9,10 @@ from dataclasses import dataclass, field
 from typing import Annotated
 
 import numpy as np
+from annotated_types import Interval, Len
 from pydrake.math import RigidTransform, RollPitchYaw
 
-from atlas_drake.bounds import Bounds
+from atlas_drake.configuration import Configuration, Positive, Share, Vector
 from atlas_drake.errors import ScenarioError, shown
 
 GROUND_SIZE, GROUND_THICKNESS = 2e4, 100.0
@@ -20,61 +21,36 @@ and meshes by 2e-10 rad for each meter of the side."""
 START_REACH = 5e3
 """Distance from W's origin along each axis at which a robot can start [m]: hours of
 walking away from the edge of the ground."""
-Place = Annotated[float, Bounds(-START_REACH, START_REACH)]
-"""Coordinate of a start on the ground [m]."""
+Place = Annotated[
+    list[Annotated[float, Interval(ge=-START_REACH, le=START_REACH)]], Len(2, 2)
+]
+"""Position of a start on the ground [m]."""
 BLOCK_COLOR = np.array([0.80, 0.70, 0.56, 1.0])
 """Red, green, blue, alpha of boxes without a color: light wood on the pale ground."""
 _PARALLEL = 1e-12
 """Component of a unit vector below which the vector is parallel to a face [-]."""
 
 
-@dataclass
-class Block:
+@dataclass(frozen=True)
+class Block(Configuration):
     """A fixed box. The origin of its frame T is the middle of the top face."""
 
-    size: list[float] = field(default_factory=lambda: [1.0, 1.0, 0.1])
+    size: Vector = field(default_factory=lambda: [1.0, 1.0, 0.1])
     """Size along the axes of T [m]."""
-    position: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.1])
+    position: Vector = field(default_factory=lambda: [0.0, 0.0, 0.1])
     """Position of the middle of the top face in W [m]."""
-    rpy: list[float] = field(default_factory=lambda: [0.0, 0.0, 0.0])
+    rpy: Vector = field(default_factory=lambda: [0.0, 0.0, 0.0])
     """Roll, pitch and yaw of T in W [rad]."""
-    friction: float | None = None
+    friction: Positive | None = None
     """Friction coefficient [-]; the ground's coefficient if left out."""
-    color: list[float] | None = None
+    color: Annotated[list[Share], Len(3, 3)] | None = None
     """Red, green and blue, from 0 to 1; light wood if left out."""
 
-    def validate(self, path: str) -> None:
-        """Checks every field.
-
-        Args:
-            path: Path of the block in its scenario, such as ``terrain[0]``.
-
-        Raises:
-            ScenarioError: Naming the first field that cannot be used.
-        """
-        for name in ("size", "position", "rpy"):
-            value = getattr(self, name)
-            if len(value) != 3 or not all(map(math.isfinite, value)):
-                raise ScenarioError(
-                    f"{path}.{name}", value, f"is {shown(value)}; must be three numbers"
-                )
+    def check(self) -> None:
+        """Checks that the box has a volume."""
         if min(self.size) <= 0.0:
             raise ScenarioError(
-                f"{path}.size", self.size, f"is {shown(self.size)}; must be positive"
-            )
-        friction = self.friction
-        if friction is not None and not (math.isfinite(friction) and friction > 0.0):
-            raise ScenarioError(
-                f"{path}.friction", friction, f"is {shown(friction)}; must be positive"
-            )
-        color = self.color
-        if color is not None and not (
-            len(color) == 3 and all(0.0 <= share <= 1.0 for share in color)
-        ):
-            raise ScenarioError(
-                f"{path}.color",
-                color,
-                f"is {shown(color)}; must be red, green and blue, each from 0 to 1",
+                "size", self.size, f"is {shown(self.size)}; must be positive"
             )
 
     @property

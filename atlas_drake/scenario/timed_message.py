@@ -6,13 +6,13 @@ The scheduler delivers them; the tutorial's own messages are in
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from atlas_drake.errors import InvalidMessageError, ScenarioError, shown
-from atlas_drake.kinds import typed
+from atlas_drake.checked import checked, joined
+from atlas_drake.configuration import Configuration, NotNegative
+from atlas_drake.errors import InvalidMessageError, ScenarioError
 from atlas_drake.messages import AtlasCommand, AtlasSimInterfaceCommand
 from atlas_drake.messages.base import Message
 from atlas_drake.messages.behavior_catalog import SHIPPED, BehaviorCatalog
@@ -25,11 +25,11 @@ _KINDS: dict[str, type[Message]] = {
 }
 
 
-@dataclass
-class TimedMessage:
+@dataclass(frozen=True)
+class TimedMessage(Configuration):
     """One message with the time at which it is sent."""
 
-    time: float = 0.0
+    time: NotNegative = 0.0
     """Time at which the message is sent [s]."""
     text: str = ""
     """Text that is shown to the user then."""
@@ -40,30 +40,17 @@ class TimedMessage:
     """Fields of an ``AtlasSimInterfaceCommand``, such as ``{behavior: STAND}``,
     likewise; ``params`` has the fields of the parameters of a behavior of one's own."""
 
-    def validate(self, path: str) -> None:
-        """Check what can be checked without the robot.
-
-        Args:
-            path: Where the message is in its scenario, such as ``messages[0]``.
-
-        Raises:
-            ScenarioError: Naming the first field that cannot be used.
-        """
-        if not (math.isfinite(self.time) and self.time >= 0.0):
-            raise ScenarioError(
-                f"{path}.time",
-                self.time,
-                f"is {shown(self.time)}; must be a number not below 0",
-            )
+    def check(self) -> None:
+        """Checks what can be checked without the robot."""
         given = [name for name in _KINDS if getattr(self, name)]
         if len(given) != 1:
             raise ScenarioError(
-                path,
+                "",
                 given,
                 f"must have one of {' and '.join(_KINDS)}, not "
                 f"{'both' if given else 'neither'}",
             )
-        self._made(1, path)
+        self._made(1, "")
 
     def message(
         self,
@@ -100,7 +87,7 @@ class TimedMessage:
             return name, message_from(_KINDS[name], plain, num_joints=num_joints)
         except InvalidMessageError as error:
             raise ScenarioError(
-                f"{path}.{name}.{error.field}", error.value, error.problem
+                joined(path, f"{name}.{error.field}"), error.value, error.problem
             ) from None
 
 
@@ -116,4 +103,4 @@ def _take_params(
     entry = catalog.entry(catalog.find(message.behavior))
     reads_params = entry.params is not None and entry.params_field == "params"
     if reads_params and isinstance(message.params, Mapping):
-        message.params = typed(message.params, entry.params, path, from_text=True)
+        message.params = checked(entry.params, message.params, path, from_text=True)

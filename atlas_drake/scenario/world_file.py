@@ -6,7 +6,6 @@ path. What callables add to a plant is in ``world``.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
@@ -14,8 +13,9 @@ from typing import Any
 
 from pydrake.common.yaml import yaml_load
 
+from atlas_drake.checked import checked
+from atlas_drake.configuration import Configuration, Vector
 from atlas_drake.errors import ScenarioError, shown
-from atlas_drake.kinds import typed
 from atlas_drake.robot.data_file import file_beside, find_data_file
 from atlas_drake.robot.load import MODELS_FOLDER
 from atlas_drake.scenario.models import Model, models_beside
@@ -28,47 +28,32 @@ _OBSTACLES = ("stairs", "ramp", "blocks", "strewn")
 
 
 @dataclass(frozen=True)
-class WorldStart:
+class WorldStart(Configuration):
     """Start of the robot in a world; ``start`` of the scenario overrides it."""
 
-    position: list[Place] = field(default_factory=lambda: [0.0, 0.0])
+    position: Place = field(default_factory=lambda: [0.0, 0.0])
     """Position of the pelvis along x and y in W [m]."""
     yaw: float = 0.0
     """Heading of the pelvis in W [rad]."""
 
 
 @dataclass(frozen=True)
-class View:
+class View(Configuration):
     """Initial camera of the 3D view, and camera of a video."""
 
-    lens: list[float] = field(default_factory=lambda: [3.3, -2.5, 1.45])
+    lens: Vector = field(default_factory=lambda: [3.3, -2.5, 1.45])
     """Position of the camera in W [m]."""
-    target: list[float] = field(default_factory=lambda: [0.2, 0.0, 0.98])
+    target: Vector = field(default_factory=lambda: [0.2, 0.0, 0.98])
     """Point that the camera looks at in W [m]."""
 
-    def validate(self, path: str) -> None:
-        """Check every field.
-
-        Args:
-            path: Where the view is in its scenario.
-
-        Raises:
-            ScenarioError: Naming the first field that cannot be used.
-        """
-        for name in ("lens", "target"):
-            value = getattr(self, name)
-            if len(value) != 3 or not all(map(math.isfinite, value)):
-                raise ScenarioError(
-                    f"{path}.{name}", value, f"is {shown(value)}; must be three numbers"
-                )
+    def check(self) -> None:
+        """Checks that the camera looks at something."""
         if self.lens == self.target:
-            raise ScenarioError(
-                f"{path}.lens", self.lens, "must be elsewhere than the target"
-            )
+            raise ScenarioError("lens", self.lens, "must be elsewhere than the target")
 
 
 @dataclass(frozen=True)
-class World:
+class World(Configuration):
     """What there is beside the robot on the level ground at z = 0.
 
     A scenario has a world's name, the path of its file, or fields: ``name`` says whose
@@ -103,37 +88,6 @@ class World:
         obstacles = [getattr(self, name) for name in _OBSTACLES]
         given = [one for one in obstacles if one is not None]
         return [*self.boxes, *(block for one in given for block in one.blocks())]
-
-    def validate(self, path: str = "world") -> None:
-        """Check every field.
-
-        Args:
-            path: Where the world is in its scenario.
-
-        Raises:
-            ScenarioError: Naming the first field that cannot be used.
-        """
-        start = self.start
-        if len(start.position) != 2:
-            raise ScenarioError(
-                f"{path}.start.position",
-                start.position,
-                f"is {shown(start.position)}; must be two numbers",
-            )
-        if not math.isfinite(start.yaw):
-            raise ScenarioError(
-                f"{path}.start.yaw", start.yaw, f"is {shown(start.yaw)}; must be finite"
-            )
-        if self.view is not None:
-            self.view.validate(f"{path}.view")
-        for index, block in enumerate(self.boxes):
-            block.validate(f"{path}.boxes[{index}]")
-        for index, model in enumerate(self.models):
-            model.validate(f"{path}.models[{index}]")
-        for name in _OBSTACLES:
-            obstacle = getattr(self, name)
-            if obstacle is not None:
-                obstacle.validate(f"{path}.{name}")
 
 
 def available_worlds() -> list[str]:
@@ -222,7 +176,7 @@ def world_from(given: Any, present: World | None = None) -> World:
             raise ScenarioError("world.name", name, f"is {shown(name)}; must be a word")
         base = load_world(name)
         given = {**given, "name": base.name}
-    world: World = typed(given, World, "world", default=base, from_text=True)
+    world: World = checked(World, given, "world", base=base, from_text=True)
     return world
 
 
@@ -243,8 +197,5 @@ def _load(path: Path, name: str) -> World:
         )
     if "models" in raw:
         raw = {**raw, "models": models_beside(raw["models"], path.parent)}
-    world: World = typed(
-        {**raw, "name": name}, World, "world", default=World(), from_text=True
-    )
-    world.validate()
+    world: World = checked(World, {**raw, "name": name}, "world", from_text=True)
     return world

@@ -16,7 +16,7 @@ from atlas_drake.visualization.overlays import Overlays
 
 def check_arguments(
     scenario: object,
-    meshcat: object,
+    view: object,
     overlays: object,
     video: object,
     on_event: object,
@@ -26,7 +26,7 @@ def check_arguments(
 
     Args:
         scenario: Argument of ``AtlasSimulation``, or None.
-        meshcat: Argument of ``AtlasSimulation``, or None.
+        view: Argument of ``AtlasSimulation``, or None.
         overlays: Argument of ``AtlasSimulation``, or None.
         video: Argument of ``AtlasSimulation``, or None.
         on_event: Argument of ``AtlasSimulation``, or None.
@@ -43,10 +43,9 @@ def check_arguments(
         "; load_scenario reads one from a file",
     )
     _check(
-        isinstance(meshcat, Meshcat | None),
-        "meshcat must be a Meshcat of pydrake.geometry",
-        meshcat,
-        "; start_meshcat of atlas_drake.app.viewer starts one",
+        isinstance(view, bool | Meshcat | None),
+        "view must be True, False or a Meshcat of pydrake.geometry",
+        view,
     )
     _check(
         isinstance(overlays, Overlays | None),

@@ -6,7 +6,6 @@ happens. The diagram is built and reset in ``stage``; no control law is here.
 
 from __future__ import annotations
 
-import copy
 import functools
 import math
 import time
@@ -14,17 +13,19 @@ import weakref
 from array import array
 from collections.abc import Callable, Iterable, Iterator, MutableSequence, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from pydrake.geometry import Meshcat
-from pydrake.math import RigidTransform, RollPitchYaw
+from pydrake.math import RigidTransform
 from pydrake.systems.framework import Context
 
 from atlas_drake.behaviors.entry import BehaviorEntry, configured
 from atlas_drake.behaviors.registration import registered
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
+from atlas_drake.checked import checked
 from atlas_drake.diagrams.control_mode_switch import Extend
 from atlas_drake.diagrams.controller_socket import ControllerSource
 from atlas_drake.errors import (
@@ -35,7 +36,6 @@ from atlas_drake.errors import (
     did_you_mean,
     shown,
 )
-from atlas_drake.kinds import typed
 from atlas_drake.messages import (
     AtlasCommand,
     AtlasSimInterfaceCommand,
@@ -58,11 +58,8 @@ from atlas_drake.scenario.world import (
     listed,
 )
 from atlas_drake.simulation.arguments import check_arguments
-from atlas_drake.simulation.fall_watch import FallWatch
 from atlas_drake.simulation.pace import Pace
 from atlas_drake.simulation.programme import scheduled_programme
-from atlas_drake.simulation.push_schedule import PushSchedule, time_to_touchdown
-from atlas_drake.simulation.pushes import make_push
 from atlas_drake.simulation.restart import built_in_difference
 from atlas_drake.simulation.run_log import RunLog
 from atlas_drake.simulation.stage import Stage
@@ -77,11 +74,9 @@ if TYPE_CHECKING:
     from atlas_drake.visualization.video_display import Video, VideoDisplay
 
 CHUNK = 0.02
-"""Simulated time between looks at events, pushes and Ctrl-C [s]."""
+"""Simulated time between looks at events and Ctrl-C [s]."""
 SHOWN_EVERY = 0.5
 """At most this often a slow viewer is shown where an advance ended [s of wall time]."""
-CLEARANCE = 0.10
-"""How far above the ground the feet of a harnessed robot hang [m]."""
 
 
 class AtlasSimulation:
@@ -95,6 +90,7 @@ class AtlasSimulation:
         station: The ``AtlasStation`` in the diagram.
         plant: The ``MultibodyPlant`` of the station.
         simulator: Drake's simulator of the diagram.
+        meshcat: Meshcat of the 3D view, None without a view.
 
     Example:
         >>> sim = AtlasSimulation()
@@ -113,7 +109,7 @@ class AtlasSimulation:
         behaviors: Iterable[BehaviorEntry] = (),
         world: Sequence[WorldMaker] = (),
         extend: Extend | None = None,
-        meshcat: Meshcat | None = None,
+        view: bool | Meshcat | None = None,
         overlays: Overlays | None = None,
         recorded: bool = False,
         video: Video | None = None,
@@ -135,7 +131,10 @@ class AtlasSimulation:
                 plant is finalized: a table, a ball. They are called again for a video.
             extend: Called with (builder, station) before the diagram is built, to add
                 systems of your own. ``output`` reads the ports that it exports.
-            meshcat: Meshcat that shows the run; None shows nothing.
+            view: True opens a 3D view in the browser, prints its address, and shows
+                the run in real time; ``atlas_drake.visualization.viewer`` has more
+                choices. A Meshcat of yours is drawn in at full speed. None and
+                False show nothing.
             overlays: Plans of the controller that are shown there and in the video.
             recorded: True if Meshcat is recording already; then every picture is kept
                 for the recording. Otherwise pictures are left out while a viewer is too
@@ -157,7 +156,7 @@ class AtlasSimulation:
                 a model of it.
             BehaviorError: If a behavior cannot be registered.
         """
-        check_arguments(scenario, meshcat, overlays, video, on_event, log)
+        check_arguments(scenario, view, overlays, video, on_event, log)
         self.scenario = (scenario or Scenario()).resolved()
         self.robot = load_robot(self.scenario.model)
         self._own_behaviors = configured(
@@ -166,16 +165,15 @@ class AtlasSimulation:
         self.behaviors = BehaviorCatalog((*SHIPPED_ENTRIES, *self._own_behaviors))
         self._asked_model = self.scenario.model
         # Absolute, so that it is valid in another working folder, too.
-        self.scenario.model = self.robot.model
+        self.scenario = replace(self.scenario, model=self.robot.model)
         self._programme = scheduled_programme(self.scenario, self.robot, self.behaviors)
-        self._schedule = PushSchedule(self.scenario.pushes, self.robot)
         self._tick_seconds = array("d")
         self._turns = Turns()
         world = (*world_of(self.scenario.all_models()), *listed(world))
         self._recorder = None if log is None else self._start_log(Path(log), world)
         log_event = None if self._recorder is None else self._recorder.event
         self._listeners = (log_event, on_event)
-        self._meshcat = meshcat
+        self.meshcat = self._open(view)
         try:
             self._stage = Stage(
                 self.robot,
@@ -186,7 +184,7 @@ class AtlasSimulation:
                 behaviors=self._own_behaviors,
                 world=world,
                 extend=extend,
-                meshcat=meshcat,
+                meshcat=self.meshcat,
                 overlays=overlays,
                 recorded=recorded,
                 recorder=self._recorder,
@@ -202,16 +200,28 @@ class AtlasSimulation:
         self._film: VideoDisplay | None = None
         if self.diagram.HasSubsystemNamed("video"):
             self._film = self.diagram.GetSubsystemByName("video")
-        self._fall_watch = FallWatch(
-            self.robot, self.plant, self.scenario.controller.fall
-        )
         self._pace = Pace(self.simulator)
         self._note_begin()
-        if meshcat is not None:
-            # Meshcat's part loads only where there is something to see.
+        if self.meshcat is not None:
+            # The modules for Meshcat load only with a 3D view.
             from atlas_drake.visualization.scene import show_start
 
-            show_start(meshcat, self.scenario)
+            show_start(self.meshcat, self.scenario)
+        if view is True:
+            from atlas_drake.visualization.viewer import await_viewer
+
+            await_viewer(self.meshcat)
+            if not self.realtime_rate:
+                self.set_realtime_rate(1.0)
+
+    @staticmethod
+    def _open(view: bool | Meshcat | None) -> Meshcat | None:
+        """Returns the Meshcat to draw in, a new one for True."""
+        if view is True:
+            from atlas_drake.visualization.viewer import start_meshcat
+
+            return start_meshcat()
+        return view or None
 
     def _note_begin(self) -> None:
         """Starts the records of a run that begins."""
@@ -324,11 +334,8 @@ class AtlasSimulation:
             InvalidMessageError: If there is no such body or a value is not a number.
         """
         with self._turns:
-            push = make_push(self.robot.body_names, body, force_W, duration, self.time)
-            self._stage.pushes.add(push)
-            force = np.round(push.force_W, 1).tolist()
-            text = f"push of {force} N on {body} for {float(duration):g} s"
-            self._log.note(Event(self.time, "push", text))
+            self._stage.push(body, force_W, duration)
+            self._look()
 
     # ---- time ----------------------------------------------------------------
 
@@ -373,7 +380,7 @@ class AtlasSimulation:
                             self._advance_chunk(end)
         finally:
             self._wall_time += time.perf_counter() - begin
-        if self._meshcat is not None:
+        if self.meshcat is not None:
             self._show_end(time.perf_counter())
 
     def _show_end(self, now: float) -> None:
@@ -390,20 +397,8 @@ class AtlasSimulation:
     def _advance_chunk(self, t: float) -> None:
         """Simulates until the next look at the events, at most until ``t``."""
         self._pace.forget_lost_time()
-        pushes, suspension = self._stage.pushes, self._stage.suspension
-        self._begin_pushes()
-        pushes.update(self.context)
-        if suspension.is_due(self.time):
-            self.release()
-        stops = [t, self.time + CHUNK, self._schedule.next_time, *pushes.ends]
-        if suspension.release_time is not None:
-            stops.append(suspension.release_time)
-        stop = min(stop for stop in stops if stop > self.time + 1e-9)
         try:
-            if self._schedule.awaits_gait:
-                self._advance_watching(stop)
-            else:
-                self.simulator.AdvanceTo(stop)
+            self.simulator.AdvanceTo(min(t, self.time + CHUNK))
         except RuntimeError as error:
             raise SimulationError(
                 f"the simulation stopped at {self.time:.3f} s: {error}"
@@ -522,15 +517,15 @@ class AtlasSimulation:
         asked = self.scenario.initial_behavior if behavior is None else behavior
         start = self.scenario.start if pose is None else pose
         begin = starting_behavior(asked, "behavior", self.behaviors)
-        typed(start, Start, "pose").validate(begin)
+        start = checked(Start, start, "pose")
+        start.check_behavior(begin)
         if start.harnessed and not self.scenario.start.harnessed:
             raise ScenarioError(
                 "start.harnessed", True, "needs a scenario that began in a harness"
             )
         where = None if pose is None else self.scenario.start_pose(pose)
         if seed is not None:
-            new = copy.copy(self.scenario)
-            new.seed = check_seed(seed)
+            new = replace(self.scenario, seed=check_seed(seed))
             if where is not None:
                 self._stage.check_reset(new, start, where)
             self._begin_anew(new)
@@ -562,7 +557,7 @@ class AtlasSimulation:
         """
         asked = scenario.resolved()
         if asked.model == self._asked_model:
-            asked.model = self.robot.model
+            asked = replace(asked, model=self.robot.model)
         field = built_in_difference(self.scenario, asked)
         if field is not None:
             raise ScenarioError(field, None, "is changed, and needs a new simulation")
@@ -578,11 +573,9 @@ class AtlasSimulation:
                 scenario.seed,
                 f"a log or a video holds one run: {last}() completes it",
             )
-        # Refuses what the robot lacks while the present run is still whole.
-        schedule = PushSchedule(scenario.pushes, self.robot)
         with self._turns:
             self._stage.begin(scenario)
-            self.scenario, self._schedule = scenario, schedule
+            self.scenario = scenario
             self._note_begin()
 
     def release(self) -> None:
@@ -592,8 +585,8 @@ class AtlasSimulation:
             ScenarioError: If the scenario has no harness.
         """
         with self._turns:
-            self._stage.suspension.release(self.context)
-            self._log.note(Event(self.time, "harness", "harness lets the robot down"))
+            self._stage.release()
+            self._look()
 
     # ---- state ---------------------------------------------------------------
 
@@ -718,26 +711,6 @@ class AtlasSimulation:
         joint = self.robot.joint_names[wrong[0]]
         return f" The controller's behavior_effort of {joint} is not finite."
 
-    def _advance_watching(self, stop: float) -> None:
-        """Advances tick by tick, until the feet did what a push waits for."""
-        period = self.scenario.control_period
-        while self.time < stop - 1e-9 and self._schedule.awaits_gait:
-            tick = (math.floor(self.time / period + 1e-6) + 1) * period
-            self.simulator.AdvanceTo(min(tick, stop))
-            self._schedule.look(
-                self.time,
-                self.output("foot_wrenches"),
-                time_to_touchdown(self.output("controller_status")),
-            )
-            stop = min(stop, self._schedule.next_time)
-
-    def _begin_pushes(self) -> None:
-        """Begins the scenario's pushes that are due."""
-        for plan in self._schedule.due(self.time):
-            heading = RollPitchYaw(self.pelvis_pose.rotation()).yaw_angle()
-            body = plan.body or self.robot.file.chest
-            self.apply_push(body, plan.force(heading), plan.duration)
-
     def _look(self, *, anew: bool = False) -> None:
         """Takes in what happened since the last look, which a reset may follow."""
         with self._noted_error():
@@ -759,13 +732,13 @@ class AtlasSimulation:
             self.output("sent") if self._programme else 0,
             self.output("commands"),
             status,
+            self.output("pushes"),
             anew=anew,
         )
+        harnessed = self.station.HasSubsystemNamed("harness")
+        released = self.output("harness").released if harnessed else None
+        self._log.watch_robot(self.time, self.output("fall"), released)
         self._log.watch_solver(self.time, status)
-        if not self._log.fallen():
-            sign = self._fall_watch.sign(self._stage.plant_context)
-            if sign:
-                self._log.note(Event(self.time, "fall", f"falling ({sign})"))
         for system in (self._recorder, self._film):
             fault: AtlasError | None = None if system is None else system.fault
             if fault is not None and fault not in self._faults:

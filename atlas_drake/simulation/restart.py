@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from atlas_drake.kinds import as_plain
+from atlas_drake.checked import as_plain
 from atlas_drake.scenario import Scenario
 
 OF_A_RUN = (

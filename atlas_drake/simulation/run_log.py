@@ -8,12 +8,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from atlas_drake.frozen import replace
+from atlas_drake.frozen import NOTHING, replace
 from atlas_drake.messages.commands import CommandsInForce
 from atlas_drake.messages.controller_status import ControllerStatus
 from atlas_drake.messages.event import FOOTSTEP, Event
 from atlas_drake.messages.recent import items_since
 from atlas_drake.systems.command_scheduler import ScheduledCommand
+from atlas_drake.systems.push_source import PushState
 
 LONG_UNSOLVED = 5
 """Least number of control ticks without a solution for a warning, since a read at which
@@ -37,6 +38,8 @@ class RunLog:
         self._seen_sent = 0
         self._seen_refusals = 0
         self._seen_unsolved = 0
+        self._seen_pushes = 0
+        self._seen_release: float | None = None
         self._told_unsolved = False
 
     def collect(
@@ -45,6 +48,7 @@ class RunLog:
         sent: int,
         commands: CommandsInForce,
         status: ControllerStatus,
+        pushes: PushState,
         *,
         anew: bool = False,
     ) -> None:
@@ -55,6 +59,7 @@ class RunLog:
             sent: Number of sent commands of the programme.
             commands: Commands in force.
             status: Status of the controller.
+            pushes: State of the pushes.
             anew: True if the controller was reset since the last read, and so may have
                 started its event count again.
 
@@ -82,7 +87,28 @@ class RunLog:
         )
         self._seen_refusals = commands.refused
         fresh.extend(items_since(status.events, status.event_count, seen))
+        begun, self._seen_pushes = self._seen_pushes, pushes.begun
+        fresh.extend(
+            Event(push.time, "push", push.text())
+            for push in items_since(pushes.recent, pushes.begun, begun)
+        )
         self.note(*sorted(fresh, key=lambda event: event.time))
+
+    def watch_robot(self, time: float, fall: Any, released: float | None) -> None:
+        """Adds the events of a fall and of the harness since the last read.
+
+        Args:
+            time: Present time [s].
+            fall: The fall of the robot since the last reset, or NOTHING.
+            released: Time at which the harness releases the robot [s]; None if unknown.
+        """
+        if released is None or released > time:
+            self._seen_release = None
+        elif released != self._seen_release:
+            self._seen_release = released
+            self.note(Event(released, "harness", "harness lets the robot down"))
+        if fall is not NOTHING and not self.fallen():
+            self.note(Event(fall.time, "fall", f"falling ({fall.sign})"))
 
     def watch_solver(self, time: float, status: ControllerStatus) -> None:
         """Warns once of a controller that finds no solution for many ticks.

@@ -18,7 +18,7 @@ from atlas_drake.diagrams.control_mode_switch import Extend, make_control_mode_s
 from atlas_drake.diagrams.controller_socket import CONTROLLER, ControllerSource
 from atlas_drake.diagrams.standing import place_robot
 from atlas_drake.diagrams.station_reset import begin_run, reset_station
-from atlas_drake.errors import did_you_mean
+from atlas_drake.errors import ScenarioError, did_you_mean
 from atlas_drake.frozen import replace
 from atlas_drake.messages import Behavior
 from atlas_drake.messages.commands import Command, Refusal
@@ -27,11 +27,11 @@ from atlas_drake.scenario import Scenario, Start
 from atlas_drake.scenario.models import set_velocities
 from atlas_drake.scenario.noise import NOISE_MODELS
 from atlas_drake.scenario.world import WorldMaker, put_world_back
-from atlas_drake.simulation.pushes import ActivePushes
 from atlas_drake.simulation.start import Variation, draw_variation, scale_masses
-from atlas_drake.simulation.suspension import CLEARANCE, Suspension
 from atlas_drake.systems.command_scheduler import ScheduledCommand
 
+CLEARANCE = 0.10
+"""Height of a harnessed robot's feet above the ground [m]."""
 Pose: TypeAlias = tuple[Sequence[float], float]
 """Position of the pelvis, horizontal in W [m], and its yaw [rad]."""
 
@@ -45,8 +45,6 @@ class Stage:
         station: The ``AtlasStation`` in it.
         plant: The ``MultibodyPlant`` of the station.
         simulator: Drake's simulator of the diagram.
-        pushes: Pushes in force.
-        suspension: The harness, if the scenario has one.
         variation: What the present run drew from its seed.
     """
 
@@ -103,8 +101,10 @@ class Stage:
         own = self.station.GetSubsystemByName(CONTROLLER)
         if hasattr(own, "tick_seconds"):
             own.tick_seconds = tick_seconds
-        self.pushes = ActivePushes(self.diagram, self.plant, robot)
-        self.suspension = Suspension(self.station, scenario.start.harnessed)
+        self._pushes = self.station.GetSubsystemByName("push_source")
+        self._harness: Any = None
+        if scenario.start.harnessed:
+            self._harness = self.station.GetSubsystemByName("harness")
         self.simulator = Simulator(self.diagram)
         ApplySimulatorConfig(scenario.simulator, self.simulator)
         self.begin(scenario)
@@ -127,16 +127,18 @@ class Stage:
                 start of the robot.
 
         Raises:
+            ScenarioError: If the robot lacks a body that is to be pushed, and
             WorldError: If the robot would begin inside a model; nothing has then
                 changed.
         """
+        pushes = self._pushes.schedule(scenario.pushes)
         variation = draw_variation(scenario, self.robot)
         self._check_place(variation, scenario.start)
         self.variation = variation
         context = self.context
         self.diagram.SetDefaultContext(context)
         context.SetTime(0.0)
-        self.pushes.clear(context)
+        self._pushes.begin(self._pushes.GetMyMutableContextFromRoot(context), pushes)
         scale_masses(self.plant, self.plant_context, self.robot, variation)
         begin_run(
             self.station,
@@ -166,7 +168,6 @@ class Stage:
         put_world_back(self.plant, self.plant_context, self.robot)
         set_velocities(self._models, self.plant, self.plant_context)
         self._begin_at(moved, start)
-        self.pushes.clear(self.context)
         reset_station(self.station, self.context, behavior)
 
     def check_reset(self, scenario: Scenario, start: Start, pose: Pose) -> None:
@@ -182,6 +183,22 @@ class Stage:
         """Hands a message to the command interface; returns why it is refused."""
         context = self._interface.GetMyMutableContextFromRoot(self.context)
         return self._interface.receive(context, message)
+
+    def push(self, *push: Any) -> None:
+        """Pushes a body from now on, as ``PushSource.push``."""
+        self._pushes.push(self._pushes.GetMyMutableContextFromRoot(self.context), *push)
+
+    def release(self) -> None:
+        """Lets a harnessed robot down to the ground, and then go.
+
+        Raises:
+            ScenarioError: If the scenario has no harness.
+        """
+        if self._harness is None:
+            raise ScenarioError(
+                "start.harnessed", False, "there is no harness to release"
+            )
+        self._harness.release(self._harness.GetMyMutableContextFromRoot(self.context))
 
     def output(self, name: str) -> Any:
         """Returns the present value of an output port of the diagram.
@@ -226,10 +243,20 @@ class Stage:
     def _begin_at(self, variation: Variation, start: Start) -> None:
         """Puts the robot where it begins, and into the harness if there is one."""
         self._place(self.context, variation, start)
+        if self._harness is None:
+            return
+        context = self._harness.GetMyMutableContextFromRoot(self.context)
+        if not start.harnessed:
+            self._harness.let_go(context)
+            return
         own = self.robot.instance(self.plant)
         pelvis = self.plant.GetBodyByName(self.robot.file.pelvis, own)
         X_WP = self.plant.EvalBodyPoseInWorld(self.plant_context, pelvis)
-        self.suspension.update(self.context, start, X_WP)
+        released = None
+        if start.release_time is not None:
+            released = self.context.get_time() + start.release_time
+        p_WP, R_WP = X_WP.translation(), X_WP.rotation().matrix()
+        self._harness.hold(context, p_WP, R_WP, CLEARANCE, released)
 
 
 def _moved(variation: Variation, pose: Pose | None) -> Variation:
@@ -259,4 +286,5 @@ def _station_config(scenario: Scenario) -> StationConfig:
         initial_behavior=scenario.behavior(),
         harnessed=scenario.start.harnessed,
         estimated=scenario.state == "estimated",
+        pushes=tuple(scenario.pushes),
     )

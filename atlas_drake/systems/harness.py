@@ -50,7 +50,7 @@ class HarnessState(Frozen):
         p_WH: Position at which the pelvis is held [m]; None for a slack harness.
         R_WH: Orientation in which the pelvis is held; None for a slack harness.
         drop: Distance by which the robot is lowered until its feet can stand [m].
-        released: Time of release [s]; None before release.
+        released: Time of release [s], which may be in the future; None if unknown.
     """
 
     p_WH: np.ndarray | None = None
@@ -71,6 +71,7 @@ class Harness(CollectableSystem):
     Output ports:
         applied_spatial_force: The list of ``other_spatial_force`` with the force of the
             harness on the pelvis.
+        harness: ``HarnessState``.
     """
 
     __slots__ = ()
@@ -113,9 +114,15 @@ class Harness(CollectableSystem):
         self.DeclareAbstractOutputPort(
             "applied_spatial_force", no_forces.Clone, self._calc_forces
         )
+        self.DeclareStateOutputPort("harness", self._memory)
 
     def hold(
-        self, context: Context, p_WH: np.ndarray, R_WH: np.ndarray, drop: float
+        self,
+        context: Context,
+        p_WH: np.ndarray,
+        R_WH: np.ndarray,
+        drop: float,
+        released: float | None = None,
     ) -> None:
         """Holds the pelvis from now on.
 
@@ -124,14 +131,16 @@ class Harness(CollectableSystem):
             p_WH: Position of the pelvis in W [m], shape (3,).
             R_WH: Orientation of the pelvis in W, shape (3, 3).
             drop: Height of that position above the standing height [m].
+            released: Time of release [s]; None waits for ``release``.
         """
-        self._remember(context, HarnessState(p_WH.copy(), R_WH.copy(), drop))
+        held = HarnessState(p_WH.copy(), R_WH.copy(), drop, released)
+        self._remember(context, held)
 
     def release(self, context: Context) -> None:
         """Lowers the robot and then unloads the harness; no effect if it is slack."""
-        state = self.state(context)
-        if state.p_WH is not None and state.released is None:
-            self._remember(context, replace(state, released=context.get_time()))
+        state, now = self.state(context), context.get_time()
+        if state.p_WH is not None and (state.released is None or state.released > now):
+            self._remember(context, replace(state, released=now))
 
     def let_go(self, context: Context) -> None:
         """Makes the harness slack from now on."""
@@ -158,7 +167,7 @@ class Harness(CollectableSystem):
             return None
         lowered, strength = 0.0, 1.0
         if state.released is not None:
-            since = context.get_time() - state.released
+            since = max(context.get_time() - state.released, 0.0)
             lowered = min(gains.lowering_speed * since, state.drop)
             fading = since - state.drop / gains.lowering_speed
             strength = 1.0 - max(fading, 0.0) / gains.fading_time

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 from pydrake.common.value import AbstractValue
-from pydrake.geometry import GeometryId
 from pydrake.multibody.plant import ContactResults, MultibodyPlant
 from pydrake.multibody.tree import BodyIndex, FrameIndex
 from pydrake.systems.framework import (
@@ -274,12 +273,13 @@ class RobotSensors(NoisySystem):
         output.set_value(message)
 
 
-def shapes_of(
-    plant: MultibodyPlant, bodies: Mapping[int, int]
-) -> dict[GeometryId, int]:
-    """Maps each collision shape of some bodies to what its body maps to."""
+def shapes_of(plant: MultibodyPlant, bodies: Mapping[int, int]) -> dict[int, int]:
+    """Maps the number of each collision shape of some bodies to what its body maps to.
+
+    A ``GeometryId`` of the plant would keep the plant alive.
+    """
     return {
-        shape: place
+        shape.get_value(): place
         for body, place in bodies.items()
         for shape in plant.GetCollisionGeometriesForBody(
             plant.get_body(BodyIndex(body))
@@ -290,7 +290,7 @@ def shapes_of(
 def contact_wrenches(
     results: ContactResults,
     bodies: Mapping[int, int],
-    shapes: Mapping[GeometryId, int],
+    shapes: Mapping[int, int],
 ) -> list[list[float]]:
     """Sums the contact forces on some bodies, about W's origin.
 
@@ -327,7 +327,7 @@ def contact_wrenches(
         surface, F_Ac_W = info.contact_surface(), info.F_Ac_W()
         # The force is that on body A, whose shape is M.
         for shape, sign in ((surface.id_M(), 1.0), (surface.id_N(), -1.0)):
-            place = shapes.get(shape)
+            place = shapes.get(shape.get_value())
             if place is not None:
                 add(place, sign, surface.centroid(), F_Ac_W.translational())
                 for axis, moment in enumerate((sign * F_Ac_W.rotational()).tolist()):

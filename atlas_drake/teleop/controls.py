@@ -19,7 +19,7 @@ from atlas_drake.messages import (
 )
 from atlas_drake.messages.behavior_catalog import SHIPPED, BehaviorCatalog
 from atlas_drake.planning.footholds import Gait
-from atlas_drake.robot import Robot, RobotFile
+from atlas_drake.robot import PelvisRange, Robot, StepLimits, UsualSteps
 from atlas_drake.teleop.limbs import GROUPS
 from atlas_drake.teleop.walking import Direction
 
@@ -147,9 +147,8 @@ class Slider(NamedTuple):
     value: float
 
 
-def _walking_sliders(file: RobotFile) -> tuple[Slider, ...]:
+def _walking_sliders(usual: UsualSteps, limits: StepLimits) -> tuple[Slider, ...]:
     """Makes the sliders for stride, turn, duration and swing height."""
-    usual, limits = file.usual_steps, file.walk_limits
     stride, height = usual.stride, usual.swing_height
     slowest = 2.0 * limits.min_duration
     return (
@@ -160,9 +159,9 @@ def _walking_sliders(file: RobotFile) -> tuple[Slider, ...]:
     )
 
 
-def _pelvis_sliders(file: RobotFile) -> tuple[Slider, ...]:
+def _pelvis_sliders(allowed: PelvisRange) -> tuple[Slider, ...]:
     """Makes the sliders for height and yaw."""
-    pose, allowed = AtlasBehaviorPelvisServoParams(), file.pelvis_range
+    pose = AtlasBehaviorPelvisServoParams()
     (low, high), (left, right) = allowed.height, allowed.yaw
     height = clip(pose.pelvis_height, low, high)
     return (
@@ -176,8 +175,8 @@ def _push_body(bodies: int) -> Slider:
     return Slider("body", 1, bodies, 1, min(2, bodies))
 
 
-STRIDE, TURN, DURATION, SWING_HEIGHT = _walking_sliders(RobotFile())
-PELVIS_HEIGHT, PELVIS_YAW = _pelvis_sliders(RobotFile())
+STRIDE, TURN, DURATION, SWING_HEIGHT = _walking_sliders(UsualSteps(), StepLimits())
+PELVIS_HEIGHT, PELVIS_YAW = _pelvis_sliders(PelvisRange())
 PUSH_BODY = _push_body(5)
 PUSH_DIRECTION = Slider("direction [deg]", -180, 180, 5, 0)
 PUSH_IMPULSE = Slider("impulse [N.s]", 1, 60, 1, 15)
@@ -202,8 +201,8 @@ def fitted(robot: Robot) -> dict[str, Slider]:
     """Returns the sliders of the panel with the ranges of a robot, by label."""
     file = robot.file
     own = (
-        *_walking_sliders(file),
-        *_pelvis_sliders(file),
+        *_walking_sliders(file.usual_steps, file.walk_limits),
+        *_pelvis_sliders(file.pelvis_range),
         _push_body(len(file.pushed)),
     )
     return {slider.label: slider for slider in (*SLIDERS, *own)}

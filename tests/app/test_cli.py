@@ -19,9 +19,9 @@ from atlas_drake import AtlasSimulation, LogError, ScenarioError, read_log
 from atlas_drake.app import run as run_command
 from atlas_drake.app.main import main
 from atlas_drake.app.run import AFTER_FALL, verdict
-from atlas_drake.app.viewer import start_meshcat
 from atlas_drake.logs import mcap_file, recorder
 from atlas_drake.simulation.tutorial import DURATION
+from atlas_drake.visualization.viewer import start_meshcat
 from atlas_drake.whole_file import whole_file, why_not_writable
 
 pytestmark = pytest.mark.usefixtures("restored_loggers")

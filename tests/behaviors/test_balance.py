@@ -13,6 +13,7 @@ from atlas_drake.control.balance.dcm_plan import DcmReference
 from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.feet.swing_foot import SwingReference
 from atlas_drake.control.gains import ControlGains
+from atlas_drake.control.rotations import rotation_z
 from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.frozen import replace
 from atlas_drake.messages import Behavior
@@ -105,6 +106,28 @@ def test_a_robot_at_its_reference_is_left_at_rest(balance, observe):
     assert arm * OMEGA**2 == pytest.approx(GRAVITY)
 
 
+def test_on_its_toes_a_foot_carries_only_at_its_tip(balance):
+    length, width = balance.robot.file.sole.length, balance.robot.file.sole.width
+    for yaw in (0.0, 1.2):
+        foot = FootPose(FOOT.p_WF, rotation_z(yaw))
+        toes = balance.toes(foot)
+        places = (toes.vertices - foot.p_WF[:2]) @ rotation_z(yaw)[:2, :2]
+        np.testing.assert_allclose(places[:, 0].max(), 0.5 * length)
+        assert 0.01 < np.ptp(places[:, 0]) < 0.05
+        across = np.abs(places[:, 1])
+        assert (across > 0.4 * width).all()
+        assert (across < 0.5 * width).all()
+        # With the other foot flat, the CoP may be anywhere between both.
+        flat = FootPose(foot.p_WF + rotation_z(yaw) @ [0.0, 0.3, 0.0], foot.R_WF)
+        both = balance.support_on_toes(flat, foot)
+        for share in (0.0, 0.5, 1.0):
+            tip = foot.p_WF[:2] + (0.5 * length - 0.01) * foot.R_WF[:2, 0]
+            place = share * flat.p_WF[:2] + (1.0 - share) * tip
+            assert both.distance_outside(place) < 0.0
+        heel = foot.p_WF[:2] - 0.3 * length * foot.R_WF[:2, 0]
+        assert both.distance_outside(heel) > 0.0
+
+
 @pytest.mark.parametrize("axis", [0, 1])
 @pytest.mark.parametrize("error", [-0.01, 0.01])
 def test_the_center_of_mass_is_pushed_back_to_its_reference(
@@ -115,7 +138,7 @@ def test_the_center_of_mass_is_pushed_back_to_its_reference(
     away[axis] += error
     *_, moment, com, _ = commanded(balance, observe(above=away), dcm=middle).tasks
     # ξ̇ = ω(ξ - p): the error of the DCM shrinks at the rate k·ω.
-    gain = balance.gains.dcm_gain
+    gain = 2.0
     assert moment.p_WE[axis] - away[axis] == pytest.approx(gain * error)
     assert com.target[axis] == pytest.approx(-(OMEGA**2) * gain * error)
     assert com.target[1 - axis] == pytest.approx(0.0, abs=1e-9)
@@ -151,7 +174,9 @@ def test_every_behavior_begins_with_each_foot_planted(model, observe, behavior):
     request = as_request(AtlasSimInterfaceCommand(behavior=behavior))
     body = capture_body(seen.terms)
     state = made.enter(seen, body, request)
-    command = made.update(state, seen, body, request, False).command
+    outcome = made.update(state, seen, body, request, False)
+    assert (outcome.status_flags != 0) == (behavior in ("WALK", "STEP"))
+    command = outcome.command
     soles = [foot.sole_frame for foot in model.robot.file.feet]
     assert [contact.frame for contact in command.contacts] == soles
     assert [task.frame for task in command.tasks[:2]] == soles

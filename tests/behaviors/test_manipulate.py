@@ -1,6 +1,7 @@
 """MANIPULATE: its goals for messages, and the motion of the simulated robot."""
 
 import dataclasses
+import math
 
 import numpy as np
 import pytest
@@ -109,6 +110,18 @@ def test_without_a_wish_it_stays_as_it_began(start, observe):
     np.testing.assert_allclose(now, began, atol=1e-9)
 
 
+def test_the_body_rises_and_sinks_with_the_pelvis(start, observe):
+    request, terms = asked(pelvis_height=0.8), observe().terms
+    robot = start(request)
+    for _ in range(20):
+        robot.tick(observe(), request)
+    pelvis = robot.state.motion.height
+    sunk = pelvis.position[0] - terms.p_WP[2]
+    assert -0.02 < sunk < -1e-4
+    assert robot.body.height - terms.com[2] == pytest.approx(sunk)
+    assert robot.body.height_rate == pytest.approx(pelvis.velocity[0])
+
+
 def test_the_reference_moves_as_a_pendulum_on_its_cop(start, observe):
     omega, request = 3.2, asked(com_v0=0.03, com_v1=-0.02)
     robot = start(request)
@@ -198,6 +211,22 @@ def test_arms_stay_and_hands_are_taken_back_where_the_user_leaves_them(
     assert robot.body.joints[arm] == held.terms.q[arm]
     robot.tick(observe(), quiet)
     assert robot.body.joints[arm] == held.terms.q[arm]
+
+
+@pytest.mark.parametrize("bend", [-0.2, 0.2])
+def test_the_back_is_straightened_at_its_rate(start, observe, model, bend):
+    quiet = asked(use_desired=False)
+    robot, back = start(quiet), model.robot.limb("back")
+    straight = model.robot.stand_prep[back]
+    bent = robot.body.joints + bend * back
+    robot.body = dataclasses.replace(robot.body, joints=bent)
+    step = BodyRates().joints * observe().dt
+    robot.tick(observe(), quiet)
+    moved = robot.body.joints[back] - bent[back]
+    np.testing.assert_allclose(moved, -np.sign(bend) * step)
+    for _ in range(math.ceil(abs(bend) / step)):
+        robot.tick(observe(), quiet)
+    np.testing.assert_allclose(robot.body.joints[back], straight, atol=1e-12)
 
 
 def test_the_pelvis_rests_while_the_user_controls_a_leg(start, observe):

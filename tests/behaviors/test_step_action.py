@@ -70,9 +70,17 @@ def test_end_distances_count_within_five_centimetres(name):
 
 
 def test_what_is_too_much_is_bounded():
-    wanted = resolved(lift_height=3.0, knee_nominal=2.0, max_foot_vel=90.0)
-    for name in ("lift_height", "knee_nominal", "max_foot_vel"):
-        assert getattr(wanted, name) == getattr(LARGEST_ACTION, name)
+    largest = {
+        "step_duration": 20.0,
+        "sway_duration": 20.0,
+        "swing_height": 0.20,
+        "lift_height": 0.25,
+        "knee_nominal": 1.0,
+        "max_body_accel": 1.0,
+        "max_foot_vel": 1.0,
+    }
+    wanted = resolved(**dict.fromkeys(largest, 90.0))
+    assert {name: getattr(wanted, name) for name in largest} == largest
 
 
 @pytest.mark.parametrize("setting", ToeOff)

@@ -30,7 +30,19 @@ from atlas_drake.messages.event import FOOTSTEP, STEPS_LEFT
 from .as_request import as_request
 
 LEFT, RIGHT = 0, 1
-RULES = StepRules()
+RULES = StepRules(
+    touchdown_force=0.04,
+    settle=0.25,
+    settling_load=0.06,
+    unload_share=0.35,
+    still_loaded=0.10,
+    dcm_ready=0.02,
+    cop_inside=0.01,
+    longest_wait=0.3,
+    lean_inside=0.025,
+    rest_speed=0.05,
+)
+"""The defaults, in numbers: another default is another step."""
 
 
 @pytest.fixture(scope="module")
@@ -86,6 +98,8 @@ def test_a_weight_shift_starts_where_the_robot_is_and_how_it_moves(
     np.testing.assert_allclose(state.shift.end, middle)
     state = shifting(step, seen, command)
     np.testing.assert_allclose(state.shift.start, dcm(seen, balance), atol=0.002)
+    on = tick(step, state, seen, command).state
+    assert on.shift_time == on.elapsed == seen.dt
     # Over the right foot, a centimetre short of its middle.
     right = seen.terms.feet[RIGHT].p_WF
     np.testing.assert_allclose(
@@ -259,7 +273,11 @@ def test_a_foot_that_touches_down_is_pressed_flat_and_its_landing_told(
     outcome = tick(step, done, observe(), command)
     assert isinstance(outcome.state, Rest)
     (event,) = outcome.events
-    assert (event.kind, event.text) == (FOOTSTEP, "step 1 landed")
+    at_rest = observe().foot_pose(foot).p_WF
+    miss = 1e3 * np.hypot(*(at_rest - state.taken.step.p_WF)[:2])
+    side = ("left", "right")[foot]
+    assert event.kind == FOOTSTEP
+    assert event.text == f"step 1 landed ({side}, {miss:.0f} mm off)"
     assert tick(step, replace(done, went_back=True), observe(), command).events == ()
 
 

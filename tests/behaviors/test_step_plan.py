@@ -13,7 +13,7 @@ from atlas_drake.control.gains import ControlGains
 from atlas_drake.control.rotations import rotation_z
 from atlas_drake.messages import ToeOff
 
-RULES = PostureRules()
+RULES = PostureRules(knee_efforts=(0.78, 0.90), steepest_heel=0.6, forced_heel=0.3)
 HALF_WIDTH = 0.14
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.body_reference import BodyRates, capture_body
-from atlas_drake.behaviors.walk.phases import Transfer, WalkSettle, WalkSwing
+from atlas_drake.behaviors.walk.phases import Transfer, WalkSettle, WalkShift, WalkSwing
 from atlas_drake.behaviors.walk.preview import TIME_STEP
 from atlas_drake.behaviors.walk.rules import WalkRules
 from atlas_drake.behaviors.walk.walk import Walk
@@ -18,7 +18,19 @@ from atlas_drake.frozen import replace
 
 from .as_request import as_request
 
-RULES = WalkRules()
+RULES = WalkRules(
+    touchdown_force=0.08,
+    landing_force=0.01,
+    earliest_touchdown=0.75,
+    unload_share=0.4,
+    dcm_ready=0.025,
+    longest_wait=0.25,
+    straight_flexion=0.12,
+    frozen_end=0.06,
+    rest_speed=0.08,
+    transfer_change=0.15,
+)
+"""The defaults, in numbers: another default is another walk."""
 
 
 @pytest.fixture(scope="module")
@@ -174,11 +186,13 @@ def test_a_moved_step_leaves_the_ankles_what_they_can_hold_until_touchdown(
     rest = error * growth - change
     assert rest[axis] == pytest.approx(side * held, abs=1e-6)
     assert rest[1 - axis] == pytest.approx(0.0, abs=1e-4)
-    # What they can hold by themselves moves no step.
-    for share in (-0.9, 0.9):
-        small = share * held / (held + 0.02) * error
-        seen = observe(above=phase.planned.dcm + small)
-        assert walk._control(phase)._adjust_step(phase, seen) is phase
+    # What they can hold by themselves moves no step, nor does less than 2 mm.
+    for sign in (-1.0, 1.0):
+        for more, moves in ((-0.01, False), (0.0015, False), (0.0025, True)):
+            final = sign * side * (held + more * phase.sensitivity)
+            seen = observe(above=phase.planned.dcm + np.eye(2)[axis] * final / growth)
+            moved = walk._control(phase)._adjust_step(phase, seen)
+            assert (moved is not phase) == moves
 
 
 def test_the_landing_place_is_fixed_at_the_end_of_a_swing(walk, observe, swinging):
@@ -293,3 +307,34 @@ def test_the_plan_shows_the_way_of_foot_and_body(walk, observe, swinging, foot):
     end = phase.plan.duration
     for path in (paths.com, paths.dcm, paths.cop):
         np.testing.assert_allclose(path[-1], phase.plan.evaluate(end).dcm, atol=0.03)
+
+
+def test_every_plan_lasts_until_the_robot_is_at_rest(walk, observe, swinging):
+    timing, swing = walk._timing, swinging(LEFT, 0.1)
+    single, double = timing.swing(0.63), timing.transfer(0.63)
+    begun = walk._planner.shift(swing.progress, swing.planned.dcm, swing.planned.cop)
+    landed = walk._planner.land(swing.progress, swing.planned.cop, 0.0)
+    over = walk._planner.settle(replace(swing.progress, pending=()), swing.planned.cop)
+    for phase, duration in (
+        (begun, timing.first_shift + single + timing.settle),
+        (swing, single + double + single + timing.settle),
+        (landed, double + single + timing.settle),
+        (over, timing.settle),
+    ):
+        assert phase.plan.duration == pytest.approx(duration)
+
+
+def test_steps_that_come_while_the_robot_settles_are_taken(walk, observe, swinging):
+    going, seen = swinging(LEFT, 0.1), observe()
+    settle = walk._planner.settle(going.progress, going.planned.cop)
+    _, feet = walk._control(settle).command_feet(settle, seen)
+    soles = [foot.sole_frame for foot in walk._balance.robot.file.feet]
+    assert [foot.contact.frame for foot in feet] == soles
+    again, _ = walk._control(settle).advance(settle, seen)
+    assert isinstance(again, WalkShift)
+    assert again.unloading == RIGHT
+    np.testing.assert_allclose(again.planned.cop, settle.planned.cop)
+    blocked = replace(settle, obstacle="step 2 leads up")
+    done = replace(settle, progress=replace(settle.progress, pending=()))
+    for phase in (blocked, done):
+        assert walk._control(phase).advance(phase, seen) == (phase, ())

@@ -118,7 +118,7 @@ def check_that_it_stands(page):
 
 def test_a_run_is_seen_as_it_goes(open_page):
     meshcat = Meshcat(MeshcatParams(host="localhost"))
-    sim = AtlasSimulation(meshcat=meshcat)
+    sim = AtlasSimulation(view=meshcat)
     page = open_page(meshcat.web_url())
     wait_for_robot(page)
     check_that_it_stands(page)
@@ -183,7 +183,7 @@ def record_thoughts(folder):
         frames_per_second=FRAME_RATE, set_visualizations_while_recording=False
     )
     overlays = Overlays(overlays_from("all"))
-    sim = AtlasSimulation(meshcat=meshcat, overlays=overlays, recorded=True)
+    sim = AtlasSimulation(view=meshcat, overlays=overlays, recorded=True)
     command = AtlasSimInterfaceCommand()
     command.behavior = command.WALK
     command.walk_params.use_demo_walk = True

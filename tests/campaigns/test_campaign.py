@@ -9,7 +9,7 @@ import pytest
 from atlas_drake import ScenarioError
 from atlas_drake.campaigns import Campaign, load_campaign
 from atlas_drake.campaigns.conditions import unmet
-from atlas_drake.campaigns.distributions import checked, draw
+from atlas_drake.campaigns.distributions import check_distribution, draw
 from atlas_drake.campaigns.plan import (
     case_list,
     make_trial,
@@ -77,7 +77,7 @@ def test_cases_are_all_combinations():
 @pytest.mark.parametrize("kind", ["uniform", "log_uniform", "normal"])
 def test_distributions_have_the_moments_of_their_names(kind):
     random = np.random.default_rng(3)
-    distribution = checked({kind: [1.0, 2.0]}, "here")
+    distribution = check_distribution({kind: [1.0, 2.0]}, "here")
     values = np.array([draw(distribution, random) for _ in range(2000)])
     if kind == "normal":
         assert values.mean() == pytest.approx(1.0, abs=0.15)

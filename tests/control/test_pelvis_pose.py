@@ -1,5 +1,7 @@
 """Pelvis poses relative to the feet: definition of the numbers, and their motion."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from pydrake.math import RollPitchYaw, RotationMatrix
@@ -65,6 +67,9 @@ def test_what_is_measured_is_the_pose_of_the_terms(standing):
     assert pose.height == pytest.approx(standing.p_WP[2])
     np.testing.assert_allclose([pose.yaw, pose.pitch, pose.roll], 0.0, atol=1e-12)
     np.testing.assert_allclose(stance.com(pose), standing.com[:2], atol=1e-12)
+    tilted = RotationMatrix(RollPitchYaw(-0.3, 0.2, 0.1)).matrix()
+    pose = stance.measure(dataclasses.replace(standing, R_WP=tilted))
+    np.testing.assert_allclose([pose.roll, pose.pitch, pose.yaw], [-0.3, 0.2, 0.1])
 
 
 @pytest.mark.parametrize("soles", [SIDE_BY_SIDE, TURNED])

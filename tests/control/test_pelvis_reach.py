@@ -15,7 +15,10 @@ from atlas_drake.control.pelvis.pelvis_pose import PelvisPose, make_stance
 from atlas_drake.control.pelvis.pelvis_reach import PelvisReach, PelvisReserves
 from atlas_drake.robot import PelvisRange
 
-RANGE, RESERVES = PelvisRange(), PelvisReserves()
+RANGE = PelvisRange()
+RESERVES = PelvisReserves(
+    com_margin=0.04, joint_margin=0.05, least_flexion=0.12, effort_share=0.8
+)
 HOME = PelvisPose(0.89)
 COORDINATES = PelvisPose._fields
 

@@ -53,8 +53,9 @@ def target(request):
     return step_to(z=LEVEL + request.param)
 
 
-def test_lifts_off_from_where_the_foot_is_at_rest(start, target):
-    _, references = swing_through(start, lambda _: target, 1)
+@pytest.mark.parametrize("duration", [0.3, DURATION, 1.5])
+def test_lifts_off_from_where_the_foot_is_at_rest(start, target, duration):
+    _, references = swing_through(start, lambda _: target, 1, duration=duration)
     first = references[0]
     np.testing.assert_allclose(first.p_WF, start.p_WF, atol=1e-3)
     np.testing.assert_allclose(first.v_WF, 0.0, atol=0.05)

@@ -23,7 +23,7 @@ from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.behaviors.idle import Idle
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.behaviors.stand.stand import Stand
-from atlas_drake.bounds import Share
+from atlas_drake.configuration import NotNegative, Share
 from atlas_drake.control.whole_body import PositionTask
 from atlas_drake.diagrams.atlas_station import (
     make_atlas_station,
@@ -41,7 +41,7 @@ EXAMPLE = Path(__file__).parents[2] / "examples" / "extending" / "own_behavior.p
 
 @dataclass(frozen=True)
 class Speed:
-    speed: float = 0.3
+    speed: NotNegative = 0.3
 
 
 @pytest.fixture(scope="module")

@@ -1,6 +1,6 @@
 """A replay shows the contents of the log in the same way as the run."""
 
-import copy
+import dataclasses
 
 import numpy as np
 import pytest
@@ -15,9 +15,9 @@ from atlas_drake import (
     Scenario,
     read_log,
 )
+from atlas_drake.checked import as_plain
 from atlas_drake.control.balance.center_of_pressure import center_of_pressure
 from atlas_drake.diagrams.replay import make_replay
-from atlas_drake.kinds import as_plain
 from atlas_drake.logs.layout import SIDES
 from atlas_drake.logs.log import Log
 from atlas_drake.logs.log_player import LogPlayer
@@ -187,8 +187,7 @@ def test_displays_read_what_they_read_in_the_run(run):
 
 
 def test_terrain_is_shown(log, scenario, meshcat):
-    rough = copy.deepcopy(scenario)
-    rough.terrain = [Block()]
+    rough = dataclasses.replace(scenario, terrain=[Block()])
     text = yaml_dump(as_plain(rough))
     header = Header("atlas", 0.002, text, log.header.layout)
     terrain = Log(log.path, header, log.arrays, log.notes)

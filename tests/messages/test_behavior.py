@@ -33,6 +33,7 @@ def test_numbers_are_those_of_the_interface():
 def test_a_behavior_is_printed_by_name_and_kept_as_a_number():
     stand = Behavior.STAND
     assert (str(stand), f"{stand}", f"{stand:>6}") == ("STAND", "STAND", " STAND")
+    assert (f"{stand:03d}", f"{stand:>7}") == ("003", "  STAND")
     assert (f"{stand:d}", "%d" % stand, int(stand)) == ("3", "3", 3)  # noqa: UP031
     assert json.dumps([stand]) == "[3]"
     assert to_plain(stand) == 3

@@ -28,6 +28,7 @@ from atlas_drake.messages.commands import (
 from atlas_drake.messages.controller_status import ControllerStatus
 from atlas_drake.robot import load_robot
 from atlas_drake.simulation.run_log import RunLog
+from atlas_drake.systems.push_source import PushState
 
 
 @pytest.fixture(scope="module")
@@ -467,6 +468,18 @@ def test_a_streamed_fault_is_logged_once(robot, start, caplog):
     assert len(caplog.records) == 2
 
 
+def test_each_fault_is_heard_and_again_when_time_went_back(robot, start, caplog):
+    position, velocity = AtlasCommand(position=[0.0]), AtlasCommand(velocity=[0.0])
+    force = start
+    for time, heard in ((5.0, 2), (5.5, 0), (6.0, 0), (7.0, 2), (0.5, 2), (0.5, 0)):
+        caplog.clear()
+        before = force
+        for fault in (position, velocity):
+            force = receive(force, fault, robot, time)
+        log_refusals(before, force)
+        assert len(caplog.records) == heard, time
+
+
 def test_two_streamed_faults_that_change_are_logged_once_each(robot, start, caplog):
     force, log = start, RunLog()
     for tick in range(500):
@@ -477,7 +490,7 @@ def test_two_streamed_faults_that_change_are_logged_once_each(robot, start, capl
         worse = AtlasCommand(Header(1.0 + tick), velocity=[0.0] * (tick % 20))
         before, force = force, sent(force, robot, worse, time=time)
         log_refusals(before, force)
-        log.collect((), 0, force, ControllerStatus())
+        log.collect((), 0, force, ControllerStatus(), PushState())
     assert force.refused > 900
     assert len(caplog.records) == 2
     assert len(log.events) > 900  # Events are a record, and leave none out.

@@ -1,5 +1,7 @@
 """Programs on the robot: time, topics, callbacks, and what goes wrong."""
 
+from dataclasses import replace
+
 import pytest
 
 from atlas_drake import AtlasSimulation, Scenario
@@ -385,7 +387,8 @@ def test_control_modes_are_behaviors(run, word, behavior):
 
 def test_the_harness_lets_go_when_the_mode_says_so(run):
     scenario = Scenario(initial_behavior="FREEZE", **STEPS)
-    scenario.start.harnessed = True
+    start = replace(scenario.start, harnessed=True)
+    scenario = replace(scenario, start=start)
     ran = run(
         HEAD
         + """

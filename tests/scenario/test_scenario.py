@@ -15,10 +15,10 @@ from pydrake.systems.analysis import SimulatorConfig
 from atlas_drake import Block, Scenario, ScenarioError, Start, load_scenario
 from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.walk.rules import WalkRules
+from atlas_drake.checked import as_plain
 from atlas_drake.control.gains import PdGains
 from atlas_drake.diagrams.atlas_station import StationConfig
 from atlas_drake.errors import shown
-from atlas_drake.kinds import as_plain
 from atlas_drake.messages import Behavior
 from atlas_drake.scenario import Jitter, scenario_from, with_settings
 from atlas_drake.scenario.drake_configs import plant_config
@@ -55,11 +55,6 @@ def test_nothing_else_stands_for_the_true_state(text, tmp_path):
         load(tmp_path, f"state: {text}\n")
 
 
-def test_validate_returns_the_scenario_itself():
-    scenario = Scenario()
-    assert scenario.validate() is scenario
-
-
 @pytest.mark.parametrize(
     ("step", "period"),
     [
@@ -73,9 +68,10 @@ def test_every_physics_step_that_divides_the_control_period_is_accepted(step, pe
     scenario = Scenario(physics_step=step, control_period=period).resolved()
     # Also a second time, as when a scenario was written to a file and is read again.
     scenario = dataclasses.replace(scenario).resolved()
-    assert scenario.physics_step == pytest.approx(step, rel=1e-9)
     assert scenario.plant.time_step == scenario.physics_step
-    again = (scenario.physics_step, scenario.control_period)
+    assert scenario.physics_step == step
+    station = StationConfig(physics_step=step, control_period=period)
+    again = (station.physics_step, station.control_period)
     assert on_common_grid(*again) == again
 
 
@@ -106,7 +102,7 @@ def test_behaviors_are_named_in_any_case(name):
         ("ground_friction", -0.1),
         ("ground_friction", math.nan),
         ("control_period", -0.006),
-        ("control_period", 0.0015),
+        ("control_period", 0.0016),
         ("control_period", 0.1),
         ("seed", -1),
         ("friction_jitter", 0.9),
@@ -196,7 +192,8 @@ def test_numbers_of_every_kind_mean_the_same():
         start=Start(position=[1.0, 2.0], yaw=0.25),
         terrain=[Block(size=[1, 1, 0.1], friction=0.5)],
     )
-    assert odd.validate() == plain.validate()
+    odd, plain = odd.validate(), plain.validate()
+    assert odd == plain
     assert type(odd.start.yaw) is type(odd.ground_friction) is float
     assert json.loads(json.dumps(vars(odd.start))) == vars(plain.start)
 
@@ -207,7 +204,7 @@ def test_numbers_of_every_kind_mean_the_same():
 )
 def test_a_physics_step_alone_gets_the_nearest_control_period(step, period):
     scenario = Scenario(physics_step=step)
-    assert scenario.resolved().control_period == pytest.approx(period, rel=1e-9)
+    assert scenario.resolved().control_period == period
     # The scenario itself still has none, whatever its step will be.
     assert scenario.control_period == 0.0
     config = StationConfig(physics_step=step)
@@ -228,18 +225,10 @@ def test_a_number_of_less_precision_is_not_the_same():
         Scenario(physics_step=np.float32(0.001), control_period=0.002).validate()
 
 
-def test_a_field_that_does_not_exist_is_noticed_in_python_too():
-    scenario = Scenario()
-    scenario.modle = "atlas"
-    with pytest.raises(ScenarioError, match=r"modle: .*Did you mean 'model'"):
-        scenario.validate()
-
-
 @pytest.mark.parametrize("field", ["position", "orientation", "joints", "mass"])
 @pytest.mark.parametrize("value", [-0.1, math.nan, math.inf, "much"])
 def test_jitter_is_checked_field_by_field(field, value):
-    scenario = Scenario()
-    setattr(scenario.jitter, field, value)
+    scenario = Scenario(jitter=Jitter(**{field: value}))
     with pytest.raises(ScenarioError) as error:
         scenario.validate()
     assert error.value.field == f"jitter.{field}"
@@ -264,7 +253,7 @@ def test_no_link_can_lose_all_its_mass():
         ("terrain: [{sizes: [1, 1, 1]}]\n", r"terrain\[0\]\.sizes: .*'size'"),
         ("terrain: [{size: [1, 1, high]}]\n", r"terrain\[0\]\.size\[2\]: is 'high'"),
         ("", "file: must have fields of a scenario"),
-        ("duration: 1e308\n", "duration: is '1e308'; must be within"),
+        ("duration: 1e308\n", "duration: is 1e\\+308; must be within"),
         (f"ground_friction: 1{'0' * 400}\n", "ground_friction: .*within"),
         (f"seed: 1{'0' * 5000}\n", "file"),
         ("duration: [\n", "file"),
@@ -387,7 +376,7 @@ def test_settings_win_in_their_order():
 
 def test_the_steps_of_a_valid_scenario_may_change():
     scenario = Scenario().validate()
-    scenario.physics_step, scenario.control_period = 0.0005, 0.001
+    scenario = dataclasses.replace(scenario, physics_step=0.0005, control_period=0.001)
     assert scenario.validate().resolved().plant.time_step == 0.0005
     finer = with_settings(scenario, ["physics_step=0.00025"])
     assert finer.resolved().plant.time_step == 0.00025

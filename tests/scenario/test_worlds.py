@@ -2,13 +2,14 @@
 
 import dataclasses
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from pydrake.common.yaml import yaml_dump, yaml_load
 
 from atlas_drake import Block, Scenario, ScenarioError, Start, load_scenario
-from atlas_drake.kinds import as_plain
+from atlas_drake.checked import as_plain
 from atlas_drake.scenario import scenario_from, with_settings
 from atlas_drake.scenario.terrain import surface_height
 from atlas_drake.scenario.world_file import World, available_worlds, load_world
@@ -107,7 +108,7 @@ def test_the_scenario_decides_where_the_robot_starts_and_then_the_world(own):
     scenario = Scenario(world=own).validate()
     assert scenario.start_pose() == ([1.0, 2.0], 0.5)
     assert scenario.start_pose(Start(yaw=0.0)) == ([1.0, 2.0], 0.0)
-    scenario.start = Start(position=[0.0, 0.0])
+    scenario = replace(scenario, start=Start(position=[0.0, 0.0]))
     assert scenario.start_pose() == ([0.0, 0.0], 0.5)
 
 
@@ -186,17 +187,21 @@ def test_the_tutorials_world_is_by_its_figures():
         ({"stairs": {"yaw": math.nan}}, "world.stairs.yaw", "is nan"),
         ({"ramp": {"angle": 1.2}}, "world.ramp.angle", "is 1.2; must be from 0 to 1"),
         ({"ramp": {"angle": "steep"}}, "world.ramp.angle", "is 'steep'"),
-        ({"blocks": {"heights": []}}, "world.blocks.heights", "must have a height"),
+        (
+            {"blocks": {"heights": []}},
+            "world.blocks.heights",
+            "must be a list that is not empty",
+        ),
         ({"blocks": {"heights": [0.0]}}, "world.blocks.heights[0]", "is 0.0"),
         ({"blocks": {"rows": 51}}, "world.blocks.rows", "is 51; must be from 1 to 50"),
         ({"strewn": {"number": 900}}, "world.strewn.number", "is 900; only 1.. bricks"),
         ({"strewn": {"size": [0.2, 0.1]}}, "world.strewn.size", "three numbers"),
         ({"strewn": {"seed": -1}}, "world.strewn.seed", "is -1"),
-        ({"boxes": [{"color": [0, 0]}]}, "world.boxes[0].color", "red, green and blue"),
-        ({"boxes": [{"color": [0, 0, 2]}]}, "world.boxes[0].color", "from 0 to 1"),
+        ({"boxes": [{"color": [0, 0]}]}, "world.boxes[0].color", "three numbers"),
+        ({"boxes": [{"color": [0, 0, 2]}]}, "world.boxes[0].color[2]", "from 0 to 1"),
         ({"models": [{"file": "no.sdf"}]}, "world.models[0].file", "no such file"),
         ({"start": {"position": [1]}}, "world.start.position", "two numbers"),
-        ({"start": {"yaw": math.inf}}, "world.start.yaw", "must be finite"),
+        ({"start": {"yaw": math.inf}}, "world.start.yaw", "must be a finite number"),
         ({"view": {"lens": [1, 2]}}, "world.view.lens", "three numbers"),
         ({"view": {"lens": [1, 1, 1], "target": [1, 1, 1]}}, "world.view.lens", "else"),
     ],

@@ -10,8 +10,8 @@ import pytest
 from pydrake.systems.framework import Diagram, LeafSystem
 
 from atlas_drake import AtlasSimulation, Scenario, Start
-from atlas_drake.app.viewer import start_meshcat
 from atlas_drake.systems.collectable_system import CollectableSystem
+from atlas_drake.visualization.viewer import start_meshcat
 
 
 def parts_of(diagram):
@@ -37,7 +37,7 @@ def test_a_simulation_that_is_dropped_is_freed_with_its_view_and_log(tmp_path):
                 initial_behavior="USER",
                 start=Start(harnessed=True),
             ),
-            meshcat=meshcat,
+            view=meshcat,
             log=tmp_path / "run.npz",
         )
         sim.advance(0.02)

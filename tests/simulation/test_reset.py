@@ -168,7 +168,7 @@ def test_a_reset_that_cannot_be_done_changes_nothing():
     before = sim.output("state")
     with pytest.raises(InvalidMessageError, match="behavior: is 'WALK'; must be"):
         sim.reset("WALK")
-    with pytest.raises(ScenarioError, match=r"start.position: is \[1.0\]"):
+    with pytest.raises(ScenarioError, match=r"pose.position: is \[1.0\]"):
         sim.reset(pose=Start(position=[1.0]))
     with pytest.raises(ScenarioError, match="needs a scenario that began in a harness"):
         sim.reset("USER", Start(harnessed=True))

@@ -1,21 +1,15 @@
 """Pushes of a scenario: when they begin, where to, and what refuses them."""
 
-import numpy as np
 import pytest
 
 from atlas_drake import AtlasSimulation, PlannedPush, Scenario, ScenarioError
 from atlas_drake.scenario import Jitter, Start, load_scenario, with_settings
-from atlas_drake.simulation.gait_watch import DOWN_FOR, LIFTED_FOR, GaitWatch
+from atlas_drake.systems.gait_watch import DOWN_FOR, LIFTED_FOR, FootLoad
+from atlas_drake.systems.push_source import PushState
 
 
 def pushes(sim):
     return [e for e in sim.events if e.kind == "push"]
-
-
-def loads(left, right):
-    wrenches = np.zeros(12)
-    wrenches[5], wrenches[11] = left, right
-    return wrenches
 
 
 def test_a_push_comes_at_its_time_along_the_robots_heading(tmp_path):
@@ -46,47 +40,43 @@ def test_cutting_an_advance_into_pieces_changes_nothing():
     assert (states[0] == states[1]).all()
 
 
-def test_the_gait_is_told_from_loads():
-    watch, weight = GaitWatch(100.0), 100.0
-    assert watch.look(0.0, loads(50, 50)) == []
+def test_the_gait_is_detected_from_loads():
+    foot = FootLoad()
+
+    def look(time, load):
+        nonlocal foot
+        foot, phase = foot.after(time, load)
+        return phase
+
+    assert look(0.0, 0.5) is None
     # A jolt is no lift-off.
-    assert watch.look(0.1, loads(0, weight)) == []
-    assert watch.look(0.1 + 0.5 * LIFTED_FOR, loads(50, 50)) == []
-    assert watch.look(0.2, loads(0, weight)) == []
-    assert watch.look(0.2 + LIFTED_FOR, loads(0, weight)) == [(0, "lift_off")]
+    assert look(0.1, 0.0) is None
+    assert look(0.1 + 0.5 * LIFTED_FOR, 0.5) is None
+    assert look(0.2, 0.0) is None
+    assert look(0.2 + LIFTED_FOR, 0.0) == "lift_off"
     # Between the thresholds nothing happens, above them it does.
-    assert watch.look(0.5, loads(3, 97)) == []
-    assert watch.look(0.6, loads(10, 90)) == [(0, "touchdown")]
+    assert look(0.5, 0.03) is None
+    assert look(0.6, 0.1) == "touchdown"
     # A bounce is no second lift-off.
-    assert watch.look(0.61, loads(0, weight)) == []
-    assert watch.look(0.6 + 0.9 * DOWN_FOR, loads(0, weight)) == []
-    assert watch.look(0.7, loads(60, 40)) == []
+    assert look(0.61, 0.0) is None
+    assert look(0.6 + 0.9 * DOWN_FOR, 0.0) is None
+    assert look(0.7, 0.6) is None
 
 
 def test_a_push_waits_for_its_foot_and_the_share_of_the_step():
-    from atlas_drake.robot import load_robot
-    from atlas_drake.simulation.push_schedule import PushSchedule
-
-    robot = load_robot()
-    weight = robot.mass * 9.81
     plan = PlannedPush(phase="touchdown", foot="right", fraction=0.5, delay=0.1)
-    schedule = PushSchedule([plan], robot)
-    both = loads(0.5 * weight, 0.5 * weight)
+    state = PushState(awaited=((plan, 1),))
 
-    def step(begin, foot):
-        up = loads(0, weight) if foot == 0 else loads(weight, 0)
-        for time, load in ((0.0, both), (0.01, up), (0.1, up), (0.4, both)):
-            schedule.look(begin + time, load, 0.6)
+    def step(state, begin, loads):
+        for time, load in ((0.0, (0.5, 0.5)), (0.01, loads), (0.1, loads)):
+            state = state.watched(begin + time, load, 0.6)
+        return state.watched(begin + 0.4, (0.5, 0.5), 0.6)
 
-    step(0.0, 0)
-    assert schedule.awaits_gait
-    assert schedule.next_time == np.inf
-    step(1.0, 1)
-    assert not schedule.awaits_gait
-    assert schedule.next_time == pytest.approx(1.4 + 0.1 + 0.3)
-    assert schedule.due(1.79) == []
-    assert schedule.due(1.8) == [plan]
-    assert schedule.next_time == np.inf
+    state = step(state, 0.0, (0, 1))
+    assert (state.planned, state.awaited) == ((), ((plan, 1),))
+    state = step(state, 1.0, (1, 0))
+    assert state.planned == ((pytest.approx(1.4 + 0.1 + 0.3), plan),)
+    assert state.awaited == ()
 
 
 @pytest.mark.parametrize(

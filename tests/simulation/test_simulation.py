@@ -44,7 +44,10 @@ def sim():
         ({"scenario": "x.yaml"}, "scenario must be a Scenario, is 'x.yaml'; load_sc"),
         ({"video": "x.mp4"}, r"video must be a Video of .*, is 'x.mp4', such as Video"),
         ({"overlays": ["com"]}, r"overlays must be Overlays of .*, is \['com'\]"),
-        ({"meshcat": True}, "meshcat must be a Meshcat of pydrake.geometry, is True"),
+        (
+            {"view": 1},
+            "view must be True, False or a Meshcat of pydrake.geometry, is 1",
+        ),
         ({"on_event": "print"}, "on_event must be a callable"),
         ({"log": True}, "log must be the name of a file, is True"),
         ({"log": b"run.npz"}, "log must be the name of a file, is b'run.npz'"),
@@ -598,13 +601,12 @@ def test_what_is_sent_last_is_in_events_and_log(tmp_path):
     assert [event.kind for event in log.events] == ["refusal"]
 
 
-def test_a_scenario_that_changes_afterwards_is_not_what_was_simulated():
-    scenario = Scenario(name="first")
+def test_a_list_that_changes_afterwards_is_not_what_was_simulated():
+    scenario = Scenario(start=Start(position=[0.5, 0.0]))
     sim = AtlasSimulation(scenario)
-    scenario.name, scenario.start.position, scenario.programme = "second", [9, 9], "x"
+    scenario.start.position[:] = [9.0, 9.0]
     sim.reset()
-    assert abs(sim.pelvis_pose.translation()[0]) < 1.0
-    assert sim.summary()["scenario"] == "first"
+    assert abs(sim.pelvis_pose.translation()[0] - 0.5) < 0.5
 
 
 def test_a_scenario_is_checked_before_anything_is_built():
@@ -651,3 +653,15 @@ def test_the_tutorials_gains_are_stable_in_the_whole_robot(physics_step):
     assert max(velocities[landing:]) < 0.2
     assert (np.abs(efforts) <= sim.robot.effort_limit).all()
     assert not sim.has_fallen
+
+
+def test_steps_read_as_they_were_given(tmp_path):
+    path = tmp_path / "run.npz"
+    with AtlasSimulation(Scenario(physics_step=0.003), log=path) as sim:
+        sim.advance(0.02)
+        summary = sim.summary()
+    assert (summary["physics_step"], summary["control_period"]) == (0.003, 0.009)
+    assert summary["configuration"]["plant"]["time_step"] == 0.003
+    header = read_log(path).header
+    assert header.control_period == 0.009
+    assert "physics_step: 0.003\n" in header.scenario

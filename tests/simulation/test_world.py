@@ -278,7 +278,8 @@ def test_a_robot_that_would_begin_inside_a_model_is_refused():
         assert sim.time == pytest.approx(0.1)
         assert sim.scenario == aside.resolved()
     # The push still acts.
-    (push,) = sim.diagram.GetInputPort("applied_spatial_force").Eval(sim.context)
+    forces = sim.plant.get_applied_spatial_force_input_port()
+    (push,) = forces.Eval(sim.plant.GetMyContextFromRoot(sim.context))
     np.testing.assert_array_equal(push.F_Bq_W.translational(), [5.0, 0.0, 0.0])
 
 

@@ -1,5 +1,6 @@
 """Worlds in a simulation: the robot stands where it starts, and replays show them."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -82,7 +83,8 @@ def test_there_is_ground_wherever_a_robot_can_start():
 def test_worlds_terrain_models_and_callables_come_together():
     called = []
     scenario = load_scenario(EXAMPLE.with_name("ball.yaml"))
-    scenario.world, scenario.terrain = "stairs", [Block(position=[0.0, 5.0, 0.1])]
+    terrain = [Block(position=[0.0, 5.0, 0.1])]
+    scenario = replace(scenario, world="stairs", terrain=terrain)
     sim = AtlasSimulation(scenario, world=[called.append])
     assert sim.plant in called
     assert sim.plant.HasModelInstanceNamed("ball")
@@ -141,7 +143,7 @@ def test_the_tutorials_example_walks_past_the_first_gate():
 @pytest.mark.slow
 def test_atlas_does_the_tutorial_in_its_pen_and_walks_out():
     scenario = load_scenario(EXAMPLE)
-    scenario.physics_step, scenario.control_period = 0.002, 0.004
+    scenario = replace(scenario, physics_step=0.002, control_period=0.004)
     sim = AtlasSimulation(scenario)
     sim.advance_to(17.0)
     # In the pen still, after the tutorial's four steps.

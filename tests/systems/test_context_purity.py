@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from pydrake.systems.analysis import Simulator
 
-from atlas_drake.diagrams.atlas_station import StationConfig
+from atlas_drake import PlannedPush
+from atlas_drake.diagrams.atlas_station import StationConfig, make_atlas_station
 from atlas_drake.diagrams.control_mode_switch import make_control_mode_switch
 from atlas_drake.messages import AtlasCommand, Behavior
 from atlas_drake.scenario.noise import NOISE_MODELS
@@ -125,3 +126,40 @@ def test_a_clone_in_mid_step_goes_on_as_the_original_does(diagram, start):
     )
     index = report.Eval(clone.get_context()).walk_feedback.current_step_index
     assert index >= 1
+
+
+def test_a_clone_amid_a_push_in_the_harness_goes_on_alike(robot):
+    """What pushes and holds the robot is in the Context, too."""
+    pushed = (
+        PlannedPush(time=0.02, impulse=8.0, duration=0.1),
+        PlannedPush(time=0.035, impulse=5.0, body="pelvis", duration=0.03),
+    )
+    config = StationConfig(
+        pushes=pushed, harnessed=True, initial_behavior=Behavior.FREEZE
+    )
+    station = make_atlas_station(robot, config)
+
+    def held(root):
+        plant = station.GetSubsystemByName("plant")
+        X_WP = plant.EvalBodyPoseInWorld(
+            plant.GetMyContextFromRoot(root), plant.GetBodyByName("pelvis")
+        )
+        harness = station.GetSubsystemByName("harness")
+        context = harness.GetMyMutableContextFromRoot(root)
+        p_WP, R_WP = X_WP.translation(), X_WP.rotation().matrix()
+        harness.hold(context, p_WP, R_WP, 0.1, released=0.05)
+
+    first = Simulator(station)
+    held(first.get_mutable_context())
+    first.AdvanceTo(0.0305)
+    pushes = station.GetOutputPort("pushes").Eval(first.get_context())
+    assert [push.body for push in pushes.active] == [robot.file.chest, "pelvis"]
+    second = Simulator(station, first.get_context().Clone())
+    ends = []
+    for simulator in (first, second):
+        simulator.AdvanceTo(0.0905)
+        root = simulator.get_context()
+        ends.append([station.GetOutputPort(n).Eval(root) for n in ("state", "pushes")])
+        assert station.GetOutputPort("harness").Eval(root).released == 0.05
+    assert (ends[0][0] == ends[1][0]).all()
+    assert ends[0][1].begun == ends[1][1].begun == 2

@@ -88,7 +88,7 @@ def test_an_object_that_is_used_again_may_come_back():
 
 
 def test_the_view_has_everything(meshcat):
-    sim = AtlasSimulation(meshcat=meshcat)
+    sim = AtlasSimulation(view=meshcat)
     sim.advance_to(SHORT)
     for path in (
         "/drake/visualizer",
@@ -104,7 +104,7 @@ def test_the_view_has_everything(meshcat):
 def test_commanded_footsteps_appear(meshcat):
     from atlas_drake import AtlasBehaviorStepData, AtlasSimInterfaceCommand
 
-    sim = AtlasSimulation(meshcat=meshcat)
+    sim = AtlasSimulation(view=meshcat)
     sim.advance_to(SHORT)
     command = AtlasSimInterfaceCommand()
     command.behavior = command.WALK
@@ -126,8 +126,17 @@ def test_watching_changes_nothing(meshcat, noise):
     scenario = Scenario(noise=noise, seed=3)
     states = []
     for view in (None, meshcat):
-        sim = AtlasSimulation(scenario, meshcat=view)
+        sim = AtlasSimulation(scenario, view=view)
         sim.advance_to(SHORT)
         context = sim.plant.GetMyContextFromRoot(sim.context)
         states.append(sim.plant.GetPositionsAndVelocities(context))
     np.testing.assert_array_equal(*states)
+
+
+def test_a_simulation_opens_its_view_and_prints_the_address(capsys):
+    sim = AtlasSimulation(view=True)
+    address = sim.meshcat.web_url()
+    assert f"Watch at {address}\n" in capsys.readouterr().out
+    assert address.startswith("http://localhost:")
+    assert sim.realtime_rate == 1.0
+    assert sim.meshcat.HasPath("/drake/visualizer")

@@ -61,7 +61,7 @@ SWINGING = 1.5
 
 
 def walking(meshcat=None, overlays=None):
-    sim = AtlasSimulation(meshcat=meshcat, overlays=overlays)
+    sim = AtlasSimulation(view=meshcat, overlays=overlays)
     command = AtlasSimInterfaceCommand()
     command.behavior = Behavior.WALK
     command.walk_params.use_demo_walk = True

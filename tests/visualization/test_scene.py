@@ -58,7 +58,7 @@ def doubles(packed, count):
 
 def test_ground_grid_and_lamp_go_with_the_robot():
     meshcat = Meshcat()
-    AtlasSimulation(Scenario(start=Start(position=[8.3, -4.8])), meshcat=meshcat)
+    AtlasSimulation(Scenario(start=Start(position=[8.3, -4.8])), view=meshcat)
     # By whole squares, so that the lines stay where they were.
     assert doubles(meshcat._GetPackedTransform(GROUND), 16)[12:14] == [8.0, -5.0]
     lamp = doubles(meshcat._GetPackedProperty(SUN, "position"), 3)

@@ -7,10 +7,10 @@ import pytest
 from pydrake.math import RigidTransform
 
 from atlas_drake import AtlasSimulation, Scenario
-from atlas_drake.app.viewer import start_meshcat
 from atlas_drake.simulation import atlas_simulation
 from atlas_drake.visualization import viewer_gate
 from atlas_drake.visualization.overlays import Overlays
+from atlas_drake.visualization.viewer import start_meshcat
 from atlas_drake.visualization.viewer_gate import (
     GATE,
     LIMIT,
@@ -49,7 +49,7 @@ def watched(monkeypatch):
     meshcat = start_meshcat()
     sim = AtlasSimulation(
         Scenario(),
-        meshcat=meshcat,
+        view=meshcat,
         overlays=Overlays(["com", "dcm", "cop", "support"]),
     )
     viewer = websocket.create_connection(
@@ -63,7 +63,7 @@ def test_without_a_viewer_no_socket_is_looked_at(monkeypatch):
     looks = []
     monkeypatch.setattr(viewer_gate, "read_sockets", lambda: looks.append(1) or ())
     meshcat = start_meshcat()
-    sim = AtlasSimulation(meshcat=meshcat)
+    sim = AtlasSimulation(view=meshcat)
     sim.advance(0.3)
     assert not looks
     viewer = websocket.create_connection(meshcat.ws_url())
@@ -126,5 +126,5 @@ def test_where_it_ends_is_shown_through_a_closed_gate(watched, monkeypatch):
 def test_a_recording_has_no_gate_and_misses_nothing():
     meshcat = start_meshcat()
     meshcat.StartRecording()
-    sim = AtlasSimulation(meshcat=meshcat, recorded=True)
+    sim = AtlasSimulation(view=meshcat, recorded=True)
     assert not sim.diagram.HasSubsystemNamed(GATE)

@@ -5,11 +5,12 @@ from dataclasses import dataclass, field
 from atlas_drake.behaviors.body_reference import BodyRates
 from atlas_drake.behaviors.step.plan import PostureRules
 from atlas_drake.behaviors.step.rules import StepRules
+from atlas_drake.configuration import Configuration
 from atlas_drake.control.feet.step_swing import StepSwingProfile
 
 
 @dataclass(frozen=True)
-class StepConfig:
+class StepConfig(Configuration):
     """Parameters of STEP."""
 
     body: BodyRates = field(default_factory=lambda: BodyRates(yaw=0.5))

@@ -3,13 +3,14 @@
 from dataclasses import dataclass, field
 
 from atlas_drake.behaviors.walk.rules import WalkRules
+from atlas_drake.configuration import Configuration
 from atlas_drake.control.balance.step_adjustment import StepAdjustmentLimits
 from atlas_drake.control.feet.footstep import StepSlack
 from atlas_drake.control.feet.swing_foot import SwingProfile
 
 
 @dataclass(frozen=True)
-class WalkConfig:
+class WalkConfig(Configuration):
     """Parameters of WALK."""
 
     rules: WalkRules = field(default_factory=WalkRules)

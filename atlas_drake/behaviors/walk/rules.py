@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from atlas_drake.bounds import Positive, Share
+from atlas_drake.configuration import Configuration, NotNegative, Positive, Share
 
 
 @dataclass(frozen=True)
-class WalkRules:
+class WalkRules(Configuration):
     """Thresholds of the walk."""
 
-    touchdown_force: float = 0.08
+    touchdown_force: NotNegative = 0.08
     """Normal force that counts as touchdown, in weights of the robot [-]."""
-    landing_force: float = 0.01
+    landing_force: NotNegative = 0.01
     """Normal force that counts as touchdown in the last part of a swing, ``frozen_end``
     long, and later, when the ground is expected; in weights of the robot [-]. A foot
     that bounces lightly passes between two ticks through any larger force."""
@@ -21,22 +21,22 @@ class WalkRules:
     """Share of the swing before which contact is a stumble, not a touchdown [-]."""
     unload_share: Positive = 0.4
     """Last share of a transfer in which the leaving foot is unloaded [-]."""
-    dcm_ready: float = 0.025
+    dcm_ready: NotNegative = 0.025
     """Largest DCM error for lift-off [m]."""
-    longest_wait: float = 0.25
+    longest_wait: NotNegative = 0.25
     """Longest delay of lift-off until the DCM error is small enough [s]."""
-    straight_flexion: float = 0.12
+    straight_flexion: NotNegative = 0.12
     """Lift off without further delay when the leaving knee is bent by less than this
     from the straight leg [rad]."""
-    frozen_end: float = 0.06
+    frozen_end: NotNegative = 0.06
     """Last part of a swing in which the landing place does not change [s]."""
-    rest_speed: float = 0.08
+    rest_speed: NotNegative = 0.08
     """Speed of the center of mass below which the walk is over [m/s]."""
-    replan_shift: float = 0.002
+    replan_shift: NotNegative = 0.002
     """Least change of the landing place for a new plan [m]."""
-    transfer_change: float = 0.15
+    transfer_change: NotNegative = 0.15
     """Largest change of a transfer's duration, as a share of it, to correct an early or
     late touchdown. A larger timing error comes from a disturbance, and is not corrected
     further [-]."""
-    leg_stretch: float = 0.04
+    leg_stretch: NotNegative = 0.04
     """Stretch of the lower leg on uneven ground [m]."""

@@ -14,23 +14,24 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from atlas_drake.configuration import Configuration, NotNegative
 from atlas_drake.control.feet.footstep import FootPose
 
 
 @dataclass(frozen=True)
-class StepAdjustmentLimits:
+class StepAdjustmentLimits(Configuration):
     """Part of the DCM error that the ankles and double support correct.
 
     ``StepLimits`` bounds the shift of the step itself.
     """
 
-    cop_forward: float = 0.10
+    cop_forward: NotNegative = 0.10
     """Shift of the CoP that the stance foot can hold along the sole [m]."""
-    cop_sideways: float = 0.035
+    cop_sideways: NotNegative = 0.035
     """Shift of the CoP that the stance foot can hold across the sole [m]."""
-    tolerated_forward: float = 0.05
+    tolerated_forward: NotNegative = 0.05
     """DCM error at touchdown that double support can correct, along the sole [m]."""
-    tolerated_sideways: float = 0.02
+    tolerated_sideways: NotNegative = 0.02
     """DCM error at touchdown that double support can correct, across the sole [m]."""
 
 

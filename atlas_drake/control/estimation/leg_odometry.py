@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from atlas_drake.configuration import Configuration, NotNegative
 from atlas_drake.control.estimation.attitude import (
     rotation_matrix,
     turned,
@@ -26,35 +27,35 @@ _EYE = np.eye(5)
 
 
 @dataclass(frozen=True)
-class OdometryTuning:
+class OdometryTuning(Configuration):
     """Standard deviations of each source of the estimate, per axis.
 
     White noise is given per √s, so that it does not depend on the control period.
     """
 
-    gravity_settling: float = 100.0
+    gravity_settling: NotNegative = 100.0
     """Time constant with which an error of tilt is corrected by gravity [s]."""
-    acceleration: float = 0.005
+    acceleration: NotNegative = 0.005
     """White noise of the accelerometer [m/s² √s]."""
-    bias: float = 0.1
+    bias: NotNegative = 0.1
     """Initial uncertainty of the accelerometer's constant bias [m/s²]."""
-    foot_position: float = 0.001
+    foot_position: NotNegative = 0.001
     """Position of a sole relative to the pelvis, by kinematics [m]."""
-    slip: float = 0.001
+    slip: NotNegative = 0.001
     """Drift of a foot that stands firmly [m/√s]."""
-    loose_slip: float = 0.1
+    loose_slip: NotNegative = 0.1
     """Drift of a foot that carries almost no load, or that slides or tilts over an edge
     by the other sensors [m/√s]."""
-    no_load: float = 0.03
+    no_load: NotNegative = 0.03
     """Share of the weight below which a foot counts as in the air [-]."""
-    full_load: float = 0.40
+    full_load: NotNegative = 0.40
     """Share of the weight above which a foot counts as standing firmly [-]."""
-    still: float = 0.05
+    still: NotNegative = 0.05
     """Measured speed of a foot below which it does not slide: joint velocities have
     noise [m/s]."""
-    sliding: float = 0.12
+    sliding: NotNegative = 0.12
     """Measured speed of a foot above which it slides [m/s]."""
-    rest: float = 1.0
+    rest: NotNegative = 1.0
     """Speed of a robot without a foot on the ground [m/s]. It is assumed to hang still,
     because no other measurement of its velocity exists."""
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from atlas_drake.configuration import Configuration, NotNegative
 from atlas_drake.control.rotations import (
     rotation_with_normal,
     rotation_z,
@@ -77,18 +78,18 @@ class Footstep:
 
 
 @dataclass(frozen=True)
-class StepSlack:
+class StepSlack(Configuration):
     """Tolerance beyond the limits of a step, to make up for landing errors.
 
     Limits are relative to the actual or the commanded place of the stance foot. Without
     the tolerance a foot that landed a little short would shorten every later step.
     """
 
-    distance: float = 0.02
+    distance: NotNegative = 0.02
     """Tolerance of the horizontal distance [m]."""
-    turn: float = 0.05
+    turn: NotNegative = 0.05
     """Tolerance of the heading [rad]."""
-    rise: float = 0.01
+    rise: NotNegative = 0.01
     """Tolerance of the height, for ground that differs from the step's height [m]."""
 
     def loosen(self, limits: StepLimits) -> StepLimits:

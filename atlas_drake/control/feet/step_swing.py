@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from atlas_drake.bounds import Positive
+from atlas_drake.configuration import Configuration, NotNegative, Positive
 from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.feet.swing_foot import SwingReference, bump, quintic_progress
 from atlas_drake.control.rotations import rotation_about, rotation_vector
@@ -23,16 +23,16 @@ TURN_RADIUS = 0.25
 
 
 @dataclass(frozen=True)
-class StepSwingProfile:
+class StepSwingProfile(Configuration):
     """Parameters of the swing that are the same for all steps of STEP."""
 
-    press_depth: float = 0.005
+    press_depth: NotNegative = 0.005
     """Depth of the landing goal below the ground, so that the foot meets the ground
     [m]."""
     late_descent: Positive = 0.10
     """Descent speed of a foot that has not met the ground at the planned touchdown
     [m/s]."""
-    deepest: float = 0.06
+    deepest: NotNegative = 0.06
     """Depth below the expected ground to which the foot descends in search of it
     [m]."""
     shortest_part: Positive = 0.15

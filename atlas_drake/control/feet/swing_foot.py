@@ -12,7 +12,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from atlas_drake.bounds import Positive, ProperShare, Share
+from atlas_drake.configuration import (
+    Configuration,
+    NotNegative,
+    Positive,
+    ProperShare,
+    Share,
+)
 from atlas_drake.control.feet.footstep import FootPose, Footstep
 from atlas_drake.control.rotations import (
     cross,
@@ -24,7 +30,7 @@ from atlas_drake.frozen import replace
 
 
 @dataclass(frozen=True)
-class SwingProfile:
+class SwingProfile(Configuration):
     """Parameters of the swing that are the same for all steps of WALK."""
 
     landing_speed: Positive = 0.15
@@ -34,7 +40,7 @@ class SwingProfile:
     landing_time: Positive = 0.5
     """Longest final part of a swing, in which the sole reaches ``landing_speed``
     [s]."""
-    toe_down: float = 1.6
+    toe_down: NotNegative = 1.6
     """Pitch of the toes at the apex per swing height [rad/m]. A climb reduces it, so
     that the toes do not catch the edge."""
     climb_share: ProperShare = 0.5

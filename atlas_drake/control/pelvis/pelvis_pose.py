@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from atlas_drake.configuration import Configuration, NotNegative
 from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.pelvis.smooth_motion import Motion, MotionLimits, at_rest
@@ -111,7 +112,7 @@ def make_stance(left: FootPose, right: FootPose, support: SupportPolygon) -> Sta
 
 
 @dataclass(frozen=True)
-class PelvisRates:
+class PelvisRates(Configuration):
     """Limits on the motion of pelvis and center of mass."""
 
     height: MotionLimits = field(
@@ -129,7 +130,7 @@ class PelvisRates:
 
 
 @dataclass(frozen=True)
-class PelvisLead:
+class PelvisLead(Configuration):
     """Greatest lead of the reference over a robot that does not follow.
 
     The robot does not follow when a user holds the legs, or during a push. The limits
@@ -137,9 +138,9 @@ class PelvisLead:
     reference that yields to the center of mass would not balance the robot.
     """
 
-    height: float = 0.06
+    height: NotNegative = 0.06
     """Lead in height [m]."""
-    turn: float = 0.25
+    turn: NotNegative = 0.25
     """Lead in yaw, pitch and roll [rad]."""
 
 

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from atlas_drake.bounds import Positive
+from atlas_drake.configuration import Configuration, NotNegative, Positive
 
 
 @dataclass(frozen=True)
-class MotionLimits:
+class MotionLimits(Configuration):
     """Limits on the motion of a point, in any unit.
 
     Raises:
@@ -23,9 +23,9 @@ class MotionLimits:
             the spring requires, so that the point would overshoot its goal.
     """
 
-    speed: float
+    speed: NotNegative
     """Greatest speed [1/s]."""
-    acceleration: float
+    acceleration: NotNegative
     """Greatest acceleration [1/s²]."""
     rate: Positive = 4.0
     """Rate of the spring: the distance to the goal shrinks by a factor e in 1/rate

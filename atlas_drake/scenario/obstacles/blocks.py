@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass, field
 from typing import Annotated
 
-from atlas_drake.bounds import Bounds
-from atlas_drake.errors import ScenarioError, shown
+from annotated_types import Interval, MinLen
+
 from atlas_drake.scenario.obstacles.obstacle import Length, Obstacle, Tilt
 from atlas_drake.scenario.terrain import Block
 
@@ -23,39 +23,24 @@ _COLORS = (
 """One for each of these, so that one sees which way a block leans."""
 
 
-@dataclass
+@dataclass(frozen=True)
 class Blocks(Obstacle):
     """Rows and columns of blocks, each tilted to another side than its neighbors."""
 
-    rows: Annotated[int, Bounds(1, 50)] = 4
+    rows: Annotated[int, Interval(ge=1, le=50)] = 4
     """Number of blocks along x."""
-    columns: Annotated[int, Bounds(1, 50)] = 2
+    columns: Annotated[int, Interval(ge=1, le=50)] = 2
     """Number of blocks along y."""
     size: Length = 0.36
     """Length and width of each block [m]."""
-    gap: Annotated[float, Bounds(0.0, 10.0)] = 0.02
+    gap: Annotated[float, Interval(ge=0.0, le=10.0)] = 0.02
     """Distance between blocks [m]."""
     tilt: Tilt = 0.10
     """Angle of each top against the level [rad]."""
-    heights: list[Length] = field(default_factory=lambda: [0.06, 0.10, 0.14, 0.10])
+    heights: Annotated[list[Length], MinLen(1)] = field(
+        default_factory=lambda: [0.06, 0.10, 0.14, 0.10]
+    )
     """Heights of the middles of the tops, row by row; the list repeats [m]."""
-
-    def validate(self, path: str) -> None:
-        """Check what bounds of single numbers do not.
-
-        Args:
-            path: Where the obstacle is in its scenario.
-
-        Raises:
-            ScenarioError: Naming the first field that cannot be used.
-        """
-        super().validate(path)
-        if not self.heights:
-            raise ScenarioError(
-                f"{path}.heights",
-                self.heights,
-                f"is {shown(self.heights)}; must have a height at least",
-            )
 
     def _blocks_O(self) -> list[Block]:
         pitch = self.size + self.gap

@@ -6,14 +6,15 @@ import math
 from dataclasses import dataclass
 from typing import Annotated
 
-from atlas_drake.bounds import Bounds
+from annotated_types import Interval
+
 from atlas_drake.scenario.obstacles.obstacle import Length, Obstacle, Tilt
 from atlas_drake.scenario.terrain import Block
 
 _SLOPE, _LANDING = [0.55, 0.62, 0.66], [0.45, 0.52, 0.57]
 
 
-@dataclass
+@dataclass(frozen=True)
 class Ramp(Obstacle):
     """A slope that rises along x, and a landing on top."""
 
@@ -23,7 +24,7 @@ class Ramp(Obstacle):
     """Length of the slope, along its face [m]."""
     width: Length = 1.6
     """Width of slope and landing [m]."""
-    landing: Annotated[float, Bounds(0.0, 100.0)] = 1.2
+    landing: Annotated[float, Interval(ge=0.0, le=100.0)] = 1.2
     """Length of the landing behind the slope [m]; 0 leaves it out."""
 
     def _blocks_O(self) -> list[Block]:

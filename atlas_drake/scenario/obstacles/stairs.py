@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated
 
-from atlas_drake.bounds import Bounds
+from annotated_types import Interval
+
 from atlas_drake.scenario.obstacles.obstacle import Length, Obstacle
 from atlas_drake.scenario.terrain import Block
 
@@ -13,7 +14,7 @@ _TREADS = ([0.72, 0.62, 0.50], [0.62, 0.53, 0.42])
 """Colors of the steps, in turn: neighbors must be told apart from above."""
 
 
-@dataclass
+@dataclass(frozen=True)
 class Stairs(Obstacle):
     """A flight of steps that rises along x, and a landing on top."""
 
@@ -22,11 +23,11 @@ class Stairs(Obstacle):
     ``atlas_v3``."""
     run: Length = 0.35
     """Depth of each step [m]."""
-    number: Annotated[int, Bounds(1, 100)] = 4
+    number: Annotated[int, Interval(ge=1, le=100)] = 4
     """Number of steps; the last one is level with the landing."""
     width: Length = 1.6
     """Width of the steps [m]."""
-    landing: Annotated[float, Bounds(0.0, 100.0)] = 1.2
+    landing: Annotated[float, Interval(ge=0.0, le=100.0)] = 1.2
     """Length of the landing behind the last step [m]."""
 
     def _blocks_O(self) -> list[Block]:

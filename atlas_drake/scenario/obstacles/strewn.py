@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from typing import Annotated
 
 import numpy as np
+from annotated_types import Interval, Len
 
-from atlas_drake.bounds import Bounds
-from atlas_drake.errors import ScenarioError, shown
+from atlas_drake.errors import ScenarioError
 from atlas_drake.scenario.obstacles.obstacle import Length, Obstacle
 from atlas_drake.scenario.terrain import Block
 
@@ -19,41 +19,28 @@ _TRIES = 200
 _LARGEST_SEED = 2**53
 
 
-@dataclass
+@dataclass(frozen=True)
 class Strewn(Obstacle):
     """Bricks at random places of an area, none on top of another."""
 
-    number: Annotated[int, Bounds(0, 1000)] = 60
+    number: Annotated[int, Interval(ge=0, le=1000)] = 60
     """Number of bricks."""
-    size: list[Length] = field(default_factory=lambda: [0.20, 0.10, 0.05])
+    size: Annotated[list[Length], Len(3, 3)] = field(
+        default_factory=lambda: [0.20, 0.10, 0.05]
+    )
     """Length, width and height of a brick [m]."""
-    area: list[Length] = field(default_factory=lambda: [4.0, 3.0])
+    area: Annotated[list[Length], Len(2, 2)] = field(default_factory=lambda: [4.0, 3.0])
     """Area of the bricks' middles, along x and y [m]."""
-    seed: Annotated[int, Bounds(0, _LARGEST_SEED)] = 0
+    seed: Annotated[int, Interval(ge=0, le=_LARGEST_SEED)] = 0
     """Seed of the places; independent of the scenario's seed, so that runs of several
     seeds meet the same bricks."""
 
-    def validate(self, path: str) -> None:
-        """Check what bounds of single numbers do not.
-
-        Args:
-            path: Where the obstacle is in its scenario.
-
-        Raises:
-            ScenarioError: Naming the first field that cannot be used.
-        """
-        super().validate(path)
-        for name, length in (("size", 3), ("area", 2)):
-            value = getattr(self, name)
-            if len(value) != length:
-                wanted = f"must be {'three' if length == 3 else 'two'} numbers"
-                raise ScenarioError(
-                    f"{path}.{name}", value, f"is {shown(value)}; {wanted}"
-                )
+    def check(self) -> None:
+        """Checks that the bricks find room."""
         placed = len(self._places())
         if placed < self.number:
             raise ScenarioError(
-                f"{path}.number",
+                "number",
                 self.number,
                 f"is {self.number}; only {placed} bricks of {self.size} find room in "
                 f"an area of {self.area}",

@@ -21,8 +21,8 @@ from atlas_drake.campaigns.metrics import METRICS, Figures
 from atlas_drake.campaigns.plan import Trial, parameters_of, scenario_of
 from atlas_drake.campaigns.shipped_trials import TRIALS
 from atlas_drake.campaigns.sources import Sources
+from atlas_drake.checked import as_plain, checked
 from atlas_drake.errors import shown
-from atlas_drake.kinds import as_plain, typed
 from atlas_drake.numeric import as_float, is_number, plain_number
 from atlas_drake.robot import load_robot
 from atlas_drake.scenario import Scenario
@@ -33,7 +33,7 @@ KEPT = 4
 """Number of simulations that a process keeps, such as one for each robot."""
 
 
-class Performer:
+class TrialRunner:
     """Runs the trials of one campaign; can be pickled."""
 
     def __init__(self, campaign: Campaign, sources: Sources) -> None:
@@ -60,7 +60,7 @@ class Performer:
         return {"campaign": as_plain(self._campaign), "sources": self._sources}
 
     def __setstate__(self, state: Mapping[str, Any]) -> None:
-        self._campaign = typed(state["campaign"], Campaign, from_text=True)
+        self._campaign = checked(Campaign, state["campaign"])
         self._sources = state["sources"]
         self._find_functions()
 

@@ -1,15 +1,16 @@
 """Trials in one process: figures, errors, simulations that are kept."""
 
 import pickle
+from dataclasses import replace
 
 import pytest
 
 from atlas_drake import ScenarioError
 from atlas_drake.campaigns.folder import CampaignFolder, merge, same_result
-from atlas_drake.campaigns.performer import Performer
 from atlas_drake.campaigns.plan import make_trial
 from atlas_drake.campaigns.runner import Shard, missing_trials
 from atlas_drake.campaigns.sources import Sources
+from atlas_drake.campaigns.trial_runner import TrialRunner
 
 pytestmark = pytest.mark.usefixtures("restored_loggers")
 
@@ -35,14 +36,14 @@ seeds: counted
 """
 
 
-def performer_of(campaign):
-    return Performer(campaign, Sources(tuple(campaign.code)))
+def runner_of(campaign):
+    return TrialRunner(campaign, Sources(tuple(campaign.code)))
 
 
 def test_every_trial_is_reproducible_alone(campaign):
     campaign = campaign("vary: {ground_friction: {uniform: [0.5, 0.9]}}")
-    performer = performer_of(campaign)
-    records = [performer(make_trial(campaign, number)) for number in range(3)]
+    trial_runner = runner_of(campaign)
+    records = [trial_runner(make_trial(campaign, number)) for number in range(3)]
     assert [r["machine"]["built_anew"] for r in records] == [True, False, False]
     assert all(r["success"] for r in records)
     figures = records[2]["figures"]
@@ -51,7 +52,7 @@ def test_every_trial_is_reproducible_alone(campaign):
     assert 0.0 < figures["tilt_max_rad"] < 1.0
     assert len({r["figures"]["tilt_max_rad"] for r in records}) == 3
     # In another process nothing is kept.
-    elsewhere = pickle.loads(pickle.dumps(performer))
+    elsewhere = pickle.loads(pickle.dumps(trial_runner))
     alone = elsewhere(make_trial(campaign, 2))
     assert alone["machine"]["built_anew"]
     assert same_result(alone) == same_result(records[2])
@@ -59,16 +60,16 @@ def test_every_trial_is_reproducible_alone(campaign):
 
 def test_what_is_built_in_is_built_anew(campaign):
     campaign = campaign("cases: {controller.gains.dcm_gain: [2.0, 2.5]}\nduration: .01")
-    performer = performer_of(campaign)
-    records = [performer(make_trial(campaign, number)) for number in range(4)]
+    trial_runner = runner_of(campaign)
+    records = [trial_runner(make_trial(campaign, number)) for number in range(4)]
     anew = [r["machine"]["built_anew"] for r in records]
     assert anew == [True, True, False, False]
 
 
 def test_functions_of_ones_own_drive_and_measure(campaign):
     campaign = campaign(LINES, OWN)
-    performer = performer_of(campaign)
-    even, odd = (performer(make_trial(campaign, number)) for number in (0, 1))
+    trial_runner = runner_of(campaign)
+    even, odd = (trial_runner(make_trial(campaign, number)) for number in (0, 1))
     assert even["success"]
     assert even["error"] is None
     figures = even["figures"]
@@ -80,7 +81,7 @@ def test_functions_of_ones_own_drive_and_measure(campaign):
     assert "Traceback" in odd["error"]
     assert odd["error"].endswith("ValueError: an odd seed\n")
     # And leaves nothing behind.
-    assert performer(make_trial(campaign, 2))["machine"]["built_anew"]
+    assert trial_runner(make_trial(campaign, 2))["machine"]["built_anew"]
 
 
 def test_two_figures_of_one_name_are_an_error_of_the_trial(campaign):
@@ -92,7 +93,7 @@ def test_two_figures_of_one_name_are_an_error_of_the_trial(campaign):
             return {"tilt_max_rad": 0.0}
         """,
     )
-    record = performer_of(campaign)(make_trial(campaign, 0))
+    record = runner_of(campaign)(make_trial(campaign, 0))
     assert "tilt: there is a figure tilt_max_rad already" in record["error"]
 
 
@@ -108,14 +109,14 @@ def test_two_figures_of_one_name_are_an_error_of_the_trial(campaign):
 def test_a_function_that_is_not_there_is_named(more, field, campaign):
     lines = more if "metrics" not in more else f"trial: run\n{more}"
     with pytest.raises(ScenarioError) as caught:
-        performer_of(campaign(lines.replace("metrics", "success: []\nmetrics")))
+        runner_of(campaign(lines.replace("metrics", "success: []\nmetrics")))
     assert caught.value.field == field
 
 
 def test_shards_merge_to_the_same_results(campaign, tmp_path):
     campaign, sources = campaign(), Sources()
     whole = {n: fake(make_trial(campaign, n)) for n in range(7)}
-    campaign.trials = 7
+    campaign = replace(campaign, trials=7)
     parts = []
     for index in (1, 2, 3):
         folder = CampaignFolder(tmp_path / f"part{index}")
@@ -131,7 +132,7 @@ def test_shards_merge_to_the_same_results(campaign, tmp_path):
     parts[1].write({**fake(make_trial(campaign, 1)), "success": False})
     with pytest.raises(ScenarioError, match=r"trial 1 of .* contradicts"):
         merge(target, parts)
-    campaign.seed = 3
+    campaign = replace(campaign, seed=3)
     other = CampaignFolder(tmp_path / "other")
     other.begin(campaign, sources)
     with pytest.raises(ScenarioError, match="another campaign: seed is 3, and 0"):
@@ -161,10 +162,11 @@ def test_a_folder_is_of_one_campaign(campaign, campaign_file, tmp_path):
     sources = Sources(tuple(first.code))
     folder = CampaignFolder(tmp_path / "out")
     folder.begin(first, sources)
-    first.trials = 7
+    first = replace(first, trials=7)
     folder.begin(first, sources)
     changed = campaign("", "NUMBER = 1\n")
-    changed.scenario.jitter.mass = 0.1
+    jitter = replace(changed.scenario.jitter, mass=0.1)
+    changed = replace(changed, scenario=replace(changed.scenario, jitter=jitter))
     with pytest.raises(ScenarioError, match=r"jitter\.mass is 0\.1, and was 0\.05"):
         folder.begin(changed, sources)
     campaign_file("", "NUMBER = 2\n")

@@ -1,6 +1,6 @@
-"""The 3D view on the command line: serve it, wait for a browser, keep it open.
+"""The 3D view's server: start it, wait for a browser, keep it open.
 
-The displays are in ``visualization``.
+What is drawn is in ``meshcat_view``.
 """
 
 from __future__ import annotations
@@ -15,7 +15,6 @@ from collections.abc import Callable
 
 from pydrake.geometry import Meshcat, MeshcatParams
 
-from atlas_drake.app.progress import Progress
 from atlas_drake.errors import ScenarioError, shown
 from atlas_drake.numeric import is_whole
 
@@ -130,10 +129,10 @@ def await_viewer(meshcat: Meshcat, say: Callable[[str], object] = print) -> None
         time.sleep(0.1)
 
 
-def keep_serving(progress: Progress) -> None:
+def keep_serving(say: Callable[[str], object]) -> None:
     """Keeps the view open until the user presses Enter or Ctrl-C."""
-    progress.say("The 3D view stays open. Press Enter to quit.")
+    say("The 3D view stays open. Press Enter to quit.")
     try:
         sys.stdin.readline()
     except KeyboardInterrupt:
-        progress.say("")
+        say("")

@@ -1,0 +1,114 @@
+"""Detects a fall from the true state, for any controller of the robot.
+
+A controller may detect the fall earlier, by the same signs.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from pydrake.common.value import AbstractValue
+from pydrake.multibody.plant import MultibodyPlant
+from pydrake.systems.framework import Context, State
+
+from atlas_drake.behaviors.fall import FallLimits, Posture, sign_of_fall
+from atlas_drake.frozen import NOTHING, Frozen
+from atlas_drake.robot import Robot
+from atlas_drake.systems.collectable_system import CollectableSystem
+from atlas_drake.systems.scratch import declare_scratch_context
+
+TICKS = 2
+"""Interval between two looks at the posture [control periods]."""
+
+
+@dataclass(frozen=True)
+class Fall(Frozen):
+    """The first sign of a fall.
+
+    Attributes:
+        time: Time of the sign [s].
+        sign: Description of the posture.
+    """
+
+    time: float
+    sign: str
+
+
+class FallMonitor(CollectableSystem):
+    """State of the robot in, its fall out.
+
+    Input ports:
+        state: Positions and velocities of the robot.
+
+    Output ports:
+        fall: ``Fall``; NOTHING until the robot falls.
+    """
+
+    __slots__ = ()
+
+    def __init__(
+        self, robot: Robot, plant: MultibodyPlant, limits: FallLimits, period: float
+    ) -> None:
+        """Looks at ``robot`` in ``plant`` every ``TICKS`` control periods.
+
+        Args:
+            robot: The robot.
+            plant: A finalized plant with the robot.
+            limits: Limits of the controller.
+            period: The control period [s].
+        """
+        super().__init__()
+        self._plant: Any = plant
+        self._limits = limits
+        self._instance = own = robot.instance(plant)
+        self._up = robot.indices(plant).pelvis.orientation
+        # Indices, because frames hold their plant where the garbage collector cannot
+        # see it.
+        self._soles = [
+            plant.GetFrameByName(f.sole_frame, own).index() for f in robot.file.feet
+        ]
+        self._nominal_height = self._standing_height(robot) - robot.file.com_drop
+        self._state_input = self.DeclareVectorInputPort(
+            "state", plant.num_multibody_states(own)
+        )
+        self._scratch = declare_scratch_context(self, plant.CreateDefaultContext)
+        self._fall = self.DeclareAbstractState(AbstractValue.Make(NOTHING))
+        self.DeclareStateOutputPort("fall", self._fall)
+        self.DeclarePeriodicUnrestrictedUpdateEvent(TICKS * period, 0.0, self._update)
+
+    def reset(self, context: Context) -> None:
+        """Forgets a fall."""
+        context.get_mutable_abstract_state(self._fall).set_value(NOTHING)
+
+    def _update(self, context: Context, state: State) -> None:
+        if context.get_abstract_state(self._fall).get_value() is not NOTHING:
+            return
+        values = self._state_input.Eval(context)
+        scratch = self._scratch.Eval(context)
+        self._plant.SetPositionsAndVelocities(scratch, self._instance, values)
+        _, qx, qy, _ = values[self._up].tolist()
+        upright = 1.0 - 2.0 * (qx * qx + qy * qy)
+        posture = Posture(upright, self._com_height(scratch))
+        sign = sign_of_fall(posture, self._nominal_height, self._limits)
+        if sign:
+            fall = Fall(context.get_time(), sign)
+            state.get_mutable_abstract_state(self._fall).set_value(fall)
+
+    def _com_height(self, context: Context) -> float:
+        """Computes the height of the center of mass above the lower sole [m]."""
+        plant = self._plant
+        com = plant.CalcCenterOfMassPositionInWorld(context, [self._instance])
+        soles = [
+            plant.get_frame(sole).CalcPoseInWorld(context).translation()[2]
+            for sole in self._soles
+        ]
+        return float(com[2] - min(soles))
+
+    def _standing_height(self, robot: Robot) -> float:
+        """Computes the height of the center of mass in the stand-prep pose [m]."""
+        context = self._plant.CreateDefaultContext()
+        q = self._plant.GetPositions(context, self._instance)
+        q[robot.indices(self._plant).q] = robot.stand_prep
+        self._plant.SetPositions(context, self._instance, q)
+        return self._com_height(context)

@@ -1,0 +1,305 @@
+"""Pushes on the robot's bodies: those of a plan, and those that are requested.
+
+What a plan may contain is in ``scenario.pushes``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from pydrake.common.eigen_geometry import Quaternion
+from pydrake.common.value import AbstractValue
+from pydrake.math import RollPitchYaw
+from pydrake.multibody.math import SpatialForce
+from pydrake.multibody.plant import ExternallyAppliedSpatialForce, MultibodyPlant
+from pydrake.systems.framework import Context, State
+
+from atlas_drake.control.whole_body.model import GRAVITY
+from atlas_drake.errors import InvalidMessageError, ScenarioError, did_you_mean, shown
+from atlas_drake.frozen import NOTHING, Frozen, replace
+from atlas_drake.messages.checks import check_number, check_vector
+from atlas_drake.messages.controller_status import ControllerStatus
+from atlas_drake.messages.recent import append_recent
+from atlas_drake.robot import Robot
+from atlas_drake.scenario.pushes import LARGEST_FORCE, PlannedPush
+from atlas_drake.systems.collectable_system import CollectableSystem
+from atlas_drake.systems.gait_watch import FootLoad
+
+SAME_TIME = 1e-9
+"""Times closer than this are the same [s]: times are sums of rounded periods."""
+RECENT = 8
+"""Least number of recent pushes that are kept for readers."""
+VERTICAL = (5, 11)
+"""Indices of the feet's vertical forces in the station's ``foot_wrenches``."""
+
+
+@dataclass(frozen=True)
+class Push(Frozen):
+    """A force on a body at its origin.
+
+    Attributes:
+        body: Name of the link.
+        force_W: Force in W [N], shape (3,).
+        time: Begin of the push [s].
+        duration: Duration of the push [s].
+    """
+
+    body: str
+    force_W: np.ndarray
+    time: float
+    duration: float
+
+    @property
+    def end(self) -> float:
+        """End of the push [s]."""
+        return self.time + self.duration
+
+    def text(self) -> str:
+        """Describes the push for the user."""
+        force = np.round(self.force_W, 1).tolist()
+        return f"push of {force} N on {self.body} for {self.duration:g} s"
+
+    def mean_force(self, start: float, stop: float) -> np.ndarray:
+        """Computes the mean force over a period [N], shape (3,)."""
+        overlap = min(self.end, stop) - max(self.time, start)
+        return self.force_W * (max(overlap, 0.0) / (stop - start))
+
+
+@dataclass(frozen=True)
+class PushState(Frozen):
+    """State of the pushes.
+
+    Attributes:
+        planned: Planned pushes with their times [s].
+        awaited: Planned pushes that wait for the gait, with the number of events left.
+        feet: Loads on the left and the right foot.
+        active: Pushes that have begun, or begin within the control period, and have not
+            ended.
+        forces: Bodies and mean forces of the present control period in W [N].
+        recent: The latest pushes that began.
+        begun: Number of pushes that began in the run.
+    """
+
+    planned: tuple[tuple[float, PlannedPush], ...] = ()
+    awaited: tuple[tuple[PlannedPush, int], ...] = ()
+    feet: tuple[FootLoad, ...] = (FootLoad(), FootLoad())
+    active: tuple[Push, ...] = ()
+    forces: tuple[tuple[str, np.ndarray], ...] = ()
+    recent: tuple[Push, ...] = ()
+    begun: int = 0
+
+    def watched(self, time: float, loads: Sequence[float], left: float) -> PushState:
+        """Returns the state after the loads of a control tick.
+
+        Args:
+            time: Present time [s].
+            loads: Shares of the robot's weight on both feet [-].
+            left: Time until the next touchdown as the behavior plans it [s].
+        """
+        feet, planned, awaited = [], list(self.planned), self.awaited
+        for name, foot, load in zip(("left", "right"), self.feet, loads, strict=True):
+            after, phase = foot.after(time, load)
+            feet.append(after)
+            waiting = []
+            for plan, count in awaited:
+                counts = plan.foot in ("any", name) and plan.phase == phase
+                if count > counts:
+                    waiting.append((plan, count - counts))
+                else:
+                    begin = time + plan.delay + plan.fraction * left
+                    planned.append((begin, plan))
+            awaited = tuple(waiting)
+        return replace(self, planned=tuple(planned), awaited=awaited, feet=tuple(feet))
+
+    def with_push(self, push: Push) -> PushState:
+        """Returns the state with another push that begins."""
+        return replace(
+            self,
+            active=(*self.active, push),
+            recent=append_recent(self.recent, push, RECENT),
+            begun=self.begun + 1,
+        )
+
+
+class PushSource(CollectableSystem):
+    """External forces in, the same with those of the pushes out.
+
+    The force of a push is constant in each control period: its mean over that period,
+    so that the impulse is exact. The state changes at control ticks, so that steps
+    between two ticks cost nothing.
+
+    Input ports:
+        state: Positions and velocities of the robot.
+        foot_wrenches: Wrenches of the ground on the soles [N·m; N], shape (12,).
+        controller_status: ``ControllerStatus``.
+        other_spatial_force: List of ``ExternallyAppliedSpatialForce``; optional.
+
+    Output ports:
+        applied_spatial_force: The list of ``other_spatial_force`` with the forces of
+            the pushes.
+        pushes: ``PushState``.
+    """
+
+    __slots__ = ()
+
+    def __init__(
+        self,
+        robot: Robot,
+        plant: MultibodyPlant,
+        plans: Sequence[PlannedPush],
+        period: float,
+    ):
+        """Begins the planned pushes, and looks at the feet every ``period`` [s].
+
+        Raises:
+            ScenarioError: If the robot lacks a body that is to be pushed.
+        """
+        super().__init__()
+        self._robot, self._period = robot, period
+        self._orientation = robot.indices(plant).pelvis.orientation
+        own = robot.instance(plant)
+        self._bodies = {
+            name: plant.GetBodyByName(name, own).index() for name in robot.body_names
+        }
+        self._state_input = self.DeclareVectorInputPort(
+            "state", plant.num_multibody_states(own)
+        )
+        self._wrench_input = self.DeclareVectorInputPort("foot_wrenches", 12)
+        self._status_input = self.DeclareAbstractInputPort(
+            "controller_status", AbstractValue.Make(NOTHING)
+        )
+        no_forces = AbstractValue.Make([ExternallyAppliedSpatialForce()])
+        self._others = self.DeclareAbstractInputPort("other_spatial_force", no_forces)
+        self._pushes = self.DeclareAbstractState(
+            AbstractValue.Make(self.schedule(plans))
+        )
+        ticket = self.abstract_state_ticket(self._pushes)
+        self.DeclareAbstractOutputPort(
+            "applied_spatial_force",
+            no_forces.Clone,
+            self._calc_forces,
+            {ticket, self._others.ticket()},
+        )
+        self.DeclareStateOutputPort("pushes", self._pushes)
+        self.DeclarePeriodicUnrestrictedUpdateEvent(period, 0.0, self._update)
+
+    def schedule(self, plans: Sequence[PlannedPush]) -> PushState:
+        """Returns the state of a run that begins with these plans.
+
+        Raises:
+            ScenarioError: If the robot lacks a body that is to be pushed.
+        """
+        for index, plan in enumerate(plans):
+            try:
+                self._make(plan, 0.0, 0.0)
+            except InvalidMessageError as error:
+                field = f"pushes[{index}].{error.field}"
+                raise ScenarioError(field, error.value, error.problem) from None
+        return PushState(
+            planned=tuple((p.time, p) for p in plans if p.time is not None),
+            awaited=tuple((p, p.count) for p in plans if p.time is None),
+        )
+
+    def begin(self, context: Context, state: PushState) -> None:
+        """Begins a run with a state from ``schedule``."""
+        context.get_mutable_abstract_state(self._pushes).set_value(state)
+
+    def push(
+        self,
+        context: Context,
+        body: str,
+        force_W: Sequence[float] | np.ndarray,
+        duration: float,
+    ) -> None:
+        """Pushes a body from now on.
+
+        Args:
+            context: Context of this system.
+            body: Name of the link.
+            force_W: Force in W [N], shape (3,).
+            duration: Duration of the push [s], positive.
+
+        Raises:
+            InvalidMessageError: If there is no such body or a value is invalid.
+        """
+        now = context.get_time()
+        push = self._checked(body, force_W, now, duration)
+        after = self.state(context).with_push(push)
+        tick = math.ceil(now / self._period - 1e-6) * self._period
+        if tick > now + SAME_TIME:  # At a tick, the update is still to come.
+            force = (body, push.mean_force(now, tick))
+            after = replace(after, forces=(*after.forces, force))
+        self.begin(context, after)
+
+    def reset(self, context: Context) -> None:
+        """Ends the pushes in force; the plan continues."""
+        self.begin(context, replace(self.state(context), active=(), forces=()))
+
+    def state(self, context: Context) -> PushState:
+        """Returns the state of the pushes."""
+        return context.get_abstract_state(self._pushes).get_value()
+
+    def _checked(
+        self,
+        body: str,
+        force_W: Sequence[float] | np.ndarray,
+        time: float,
+        duration: float,
+    ) -> Push:
+        force = check_vector(force_W, "force_W", 3, LARGEST_FORCE)
+        check_number(duration, "duration", 0.0, strictly=True)
+        if body not in self._bodies:
+            hint = did_you_mean(str(body), self._bodies)
+            hint = hint or f" It has {', '.join(self._bodies)}."
+            problem = f"the robot has no body {shown(body)}.{hint}"
+            raise InvalidMessageError("body", body, problem)
+        return Push(body, force, time, float(duration))
+
+    def _make(self, plan: PlannedPush, heading: float, time: float) -> Push:
+        body = plan.body or self._robot.file.chest
+        return self._checked(body, plan.force(heading), time, plan.duration)
+
+    def _update(self, context: Context, state: State) -> None:
+        now, pushes = context.get_time(), self.state(context)
+        if not (pushes.planned or pushes.awaited or pushes.active):
+            return
+        if pushes.awaited and now > 0.0:  # Loads exist from the first step on.
+            wrenches = self._wrench_input.Eval(context)
+            weight = self._robot.mass * GRAVITY
+            left = time_to_touchdown(self._status_input.Eval(context))
+            loads = [float(wrenches[index]) / weight for index in VERTICAL]
+            pushes = pushes.watched(now, loads, left)
+        stop = now + self._period
+        due = [entry for entry in pushes.planned if entry[0] < stop - SAME_TIME]
+        if due:
+            q_WP = self._state_input.Eval(context)[self._orientation]
+            heading = RollPitchYaw(Quaternion(q_WP)).yaw_angle()
+            planned = tuple(entry for entry in pushes.planned if entry not in due)
+            pushes = replace(pushes, planned=planned)
+            for time, plan in due:
+                pushes = pushes.with_push(self._make(plan, heading, time))
+        active = tuple(push for push in pushes.active if push.end > now + SAME_TIME)
+        forces = tuple((push.body, push.mean_force(now, stop)) for push in active)
+        state.get_mutable_abstract_state(self._pushes).set_value(
+            replace(pushes, active=active, forces=forces)
+        )
+
+    def _calc_forces(self, context: Context, output: AbstractValue) -> None:
+        forces = self._others.Eval(context) if self._others.HasValue(context) else []
+        output.set_value(
+            [*forces, *(self._applied(*entry) for entry in self.state(context).forces)]
+        )
+
+    def _applied(self, body: str, force_W: np.ndarray) -> ExternallyAppliedSpatialForce:
+        applied = ExternallyAppliedSpatialForce()
+        applied.body_index = self._bodies[body]
+        applied.F_Bq_W = SpatialForce(np.zeros(3), force_W)
+        return applied
+
+
+def time_to_touchdown(status: ControllerStatus) -> float:
+    """Returns the planned time until the next touchdown [s]; 0 if none is planned."""
+    return max(0.0, getattr(status.feedback, "t_step_rem", 0.0))
