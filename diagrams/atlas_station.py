@@ -146,6 +146,7 @@ def make_atlas_station(
         atlas_sim_interface_state: ``AtlasSimInterfaceState``
         commands: ``CommandsInForce``
         controller_status: ``ControllerStatus``
+        planned_paths: ``PlannedPaths``, computed when they are read.
         behavior_effort: Efforts of the controller [N·m], shape (n,), message order.
         effort: Efforts of the motors [N·m], shape (n,), message order.
         user_effort: Efforts of the joint controllers [N·m], shape (n,), message order.
@@ -177,13 +178,11 @@ def make_atlas_station(
     indices, own = robot.indices(plant), robot.instance(plant)
     own_state = plant.get_state_output_port(own)
 
+    catalog = BehaviorCatalog(entries)
     commands = builder.AddNamedSystem(
         "command_interface",
         CommandInterface(
-            robot,
-            config.control_period,
-            config.initial_behavior,
-            BehaviorCatalog(entries),
+            robot, config.control_period, config.initial_behavior, catalog
         ),
     )
     pid = builder.AddNamedSystem(
@@ -198,7 +197,7 @@ def make_atlas_station(
     )
     ours = partial(make_whole_body_controller, entries=entries)
     chosen = make_controller(ours if controller is None else controller, robot, config)
-    socket = add_controller(builder, chosen, robot)
+    socket = add_controller(builder, chosen, robot, catalog)
     reporter = builder.AddNamedSystem("interface_reporter", InterfaceReporter(robot))
     selector = builder.AddNamedSystem("effort_selector", EffortSelector(robot, indices))
     sensors = builder.AddNamedSystem(
@@ -304,6 +303,7 @@ def make_atlas_station(
     builder.ExportOutput(behavior_state, "behavior_state")
     builder.ExportOutput(socket.effort, "behavior_effort")
     builder.ExportOutput(socket.status, "controller_status")
+    builder.ExportOutput(socket.paths, "planned_paths")
     builder.ExportOutput(scene_graph.get_query_output_port(), "query_object")
     station = builder.Build()
     station.set_name("AtlasStation")

@@ -8,6 +8,7 @@ port                           value
 ===================== ======== ======================================================
 ``behavior_effort``   output   joint efforts [N·m], shape (n,), message order; required
 ``controller_status`` output   ``ControllerStatus``: behaviors, events, plan
+``planned_paths``     output   ``PlannedPaths``, computed when viewers and logs read it
 ``state``             input    measured (or estimated) q and v, in plant order
 ``foot_loads``        input    normal forces on left and right foot [N], shape (2,)
 ``user_forecast``     input    ``UserForecast``, the user's law during the next tick
@@ -30,7 +31,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TypeAlias
+from functools import partial
+from typing import Any, TypeAlias
 
 from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import (
@@ -43,12 +45,21 @@ from pydrake.systems.framework import (
 from pydrake.systems.primitives import ConstantValueSource
 
 from atlas_drake.errors import AtlasError, did_you_mean, shown
-from atlas_drake.messages.controller_status import ControllerStatus
+from atlas_drake.frozen import NOTHING
+from atlas_drake.messages.behavior_catalog import BehaviorCatalog
+from atlas_drake.messages.controller_status import (
+    ControllerStatus,
+    PlannedPaths,
+    check_paths,
+    check_status,
+)
 from atlas_drake.robot import Robot
+from atlas_drake.systems.collectable_system import CollectableSystem
+from atlas_drake.systems.whole_body_controller import WholeBodyController
 
 ControllerSource: TypeAlias = System | Callable[..., System]
 """A controller, or a callable (robot, config) -> System that makes one."""
-EFFORT, STATUS = "behavior_effort", "controller_status"
+EFFORT, STATUS, PATHS = "behavior_effort", "controller_status", "planned_paths"
 DELAYED = ("imu", "user_forecast")
 """Inputs that depend on the efforts, and so must not have direct feedthrough."""
 CONTROLLER = "controller"
@@ -67,11 +78,13 @@ class ControllerSocket:
         system: The controller.
         effort: Output port of its efforts.
         status: Output port of its status, or of a blank status if it has none.
+        paths: Output port of its planned paths, or of blank paths.
     """
 
     system: System
     effort: OutputPort
     status: OutputPort
+    paths: OutputPort
 
     def connect_inputs(self, builder: DiagramBuilder, **sources: OutputPort) -> None:
         """Connects every input port that the controller has.
@@ -140,8 +153,26 @@ def make_controller(source: ControllerSource, *arguments: object) -> System:
     return made
 
 
+class _Check(CollectableSystem):
+    """Passes a value on after checking it; for controllers that are not ours."""
+
+    __slots__ = ()
+
+    def __init__(self, check: Callable[[object], Any], blank: object):
+        super().__init__()
+        port = self.DeclareAbstractInputPort("value", AbstractValue.Make(NOTHING))
+        index = port.get_index()
+        self.DeclareAbstractOutputPort(
+            "checked",
+            lambda: AbstractValue.Make(blank),
+            lambda context, output: output.set_value(
+                check(self.get_input_port(index).Eval(context))
+            ),
+        )
+
+
 def add_controller(
-    builder: DiagramBuilder, controller: System, robot: Robot
+    builder: DiagramBuilder, controller: System, robot: Robot, catalog: BehaviorCatalog
 ) -> ControllerSocket:
     """Adds a controller to a station, under the name ``controller``.
 
@@ -149,6 +180,7 @@ def add_controller(
         builder: Builder of the station.
         controller: Controller that computes the behaviors' efforts.
         robot: Robot of the station.
+        catalog: The registered behaviors.
 
     Raises:
         ControllerError: If it lacks the port for efforts, or the port has another size.
@@ -174,17 +206,42 @@ def add_controller(
             "callable (robot, config) -> System makes one for each"
         )
     builder.AddNamedSystem(CONTROLLER, controller)
-    if controller.HasOutputPort(STATUS):
-        status = controller.GetOutputPort(STATUS)
-        if status.get_data_type() != PortDataType.kAbstractValued:
-            raise ControllerError(
-                f"{_named(controller)} has an output port {STATUS!r} that is "
-                f"{_kind(status)}; it must hold a ControllerStatus"
-            )
-    else:
-        blank = ConstantValueSource(AbstractValue.Make(ControllerStatus()))
-        status = builder.AddNamedSystem("no_status", blank).get_output_port()
-    return ControllerSocket(controller, effort, status)
+    return ControllerSocket(
+        controller,
+        effort,
+        _report_port(
+            builder,
+            controller,
+            STATUS,
+            ControllerStatus(),
+            partial(check_status, catalog=catalog),
+        ),
+        _report_port(builder, controller, PATHS, PlannedPaths(), check_paths),
+    )
+
+
+def _report_port(
+    builder: DiagramBuilder,
+    controller: System,
+    name: str,
+    blank: object,
+    check: Callable[[object], Any],
+) -> OutputPort:
+    """Returns an optional port of the controller, checked unless it is ours."""
+    if not controller.HasOutputPort(name):
+        source = ConstantValueSource(AbstractValue.Make(blank))
+        return builder.AddNamedSystem(f"no_{name}", source).get_output_port()
+    port = controller.GetOutputPort(name)
+    if port.get_data_type() != PortDataType.kAbstractValued:
+        raise ControllerError(
+            f"{_named(controller)} has an output port {name!r} that is "
+            f"{_kind(port)}; it must hold a {type(blank).__name__}"
+        )
+    if isinstance(controller, WholeBodyController):
+        return port
+    checked = builder.AddNamedSystem(f"{name}_check", _Check(check, blank))
+    builder.Connect(port, checked.get_input_port())
+    return checked.get_output_port()
 
 
 def _named(system: System) -> str:

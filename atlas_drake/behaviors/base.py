@@ -18,7 +18,7 @@ from atlas_drake.control.whole_body.command import WholeBodyCommand
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.frozen import read_only
 from atlas_drake.messages.commands import BehaviorRequest
-from atlas_drake.messages.controller_status import Plan
+from atlas_drake.messages.controller_status import Plan, PlannedPaths
 from atlas_drake.messages.event import Event
 
 
@@ -120,3 +120,11 @@ class BehaviorProtocol(Protocol):
             omega: Natural frequency of the pendulum at that tick [1/s].
         """
         return Plan()
+
+    def paths(self, memory: Any, com: np.ndarray, omega: float) -> PlannedPaths:
+        """Returns the motion that is planned from now on; nothing without a plan.
+
+        It is called only when a viewer or log reads the paths, because they often cost
+        more than a control tick. The arguments are those of ``plan``.
+        """
+        return PlannedPaths()

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -32,9 +32,16 @@ from atlas_drake.frozen import read_only, replace
 from atlas_drake.messages import AtlasBehaviorFeedback, Behavior, BehaviorStatus
 from atlas_drake.messages.behavior_catalog import BehaviorError
 from atlas_drake.messages.commands import BehaviorRequest
-from atlas_drake.messages.controller_status import KEPT_EVENTS, ControllerStatus, Plan
+from atlas_drake.messages.controller_status import (
+    KEPT_EVENTS,
+    ControllerStatus,
+    Plan,
+    PlannedPaths,
+)
 from atlas_drake.messages.event import Event
 from atlas_drake.messages.recent import append_recent
+
+_Planned = TypeVar("_Planned", Plan, PlannedPaths)
 
 
 @dataclass(frozen=True)
@@ -227,19 +234,34 @@ class Supervisor:
             ),
             events=state.events,
             event_count=state.event_count,
-            plan=self._plan(state, com, omega),
+            plan=self._planned("plan", Plan, state, com, omega),
         )
 
-    def _plan(self, state: SupervisorState, com: np.ndarray, omega: float) -> Plan:
+    def paths(
+        self, state: SupervisorState, com: np.ndarray, omega: float
+    ) -> PlannedPaths:
+        """Returns the planned paths of the active behavior; arguments as ``status``."""
+        return self._planned("paths", PlannedPaths, state, com, omega)
+
+    def _planned(
+        self,
+        method: str,
+        kind: type[_Planned],
+        state: SupervisorState,
+        com: np.ndarray,
+        omega: float,
+    ) -> _Planned:
+        """Calls ``plan`` or ``paths`` of the active behavior, if it acts."""
         if state.memory is None or state.in_damping_mode:
-            return Plan()
-        plan = self.behaviors[state.current].plan(state.memory, com, omega)
-        if not isinstance(plan, Plan):
+            return kind()
+        behavior = self.behaviors[state.current]
+        planned = getattr(behavior, method)(state.memory, com, omega)
+        if not isinstance(planned, kind):
             raise BehaviorError(
-                f"plan of {state.current.name} must return a Plan, returned "
-                f"{shown(plan)}"
+                f"{method} of {state.current.name} must return {kind.__name__}, "
+                f"returned {shown(planned)}"
             )
-        return plan
+        return planned
 
     # ---- transitions ---------------------------------------------------------
 
@@ -377,7 +399,7 @@ def _made(entry: BehaviorEntry, tools: BehaviorTools, config: Any) -> BehaviorPr
         BehaviorError: If the result is not a behavior.
     """
     behavior = entry.make(tools, config)
-    for name in ("enter", "update", "feedback", "plan"):
+    for name in ("enter", "update", "feedback", "plan", "paths"):
         if not callable(getattr(behavior, name, None)):
             raise BehaviorError(
                 f"behavior {entry.name!r}: make must return a behavior, but what it "

@@ -37,6 +37,7 @@ from atlas_drake.messages.controller_status import (
     KEPT_EVENTS,
     ControllerStatus,
     Plan,
+    PlannedPaths,
 )
 from atlas_drake.messages.event import Event
 from atlas_drake.systems.collectable_system import CollectableSystem
@@ -63,7 +64,8 @@ class LogPlayer(CollectableSystem):
         commands: ``CommandsInForce``, as far as displays need it: the request, and the
             shares of user control.
         behavior_effort: Efforts of the controller [N·m], shape (n,).
-        controller_status: ``ControllerStatus``: the latest events and the plan.
+        controller_status: ``ControllerStatus``: behavior, latest events and plan.
+        planned_paths: ``PlannedPaths``
         atlas_sim_interface_state: ``AtlasSimInterfaceState``, all of it.
     """
 
@@ -111,6 +113,7 @@ class LogPlayer(CollectableSystem):
         for name, blank, calc in (
             ("commands", start, self._commands),
             ("controller_status", ControllerStatus(), self._status),
+            ("planned_paths", PlannedPaths(), self._planned_paths),
             ("atlas_sim_interface_state", AtlasSimInterfaceState(), self._report),
         ):
             self.DeclareAbstractOutputPort(
@@ -171,8 +174,11 @@ class LogPlayer(CollectableSystem):
             **{name: value for name, value in kept.items() if np.isfinite(value).all()},
             support=None if support is None else polygon_from(support[row]),
             footsteps=() if note is None else footsteps_from_note(note),
-            preview=None if note is None else lambda: paths_from_note(note),
         )
+
+    def _planned_paths(self, context: Context) -> PlannedPaths:
+        note = self._latest_paths(context.get_time() + 1e-9)
+        return PlannedPaths() if note is None else paths_from_note(note)
 
     def _latest_paths(self, now: float) -> Note | None:
         """The last note of paths, if any; a note without points marks their end."""

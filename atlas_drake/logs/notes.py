@@ -184,11 +184,11 @@ def event_from_note(note: Note) -> Event:
     return Event(note.time, note.data["kind"], note.data["text"], note.data["data"])
 
 
-def note_from_plan(time: float, plan: Plan) -> Note:
+def note_from_plan(time: float, plan: Plan, paths: PlannedPaths) -> Note:
     """Converts planned paths and footsteps to a note; a missing path has no points."""
     data = {
         field.name: []
-        if (path := getattr(plan.paths, field.name)) is None
+        if (path := getattr(paths, field.name)) is None
         else (np.round(path / PATH_GRID) * PATH_GRID).round(4).tolist()
         for field in fields(PlannedPaths)
     }

@@ -31,11 +31,12 @@ from atlas_drake.logs.notes import (
 )
 from atlas_drake.logs.rows import RowMaker
 from atlas_drake.logs.samples import take_sample
+from atlas_drake.messages import Behavior
 from atlas_drake.messages.controller_status import ControllerStatus
 from atlas_drake.messages.event import Event
 from atlas_drake.systems.collectable_system import CollectableSystem
 
-VALUES = ("commands", "controller_status", "imu")
+VALUES = ("commands", "controller_status", "imu", "planned_paths")
 """Input ports with abstract values, as the station's outputs of the same names."""
 NUMBERS = "numbers"
 """Input port with the numbers of all others."""
@@ -58,6 +59,7 @@ class LogRecorder(CollectableSystem):
         commands: ``CommandsInForce``
         controller_status: ``ControllerStatus``
         imu: ``Imu``
+        planned_paths: ``PlannedPaths``
 
     State: the last sample, shape (size of a sample,). The record of what has been
     written is kept in this object and not in a Context, because it belongs to the file.
@@ -94,7 +96,7 @@ class LogRecorder(CollectableSystem):
         self._numbers = self.DeclareVectorInputPort(
             NUMBERS, sum(maker.samples.port_sizes.values())
         )
-        self._commands, self._status, self._imu = (
+        self._commands, self._status, self._imu, self._paths = (
             self.DeclareAbstractInputPort(name, AbstractValue.Make(NOTHING))
             for name in VALUES
         )
@@ -104,6 +106,7 @@ class LogRecorder(CollectableSystem):
         self._samples: list[np.ndarray] = []
         self._sampled_time = -np.inf
         self._paths_time, self._planned = -np.inf, False
+        self._planner = Behavior.NONE
         self._received = 0
 
     # ---- writing -------------------------------------------------------------
@@ -173,14 +176,18 @@ class LogRecorder(CollectableSystem):
             self._writer.rows(table)
 
     def _write_paths(self, context: Context) -> None:
-        """Records the planned paths periodically, and when they appear or end."""
+        """Records the planned paths periodically, and when the behavior changes."""
         time = context.get_time()
         status: ControllerStatus = self._status.Eval(context)
-        planned = status.plan.preview is not None or bool(status.plan.footsteps)
-        late = planned and time > self._paths_time + PATHS_EVERY - 1e-9
-        if late or planned != self._planned:
-            self._paths_time, self._planned = time, planned
-            self._writer.note(note_from_plan(time, status.plan))
+        late = time > self._paths_time + PATHS_EVERY - 1e-9
+        if not late and status.current_behavior is self._planner:
+            return
+        self._paths_time, self._planner = time, status.current_behavior
+        note = note_from_plan(time, status.plan, self._paths.Eval(context))
+        planned = any(note.data.values())
+        if planned or self._planned:
+            self._writer.note(note)
+        self._planned = planned
 
     # ---- sampling ------------------------------------------------------------
 

@@ -162,10 +162,6 @@ def take_sample(
         commands: The commands in force.
         status: Value of the controller's status port.
         imu: Measurement of the IMU.
-
-    Raises:
-        TypeError: If ``status`` is not a ControllerStatus.
-        ValueError: If it names a behavior that is not registered.
     """
     report = behavior_report(status, commands)
     plan, joints = status.plan, commands.joints

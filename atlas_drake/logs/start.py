@@ -15,6 +15,7 @@ from atlas_drake.logs.rows import RowMaker
 from atlas_drake.messages.behavior_catalog import BehaviorInterface
 from atlas_drake.robot import Robot
 from atlas_drake.scenario import Scenario
+from atlas_drake.scenario.time_grid import on_common_grid
 from atlas_drake.scenario.world import WorldMaker
 
 
@@ -40,7 +41,8 @@ def start_recorder(
         LogError: If the file cannot be written.
     """
     maker = RowMaker(robot, world)
-    period = scenario.control_period
+    nominal = scenario.control_period
+    _, period = on_common_grid(scenario.physics_step, nominal)
     text = yaml_dump(as_plain(scenario))
-    header = Header(robot.model, period, text, maker.layout, tuple(behaviors))
+    header = Header(robot.model, nominal, text, maker.layout, tuple(behaviors))
     return LogRecorder(maker, LogFile(path, header), period, tick_seconds)

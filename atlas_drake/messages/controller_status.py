@@ -6,9 +6,7 @@ Efforts have a separate port.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -95,8 +93,6 @@ class Plan(Frozen):
         dcm_reference: Reference of the DCM in W [m], shape (2,).
         cop_reference: Reference of the CoP in W [m], shape (2,).
         footsteps: Footsteps to come, the next one first.
-        preview: Computes ``paths``. It is called only if the paths are read, because
-            they often cost more than a control tick.
     """
 
     support: np.ndarray | None = None
@@ -105,7 +101,6 @@ class Plan(Frozen):
     dcm_reference: np.ndarray | None = None
     cop_reference: np.ndarray | None = None
     footsteps: tuple[PlannedStep, ...] = ()
-    preview: Callable[[], PlannedPaths] | None = None
 
     def __post_init__(self) -> None:
         """Convert points to arrays.
@@ -127,25 +122,6 @@ class Plan(Frozen):
                 f"omega must be a positive number or None, is {shown(self.omega)}"
             )
         _take_tuple(self, "footsteps", PlannedStep)
-        if self.preview is not None and not callable(self.preview):
-            raise TypeError(
-                "preview must be a callable () -> PlannedPaths or None, is "
-                f"{shown(self.preview)}"
-            )
-
-    @cached_property
-    def paths(self) -> PlannedPaths:
-        """The motion that is planned from now on.
-
-        Raises:
-            TypeError: If ``preview`` returns something else.
-        """
-        paths = PlannedPaths() if self.preview is None else self.preview()
-        if not isinstance(paths, PlannedPaths):
-            raise TypeError(
-                f"preview of a Plan must return PlannedPaths, returned {shown(paths)}"
-            )
-        return paths
 
 
 def _take_tuple(values: object, name: str, kind: type) -> None:
@@ -233,57 +209,41 @@ class ControllerStatus(Frozen):
     why_unsolved: str = ""
     plan: Plan = field(default_factory=Plan)
 
-    def __post_init__(self) -> None:
-        """Check the invariants that readers rely on.
-
-        Raises:
-            TypeError: If a field is of the wrong type; it names the field.
-            ValueError: If not all events are counted.
-        """
-        for name in ("current_behavior", "desired_behavior"):
-            value = getattr(self, name)
-            if not isinstance(value, Behavior):
-                raise TypeError(f"{name} must be a Behavior, is {shown(value)}")
-        if not isinstance(self.plan, Plan):
-            raise TypeError(f"plan must be a Plan, is {shown(self.plan)}")
-        if not isinstance(self.behavior_feedback, AtlasBehaviorFeedback):
-            raise TypeError(
-                "behavior_feedback must be AtlasBehaviorFeedback, is "
-                f"{shown(self.behavior_feedback)}"
-            )
-        for name in ("error_code", "event_count", "unsolved"):
-            value = getattr(self, name)
-            if type(value) is not int and not is_whole(value):
-                raise TypeError(f"{name} must be a whole number, is {shown(value)}")
-        if self.solved is not None and not isinstance(self.solved, (bool, np.bool_)):
-            raise TypeError(
-                f"solved must be True, False or None, is {shown(self.solved)}"
-            )
-        if not isinstance(self.why_unsolved, str):
-            raise TypeError(f"why_unsolved must be text, is {shown(self.why_unsolved)}")
-        _take_tuple(self, "events", Event)
-        if self.event_count < len(self.events):
-            raise ValueError(
-                f"event_count must count all events, is {self.event_count} with "
-                f"{len(self.events)} of them"
-            )
-
 
 def check_status(value: object, catalog: BehaviorCatalog) -> ControllerStatus:
-    """Check the value of a controller's status port and return it.
+    """Check the status of a controller that is not ours, and return it.
 
     Args:
-        value: Value of the port.
+        value: Value of the controller's status port.
         catalog: The registered behaviors.
 
     Raises:
-        TypeError: If it is not a status.
-        ValueError: If it names a behavior that is not registered.
+        TypeError: If it is not a status, or a field is of the wrong type; it names the
+            field.
+        ValueError: If it names a behavior that is not registered, or does not count all
+            events.
     """
     if not isinstance(value, ControllerStatus):
         raise TypeError(
             "the controller's port 'controller_status' must hold a ControllerStatus, "
             f"holds {shown(value)}"
+        )
+    for name, kind in _KINDS.items():
+        given = getattr(value, name)
+        if not isinstance(given, kind):
+            raise TypeError(f"{name} must be {kind.__name__}, is {shown(given)}")
+    for name in ("error_code", "event_count", "unsolved"):
+        if not is_whole(getattr(value, name)):
+            raise TypeError(
+                f"{name} must be a whole number, is {shown(getattr(value, name))}"
+            )
+    if value.solved is not None and not isinstance(value.solved, (bool, np.bool_)):
+        raise TypeError(f"solved must be True, False or None, is {shown(value.solved)}")
+    _take_tuple(value, "events", Event)
+    if value.event_count < len(value.events):
+        raise ValueError(
+            f"event_count must count all events, is {value.event_count} with "
+            f"{len(value.events)} of them"
         )
     for behavior in (value.current_behavior, value.desired_behavior):
         if behavior not in catalog:
@@ -291,4 +251,28 @@ def check_status(value: object, catalog: BehaviorCatalog) -> ControllerStatus:
                 f"the controller's status names {behavior} ({int(behavior)}), which is "
                 "not registered: give its entry to behaviors="
             )
+    return value
+
+
+_KINDS = {
+    "current_behavior": Behavior,
+    "desired_behavior": Behavior,
+    "behavior_feedback": AtlasBehaviorFeedback,
+    "why_unsolved": str,
+    "plan": Plan,
+}
+"""Types of a status' fields."""
+
+
+def check_paths(value: object) -> PlannedPaths:
+    """Check the value of a controller's port for planned paths and return it.
+
+    Raises:
+        TypeError: If it does not hold ``PlannedPaths``.
+    """
+    if not isinstance(value, PlannedPaths):
+        raise TypeError(
+            "the controller's port 'planned_paths' must hold PlannedPaths, holds "
+            f"{shown(value)}"
+        )
     return value

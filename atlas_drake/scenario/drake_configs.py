@@ -4,6 +4,7 @@ Drake itself checks the values; fields that the station sets are refused here.
 """
 
 import copy
+import math
 from typing import Any
 
 from pydrake.multibody.plant import AddMultibodyPlant, MultibodyPlantConfig
@@ -75,7 +76,7 @@ def check_simulator_config(config: SimulatorConfig) -> None:
         raise ScenarioError("simulator", config, f"cannot be used: {error}") from error
 
 
-def _decide(config: object, path: str, name: str, own: object, problem: str) -> None:
+def _decide(config: object, path: str, name: str, own: float, problem: str) -> None:
     """Gives a field the station's own value.
 
     Raises:
@@ -83,6 +84,8 @@ def _decide(config: object, path: str, name: str, own: object, problem: str) -> 
             Drake's default.
     """
     value = getattr(config, name)
-    if value not in (own, getattr(type(config)(), name)):
+    default = getattr(type(config)(), name)
+    # A physics step on the common grid differs from the given one by rounding.
+    if value != default and not math.isclose(value, own, rel_tol=1e-9):
         raise ScenarioError(f"{path}.{name}", value, f"is {shown(value)}; {problem}")
     setattr(config, name, own)

@@ -37,7 +37,7 @@ from atlas_drake.scenario.noise import NOISE_MODELS
 from atlas_drake.scenario.paths import is_path, put
 from atlas_drake.scenario.pushes import PlannedPush
 from atlas_drake.scenario.terrain import START_REACH, Block, Place
-from atlas_drake.scenario.time_grid import is_multiple, on_common_grid
+from atlas_drake.scenario.time_grid import is_multiple, nominal_period
 from atlas_drake.scenario.timed_message import TimedMessage
 from atlas_drake.scenario.world_file import World, world_beside, world_from
 
@@ -190,13 +190,15 @@ class Scenario(Configuration):
     def resolved(self) -> "Scenario":
         """Returns a valid copy in which every field is as a simulation uses it.
 
+        The steps stay as they were given; a station rounds both to a common grid.
+
         Raises:
             ScenarioError: As ``validate`` does.
         """
         valid = self.validate()
-        step, period = on_common_grid(valid.physics_step, valid.control_period)
-        plant = checked_plant_config(valid.plant, step)
-        return replace(valid, physics_step=step, control_period=period, plant=plant)
+        period = valid.control_period or nominal_period(valid.physics_step)
+        plant = checked_plant_config(valid.plant, valid.physics_step)
+        return replace(valid, control_period=period, plant=plant)
 
     def validate(self) -> "Scenario":
         """Returns the scenario with every field checked and of its declared type.

@@ -16,6 +16,11 @@ NOMINAL_PERIOD = 0.009
 """Control period that is chosen for the user, up to rounding [s]."""
 
 
+def nominal_period(physics_step: float) -> float:
+    """Returns the multiple of ``physics_step`` nearest to ``NOMINAL_PERIOD`` [s]."""
+    return round(max(round(NOMINAL_PERIOD / physics_step), 1) * physics_step, 12)
+
+
 def is_multiple(control_period: float, physics_step: float) -> bool:
     """Returns True if the period is a whole number of steps, up to rounding, or 0."""
     steps = control_period / physics_step
@@ -52,7 +57,7 @@ def on_common_grid(physics_step: float, control_period: float) -> tuple[float, f
             f"{NOMINAL_PERIOD} s"
         )
     if control_period == 0.0:
-        control_period = max(round(NOMINAL_PERIOD / physics_step), 1) * physics_step
+        control_period = nominal_period(physics_step)
     ratio = round(control_period / physics_step)
     # Each multiple is rounded once: equal numbers have equal multiples.
     if Fraction(control_period) == ratio * Fraction(physics_step):

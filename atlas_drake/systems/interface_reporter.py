@@ -29,7 +29,7 @@ from atlas_drake.messages import (
 )
 from atlas_drake.messages.atlas_sim_interface_state import AtlasPositionData
 from atlas_drake.messages.commands import CommandsInForce
-from atlas_drake.messages.controller_status import check_status
+from atlas_drake.messages.controller_status import ControllerStatus
 from atlas_drake.robot import Robot
 from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.systems.scratch import declare_scratch_context
@@ -46,20 +46,17 @@ _FEEDBACK = {
 """Fields of the behaviors' feedback messages; other values are in ``feedback``."""
 
 
-def behavior_report(value: object, commands: CommandsInForce) -> AtlasSimInterfaceState:
+def behavior_report(
+    status: ControllerStatus, commands: CommandsInForce
+) -> AtlasSimInterfaceState:
     """Returns the report as far as the controller knows it; nothing is measured.
 
     The errors of refused messages, which never reach the controller, are added.
 
     Args:
-        value: Value of a controller's status port.
+        status: Status of the controller.
         commands: The commands in force.
-
-    Raises:
-        TypeError: If the value is not a status.
-        ValueError: If it names a behavior that is not registered.
     """
-    status = check_status(value, commands.catalog)
     transition = status.behavior_feedback
     if commands.error_code is ErrorCode.NO_SUCH_BEHAVIOR:
         transition = AtlasBehaviorFeedback(

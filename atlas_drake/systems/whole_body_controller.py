@@ -39,7 +39,7 @@ from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.frozen import NOTHING, Frozen, read_only, replace
 from atlas_drake.messages import Behavior
 from atlas_drake.messages.commands import CommandsInForce
-from atlas_drake.messages.controller_status import ControllerStatus
+from atlas_drake.messages.controller_status import ControllerStatus, PlannedPaths
 from atlas_drake.robot import Robot
 from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.systems.scratch import declare_scratch_context
@@ -80,6 +80,7 @@ class WholeBodyController(CollectableSystem):
     Output ports:
         behavior_effort: Efforts of the behavior [N·m], shape (n,).
         controller_status: ``ControllerStatus``
+        planned_paths: ``PlannedPaths``
     """
 
     __slots__ = ()
@@ -136,12 +137,16 @@ class WholeBodyController(CollectableSystem):
             self._calc_effort,
             prerequisites_of_calc={self.xa_ticket()},
         )
-        self.DeclareAbstractOutputPort(
-            "controller_status",
-            lambda: AbstractValue.Make(ControllerStatus()),
-            self._calc_status,
-            prerequisites_of_calc={self.xa_ticket()},
-        )
+        for name, blank, calc in (
+            ("controller_status", ControllerStatus(), self._calc_status),
+            ("planned_paths", PlannedPaths(), self._calc_paths),
+        ):
+            self.DeclareAbstractOutputPort(
+                name,
+                lambda blank=blank: AbstractValue.Make(blank),
+                calc,
+                prerequisites_of_calc={self.xa_ticket()},
+            )
         self.DeclarePeriodicUnrestrictedUpdateEvent(period, 0.0, self._update)
 
     def reset(self, context: Context, behavior: Behavior) -> None:
@@ -231,4 +236,10 @@ class WholeBodyController(CollectableSystem):
                 unsolved=memory.unsolved,
                 why_unsolved="" if solution is None else solution.why,
             )
+        )
+
+    def _calc_paths(self, context: Context, output: AbstractValue) -> None:
+        memory = self._remembered(context)
+        output.set_value(
+            self._supervisor.paths(memory.supervisor, memory.com, memory.omega)
         )

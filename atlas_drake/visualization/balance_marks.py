@@ -17,7 +17,7 @@ from pydrake.systems.framework import Context
 
 from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.frozen import NOTHING
-from atlas_drake.messages.controller_status import Plan
+from atlas_drake.messages.controller_status import Plan, PlannedPaths
 from atlas_drake.palette import COM, COP, DCM, SUPPORT, SWING
 from atlas_drake.robot import Robot
 from atlas_drake.visualization.balance_points import BalancePoints, balance_points
@@ -62,6 +62,7 @@ class BalanceMarks(Display):
     Input ports:
         state: State of the plant.
         controller_status: ``ControllerStatus``
+        planned_paths: ``PlannedPaths``
         foot_wrenches: Contact wrenches on both soles, see ``RobotSensors``.
     """
 
@@ -91,8 +92,9 @@ class BalanceMarks(Display):
         self._scratch = self._model.create_context()
         self._state = self.DeclareVectorInputPort("state", self._model.num_states)
         self._wrenches = self.DeclareVectorInputPort("foot_wrenches", 12)
-        self._status = self.DeclareAbstractInputPort(
-            "controller_status", AbstractValue.Make(NOTHING)
+        self._status, self._paths = (
+            self.DeclareAbstractInputPort(name, AbstractValue.Make(NOTHING))
+            for name in ("controller_status", "planned_paths")
         )
         self._pictures = -1
         self._timeline = Timeline(meshcat)
@@ -135,15 +137,18 @@ class BalanceMarks(Display):
         self._pictures += 1
         if self._pictures % PATHS_EVERY:
             return
+        if not on & {"plan", "swing"}:
+            return
+        paths: PlannedPaths = self._paths.Eval(context)
         if "plan" in on:
             for name in ("com", "dcm"):
-                points, flat = None, getattr(plan.paths, name)
+                points, flat = None, getattr(paths, name)
                 if flat is not None:
                     z = np.full(len(flat), ground + LIFT["plan"])
                     points = np.column_stack([flat, z])
                 self._curves[f"plan_{name}"].show(_curve(points), time)
         if "swing" in on:
-            self._curves["swing"].show(_curve(plan.paths.swing), time)
+            self._curves["swing"].show(_curve(paths.swing), time)
 
     def _move_com(self, points: BalancePoints, time: float) -> None:
         """Draws a ball, visible through the body, and its projection on the ground."""

@@ -23,6 +23,7 @@ from pydrake.systems.framework import Context, DiagramBuilder, System
 
 from atlas_drake.errors import shown
 from atlas_drake.frozen import NOTHING
+from atlas_drake.messages.controller_status import PlannedPaths
 from atlas_drake.numeric import is_whole
 from atlas_drake.robot import Robot
 from atlas_drake.scenario.terrain import Block
@@ -95,6 +96,7 @@ class VideoDisplay(CollectableSystem):
         plant_state: State of robot and world, configuration first.
         commands: ``CommandsInForce``
         controller_status: ``ControllerStatus``
+        planned_paths: ``PlannedPaths``
         atlas_sim_interface_state: ``AtlasSimInterfaceState``
         foot_wrenches: Contact wrenches on both soles, see ``RobotSensors``.
         effort: Efforts of the motors [N·m], shape (n,).
@@ -150,9 +152,14 @@ class VideoDisplay(CollectableSystem):
         self._state, self._plant_state, self._wrenches, self._effort = (
             self.DeclareVectorInputPort(name, sizes[name]) for name in VECTORS
         )
-        self._commands, self._status, self._report = (
+        self._commands, self._status, self._paths, self._report = (
             self.DeclareAbstractInputPort(name, AbstractValue.Make(NOTHING))
-            for name in ("commands", "controller_status", "atlas_sim_interface_state")
+            for name in (
+                "commands",
+                "controller_status",
+                "planned_paths",
+                "atlas_sim_interface_state",
+            )
         )
         self._contacts, self._query = (
             self.DeclareAbstractInputPort(name, AbstractValue.Make(kind()))
@@ -200,6 +207,9 @@ class VideoDisplay(CollectableSystem):
         seen = Seen(
             q,
             status.plan,
+            self._paths.Eval(context)
+            if self._overlays.is_on("plan") or self._overlays.is_on("swing")
+            else PlannedPaths(),
             self._wrenches.Eval(context),
             self._forces(context),
             commands.k_effort,

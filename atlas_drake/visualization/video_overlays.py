@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from pydrake.math import RigidTransform
 
 from atlas_drake.control.whole_body.model import WholeBodyModel
-from atlas_drake.messages.controller_status import Plan
+from atlas_drake.messages.controller_status import Plan, PlannedPaths
 from atlas_drake.palette import COM, COP, DCM, FORCE, SUPPORT, SWING, Color
 from atlas_drake.robot import Robot
 from atlas_drake.visualization.balance_marks import BALL, DISC
@@ -46,6 +46,7 @@ class Seen(NamedTuple):
     Attributes:
         state: State of the robot.
         plan: Plan of the controller.
+        paths: Its planned paths; blank if no overlay shows them.
         foot_wrenches: Contact wrenches on both soles, see ``RobotSensors``.
         forces: Contact forces on the robot; none in a replay.
         k_effort: User's share per joint, 0 to 255, shape (n,).
@@ -54,6 +55,7 @@ class Seen(NamedTuple):
 
     state: NDArray[np.float64]
     plan: Plan
+    paths: PlannedPaths
     foot_wrenches: NDArray[np.float64]
     forces: Sequence[ContactForce]
     k_effort: NDArray[np.float64]
@@ -102,15 +104,15 @@ class VideoOverlays:
         """Draws from the ground up: areas, lines, points."""
         terms = self._model.evaluate(self._scratch, seen.state)
         points = balance_points(terms, seen.foot_wrenches)
-        plan, ground = seen.plan, points.ground
+        plan, paths, ground = seen.plan, seen.paths, points.ground
         if "support" in on and plan.support is not None:
             pencil.area(_at(plan.support, ground), SUPPORT, SEEN_THROUGH)
         if "plan" in on:
-            for path, color in ((plan.paths.com, COM), (plan.paths.dcm, DCM)):
+            for path, color in ((paths.com, COM), (paths.dcm, DCM)):
                 if path is not None:
                     pencil.line(_at(path, ground), color)
-        if "swing" in on and plan.paths.swing is not None:
-            pencil.line(plan.paths.swing, SWING)
+        if "swing" in on and paths.swing is not None:
+            pencil.line(paths.swing, SWING)
         if "com" in on:
             foot = np.array([*points.com[:2], ground])
             pencil.line(np.array([foot, points.com]), COM, THIN)

@@ -37,8 +37,8 @@ def make_controller(robot, config):
         port = ours.get_input_port(index)
         builder.ExportInput(port, port.get_name())
     builder.ExportOutput(limp.GetOutputPort("effort"), "behavior_effort")
-    status = ours.GetOutputPort("controller_status")
-    builder.ExportOutput(status, "controller_status")
+    for name in ("controller_status", "planned_paths"):
+        builder.ExportOutput(ours.GetOutputPort(name), name)
     return builder.Build()
 
 

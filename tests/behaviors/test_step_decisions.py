@@ -385,7 +385,7 @@ def test_the_plan_shows_the_way_of_foot_and_body(step, observe, foot):
     seen, command = observe(), request(foot=foot, y=0.14 - 0.28 * foot)
     memory = shifting(step, seen, command)
     plan = step.plan(memory, seen.terms.com[:2], 3.2)
-    paths, shift = plan.preview(), memory.shift
+    paths, shift = step.paths(memory, seen.terms.com[:2], 3.2), memory.shift
     assert plan.footsteps == ()
     assert paths.swing is None
     np.testing.assert_allclose(plan.dcm_reference, shift.start, atol=1e-9)
@@ -400,7 +400,8 @@ def test_the_plan_shows_the_way_of_foot_and_body(step, observe, foot):
     plan = step.plan(flying, seen.terms.com[:2], 3.2)
     (target,) = plan.footsteps
     assert (target.foot, target.yaw) == (foot, memory.taken.step.yaw)
-    swing, duration = plan.preview().swing, memory.taken.swing.duration
+    swing = step.paths(flying, seen.terms.com[:2], 3.2).swing
+    duration = memory.taken.swing.duration
     assert len(swing) == pytest.approx(duration / TIME_STEP, abs=1.0)
     np.testing.assert_allclose(swing[0][:2], memory.feet[foot].p_WF[:2], atol=0.01)
     np.testing.assert_allclose(swing[-1], target.p_WF, atol=0.01)

@@ -289,7 +289,7 @@ def test_the_plan_shows_the_way_of_foot_and_body(walk, observe, swinging, foot):
     # The body is where the plan wants it.
     omega, touchdown = phase.plan.omega, phase.duration
     plan = walk.plan(phase, phase.planned.dcm, omega)
-    paths = plan.preview()
+    paths = walk.paths(phase, phase.planned.dcm, omega)
     np.testing.assert_array_equal(plan.dcm_reference, phase.planned.dcm)
     np.testing.assert_array_equal(plan.cop_reference, phase.planned.cop)
     assert [(step.foot, step.p_WF[0]) for step in plan.footsteps] == [

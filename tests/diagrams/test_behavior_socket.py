@@ -421,5 +421,5 @@ def test_a_plan_that_is_none_is_told(bow):
 
     sim = AtlasSimulation(behaviors=[replace(bow, make=Planless)])
     sim.publish(asked("BOW"))
-    with pytest.raises(BehaviorError, match="plan of BOW must return a Plan, returned"):
+    with pytest.raises(BehaviorError, match="plan of BOW must return Plan, returned"):
         sim.advance(0.02)

@@ -20,6 +20,7 @@ from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.diagrams.atlas_station import make_atlas_station
 from atlas_drake.diagrams.controller_socket import ControllerError
 from atlas_drake.frozen import NOTHING
+from atlas_drake.logs.log_player import LogPlayer
 from atlas_drake.messages.controller_status import (
     ControllerStatus,
     Plan,
@@ -66,6 +67,11 @@ class Talkative(LeafSystem):
             lambda: AbstractValue.Make(ControllerStatus()),
             self._tell,
         )
+        self.DeclareAbstractOutputPort(
+            "planned_paths",
+            lambda: AbstractValue.Make(PlannedPaths()),
+            lambda _context, out: out.set_value(PATHS),
+        )
 
     def reset(self, context, behavior):
         self.resets.append(behavior)
@@ -87,7 +93,6 @@ class Talkative(LeafSystem):
                 plan=Plan(
                     support=SQUARE,
                     footsteps=(PlannedStep(0, np.array([0.3, 0.1, 0.0]), 0.2),),
-                    preview=lambda: PATHS,
                 ),
             )
         )
@@ -160,8 +165,6 @@ def test_a_behavior_in_the_status_must_be_registered(tmp_path):
 def test_a_plan_is_no_larger_than_its_log():
     with pytest.raises(ValueError, match="support must have at most 8 corners, has 9"):
         Plan(support=np.zeros((9, 2)))
-    with pytest.raises(TypeError, match="plan must be a Plan, is None"):
-        ControllerStatus(plan=None)
 
 
 def test_a_fall_is_what_the_scenario_says_it_is():
@@ -188,6 +191,7 @@ def test_what_a_controller_tells_is_shown_logged_and_summed_up(tmp_path):
         assert report.current_behavior is Behavior.FREEZE
         assert report.walk_feedback.current_step_index == 7
         assert report.feedback is None
+        np.testing.assert_array_equal(sim.output("planned_paths").com, PATHS.com)
         assert [e.text for e in sim.events] == ["hello"]
         assert sim.summary()["controller_tick_ms"]["median"] == pytest.approx(1.0)
         sim.reset()
@@ -197,6 +201,26 @@ def test_what_a_controller_tells_is_shown_logged_and_summed_up(tmp_path):
     assert log["walk.current_step_index"][-1] == 7
     assert (log["controller.solved"] == 1).all()
     np.testing.assert_allclose(log["balance.support"][-1][:8], SQUARE.ravel())
+    player = LogPlayer(log)
+    context = player.CreateDefaultContext()
+    context.SetTime(log.time[-1])
+    paths = player.GetOutputPort("planned_paths").Eval(context)
+    np.testing.assert_allclose(paths.com, PATHS.com, atol=1e-3)
+
+
+def test_planned_paths_of_another_type_are_refused():
+    def controller(robot, _config):
+        system = sized(robot.num_joints)
+        system.DeclareAbstractOutputPort(
+            "planned_paths",
+            lambda: AbstractValue.Make(NOTHING),
+            lambda _context, out: out.set_value("straight on"),
+        )
+        return system
+
+    sim = AtlasSimulation(controller=controller)
+    with pytest.raises(TypeError, match="'planned_paths' must hold PlannedPaths"):
+        sim.output("planned_paths")
 
 
 def told(robot, status):
@@ -213,9 +237,10 @@ def told(robot, status):
 @pytest.mark.parametrize(
     ("status", "words"),
     [
+        (lambda: ControllerStatus(plan=None), "plan must be Plan, is None"),
         (lambda: "hello", "'controller_status' must hold a ControllerStatus"),
         (lambda: NOTHING, "'controller_status' must hold a ControllerStatus"),
-        (lambda: ControllerStatus(current_behavior=3), "current_behavior must be a Be"),
+        (lambda: ControllerStatus(current_behavior=3), "current_behavior must be Be"),
         (
             lambda: ControllerStatus(events=(Event(0.0, "x", "y"),)),
             "event_count must count all events, is 0 with 1",
@@ -240,12 +265,7 @@ def told(robot, status):
         (lambda: Event(0.0, "x", "y", None), "data of an Event must be a dict"),
         (lambda: Event(0.0, "footstep", "y", {"foot": 0}), "it lacks commanded, satur"),
         (lambda: Plan(footsteps=("a",)), "footsteps must be a tuple of PlannedStep"),
-        (lambda: Plan(preview="a"), "preview must be a callable"),
         (lambda: Plan(omega=-1.0), "omega must be a positive number or None, is -1.0"),
-        (
-            lambda: Plan(preview=lambda: None).paths,
-            "must return PlannedPaths, returned",
-        ),
         (
             lambda: PlannedStep(2, np.zeros(3), 0.0),
             "foot of a PlannedStep must be 0 or",
@@ -267,7 +287,7 @@ def test_a_status_that_cannot_be_read_is_told(status, words):
     "status",
     [
         lambda: "hello",
-        lambda: ControllerStatus(plan=Plan(preview=lambda: None)),
+        lambda: ControllerStatus(plan=None),
         lambda: ControllerStatus(current_behavior=Behavior.named(200, "HOLD")),
     ],
 )
@@ -328,9 +348,7 @@ def test_events_that_are_counted_anew_after_a_reset_are_all_told():
 
 def test_lists_of_points_count_as_arrays(tmp_path):
     def status():
-        paths = PlannedPaths(com=PATHS.com.tolist())
-        plan = Plan(support=SQUARE.tolist(), preview=lambda: paths)
-        return ControllerStatus(plan=plan)
+        return ControllerStatus(plan=Plan(support=SQUARE.tolist()))
 
     with AtlasSimulation(
         controller=lambda robot, _: told(robot, status),

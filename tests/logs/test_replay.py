@@ -53,7 +53,12 @@ FEEDBACK = (
     "k_effort",
 )
 """What of a report changes in control ticks alone."""
-NAMES = ("commands", "controller_status", "atlas_sim_interface_state")
+NAMES = (
+    "commands",
+    "controller_status",
+    "atlas_sim_interface_state",
+    "planned_paths",
+)
 
 
 @pytest.fixture(scope="module")
@@ -116,7 +121,7 @@ def test_footsteps_and_caption_are_those_of_the_run(tmp_path, scenario):
     context.SetTime(log.time[-1])
     again = [player.GetOutputPort(name).Eval(context) for name in NAMES]
 
-    def seen(commands, status, report):
+    def seen(commands, status, report, _paths):
         events = status.events
         return footstep_marks(
             commands.request, report, events, status.plan
@@ -133,7 +138,7 @@ def test_footsteps_and_caption_are_those_of_the_run(tmp_path, scenario):
     assert is_now.footsteps
     # Paths are kept every 0.1 s; where they end moves little meanwhile.
     for name in ("com", "dcm", "cop"):
-        end, ended = getattr(is_now.paths, name)[-1], getattr(was.paths, name)[-1]
+        end, ended = getattr(again[3], name)[-1], getattr(live[3], name)[-1]
         np.testing.assert_allclose(end, ended, atol=0.01)
     for name in FEEDBACK:
         assert getattr(again[2], name) == getattr(live[2], name), name
@@ -233,7 +238,7 @@ def test_other_behaviors_look_as_in_the_run(behavior, tmp_path):
             caption_of(report),
             feedback_words(report),
         )
-        for c, state, report in (live, again)
+        for c, state, report, _paths in (live, again)
     ]
     assert looks[0] == looks[1]
     marks, caption, words = looks[0]

@@ -653,3 +653,15 @@ def test_the_tutorials_gains_are_stable_in_the_whole_robot(physics_step):
     assert max(velocities[landing:]) < 0.2
     assert (np.abs(efforts) <= sim.robot.effort_limit).all()
     assert not sim.has_fallen
+
+
+def test_steps_read_as_they_were_given(tmp_path):
+    path = tmp_path / "run.npz"
+    with AtlasSimulation(Scenario(physics_step=0.003), log=path) as sim:
+        sim.advance(0.02)
+        summary = sim.summary()
+    assert (summary["physics_step"], summary["control_period"]) == (0.003, 0.009)
+    assert summary["configuration"]["plant"]["time_step"] == 0.003
+    header = read_log(path).header
+    assert header.control_period == 0.009
+    assert "physics_step: 0.003\n" in header.scenario

@@ -234,7 +234,7 @@ def test_a_walk_has_a_plan_and_a_swing():
     sim = walking()
     sim.advance_to(SWINGING)
     plan = sim.output("controller_status").plan
-    paths = plan.paths
+    paths = sim.output("planned_paths")
     assert len(paths.com) == len(paths.dcm) == len(paths.cop) > 10
     np.testing.assert_allclose(paths.dcm[0], plan.dcm_reference, atol=0.01)
     # Both come to rest over the same point.
@@ -252,7 +252,7 @@ def test_standing_has_a_support_and_no_path():
     sim.advance_to(0.1)
     plan = sim.output("controller_status").plan
     assert plan.support.shape[1] == 2
-    assert plan.paths == PlannedPaths()
+    assert sim.output("planned_paths") == PlannedPaths()
     np.testing.assert_array_equal(plan.dcm_reference, plan.cop_reference)
 
 

@@ -147,6 +147,7 @@ def seen(sim):
     return Seen(
         sim.output("state"),
         sim.output("controller_status").plan,
+        sim.output("planned_paths"),
         sim.output("foot_wrenches"),
         contact_forces_of(
             sim.output("contact_results"), sim.output("query_object").inspector()

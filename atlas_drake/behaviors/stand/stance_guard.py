@@ -19,7 +19,7 @@ from atlas_drake.behaviors.body_reference import BodyReference
 from atlas_drake.behaviors.freeze import Freeze, FreezeMemory
 from atlas_drake.frozen import replace
 from atlas_drake.messages.commands import BehaviorRequest
-from atlas_drake.messages.controller_status import Plan
+from atlas_drake.messages.controller_status import Plan, PlannedPaths
 from atlas_drake.messages.event import Event
 from atlas_drake.robot import ANKLE_PITCH, HIP_PITCH
 
@@ -127,6 +127,12 @@ class StanceGuard(BehaviorProtocol):
         if isinstance(memory, Holding):
             return Plan()
         return self.behavior.plan(memory, com, omega)
+
+    def paths(self, memory: Any, com: np.ndarray, omega: float) -> PlannedPaths:
+        """Returns the behavior's paths; none while the guard holds the pose."""
+        if isinstance(memory, Holding):
+            return PlannedPaths()
+        return self.behavior.paths(memory, com, omega)
 
     def feedback(self, memory: Any, status_flags: int) -> Any:
         """Returns the behavior's feedback."""

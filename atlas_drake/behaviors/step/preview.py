@@ -30,11 +30,16 @@ def step_plan(phase: Phase, omega: float) -> Plan:
         dcm_reference=reference.dcm,
         cop_reference=reference.cop,
         footsteps=tuple(PlannedStep(step.foot, step.p_WF, step.yaw) for step in steps),
-        preview=lambda: _paths(phase, omega),
     )
 
 
-def _paths(phase: Phase, omega: float) -> PlannedPaths:
+def step_paths(phase: Phase, omega: float) -> PlannedPaths:
+    """Returns the path of the swing foot, or those of the weight shift.
+
+    Args:
+        phase: The phase after the last tick.
+        omega: Natural frequency of the pendulum [1/s].
+    """
     if phase.in_air is not None:
         swing = phase.in_air.swing
         count = max(int(swing.duration / TIME_STEP), 2)

@@ -36,7 +36,7 @@ from atlas_drake.behaviors.step.phases import (
     Swing,
 )
 from atlas_drake.behaviors.step.plan import StepPlanner
-from atlas_drake.behaviors.step.preview import step_plan
+from atlas_drake.behaviors.step.preview import step_paths, step_plan
 from atlas_drake.behaviors.step.queue import step_data_from
 from atlas_drake.behaviors.step.shift import ShiftControl
 from atlas_drake.behaviors.step.single_support import LowerControl, SwingControl
@@ -48,7 +48,7 @@ from atlas_drake.messages import (
     StepStatus,
 )
 from atlas_drake.messages.commands import BehaviorRequest
-from atlas_drake.messages.controller_status import Plan
+from atlas_drake.messages.controller_status import Plan, PlannedPaths
 from atlas_drake.messages.event import STEPS_LEFT, Event
 from atlas_drake.planning.footholds import Gait
 
@@ -139,8 +139,12 @@ class Step(BehaviorProtocol):
         )
 
     def plan(self, phase: Phase, com: np.ndarray, omega: float) -> Plan:
-        """Returns the present weight shift or swing."""
+        """Returns the references of the weight shift and the step in the air."""
         return step_plan(phase, omega)
+
+    def paths(self, phase: Phase, com: np.ndarray, omega: float) -> PlannedPaths:
+        """Returns the paths of the present weight shift or swing."""
+        return step_paths(phase, omega)
 
     def feedback(self, phase: Phase, status_flags: int) -> AtlasBehaviorStepFeedback:
         """Returns indices, timing and the step as executed."""

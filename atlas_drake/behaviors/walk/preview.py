@@ -17,14 +17,8 @@ TIME_STEP = 0.04
 """Time between two points of a path [s]."""
 
 
-def walk_plan(phase: Phase, com: np.ndarray, profile: SwingProfile) -> Plan:
-    """Returns the plan of a walk.
-
-    Args:
-        phase: The phase after the last tick.
-        com: Center of mass at that tick, horizontal in W [m], shape (2,).
-        profile: Shape of the swing.
-    """
+def walk_plan(phase: Phase) -> Plan:
+    """Returns the plan of a walk for the phase after the last tick."""
     reference = phase.dcm_reference()
     in_air = phase.in_air
     current = () if in_air is None else (in_air,)
@@ -37,12 +31,17 @@ def walk_plan(phase: Phase, com: np.ndarray, profile: SwingProfile) -> Plan:
             PlannedStep(step.foot, step.p_WF, step.yaw)
             for step in (*current, *phase.course.known)
         ),
-        preview=lambda: _paths(phase, com, profile),
     )
 
 
-def _paths(phase: Phase, com: np.ndarray, profile: SwingProfile) -> PlannedPaths:
-    """Integrates ċ = ω (ξ - c), exactly for a constant DCM between two points."""
+def walk_paths(phase: Phase, com: np.ndarray, profile: SwingProfile) -> PlannedPaths:
+    """Integrates ċ = ω (ξ - c), exactly for a constant DCM between two points.
+
+    Args:
+        phase: The phase after the last tick.
+        com: Center of mass at that tick, horizontal in W [m], shape (2,).
+        profile: Shape of the swing.
+    """
     swing = _swing_path(phase, profile) if isinstance(phase, Swing) else None
     plan = phase.plan
     times = np.arange(phase.plan_time, plan.duration, TIME_STEP)

@@ -32,7 +32,7 @@ from atlas_drake.behaviors.walk.phases import (
     Transfer,
 )
 from atlas_drake.behaviors.walk.planner import WalkPlanner
-from atlas_drake.behaviors.walk.preview import walk_plan
+from atlas_drake.behaviors.walk.preview import walk_paths, walk_plan
 from atlas_drake.behaviors.walk.settling import Settling
 from atlas_drake.behaviors.walk.single_support import SingleSupport
 from atlas_drake.behaviors.walk.steps import feet_to_come, steps_asked_for
@@ -41,7 +41,7 @@ from atlas_drake.control.rotations import mean_yaw
 from atlas_drake.frozen import read_only, replace
 from atlas_drake.messages import AtlasBehaviorWalkFeedback
 from atlas_drake.messages.commands import BehaviorRequest
-from atlas_drake.messages.controller_status import Plan
+from atlas_drake.messages.controller_status import Plan, PlannedPaths
 from atlas_drake.planning.footholds import Gait
 
 _UPRIGHT = read_only(np.zeros(2))
@@ -139,8 +139,12 @@ class Walk(BehaviorProtocol):
         )
 
     def plan(self, phase: Phase, com: np.ndarray, omega: float) -> Plan:
-        """Returns the DCM plan, the coming footsteps and the present swing."""
-        return walk_plan(phase, com, self._profile)
+        """Returns the references of the DCM plan and the coming footsteps."""
+        return walk_plan(phase)
+
+    def paths(self, phase: Phase, com: np.ndarray, omega: float) -> PlannedPaths:
+        """Returns the paths of the DCM plan and of the present swing."""
+        return walk_paths(phase, com, self._profile)
 
     def feedback(self, phase: Phase, status_flags: int) -> AtlasBehaviorWalkFeedback:
         """Returns timing and the steps as they will be executed."""
