@@ -43,8 +43,11 @@ format: $(STAMP) ## Format the code and fix what can be fixed.
 	@$(BIN)/ruff check --fix .
 	@$(BIN)/ruff format .
 
-docs: $(STAMP) ## Write a page for every public function and class (build/docs).
-	@$(BIN)/python docs/make_api.py $(ARGS)
+# Material names MkDocs 2, which is not used here, in a banner.
+docs: $(STAMP) ## Build the site of README, docs/ and all docstrings (build/site).
+	@NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --quiet $(ARGS)
+	@echo "Open build/site/index.html; to search in it, serve it:" \
+	  "$(BIN)/python -m http.server -d build/site"
 
 # Each goes on whether or not the one before it met its goals.
 bench: $(STAMP) ## Measure speed and reliability (about half an hour).

@@ -4,7 +4,7 @@
 
 One page per message and per behavior, the transition table, flags and error codes, and
 an index of what else is public: Markdown, which GitHub shows as it is. The pages of all
-functions are pdoc's, see ``make_api.py``.
+functions come from mkdocstrings, see ``mkdocs.yml``.
 """
 
 # ruff: noqa: T201
@@ -315,7 +315,7 @@ def index_page(pages: list[str]) -> str:
         "## Python",
         "What else can be imported from `atlas_drake`, with the file that explains it. "
         "`make docs` writes a page for every public function and class, with its "
-        "arguments, units and errors; open `build/docs/index.html`.",
+        "arguments, units and errors; open `build/site/index.html`.",
         "\n".join(python_lines()),
     ]
     return "\n\n".join([*lines, NOTE]) + "\n"
@@ -333,7 +333,7 @@ def python_lines() -> list[str]:
         lines.append(f"- [{name}](../../{source}): {_first_line(value)}")
         if value is atlas_drake.AtlasSimulation:
             lines += [
-                f"  - `{member}`: {_first_line(what)}"
+                f"    - `{member}`: {_first_line(what)}"
                 for member, what in vars(value).items()
                 if not member.startswith("_") and what.__doc__
             ]
