@@ -132,14 +132,14 @@ class Nod(Stand):
         super().__init__(tools.balance, tools.nominal_height, tools.rates)
         self._neck = tools.robot.joint_index("neck_ry")
 
-    def target(self, memory, seen, request, leaving):
-        still = super().target(memory, seen, request, leaving)
+    def target(self, state, seen, request, leaving):
+        still = super().target(state, seen, request, leaving)
         joints = still.joints.copy()
         joints[self._neck] += 0.2 * sin(2.0 * pi * seen.time / 3.0)
         return replace(still, joints=joints)
 
-    def feedback(self, memory, status_flags):
-        return Nodding(memory.com)
+    def feedback(self, state, status_flags):
+        return Nodding(state.com)
 
 
 @dataclass(frozen=True)

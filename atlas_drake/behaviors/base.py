@@ -59,7 +59,7 @@ class Outcome:
     """Output of a behavior in one tick.
 
     Attributes:
-        memory: State of the behavior for the next tick; frozen.
+        state: State of the behavior for the next tick; frozen.
         body: The body reference, advanced by one tick.
         command: Command to the whole-body QP; None for zero effort.
         finished: True when the behavior is over and STAND shall follow.
@@ -67,7 +67,7 @@ class Outcome:
         events: New events for the log.
     """
 
-    memory: Any
+    state: Any
     body: BodyReference
     command: WholeBodyCommand | None
     finished: bool = False
@@ -91,7 +91,7 @@ class BehaviorProtocol(Protocol):
 
     def update(
         self,
-        memory: Any,
+        state: Any,
         observation: Observation,
         body: BodyReference,
         request: BehaviorRequest,
@@ -99,29 +99,29 @@ class BehaviorProtocol(Protocol):
     ) -> Outcome:
         """Computes one tick; ``leaving`` requests an orderly end of the behavior."""
 
-    def feedback(self, memory: Any, status_flags: int) -> Any:
+    def feedback(self, state: Any, status_flags: int) -> Any:
         """Returns the behavior's feedback for the state message; None without one.
 
         A feedback message of the interface, such as ``AtlasBehaviorWalkFeedback``, is
         reported in its own field, any other frozen value in ``feedback``.
 
         Args:
-            memory: State of the behavior after the last tick.
+            state: State of the behavior after the last tick.
             status_flags: The behavior's own flags, latched.
         """
         return None
 
-    def plan(self, memory: Any, com: np.ndarray, omega: float) -> Plan:
+    def plan(self, state: Any, com: np.ndarray, omega: float) -> Plan:
         """Returns the behavior's plan, for viewers and logs; empty without one.
 
         Args:
-            memory: State of the behavior after the last tick.
+            state: State of the behavior after the last tick.
             com: Center of mass at that tick, horizontal in W [m], shape (2,).
             omega: Natural frequency of the pendulum at that tick [1/s].
         """
         return Plan()
 
-    def paths(self, memory: Any, com: np.ndarray, omega: float) -> PlannedPaths:
+    def paths(self, state: Any, com: np.ndarray, omega: float) -> PlannedPaths:
         """Returns the motion that is planned from now on; nothing without a plan.
 
         It is called only when a viewer or log reads the paths, because they often cost

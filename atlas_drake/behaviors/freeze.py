@@ -32,7 +32,7 @@ class FreezeConfig(Configuration):
 
 
 @dataclass(frozen=True)
-class FreezeMemory:
+class FreezeState:
     """State of FREEZE: joint positions to hold [rad], shape (n,)."""
 
     joints: np.ndarray
@@ -53,13 +53,13 @@ class Freeze(BehaviorProtocol):
         observation: Observation,
         body: BodyReference,
         request: BehaviorRequest,
-    ) -> FreezeMemory:
+    ) -> FreezeState:
         """Stores the present joint positions."""
-        return FreezeMemory(observation.terms.q.copy())
+        return FreezeState(observation.terms.q.copy())
 
     def update(
         self,
-        memory: FreezeMemory,
+        state: FreezeState,
         observation: Observation,
         body: BodyReference,
         request: BehaviorRequest,
@@ -68,7 +68,7 @@ class Freeze(BehaviorProtocol):
         """Computes one tick of holding the joints."""
         # The next behavior starts from the measured pose, not from the stored one.
         body = capture_body(observation.terms)
-        joints = np.where(observation.user_held, observation.terms.q, memory.joints)
+        joints = np.where(observation.user_held, observation.terms.q, state.joints)
         gains = self._balance.gains.posture
         # False for a force that was not measured yet: the robot is taken to stand.
         hangs = observation.foot_force <= self._least_load
@@ -82,4 +82,4 @@ class Freeze(BehaviorProtocol):
             gains.kp * (joints - observation.terms.q) - gains.kd * observation.terms.v
         )
         command = self._balance.on_feet((left, right), PostureTask(still, self._weight))
-        return Outcome(memory=FreezeMemory(joints), body=body, command=command)
+        return Outcome(state=FreezeState(joints), body=body, command=command)

@@ -24,11 +24,11 @@ class Idle(BehaviorProtocol):
 
     def update(
         self,
-        memory: None,
+        state: None,
         observation: Observation,
         body: BodyReference,
         request: BehaviorRequest,
         leaving: bool,
     ) -> Outcome:
         """Computes one tick: the body reference follows the robot."""
-        return Outcome(memory=None, body=capture_body(observation.terms), command=None)
+        return Outcome(state=None, body=capture_body(observation.terms), command=None)

@@ -51,7 +51,7 @@ class SupervisorState:
     Attributes:
         current: Active behavior.
         desired: Requested behavior; differs from ``current`` during a transition.
-        memory: State of the active behavior; None before its first tick.
+        behavior_state: State of the active behavior; None before its first tick.
         entered: True after the active behavior's first tick.
         body: Reference of trunk and posture; None before the first tick.
         request_number: Number of the last handled request, accepted or refused.
@@ -71,7 +71,7 @@ class SupervisorState:
 
     current: Behavior
     desired: Behavior
-    memory: Any = None
+    behavior_state: Any = None
     entered: bool = False
     body: BodyReference | None = None
     request_number: int = 0
@@ -184,7 +184,7 @@ class Supervisor:
         assert state.body is not None
         behavior = self.behaviors[state.current]
         outcome = behavior.update(
-            state.memory,
+            state.behavior_state,
             observation,
             state.body,
             request,
@@ -193,7 +193,7 @@ class Supervisor:
         _check_outcome(outcome, state.current)
         state = replace(
             state,
-            memory=read_only(outcome.memory, state.memory),
+            behavior_state=read_only(outcome.state, state.behavior_state),
             body=read_only(outcome.body, state.body),
             behavior_flags=_latch(state.behavior_flags, outcome.status_flags),
         )
@@ -228,9 +228,9 @@ class Supervisor:
                 state.status | falling, state.trans_from, state.trans_to
             ),
             feedback=None
-            if state.memory is None
+            if state.behavior_state is None
             else self.behaviors[state.current].feedback(
-                state.memory, state.behavior_flags
+                state.behavior_state, state.behavior_flags
             ),
             events=state.events,
             event_count=state.event_count,
@@ -252,10 +252,10 @@ class Supervisor:
         omega: float,
     ) -> _Planned:
         """Calls ``plan`` or ``paths`` of the active behavior, if it acts."""
-        if state.memory is None or state.in_damping_mode:
+        if state.behavior_state is None or state.in_damping_mode:
             return kind()
         behavior = self.behaviors[state.current]
-        planned = getattr(behavior, method)(state.memory, com, omega)
+        planned = getattr(behavior, method)(state.behavior_state, com, omega)
         if not isinstance(planned, kind):
             raise BehaviorError(
                 f"{method} of {state.current.name} must return {kind.__name__}, "
@@ -331,7 +331,7 @@ class Supervisor:
             state,
             current=target,
             desired=target,
-            memory=None,
+            behavior_state=None,
             entered=False,
             status=status,
             trans_from=state.current,
@@ -358,8 +358,8 @@ class Supervisor:
     ) -> SupervisorState:
         assert state.body is not None
         behavior = self.behaviors[state.current]
-        memory = read_only(behavior.enter(observation, state.body, request))
-        return replace(state, memory=memory, entered=True)
+        behavior_state = read_only(behavior.enter(observation, state.body, request))
+        return replace(state, behavior_state=behavior_state, entered=True)
 
     def _warn_of_user_legs(
         self, state: SupervisorState, observation: Observation

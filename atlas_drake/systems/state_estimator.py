@@ -84,7 +84,7 @@ class StateEstimator(CollectableSystem):
         self._loads = self.DeclareVectorInputPort("foot_loads", 2)
         self._start = self.DeclareVectorInputPort("start_state", size)
         self._scratch = declare_scratch_context(self, plant.CreateDefaultContext)
-        self._memory = self.DeclareAbstractState(AbstractValue.Make(EstimatorState()))
+        self._state = self.DeclareAbstractState(AbstractValue.Make(EstimatorState()))
         self._odometry = self.DeclareCacheEntry(
             "odometry",
             ValueProducer(
@@ -97,21 +97,21 @@ class StateEstimator(CollectableSystem):
 
     def reset(self, context: Context) -> None:
         """Starts again from the present ``start_state``."""
-        context.get_mutable_abstract_state(self._memory).set_value(EstimatorState())
+        context.get_mutable_abstract_state(self._state).set_value(EstimatorState())
 
     def _update(self, context: Context, state: State) -> None:
         after = EstimatorState(context.get_time(), self._odometry.Eval(context))
-        state.get_mutable_abstract_state(self._memory).set_value(after)
+        state.get_mutable_abstract_state(self._state).set_value(after)
 
     def _calc_odometry(self, context: Context, output: AbstractValue) -> None:
-        memory = context.get_abstract_state(self._memory).get_value()
-        if memory.odometry is None:
+        before = context.get_abstract_state(self._state).get_value()
+        if before.odometry is None:
             output.set_value(self._begin(context))
             return
-        dt = context.get_time() - memory.time
+        dt = context.get_time() - before.time
         # dt is 0 for a read at the instant of the tick, after its update.
         output.set_value(
-            self._follow(context, memory.odometry, dt) if dt > 0.0 else memory.odometry
+            self._follow(context, before.odometry, dt) if dt > 0.0 else before.odometry
         )
 
     def _begin(self, context: Context) -> OdometryState:

@@ -48,7 +48,7 @@ _UNKNOWN = read_only(np.full(2, np.nan))
 
 
 @dataclass(frozen=True)
-class ControllerMemory(Frozen):
+class ControllerState(Frozen):
     """State of the controller from one tick to the next.
 
     Attributes:
@@ -116,7 +116,7 @@ class WholeBodyController(CollectableSystem):
         """Wall-clock time of each tick [s], kept only when set to a list; it depends on
         the machine, and is not part of the Context."""
 
-        start = ControllerMemory(
+        start = ControllerState(
             self._supervisor.start(initial_behavior),
             np.zeros(n),
             read_only(np.zeros(2)),
@@ -130,7 +130,7 @@ class WholeBodyController(CollectableSystem):
             "commands", AbstractValue.Make(NOTHING)
         )
         self._scratch = declare_scratch_context(self, self._model.create_context)
-        self._memory = self.DeclareAbstractState(AbstractValue.Make(start))
+        self._state = self.DeclareAbstractState(AbstractValue.Make(start))
         self.DeclareVectorOutputPort(
             "behavior_effort",
             n,
@@ -151,26 +151,26 @@ class WholeBodyController(CollectableSystem):
 
     def reset(self, context: Context, behavior: Behavior) -> None:
         """Starts again with ``behavior``; the events and their count are kept."""
-        before = self._remembered(context)
-        after = ControllerMemory(
+        before = self._present(context)
+        after = ControllerState(
             self._supervisor.restart(before.supervisor, behavior),
             np.zeros(self._robot.num_joints),
             before.com,
             unsolved=before.unsolved,
         )
-        context.get_mutable_abstract_state(self._memory).set_value(after)
+        context.get_mutable_abstract_state(self._state).set_value(after)
 
-    def _remembered(self, context: Context) -> ControllerMemory:
-        return context.get_abstract_state(self._memory).get_value()
+    def _present(self, context: Context) -> ControllerState:
+        return context.get_abstract_state(self._state).get_value()
 
     def _update(self, context: Context, state: State) -> None:
         begin = time.perf_counter()
-        after = self._tick(context, self._remembered(context))
-        state.get_mutable_abstract_state(self._memory).set_value(after)
+        after = self._tick(context, self._present(context))
+        state.get_mutable_abstract_state(self._state).set_value(after)
         if self.tick_seconds is not None:
             self.tick_seconds.append(time.perf_counter() - begin)
 
-    def _tick(self, context: Context, before: ControllerMemory) -> ControllerMemory:
+    def _tick(self, context: Context, before: ControllerState) -> ControllerState:
         terms = self._model.evaluate(
             self._scratch.Eval(context), self._state_input.Eval(context)
         )
@@ -195,7 +195,7 @@ class WholeBodyController(CollectableSystem):
                 if supervisor.in_damping_mode
                 else np.zeros(self._robot.num_joints)
             )
-            return ControllerMemory(
+            return ControllerState(
                 supervisor, effort, com, omega, unsolved=before.unsolved
             )
         if commands.joints.has_user:
@@ -204,7 +204,7 @@ class WholeBodyController(CollectableSystem):
             solution = self._qp.solve(terms, command, self._own_bounds)
             effort = solution.effort
         unsolved = before.unsolved + (not solution.found)
-        return ControllerMemory(supervisor, effort, com, omega, solution, unsolved)
+        return ControllerState(supervisor, effort, com, omega, solution, unsolved)
 
     def _solve_shared(
         self,
@@ -224,22 +224,22 @@ class WholeBodyController(CollectableSystem):
         return solution, own
 
     def _calc_effort(self, context: Context, output: BasicVector) -> None:
-        output.SetFromVector(self._remembered(context).effort)
+        output.SetFromVector(self._present(context).effort)
 
     def _calc_status(self, context: Context, output: AbstractValue) -> None:
-        memory = self._remembered(context)
-        solution = memory.solution
+        state = self._present(context)
+        solution = state.solution
         output.set_value(
             replace(
-                self._supervisor.status(memory.supervisor, memory.com, memory.omega),
+                self._supervisor.status(state.supervisor, state.com, state.omega),
                 solved=None if solution is None else solution.found,
-                unsolved=memory.unsolved,
+                unsolved=state.unsolved,
                 why_unsolved="" if solution is None else solution.why,
             )
         )
 
     def _calc_paths(self, context: Context, output: AbstractValue) -> None:
-        memory = self._remembered(context)
+        state = self._present(context)
         output.set_value(
-            self._supervisor.paths(memory.supervisor, memory.com, memory.omega)
+            self._supervisor.paths(state.supervisor, state.com, state.omega)
         )

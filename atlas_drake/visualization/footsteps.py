@@ -17,7 +17,7 @@ from pydrake.geometry import Meshcat, Rgba
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.systems.framework import Context
 
-from atlas_drake.behaviors.step.queue import footstep_from
+from atlas_drake.behaviors.step_queue import footstep_from
 from atlas_drake.frozen import NOTHING
 from atlas_drake.messages import (
     NO_STEP,

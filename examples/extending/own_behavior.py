@@ -36,19 +36,19 @@ class Bow(Stand):
         super().__init__(tools.balance, tools.nominal_height, tools.rates)
         self._robot = tools.robot
 
-    def target(self, memory, observation, request, leaving):
+    def target(self, state, observation, request, leaving):
         """Goals of trunk and posture; upright again once STAND is requested."""
         depth = 0.0 if leaving else (request.command.params or BowParams()).depth
-        upright = super().target(memory, observation, request, leaving)
+        upright = super().target(state, observation, request, leaving)
         joints = self._robot.stand_prep.copy()
         joints[self._robot.joint_index("back_bky")] += depth
         height = upright.height - LOWERING * depth
         chest_tilt = np.array([0.0, depth])
         return replace(upright, chest_tilt=chest_tilt, joints=joints, height=height)
 
-    def update(self, memory, observation, body, request, leaving):
+    def update(self, state, observation, body, request, leaving):
         """One tick; the behavior is over when the chest is upright again."""
-        outcome = super().update(memory, observation, body, request, leaving)
+        outcome = super().update(state, observation, body, request, leaving)
         return replace(outcome, finished=leaving and outcome.body.chest_tilt[1] < 0.01)
 
 

@@ -35,9 +35,9 @@ class WalkWithHand(Walk):
         super().__init__(tools.balance, tools.nominal_height, tools.rates, config)
         self._arm = tools.robot.limb("l_arm")
 
-    def update(self, memory, observation, body, request, leaving):
+    def update(self, state, observation, body, request, leaving):
         """Computes one tick: the command of WALK with the task added."""
-        outcome = super().update(memory, observation, body, request, leaving)
+        outcome = super().update(state, observation, body, request, leaving)
         terms, P = observation.terms, observation.terms.frame("pelvis")
         p_PD, v_PD = circle(observation.time)
         p_WD, v_WD = P.p_WF + P.R_WF @ p_PD, P.V_WF[3:] + P.R_WF @ v_PD

@@ -173,8 +173,8 @@ def test_every_behavior_begins_with_each_foot_planted(model, observe, behavior):
     made = Supervisor(model, ControllerConfig(), 0.9).behaviors[Behavior[behavior]]
     request = as_request(AtlasSimInterfaceCommand(behavior=behavior))
     body = capture_body(seen.terms)
-    memory = made.enter(seen, body, request)
-    outcome = made.update(memory, seen, body, request, False)
+    state = made.enter(seen, body, request)
+    outcome = made.update(state, seen, body, request, False)
     assert (outcome.status_flags != 0) == (behavior in ("WALK", "STEP"))
     command = outcome.command
     soles = [foot.sole_frame for foot in model.robot.file.feet]

@@ -58,22 +58,22 @@ def numbers(pose):
 
 @dataclasses.dataclass
 class Ticked:
-    """The behavior with its memory, ticked by the test."""
+    """The behavior with its state, ticked by the test."""
 
     behavior: Manipulate
-    memory: object
+    state: object
     body: object
     outcome: object = None
 
     def tick(self, seen, request, leaving=False):
         self.outcome = self.behavior.update(
-            self.memory, seen, self.body, request, leaving
+            self.state, seen, self.body, request, leaving
         )
-        self.memory, self.body = self.outcome.memory, self.outcome.body
+        self.state, self.body = self.outcome.state, self.outcome.body
 
     @property
     def feedback(self):
-        return self.behavior.feedback(self.memory, 0)
+        return self.behavior.feedback(self.state, 0)
 
 
 @pytest.fixture(scope="module")
@@ -115,7 +115,7 @@ def test_the_body_rises_and_sinks_with_the_pelvis(start, observe):
     robot = start(request)
     for _ in range(20):
         robot.tick(observe(), request)
-    pelvis = robot.memory.motion.height
+    pelvis = robot.state.motion.height
     sunk = pelvis.position[0] - terms.p_WP[2]
     assert -0.02 < sunk < -1e-4
     assert robot.body.height - terms.com[2] == pytest.approx(sunk)
@@ -127,9 +127,9 @@ def test_the_reference_moves_as_a_pendulum_on_its_cop(start, observe):
     robot = start(request)
     for _ in range(20):
         robot.tick(observe(), request)
-    com = robot.memory.motion.com
+    com = robot.state.motion.com
     assert np.abs(com.acceleration).min() > 1e-4
-    reference = robot.memory.dcm_reference(omega)
+    reference = robot.state.dcm_reference(omega)
     np.testing.assert_allclose(omega * (reference.dcm - com.position), com.velocity)
     away = com.position - reference.cop
     np.testing.assert_allclose(omega**2 * away, com.acceleration, atol=1e-12)
@@ -143,12 +143,12 @@ def test_it_takes_over_from_stand_and_gives_back_without_a_jump(parts, observe, 
         capture_body(observe().terms), height=capture_body(seen.terms).height + 0.01
     )
     quiet = asked(use_desired=False)
-    memory = stand.enter(seen, body, quiet)
-    first = stand.update(memory, seen, body, quiet, False)
-    memory = manipulate.enter(seen, first.body, quiet)
-    second = manipulate.update(memory, seen, first.body, quiet, False)
-    memory = stand.enter(seen, second.body, quiet)
-    third = stand.update(memory, seen, second.body, quiet, False)
+    state = stand.enter(seen, body, quiet)
+    first = stand.update(state, seen, body, quiet, False)
+    state = manipulate.enter(seen, first.body, quiet)
+    second = manipulate.update(state, seen, first.body, quiet, False)
+    state = stand.enter(seen, second.body, quiet)
+    third = stand.update(state, seen, second.body, quiet, False)
     for before, after in ((first, second), (second, third)):
         tasks = zip(before.command.tasks, after.command.tasks, strict=True)
         for task_before, task_after in tasks:
@@ -229,7 +229,7 @@ def test_the_back_is_straightened_at_its_rate(start, observe, model, bend):
     np.testing.assert_allclose(robot.body.joints[back], straight, atol=1e-12)
 
 
-def test_a_user_who_has_a_leg_is_waited_for(start, observe):
+def test_the_pelvis_rests_while_the_user_controls_a_leg(start, observe):
     request = asked(pelvis_height=0.85)
     robot = start(request)
     held = observe(users={"r_leg_kny": 1.0})

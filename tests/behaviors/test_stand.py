@@ -81,12 +81,10 @@ def test_the_weight_moves_to_the_middle_at_eight_centimetres_a_second(robot, obs
     seen = observe(above=begin)
     body, request = capture_body(seen.terms), as_request(AtlasSimInterfaceCommand())
     stand = Stand(Balance(robot, ControlGains()), 0.9, BodyRates())
-    memory = stand.enter(seen, body, request)
-    np.testing.assert_allclose(memory.com, begin)
-    after = stand.update(memory, seen, body, request, False).memory
-    np.testing.assert_allclose(
-        after.com - memory.com, [-0.08 * seen.dt, 0.0], atol=1e-9
-    )
+    state = stand.enter(seen, body, request)
+    np.testing.assert_allclose(state.com, begin)
+    after = stand.update(state, seen, body, request, False).state
+    np.testing.assert_allclose(after.com - state.com, [-0.08 * seen.dt, 0.0], atol=1e-9)
 
 
 @pytest.mark.parametrize("foot", [0, 1])
@@ -102,7 +100,7 @@ def test_a_foot_that_slips_is_latched_anew(robot, observe, foot, axis):
         feet = list(seen.terms.feet)
         feet[foot] = feet[foot]._replace(p_WF=feet[foot].p_WF + slip)
         now = replace(seen, terms=replace(seen.terms, feet=tuple(feet)))
-        after = stand.update(before, now, body, request, False).memory
+        after = stand.update(before, now, body, request, False).state
         moved = slip if abs(share) > 1.0 else np.zeros(3)
         for side, old, new in zip((0, 1), before.feet, after.feet, strict=True):
             expected = old.p_WF + moved * (side == foot)
@@ -275,7 +273,7 @@ def test_a_fall_is_flagged_early_and_time_goes_on(record, force, duration):
     assert recording.sim.has_fallen
     assert recording.sim.summary()["fell"]
     assert not recording.sim.summary()["success"]
-    # Limp: braked, and no more.
+    # Damping mode: braked, and no more.
     share = recording.looks[-1].report.f_out / recording.sim.robot.effort_limit
     assert np.abs(share).max() < 0.1
     assert [event.kind for event in recording.sim.events].count("fall") == 1

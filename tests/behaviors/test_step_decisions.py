@@ -9,7 +9,13 @@ import pytest
 from atlas_drake import AtlasSimInterfaceCommand
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.body_reference import capture_body
-from atlas_drake.behaviors.step.phases import Lower, Rest, Settle, Shift, Swing
+from atlas_drake.behaviors.step.phases import (
+    Lower,
+    Rest,
+    StepSettle,
+    StepShift,
+    StepSwing,
+)
 from atlas_drake.behaviors.step.preview import TIME_STEP
 from atlas_drake.behaviors.step.rules import StepRules
 from atlas_drake.behaviors.step.step import Step
@@ -65,14 +71,14 @@ def entered(step, seen, command):
     return step.enter(seen, capture_body(seen.terms), command)
 
 
-def tick(step, memory, seen, command, leaving=False):
-    return step.update(memory, seen, capture_body(seen.terms), command, leaving)
+def tick(step, state, seen, command, leaving=False):
+    return step.update(state, seen, capture_body(seen.terms), command, leaving)
 
 
 def shifting(step, seen, command):
     outcome = tick(step, entered(step, seen, command), seen, command)
-    assert isinstance(outcome.memory, Shift)
-    return outcome.memory
+    assert isinstance(outcome.state, StepShift)
+    return outcome.state
 
 
 def dcm(seen, balance):
@@ -85,29 +91,29 @@ def test_a_weight_shift_starts_where_the_robot_is_and_how_it_moves(
     step, observe, balance, speed
 ):
     seen, command = observe(speed=speed), request()
-    memory = entered(step, seen, command)
-    assert (memory.shift_time, memory.elapsed, memory.lean) == (0.0, 0.0, 0.0)
-    np.testing.assert_allclose(memory.shift.start, dcm(seen, balance), atol=0.002)
+    state = entered(step, seen, command)
+    assert (state.shift_time, state.elapsed, state.lean) == (0.0, 0.0, 0.0)
+    np.testing.assert_allclose(state.shift.start, dcm(seen, balance), atol=0.002)
     middle = 0.5 * (seen.terms.feet[LEFT].p_WF + seen.terms.feet[RIGHT].p_WF)[:2]
-    np.testing.assert_allclose(memory.shift.end, middle)
-    memory = shifting(step, seen, command)
-    np.testing.assert_allclose(memory.shift.start, dcm(seen, balance), atol=0.002)
-    on = tick(step, memory, seen, command).memory
+    np.testing.assert_allclose(state.shift.end, middle)
+    state = shifting(step, seen, command)
+    np.testing.assert_allclose(state.shift.start, dcm(seen, balance), atol=0.002)
+    on = tick(step, state, seen, command).state
     assert on.shift_time == on.elapsed == seen.dt
     # Over the right foot, a centimetre short of its middle.
     right = seen.terms.feet[RIGHT].p_WF
     np.testing.assert_allclose(
-        memory.shift.end, right[:2] + np.array([0.0, 0.01]), atol=0.001
+        state.shift.end, right[:2] + np.array([0.0, 0.01]), atol=0.001
     )
 
 
 @pytest.mark.parametrize(("tilt", "less"), [(0.2, None), (0.45, "0.20")])
-def test_a_slope_that_is_too_steep_is_told(step, observe, tilt, less):
+def test_a_slope_that_is_too_steep_gives_a_warning(step, observe, tilt, less):
     seen, command = observe(), request()
     normal = Vector3(math.sin(tilt), 0.0, math.cos(tilt))
     command.command.step_params.desired_step_spec.foot.normal = normal
     outcome = tick(step, entered(step, seen, command), seen, command)
-    assert isinstance(outcome.memory, Shift)
+    assert isinstance(outcome.state, StepShift)
     told = [] if less is None else [f"step 1 is tilted {less} rad less than its normal"]
     assert [event.text for event in outcome.events] == told
 
@@ -120,7 +126,7 @@ def test_a_rise_at_the_limit_is_taken_whatever_the_ground_rounds_to(
     command = request(x=0.3, z=z)
     seen = observe()
     outcome = tick(step, entered(step, seen, command), seen, command)
-    assert isinstance(outcome.memory, Shift) == taken
+    assert isinstance(outcome.state, StepShift) == taken
     assert ("out of reach" in str(outcome.events)) != taken
 
 
@@ -128,67 +134,67 @@ def test_a_rise_at_the_limit_is_taken_whatever_the_ground_rounds_to(
 def test_no_weight_shift_begins_while_the_robot_is_about_to_tip(step, observe, speed):
     seen, command = observe(speed=speed), request()
     outcome = tick(step, entered(step, seen, command), seen, command)
-    assert isinstance(outcome.memory, Rest)
+    assert isinstance(outcome.state, Rest)
     # The step is not lost: it begins when the robot has come to rest.
     assert outcome.events == ()
-    later = tick(step, outcome.memory, observe(), command)
-    assert isinstance(later.memory, Shift)
-    assert later.memory.progress.index == 1
+    later = tick(step, outcome.state, observe(), command)
+    assert isinstance(later.state, StepShift)
+    assert later.state.progress.index == 1
 
 
 @pytest.mark.parametrize("speed", [0.45, -0.45])
 def test_a_weight_shift_is_given_up_when_the_robot_begins_to_tip(step, observe, speed):
     command = request()
-    memory = shifting(step, observe(), command)
-    steady = tick(step, memory, observe(), command)
-    assert isinstance(steady.memory, Shift)
+    state = shifting(step, observe(), command)
+    steady = tick(step, state, observe(), command)
+    assert isinstance(steady.state, StepShift)
     assert steady.events == ()
-    outcome = tick(step, memory, observe(speed=speed), command)
-    assert isinstance(outcome.memory, Rest)
+    outcome = tick(step, state, observe(speed=speed), command)
+    assert isinstance(outcome.state, Rest)
     (event,) = outcome.events
     assert event.kind == STEPS_LEFT
     assert "step 1 is not taken: its foot cannot be unloaded" in event.text
     # The next step waits until the weight is back between the feet.
     second = request(2)
-    waits = tick(step, outcome.memory, observe(), second)
-    assert isinstance(waits.memory, Rest)
-    back = replace(outcome.memory, elapsed=outcome.memory.shift.duration)
+    waits = tick(step, outcome.state, observe(), second)
+    assert isinstance(waits.state, Rest)
+    back = replace(outcome.state, elapsed=outcome.state.shift.duration)
     begins = tick(step, back, observe(), second)
-    assert isinstance(begins.memory, Shift)
-    assert begins.memory.progress.index == 2
+    assert isinstance(begins.state, StepShift)
+    assert begins.state.progress.index == 2
 
 
 def test_a_foot_that_stays_loaded_is_given_up_after_a_while(step, observe):
     command = request()
-    memory = shifting(step, observe(), command)
-    end = memory.shift.duration + RULES.longest_wait
-    waits = tick(step, replace(memory, elapsed=end - 0.01), observe(), command)
-    assert isinstance(waits.memory, Shift)
-    gives_up = tick(step, replace(memory, elapsed=end), observe(), command)
-    assert isinstance(gives_up.memory, Rest)
+    state = shifting(step, observe(), command)
+    end = state.shift.duration + RULES.longest_wait
+    waits = tick(step, replace(state, elapsed=end - 0.01), observe(), command)
+    assert isinstance(waits.state, StepShift)
+    gives_up = tick(step, replace(state, elapsed=end), observe(), command)
+    assert isinstance(gives_up.state, Rest)
     assert gives_up.events[-1].kind == STEPS_LEFT
 
 
-def standing_still_at(memory, place, duration=1.0, **fields):
-    """The memory with a weight shift that is at ``place`` from now on."""
+def standing_still_at(state, place, duration=1.0, **fields):
+    """The state with a weight shift that is at ``place`` from now on."""
     shift = WeightShift(place, place, duration)
-    return replace(memory, shift=shift, shift_time=duration, **fields)
+    return replace(state, shift=shift, shift_time=duration, **fields)
 
 
-def in_phase(kind, memory, **fields):
+def in_phase(kind, state, **fields):
     """The same step in another phase."""
     if kind is Rest:
-        fields["last"] = memory.taken
-    elif kind is Settle:
+        fields["last"] = state.taken
+    elif kind is StepSettle:
         fields["went_back"] = False
     names = {field.name for field in dataclasses.fields(kind)}
-    kept = {name: value for name, value in vars(memory).items() if name in names}
+    kept = {name: value for name, value in vars(state).items() if name in names}
     return kind(**{**kept, **fields})
 
 
-def commanded(step, memory, seen):
+def commanded(step, state, seen):
     """Both feet's contacts; the reference is held still for the look."""
-    return step._command(memory, seen, capture_body(seen.terms)).contacts
+    return step._command(state, seen, capture_body(seen.terms)).contacts
 
 
 @pytest.mark.parametrize("pressed", [LEFT, RIGHT])
@@ -196,29 +202,29 @@ def test_a_foot_is_pressed_flat_only_as_far_as_balance_allows(
     step, observe, balance, pressed
 ):
     seen = observe()
-    memory = shifting(step, seen, request(foot=pressed, y=0.14 - 0.28 * pressed))
+    state = shifting(step, seen, request(foot=pressed, y=0.14 - 0.28 * pressed))
     here = dcm(seen, balance)
-    memory = in_phase(Settle, memory)
-    settling = standing_still_at(memory, here)
+    state = in_phase(StepSettle, state)
+    settling = standing_still_at(state, here)
     feet = commanded(step, settling, seen)
     least = RULES.settling_load * balance.weight
     assert feet[pressed].min_normal_force == pytest.approx(least)
     assert feet[1 - pressed].min_normal_force == 0.0
     # The CoP is wanted at the outer edge of the other foot: no load on this one.
     away = seen.terms.feet[pressed].p_WF[:2] - here
-    settling = standing_still_at(memory, here + away)
+    settling = standing_still_at(state, here + away)
     feet = commanded(step, settling, seen)
     assert feet[pressed].min_normal_force == pytest.approx(0.0, abs=1e-6)
 
 
 def test_a_foot_that_is_unloaded_is_loaded_again_for_balance(step, observe, balance):
     seen = observe()
-    memory = shifting(step, seen, request(foot=LEFT))
+    state = shifting(step, seen, request(foot=LEFT))
     here, left = dcm(seen, balance), seen.terms.feet[LEFT].p_WF[:2]
     right = seen.terms.feet[RIGHT].p_WF[:2]
     # The CoP has to come back to it at the end of its weight shift.
-    done = {"elapsed": memory.shift.duration, "heel": 0.0}
-    ill = standing_still_at(memory, here + 0.25 * (right - here), **done)
+    done = {"elapsed": state.shift.duration, "heel": 0.0}
+    ill = standing_still_at(state, here + 0.25 * (right - here), **done)
     feet = commanded(step, ill, seen)
     low = feet[LEFT].max_normal_force / balance.weight
     assert 0.4 < low < 0.9
@@ -230,13 +236,13 @@ def test_a_foot_that_is_unloaded_is_loaded_again_for_balance(step, observe, bala
 def test_the_leaving_foot_is_unloaded_evenly_until_lift_off(
     step, observe, balance, foot, duration
 ):
-    memory = shifting(step, observe(), request(foot=foot, y=0.14 - 0.28 * foot))
-    stance = memory.feet[1 - foot].p_WF[:2]
+    state = shifting(step, observe(), request(foot=foot, y=0.14 - 0.28 * foot))
+    stance = state.feet[1 - foot].p_WF[:2]
     for left in (0.75, 0.5, 0.25):
         elapsed = duration * (1.0 - left * RULES.unload_share)
         still = {"elapsed": elapsed, "heel": 0.0, "fresh": None}
-        memory = standing_still_at(memory, stance, duration, **still)
-        feet = commanded(step, memory, observe(above=stance))
+        state = standing_still_at(state, stance, duration, **still)
+        feet = commanded(step, state, observe(above=stance))
         loads = [feet[side].max_normal_force for side in (foot, 1 - foot)]
         assert loads[0] == pytest.approx(left * balance.weight)
         assert loads[1] > 0.8 * balance.weight
@@ -247,88 +253,88 @@ def test_a_foot_that_touches_down_is_pressed_flat_and_its_landing_told(
     step, observe, balance, foot
 ):
     command = request(foot=foot, y=0.14 - 0.28 * foot)
-    memory = shifting(step, observe(), command)
-    lowering = in_phase(Lower, memory, elapsed=0.9 * memory.taken.swing.duration)
+    state = shifting(step, observe(), command)
+    lowering = in_phase(Lower, state, elapsed=0.9 * state.taken.swing.duration)
     force = np.zeros(2)
     for side, share, kind in (
         (foot, 0.9, Lower),
         (1 - foot, 5.0, Lower),
-        (foot, 1.1, Settle),
+        (foot, 1.1, StepSettle),
     ):
         force[:] = 0.0
         force[side] = share * RULES.touchdown_force * balance.weight
         seen = replace(observe(pitch=0.05), foot_force=force)
-        settling = tick(step, lowering, seen, command).memory
+        settling = tick(step, lowering, seen, command).state
         assert isinstance(settling, kind)
-    assert settling.feet[1 - foot] is memory.feet[1 - foot]
+    assert settling.feet[1 - foot] is state.feet[1 - foot]
     landed = seen.foot_pose(foot).p_WF
     np.testing.assert_array_equal(settling.feet[foot].p_WF, landed)
     done = replace(settling, elapsed=RULES.settle)
     outcome = tick(step, done, observe(), command)
-    assert isinstance(outcome.memory, Rest)
+    assert isinstance(outcome.state, Rest)
     (event,) = outcome.events
     at_rest = observe().foot_pose(foot).p_WF
-    miss = 1e3 * np.hypot(*(at_rest - memory.taken.step.p_WF)[:2])
+    miss = 1e3 * np.hypot(*(at_rest - state.taken.step.p_WF)[:2])
     side = ("left", "right")[foot]
     assert event.kind == FOOTSTEP
     assert event.text == f"step 1 landed ({side}, {miss:.0f} mm off)"
     assert tick(step, replace(done, went_back=True), observe(), command).events == ()
 
 
-def time_left(step, memory):
-    return step.feedback(memory, 0).t_step_rem
+def time_left(step, state):
+    return step.feedback(state, 0).t_step_rem
 
 
 def test_the_time_left_counts_to_the_end_of_the_step_in_every_phase(step, observe):
-    memory = shifting(step, observe(), request())
-    shift, swing = memory.shift.duration, memory.taken.swing.duration
+    state = shifting(step, observe(), request())
+    shift, swing = state.shift.duration, state.taken.swing.duration
     settle = RULES.settle
     for phase, elapsed, left in (
-        (Shift, 0.0, shift + swing + settle),
-        (Shift, shift, swing + settle),
-        (Shift, shift + 0.2, swing + settle),
-        (Swing, 0.0, swing + settle),
+        (StepShift, 0.0, shift + swing + settle),
+        (StepShift, shift, swing + settle),
+        (StepShift, shift + 0.2, swing + settle),
+        (StepSwing, 0.0, swing + settle),
         (Lower, 0.75 * swing, 0.25 * swing + settle),
         (Lower, swing + 0.3, settle),
-        (Settle, 0.0, settle),
-        (Settle, 0.1, settle - 0.1),
-        (Settle, settle + 0.1, 0.0),
+        (StepSettle, 0.0, settle),
+        (StepSettle, 0.1, settle - 0.1),
+        (StepSettle, settle + 0.1, 0.0),
         (Rest, 0.1, 0.0),
     ):
-        now = in_phase(phase, memory, elapsed=elapsed)
+        now = in_phase(phase, state, elapsed=elapsed)
         assert time_left(step, now) == pytest.approx(left), (phase, elapsed)
 
 
 def test_standing_leaves_no_step_unsaid(step, observe):
     seen, command = observe(), request()
-    memory = shifting(step, seen, command)
-    outcome = tick(step, memory, seen, command, leaving=True)
+    state = shifting(step, seen, command)
+    outcome = tick(step, state, seen, command, leaving=True)
     assert outcome.finished
     (event,) = outcome.events
     assert (event.kind, event.text) == (STEPS_LEFT, "STEP ends without the step 1")
     # And the next one, if it was asked for already.
-    (event,) = tick(step, memory, seen, request(2), leaving=True).events
+    (event,) = tick(step, state, seen, request(2), leaving=True).events
     assert event.text == "STEP ends without the steps 1, 2"
     # After a step that is done there is nothing to say.
-    done = in_phase(Rest, memory)
+    done = in_phase(Rest, state)
     assert tick(step, done, seen, command, leaving=True).events == ()
 
 
 def test_status_says_whether_a_foot_is_in_the_air(step, observe):
     seen, command = observe(), request()
-    memory = shifting(step, seen, command)
+    state = shifting(step, seen, command)
     for phase, flag in (
-        (Shift, StepStatus.SUBSTATE_SWAYING),
-        (Swing, StepStatus.SUBSTATE_STEPPING),
+        (StepShift, StepStatus.SUBSTATE_SWAYING),
+        (StepSwing, StepStatus.SUBSTATE_STEPPING),
     ):
-        now = in_phase(phase, memory, elapsed=0.0)
+        now = in_phase(phase, state, elapsed=0.0)
         assert tick(step, now, seen, command).status_flags == flag
 
 
 def test_the_body_sinks_with_a_foot_that_finds_no_ground(step, observe):
-    memory = shifting(step, observe(), request())
-    goal, swing = memory.taken.step.pose, memory.taken.swing
-    lowering = in_phase(Lower, memory, elapsed=0.8 * swing.duration)
+    state = shifting(step, observe(), request())
+    goal, swing = state.taken.step.pose, state.taken.swing
+    lowering = in_phase(Lower, state, elapsed=0.8 * swing.duration)
     foothold = lowering.foothold()
     np.testing.assert_array_equal(foothold.p_WF, goal.p_WF)
     late = replace(lowering, elapsed=swing.duration + 0.3)
@@ -337,41 +343,41 @@ def test_the_body_sinks_with_a_foot_that_finds_no_ground(step, observe):
     np.testing.assert_array_equal(foothold.p_WF[:2], goal.p_WF[:2])
 
 
-def raised(memory, foot, rise):
-    """The memory with one foot higher up."""
-    feet = list(memory.feet)
+def raised(state, foot, rise):
+    """The state with one foot higher up."""
+    feet = list(state.feet)
     p_WF = feet[foot].p_WF + np.array([0.0, 0.0, rise])
     feet[foot] = FootPose(p_WF, feet[foot].R_WF)
-    return replace(memory, feet=tuple(feet))
+    return replace(state, feet=tuple(feet))
 
 
 @pytest.mark.parametrize("foot", [LEFT, RIGHT])
 def test_a_relative_height_counts_from_the_foot_that_stays(step, observe, foot):
-    memory = entered(step, observe(), request())
-    memory = raised(memory, 1 - foot, 0.05)
-    wanted = step._next(memory, request(foot=foot))
-    assert wanted.step.p_WF[2] == pytest.approx(memory.feet[1 - foot].p_WF[2])
+    state = entered(step, observe(), request())
+    state = raised(state, 1 - foot, 0.05)
+    wanted = step._next(state, request(foot=foot))
+    assert wanted.step.p_WF[2] == pytest.approx(state.feet[1 - foot].p_WF[2])
 
 
 @pytest.mark.parametrize("foot", [LEFT, RIGHT])
 def test_at_rest_the_body_is_half_way_between_the_feet(step, observe, foot):
-    memory = entered(step, observe(), request())
+    state = entered(step, observe(), request())
 
-    def height(memory):
-        reach = step._control(memory).reach(memory)
-        return step._stance.body_target(memory, reach).height
+    def height(state):
+        reach = step._control(state).reach(state)
+        return step._stance.body_target(state, reach).height
 
-    level = height(memory)
-    up = height(raised(memory, foot, 0.01))
+    level = height(state)
+    up = height(raised(state, foot, 0.01))
     assert up == pytest.approx(level + 0.005)
 
 
 @pytest.mark.parametrize("speed", [0.0, RULES.rest_speed + 0.01])
 def test_a_step_cut_short_ends_at_rest(step, observe, speed):
     command = request()
-    memory = shifting(step, observe(), command)
+    state = shifting(step, observe(), command)
     for elapsed in (-0.1, 0.1):
-        landed = in_phase(Rest, memory, elapsed=memory.shift.duration + elapsed)
+        landed = in_phase(Rest, state, elapsed=state.shift.duration + elapsed)
         cut_short = replace(landed, progress=replace(landed.progress, leaving=True))
         seen = observe(speed=-speed)
         finished = tick(step, cut_short, seen, command, leaving=True).finished
@@ -383,9 +389,9 @@ def test_a_step_cut_short_ends_at_rest(step, observe, speed):
 @pytest.mark.parametrize("foot", [LEFT, RIGHT])
 def test_the_plan_shows_the_way_of_foot_and_body(step, observe, foot):
     seen, command = observe(), request(foot=foot, y=0.14 - 0.28 * foot)
-    memory = shifting(step, seen, command)
-    plan = step.plan(memory, seen.terms.com[:2], 3.2)
-    paths, shift = step.paths(memory, seen.terms.com[:2], 3.2), memory.shift
+    state = shifting(step, seen, command)
+    plan = step.plan(state, seen.terms.com[:2], 3.2)
+    paths, shift = step.paths(state, seen.terms.com[:2], 3.2), state.shift
     assert plan.footsteps == ()
     assert paths.swing is None
     np.testing.assert_allclose(plan.dcm_reference, shift.start, atol=1e-9)
@@ -396,14 +402,14 @@ def test_the_plan_shows_the_way_of_foot_and_body(step, observe, foot):
     rate = np.gradient(paths.com, TIME_STEP, axis=0)[1:-1]
     ahead = (paths.dcm - paths.com)[1:-1]
     np.testing.assert_allclose(ahead, rate / 3.2, atol=2e-3)
-    flying = in_phase(Swing, memory, elapsed=0.1)
+    flying = in_phase(StepSwing, state, elapsed=0.1)
     plan = step.plan(flying, seen.terms.com[:2], 3.2)
     (target,) = plan.footsteps
-    assert (target.foot, target.yaw) == (foot, memory.taken.step.yaw)
+    assert (target.foot, target.yaw) == (foot, state.taken.step.yaw)
     swing = step.paths(flying, seen.terms.com[:2], 3.2).swing
-    duration = memory.taken.swing.duration
+    duration = state.taken.swing.duration
     assert len(swing) == pytest.approx(duration / TIME_STEP, abs=1.0)
-    np.testing.assert_allclose(swing[0][:2], memory.feet[foot].p_WF[:2], atol=0.01)
+    np.testing.assert_allclose(swing[0][:2], state.feet[foot].p_WF[:2], atol=0.01)
     np.testing.assert_allclose(swing[-1], target.p_WF, atol=0.01)
 
 
@@ -421,25 +427,25 @@ def test_a_foot_lifts_off_without_load_when_the_weight_is_over_the_other(
     step, observe, balance, foot, late, load, miss, lifts
 ):
     command = request(foot=foot, y=0.14 - 0.28 * foot)
-    memory = shifting(step, observe(), command)
-    memory = replace(memory, elapsed=memory.shift.duration + late)
+    state = shifting(step, observe(), command)
+    state = replace(state, elapsed=state.shift.duration + late)
     away = miss * RULES.dcm_ready * np.array([0.8, -0.6])
-    seen = observe(above=memory.shift.end + away)
+    seen = observe(above=state.shift.end + away)
     felt = np.full(2, balance.weight)
     felt[foot] = load * RULES.still_loaded * balance.weight
-    after = tick(step, memory, replace(seen, foot_force=felt), command).memory
-    assert isinstance(after, Swing) == lifts
+    after = tick(step, state, replace(seen, foot_force=felt), command).state
+    assert isinstance(after, StepSwing) == lifts
     if lifts:
-        alone = balance.support(memory.feet[1 - foot])
+        alone = balance.support(state.feet[1 - foot])
         np.testing.assert_array_equal(after.support.vertices, alone.vertices)
 
 
 def test_the_heel_rises_smoothly_in_the_last_part_of_the_shift(step, observe):
-    memory = replace(shifting(step, observe(), request()), heel=0.3)
-    begins, end, dt = 0.5 * memory.shift.duration, memory.shift.duration, 1e-5
+    state = replace(shifting(step, observe(), request()), heel=0.3)
+    begins, end, dt = 0.5 * state.shift.duration, state.shift.duration, 1e-5
 
     def heel(time):
-        return np.array(replace(memory, elapsed=time).heel_motion(0.5))
+        return np.array(replace(state, elapsed=time).heel_motion(0.5))
 
     for time in (0.0, begins, end, end + 0.5):
         angle = 0.3 if time >= end else 0.0
@@ -448,26 +454,26 @@ def test_the_heel_rises_smoothly_in_the_last_part_of_the_shift(step, observe):
         slope = (heel(time + dt) - heel(time - dt)) / (2.0 * dt)
         np.testing.assert_allclose(heel(time)[1:], slope[:2], atol=1e-4)
         assert heel(time)[1] > 0.0
-    assert not replace(memory, heel=0.0).heel_motion(0.5)[0]
+    assert not replace(state, heel=0.0).heel_motion(0.5)[0]
     # On its toes the foot still widens the support, but carries no moment.
-    shift = step._control(memory)
+    shift = step._control(state)
     flat, raised = (
-        shift.support(replace(memory, elapsed=time)) for time in (0.0, 0.9 * end)
+        shift.support(replace(state, elapsed=time)) for time in (0.0, 0.9 * end)
     )
     length = np.array([0.1, 0.0])
-    behind = memory.feet[LEFT].p_WF[:2] - length
-    ahead = memory.feet[LEFT].p_WF[:2] + length
+    behind = state.feet[LEFT].p_WF[:2] - length
+    ahead = state.feet[LEFT].p_WF[:2] + length
     assert flat.distance_outside(behind) < 0.0 < raised.distance_outside(behind)
     assert raised.distance_outside(ahead) < flat.distance_outside(ahead) + 0.05
     # Its contact moves to the toes while the heel is up.
     whole, toes = (
-        commanded(step, replace(memory, elapsed=time, fresh=None), observe())[LEFT]
+        commanded(step, replace(state, elapsed=time, fresh=None), observe())[LEFT]
         for time in (0.0, 0.9 * end)
     )
     assert whole.patch.corners[:, 0].min() < -0.05
     assert toes.patch.corners[:, 0].min() > 0.05
-    assert shift.are_both_flat(replace(memory, elapsed=begins))
-    assert not shift.are_both_flat(replace(memory, elapsed=0.9 * end))
+    assert shift.are_both_flat(replace(state, elapsed=begins))
+    assert not shift.are_both_flat(replace(state, elapsed=0.9 * end))
 
 
 @pytest.fixture
@@ -476,15 +482,15 @@ def lowered(step, observe):
 
     def make(foot, lean):
         command = request(foot=foot, y=0.14 - 0.28 * foot)
-        memory = shifting(step, observe(), command)
-        action = replace(memory.taken.action, step_end_dist=lean)
-        taken = replace(memory.taken, action=action)
+        state = shifting(step, observe(), command)
+        action = replace(state.taken.action, step_end_dist=lean)
+        taken = replace(state.taken, action=action)
         rising = {"elapsed": 0.0, "taken": taken}
-        stance = step._stance.balance.support(memory.feet[1 - foot])
-        swing = in_phase(Swing, memory, **rising, support=stance)
-        assert tick(step, swing, observe(), command).memory.elapsed > 0.0
+        stance = step._stance.balance.support(state.feet[1 - foot])
+        swing = in_phase(StepSwing, state, **rising, support=stance)
+        assert tick(step, swing, observe(), command).state.elapsed > 0.0
         above = replace(swing, elapsed=taken.swing.duration - taken.swing.lower)
-        lower = tick(step, above, observe(), command).memory
+        lower = tick(step, above, observe(), command).state
         assert isinstance(lower, Lower)
         return lower, command
 
@@ -535,15 +541,15 @@ def test_a_foot_that_finds_no_ground_returns_to_where_it_was(
     missed = next(time for time in times if lower.taken.swing.has_missed(time))
     in_air = replace(observe(), foot_force=np.zeros(2))
     before = tick(step, replace(lower, elapsed=missed - 0.02), in_air, command)
-    assert isinstance(before.memory, Lower)
+    assert isinstance(before.state, Lower)
     outcome = tick(step, replace(lower, elapsed=missed), in_air, command)
     (event,) = outcome.events
     assert (event.kind, event.text) == (
         STEPS_LEFT,
         "step 1 found no ground; its foot returns",
     )
-    back = outcome.memory
-    assert isinstance(back, Swing)
+    back = outcome.state
+    assert isinstance(back, StepSwing)
     assert (back.went_back, back.elapsed) == (True, 0.0)
     home, here = lower.feet[foot], in_air.foot_pose(foot)
     np.testing.assert_array_equal(back.taken.step.p_WF, home.p_WF)
@@ -563,29 +569,29 @@ def test_a_foot_that_finds_no_ground_returns_to_where_it_was(
 
 @pytest.mark.parametrize("foot", [LEFT, RIGHT])
 def test_a_new_foot_is_pressed_with_the_body_over_the_other(step, observe, foot):
-    memory = shifting(step, observe(), request(foot=foot, y=0.14 - 0.28 * foot))
+    state = shifting(step, observe(), request(foot=foot, y=0.14 - 0.28 * foot))
 
-    def height(memory):
-        return step._control(memory).reach(memory).height
+    def height(state):
+        return step._control(state).reach(state).height
 
-    settling = in_phase(Settle, memory)
+    settling = in_phase(StepSettle, state)
     assert height(raised(settling, foot, 0.1)) == height(settling)
     higher = height(raised(settling, 1 - foot, 0.1))
     assert higher == pytest.approx(height(settling) + 0.1)
 
 
-def test_a_step_that_comes_too_late_is_told_once(step, observe):
+def test_a_step_that_comes_too_late_gives_one_warning(step, observe):
     seen, command = observe(), request(2)
-    memory = replace(entered(step, seen, request()), elapsed=9.0)
-    memory = tick(step, memory, seen, command).memory
-    assert memory.progress.index == 2
+    state = replace(entered(step, seen, request()), elapsed=9.0)
+    state = tick(step, state, seen, command).state
+    assert state.progress.index == 2
     late = request(1)
-    outcome = tick(step, memory, seen, late)
+    outcome = tick(step, state, seen, late)
     (event,) = outcome.events
     assert event.text == "step 1 is not taken: the next one is 3"
-    assert tick(step, outcome.memory, seen, late).events == ()
+    assert tick(step, outcome.state, seen, late).events == ()
     # The demonstration counts by itself.
     demo = request(1)
     demo.command.step_params.use_demo_walk = True
-    assert tick(step, memory, seen, demo).events == ()
-    assert tick(step, memory, seen, request(3)).events == ()
+    assert tick(step, state, seen, demo).events == ()
+    assert tick(step, state, seen, request(3)).events == ()

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from atlas_drake.behaviors.step.queue import (
+from atlas_drake.behaviors.step_queue import (
     NO_STEP,
     footstep_from,
     merge,

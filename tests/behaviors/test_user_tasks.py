@@ -32,8 +32,8 @@ def run(monkeypatch):
         arm = sim.robot.limb("l_arm")
         stand = Stand.update
 
-        def hold_the_hand(self, memory, seen, body, request, leaving):
-            outcome = stand(self, memory, seen, body, request, leaving)
+        def hold_the_hand(self, state, seen, body, request, leaving):
+            outcome = stand(self, state, seen, body, request, leaving)
             hand = PositionTask.tracking(seen.terms, HAND, goal, GAINS, 20.0)
             command = outcome.command.with_posture_scaled(arm, 0.01).plus(hand)
             return replace(outcome, command=command)

@@ -7,7 +7,7 @@ import pytest
 
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.body_reference import BodyRates, capture_body
-from atlas_drake.behaviors.walk.phases import Settle, Shift, Swing, Transfer
+from atlas_drake.behaviors.walk.phases import Transfer, WalkSettle, WalkShift, WalkSwing
 from atlas_drake.behaviors.walk.preview import TIME_STEP
 from atlas_drake.behaviors.walk.rules import WalkRules
 from atlas_drake.behaviors.walk.walk import Walk
@@ -53,21 +53,21 @@ def test_feet_that_lie_elsewhere_at_lift_off_may_end_the_walk(
     body = capture_body(seen.terms)
     phase = walk.enter(seen, body, request)
     # The walk last saw the feet level with the step; since, they have come down.
-    feet = tuple(raised(foot, height) for foot in phase.course.feet)
-    (step,) = phase.course.pending
+    feet = tuple(raised(foot, height) for foot in phase.progress.feet)
+    (step,) = phase.progress.pending
     place = np.array([*step.p_WF[:2], feet[1].p_WF[2]])
     pending = (replace(step, p_WF=place),)
     phase = replace(
         phase,
         elapsed=phase.duration + RULES.longest_wait,
-        course=replace(phase.course, feet=feet, pending=pending),
+        progress=replace(phase.progress, feet=feet, pending=pending),
     )
     outcome = walk.update(phase, seen, body, request, leaving=False)
     if height == 0.0:
-        assert isinstance(outcome.memory, Swing)
+        assert isinstance(outcome.state, WalkSwing)
         return
-    assert isinstance(outcome.memory, Settle)
-    assert outcome.memory.obstacle == "step 1 leads 0.15 m up, which is too much"
+    assert isinstance(outcome.state, WalkSettle)
+    assert outcome.state.obstacle == "step 1 leads 0.15 m up, which is too much"
     (event,) = outcome.events
     assert event.text.startswith("WALK will end before step 1")
 
@@ -108,7 +108,7 @@ def test_a_foot_lifts_off_when_the_dcm_is_ready_or_waiting_is_in_vain(
     miss = (0.5 if ready else 1.5) * RULES.dcm_ready * np.array([0.6, 0.8])
     seen = bent(observe(above=phase.planned.dcm + miss), robot, flexion)
     after, _ = walk._control(phase).advance(phase, seen)
-    assert isinstance(after, Swing) == lifts
+    assert isinstance(after, WalkSwing) == lifts
     if lifts:
         assert after.step.foot == foot
         swing = walk._timing.swing(after.sent.duration)
@@ -154,7 +154,7 @@ def swinging(walk, observe, walk_message):
         step = (1, foot, 0.2, 0.14 * outward(foot))
         ahead = (2, 1 - foot, 0.4, -0.14 * outward(foot))
         begun = shifting(walk, seen, as_request(walk_message(step, ahead)), 0.0)
-        phase = walk._planner.swing(begun.course, 0.0)
+        phase = walk._planner.swing(begun.progress, 0.0)
         motion = replace(phase.motion, elapsed=elapsed)
         return replace(phase, elapsed=elapsed, plan_time=elapsed, motion=motion)
 
@@ -228,13 +228,13 @@ def test_touchdown_is_felt_by_the_foot_in_the_air(
         return
     assert isinstance(after, Transfer)
     landed = seen.foot_pose(foot).p_WF
-    np.testing.assert_array_equal(after.course.feet[foot].p_WF, landed)
-    np.testing.assert_array_equal(after.course.aimed[foot].p_WF, phase.step.p_WF)
+    np.testing.assert_array_equal(after.progress.feet[foot].p_WF, landed)
+    np.testing.assert_array_equal(after.progress.aimed[foot].p_WF, phase.step.p_WF)
     for kept in ("feet", "aimed"):
-        before, now = getattr(phase.course, kept), getattr(after.course, kept)
+        before, now = getattr(phase.progress, kept), getattr(after.progress, kept)
         assert now[1 - foot] is before[1 - foot]
     # The step after it touches down when it would have after a touchdown in time.
-    transfer = walk._timing.transfer(phase.course.pending[0].duration)
+    transfer = walk._timing.transfer(phase.progress.pending[0].duration)
     assert after.duration == pytest.approx(
         transfer + min(left, RULES.transfer_change * transfer)
     )
@@ -249,7 +249,7 @@ def test_a_walk_is_over_when_the_robot_has_come_to_rest(
 ):
     seen = observe()
     begun = shifting(walk, seen, as_request(walk_message()), 0.0)
-    settle = walk._planner.settle(begun.course, begun.planned.cop)
+    settle = walk._planner.settle(begun.progress, begun.planned.cop)
     end = settle.duration + walk._timing.rest
     for late, speed, over in (
         (0.01, 0.9 * RULES.rest_speed, True),
@@ -274,13 +274,13 @@ def test_a_step_may_be_warned_of_again_when_a_message_replaces_it(
     seen = observe()
     steps = [(1, LEFT, 0.2, 0.14), (2, RIGHT, 0.4, -0.14)]
     phase = shifting(walk, seen, as_request(walk_message(*steps)), 0.0)
-    told = frozenset({(1, "place"), (2, "place"), (2, "pace")})
-    phase = replace(phase, course=replace(phase.course, told=told))
-    assert walk._read_queue(phase, phase.course.request) is phase
+    warned = frozenset({(1, "place"), (2, "place"), (2, "pace")})
+    phase = replace(phase, progress=replace(phase.progress, warned=warned))
+    assert walk._read_queue(phase, phase.progress.request) is phase
     steps[1] = (2, RIGHT, 0.3, -0.14)
     read = walk._read_queue(phase, as_request(walk_message(*steps)))
-    assert read.course.told == {(1, "place")}
-    assert [step.p_WF[0] for step in read.course.pending] == [0.2, 0.3]
+    assert read.progress.warned == {(1, "place")}
+    assert [step.p_WF[0] for step in read.progress.pending] == [0.2, 0.3]
 
 
 @pytest.mark.parametrize("foot", [LEFT, RIGHT])
@@ -312,9 +312,9 @@ def test_the_plan_shows_the_way_of_foot_and_body(walk, observe, swinging, foot):
 def test_every_plan_lasts_until_the_robot_is_at_rest(walk, observe, swinging):
     timing, swing = walk._timing, swinging(LEFT, 0.1)
     single, double = timing.swing(0.63), timing.transfer(0.63)
-    begun = walk._planner.shift(swing.course, swing.planned.dcm, swing.planned.cop)
-    landed = walk._planner.land(swing.course, swing.planned.cop, 0.0)
-    over = walk._planner.settle(replace(swing.course, pending=()), swing.planned.cop)
+    begun = walk._planner.shift(swing.progress, swing.planned.dcm, swing.planned.cop)
+    landed = walk._planner.land(swing.progress, swing.planned.cop, 0.0)
+    over = walk._planner.settle(replace(swing.progress, pending=()), swing.planned.cop)
     for phase, duration in (
         (begun, timing.first_shift + single + timing.settle),
         (swing, single + double + single + timing.settle),
@@ -326,15 +326,15 @@ def test_every_plan_lasts_until_the_robot_is_at_rest(walk, observe, swinging):
 
 def test_steps_that_come_while_the_robot_settles_are_taken(walk, observe, swinging):
     going, seen = swinging(LEFT, 0.1), observe()
-    settle = walk._planner.settle(going.course, going.planned.cop)
+    settle = walk._planner.settle(going.progress, going.planned.cop)
     _, feet = walk._control(settle).command_feet(settle, seen)
     soles = [foot.sole_frame for foot in walk._balance.robot.file.feet]
     assert [foot.contact.frame for foot in feet] == soles
     again, _ = walk._control(settle).advance(settle, seen)
-    assert isinstance(again, Shift)
+    assert isinstance(again, WalkShift)
     assert again.unloading == RIGHT
     np.testing.assert_allclose(again.planned.cop, settle.planned.cop)
     blocked = replace(settle, obstacle="step 2 leads up")
-    done = replace(settle, course=replace(settle.course, pending=()))
+    done = replace(settle, progress=replace(settle.progress, pending=()))
     for phase in (blocked, done):
         assert walk._control(phase).advance(phase, seen) == (phase, ())

@@ -62,8 +62,8 @@ def test_a_height_that_no_foot_can_mean_is_ignored_with_the_normal(z):
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_a_step_too_high_is_saturated(relative, sign):
     rise = sign * (LIMITS.rise + 0.1)
-    wish = step(rise if relative else GROUND + rise, relative=relative)
-    done = saturate(resolve_height(wish, STANCE, LIMITS), STANCE, LIMITS)
+    commanded = step(rise if relative else GROUND + rise, relative=relative)
+    done = saturate(resolve_height(commanded, STANCE, LIMITS), STANCE, LIMITS)
     assert done.p_WF[2] == pytest.approx(GROUND + sign * LIMITS.rise)
 
 

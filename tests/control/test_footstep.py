@@ -29,7 +29,7 @@ MIRROR = np.array([1.0, -1.0, 1.0])
 
 @st.composite
 def situations(draw):
-    """A wish for a step and the foot that it is taken from."""
+    """A commanded for a step and the foot that it is taken from."""
     stance_at = np.array([draw(FAR), draw(FAR), draw(FAR)])
     stance = FootPose(stance_at, rotation_z(draw(YAWS)))
     step = Footstep(
@@ -59,8 +59,8 @@ def assert_same(step, other):
 
 @given(situation=situations())
 def test_saturated_steps_are_within_all_limits(situation):
-    wish, stance = situation
-    step = saturate(wish, stance, LIMITS)
+    commanded, stance = situation
+    step = saturate(commanded, stance, LIMITS)
     forward, width, rise, turn = in_stance_frame(step, stance)
     slack = 1e-9
     assert -LIMITS.backward - slack <= forward <= LIMITS.forward + slack
@@ -69,30 +69,33 @@ def test_saturated_steps_are_within_all_limits(situation):
     assert -LIMITS.toe_in - slack <= turn <= LIMITS.toe_out + slack
     assert LIMITS.min_duration <= step.duration <= LIMITS.max_duration
     assert LIMITS.min_swing_height <= step.swing_height <= LIMITS.max_swing_height
-    assert (step.index, step.foot) == (wish.index, wish.foot)
+    assert (step.index, step.foot) == (commanded.index, commanded.foot)
 
 
 @given(situation=situations())
 def test_saturating_twice_changes_nothing(situation):
-    wish, stance = situation
-    once = saturate(wish, stance, LIMITS)
+    commanded, stance = situation
+    once = saturate(commanded, stance, LIMITS)
     assert_same(saturate(once, stance, LIMITS), once)
 
 
 @given(situation=situations())
 def test_left_and_right_are_mirror_images(situation):
-    wish, stance = situation
+    commanded, stance = situation
     mirrored = saturate(
         dataclasses.replace(
-            wish, foot=1 - wish.foot, p_WF=MIRROR * wish.p_WF, yaw=-wish.yaw
+            commanded,
+            foot=1 - commanded.foot,
+            p_WF=MIRROR * commanded.p_WF,
+            yaw=-commanded.yaw,
         ),
         FootPose(MIRROR * stance.p_WF, rotation_z(-stance.yaw)),
         LIMITS,
     )
-    step = saturate(wish, stance, LIMITS)
+    step = saturate(commanded, stance, LIMITS)
     np.testing.assert_allclose(mirrored.p_WF, MIRROR * step.p_WF, atol=1e-9)
     # A half turn has no side: it may saturate to either.
-    if abs(abs(wrap_angle(wish.yaw - stance.yaw)) - math.pi) > 1e-6:
+    if abs(abs(wrap_angle(commanded.yaw - stance.yaw)) - math.pi) > 1e-6:
         assert wrap_angle(mirrored.yaw + step.yaw) == pytest.approx(0.0, abs=1e-9)
 
 
@@ -107,7 +110,7 @@ def test_left_and_right_are_mirror_images(situation):
 def test_a_step_within_reach_is_taken_as_it_is(forward, width, rise, turn, yaw, foot):
     sign = outward(foot)
     stance = FootPose(np.array([0.3, -0.2, 0.1]), rotation_z(yaw))
-    wish = Footstep(
+    commanded = Footstep(
         index=3,
         foot=foot,
         p_WF=stance.p_WF + rotation_z(yaw) @ [forward, sign * width, rise],
@@ -115,7 +118,7 @@ def test_a_step_within_reach_is_taken_as_it_is(forward, width, rise, turn, yaw, 
         duration=0.5 * (LIMITS.min_duration + LIMITS.max_duration),
         swing_height=0.5 * (LIMITS.min_swing_height + LIMITS.max_swing_height),
     )
-    assert_same(saturate(wish, stance, LIMITS), wish)
+    assert_same(saturate(commanded, stance, LIMITS), commanded)
 
 
 def test_outward_leads_away_from_the_other_foot():

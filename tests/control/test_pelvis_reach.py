@@ -40,8 +40,10 @@ class Case:
     stance: object
     upper: object
 
-    def clamp(self, **wish):
-        return self.reach.clamp(HOME._replace(**wish), HOME, self.stance, self.upper)
+    def clamp(self, **commanded):
+        return self.reach.clamp(
+            HOME._replace(**commanded), HOME, self.stance, self.upper
+        )
 
     def allows(self, pose):
         return self.reach.allows(pose, self.stance, self.upper)
@@ -80,12 +82,12 @@ def test_each_number_is_granted_as_far_as_it_goes_and_no_other_is_moved(
 
 @settings(max_examples=30)
 @given(
-    wish=st.tuples(
+    commanded=st.tuples(
         st.floats(0.3, 1.2), *[st.floats(-1.5, 1.5)] * 3, *[st.floats(-0.4, 0.4)] * 2
     )
 )
-def test_whatever_is_wished_what_is_granted_is_allowed_and_stable(case, wish):
-    granted = case.clamp(**PelvisPose(*wish)._asdict())
+def test_every_commanded_pose_is_clamped_to_a_stable_one(case, commanded):
+    granted = case.clamp(**PelvisPose(*commanded)._asdict())
     assert case.allows(granted)
     assert case.clamp(**granted._asdict()) == granted
     outside = case.stance.support.distance_outside(case.stance.com(granted))
@@ -93,8 +95,8 @@ def test_whatever_is_wished_what_is_granted_is_allowed_and_stable(case, wish):
 
 
 def test_a_mild_wish_is_granted_to_the_letter(case):
-    wish = PelvisPose(0.85, 0.05, 0.1, -0.05, 0.02, 0.03)
-    assert case.clamp(**wish._asdict()) == wish
+    commanded = PelvisPose(0.85, 0.05, 0.1, -0.05, 0.02, 0.03)
+    assert case.clamp(**commanded._asdict()) == commanded
 
 
 def test_left_and_right_are_alike(case):

@@ -109,7 +109,7 @@ def test_a_motor_kept_at_its_limit_is_the_users_and_does_not_yield(sign):
     bounds = effort_bounds(SHARE, user, LIMIT)
     np.testing.assert_array_equal(bounds.user_held, [False, False, True, True])
     np.testing.assert_allclose(bounds.added_inertia, [0.0, 0.125, 0.0, 0.0])
-    np.testing.assert_allclose(bounds.authority, [1.0, 0.75, 0.0, 0.0])
+    np.testing.assert_allclose(bounds.behavior_weight, [1.0, 0.75, 0.0, 0.0])
     np.testing.assert_allclose(bounds.lower[2:], sign * LIMIT[2:])
     np.testing.assert_allclose(bounds.upper[2:], sign * LIMIT[2:])
     # The behavior would go on with what the motor does.

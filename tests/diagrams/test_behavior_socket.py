@@ -411,12 +411,12 @@ def test_an_outcome_with_a_field_that_cannot_be_used_is_told(bow, changes, words
         sim.advance(0.02)
 
 
-def test_a_plan_that_is_none_is_told(bow):
+def test_a_plan_of_another_type_is_refused(bow):
     class Planless(Stand):
         def __init__(self, tools, config):
             super().__init__(tools.balance, tools.nominal_height, tools.rates)
 
-        def plan(self, memory, com, omega):
+        def plan(self, state, com, omega):
             return None
 
     sim = AtlasSimulation(behaviors=[replace(bow, make=Planless)])

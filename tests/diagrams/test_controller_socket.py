@@ -182,7 +182,7 @@ def test_a_fall_is_what_the_scenario_says_it_is():
     assert not first_tilt(1.5).startswith("falling (pelvis tilted by 0.")
 
 
-def test_what_a_controller_tells_is_shown_logged_and_summed_up(tmp_path):
+def test_the_status_of_a_controller_is_reported_and_logged(tmp_path):
     path = tmp_path / "run.npz"
     with AtlasSimulation(controller=Talkative, log=path) as sim:
         sim.advance(0.1)
@@ -277,7 +277,7 @@ def told(robot, status):
         ),
     ],
 )
-def test_a_status_that_cannot_be_read_is_told(status, words):
+def test_an_invalid_status_raises_an_error_that_names_the_field(status, words):
     sim = AtlasSimulation(controller=lambda robot, _: told(robot, status))
     with pytest.raises((TypeError, ValueError), match=words):
         sim.advance(0.01)

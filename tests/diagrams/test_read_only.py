@@ -66,19 +66,19 @@ def listening(kind, behavior):
             look("enter", observation, body, request)
             return super().enter(observation, body, request)
 
-        def update(self, memory, observation, body, request, leaving):
+        def update(self, state, observation, body, request, leaving):
             _ = observation.user_held, observation.terms.frame("l_hand")
-            look("update", memory, observation, body, request)
-            outcome = super().update(memory, observation, body, request, leaving)
+            look("update", state, observation, body, request)
+            outcome = super().update(state, observation, body, request, leaving)
             # Its targets are new in each tick; the weights are constants of all.
             command = outcome.command
             tasks = (command.posture, *command.tasks)
             look("command", [task.weight for task in tasks], command.contacts)
             return outcome
 
-        def plan(self, memory, com, omega):
-            look("plan", memory, com)
-            return super().plan(memory, com, omega)
+        def plan(self, state, com, omega):
+            look("plan", state, com)
+            return super().plan(state, com, omega)
 
     def condition(asked):
         look("condition", asked.observation, asked.command)
@@ -166,9 +166,9 @@ class InPlace(Stand):
     def __init__(self, tools, config):
         super().__init__(tools.balance, tools.nominal_height, tools.rates)
 
-    def update(self, memory, observation, body, request, leaving):
+    def update(self, state, observation, body, request, leaving):
         body.joints[3] += 0.002
-        return super().update(memory, observation, body, request, leaving)
+        return super().update(state, observation, body, request, leaving)
 
 
 def test_a_behavior_that_writes_into_what_it_was_given_is_stopped():

@@ -21,7 +21,7 @@ from atlas_drake import (
     steps_to,
     steps_turning,
 )
-from atlas_drake.behaviors.step.queue import footstep_from
+from atlas_drake.behaviors.step_queue import footstep_from
 from atlas_drake.control.feet.footstep import (
     FootPose,
     limit_duration,

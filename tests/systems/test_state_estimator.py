@@ -51,7 +51,7 @@ def alone(robot):
     return estimator, context, state
 
 
-def test_it_begins_where_the_robot_is_put_and_is_told_no_more(alone, robot):
+def test_the_start_state_is_read_at_the_first_tick_only(alone, robot):
     estimator, context, state = alone
     port = estimator.GetOutputPort("estimated_state")
     np.testing.assert_allclose(port.Eval(context), state, atol=1e-12)

@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import pytest
 
-from atlas_drake.behaviors.step.queue import footstep_from
+from atlas_drake.behaviors.step_queue import footstep_from
 from atlas_drake.control.feet.footstep import (
     LEFT,
     RIGHT,

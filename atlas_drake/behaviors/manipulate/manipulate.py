@@ -37,12 +37,12 @@ from atlas_drake.messages.controller_status import Plan
 
 
 @dataclass(frozen=True)
-class ManipulateMemory:
+class ManipulateState:
     """State of MANIPULATE: requested pose, goal and reference of the pelvis.
 
     Attributes:
         stance: Latched poses of the feet.
-        wish: The requested pose, not clamped.
+        commanded: The requested pose, not clamped.
         goal: The requested pose, clamped.
         home: STAND's pose, at which MANIPULATE begins and ends.
         motion: The reference, which moves towards the goal.
@@ -55,7 +55,7 @@ class ManipulateMemory:
     """
 
     stance: Stance
-    wish: PelvisPose
+    commanded: PelvisPose
     goal: PelvisPose
     home: PelvisPose
     motion: PelvisMotion
@@ -103,7 +103,7 @@ class Manipulate(BehaviorProtocol):
         observation: Observation,
         body: BodyReference,
         request: BehaviorRequest,
-    ) -> ManipulateMemory:
+    ) -> ManipulateState:
         """Starts from the present body reference and DCM."""
         return self._pursue(
             self._listen(self._here(observation, body), observation, request),
@@ -112,116 +112,112 @@ class Manipulate(BehaviorProtocol):
 
     def update(
         self,
-        memory: ManipulateMemory,
+        state: ManipulateState,
         observation: Observation,
         body: BodyReference,
         request: BehaviorRequest,
         leaving: bool,
     ) -> Outcome:
         """Computes one tick; ``leaving`` brings the robot back to STAND's pose."""
-        waited, waits = memory.waits, bool(observation.user_held[self._legs].any())
-        memory = replace(memory, waits=waits)
+        waited, waits = state.waits, bool(observation.user_held[self._legs].any())
+        state = replace(state, waits=waits)
         if leaving:
-            home = self._home(observation, memory.stance)
-            memory = replace(memory, goal=home, demo_time=None, request_number=None)
-        elif request.number != memory.request_number:
-            memory = self._pursue(
-                self._listen(memory, observation, request), observation
-            )
-        elif (waited and not waits) or self._arms_moved(memory, observation):
-            memory = self._pursue(memory, observation)
-        if self._slipped(memory.stance, observation):
-            memory = replace(memory, stance=self._note_feet(observation))
-            memory = memory if leaving else self._pursue(memory, observation)
+            home = self._home(observation, state.stance)
+            state = replace(state, goal=home, demo_time=None, request_number=None)
+        elif request.number != state.request_number:
+            state = self._pursue(self._listen(state, observation, request), observation)
+        elif (waited and not waits) or self._arms_moved(state, observation):
+            state = self._pursue(state, observation)
+        if self._slipped(state.stance, observation):
+            state = replace(state, stance=self._note_feet(observation))
+            state = state if leaving else self._pursue(state, observation)
         if waits:
             # The user controls leg joints: a motion of the pelvis could tip the robot
             # over.
-            memory = replace(memory, goal=memory.motion.pose(memory.stance))
-        elif memory.demo_time is not None:
-            time = memory.demo_time + observation.dt
-            goal = demo_pose(memory.home, memory.demo_share, time)
-            memory = replace(memory, goal=goal, demo_time=time)
+            state = replace(state, goal=state.motion.pose(state.stance))
+        elif state.demo_time is not None:
+            time = state.demo_time + observation.dt
+            goal = demo_pose(state.home, state.demo_share, time)
+            state = replace(state, goal=goal, demo_time=time)
 
-        motion = memory.motion.held_near(observation.terms, self._lead)
-        motion = motion.towards(memory.goal, memory.stance, self._rates, observation.dt)
-        memory = replace(
-            memory, motion=motion, sensed=memory.stance.measure(observation.terms)
+        motion = state.motion.held_near(observation.terms, self._lead)
+        motion = motion.towards(state.goal, state.stance, self._rates, observation.dt)
+        state = replace(
+            state, motion=motion, sensed=state.stance.measure(observation.terms)
         )
         body = self._body(observation, body, motion)
-        omega = self._omega(observation, memory.stance)
+        omega = self._omega(observation, state.stance)
         command = self._balance.command(
             observation,
             body,
-            memory.dcm_reference(omega),
+            state.dcm_reference(omega),
             omega,
-            memory.stance.support,
+            state.stance.support,
             (
                 self._balance.planted(observation, 0),
                 self._balance.planted(observation, 1),
             ),
         )
-        there = motion.pose(memory.stance)
-        remaining = max(abs(x - y) for x, y in zip(there, memory.goal, strict=True))
+        there = motion.pose(state.stance)
+        remaining = max(abs(x - y) for x, y in zip(there, state.goal, strict=True))
         return Outcome(
-            memory=memory,
+            state=state,
             body=body,
             command=command,
             finished=leaving and (waits or remaining < self._config.home),
         )
 
-    def idle(
-        self, memory: ManipulateMemory, observation: Observation
-    ) -> ManipulateMemory:
+    def idle(self, state: ManipulateState, observation: Observation) -> ManipulateState:
         """Updates the measured pose only: goal and reference rest."""
-        return replace(memory, sensed=memory.stance.measure(observation.terms))
+        return replace(state, sensed=state.stance.measure(observation.terms))
 
     def resume(
         self,
-        memory: ManipulateMemory,
+        state: ManipulateState,
         observation: Observation,
         body: BodyReference,
         request: BehaviorRequest,
-    ) -> ManipulateMemory:
+    ) -> ManipulateState:
         """Continues with the requested pose, or the demo, from the present pose."""
         resumed = replace(
             self._here(observation, body),
-            wish=memory.wish,
-            request_number=memory.request_number,
-            demo_time=memory.demo_time,
-            demo_share=memory.demo_share,
+            commanded=state.commanded,
+            request_number=state.request_number,
+            demo_time=state.demo_time,
+            demo_share=state.demo_share,
         )
         return self._pursue(resumed, observation)
 
-    def plan(self, memory: ManipulateMemory, com: np.ndarray, omega: float) -> Plan:
+    def plan(self, state: ManipulateState, com: np.ndarray, omega: float) -> Plan:
         """Returns the present references of CoM, DCM and CoP."""
-        reference = memory.dcm_reference(omega)
+        reference = state.dcm_reference(omega)
         return Plan(
-            support=memory.stance.support.vertices,
+            support=state.stance.support.vertices,
             omega=omega,
-            com_reference=memory.motion.com.position,
+            com_reference=state.motion.com.position,
             dcm_reference=reference.dcm,
             cop_reference=reference.cop,
         )
 
     def feedback(
-        self, memory: ManipulateMemory, status_flags: int
+        self, state: ManipulateState, status_flags: int
     ) -> AtlasBehaviorManipulateFeedback:
         """Returns the clamped, the commanded and the measured pose of the pelvis."""
         return AtlasBehaviorManipulateFeedback(
             status_flags,
-            AtlasBehaviorPelvisServoParams(*memory.goal),
-            AtlasBehaviorPelvisServoParams(*memory.motion.pose(memory.stance)),
-            AtlasBehaviorPelvisServoParams(*memory.sensed),
+            AtlasBehaviorPelvisServoParams(*state.goal),
+            AtlasBehaviorPelvisServoParams(*state.motion.pose(state.stance)),
+            AtlasBehaviorPelvisServoParams(*state.sensed),
         )
 
-    def _here(self, observation: Observation, body: BodyReference) -> ManipulateMemory:
+    def _here(self, observation: Observation, body: BodyReference) -> ManipulateState:
         """Returns the state whose goal is the present pose."""
         stance = self._note_feet(observation)
         motion = self._motion_from(observation, body, stance)
         pose = motion.pose(stance)
-        return ManipulateMemory(
+        return ManipulateState(
             stance=stance,
-            wish=pose,
+            commanded=pose,
             goal=pose,
             home=self._home(observation, stance),
             motion=motion,
@@ -233,44 +229,44 @@ class Manipulate(BehaviorProtocol):
 
     def _listen(
         self,
-        memory: ManipulateMemory,
+        state: ManipulateState,
         observation: Observation,
         request: BehaviorRequest,
-    ) -> ManipulateMemory:
+    ) -> ManipulateState:
         """Reads a request."""
-        memory = replace(memory, request_number=request.number)
+        state = replace(state, request_number=request.number)
         params = request.command.manipulate_params
         if params.use_demo_mode:
-            if memory.demo_time is not None:
-                return memory
-            upper = self._reach.upper_body(observation.terms, memory.stance)
+            if state.demo_time is not None:
+                return state
+            upper = self._reach.upper_body(observation.terms, state.stance)
             share = demo_amplitude(
-                memory.home,
-                lambda pose: self._reach.allows(pose, memory.stance, upper),
+                state.home,
+                lambda pose: self._reach.allows(pose, state.stance, upper),
             )
-            return replace(memory, demo_time=0.0, demo_share=share)
+            return replace(state, demo_time=0.0, demo_share=share)
         if params.use_desired:
-            wish = _pose(params.desired)
-        elif memory.demo_time is not None:
+            commanded = _pose(params.desired)
+        elif state.demo_time is not None:
             # Stay at the last pose of the demo.
-            wish = memory.goal
+            commanded = state.goal
         else:
-            wish = memory.wish
-        return replace(memory, wish=wish, demo_time=None)
+            commanded = state.commanded
+        return replace(state, commanded=commanded, demo_time=None)
 
     def _pursue(
-        self, memory: ManipulateMemory, observation: Observation
-    ) -> ManipulateMemory:
+        self, state: ManipulateState, observation: Observation
+    ) -> ManipulateState:
         """Sets the goal to the requested pose, clamped."""
-        upper = self._reach.upper_body(observation.terms, memory.stance)
-        home = self._home(observation, memory.stance)
-        home = self._reach.attainable(home, memory.stance, upper)
-        goal = self._reach.clamp(memory.wish, home, memory.stance, upper)
-        return replace(memory, home=home, goal=goal, upper=upper)
+        upper = self._reach.upper_body(observation.terms, state.stance)
+        home = self._home(observation, state.stance)
+        home = self._reach.attainable(home, state.stance, upper)
+        goal = self._reach.clamp(state.commanded, home, state.stance, upper)
+        return replace(state, home=home, goal=goal, upper=upper)
 
-    def _arms_moved(self, memory: ManipulateMemory, observation: Observation) -> bool:
-        upper = self._reach.upper_body(observation.terms, memory.stance)
-        moved = upper.p_PU - memory.upper.p_PU
+    def _arms_moved(self, state: ManipulateState, observation: Observation) -> bool:
+        upper = self._reach.upper_body(observation.terms, state.stance)
+        moved = upper.p_PU - state.upper.p_PU
         return float(moved @ moved) > self._config.arms_moved**2
 
     # ---- references ----------------------------------------------------------

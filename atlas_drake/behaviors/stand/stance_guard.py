@@ -16,7 +16,7 @@ import numpy as np
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.base import BehaviorProtocol, Observation, Outcome
 from atlas_drake.behaviors.body_reference import BodyReference
-from atlas_drake.behaviors.freeze import Freeze, FreezeMemory
+from atlas_drake.behaviors.freeze import Freeze, FreezeState
 from atlas_drake.frozen import replace
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan, PlannedPaths
@@ -34,7 +34,7 @@ class Holding:
         warned: True after the warning.
     """
 
-    pose: FreezeMemory
+    pose: FreezeState
     before: Any
     warned: bool = False
 
@@ -42,12 +42,12 @@ class Holding:
 class StandingBehavior(BehaviorProtocol, Protocol):
     """A behavior that the stance guard can interrupt."""
 
-    def idle(self, memory: Any, observation: Observation) -> Any:
+    def idle(self, state: Any, observation: Observation) -> Any:
         """Returns the behavior's state after a tick in which the pose was held."""
 
     def resume(
         self,
-        memory: Any,
+        state: Any,
         observation: Observation,
         body: BodyReference,
         request: BehaviorRequest,
@@ -93,54 +93,54 @@ class StanceGuard(BehaviorProtocol):
 
     def update(
         self,
-        memory: Any,
+        state: Any,
         observation: Observation,
         body: BodyReference,
         request: BehaviorRequest,
         leaving: bool,
     ) -> Outcome:
         """Computes one tick of the behavior, or of holding the pose."""
-        if self.has_a_leg(observation):
-            if isinstance(memory, Holding):
-                memory = self.behavior.resume(memory.before, observation, body, request)
-            return self.behavior.update(memory, observation, body, request, leaving)
-        if not isinstance(memory, Holding):
-            memory = Holding(
-                self._freeze.enter(observation, body, request), before=memory
+        if self.can_balance(observation):
+            if isinstance(state, Holding):
+                state = self.behavior.resume(state.before, observation, body, request)
+            return self.behavior.update(state, observation, body, request, leaving)
+        if not isinstance(state, Holding):
+            state = Holding(
+                self._freeze.enter(observation, body, request), before=state
             )
         # A user in control of every joint needs no warning.
-        warn = not memory.warned and not observation.user_held.all()
-        outcome = self._freeze.update(memory.pose, observation, body, request, leaving)
+        warn = not state.warned and not observation.user_held.all()
+        outcome = self._freeze.update(state.pose, observation, body, request, leaving)
         return replace(
             outcome,
-            memory=Holding(
-                pose=outcome.memory,
-                before=self.behavior.idle(memory.before, observation),
-                warned=memory.warned or warn,
+            state=Holding(
+                pose=outcome.state,
+                before=self.behavior.idle(state.before, observation),
+                warned=state.warned or warn,
             ),
             finished=leaving,
             events=(Event(observation.time, "warning", self._warning),) if warn else (),
         )
 
-    def plan(self, memory: Any, com: np.ndarray, omega: float) -> Plan:
+    def plan(self, state: Any, com: np.ndarray, omega: float) -> Plan:
         """Returns the behavior's plan; an empty plan while the guard holds the pose."""
-        if isinstance(memory, Holding):
+        if isinstance(state, Holding):
             return Plan()
-        return self.behavior.plan(memory, com, omega)
+        return self.behavior.plan(state, com, omega)
 
-    def paths(self, memory: Any, com: np.ndarray, omega: float) -> PlannedPaths:
+    def paths(self, state: Any, com: np.ndarray, omega: float) -> PlannedPaths:
         """Returns the behavior's paths; none while the guard holds the pose."""
-        if isinstance(memory, Holding):
+        if isinstance(state, Holding):
             return PlannedPaths()
-        return self.behavior.paths(memory, com, omega)
+        return self.behavior.paths(state, com, omega)
 
-    def feedback(self, memory: Any, status_flags: int) -> Any:
+    def feedback(self, state: Any, status_flags: int) -> Any:
         """Returns the behavior's feedback."""
-        if isinstance(memory, Holding):
-            memory = memory.before
-        return self.behavior.feedback(memory, status_flags)
+        if isinstance(state, Holding):
+            state = state.before
+        return self.behavior.feedback(state, status_flags)
 
-    def has_a_leg(self, observation: Observation) -> bool:
+    def can_balance(self, observation: Observation) -> bool:
         """True if the behavior has a leg to balance on.
 
         Balance needs hip and ankle pitch of the same leg: the hip keeps the trunk

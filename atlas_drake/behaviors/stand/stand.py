@@ -35,7 +35,7 @@ _UPRIGHT = read_only(np.zeros(2))
 
 
 @dataclass(frozen=True)
-class StandMemory:
+class StandState:
     """State of STAND: latched feet and CoM reference.
 
     Attributes:
@@ -76,16 +76,16 @@ class Stand(BehaviorProtocol):
         observation: Observation,
         body: BodyReference,
         request: BehaviorRequest,
-    ) -> StandMemory:
+    ) -> StandState:
         """Starts from the present DCM, so that the reference does not jump."""
-        memory = self._note_feet(observation, com=np.zeros(2))
-        omega = _pendulum_frequency(observation, memory)
-        com = memory.support.clamp(feedback.dcm(observation.terms, omega))
-        return replace(memory, com=com)
+        state = self._note_feet(observation, com=np.zeros(2))
+        omega = _pendulum_frequency(observation, state)
+        com = state.support.clamp(feedback.dcm(observation.terms, omega))
+        return replace(state, com=com)
 
     def update(
         self,
-        memory: StandMemory,
+        state: StandState,
         observation: Observation,
         body: BodyReference,
         request: BehaviorRequest,
@@ -96,16 +96,14 @@ class Stand(BehaviorProtocol):
         STAND is finished as soon as ``leaving`` is True; a derived behavior may finish
         later.
         """
-        com = _towards(
-            memory.com, memory.middle, self._config.com_speed * observation.dt
-        )
-        if self._slipped(memory, observation):
-            memory = self._note_feet(observation, com)
-        elif com is not memory.com:
-            memory = replace(memory, com=com)
+        com = _towards(state.com, state.middle, self._config.com_speed * observation.dt)
+        if self._slipped(state, observation):
+            state = self._note_feet(observation, com)
+        elif com is not state.com:
+            state = replace(state, com=com)
         body = advance_body(
             body,
-            self.target(memory, observation, request, leaving),
+            self.target(state, observation, request, leaving),
             self._rates,
             observation.dt,
             observation.terms.q,
@@ -115,18 +113,18 @@ class Stand(BehaviorProtocol):
             observation,
             body,
             DcmReference(dcm=com, cop=com),
-            _pendulum_frequency(observation, memory),
-            memory.support,
+            _pendulum_frequency(observation, state),
+            state.support,
             (
                 self._balance.planted(observation, 0),
                 self._balance.planted(observation, 1),
             ),
         )
-        return Outcome(memory=memory, body=body, command=command, finished=leaving)
+        return Outcome(state=state, body=body, command=command, finished=leaving)
 
     def target(
         self,
-        memory: StandMemory,
+        state: StandState,
         observation: Observation,
         request: BehaviorRequest,
         leaving: bool,
@@ -134,43 +132,43 @@ class Stand(BehaviorProtocol):
         """Returns the target of trunk and posture: upright, in the stand-prep pose.
 
         Args:
-            memory: State of STAND.
+            state: State of STAND.
             observation: Observation of this tick.
             request: The command in force.
             leaving: True if another behavior is requested.
         """
         return BodyTarget(
-            height=memory.height,
-            yaw=memory.yaw,
+            height=state.height,
+            yaw=state.yaw,
             joints=self._balance.robot.stand_prep,
             pelvis_tilt=_UPRIGHT,
         )
 
-    def idle(self, memory: StandMemory, observation: Observation) -> StandMemory:
+    def idle(self, state: StandState, observation: Observation) -> StandState:
         """Returns the state unchanged: the reference rests while the pose is held."""
-        return memory
+        return state
 
     def resume(
         self,
-        memory: StandMemory,
+        state: StandState,
         observation: Observation,
         body: BodyReference,
         request: BehaviorRequest,
-    ) -> StandMemory:
+    ) -> StandState:
         """Enters STAND again, because the feet may have moved."""
         return self.enter(observation, body, request)
 
-    def plan(self, memory: StandMemory, com: np.ndarray, omega: float) -> Plan:
+    def plan(self, state: StandState, com: np.ndarray, omega: float) -> Plan:
         """Returns the CoM reference, which is also that of DCM and CoP."""
         return Plan(
-            support=memory.support.vertices,
+            support=state.support.vertices,
             omega=omega,
-            com_reference=memory.com,
-            dcm_reference=memory.com,
-            cop_reference=memory.com,
+            com_reference=state.com,
+            dcm_reference=state.com,
+            cop_reference=state.com,
         )
 
-    def _note_feet(self, observation: Observation, com: np.ndarray) -> StandMemory:
+    def _note_feet(self, observation: Observation, com: np.ndarray) -> StandState:
         left, right = observation.foot_pose(0), observation.foot_pose(1)
         middle = 0.5 * (left.p_WF + right.p_WF)
         legs = self._balance.robot.legs
@@ -181,7 +179,7 @@ class Stand(BehaviorProtocol):
             middle[:2],
             enumerate((left, right)),
         )
-        return StandMemory(
+        return StandState(
             feet=(left, right),
             support=self._balance.support(left, right),
             middle=middle,
@@ -190,19 +188,19 @@ class Stand(BehaviorProtocol):
             com=com,
         )
 
-    def _slipped(self, memory: StandMemory, observation: Observation) -> bool:
+    def _slipped(self, state: StandState, observation: Observation) -> bool:
         slip = self._config.foot_slip
         return any(
             abs(x - noted_x) > slip
-            for noted, now in zip(memory.feet, observation.terms.feet, strict=True)
+            for noted, now in zip(state.feet, observation.terms.feet, strict=True)
             for x, noted_x in zip(now.p_WF.tolist(), noted.p_WF.tolist(), strict=True)
         )
 
 
-def _pendulum_frequency(observation: Observation, memory: StandMemory) -> float:
+def _pendulum_frequency(observation: Observation, state: StandState) -> float:
     """Computes the natural frequency of the pendulum on both feet [1/s]."""
     return feedback.pendulum_frequency(
-        float(observation.terms.com[2] - memory.middle[2])
+        float(observation.terms.com[2] - state.middle[2])
     )
 
 

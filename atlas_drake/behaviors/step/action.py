@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from atlas_drake.behaviors.step.queue import footstep_from
+from atlas_drake.behaviors.step_queue import footstep_from
 from atlas_drake.control.feet.footstep import LEFT, RIGHT, FootPose, Footstep
 from atlas_drake.control.rotations import mean_yaw
 from atlas_drake.frozen import replace

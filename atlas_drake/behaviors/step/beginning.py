@@ -9,10 +9,10 @@ from __future__ import annotations
 from atlas_drake.behaviors.base import Observation
 from atlas_drake.behaviors.footstep_event import out_of_reach, pace_changed
 from atlas_drake.behaviors.step.action import DesiredStep, StepAction
-from atlas_drake.behaviors.step.balance import StepBalance
-from atlas_drake.behaviors.step.phases import Rest, Settle, Shift
+from atlas_drake.behaviors.step.phases import Rest, StepSettle, StepShift
 from atlas_drake.behaviors.step.plan import StepPlan
 from atlas_drake.behaviors.step.progress import Progress, TakenStep
+from atlas_drake.behaviors.step.step_balance import StepBalance
 from atlas_drake.control.feet.footstep import FootPose, resolve_height
 from atlas_drake.control.feet.leg_reach import hips_from_com
 from atlas_drake.control.feet.step_swing import StepSwingProfile, plan_step_swing
@@ -23,7 +23,7 @@ from atlas_drake.messages.event import STEPS_LEFT, Event
 
 
 class StepBeginning:
-    """Makes the phases ``Rest`` and ``Shift``. Holds constants only."""
+    """Makes the phases ``Rest`` and ``StepShift``. Holds constants only."""
 
     def __init__(
         self, balance: StepBalance, default: StepAction, profile: StepSwingProfile
@@ -42,7 +42,7 @@ class StepBeginning:
 
     def rest(
         self,
-        phase: Shift | Settle,
+        phase: StepShift | StepSettle,
         observation: Observation,
         feet: tuple[FootPose, FootPose],
     ) -> Rest:
@@ -57,7 +57,7 @@ class StepBeginning:
 
     def begin(
         self, phase: Rest, observation: Observation, wanted: DesiredStep | None
-    ) -> tuple[Rest | Shift, tuple[Event, ...]]:
+    ) -> tuple[Rest | StepShift, tuple[Event, ...]]:
         """Plans the whole step and begins the weight shift to the stance foot.
 
         The robot stays at rest without a requested step, while its DCM is too near the
@@ -112,7 +112,7 @@ class StepBeginning:
         wanted: DesiredStep,
         plan: StepPlan,
         feet: tuple[FootPose, FootPose],
-    ) -> Shift:
+    ) -> StepShift:
         balance, step = self._balance, plan.taken
         start, goal = feet[step.foot], step.pose
         least = self._rules.least_clearance
@@ -145,7 +145,7 @@ class StepBeginning:
             ),
             swing=swing,
         )
-        return Shift(
+        return StepShift(
             progress=replace(phase.progress, index=step.index),
             feet=feet,
             support=support,

@@ -11,15 +11,15 @@ from atlas_drake.behaviors.balance import FootCommand
 from atlas_drake.behaviors.base import Observation
 from atlas_drake.behaviors.footstep_event import footstep_event
 from atlas_drake.behaviors.step.action import DesiredStep
-from atlas_drake.behaviors.step.balance import Reach, StepBalance
 from atlas_drake.behaviors.step.beginning import StepBeginning
-from atlas_drake.behaviors.step.phase_control import PhaseControl
-from atlas_drake.behaviors.step.phases import Phase, Rest, Settle
+from atlas_drake.behaviors.step.phase_control import StepPhaseControl
+from atlas_drake.behaviors.step.phases import Rest, StepSettle, StepState
+from atlas_drake.behaviors.step.step_balance import Reach, StepBalance
 from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.messages.event import Event
 
 
-class RestControl(PhaseControl[Rest]):
+class RestControl(StepPhaseControl[Rest]):
     """Stands over the middle of the feet until a step is requested."""
 
     def __init__(self, balance: StepBalance, beginning: StepBeginning):
@@ -28,7 +28,7 @@ class RestControl(PhaseControl[Rest]):
 
     def advance(
         self, phase: Rest, observation: Observation, wanted: DesiredStep | None
-    ) -> tuple[Phase, tuple[Event, ...]]:
+    ) -> tuple[StepState, tuple[Event, ...]]:
         """Begins the requested step; after an abandoned step, only at rest."""
         if phase.gave_up and phase.elapsed < phase.shift.duration:
             return phase, ()
@@ -48,7 +48,7 @@ class RestControl(PhaseControl[Rest]):
         return balance.planted(observation, 0)
 
 
-class SettleControl(PhaseControl[Settle]):
+class SettleControl(StepPhaseControl[StepSettle]):
     """Presses the new foot flat before the weight moves."""
 
     def __init__(self, balance: StepBalance, beginning: StepBeginning):
@@ -56,8 +56,8 @@ class SettleControl(PhaseControl[Settle]):
         self._beginning = beginning
 
     def advance(
-        self, phase: Settle, observation: Observation, wanted: DesiredStep | None
-    ) -> tuple[Phase, tuple[Event, ...]]:
+        self, phase: StepSettle, observation: Observation, wanted: DesiredStep | None
+    ) -> tuple[StepState, tuple[Event, ...]]:
         """Ends the step, and begins the next step if one is requested."""
         if phase.elapsed < self._balance.rules.settle:
             return phase, ()
@@ -72,14 +72,14 @@ class SettleControl(PhaseControl[Settle]):
         landing = footstep_event(observation.time, taken.sent.step, taken.step, landed)
         return following, (landing, *events)
 
-    def reach(self, phase: Settle) -> Reach:
+    def reach(self, phase: StepSettle) -> Reach:
         """Returns both feet, with the body over the stance foot."""
         stance = phase.feet[phase.taken.stance]
         height = self._balance.height_over(stance, phase.taken)
         return Reach(height, phase.feet, list(enumerate(phase.feet)))
 
     def command_feet(
-        self, phase: Settle, observation: Observation, cop: np.ndarray
+        self, phase: StepSettle, observation: Observation, cop: np.ndarray
     ) -> tuple[FootCommand, FootCommand]:
         """Keeps the stance foot planted and presses the new foot flat."""
         return self._balance.pressed(phase, observation, phase.taken.foot, cop)

@@ -13,15 +13,15 @@ import numpy as np
 from atlas_drake.behaviors.balance import FootCommand
 from atlas_drake.behaviors.base import Observation
 from atlas_drake.behaviors.step.action import DesiredStep
-from atlas_drake.behaviors.step.balance import Reach, StepBalance
-from atlas_drake.behaviors.step.phases import Phase, StepPhase
+from atlas_drake.behaviors.step.phases import StepPhase, StepState
+from atlas_drake.behaviors.step.step_balance import Reach, StepBalance
 from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.messages.event import Event
 
 P = TypeVar("P", bound=StepPhase)
 
 
-class PhaseControl(ABC, Generic[P]):
+class StepPhaseControl(ABC, Generic[P]):
     """Computes the ticks of a phase and its end. Holds constants only."""
 
     def __init__(self, balance: StepBalance):
@@ -30,7 +30,7 @@ class PhaseControl(ABC, Generic[P]):
     @abstractmethod
     def advance(
         self, phase: P, observation: Observation, wanted: DesiredStep | None
-    ) -> tuple[Phase, tuple[Event, ...]]:
+    ) -> tuple[StepState, tuple[Event, ...]]:
         """Returns the next phase if the phase is over, or else the same phase.
 
         Args:
@@ -53,7 +53,7 @@ class PhaseControl(ABC, Generic[P]):
         desired position.
 
         Args:
-            phase: Phase of this tick.
+            phase: StepState of this tick.
             observation: Observation of this tick.
             cop: Desired CoP in W [m], shape (2,).
         """

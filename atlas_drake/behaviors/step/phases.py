@@ -77,7 +77,7 @@ class StepPhase:
         The planned height of the ground is assumed. A delay does not increase the time.
 
         Args:
-            settle: Duration of ``Settle`` [s].
+            settle: Duration of ``StepSettle`` [s].
         """
         return 0.0
 
@@ -104,7 +104,7 @@ class Rest(StepPhase):
 
 @dataclass(frozen=True, kw_only=True)
 class Stepping(StepPhase):
-    """Common part of the phases of a step: ``Shift``, ``Swing``, ``Lower``, ``Settle``.
+    """Common part of the phases of a step, from ``StepShift`` to ``StepSettle``.
 
     Attributes:
         taken: The step.
@@ -119,7 +119,7 @@ class Stepping(StepPhase):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Shift(Stepping):
+class StepShift(Stepping):
     """Both feet are down; the weight shifts over the stance foot.
 
     Attributes:
@@ -157,7 +157,7 @@ class Shift(Stepping):
 
 @dataclass(frozen=True, kw_only=True)
 class InAir(Stepping):
-    """Common part of the phases with a foot in the air: ``Swing`` and ``Lower``.
+    """Common part of the phases with a foot in the air: ``StepSwing`` and ``Lower``.
 
     Attributes:
         went_back: True if the foot found no ground and returns to its lift-off pose.
@@ -189,7 +189,7 @@ class InAir(Stepping):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Swing(InAir):
+class StepSwing(InAir):
     """One foot is in the air and moves up and across."""
 
 
@@ -199,7 +199,7 @@ class Lower(InAir):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Settle(Stepping):
+class StepSettle(Stepping):
     """Both feet are down; the new foot is pressed flat.
 
     Attributes:
@@ -213,5 +213,5 @@ class Settle(Stepping):
         return max(settle - self.elapsed, 0.0)
 
 
-Phase = Rest | Shift | Swing | Lower | Settle
+StepState = Rest | StepShift | StepSwing | Lower | StepSettle
 """The state of STEP: one of its phases."""

@@ -7,14 +7,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from atlas_drake.behaviors.step.phases import Phase
+from atlas_drake.behaviors.step.phases import StepState
 from atlas_drake.messages.controller_status import Plan, PlannedPaths, PlannedStep
 
 TIME_STEP = 0.04
 """Time between two points of a path [s]."""
 
 
-def step_plan(phase: Phase, omega: float) -> Plan:
+def step_plan(phase: StepState, omega: float) -> Plan:
     """Returns the plan of STEP.
 
     Args:
@@ -33,7 +33,7 @@ def step_plan(phase: Phase, omega: float) -> Plan:
     )
 
 
-def step_paths(phase: Phase, omega: float) -> PlannedPaths:
+def step_paths(phase: StepState, omega: float) -> PlannedPaths:
     """Returns the path of the swing foot, or those of the weight shift.
 
     Args:

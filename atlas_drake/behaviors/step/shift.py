@@ -10,10 +10,10 @@ import numpy as np
 from atlas_drake.behaviors.balance import FULL_LOAD, FootCommand
 from atlas_drake.behaviors.base import Observation
 from atlas_drake.behaviors.step.action import DesiredStep
-from atlas_drake.behaviors.step.balance import Reach, StepBalance
 from atlas_drake.behaviors.step.beginning import StepBeginning
-from atlas_drake.behaviors.step.phase_control import PhaseControl
-from atlas_drake.behaviors.step.phases import Phase, Shift, Swing
+from atlas_drake.behaviors.step.phase_control import StepPhaseControl
+from atlas_drake.behaviors.step.phases import StepShift, StepState, StepSwing
+from atlas_drake.behaviors.step.step_balance import Reach, StepBalance
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.leg_reach import hips_from_com
@@ -22,7 +22,7 @@ from atlas_drake.frozen import replace
 from atlas_drake.messages.event import STEPS_LEFT, Event
 
 
-class ShiftControl(PhaseControl[Shift]):
+class ShiftControl(StepPhaseControl[StepShift]):
     """Shifts the weight until the foot is unloaded, or abandons the step."""
 
     def __init__(self, balance: StepBalance, beginning: StepBeginning):
@@ -33,8 +33,8 @@ class ShiftControl(PhaseControl[Shift]):
         self._weight = balance.balance.weight
 
     def advance(
-        self, phase: Shift, observation: Observation, wanted: DesiredStep | None
-    ) -> tuple[Phase, tuple[Event, ...]]:
+        self, phase: StepShift, observation: Observation, wanted: DesiredStep | None
+    ) -> tuple[StepState, tuple[Event, ...]]:
         """Lifts off, or abandons a step whose foot cannot be unloaded."""
         if self._is_ready(phase, observation):
             return self._lift_off(phase, observation), ()
@@ -51,7 +51,7 @@ class ShiftControl(PhaseControl[Shift]):
             return replace(rest, gave_up=True), (event,)
         return phase, ()
 
-    def reach(self, phase: Shift) -> Reach:
+    def reach(self, phase: StepShift) -> Reach:
         """Returns the feet, the leaving one on its toes, and the next foothold.
 
         The body is low enough for the landing, so that it moves up or down only once.
@@ -67,7 +67,7 @@ class ShiftControl(PhaseControl[Shift]):
         return Reach(self._balance.height_over(stance, taken), now, later)
 
     def command_feet(
-        self, phase: Shift, observation: Observation, cop: np.ndarray
+        self, phase: StepShift, observation: Observation, cop: np.ndarray
     ) -> tuple[FootCommand, FootCommand]:
         """Unloads the leaving foot and raises its heel, after pressing a new foot."""
         balance, foot = self._balance, phase.taken.foot
@@ -87,7 +87,7 @@ class ShiftControl(PhaseControl[Shift]):
         command = balance.balance.toeing_off(observation, foot, reference, load)
         return balance.planted(observation, foot, command)
 
-    def support(self, phase: Shift) -> SupportPolygon:
+    def support(self, phase: StepShift) -> SupportPolygon:
         """Returns the present region of the CoP; a raised heel carries no load."""
         if self._heel(phase)[0] == 0.0:
             return phase.support
@@ -96,14 +96,14 @@ class ShiftControl(PhaseControl[Shift]):
             phase.feet[taken.stance], phase.feet[taken.foot]
         )
 
-    def are_both_flat(self, phase: Shift) -> bool:
+    def are_both_flat(self, phase: StepShift) -> bool:
         """Returns True if the heel is down."""
         return self._heel(phase)[0] <= 0.0
 
-    def _heel(self, phase: Shift) -> tuple[float, float, float]:
+    def _heel(self, phase: StepShift) -> tuple[float, float, float]:
         return phase.heel_motion(self._rules.heel_begins)
 
-    def _is_ready(self, phase: Shift, observation: Observation) -> bool:
+    def _is_ready(self, phase: StepShift, observation: Observation) -> bool:
         """Returns True if the foot is unloaded, and the DCM at the end of its shift."""
         if phase.elapsed < phase.shift.duration:
             return False
@@ -114,9 +114,9 @@ class ShiftControl(PhaseControl[Shift]):
         error = feedback.dcm(observation.terms, omega) - phase.shift.end
         return float(np.hypot(*error)) < self._rules.dcm_ready
 
-    def _lift_off(self, phase: Shift, observation: Observation) -> Swing:
+    def _lift_off(self, phase: StepShift, observation: Observation) -> StepSwing:
         balance = self._balance
-        return Swing(
+        return StepSwing(
             progress=phase.progress,
             feet=phase.feet,
             support=balance.balance.support(phase.feet[phase.taken.stance]),

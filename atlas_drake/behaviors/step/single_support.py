@@ -12,10 +12,16 @@ import numpy as np
 from atlas_drake.behaviors.balance import FootCommand
 from atlas_drake.behaviors.base import Observation
 from atlas_drake.behaviors.step.action import DesiredStep
-from atlas_drake.behaviors.step.balance import Reach, StepBalance
 from atlas_drake.behaviors.step.both_feet import with_foot
-from atlas_drake.behaviors.step.phase_control import PhaseControl
-from atlas_drake.behaviors.step.phases import InAir, Lower, Phase, Settle, Swing
+from atlas_drake.behaviors.step.phase_control import StepPhaseControl
+from atlas_drake.behaviors.step.phases import (
+    InAir,
+    Lower,
+    StepSettle,
+    StepState,
+    StepSwing,
+)
+from atlas_drake.behaviors.step.step_balance import Reach, StepBalance
 from atlas_drake.control.balance.weight_shift import WeightShift
 from atlas_drake.control.feet.step_swing import StepSwingProfile, plan_step_swing
 from atlas_drake.frozen import replace
@@ -24,7 +30,7 @@ from atlas_drake.messages.event import STEPS_LEFT, Event
 P = TypeVar("P", bound=InAir)
 
 
-class InAirControl(PhaseControl[P]):
+class InAirControl(StepPhaseControl[P]):
     """Common part of the phases with one foot in the air."""
 
     def reach(self, phase: P) -> Reach:
@@ -49,18 +55,18 @@ class InAirControl(PhaseControl[P]):
         return False
 
 
-class SwingControl(InAirControl[Swing]):
+class SwingControl(InAirControl[StepSwing]):
     """Moves the foot up and across."""
 
     def advance(
-        self, phase: Swing, observation: Observation, wanted: DesiredStep | None
-    ) -> tuple[Phase, tuple[Event, ...]]:
+        self, phase: StepSwing, observation: Observation, wanted: DesiredStep | None
+    ) -> tuple[StepState, tuple[Event, ...]]:
         """Begins to lower the foot when it is above its foothold."""
         if not phase.taken.swing.is_lowering(phase.elapsed):
             return phase, ()
         return self._begin_to_lower(phase, observation), ()
 
-    def _begin_to_lower(self, phase: Swing, observation: Observation) -> Lower:
+    def _begin_to_lower(self, phase: StepSwing, observation: Observation) -> Lower:
         """Leans into the step by the requested distance while the foot comes down.
 
         The distance is limited so that the standing foot can still bring the body back
@@ -96,7 +102,7 @@ class LowerControl(InAirControl[Lower]):
 
     def advance(
         self, phase: Lower, observation: Observation, wanted: DesiredStep | None
-    ) -> tuple[Phase, tuple[Event, ...]]:
+    ) -> tuple[StepState, tuple[Event, ...]]:
         """Ends the phase at touchdown; a foot that finds no ground returns."""
         if observation.foot_force[phase.taken.foot] > self._touchdown_force:
             return self._touch_down(phase, observation), ()
@@ -104,11 +110,11 @@ class LowerControl(InAirControl[Lower]):
             return self._step_back(phase, observation)
         return phase, ()
 
-    def _touch_down(self, phase: Lower, observation: Observation) -> Settle:
+    def _touch_down(self, phase: Lower, observation: Observation) -> StepSettle:
         """Presses the foot flat, because perhaps only an edge touched the ground."""
         foot = phase.taken.foot
         feet = with_foot(phase.feet, foot, observation.foot_pose(foot))
-        return Settle(
+        return StepSettle(
             progress=phase.progress,
             feet=feet,
             support=self._balance.balance.support(*feet),
@@ -122,7 +128,7 @@ class LowerControl(InAirControl[Lower]):
 
     def _step_back(
         self, phase: Lower, observation: Observation
-    ) -> tuple[Swing, tuple[Event, ...]]:
+    ) -> tuple[StepSwing, tuple[Event, ...]]:
         """Returns the foot to its lift-off pose, where ground is known."""
         taken, action = phase.taken, phase.taken.action
         home = phase.feet[taken.foot]
@@ -139,7 +145,7 @@ class LowerControl(InAirControl[Lower]):
         )
         normal = home.R_WF[:, 2].copy()
         step = replace(taken.step, p_WF=home.p_WF, yaw=home.yaw, normal=normal)
-        back = Swing(**phase.__dict__)
+        back = StepSwing(**phase.__dict__)
         taken = replace(taken, step=step, swing=swing)
         back = replace(back, taken=taken, elapsed=0.0, went_back=True)
         if action.step_end_dist != 0.0:

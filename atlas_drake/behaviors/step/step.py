@@ -22,24 +22,24 @@ from atlas_drake.behaviors.step.action import (
     desired_step,
     step_spec_from,
 )
-from atlas_drake.behaviors.step.balance import StepBalance
 from atlas_drake.behaviors.step.beginning import StepBeginning
 from atlas_drake.behaviors.step.both_feet import RestControl, SettleControl
 from atlas_drake.behaviors.step.config import StepConfig
-from atlas_drake.behaviors.step.phase_control import PhaseControl
+from atlas_drake.behaviors.step.phase_control import StepPhaseControl
 from atlas_drake.behaviors.step.phases import (
     Lower,
-    Phase,
     Rest,
-    Settle,
-    Shift,
-    Swing,
+    StepSettle,
+    StepShift,
+    StepState,
+    StepSwing,
 )
 from atlas_drake.behaviors.step.plan import StepPlanner
 from atlas_drake.behaviors.step.preview import step_paths, step_plan
-from atlas_drake.behaviors.step.queue import step_data_from
 from atlas_drake.behaviors.step.shift import ShiftControl
 from atlas_drake.behaviors.step.single_support import LowerControl, SwingControl
+from atlas_drake.behaviors.step.step_balance import StepBalance
+from atlas_drake.behaviors.step_queue import step_data_from
 from atlas_drake.control.whole_body.command import WholeBodyCommand
 from atlas_drake.frozen import replace
 from atlas_drake.messages import (
@@ -77,12 +77,12 @@ class Step(BehaviorProtocol):
         beginning = StepBeginning(stance, self._default, config.swing)
         self._stance = stance
         self._beginning = beginning
-        self._controls: dict[type[Phase], PhaseControl[Any]] = {
+        self._controls: dict[type[StepState], StepPhaseControl[Any]] = {
             Rest: RestControl(stance, beginning),
-            Shift: ShiftControl(stance, beginning),
-            Swing: SwingControl(stance),
+            StepShift: ShiftControl(stance, beginning),
+            StepSwing: SwingControl(stance),
             Lower: LowerControl(stance, config.swing),
-            Settle: SettleControl(stance, beginning),
+            StepSettle: SettleControl(stance, beginning),
         }
 
     def enter(
@@ -96,7 +96,7 @@ class Step(BehaviorProtocol):
 
     def update(
         self,
-        phase: Phase,
+        phase: StepState,
         observation: Observation,
         body: BodyReference,
         request: BehaviorRequest,
@@ -128,7 +128,7 @@ class Step(BehaviorProtocol):
         finished = leaving and self._may_stand(phase, observation)
         left = self._left_by_standing(phase, observation, request) if finished else ()
         return Outcome(
-            memory=phase,
+            state=phase,
             body=body,
             command=self._command(phase, observation, body),
             finished=finished,
@@ -138,15 +138,17 @@ class Step(BehaviorProtocol):
             events=(*events, *news, *left),
         )
 
-    def plan(self, phase: Phase, com: np.ndarray, omega: float) -> Plan:
+    def plan(self, phase: StepState, com: np.ndarray, omega: float) -> Plan:
         """Returns the references of the weight shift and the step in the air."""
         return step_plan(phase, omega)
 
-    def paths(self, phase: Phase, com: np.ndarray, omega: float) -> PlannedPaths:
+    def paths(self, phase: StepState, com: np.ndarray, omega: float) -> PlannedPaths:
         """Returns the paths of the present weight shift or swing."""
         return step_paths(phase, omega)
 
-    def feedback(self, phase: Phase, status_flags: int) -> AtlasBehaviorStepFeedback:
+    def feedback(
+        self, phase: StepState, status_flags: int
+    ) -> AtlasBehaviorStepFeedback:
         """Returns indices, timing and the step as executed."""
         index, taken = phase.progress.index, phase.reported
         feedback = AtlasBehaviorStepFeedback(
@@ -161,11 +163,11 @@ class Step(BehaviorProtocol):
             feedback.desired_step_spec_saturated = spec
         return feedback
 
-    def _control(self, phase: Phase) -> PhaseControl[Any]:
+    def _control(self, phase: StepState) -> StepPhaseControl[Any]:
         return self._controls[type(phase)]
 
     def _command(
-        self, phase: Phase, observation: Observation, body: BodyReference
+        self, phase: StepState, observation: Observation, body: BodyReference
     ) -> WholeBodyCommand:
         """Returns the QP's command of one tick."""
         control, balance = self._control(phase), self._stance.balance
@@ -177,7 +179,7 @@ class Step(BehaviorProtocol):
 
     # ---- requests ------------------------------------------------------------
 
-    def _next(self, phase: Phase, request: BehaviorRequest) -> DesiredStep | None:
+    def _next(self, phase: StepState, request: BehaviorRequest) -> DesiredStep | None:
         """Returns the requested step that has not begun, if any."""
         params, progress = request.command.step_params, phase.progress
         if params.use_demo_walk:
@@ -195,10 +197,10 @@ class Step(BehaviorProtocol):
 
     def _read(
         self,
-        phase: Phase,
+        phase: StepState,
         observation: Observation,
         request: BehaviorRequest,
-    ) -> tuple[Phase, tuple[Event, ...]]:
+    ) -> tuple[StepState, tuple[Event, ...]]:
         """Warns of a new message whose step is too late to be taken."""
         params, last = request.command.step_params, phase.progress.request
         if last is not None and request.number == last.number:
@@ -218,7 +220,7 @@ class Step(BehaviorProtocol):
 
     # ---- STAND ---------------------------------------------------------------
 
-    def _may_stand(self, phase: Phase, observation: Observation) -> bool:
+    def _may_stand(self, phase: StepState, observation: Observation) -> bool:
         """Returns True if STAND may follow, which needs both feet flat.
 
         If STAND was requested before the landing of a step, the robot must be at rest,
@@ -234,7 +236,7 @@ class Step(BehaviorProtocol):
 
     def _left_by_standing(
         self,
-        phase: Phase,
+        phase: StepState,
         observation: Observation,
         request: BehaviorRequest,
     ) -> tuple[Event, ...]:

@@ -9,8 +9,8 @@ import numpy as np
 
 from atlas_drake.behaviors.balance import FULL_LOAD, Balance, FootCommand
 from atlas_drake.behaviors.base import Observation
-from atlas_drake.behaviors.walk.phase_control import PhaseControl
-from atlas_drake.behaviors.walk.phases import Phase, Settle, Shift, Transfer
+from atlas_drake.behaviors.walk.phase_control import WalkPhaseControl
+from atlas_drake.behaviors.walk.phases import Transfer, WalkSettle, WalkShift, WalkState
 from atlas_drake.behaviors.walk.planner import WalkPlanner
 from atlas_drake.behaviors.walk.rules import WalkRules
 from atlas_drake.control.balance import feedback
@@ -18,7 +18,7 @@ from atlas_drake.frozen import replace
 from atlas_drake.messages.event import Event
 
 
-class DoubleSupport(PhaseControl[Shift | Transfer]):
+class DoubleSupport(WalkPhaseControl[WalkShift | Transfer]):
     """Shifts the weight and determines when a foot lifts off."""
 
     def __init__(self, balance: Balance, planner: WalkPlanner, rules: WalkRules):
@@ -29,19 +29,19 @@ class DoubleSupport(PhaseControl[Shift | Transfer]):
         self._knees = [leg.knee for leg in legs]
         self._straight_knees = [leg.straight + rules.straight_flexion for leg in legs]
 
-    def leave(self, phase: Shift | Transfer) -> Settle:
+    def leave(self, phase: WalkShift | Transfer) -> WalkSettle:
         """Keeps both feet where they are."""
-        return self._planner.settle(phase.course, phase.planned.cop)
+        return self._planner.settle(phase.progress, phase.planned.cop)
 
     def advance(
-        self, phase: Shift | Transfer, observation: Observation
-    ) -> tuple[Phase, tuple[Event, ...]]:
+        self, phase: WalkShift | Transfer, observation: Observation
+    ) -> tuple[WalkState, tuple[Event, ...]]:
         """Lifts off when the DCM is ready; settles if no step can be taken."""
         planner = self._planner
         if phase.elapsed < phase.duration:
             return phase, ()
-        if not planner.coming(phase.course):
-            return planner.settle(phase.course, phase.planned.cop), ()
+        if not planner.coming(phase.progress):
+            return planner.settle(phase.progress, phase.planned.cop), ()
         late = phase.elapsed - phase.duration
         patient = late < self._rules.longest_wait and not self._is_stretched(
             phase, observation
@@ -51,17 +51,17 @@ class DoubleSupport(PhaseControl[Shift | Transfer]):
             return replace(phase, plan_time=phase.plan_time - observation.dt), ()
         # Measure the feet again: since touchdown the load has turned the soles flat.
         feet = (observation.foot_pose(0), observation.foot_pose(1))
-        phase = replace(phase, course=replace(phase.course, feet=feet))
+        phase = replace(phase, progress=replace(phase.progress, feet=feet))
         phase, news = planner.warn(phase, observation.time)
-        if not planner.coming(phase.course):
+        if not planner.coming(phase.progress):
             # The step cannot be taken from the present poses of the feet.
-            return planner.settle(phase.course, phase.planned.cop), news
+            return planner.settle(phase.progress, phase.planned.cop), news
         # Shorten the swing by the delay of lift-off, at most by one tick.
-        return planner.swing(phase.course, min(late, observation.dt)), news
+        return planner.swing(phase.progress, min(late, observation.dt)), news
 
     def command_feet(
-        self, phase: Shift | Transfer, observation: Observation
-    ) -> tuple[Shift | Transfer, tuple[FootCommand, FootCommand]]:
+        self, phase: WalkShift | Transfer, observation: Observation
+    ) -> tuple[WalkShift | Transfer, tuple[FootCommand, FootCommand]]:
         """Keeps both feet planted, and unloads the foot that lifts off next."""
         loads = [FULL_LOAD, FULL_LOAD]
         if phase.unloading is not None and not phase.waiting:
@@ -72,12 +72,16 @@ class DoubleSupport(PhaseControl[Shift | Transfer]):
         right = self._balance.planted(observation, 1, loads[1])
         return phase, (left, right)
 
-    def _is_dcm_ready(self, phase: Shift | Transfer, observation: Observation) -> bool:
+    def _is_dcm_ready(
+        self, phase: WalkShift | Transfer, observation: Observation
+    ) -> bool:
         """Returns True if the DCM is near enough to its plan for single support."""
         dcm = feedback.dcm(observation.terms, phase.plan.omega)
         return float(np.hypot(*(dcm - phase.planned.dcm))) < self._rules.dcm_ready
 
-    def _is_stretched(self, phase: Shift | Transfer, observation: Observation) -> bool:
+    def _is_stretched(
+        self, phase: WalkShift | Transfer, observation: Observation
+    ) -> bool:
         """Returns True if the leg that lifts off next is at its full length.
 
         The straight leg of a planted foot holds the pelvis back, so that waiting does

@@ -11,23 +11,23 @@ from typing import Generic, TypeVar
 
 from atlas_drake.behaviors.balance import FootCommand
 from atlas_drake.behaviors.base import Observation
-from atlas_drake.behaviors.walk.phases import Phase, WalkPhase
+from atlas_drake.behaviors.walk.phases import WalkPhase, WalkState
 from atlas_drake.messages.event import Event
 
 P = TypeVar("P", bound=WalkPhase)
 
 
-class PhaseControl(ABC, Generic[P]):
+class WalkPhaseControl(ABC, Generic[P]):
     """Computes the ticks of a phase and its end. Holds constants only."""
 
-    def leave(self, phase: P) -> P | Phase:
+    def leave(self, phase: P) -> P | WalkState:
         """Ends the walk as soon as the phase allows; its pending steps are dropped."""
         return phase
 
     @abstractmethod
     def advance(
         self, phase: P, observation: Observation
-    ) -> tuple[Phase, tuple[Event, ...]]:
+    ) -> tuple[WalkState, tuple[Event, ...]]:
         """Returns the next phase if the phase is over, or else the same phase."""
 
     @abstractmethod

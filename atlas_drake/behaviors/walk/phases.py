@@ -1,4 +1,4 @@
-"""The state of a walk between ticks: its course and its present phase.
+"""The state of a walk between ticks: its progress and its present phase.
 
 Frozen data, and functions of these data alone. ``planner`` makes the phases;
 ``double_support``, ``single_support`` and ``settling`` compute their ticks.
@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from atlas_drake.behaviors.step.queue import next_runs
+from atlas_drake.behaviors.step_queue import next_runs
 from atlas_drake.control.balance.dcm_plan import DcmPlan, DcmReference
 from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet import swing_foot
@@ -21,7 +21,7 @@ from atlas_drake.robot import GaitTiming
 
 
 @dataclass(frozen=True)
-class Course:
+class WalkProgress:
     """Feet and steps of a walk in any phase.
 
     Attributes:
@@ -32,7 +32,7 @@ class Course:
         request: The last request whose steps were read.
         last_foot: Foot of the step begun last; None before the first step.
         last_index: Index of the step begun last; 0 before the first step.
-        told: Earlier warnings: index of the step, and topic.
+        warned: Earlier warnings: index of the step, and topic.
     """
 
     feet: tuple[FootPose, FootPose]
@@ -42,7 +42,7 @@ class Course:
     request: BehaviorRequest
     last_foot: int | None = None
     last_index: int = 0
-    told: frozenset[tuple[int, str]] = frozenset()
+    warned: frozenset[tuple[int, str]] = frozenset()
 
     @property
     def known(self) -> tuple[Footstep, ...]:
@@ -55,7 +55,7 @@ class WalkPhase:
     """Common part of all phases of a walk.
 
     Attributes:
-        course: Feet and steps.
+        progress: Feet and steps.
         plan: Plan of the DCM.
         support: Region of the CoP.
         duration: Planned duration of the phase [s].
@@ -63,7 +63,7 @@ class WalkPhase:
         plan_time: Time since the beginning of the plan [s].
     """
 
-    course: Course
+    progress: WalkProgress
     plan: DcmPlan
     support: SupportPolygon
     duration: float
@@ -108,7 +108,7 @@ class WalkPhase:
 
 @dataclass(frozen=True, kw_only=True)
 class BothFeet(WalkPhase):
-    """Common part of ``Shift`` and ``Transfer``, which end with lift-off."""
+    """Common part of ``WalkShift`` and ``Transfer``, which end with lift-off."""
 
     @property
     def waiting(self) -> bool:
@@ -131,7 +131,7 @@ class BothFeet(WalkPhase):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Shift(BothFeet):
+class WalkShift(BothFeet):
     """The weight shifts over the first stance foot.
 
     Attributes:
@@ -158,7 +158,7 @@ class Transfer(BothFeet):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Swing(WalkPhase):
+class WalkSwing(WalkPhase):
     """Single support: one foot is in the air.
 
     Attributes:
@@ -171,7 +171,7 @@ class Swing(WalkPhase):
 
     step: Footstep
     sent: Footstep
-    motion: swing_foot.Swing
+    motion: swing_foot.FootSwing
     sensitivity: float
 
     @property
@@ -187,7 +187,7 @@ class Swing(WalkPhase):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Settle(WalkPhase):
+class WalkSettle(WalkPhase):
     """The robot comes to rest over both feet.
 
     Attributes:
@@ -207,5 +207,5 @@ class Settle(WalkPhase):
         return WalkStatus.SUBSTATE_CATCHING | why
 
 
-Phase = Shift | Swing | Transfer | Settle
+WalkState = WalkShift | WalkSwing | Transfer | WalkSettle
 """The state of a walk: one of its phases."""

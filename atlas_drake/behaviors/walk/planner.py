@@ -1,7 +1,7 @@
 """Makes the phases of a walk, each with its initial DCM plan.
 
 ``double_support``, ``single_support`` and ``settling`` determine when a phase ends. The
-mathematics of the plan is in ``gait``; that of the steps, in ``outlook``.
+mathematics of the plan is in ``gait``; that of the steps, in ``step_preview``.
 """
 
 from __future__ import annotations
@@ -19,19 +19,19 @@ from atlas_drake.behaviors.walk.gait import (
     plan_walk,
     stance_cop,
 )
-from atlas_drake.behaviors.walk.outlook import (
-    Outlook,
+from atlas_drake.behaviors.walk.phases import (
+    Transfer,
+    WalkPhase,
+    WalkProgress,
+    WalkSettle,
+    WalkShift,
+    WalkSwing,
+)
+from atlas_drake.behaviors.walk.step_preview import (
+    StepPreview,
     look_ahead,
     subject,
     warnings_about,
-)
-from atlas_drake.behaviors.walk.phases import (
-    Course,
-    Settle,
-    Shift,
-    Swing,
-    Transfer,
-    WalkPhase,
 )
 from atlas_drake.control.balance.dcm_plan import DcmPlan
 from atlas_drake.control.feet.footstep import Footstep
@@ -45,8 +45,8 @@ P = TypeVar("P", bound=WalkPhase)
 class WalkPlanner:
     """Plans phases from feet and steps.
 
-    Holds constants, and the latest outlook, which reports ask for in every tick though
-    it changes with the course alone.
+    Holds constants, and the latest step preview, which changes only with the progress,
+    though the feedback reads it in every tick.
     """
 
     def __init__(self, balance: Balance, omega: float, config: WalkConfig):
@@ -57,127 +57,133 @@ class WalkPlanner:
         self._limits = balance.robot.file.walk_limits
         self._slack = config.slack
         self._transfer_change = config.rules.transfer_change
-        self._latest: tuple[Course, Footstep | None, Outlook] | None = None
+        self._latest: tuple[WalkProgress, Footstep | None, StepPreview] | None = None
 
     # ---- steps ---------------------------------------------------------------
 
-    def outlook(self, course: Course, in_air: Footstep | None = None) -> Outlook:
+    def step_preview(
+        self, progress: WalkProgress, in_air: Footstep | None = None
+    ) -> StepPreview:
         """Saturates the coming steps, beginning with the one in the air."""
         latest = self._latest
-        if latest and latest[0] is course and latest[1] is in_air:
+        if latest and latest[0] is progress and latest[1] is in_air:
             return latest[2]
-        outlook = look_ahead(course, in_air, self._limits, self._slack)
-        self._latest = course, in_air, outlook
-        return outlook
+        step_preview = look_ahead(progress, in_air, self._limits, self._slack)
+        self._latest = progress, in_air, step_preview
+        return step_preview
 
     def coming(
-        self, course: Course, in_air: Footstep | None = None
+        self, progress: WalkProgress, in_air: Footstep | None = None
     ) -> tuple[Footstep, ...]:
         """Returns the coming steps as they will be executed, one in the air first."""
-        return self.outlook(course, in_air).steps
+        return self.step_preview(progress, in_air).steps
 
     def warn(self, phase: P, time: float) -> tuple[P, tuple[Event, ...]]:
         """Warns once of each coming step that differs from its command."""
-        course = phase.course
-        outlook = self.outlook(course, phase.in_air)
-        news = warnings_about(outlook, course.told, time)
-        told = course.told.union(map(subject, news))
-        return replace(phase, course=replace(course, told=told)), news
+        progress = phase.progress
+        step_preview = self.step_preview(progress, phase.in_air)
+        news = warnings_about(step_preview, progress.warned, time)
+        warned = progress.warned.union(map(subject, news))
+        return replace(phase, progress=replace(progress, warned=warned)), news
 
     # ---- phases --------------------------------------------------------------
 
-    def shift(self, course: Course, dcm: np.ndarray, cop: np.ndarray) -> Shift:
+    def shift(
+        self, progress: WalkProgress, dcm: np.ndarray, cop: np.ndarray
+    ) -> WalkShift:
         """Makes the weight shift from the given DCM and CoP in W [m], shape (2,)."""
-        support = self._balance.support(*course.feet)
+        support = self._balance.support(*progress.feet)
         duration = self._timing.first_shift
-        coming = self.coming(course)
-        plan = self._plan(course, coming, cop, duration)
-        return Shift(
-            course=course,
+        coming = self.coming(progress)
+        plan = self._plan(progress, coming, cop, duration)
+        return WalkShift(
+            progress=progress,
             plan=begun_at(plan, dcm, support),
             support=support,
             duration=duration,
             unloading=coming[0].foot if coming else None,
         )
 
-    def swing(self, course: Course, late: float) -> Swing:
+    def swing(self, progress: WalkProgress, late: float) -> WalkSwing:
         """Makes the swing of the next step.
 
         Args:
-            course: Course with at least one coming step.
+            progress: WalkProgress with at least one coming step.
             late: Time by which the swing is shortened [s].
         """
-        step = self.coming(course)[0]
+        step = self.coming(progress)[0]
         duration = self._timing.swing(step.duration) - late
-        stance = course.feet[1 - step.foot]
+        stance = progress.feet[1 - step.foot]
         cop = stance_cop(stance, 1 - step.foot)
         begun = replace(
-            course,
-            pending=tuple(s for s in course.pending if s.index > step.index),
+            progress,
+            pending=tuple(s for s in progress.pending if s.index > step.index),
             next_index=step.index + 1,
             last_foot=step.foot,
             last_index=step.index,
         )
         coming = self.coming(begun, step)
-        return Swing(
-            course=begun,
+        return WalkSwing(
+            progress=begun,
             plan=self._plan(begun, coming, cop, duration, swinging=True),
             support=self._balance.support(stance),
             duration=duration,
             step=step,
-            sent=next(s for s in course.pending if s.index == step.index),
-            motion=begin_swing(course.feet[step.foot], duration),
+            sent=next(s for s in progress.pending if s.index == step.index),
+            motion=begin_swing(progress.feet[step.foot], duration),
             sensitivity=landing_sensitivity(
-                cop, duration, course.feet, coming, self._timing, self._omega
+                cop, duration, progress.feet, coming, self._timing, self._omega
             ),
         )
 
-    def move_landing(self, phase: Swing, step: Footstep) -> Swing:
+    def move_landing(self, phase: WalkSwing, step: Footstep) -> WalkSwing:
         """Replans a swing for the same step with another landing place."""
-        course = phase.course
-        cop = stance_cop(course.feet[1 - step.foot], 1 - step.foot)
-        coming = self.coming(course, step)
-        plan = self._plan(course, coming, cop, phase.duration, swinging=True)
+        progress = phase.progress
+        cop = stance_cop(progress.feet[1 - step.foot], 1 - step.foot)
+        coming = self.coming(progress, step)
+        plan = self._plan(progress, coming, cop, phase.duration, swinging=True)
         return replace(phase, step=step, plan=plan)
 
-    def land(self, course: Course, cop: np.ndarray, early: float) -> Transfer | Settle:
+    def land(
+        self, progress: WalkProgress, cop: np.ndarray, early: float
+    ) -> Transfer | WalkSettle:
         """Makes the phase after a touchdown: a transfer if a step follows.
 
         Args:
-            course: Course with the foot at its landed pose.
+            progress: WalkProgress with the foot at its landed pose.
             cop: Present reference of the CoP in W [m], shape (2,).
             early: Time from touchdown to the planned touchdown [s].
         """
-        coming = self.coming(course)
+        coming = self.coming(progress)
         if not coming:
-            return self.settle(course, cop)
+            return self.settle(progress, cop)
         # The next touchdown is planned one step duration after this planned touchdown.
         duration = self._timing.transfer(coming[0].duration)
         change = self._transfer_change * duration
         duration += min(max(early, -change), change)
         return Transfer(
-            course=course,
-            plan=self._plan(course, coming, cop, duration),
-            support=self._balance.support(*course.feet),
+            progress=progress,
+            plan=self._plan(progress, coming, cop, duration),
+            support=self._balance.support(*progress.feet),
             duration=duration,
             unloading=coming[0].foot,
         )
 
-    def settle(self, course: Course, cop: np.ndarray) -> Settle:
+    def settle(self, progress: WalkProgress, cop: np.ndarray) -> WalkSettle:
         """Makes the end of a walk, from a CoP reference in W [m], shape (2,)."""
-        outlook = self.outlook(course)
+        step_preview = self.step_preview(progress)
         duration = self._timing.settle
-        return Settle(
-            course=course,
-            plan=self._plan(course, outlook.steps, cop, duration),
-            support=self._balance.support(*course.feet),
+        return WalkSettle(
+            progress=progress,
+            plan=self._plan(progress, step_preview.steps, cop, duration),
+            support=self._balance.support(*progress.feet),
             duration=duration,
-            obstacle=outlook.obstacle,
+            obstacle=step_preview.obstacle,
         )
 
     def _plan(
         self,
-        course: Course,
+        progress: WalkProgress,
         coming: Sequence[Footstep],
         cop: np.ndarray,
         first_phase: float,
@@ -186,7 +192,7 @@ class WalkPlanner:
         return plan_walk(
             cop,
             first_phase,
-            course.feet,
+            progress.feet,
             coming,
             swinging,
             self._timing,

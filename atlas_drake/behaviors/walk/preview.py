@@ -9,7 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from atlas_drake.behaviors.walk.phases import Phase, Swing
+from atlas_drake.behaviors.walk.phases import WalkState, WalkSwing
 from atlas_drake.control.feet.swing_foot import SwingProfile, advance_swing, begin_swing
 from atlas_drake.messages.controller_status import Plan, PlannedPaths, PlannedStep
 
@@ -17,7 +17,7 @@ TIME_STEP = 0.04
 """Time between two points of a path [s]."""
 
 
-def walk_plan(phase: Phase) -> Plan:
+def walk_plan(phase: WalkState) -> Plan:
     """Returns the plan of a walk for the phase after the last tick."""
     reference = phase.dcm_reference()
     in_air = phase.in_air
@@ -29,12 +29,14 @@ def walk_plan(phase: Phase) -> Plan:
         cop_reference=reference.cop,
         footsteps=tuple(
             PlannedStep(step.foot, step.p_WF, step.yaw)
-            for step in (*current, *phase.course.known)
+            for step in (*current, *phase.progress.known)
         ),
     )
 
 
-def walk_paths(phase: Phase, com: np.ndarray, profile: SwingProfile) -> PlannedPaths:
+def walk_paths(
+    phase: WalkState, com: np.ndarray, profile: SwingProfile
+) -> PlannedPaths:
     """Integrates ċ = ω (ξ - c), exactly for a constant DCM between two points.
 
     Args:
@@ -42,7 +44,7 @@ def walk_paths(phase: Phase, com: np.ndarray, profile: SwingProfile) -> PlannedP
         com: Center of mass at that tick, horizontal in W [m], shape (2,).
         profile: Shape of the swing.
     """
-    swing = _swing_path(phase, profile) if isinstance(phase, Swing) else None
+    swing = _swing_path(phase, profile) if isinstance(phase, WalkSwing) else None
     plan = phase.plan
     times = np.arange(phase.plan_time, plan.duration, TIME_STEP)
     if times.size < 2:
@@ -58,7 +60,7 @@ def walk_paths(phase: Phase, com: np.ndarray, profile: SwingProfile) -> PlannedP
     return PlannedPaths(com=np.array(path), dcm=dcm, cop=cop, swing=swing)
 
 
-def _swing_path(phase: Swing, profile: SwingProfile) -> np.ndarray:
+def _swing_path(phase: WalkSwing, profile: SwingProfile) -> np.ndarray:
     """Samples the swing sole from lift-off to touchdown in W [m], shape (k, 3)."""
     swing = begin_swing(phase.motion.start, phase.motion.duration)
     points = [swing.start.p_WF]

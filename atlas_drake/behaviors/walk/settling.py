@@ -9,14 +9,14 @@ import numpy as np
 
 from atlas_drake.behaviors.balance import Balance, FootCommand
 from atlas_drake.behaviors.base import Observation
-from atlas_drake.behaviors.walk.phase_control import PhaseControl
-from atlas_drake.behaviors.walk.phases import Settle, Shift
+from atlas_drake.behaviors.walk.phase_control import WalkPhaseControl
+from atlas_drake.behaviors.walk.phases import WalkSettle, WalkShift
 from atlas_drake.behaviors.walk.planner import WalkPlanner
 from atlas_drake.behaviors.walk.rules import WalkRules
 from atlas_drake.messages.event import STEPS_LEFT, Event
 
 
-class Settling(PhaseControl[Settle]):
+class Settling(WalkPhaseControl[WalkSettle]):
     """Stands still until the walk is over or new steps arrive."""
 
     def __init__(self, balance: Balance, planner: WalkPlanner, rules: WalkRules):
@@ -26,24 +26,24 @@ class Settling(PhaseControl[Settle]):
         self._rest_speed = rules.rest_speed
 
     def advance(
-        self, phase: Settle, observation: Observation
-    ) -> tuple[Settle | Shift, tuple[Event, ...]]:
+        self, phase: WalkSettle, observation: Observation
+    ) -> tuple[WalkSettle | WalkShift, tuple[Event, ...]]:
         """Begins a new weight shift if new steps arrived that can be taken."""
-        if phase.obstacle or not self._planner.coming(phase.course):
+        if phase.obstacle or not self._planner.coming(phase.progress):
             return phase, ()
         now = phase.planned
-        return self._planner.shift(phase.course, now.dcm, now.cop), ()
+        return self._planner.shift(phase.progress, now.dcm, now.cop), ()
 
     def command_feet(
-        self, phase: Settle, observation: Observation
-    ) -> tuple[Settle, tuple[FootCommand, FootCommand]]:
+        self, phase: WalkSettle, observation: Observation
+    ) -> tuple[WalkSettle, tuple[FootCommand, FootCommand]]:
         """Keeps both feet planted."""
         left = self._balance.planted(observation, 0)
         right = self._balance.planted(observation, 1)
         return phase, (left, right)
 
     def end(
-        self, phase: Settle, observation: Observation, leaving: bool
+        self, phase: WalkSettle, observation: Observation, leaving: bool
     ) -> tuple[bool, tuple[Event, ...]]:
         """Ends the walk when the robot is at rest, and names the steps left out."""
         speed = float(np.abs(observation.terms.com_velocity).max())
@@ -52,13 +52,13 @@ class Settling(PhaseControl[Settle]):
         )
         if not at_rest:
             return False, ()
-        course = phase.course
-        if course.pending:
-            left = ", ".join(str(step.index) for step in course.pending)
+        progress = phase.progress
+        if progress.pending:
+            left = ", ".join(str(step.index) for step in progress.pending)
             text = f"WALK ends without the steps {left}"
             if phase.obstacle:
                 text += f": {phase.obstacle}"
-        elif course.last_foot is None and not leaving:
+        elif progress.last_foot is None and not leaving:
             text = "WALK ends without a step: walk_params.step_queue has none"
         else:
             return True, ()

@@ -11,8 +11,8 @@ from atlas_drake.behaviors.balance import Balance, FootCommand
 from atlas_drake.behaviors.base import Observation
 from atlas_drake.behaviors.footstep_event import footstep_event
 from atlas_drake.behaviors.walk.config import WalkConfig
-from atlas_drake.behaviors.walk.phase_control import PhaseControl
-from atlas_drake.behaviors.walk.phases import Phase, Swing
+from atlas_drake.behaviors.walk.phase_control import WalkPhaseControl
+from atlas_drake.behaviors.walk.phases import WalkState, WalkSwing
 from atlas_drake.behaviors.walk.planner import WalkPlanner
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.step_adjustment import step_shift
@@ -22,7 +22,7 @@ from atlas_drake.frozen import replace
 from atlas_drake.messages.event import Event
 
 
-class SingleSupport(PhaseControl[Swing]):
+class SingleSupport(WalkPhaseControl[WalkSwing]):
     """Moves the swing foot to a landing place that keeps balance; detects touchdown."""
 
     def __init__(self, balance: Balance, planner: WalkPlanner, config: WalkConfig):
@@ -36,8 +36,8 @@ class SingleSupport(PhaseControl[Swing]):
         self._landing_force = config.rules.landing_force * balance.weight
 
     def advance(
-        self, phase: Swing, observation: Observation
-    ) -> tuple[Phase, tuple[Event, ...]]:
+        self, phase: WalkSwing, observation: Observation
+    ) -> tuple[WalkState, tuple[Event, ...]]:
         """Ends the swing with touchdown."""
         least = self._touchdown_force
         if phase.duration - phase.elapsed < self._rules.frozen_end:
@@ -49,8 +49,8 @@ class SingleSupport(PhaseControl[Swing]):
         return self._touch_down(phase, observation) if touched else (phase, ())
 
     def command_feet(
-        self, phase: Swing, observation: Observation
-    ) -> tuple[Swing, tuple[FootCommand, FootCommand]]:
+        self, phase: WalkSwing, observation: Observation
+    ) -> tuple[WalkSwing, tuple[FootCommand, FootCommand]]:
         """Advances the swing foot towards a landing place that keeps balance."""
         phase = self._adjust_step(phase, observation)
         motion, reference = advance_swing(
@@ -63,26 +63,26 @@ class SingleSupport(PhaseControl[Swing]):
         return replace(phase, motion=motion), feet
 
     def _touch_down(
-        self, phase: Swing, observation: Observation
-    ) -> tuple[Phase, tuple[Event, ...]]:
+        self, phase: WalkSwing, observation: Observation
+    ) -> tuple[WalkState, tuple[Event, ...]]:
         step = phase.step
         landed = observation.foot_pose(step.foot)
-        feet, aimed = list(phase.course.feet), list(phase.course.aimed)
+        feet, aimed = list(phase.progress.feet), list(phase.progress.aimed)
         feet[step.foot], aimed[step.foot] = landed, step.pose
-        course = replace(
-            phase.course, feet=(feet[0], feet[1]), aimed=(aimed[0], aimed[1])
+        progress = replace(
+            phase.progress, feet=(feet[0], feet[1]), aimed=(aimed[0], aimed[1])
         )
         early = phase.duration - phase.elapsed
         event = footstep_event(observation.time, phase.sent, step, landed)
-        return self._planner.land(course, phase.planned.cop, early), (event,)
+        return self._planner.land(progress, phase.planned.cop, early), (event,)
 
-    def _adjust_step(self, phase: Swing, observation: Observation) -> Swing:
+    def _adjust_step(self, phase: WalkSwing, observation: Observation) -> WalkSwing:
         """Moves the landing place when the ankles cannot hold the DCM."""
         remaining = phase.duration - phase.elapsed
         if remaining < self._rules.frozen_end:
             return phase
         step, omega = phase.step, phase.plan.omega
-        stance = phase.course.feet[1 - step.foot]
+        stance = phase.progress.feet[1 - step.foot]
         shift = step_shift(
             feedback.dcm(observation.terms, omega) - phase.planned.dcm,
             remaining,

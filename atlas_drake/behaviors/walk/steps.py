@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from atlas_drake.behaviors.step.queue import merge
-from atlas_drake.behaviors.walk.phases import Course
+from atlas_drake.behaviors.step_queue import merge
+from atlas_drake.behaviors.walk.phases import WalkProgress
 from atlas_drake.control.feet.footstep import (
     LEFT,
     FootPose,
@@ -45,14 +45,14 @@ def steps_asked_for(
     )
 
 
-def feet_to_come(course: Course, in_air: Footstep | None) -> list[FootPose]:
+def feet_to_come(progress: WalkProgress, in_air: Footstep | None) -> list[FootPose]:
     """Returns the poses of the soles, with the landing pose of a foot in the air.
 
     Args:
-        course: Course of the walk.
+        progress: WalkProgress of the walk.
         in_air: The step whose foot is in the air, if any.
     """
-    feet = list(course.feet)
+    feet = list(progress.feet)
     if in_air is not None:
         feet[in_air.foot] = in_air.pose
     return feet

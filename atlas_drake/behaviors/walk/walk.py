@@ -19,17 +19,17 @@ from atlas_drake.behaviors.body_reference import (
     BodyTarget,
     advance_body,
 )
-from atlas_drake.behaviors.step.queue import replaced
+from atlas_drake.behaviors.step_queue import replaced
 from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.behaviors.walk.double_support import DoubleSupport
-from atlas_drake.behaviors.walk.phase_control import PhaseControl
+from atlas_drake.behaviors.walk.phase_control import WalkPhaseControl
 from atlas_drake.behaviors.walk.phases import (
-    Course,
-    Phase,
-    Settle,
-    Shift,
-    Swing,
     Transfer,
+    WalkProgress,
+    WalkSettle,
+    WalkShift,
+    WalkState,
+    WalkSwing,
 )
 from atlas_drake.behaviors.walk.planner import WalkPlanner
 from atlas_drake.behaviors.walk.preview import walk_paths, walk_plan
@@ -73,11 +73,11 @@ class Walk(BehaviorProtocol):
         self._omega = feedback.pendulum_frequency(nominal_height)
         self._planner = WalkPlanner(balance, self._omega, config)
         double_support = DoubleSupport(balance, self._planner, config.rules)
-        self._controls: dict[type[Phase], PhaseControl[Any]] = {
-            Shift: double_support,
-            Swing: SingleSupport(balance, self._planner, config),
+        self._controls: dict[type[WalkState], WalkPhaseControl[Any]] = {
+            WalkShift: double_support,
+            WalkSwing: SingleSupport(balance, self._planner, config),
             Transfer: double_support,
-            Settle: Settling(balance, self._planner, config.rules),
+            WalkSettle: Settling(balance, self._planner, config.rules),
         }
 
     def enter(
@@ -85,19 +85,21 @@ class Walk(BehaviorProtocol):
         observation: Observation,
         body: BodyReference,
         request: BehaviorRequest,
-    ) -> Shift:
+    ) -> WalkShift:
         """Begins to shift the weight to the first stance foot."""
         feet = (observation.foot_pose(0), observation.foot_pose(1))
         params = request.command.walk_params
         pending = steps_asked_for((), params, feet, 1, self._gait)
         first = pending[0].index if pending else 1
-        course = Course(feet, feet, pending, first, request)
+        progress = WalkProgress(feet, feet, pending, first, request)
         dcm = feedback.dcm(observation.terms, self._omega)
-        return self._planner.shift(course, dcm, self._balance.support(*feet).clamp(dcm))
+        return self._planner.shift(
+            progress, dcm, self._balance.support(*feet).clamp(dcm)
+        )
 
     def update(
         self,
-        phase: Phase,
+        phase: WalkState,
         observation: Observation,
         body: BodyReference,
         request: BehaviorRequest,
@@ -112,7 +114,7 @@ class Walk(BehaviorProtocol):
             plan_time=phase.plan_time + observation.dt,
         )
         phase, events = self._control(phase).advance(phase, observation)
-        changed = phase.course.pending is not before.course.pending
+        changed = phase.progress.pending is not before.progress.pending
         if before.elapsed == 0.0 or changed:
             phase, news = self._planner.warn(phase, observation.time)
             events = (*events, *news)
@@ -130,7 +132,7 @@ class Walk(BehaviorProtocol):
         )
         finished, left = self._control(phase).end(phase, observation, leaving)
         return Outcome(
-            memory=phase,
+            state=phase,
             body=body,
             command=command,
             finished=finished,
@@ -138,58 +140,62 @@ class Walk(BehaviorProtocol):
             events=(*events, *left),
         )
 
-    def plan(self, phase: Phase, com: np.ndarray, omega: float) -> Plan:
+    def plan(self, phase: WalkState, com: np.ndarray, omega: float) -> Plan:
         """Returns the references of the DCM plan and the coming footsteps."""
         return walk_plan(phase)
 
-    def paths(self, phase: Phase, com: np.ndarray, omega: float) -> PlannedPaths:
+    def paths(self, phase: WalkState, com: np.ndarray, omega: float) -> PlannedPaths:
         """Returns the paths of the DCM plan and of the present swing."""
         return walk_paths(phase, com, self._profile)
 
-    def feedback(self, phase: Phase, status_flags: int) -> AtlasBehaviorWalkFeedback:
+    def feedback(
+        self, phase: WalkState, status_flags: int
+    ) -> AtlasBehaviorWalkFeedback:
         """Returns timing and the steps as they will be executed."""
-        course = phase.course
-        outlook = self._planner.outlook(course, phase.in_air)
+        progress = phase.progress
+        step_preview = self._planner.step_preview(progress, phase.in_air)
         return AtlasBehaviorWalkFeedback(
-            t_step_rem=phase.time_to_touchdown(outlook.steps, self._timing),
-            current_step_index=course.last_index,
-            next_step_index_needed=course.next_index + len(course.known),
+            t_step_rem=phase.time_to_touchdown(step_preview.steps, self._timing),
+            current_step_index=progress.last_index,
+            next_step_index_needed=progress.next_index + len(progress.known),
             status_flags=status_flags,
-            step_queue_saturated=list(outlook.reported),
+            step_queue_saturated=list(step_preview.reported),
         )
 
-    def _control(self, phase: Phase) -> PhaseControl[Any]:
+    def _control(self, phase: WalkState) -> WalkPhaseControl[Any]:
         return self._controls[type(phase)]
 
-    def _leave(self, phase: Phase) -> Phase:
+    def _leave(self, phase: WalkState) -> WalkState:
         """Drops the pending steps: a foot in the air lands, then the robot settles."""
-        phase = replace(phase, course=replace(phase.course, pending=()))
+        phase = replace(phase, progress=replace(phase.progress, pending=()))
         return self._control(phase).leave(phase)
 
-    def _read_queue(self, phase: Phase, request: BehaviorRequest) -> Phase:
+    def _read_queue(self, phase: WalkState, request: BehaviorRequest) -> WalkState:
         """Merges the steps of a new message with those that have not begun."""
-        course = phase.course
-        if request.number == course.request.number:
+        progress = phase.progress
+        if request.number == progress.request.number:
             return phase
-        params, last = request.command.walk_params, course.request.command.walk_params
-        course = replace(course, request=request)
+        params, last = request.command.walk_params, progress.request.command.walk_params
+        progress = replace(progress, request=request)
         if params.use_demo_walk and last.use_demo_walk:
-            return replace(phase, course=course)
+            return replace(phase, progress=progress)
         pending = steps_asked_for(
-            () if last.use_demo_walk else course.pending,
+            () if last.use_demo_walk else progress.pending,
             params,
-            feet_to_come(course, phase.in_air),
-            course.next_index,
+            feet_to_come(progress, phase.in_air),
+            progress.next_index,
             self._gait,
-            course.last_foot,
+            progress.last_foot,
         )
         # A step that a new message replaces may be warned of again.
-        new = replaced(course.pending, pending)
-        told = frozenset(about for about in course.told if about[0] not in new)
-        return replace(phase, course=replace(course, pending=pending, told=told))
+        new = replaced(progress.pending, pending)
+        warned = frozenset(about for about in progress.warned if about[0] not in new)
+        return replace(
+            phase, progress=replace(progress, pending=pending, warned=warned)
+        )
 
-    def _body_target(self, phase: Phase) -> BodyTarget:
-        left, right = feet_to_come(phase.course, phase.in_air)
+    def _body_target(self, phase: WalkState) -> BodyTarget:
+        left, right = feet_to_come(phase.progress, phase.in_air)
         low, high = sorted([float(left.p_WF[2]), float(right.p_WF[2])])
         # With feet at different heights, now or after this step, raise the CoM as far
         # as the lower leg can stretch, so that the knee of the upper leg bends less: a

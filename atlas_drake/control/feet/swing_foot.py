@@ -54,7 +54,7 @@ class SwingProfile(Configuration):
 
 
 @dataclass(frozen=True)
-class Swing:
+class FootSwing:
     """State of the swing reference, advanced once per control tick.
 
     Attributes:
@@ -100,15 +100,15 @@ class SwingReference:
     alpha_WF: np.ndarray
 
 
-def begin_swing(start: FootPose, duration: float) -> Swing:
+def begin_swing(start: FootPose, duration: float) -> FootSwing:
     """Makes a swing that lifts off from ``start`` at rest."""
     zero = np.zeros(2)
-    return Swing(start, duration, 0.0, start.p_WF[:2].copy(), zero, zero)
+    return FootSwing(start, duration, 0.0, start.p_WF[:2].copy(), zero, zero)
 
 
 def advance_swing(
-    swing: Swing, target: Footstep, profile: SwingProfile, dt: float
-) -> tuple[Swing, SwingReference]:
+    swing: FootSwing, target: Footstep, profile: SwingProfile, dt: float
+) -> tuple[FootSwing, SwingReference]:
     """Advances the swing by ``dt`` [s] toward ``target``."""
     elapsed = swing.elapsed + dt
     begin, end = _horizontal_window(swing, target, profile)
@@ -137,7 +137,7 @@ def advance_swing(
 
 
 def _horizontal_window(
-    swing: Swing, target: Footstep, profile: SwingProfile
+    swing: FootSwing, target: Footstep, profile: SwingProfile
 ) -> tuple[float, float]:
     """Computes the start and end of the horizontal motion since lift-off [s].
 
@@ -151,7 +151,9 @@ def _horizontal_window(
     return 0.0, swing.duration - still
 
 
-def _reference(swing: Swing, target: Footstep, profile: SwingProfile) -> SwingReference:
+def _reference(
+    swing: FootSwing, target: Footstep, profile: SwingProfile
+) -> SwingReference:
     z, vz, az = _height(swing, target, profile)
     T = swing.duration
     s, ds, dds = quintic_progress(swing.progress)
@@ -214,14 +216,14 @@ def _sole_on_ground(
     return R, w
 
 
-def _toe_pitch(swing: Swing, target: Footstep, profile: SwingProfile) -> float:
+def _toe_pitch(swing: FootSwing, target: Footstep, profile: SwingProfile) -> float:
     """Pitch of the toes at the apex [rad]; none for a climb as high as the swing."""
     climb = max(float(target.p_WF[2] - swing.start.p_WF[2]), 0.0)
     return profile.toe_down * max(target.swing_height - climb, 0.0)
 
 
 def _height(
-    swing: Swing, target: Footstep, profile: SwingProfile
+    swing: FootSwing, target: Footstep, profile: SwingProfile
 ) -> tuple[float, float, float]:
     """Height of the sole, its rate and acceleration: a bump, a ramp and a landing.
 

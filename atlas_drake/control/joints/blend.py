@@ -103,7 +103,7 @@ def effort_bounds(
         upper=np.where(held, limit, upper),
         user_held=held | (share >= 1.0),
         added_inertia=np.where(held, 0.0, share * user.inertia),
-        authority=np.where(held, 0.0, 1.0 - share),
+        behavior_weight=np.where(held, 0.0, 1.0 - share),
     )
 
 

@@ -19,7 +19,7 @@ from atlas_drake.robot import KNEE, Leg, Robot
 LEGS_COM = 0.5
 """Position of the legs' center of mass on the line from ankles to pelvis [-]."""
 _BISECTIONS = 10
-"""Halvings between a feasible and a wished value: exact to 0.1 % of the distance."""
+"""Halvings between a feasible and a commanded value: exact to 0.1 % of the distance."""
 _HEIGHT_SEARCH = 0.01
 """Step of the downward search for a height that a wide stance allows [m]."""
 
@@ -114,25 +114,25 @@ class PelvisReach:
         return True
 
     def clamp(
-        self, wish: PelvisPose, home: PelvisPose, stance: Stance, upper: UpperBody
+        self, goal: PelvisPose, home: PelvisPose, stance: Stance, upper: UpperBody
     ) -> PelvisPose:
-        """Returns the feasible pose nearest to ``wish``.
+        """Returns the feasible pose nearest to ``goal``.
 
-        Starting from ``home``, one coordinate after the other is moved toward ``wish``
+        Starting from ``home``, one coordinate after the other is moved toward ``goal``
         as far as the coordinates before it allow: height, CoM, yaw, pitch, roll.
 
         Args:
-            wish: Any finite pose.
+            goal: Any finite pose.
             home: An ``attainable`` pose.
             stance: Poses of the feet.
             upper: Posture of trunk and arms.
         """
-        wish = self._boxed(wish)
-        if self.allows(wish, stance, upper):
-            return wish
+        goal = self._boxed(goal)
+        if self.allows(goal, stance, upper):
+            return goal
         granted = home
         for name in ("height", "com_v0", "com_v1", "yaw", "pitch", "roll"):
-            granted = self._grant(granted, name, getattr(wish, name), stance, upper)
+            granted = self._grant(granted, name, getattr(goal, name), stance, upper)
         return granted
 
     def attainable(
@@ -150,7 +150,7 @@ class PelvisReach:
             height -= _HEIGHT_SEARCH
         return home
 
-    def _boxed(self, wish: PelvisPose) -> PelvisPose:
+    def _boxed(self, goal: PelvisPose) -> PelvisPose:
         allowed = self.range
         bounds = (
             allowed.height,
@@ -163,7 +163,7 @@ class PelvisReach:
         return PelvisPose(
             *(
                 min(max(x, low), high)
-                for x, (low, high) in zip(wish, bounds, strict=True)
+                for x, (low, high) in zip(goal, bounds, strict=True)
             )
         )
 
@@ -171,17 +171,17 @@ class PelvisReach:
         self,
         granted: PelvisPose,
         name: str,
-        wish: float,
+        goal: float,
         stance: Stance,
         upper: UpperBody,
     ) -> PelvisPose:
-        """Moves one coordinate of ``granted`` toward ``wish`` as far as is feasible."""
+        """Moves one coordinate of ``granted`` toward ``goal`` as far as is feasible."""
         best = granted
         begin = getattr(granted, name)
         low, high = 0.0, 1.0
         share = 1.0
         for _ in range(_BISECTIONS):
-            trial = granted._replace(**{name: begin + share * (wish - begin)})
+            trial = granted._replace(**{name: begin + share * (goal - begin)})
             if self.allows(trial, stance, upper):
                 best, low = trial, share
                 if share == 1.0:

@@ -116,15 +116,15 @@ class EffortBounds:
         user_held: Joints whose effort the user decides alone, bool, shape (n,).
         added_inertia: Decrease of the bounds per acceleration of the joint, because the
             user's law resists it [kg·m²], shape (n,); None for zero.
-        authority: Blend weight 1 - k of the behavior for each joint, 0 to 1, shape
-            (n,); None for 1 everywhere.
+        behavior_weight: Blend weight 1 - k of the behavior for each joint, 0 to 1,
+            shape (n,); None for 1 everywhere.
     """
 
     lower: np.ndarray
     upper: np.ndarray
     user_held: np.ndarray
     added_inertia: np.ndarray | None = None
-    authority: np.ndarray | None = None
+    behavior_weight: np.ndarray | None = None
 
     @property
     def num_rows(self) -> int:
@@ -203,7 +203,7 @@ class JointLimits:
         approach = self._gains.kp * terms.q + self._gains.kd * terms.v
         np.subtract(self._low, approach, out=lower)
         np.subtract(self._high, approach, out=upper)
-        if bounds.authority is not None:
-            shared = bounds.authority < 1.0
+        if bounds.behavior_weight is not None:
+            shared = bounds.behavior_weight < 1.0
             lower[shared] = -INFINITE
             upper[shared] = INFINITE

@@ -201,11 +201,13 @@ def _within_authority(
     the QP move the joint through its neighbors. The weight therefore fades with the
     behavior's share, and the target is an acceleration that the total effort can give.
     """
-    if bounds.authority is None or bounds.added_inertia is None:
+    if bounds.behavior_weight is None or bounds.added_inertia is None:
         return posture
     inertia = terms.M.diagonal()[BASE:] + bounds.added_inertia
     gravity = terms.h[BASE:]
     lowest, highest = bounds.lower - gravity, bounds.upper - gravity
     wanted = np.minimum(np.maximum(posture.target, lowest / inertia), highest / inertia)
-    fading = bounds.authority**2 / (1.0 + YIELDING * (1.0 - bounds.authority))
+    fading = bounds.behavior_weight**2 / (
+        1.0 + YIELDING * (1.0 - bounds.behavior_weight)
+    )
     return PostureTask(wanted, np.maximum(posture.weight * fading, USER_JOINT_WEIGHT))

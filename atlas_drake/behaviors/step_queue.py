@@ -1,4 +1,4 @@
-"""The queue of a walk's coming steps, merged from messages.
+"""The queue of coming steps of WALK and STEP, merged from messages.
 
 Order and indices only; reach and relative heights are resolved from the stance foot of
 each step.

@@ -1,6 +1,6 @@
 """Saturation of a walk's coming steps, and the reasons for steps that are not taken.
 
-Pure functions of the walk's course. ``steps`` selects the steps of a walk; its phases
+Pure functions of the walk's progress. ``steps`` selects the steps of a walk; its phases
 determine the timing.
 """
 
@@ -12,8 +12,8 @@ from functools import cached_property
 import numpy as np
 
 from atlas_drake.behaviors.footstep_event import out_of_reach, pace_changed
-from atlas_drake.behaviors.step.queue import step_data_from
-from atlas_drake.behaviors.walk.phases import Course
+from atlas_drake.behaviors.step_queue import step_data_from
+from atlas_drake.behaviors.walk.phases import WalkProgress
 from atlas_drake.behaviors.walk.steps import feet_to_come
 from atlas_drake.control.feet.footstep import (
     FootPose,
@@ -44,18 +44,18 @@ _NO_STEP = AtlasBehaviorStepData().snapshot()
 
 
 @dataclass(frozen=True)
-class Outlook:
+class StepPreview:
     """Coming steps of the walk, as commanded and as executed.
 
     Attributes:
-        wishes: The steps of the plan as commanded, heights in W; the one in the air as
+        commanded: The commanded steps of the plan, heights in W; the one in the air as
             executed, because balance may have moved it.
         steps: The same steps as they will be executed; the one in the air comes first.
         blocked: The step after these steps, if it cannot be taken.
         obstacle: Why the blocked step cannot be taken; empty if there is none.
     """
 
-    wishes: tuple[Footstep, ...]
+    commanded: tuple[Footstep, ...]
     steps: tuple[Footstep, ...]
     blocked: Footstep | None = None
     obstacle: str = ""
@@ -68,48 +68,51 @@ class Outlook:
 
 
 def look_ahead(
-    course: Course, in_air: Footstep | None, limits: StepLimits, slack: StepSlack
-) -> Outlook:
+    progress: WalkProgress,
+    in_air: Footstep | None,
+    limits: StepLimits,
+    slack: StepSlack,
+) -> StepPreview:
     """Saturates the coming steps, each relative to the step before.
 
     Args:
-        course: Course of the walk.
+        progress: WalkProgress of the walk.
         in_air: The step whose foot is in the air, if any; it is not changed.
         limits: Limits of a step.
         slack: Amount by which a step may exceed the limits to correct landing errors.
     """
-    steps, wishes = [], []
-    poses, aims = feet_to_come(course, in_air), list(course.aimed)
+    steps, commanded = [], []
+    poses, aims = feet_to_come(progress, in_air), list(progress.aimed)
     if in_air is not None:
         steps.append(in_air)
-        wishes.append(in_air)
+        commanded.append(in_air)
         aims[in_air.foot] = in_air.pose
     loose = slack.loosen(limits)
     firm = replace(limits, rise=loose.rise)
-    last_foot = course.last_foot
-    for step in course.known:
+    last_foot = progress.last_foot
+    for step in progress.known:
         if len(steps) >= LOOK_AHEAD:
             break
         start, stance = poses[step.foot], poses[1 - step.foot]
-        wish = resolve_height(step, stance, limits)
-        taken = saturate(wish, stance, firm)
+        goal = resolve_height(step, stance, limits)
+        taken = saturate(goal, stance, firm)
         pose = taken.pose
-        if max(landing_error(wish, pose), heading_error(wish, pose)) > ROUNDING:
+        if max(landing_error(goal, pose), heading_error(goal, pose)) > ROUNDING:
             # A landing error of the stance foot shall not reduce the next step: the
             # limits count from the aimed pose, and with slack from the landed pose.
             aim = at_height(aims[1 - step.foot], stance)
-            taken = saturate(saturate(wish, aim, firm), stance, loose)
-        obstacle = obstacle_to(wish, taken, stance, last_foot, loose)
+            taken = saturate(saturate(goal, aim, firm), stance, loose)
+        obstacle = obstacle_to(goal, taken, stance, last_foot, loose)
         if obstacle:
-            return Outlook(tuple(wishes), tuple(steps), step, obstacle)
+            return StepPreview(tuple(commanded), tuple(steps), step, obstacle)
         taken = limit_duration(
             ensure_clearance(taken, start, limits), start, stance, limits
         )
-        wishes.append(wish)
+        commanded.append(goal)
         steps.append(taken)
         poses[taken.foot] = aims[taken.foot] = taken.pose
         last_foot = taken.foot
-    return Outlook(tuple(wishes), tuple(steps))
+    return StepPreview(tuple(commanded), tuple(steps))
 
 
 def at_height(pose: FootPose, ground: FootPose) -> FootPose:
@@ -118,7 +121,7 @@ def at_height(pose: FootPose, ground: FootPose) -> FootPose:
 
 
 def obstacle_to(
-    wish: Footstep,
+    goal: Footstep,
     taken: Footstep,
     stance: FootPose,
     last_foot: int | None,
@@ -127,43 +130,43 @@ def obstacle_to(
     """Determines why a step cannot be taken at all; empty if it can.
 
     Args:
-        wish: The step as commanded, its height in W.
+        goal: The step as commanded, its height in W.
         taken: The same step, saturated.
         stance: Pose of the stance foot of the step.
         last_foot: The foot of the step before, if any.
         limits: Limits of a step from that stance foot.
     """
-    if wish.foot == last_foot:
+    if goal.foot == last_foot:
         return "two steps in a row are for the same foot"
-    climb = float(wish.p_WF[2] - stance.p_WF[2])
+    climb = float(goal.p_WF[2] - stance.p_WF[2])
     if abs(climb) > limits.rise:
         way = "up" if climb > 0.0 else "down"
-        return f"step {wish.index} leads {abs(climb):.2f} m {way}, which is too much"
+        return f"step {goal.index} leads {abs(climb):.2f} m {way}, which is too much"
     # A shortened step may miss the level that it leads to.
-    if abs(climb) > LEVEL and landing_error(wish, taken.pose) > EDGE:
-        return f"step {wish.index} leads to another level and is out of reach"
+    if abs(climb) > LEVEL and landing_error(goal, taken.pose) > EDGE:
+        return f"step {goal.index} leads to another level and is out of reach"
     return ""
 
 
 def warnings_about(
-    outlook: Outlook, told: frozenset[tuple[int, str]], time: float
+    step_preview: StepPreview, warned: frozenset[tuple[int, str]], time: float
 ) -> tuple[Event, ...]:
     """Makes warnings about the steps that differ from their commands, one for each.
 
     Args:
-        outlook: The coming steps.
-        told: The ``subject`` of each earlier warning.
+        step_preview: The coming steps.
+        warned: The ``subject`` of each earlier warning.
         time: Time of the warnings [s].
     """
     events: tuple[Event, ...] = ()
-    for wish, step in zip(outlook.wishes, outlook.steps, strict=True):
-        events += out_of_reach(time, wish, step) + pace_changed(time, wish, step)
-    blocked = outlook.blocked
+    for goal, step in zip(step_preview.commanded, step_preview.steps, strict=True):
+        events += out_of_reach(time, goal, step) + pace_changed(time, goal, step)
+    blocked = step_preview.blocked
     if blocked is not None:
-        text = f"WALK will end before step {blocked.index}: {outlook.obstacle}"
+        text = f"WALK will end before step {blocked.index}: {step_preview.obstacle}"
         data = {"index": blocked.index, "about": "obstacle"}
         events += (Event(time, "warning", text, data),)
-    return tuple(event for event in events if subject(event) not in told)
+    return tuple(event for event in events if subject(event) not in warned)
 
 
 def subject(warning: Event) -> tuple[int, str]:

@@ -53,7 +53,7 @@ BOTH_HIPS = {"l_leg_hpy": 1.0, "r_leg_hpy": 1.0}
     ],
 )
 def test_it_takes_hip_and_ankle_pitch_of_the_same_leg(stand, observe, shares, balances):
-    assert stand.has_a_leg(observe(users=shares)) is balances
+    assert stand.can_balance(observe(users=shares)) is balances
 
 
 def test_a_share_counts_by_the_effort_it_leaves(robot, stand, observe):
@@ -61,22 +61,22 @@ def test_a_share_counts_by_the_effort_it_leaves(robot, stand, observe):
 
     def balances_with(effort):
         shares = {"l_leg_hpy": 1.0 - effort / limit, "r_leg_hpy": 1.0}
-        return stand.has_a_leg(observe(users=shares))
+        return stand.can_balance(observe(users=shares))
 
     assert balances_with(robot.file.balance_effort + 0.1)
     assert not balances_with(robot.file.balance_effort - 0.1)
 
 
-def run(behavior, memory, observations, command=None, leaving=False):
-    """Outcomes of one tick after the other; ``memory`` None enters first."""
+def run(behavior, state, observations, command=None, leaving=False):
+    """Outcomes of one tick after the other; ``state`` None enters first."""
     request = as_request(command or AtlasSimInterfaceCommand())
     outcomes = []
     for seen in observations:
         body = capture_body(seen.terms)
-        if memory is None:
-            memory = behavior.enter(seen, body, request)
-        outcomes.append(behavior.update(memory, seen, body, request, leaving))
-        memory = outcomes[-1].memory
+        if state is None:
+            state = behavior.enter(seen, body, request)
+        outcomes.append(behavior.update(state, seen, body, request, leaving))
+        state = outcomes[-1].state
     return outcomes
 
 
@@ -93,44 +93,44 @@ def test_the_pose_is_held_and_said_so_once(stand, observe):
     assert not balances(first.command)
     assert [event.kind for event in first.events] == ["warning"]
     assert second.events == ()
-    np.testing.assert_array_equal(second.memory.pose.joints, first.memory.pose.joints)
+    np.testing.assert_array_equal(second.state.pose.joints, first.state.pose.joints)
     # Also where STAND is entered without a leg.
     (entered,) = run(stand, None, [observe(users=BOTH_HIPS)])
-    assert isinstance(entered.memory, Holding)
+    assert isinstance(entered.state, Holding)
     # With a leg it balances again.
-    (again,) = run(stand, second.memory, [observe()])
+    (again,) = run(stand, second.state, [observe()])
     assert balances(again.command)
-    assert not isinstance(again.memory, Holding)
+    assert not isinstance(again.state, Holding)
 
 
 def test_leaving_ends_at_once_while_the_pose_is_held(manipulate, observe):
     (held,) = run(manipulate, None, [observe(users=BOTH_HIPS)])
     assert not held.finished
-    (left,) = run(manipulate, held.memory, [observe(users=BOTH_HIPS)], leaving=True)
+    (left,) = run(manipulate, held.state, [observe(users=BOTH_HIPS)], leaving=True)
     assert left.finished
 
 
-def test_a_wish_outlasts_the_time_without_a_leg(manipulate, observe):
-    wish = AtlasSimInterfaceCommand()
-    wish.behavior = wish.MANIPULATE
-    wish.manipulate_params.use_desired = True
-    wish.manipulate_params.desired.pelvis_height = 0.80
+def test_the_commanded_pose_survives_the_stance_guard(manipulate, observe):
+    commanded = AtlasSimInterfaceCommand()
+    commanded.behavior = commanded.MANIPULATE
+    commanded.manipulate_params.use_desired = True
+    commanded.manipulate_params.desired.pelvis_height = 0.80
     outcomes = run(
-        manipulate, None, [observe(), observe(users=BOTH_HIPS), observe()], wish
+        manipulate, None, [observe(), observe(users=BOTH_HIPS), observe()], commanded
     )
     # A message of another kind, such as one that gives the legs back, asks for nothing.
     silent = AtlasSimInterfaceCommand()
     silent.behavior = silent.MANIPULATE
-    held = outcomes[1].memory
+    held = outcomes[1].state
     (resumed,) = run(manipulate, held, [observe()], silent)
-    for memory in (outcomes[2].memory, resumed.memory):
-        clamped = manipulate.feedback(memory, 0).clamped
+    for state in (outcomes[2].state, resumed.state):
+        clamped = manipulate.feedback(state, 0).clamped
         assert clamped.pelvis_height == pytest.approx(0.80, abs=1e-6)
 
 
-def test_the_robot_is_still_looked_at(manipulate, observe):
+def test_the_measured_pose_is_updated_under_the_stance_guard(manipulate, observe):
     (held,) = run(manipulate, None, [observe(users=BOTH_HIPS)])
     tilted = observe(pitch=0.1, users=BOTH_HIPS)
-    (later,) = run(manipulate, held.memory, [tilted])
-    sensed = manipulate.feedback(later.memory, 0).internal_sensed
+    (later,) = run(manipulate, held.state, [tilted])
+    sensed = manipulate.feedback(later.state, 0).internal_sensed
     assert sensed.pelvis_pitch == pytest.approx(0.1, abs=0.01)

@@ -12,18 +12,18 @@ from atlas_drake.behaviors.footstep_event import (
     landed_elsewhere,
     out_of_reach,
 )
-from atlas_drake.behaviors.walk.outlook import (
+from atlas_drake.behaviors.walk.phases import (
+    Transfer,
+    WalkProgress,
+    WalkSettle,
+    WalkShift,
+    WalkSwing,
+)
+from atlas_drake.behaviors.walk.step_preview import (
     LOOK_AHEAD,
     look_ahead,
     subject,
     warnings_about,
-)
-from atlas_drake.behaviors.walk.phases import (
-    Course,
-    Settle,
-    Shift,
-    Swing,
-    Transfer,
 )
 from atlas_drake.control.feet.footstep import (
     LEFT,
@@ -54,41 +54,43 @@ def step(index, x=0.0, *, yaw=0.0, z=GROUND, foot=None, y=None, **changes):
     return dataclasses.replace(taken, **changes)
 
 
-def outlook_of(steps, feet=None, aimed=None, in_air=None, **changes):
+def preview_of(steps, feet=None, aimed=None, in_air=None, **changes):
     feet = feet or (foot_at(LEFT), foot_at(RIGHT))
-    course = Course(feet, aimed or feet, tuple(steps), next_index=1, request=None)
-    course = dataclasses.replace(course, **changes)
-    return look_ahead(course, in_air, LIMITS, SLACK)
+    progress = WalkProgress(
+        feet, aimed or feet, tuple(steps), next_index=1, request=None
+    )
+    progress = dataclasses.replace(progress, **changes)
+    return look_ahead(progress, in_air, LIMITS, SLACK)
 
 
-def texts(outlook, told=frozenset()):
-    return [event.text for event in warnings_about(outlook, told, 1.0)]
+def texts(step_preview, warned=frozenset()):
+    return [event.text for event in warnings_about(step_preview, warned, 1.0)]
 
 
 @pytest.mark.parametrize("short", [0.0, 0.005, 0.015])
 @pytest.mark.parametrize("ahead", [1, -1])
-def test_where_a_foot_landed_does_not_eat_the_limits(short, ahead):
+def test_a_landing_error_does_not_reduce_the_next_step(short, ahead):
     length = LIMITS.forward if ahead > 0 else -LIMITS.backward
     feet = (foot_at(LEFT), foot_at(RIGHT, -ahead * short))
     aimed = (foot_at(LEFT), foot_at(RIGHT))
-    outlook = outlook_of([step(1, length), step(2, 2 * length)], feet, aimed)
-    places = [taken.p_WF[0] for taken in outlook.steps]
+    step_preview = preview_of([step(1, length), step(2, 2 * length)], feet, aimed)
+    places = [taken.p_WF[0] for taken in step_preview.steps]
     np.testing.assert_allclose(places, [length, 2 * length])
-    assert texts(outlook) == []
+    assert texts(step_preview) == []
 
 
 def test_a_foot_far_from_its_place_does_shorten_the_next_step():
     # A leg is only so long, wherever its step was planned from.
     feet = (foot_at(LEFT), foot_at(RIGHT, -0.1))
     aimed = (foot_at(LEFT), foot_at(RIGHT))
-    (taken,) = outlook_of([step(1, LIMITS.forward)], feet, aimed).steps
+    (taken,) = preview_of([step(1, LIMITS.forward)], feet, aimed).steps
     assert taken.p_WF[0] == pytest.approx(-0.1 + LIMITS.forward + SLACK.distance)
 
 
 def test_turns_count_from_the_heading_that_was_planned_too():
     feet = (foot_at(LEFT), foot_at(RIGHT, yaw=-0.03))
     aimed = (foot_at(LEFT), foot_at(RIGHT))
-    (taken,) = outlook_of([step(1, yaw=LIMITS.toe_out)], feet, aimed).steps
+    (taken,) = preview_of([step(1, yaw=LIMITS.toe_out)], feet, aimed).steps
     assert taken.yaw == pytest.approx(LIMITS.toe_out)
 
 
@@ -99,27 +101,29 @@ def test_limits_also_count_from_where_the_foot_is():
     x, y = 0.015, -HALF_WIDTH
     x += LIMITS.forward * math.cos(0.03) - 0.2 * math.sin(0.03)
     y += LIMITS.forward * math.sin(0.03) + 0.2 * math.cos(0.03)
-    wish = step(1, x - 1e-9, y=y, yaw=0.03 + LIMITS.toe_out - 1e-9)
-    assert texts(outlook_of([wish], feet, aimed)) == []
+    goal = step(1, x - 1e-9, y=y, yaw=0.03 + LIMITS.toe_out - 1e-9)
+    assert texts(preview_of([goal], feet, aimed)) == []
 
 
 def test_steps_are_saturated_one_from_the_other():
-    outlook = outlook_of([step(i + 1, 1.0 * (i + 1)) for i in range(6)])
-    assert [taken.index for taken in outlook.steps] == list(range(1, LOOK_AHEAD + 1))
-    places = [taken.p_WF[0] for taken in outlook.steps]
+    step_preview = preview_of([step(i + 1, 1.0 * (i + 1)) for i in range(6)])
+    assert [taken.index for taken in step_preview.steps] == list(
+        range(1, LOOK_AHEAD + 1)
+    )
+    places = [taken.p_WF[0] for taken in step_preview.steps]
     np.testing.assert_allclose(np.diff([0.0, *places]), LIMITS.forward)
 
 
 def test_the_step_in_the_air_is_where_the_next_one_begins():
     feet = (foot_at(LEFT), foot_at(RIGHT))
     in_air = step(1, 0.3)
-    outlook = outlook_of(
+    step_preview = preview_of(
         [step(2, 5.0)], feet, in_air=in_air, last_foot=LEFT, next_index=2
     )
-    assert outlook.steps[0] is in_air
+    assert step_preview.steps[0] is in_air
     # Balance may have moved it: that is no saturation.
-    assert texts(outlook, frozenset([(2, "place")])) == []
-    assert outlook.steps[1].p_WF[0] == pytest.approx(0.3 + LIMITS.forward)
+    assert texts(step_preview, frozenset([(2, "place")])) == []
+    assert step_preview.steps[1].p_WF[0] == pytest.approx(0.3 + LIMITS.forward)
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -131,45 +135,45 @@ def test_a_step_too_high_is_an_obstacle(sign, relative):
         step(2, 0.4, z=rise if relative else GROUND + rise, relative=relative),
         step(3, 0.4, z=0.0, relative=True),
     ]
-    outlook = outlook_of(steps)
-    assert [taken.index for taken in outlook.steps] == [1]
-    assert outlook.blocked is steps[1]
-    (text,) = texts(outlook)
+    step_preview = preview_of(steps)
+    assert [taken.index for taken in step_preview.steps] == [1]
+    assert step_preview.blocked is steps[1]
+    (text,) = texts(step_preview)
     way = "up" if sign > 0 else "down"
     expected = f"before step 2: step 2 leads 0.15 m {way}, which is too much"
     assert text.endswith(expected)
-    assert texts(outlook, frozenset([(2, "obstacle")])) == []
+    assert texts(step_preview, frozenset([(2, "obstacle")])) == []
 
 
 @pytest.mark.parametrize("error", [-0.005, 0.005])
 def test_the_highest_step_may_be_a_little_higher_than_told(error):
-    wish = step(1, 0.2, z=GROUND + LIMITS.rise)
+    goal = step(1, 0.2, z=GROUND + LIMITS.rise)
     feet = (foot_at(LEFT), foot_at(RIGHT, z=GROUND - error))
-    (taken,) = outlook_of([wish], feet).steps
+    (taken,) = preview_of([goal], feet).steps
     # It ends where it was sent: there the ground is.
     assert taken.p_WF[2] == pytest.approx(GROUND + LIMITS.rise)
 
 
 def test_a_step_up_that_is_out_of_reach_is_an_obstacle():
-    outlook = outlook_of([step(1, 0.6, z=GROUND + 0.08)])
-    assert outlook.steps == ()
-    assert "another level and is out of reach" in outlook.obstacle
+    step_preview = preview_of([step(1, 0.6, z=GROUND + 0.08)])
+    assert step_preview.steps == ()
+    assert "another level and is out of reach" in step_preview.obstacle
 
 
 def test_a_height_that_is_not_meant_is_none():
-    outlook = outlook_of([step(1, 0.6, z=GROUND + 0.9)])
-    assert outlook.obstacle == ""
-    assert outlook.steps[0].p_WF[2] == pytest.approx(GROUND)
+    step_preview = preview_of([step(1, 0.6, z=GROUND + 0.9)])
+    assert step_preview.obstacle == ""
+    assert step_preview.steps[0].p_WF[2] == pytest.approx(GROUND)
 
 
 def test_the_same_foot_again_is_an_obstacle():
-    outlook = outlook_of([step(1, 0.2), step(2, 0.4, foot=LEFT), step(3, 0.4)])
-    assert len(outlook.steps) == 1
-    assert outlook.obstacle == "two steps in a row are for the same foot"
+    step_preview = preview_of([step(1, 0.2), step(2, 0.4, foot=LEFT), step(3, 0.4)])
+    assert len(step_preview.steps) == 1
+    assert step_preview.obstacle == "two steps in a row are for the same foot"
 
 
 @pytest.mark.parametrize(
-    ("wish", "text"),
+    ("goal", "text"),
     [
         (step(1, 1.0), "ends 0.58 m from its place"),
         (step(1, 0.43), "ends 0.010 m from its place"),
@@ -184,34 +188,34 @@ def test_the_same_foot_again_is_an_obstacle():
     ],
     ids=["far", "little", "turned", "both", "fast", "high", "steep"],
 )
-def test_every_saturation_is_told_of_once(wish, text):
-    outlook = outlook_of([wish])
-    (event,) = warnings_about(outlook, frozenset(), 2.5)
+def test_every_saturation_gives_one_warning(goal, text):
+    step_preview = preview_of([goal])
+    (event,) = warnings_about(step_preview, frozenset(), 2.5)
     assert event.kind == "warning"
     assert event.time == 2.5
     assert event.data["index"] == 1
     assert event.text.startswith("step 1 ")
     assert text in event.text
-    assert texts(outlook, frozenset([subject(event)])) == []
+    assert texts(step_preview, frozenset([subject(event)])) == []
 
 
-def test_what_was_told_of_a_steps_pace_does_not_hide_that_it_is_out_of_reach():
-    (pace,) = warnings_about(outlook_of([step(1, swing_height=0.0)]), frozenset(), 0.0)
-    far = outlook_of([step(1, 1.0, swing_height=0.0)])
+def test_a_warning_of_pace_does_not_hide_one_of_reach():
+    (pace,) = warnings_about(preview_of([step(1, swing_height=0.0)]), frozenset(), 0.0)
+    far = preview_of([step(1, 1.0, swing_height=0.0)])
     (news,) = warnings_about(far, frozenset([subject(pace)]), 0.0)
     assert news.data["error_m"] == pytest.approx(0.58)
 
 
-def test_a_step_within_reach_is_not_worth_a_word():
-    assert texts(outlook_of([step(1, 0.42), step(2, 0.42, yaw=-0.2)])) == []
+def test_a_step_within_reach_gives_no_warning():
+    assert texts(preview_of([step(1, 0.42), step(2, 0.42, yaw=-0.2)])) == []
 
 
 @pytest.mark.parametrize(
-    ("x", "yaw", "told"),
+    ("x", "yaw", "warned"),
     [(0.0009, 0.0, 0), (0.001, 0.0, 1), (0.0, 0.0099, 0), (0.0, -0.0101, 1)],
 )
-def test_a_millimetre_or_a_centiradian_is_worth_a_word(x, yaw, told):
-    assert len(out_of_reach(0.0, step(1), step(1, x, yaw=yaw))) == told
+def test_a_saturation_above_rounding_gives_a_warning(x, yaw, warned):
+    assert len(out_of_reach(0.0, step(1), step(1, x, yaw=yaw))) == warned
 
 
 @pytest.mark.parametrize(
@@ -229,9 +233,9 @@ def test_a_landing_elsewhere_is_not_what_was_asked_for():
     events = (landing(0.04), landing(0.06), landing(yaw=0.1), landing(yaw=-0.3))
     assert [landed_elsewhere(event) for event in events] == [0, 1, 0, 1]
     # A warning is not the last word: a better step may still be sent.
-    (far,) = warnings_about(outlook_of([step(1, 1.0)]), frozenset(), 0.0)
+    (far,) = warnings_about(preview_of([step(1, 1.0)]), frozenset(), 0.0)
     assert not landed_elsewhere(far)
-    (turned,) = warnings_about(outlook_of([step(1, yaw=0.785)]), frozenset(), 0.0)
+    (turned,) = warnings_about(preview_of([step(1, yaw=0.785)]), frozenset(), 0.0)
     assert turned.data["error_rad"] == pytest.approx(0.285)
 
 
@@ -249,10 +253,10 @@ def test_a_landing_tells_how_far_it_is_off_in_place_and_heading():
 
 @pytest.fixture
 def in_phase():
-    """Makes a phase of a walk, whose course and plan do not matter."""
+    """Makes a phase of a walk, whose progress and plan do not matter."""
 
     def make(phase, **fields):
-        return phase(course=None, plan=None, support=None, **fields)
+        return phase(progress=None, plan=None, support=None, **fields)
 
     return make
 
@@ -260,7 +264,7 @@ def in_phase():
 def test_the_time_to_touchdown_counts_through_the_phases_of_a_step(in_phase):
     steps = [step(1, duration=0.8), step(2, duration=1.0)]
     swing = TIMING.swing(steps[0].duration)
-    shift = in_phase(Shift, duration=0.8, elapsed=0.3, unloading=LEFT)
+    shift = in_phase(WalkShift, duration=0.8, elapsed=0.3, unloading=LEFT)
     assert shift.time_to_touchdown(steps, TIMING) == pytest.approx(0.5 + swing)
     assert shift.time_to_touchdown((), TIMING) == 0.0
     # At the end of a transfer as at the beginning of the swing.
@@ -270,7 +274,7 @@ def test_the_time_to_touchdown_counts_through_the_phases_of_a_step(in_phase):
     assert waiting.waiting
     assert waiting.time_to_touchdown(steps, TIMING) == pytest.approx(swing)
     lifted = in_phase(
-        Swing,
+        WalkSwing,
         duration=swing,
         step=steps[0],
         sent=steps[0],
@@ -280,5 +284,5 @@ def test_the_time_to_touchdown_counts_through_the_phases_of_a_step(in_phase):
     assert lifted.time_to_touchdown(steps, TIMING) == pytest.approx(swing)
     late = dataclasses.replace(lifted, elapsed=swing + 0.1)
     assert late.time_to_touchdown(steps, TIMING) == 0.0
-    settling = in_phase(Settle, duration=0.8, obstacle="")
+    settling = in_phase(WalkSettle, duration=0.8, obstacle="")
     assert settling.time_to_touchdown(steps, TIMING) == 0.0
