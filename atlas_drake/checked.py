@@ -139,10 +139,6 @@ class Pose:
         """Describes to pydantic how a pose is read; its rotation has several forms."""
         return core_schema.no_info_plain_validator_function(_pose)
 
-    def __get_pydantic_json_schema__(self, schema: Any, handler: Any) -> Any:
-        """A pose is a mapping."""
-        return {"type": "object"}
-
 
 def _pose(value: Any) -> Transform:
     if isinstance(value, Transform):
