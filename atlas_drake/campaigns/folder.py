@@ -115,9 +115,16 @@ class CampaignFolder:
         return self.path / TRIALS / f"{number:06d}.json"
 
     def write(self, record: Mapping[str, Any]) -> None:
-        """Writes the record of a trial."""
-        with whole_file(self.file_of(record["trial"])) as unfinished:
-            unfinished.write_bytes(_as_json(record))
+        """Writes the record of a trial, of which one program runs at a time."""
+        file = self.file_of(record["trial"])
+        # Each trial has one unfinished file, so that none stays behind after a program
+        # that was killed: the trial runs again, and writes to it again.
+        unfinished = file.with_name(f".{file.name}.unfinished")
+        with unfinished.open("wb") as written:
+            written.write(_as_json(record))
+            written.flush()
+            os.fsync(written.fileno())
+        os.replace(unfinished, file)
 
     def records(self) -> dict[int, dict[str, Any]]:
         """Reads every record, by the number of its trial.
