@@ -20,7 +20,6 @@ from atlas_drake.visualization.following_scene import FollowingScene
 from atlas_drake.visualization.footsteps import FootstepDisplay
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.scene import prepare_scene
-from atlas_drake.visualization.viewer_gate import GATE, ViewerGate
 
 VISUALIZER = "/drake/visualizer"
 """Where Drake's own visualiser draws the links."""
@@ -42,15 +41,11 @@ def add_meshcat_view(
         robot: Robot of the station.
         meshcat: Meshcat instance to draw in.
         overlays: Switches of the overlays, which may change later.
-        recorded: True if a recording runs, which needs every picture; otherwise
-            pictures that a slow viewer could not take in time are left out.
+        recorded: See ``Marks``.
     """
     overlays = overlays or Overlays()
     period = 1.0 / FRAME_RATE
     prepare_scene(meshcat)
-    gate = None
-    if not recorded:
-        gate = builder.AddNamedSystem(GATE, ViewerGate(meshcat, period))
     MeshcatVisualizer.AddToBuilder(
         builder,
         station.GetOutputPort("query_object"),
@@ -86,7 +81,6 @@ def add_meshcat_view(
         # A replay has no contact results.
         if not wanted <= offered:
             continue
-        display.gate = gate
         builder.AddNamedSystem(name, display)
         for index in range(display.num_input_ports()):
             port = display.get_input_port(index)

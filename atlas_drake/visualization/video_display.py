@@ -47,10 +47,6 @@ TITLE_HEIGHT, NOTE_HEIGHT, MARGIN = 0.055, 0.030, 0.045
 height."""
 INK = (33, 43, 56)
 """Red, green and blue of the letters."""
-ACCENTS = ((60, 125, 225), (235, 135, 50), (160, 190, 230), (235, 195, 160))
-"""Red, green and blue of footsteps in the light of the scene."""
-
-
 VECTORS = ("state", "plant_state", "foot_wrenches", "effort")
 """Ports that hold vectors."""
 CONTACTS = {"contact_results": ContactResults, "query_object": QueryObject}
@@ -136,9 +132,7 @@ class VideoDisplay(CollectableSystem):
         """
         super().__init__()
         self.fault: VideoError | None = None
-        self._file = VideoFile(
-            video.path, VIDEO_RATE, video.width, video.height, ACCENTS
-        )
+        self._file = VideoFile(video.path, VIDEO_RATE, video.width, video.height)
         self._fixed: RigidTransform | None = None
         X_TC = None
         if view is not None and not overlays.is_on("follow"):
