@@ -17,10 +17,9 @@ from pydrake.systems.framework import Context
 
 from atlas_drake.palette import FORCE
 from atlas_drake.visualization.display import Display
+from atlas_drake.visualization.marks import Timeline
 from atlas_drake.visualization.overlays import Overlays
-from atlas_drake.visualization.ribbons import draw_flat
-from atlas_drake.visualization.timeline import Timeline
-from atlas_drake.visualization.tubes import tube
+from atlas_drake.visualization.shapes import draw_flat, tube
 
 PATH = "/atlas_drake/forces"
 SCALE = 0.0012

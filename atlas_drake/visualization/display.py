@@ -5,8 +5,10 @@ This module decides when to draw; each display is in a file beside this one.
 
 from __future__ import annotations
 
-from pydrake.systems.framework import Context
+from pydrake.common.value import AbstractValue
+from pydrake.systems.framework import Context, InputPort
 
+from atlas_drake.frozen import NOTHING
 from atlas_drake.systems.collectable_system import CollectableSystem
 
 
@@ -20,6 +22,13 @@ class Display(CollectableSystem):
         super().__init__()
         self.DeclarePeriodicPublishEvent(period, 0.0, self._publish)
         self.DeclareForcedPublishEvent(self._publish)
+
+    def declare_values(self, *names: str) -> list[InputPort]:
+        """Declares input ports with values of any type."""
+        return [
+            self.DeclareAbstractInputPort(name, AbstractValue.Make(NOTHING))
+            for name in names
+        ]
 
     def _publish(self, context: Context) -> None:
         """Draws the present state completely, independent of earlier pictures."""

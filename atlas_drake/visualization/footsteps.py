@@ -12,13 +12,11 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydrake.common.value import AbstractValue
 from pydrake.geometry import Meshcat, Rgba
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.systems.framework import Context
 
 from atlas_drake.behaviors.step_queue import footstep_from
-from atlas_drake.frozen import NOTHING
 from atlas_drake.messages import (
     NO_STEP,
     AtlasBehaviorStepData,
@@ -31,7 +29,7 @@ from atlas_drake.palette import FEET
 from atlas_drake.robot import SoleSize
 from atlas_drake.visualization.display import Display
 from atlas_drake.visualization.marks import Marks
-from atlas_drake.visualization.ribbons import draw_flat, ribbons
+from atlas_drake.visualization.shapes import draw_flat, ribbons
 
 LANDED_OPACITY = 0.45
 KEPT = 40
@@ -101,25 +99,15 @@ def footstep_marks(
     walk, step = report.walk_feedback, report.step_feedback
     if step.is_active:
         if step.t_step_rem > 0.0:
-            taken = _poses([step.desired_step_saturated])
-            marks += [
-                _mark(
-                    Kind.COMMANDED,
-                    foot,
-                    pose,
-                    step.desired_step_saturated.pose.position.z,
-                )
-                for foot, pose in taken.values()
-            ]
+            z = step.desired_step_saturated.pose.position.z
+            for foot, pose in _poses([step.desired_step_saturated]).values():
+                marks.append(_mark(Kind.COMMANDED, foot, pose, z))
         return marks
     if not walk.is_active:
         for planned in plan.footsteps:
-            place = [*map(float, planned.p_WF[:2]), planned.yaw]
-            marks.append(
-                _mark(
-                    Kind.COMMANDED, planned.foot, _steady(place), float(planned.p_WF[2])
-                )
-            )
+            x, y, z = map(float, planned.p_WF)
+            place = _steady([x, y, planned.yaw])
+            marks.append(_mark(Kind.COMMANDED, planned.foot, place, z))
         return marks
     first = max(walk.current_step_index, 1)
     queue = walk.step_queue_saturated
@@ -238,9 +226,8 @@ class FootstepDisplay(Display):
         super().__init__(period)
         self._meshcat = meshcat
         self._outline = sole_outline(sole)
-        self._commands, self._status, self._report = (
-            self.DeclareAbstractInputPort(name, AbstractValue.Make(NOTHING))
-            for name in ("commands", "controller_status", "atlas_sim_interface_state")
+        self._commands, self._status, self._report = self.declare_values(
+            "commands", "controller_status", "atlas_sim_interface_state"
         )
         self._marks = Marks(meshcat, "/atlas_drake/footsteps", self._draw, recorded)
 
@@ -248,8 +235,7 @@ class FootstepDisplay(Display):
         commands: Any = self._commands.Eval(context)
         report: Any = self._report.Eval(context)
         status: Any = self._status.Eval(context)
-        events = status.events
-        marks = footstep_marks(commands.request, report, events, status.plan)
+        marks = footstep_marks(commands.request, report, status.events, status.plan)
         self._marks.show(marks, context.get_time())
 
     def _draw(self, path: str, mark: object) -> None:

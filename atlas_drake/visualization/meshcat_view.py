@@ -11,12 +11,11 @@ from pydrake.systems.framework import DiagramBuilder, System
 from atlas_drake.robot import Robot
 from atlas_drake.visualization import FRAME_RATE
 from atlas_drake.visualization.balance_marks import BalanceMarks
-from atlas_drake.visualization.camera import FollowingCamera
 from atlas_drake.visualization.caption import CaptionDisplay
 from atlas_drake.visualization.contact_forces import ContactForces
 from atlas_drake.visualization.control_colors import ControlColors
 from atlas_drake.visualization.display import Display
-from atlas_drake.visualization.following_scene import FollowingScene
+from atlas_drake.visualization.following import Following
 from atlas_drake.visualization.footsteps import FootstepDisplay
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.scene import prepare_scene
@@ -60,8 +59,7 @@ def add_meshcat_view(
             FootstepDisplay(meshcat, robot.file.sole, period, recorded),
         ),
         ("caption_display", CaptionDisplay(meshcat, overlays, period, recorded)),
-        ("following_scene", FollowingScene(meshcat, period, recorded)),
-        ("following_camera", FollowingCamera(meshcat, overlays, period)),
+        ("following", Following(meshcat, overlays, period, recorded)),
         ("balance_marks", BalanceMarks(meshcat, robot, overlays, period, recorded)),
         ("contact_force_display", ContactForces(meshcat, overlays, period)),
         (
@@ -69,19 +67,10 @@ def add_meshcat_view(
             ControlColors(meshcat, VISUALIZER, robot, overlays, period),
         ),
     ]
-    offered = {
-        station.get_output_port(index).get_name()
-        for index in range(station.num_output_ports())
-    }
     for name, display in displays:
-        wanted = {
-            display.get_input_port(index).get_name()
-            for index in range(display.num_input_ports())
-        }
+        ports = [display.get_input_port(i) for i in range(display.num_input_ports())]
         # A replay has no contact results.
-        if not wanted <= offered:
-            continue
-        builder.AddNamedSystem(name, display)
-        for index in range(display.num_input_ports()):
-            port = display.get_input_port(index)
-            builder.Connect(station.GetOutputPort(port.get_name()), port)
+        if all(station.HasOutputPort(port.get_name()) for port in ports):
+            builder.AddNamedSystem(name, display)
+            for port in ports:
+                builder.Connect(station.GetOutputPort(port.get_name()), port)

@@ -30,9 +30,8 @@ from atlas_drake.scenario.terrain import Block
 from atlas_drake.scenario.world import WorldMaker
 from atlas_drake.scenario.world_file import View
 from atlas_drake.systems.collectable_system import CollectableSystem
-from atlas_drake.visualization.caption import caption_of
+from atlas_drake.visualization.caption import caption_of, feedback_words
 from atlas_drake.visualization.contact_forces import ContactForce, contact_forces_of
-from atlas_drake.visualization.feedback_words import feedback_words
 from atlas_drake.visualization.footsteps import footstep_marks
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.video_camera import camera_pose, follow, looking_at

@@ -16,8 +16,7 @@ from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.messages.controller_status import Plan, PlannedPaths
 from atlas_drake.palette import COM, COP, DCM, FORCE, SUPPORT, SWING, Color
 from atlas_drake.robot import Robot
-from atlas_drake.visualization.balance_marks import BALL, DISC
-from atlas_drake.visualization.balance_points import balance_points
+from atlas_drake.visualization.balance_marks import BALL, DISC, balance_points
 from atlas_drake.visualization.contact_forces import (
     SCALE,
     ContactForce,

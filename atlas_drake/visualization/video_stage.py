@@ -45,7 +45,7 @@ from atlas_drake.visualization.footsteps import (
     mark_triangles,
     sole_outline,
 )
-from atlas_drake.visualization.ribbons import ribbons
+from atlas_drake.visualization.shapes import ribbons
 from atlas_drake.visualization.video_camera import camera_pose
 from atlas_drake.visualization.video_file import VideoError
 

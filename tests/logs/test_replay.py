@@ -24,8 +24,7 @@ from atlas_drake.logs.log_player import LogPlayer
 from atlas_drake.logs.notes import Header
 from atlas_drake.scenario.terrain import Block
 from atlas_drake.visualization.balance_marks import PATH as BALANCE
-from atlas_drake.visualization.caption import caption_of
-from atlas_drake.visualization.feedback_words import feedback_words
+from atlas_drake.visualization.caption import caption_of, feedback_words
 from atlas_drake.visualization.footsteps import footstep_marks
 from atlas_drake.visualization.overlays import LOGGED, Overlays
 
@@ -34,7 +33,7 @@ from .conftest import ARM, walk_command
 DISPLAYS = (
     "footstep_display",
     "caption_display",
-    "following_camera",
+    "following",
     "balance_marks",
     "contact_force_display",
     "control_colors",

@@ -27,6 +27,7 @@ from atlas_drake.palette import (
 )
 from atlas_drake.visualization.balance_marks import _COLORS
 from atlas_drake.visualization.balance_marks import PATH as BALANCE
+from atlas_drake.visualization.caption import feedback_words
 from atlas_drake.visualization.contact_forces import (
     PATH as FORCES,
 )
@@ -42,10 +43,9 @@ from atlas_drake.visualization.control_colors import (
     effort_colors,
     owner_colors,
 )
-from atlas_drake.visualization.feedback_words import feedback_words
 from atlas_drake.visualization.overlays import LOGGED, OVERLAYS, Overlays, overlays_from
+from atlas_drake.visualization.shapes import SIDES, thinned, tube
 from atlas_drake.visualization.stroke_font import _GLYPHS
-from atlas_drake.visualization.tubes import SIDES, thinned, tube
 
 BALANCE_MARKS = {
     "com": ["com", "com_ball", "com_line"],

@@ -5,7 +5,7 @@ import string
 import numpy as np
 import pytest
 
-from atlas_drake.visualization.ribbons import ribbons
+from atlas_drake.visualization.shapes import ribbons
 from atlas_drake.visualization.stroke_font import text_segments
 
 HEIGHT = 0.06

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from atlas_drake.visualization.timeline import PERIOD, Timeline
+from atlas_drake.visualization.marks import PERIOD, Timeline
 
 
 class Recording:
