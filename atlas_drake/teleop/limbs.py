@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from atlas_drake.frozen import replace
-from atlas_drake.messages import K_EFFORT_MAX, AtlasCommand, AtlasState
+from atlas_drake.messages import AtlasCommand, AtlasState
 from atlas_drake.robot import Robot
 
 GROUPS = {
@@ -32,8 +32,6 @@ SLIDER_STEP = 0.01
 """Resolution of the joints' sliders [rad]; smaller differences than half of it are
 lost.
 """
-ALL_USER = dict.fromkeys(GROUPS, K_EFFORT_MAX)
-ALL_BEHAVIOR = dict.fromkeys(GROUPS, 0)
 
 
 @dataclass(frozen=True)
@@ -49,11 +47,6 @@ class Limbs:
     position: np.ndarray
 
 
-def limbs_at_start(robot: Robot, shares: Mapping[str, int]) -> Limbs:
-    """Returns the initial state: set-points of the stand-prep pose."""
-    return Limbs(dict(shares), robot.stand_prep.copy())
-
-
 def group_of(robot: Robot) -> list[str]:
     """The group of each joint, in message order."""
     of_limb = {limb: name for name, limbs in GROUPS.items() for limb in limbs}
@@ -63,11 +56,6 @@ def group_of(robot: Robot) -> list[str]:
 def joint_shares(robot: Robot, shares: Mapping[str, int]) -> np.ndarray:
     """``k_effort`` of each joint, shape (n,)."""
     return np.array([shares[name] for name in group_of(robot)], dtype=int)
-
-
-def users_joints(robot: Robot, shares: Mapping[str, int]) -> list[int]:
-    """Indices of the joints with a user share above 0."""
-    return np.flatnonzero(joint_shares(robot, shares)).tolist()
 
 
 def hand_over(
