@@ -108,15 +108,7 @@ class BalanceMarks(Display):
         period: float,
         recorded: bool,
     ) -> None:
-        """Draws the enabled overlays every ``period`` [s].
-
-        Args:
-            meshcat: Meshcat instance to draw in.
-            robot: Robot of the station.
-            overlays: Switches of the overlays.
-            period: Time between pictures [s].
-            recorded: See ``Marks``.
-        """
+        """Draws what is on every ``period`` [s]; ``recorded`` as in ``Marks``."""
         super().__init__(period)
         self._meshcat = meshcat
         self._overlays = overlays

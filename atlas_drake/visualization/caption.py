@@ -76,12 +76,7 @@ _STEP = {
 def caption_of(
     report: AtlasSimInterfaceState, catalog: BehaviorCatalog = SHIPPED
 ) -> tuple[str, str]:
-    """Makes title and note about the robot's behavior.
-
-    Args:
-        report: Report of the robot.
-        catalog: Catalog of its behaviors.
-    """
+    """Makes title and note about the behavior of a robot with these behaviors."""
     shares = list(report.k_effort)
     users = sum(share >= K_EFFORT_MAX for share in shares)
     blended = sum(0 < share < K_EFFORT_MAX for share in shares)
@@ -152,14 +147,7 @@ class CaptionDisplay(Display):
     def __init__(
         self, meshcat: Meshcat, overlays: Overlays, period: float, recorded: bool
     ) -> None:
-        """Updates the caption every ``period`` [s].
-
-        Args:
-            meshcat: Meshcat instance to draw in.
-            overlays: Switches of the overlays, among them the flags.
-            period: Time between pictures [s].
-            recorded: See ``Marks``.
-        """
+        """Updates it every ``period`` [s]; ``recorded`` as in ``Marks``."""
         super().__init__(period)
         self._overlays = overlays
         self._meshcat = meshcat
@@ -186,12 +174,7 @@ class CaptionDisplay(Display):
 
 
 def show_paused(meshcat: Meshcat, paused: bool) -> None:
-    """Says in the picture that time stands still, or takes that away.
-
-    Args:
-        meshcat: Meshcat instance to draw in.
-        paused: True if no time passes.
-    """
+    """Says in the picture that time stands still, or takes that away."""
     path = f"{CAMERA}/paused"
     if not paused:
         meshcat.Delete(path)

@@ -34,12 +34,9 @@ class Timeline:
         self._numbers: dict[tuple[str, str], tuple[float, float]] = {}
 
     def show(self, path: str, visible: bool, time: float) -> None:
-        """Shows or hides an object; a recording starts with the opposite state.
+        """Shows or hides an object from ``time`` [s] on.
 
-        Args:
-            path: Path of an existing object.
-            visible: True to show the object from now on.
-            time: Simulated time [s].
+        A recording starts with the opposite state.
         """
         before = self._visible.get(path)
         if before == visible:
@@ -52,14 +49,7 @@ class Timeline:
         self._meshcat.SetProperty(path, "visible", visible, time)
 
     def jump(self, path: str, name: str, number: float, time: float) -> None:
-        """Sets a number that stays until the next one.
-
-        Args:
-            path: Path of an existing object.
-            name: Name of the property.
-            number: Value from now on.
-            time: Simulated time [s].
-        """
+        """Sets a property of an object to a number from ``time`` [s] on."""
         before = self._numbers.get((path, name))
         if before is not None:
             last, since = before

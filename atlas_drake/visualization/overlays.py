@@ -47,25 +47,12 @@ class Overlays:
         for name in on:
             self.switch(name, True)
 
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Names of all overlays."""
-        return tuple(OVERLAYS)
-
     def is_on(self, name: str) -> bool:
-        """Returns True if an overlay is shown.
-
-        Args:
-            name: A key of ``OVERLAYS``.
-        """
+        """Returns True if the overlay of that name is shown."""
         return name in self._on
 
     def switch(self, name: str, on: bool) -> None:
         """Shows or hides an overlay; of the two colorings the later one counts.
-
-        Args:
-            name: A key of ``OVERLAYS``.
-            on: True to show the overlay.
 
         Raises:
             ScenarioError: If there is no such overlay.

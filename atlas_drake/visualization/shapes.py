@@ -47,11 +47,7 @@ def ribbons(
 
 
 def draw_flat(
-    meshcat: Meshcat,
-    path: str,
-    vertices: Any,
-    faces: Any,
-    color: Rgba,
+    meshcat: Meshcat, path: str, vertices: Any, faces: Any, color: Rgba
 ) -> None:
     """Draws triangles without shadow, for signs.
 

@@ -48,6 +48,13 @@ INK = (33, 43, 56)
 """Red, green and blue of the letters."""
 VECTORS = ("state", "plant_state", "foot_wrenches", "effort")
 """Ports that hold vectors."""
+VALUES = (
+    "commands",
+    "controller_status",
+    "planned_paths",
+    "atlas_sim_interface_state",
+)
+"""Ports that hold values of this project."""
 CONTACTS = {"contact_results": ContactResults, "query_object": QueryObject}
 """Ports from which contact forces are computed, with their types."""
 
@@ -147,12 +154,7 @@ class VideoDisplay(CollectableSystem):
         )
         self._commands, self._status, self._paths, self._report = (
             self.DeclareAbstractInputPort(name, AbstractValue.Make(NOTHING))
-            for name in (
-                "commands",
-                "controller_status",
-                "planned_paths",
-                "atlas_sim_interface_state",
-            )
+            for name in VALUES
         )
         self._contacts, self._query = (
             self.DeclareAbstractInputPort(name, AbstractValue.Make(kind()))
@@ -173,10 +175,7 @@ class VideoDisplay(CollectableSystem):
         return self._file.num_frames
 
     def close(self) -> int:
-        """Finishes the file and ends filming.
-
-        Returns:
-            Number of pictures of the video.
+        """Finishes the file, ends filming, and returns the number of pictures.
 
         Raises:
             VideoError: If the file cannot be written, now or at an earlier picture.
