@@ -1,12 +1,10 @@
-"""Logs as numpy's .npz: one array per channel, for Python without further packages.
-
-Rows are kept in memory until the end, because the format cannot be appended to.
-"""
+"""Logs as numpy's .npz: one array per channel, for Python without further packages."""
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 
@@ -16,38 +14,19 @@ from atlas_drake.logs.notes import (
     notes_from_json,
     notes_to_json,
 )
-from atlas_drake.whole_file import WholeFile
+from atlas_drake.logs.whole_log import WholeLog
 
 
-class NpzWriter:
-    """Writes the file when it is closed, whole or not at all."""
+def _write(
+    file: IO[bytes], header: Header, rows: np.ndarray, notes: list[Note]
+) -> None:
+    arrays: dict[str, Any] = header.layout.split(rows)
+    arrays["header"] = np.array(header.to_json())
+    arrays["notes"] = np.array(notes_to_json(notes))
+    np.savez_compressed(file, **arrays)
 
-    def __init__(self, path: Path, header: Header):
-        """Opens the file, to raise an error now if it cannot be written."""
-        self._file = WholeFile(path)
-        self._header = header
-        self._tables: list[np.ndarray] = []
-        self._notes: list[Note] = []
 
-    def rows(self, table: np.ndarray) -> None:
-        """Keeps some ticks."""
-        self._tables.append(table)
-
-    def note(self, note: Note) -> None:
-        """Keeps a note."""
-        self._notes.append(note)
-
-    def close(self) -> None:
-        """Writes the file."""
-        arrays: dict[str, Any] = self._header.layout.split(np.concatenate(self._tables))
-        arrays["header"] = np.array(self._header.to_json())
-        arrays["notes"] = np.array(notes_to_json(self._notes))
-        with self._file as file:
-            np.savez_compressed(file, **arrays)
-
-    def abandon(self) -> None:
-        """Leaves no file: it is written whole or not at all."""
-        self._file.abandon()
+NpzWriter = partial(WholeLog, _write)
 
 
 def read_npz(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]:

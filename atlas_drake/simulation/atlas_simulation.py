@@ -233,7 +233,7 @@ class AtlasSimulation:
 
     def _start_log(self, path: Path, world: Sequence[WorldMaker]) -> LogRecorder:
         # What logs need loads only where there is one.
-        from atlas_drake.logs.start import start_recorder
+        from atlas_drake.logs.recorder import start_recorder
 
         recorder = start_recorder(
             path,
