@@ -137,9 +137,6 @@ class Log:
     def behavior(self, number: int) -> Behavior:
         """Returns the behavior of a number in the channel ``behavior.current``.
 
-        Args:
-            number: Number in that channel.
-
         Raises:
             ValueError: If the run had no such behavior.
         """
@@ -160,10 +157,8 @@ class Log:
                 f"{self.path}: its robot cannot be loaded: {error}"
             ) from error
         for channel in self.header.layout.channels:
-            if (
-                channel.name == "joints.k_effort"
-                and channel.labels != robot.joint_names
-            ):
+            of_joints = channel.name == "joints.k_effort"
+            if of_joints and channel.labels != robot.joint_names:
                 raise LogError(
                     f"{self.path}: its robot, {self.header.model}, has other joints "
                     "than when the log was recorded; restore its file of that time"

@@ -5,7 +5,7 @@ The arrows show the forces of the physics, not those that the controller request
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from pydrake.common.value import AbstractValue
@@ -77,11 +77,9 @@ def _on_robot(
 
 def arrow_pose(force: ContactForce) -> RigidTransform:
     """Computes the pose in W of an arrow along z that starts where the force acts."""
-    z = force.force_W / np.linalg.norm(force.force_W)
-    x = np.cross([0.0, 1.0, 0.0], z)
-    x /= np.linalg.norm(x)
-    R_WA: Any = np.column_stack([x, np.cross(z, x), z])
-    return RigidTransform(RotationMatrix(R_WA), force.p_WC)
+    return RigidTransform(
+        RotationMatrix.MakeFromOneVector(force.force_W, 2), force.p_WC
+    )
 
 
 def arrow_length(force: ContactForce) -> float:
