@@ -51,10 +51,7 @@ class LogFile:
             self._writer = writer(path, header)
 
     def rows(self, table: np.ndarray) -> None:
-        """Writes some ticks, unless the file is closed.
-
-        Args:
-            table: Rows, shape (k, layout's width).
+        """Writes some ticks, shape (k, layout's width), unless the file is closed.
 
         Raises:
             LogError: If it cannot be written. The file is then closed.
@@ -143,13 +140,7 @@ class MissingPackageError(LogError):
 
 
 def missing_package(what: str, name: str | None, extra: str) -> MissingPackageError:
-    """Makes the error for a package that is not installed.
-
-    Args:
-        what: Feature that needs the package.
-        name: Name of the package, or of a module in it.
-        extra: Extra of atlas-drake that installs the package.
-    """
+    """Makes the error for a package, or a module in it, that an extra would install."""
     package = (name or "").partition(".")[0]
     return MissingPackageError(
         f"{what} needs the package {package!r}, which is not installed: "

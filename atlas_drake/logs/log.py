@@ -137,6 +137,9 @@ class Log:
     def behavior(self, number: int) -> Behavior:
         """Returns the behavior of a number in the channel ``behavior.current``.
 
+        Args:
+            number: Number in that channel.
+
         Raises:
             ValueError: If the run had no such behavior.
         """

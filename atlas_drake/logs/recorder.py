@@ -88,14 +88,7 @@ class LogRecorder(CollectableSystem):
         period: float,
         tick_seconds: Sequence[float] = (),
     ):
-        """Samples every ``period`` [s].
-
-        Args:
-            maker: Maker of rows for the station's robot.
-            writer: Writer of rows and notes.
-            period: The control period [s].
-            tick_seconds: Wall times of the controller's ticks, which it appends to.
-        """
+        """Samples every ``period`` [s]; ``tick_seconds`` as in ``start_recorder``."""
         super().__init__()
         self._maker = maker
         self._writer = writer
@@ -244,13 +237,7 @@ def start_recorder(
 def add_log_recorder(
     builder: DiagramBuilder, station: System, recorder: LogRecorder
 ) -> None:
-    """Adds a recorder to a diagram and connects it.
-
-    Args:
-        builder: Builder of the diagram that holds the station.
-        station: An AtlasStation.
-        recorder: Recorder of the station's robot.
-    """
+    """Adds a recorder to a diagram and connects it to the diagram's AtlasStation."""
     builder.AddNamedSystem("log_recorder", recorder)
     # Drake joins them in a fraction of the time that reading each of them would take.
     sizes = recorder.port_sizes

@@ -82,7 +82,7 @@ class SampleLayout:
     def __init__(
         self, robot: Robot, plant: Any, beside: WorldCoordinates, layout: Layout
     ):
-        """Makes the layout of the samples.
+        """Makes the layout of the samples for rows of ``layout``.
 
         Args:
             robot: The simulated robot.

@@ -114,11 +114,7 @@ class Commander:
     ) -> Orders:
         """Makes the orders for the present state of the panel.
 
-        Args:
-            controls: Reading of the panel.
-            report: Latest report of the behaviors.
-            state: Latest report of the joints.
-            dt: Time until the next reading [s].
+        The next reading comes after ``dt`` [s].
         """
         orders = Orders()
         if Action.RESET in controls.clicks:

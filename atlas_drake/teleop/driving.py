@@ -62,11 +62,6 @@ def drive(
     """Returns the new state and the command to send now, if any.
 
     From every behavior but WALK the transition to WALK goes through STAND.
-
-    Args:
-        state: State of the driving so far.
-        gait: Gait of the walk.
-        report: Latest report of the behaviors.
     """
     current = Behavior(report.current_behavior)
     state = _notice(state, current, report.header.stamp or 0.0)

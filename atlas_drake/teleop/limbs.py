@@ -61,15 +61,9 @@ def joint_shares(robot: Robot, shares: Mapping[str, int]) -> np.ndarray:
 def hand_over(
     limbs: Limbs, shares: Mapping[str, int], state: AtlasState, robot: Robot
 ) -> tuple[Limbs, AtlasCommand | None]:
-    """Hands limbs over to the user or back to the behavior.
+    """Hands limbs over to the user or back to the behavior, by shares of groups.
 
     A joint that the user gets keeps its position.
-
-    Args:
-        limbs: The last command.
-        shares: Shares by group, 0 to 255.
-        state: Latest report of the joints.
-        robot: Robot that has the limbs.
     """
     if dict(shares) == dict(limbs.shares):
         return limbs, None
@@ -88,13 +82,7 @@ def hand_over(
 def move_joints(
     limbs: Limbs, targets: Mapping[int, float], dt: float
 ) -> tuple[Limbs, AtlasCommand | None]:
-    """Moves set-points toward their targets.
-
-    Args:
-        limbs: The last command.
-        targets: Targets of the user's joints by index [rad].
-        dt: Time until the next reading of the panel [s].
-    """
+    """Moves set-points toward their targets [rad], by index, for ``dt`` [s]."""
     position = limbs.position.copy()
     for index, target in targets.items():
         way = target - position[index]

@@ -99,13 +99,9 @@ def joint_slider(robot: Robot, index: int) -> Slider:
 def pages_with(
     robot: Robot, joints: Collection[int], behaviors: Sequence[BehaviorButton] = ()
 ) -> tuple[Page, ...]:
-    """Makes all pages, with one more for each limb under user control.
+    """Makes all pages, with one more for each limb that the user has joints of.
 
-    Args:
-        robot: Robot whose joints get sliders.
-        joints: Joints under user control.
-        behaviors: Buttons of the user's own behaviors, which get a page if there are
-            any.
+    The user's own behaviors get a page if there are any.
     """
     groups = group_of(robot)
     own = fitted(robot)

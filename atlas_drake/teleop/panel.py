@@ -61,14 +61,9 @@ class Panel:
         behaviors: BehaviorCatalog = SHIPPED,
         say: Callable[[str], object] = print,
     ) -> None:
-        """Adds the first page.
+        """Adds the first page, with a button for each of the user's own behaviors.
 
-        Args:
-            meshcat: Meshcat instance that shows the panel.
-            robot: Robot whose joints get sliders.
-            overlays: Overlays that the panel switches on and off.
-            behaviors: Catalog whose user-defined behaviors get buttons.
-            say: Called with a message about a value beyond its slider's range.
+        ``say`` is called with a message about a value beyond its slider's range.
         """
         self._meshcat = meshcat
         self._robot = robot

@@ -93,12 +93,6 @@ def next_steps(
 ) -> tuple[Walker, list[AtlasBehaviorStepData]]:
     """Plans the steps that can still be changed.
 
-    Args:
-        walker: State of this walk.
-        direction: Direction of the walk.
-        gait: Gait of the walk.
-        report: Latest report of the behaviors.
-
     Returns:
         The new state of the walk, and steps for the queue.
     """

@@ -71,12 +71,7 @@ class BalancePoints(NamedTuple):
 
 
 def balance_points(terms: WholeBodyTerms, wrenches: np.ndarray) -> BalancePoints:
-    """Computes the points.
-
-    Args:
-        terms: Kinematics of the robot.
-        wrenches: Contact wrenches on both soles, see ``RobotSensors``.
-    """
+    """Computes the points; for ``wrenches``, shape (12,), see ``RobotSensors``."""
     ground = min(float(foot.p_WF[2]) for foot in terms.feet)
     omega = pendulum_frequency(float(terms.com[2]) - ground)
     soles = [foot.p_WF for foot in terms.feet]

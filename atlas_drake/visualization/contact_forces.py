@@ -40,13 +40,9 @@ class ContactForce(NamedTuple):
 def contact_forces_of(
     results: ContactResults, inspector: SceneGraphInspector
 ) -> list[ContactForce]:
-    """Returns the forces on the robot.
+    """Returns the forces on the robot, from contacts at points and on surfaces.
 
     Two touching links push each other: the returned force is the one that points up.
-
-    Args:
-        results: Contacts of the plant, as points or as surfaces.
-        inspector: Of the plant's geometry.
     """
     world = world_index()
     forces = []

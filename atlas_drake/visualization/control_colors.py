@@ -39,11 +39,7 @@ COVER = "_colored"
 
 
 def owner_colors(k_effort: np.ndarray) -> list[Color]:
-    """Colors joints from the behavior's color over shared joints to the user's color.
-
-    Args:
-        k_effort: User's share per joint, 0 to 255, shape (n,).
-    """
+    """Colors joints by the user's share, 0 to 255, shape (n,), over shared joints."""
     colors = (BEHAVIOR, SHARED, USER)
     return [_between(colors, share / K_EFFORT_MAX) for share in k_effort]
 
@@ -91,12 +87,7 @@ class ControlColors(Display):
     ) -> None:
         """Updates the colors every ``period`` [s].
 
-        Args:
-            meshcat: Meshcat instance with the links.
-            prefix: Path under which Drake's visualiser draws the links.
-            robot: Robot that has the links.
-            overlays: Switches of the overlays.
-            period: Time between pictures [s].
+        Drake's visualiser draws the links under ``prefix``.
         """
         super().__init__(period)
         self._meshcat = meshcat

@@ -78,14 +78,9 @@ def footstep_marks(
     events: Iterable[Event],
     plan: Plan,
 ) -> list[FootstepMark]:
-    """Collects the footstep marks.
+    """Collects the marks of footsteps: commanded, in the report, landed.
 
-    Args:
-        request: The behavior command in force.
-        report: Report of the behaviors.
-        events: The latest events; only footstep events are used.
-        plan: Plan of the controller; its footsteps are used where the feedback of WALK
-            or STEP does not have them.
+    The footsteps of the plan are used where the feedback of WALK or STEP lacks them.
     """
     marks = []
     for event in [e for e in events if e.kind == "footstep"][-KEPT:]:
@@ -164,9 +159,6 @@ def _differ(a: Sequence[float], b: Sequence[float]) -> bool:
 def sole_outline(sole: SoleSize) -> NDArray[np.float64]:
     """Computes the outline of a sole, rounder at the toes.
 
-    Args:
-        sole: Size of the sole.
-
     Returns:
         Points in the sole frame, counter-clockwise and not closed [m], shape
         (3, number of points); z is zero.
@@ -188,10 +180,6 @@ def mark_triangles(
     kind: Kind, outline: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
     """Computes the shape of a mark: filled, an outline, or dashes.
-
-    Args:
-        kind: Kind of the mark.
-        outline: Outline of the sole, see ``sole_outline``.
 
     Returns:
         Vertices in the sole frame [m], shape (3, any), and triangles, shape (3, any).

@@ -99,11 +99,9 @@ class Marks:
         self._shown: set[object] = set()
 
     def show(self, marks: Iterable[object], time: float) -> None:
-        """Shows exactly these marks.
+        """Shows exactly these marks from ``time`` [s] on.
 
-        Args:
-            marks: Values that compare equal if they look the same.
-            time: Simulated time [s]; when it runs backward, a new run begins.
+        Marks that look the same are equal. When time runs backward, a new run begins.
         """
         wanted = set(marks)
         if time < self._time:

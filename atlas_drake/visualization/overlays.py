@@ -48,11 +48,19 @@ class Overlays:
             self.switch(name, True)
 
     def is_on(self, name: str) -> bool:
-        """Returns True if the overlay of that name is shown."""
+        """Returns True if an overlay is shown.
+
+        Args:
+            name: A key of ``OVERLAYS``.
+        """
         return name in self._on
 
     def switch(self, name: str, on: bool) -> None:
         """Shows or hides an overlay; of the two colorings the later one counts.
+
+        Args:
+            name: A key of ``OVERLAYS``.
+            on: True to show the overlay.
 
         Raises:
             ScenarioError: If there is no such overlay.

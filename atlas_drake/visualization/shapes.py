@@ -49,15 +49,7 @@ def ribbons(
 def draw_flat(
     meshcat: Meshcat, path: str, vertices: Any, faces: Any, color: Rgba
 ) -> None:
-    """Draws triangles without shadow, for signs.
-
-    Args:
-        meshcat: Meshcat instance to draw in.
-        path: Path of the object.
-        vertices: Vertices in the object's frame [m], shape (3, any).
-        faces: Triangles as indices of vertices, shape (3, any), int32.
-        color: Color of the front and the back.
-    """
+    """Draws triangles without shadow, for signs; shapes as ``ribbons`` returns them."""
     points: Any = np.asfortranarray(vertices)
     meshcat.SetTriangleMesh(path, points, faces, color)
     meshcat.SetProperty(f"{path}/<object>", "castShadow", False)

@@ -47,9 +47,7 @@ def camera_pose(target: Vector, yaw: float) -> RigidTransform:
 def looking_at(lens: Vector, target: Vector) -> RigidTransform:
     """Computes the pose of a camera, x right in the picture, y down and z ahead.
 
-    Args:
-        lens: Position of the camera in W [m].
-        target: Point that it looks at, not straight above or below [m].
+    The target [m] must not be straight above or below the lens [m].
     """
     ahead = (target - lens) / np.linalg.norm(target - lens)
     right = np.cross(ahead, [0.0, 0.0, 1.0])

@@ -242,14 +242,7 @@ class VideoDisplay(CollectableSystem):
 def with_caption(
     picture: NDArray[np.uint8], title: str, note: str, time: float
 ) -> NDArray[np.uint8]:
-    """Draws title and note into the upper left corner of a picture, and the time.
-
-    Args:
-        picture: Picture, shape (height, width, 3).
-        title: Behavior of the robot.
-        note: Shares of user control; further lines below.
-        time: Simulated time [s].
-    """
+    """Draws title and note in the upper left corner of a picture, and the time [s]."""
     from PIL import Image, ImageDraw
 
     image = Image.fromarray(picture)
@@ -283,15 +276,8 @@ def add_video(
 ) -> None:
     """Adds a ``VideoDisplay`` named ``video`` to a diagram that holds a station.
 
-    Args:
-        builder: Builder of the diagram.
-        station: An AtlasStation, or a diagram with some of its output ports.
-        robot: Robot of the station.
-        terrain: Boxes on the ground of the station.
-        video: Settings of the video.
-        world: Models beside the robot in the station.
-        overlays: Switches of the overlays.
-        view: See ``VideoDisplay``.
+    Arguments as for ``VideoDisplay``; ``station`` is an AtlasStation, or a diagram with
+    some of its output ports.
 
     Raises:
         VideoError: If the video cannot be made.

@@ -31,12 +31,7 @@ class VideoError(AtlasError):
 
 
 def check_video(path: Path, width: int, height: int) -> None:
-    """Checks that a video can be made, before the run.
-
-    Args:
-        path: Path of the video; its ending is one of ENDINGS.
-        width: Width of the pictures [pixel].
-        height: Height of the pictures [pixel].
+    """Checks that a video of this size [pixel] can be made, before the run.
 
     Raises:
         VideoError: If the ending is unknown, a package is missing, the format cannot
@@ -62,13 +57,7 @@ class VideoFile:
     """Encodes each picture at once, so that a long video needs little memory."""
 
     def __init__(self, path: Path, rate: int, width: int, height: int) -> None:
-        """Opens the file.
-
-        Args:
-            path: Path of the video; its ending is one of ENDINGS.
-            rate: Pictures per second.
-            width: Width of the pictures [pixel].
-            height: Height of the pictures [pixel].
+        """Opens the file for pictures of this size [pixel], so many per second.
 
         Raises:
             VideoError: See ``check_video``.
@@ -92,10 +81,7 @@ class VideoFile:
         self.num_frames = 0
 
     def add(self, picture: NDArray[np.uint8]) -> None:
-        """Appends a picture; does nothing when the file is closed.
-
-        Args:
-            picture: Red, green and blue, shape (height, width, 3).
+        """Appends a picture, shape (height, width, 3), unless the file is closed.
 
         Raises:
             VideoError: If it cannot be written. The file is then deleted.

@@ -176,11 +176,7 @@ class VideoStage:
     def pixels(
         self, points: NDArray[np.float64], X_WC: RigidTransform
     ) -> NDArray[np.float64] | None:
-        """Projects points.
-
-        Args:
-            points: Points in W [m], shape (k, 3).
-            X_WC: Pose of the camera.
+        """Projects points in W [m], shape (k, 3).
 
         Returns:
             Column and row of each point [pixel], and its distance ahead of the lens
