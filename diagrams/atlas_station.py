@@ -85,7 +85,7 @@ class StationConfig:
         initial_behavior: The behavior active at the start.
         harnessed: True to add a harness that can hold the pelvis.
         estimated: True if the behaviors read an estimate in place of the true state.
-        controller: Parameters of the controller.
+        controller: Parameters of the controller; None for the robot's.
         estimator: Parameters of the state estimator.
         plant: Contact model and solver; see ``Scenario.plant``.
         pushes: Pushes on the robot, see ``PlannedPush``.
@@ -100,7 +100,7 @@ class StationConfig:
     initial_behavior: Behavior = Behavior.STAND
     harnessed: bool = False
     estimated: bool = False
-    controller: ControllerConfig = field(default_factory=ControllerConfig)
+    controller: ControllerConfig | None = None
     estimator: OdometryTuning = field(default_factory=OdometryTuning)
     plant: MultibodyPlantConfig = field(default_factory=plant_config)
     pushes: tuple[PlannedPush, ...] = ()
@@ -172,6 +172,7 @@ def make_atlas_station(
     """
     robot = robot or load_robot()
     config = config or StationConfig()
+    tuning = config.controller or ControllerConfig.of(robot.file)
     builder = DiagramBuilder()
     entries = (*SHIPPED_ENTRIES, *registered(behaviors))
     plant, scene_graph = _add_plant(builder, robot, config, world)
@@ -223,7 +224,7 @@ def make_atlas_station(
     )
     falls = builder.AddNamedSystem(
         "fall_monitor",
-        FallMonitor(robot, plant, config.controller.fall, config.control_period),
+        FallMonitor(robot, plant, tuning, config.control_period),
     )
 
     def connect(source: System, output: str, target: System, *inputs: str) -> None:
@@ -327,12 +328,13 @@ def make_whole_body_controller(
         config: Settings of the station.
         entries: Entries of the behaviors.
     """
+    tuning = config.controller or ControllerConfig.of(robot.file)
     return WholeBodyController(
         robot,
-        config.controller,
+        tuning,
         config.control_period,
         config.initial_behavior,
-        configured(entries, config.controller.behaviors),
+        configured(entries, tuning.behaviors),
     )
 
 

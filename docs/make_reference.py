@@ -32,6 +32,7 @@ from atlas_drake.behaviors.entry import legal_transitions
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.behaviors.stand import stance_guard
 from atlas_drake.checked import as_plain
+from atlas_drake.configuration import LeastGreatest
 from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.messages import Behavior, Message
 from atlas_drake.robot import RobotFile, load_robot
@@ -50,11 +51,6 @@ PARAMS = {
     Behavior.STEP: "AtlasBehaviorStepParams",
     Behavior.STAND: "AtlasBehaviorStandParams",
     Behavior.MANIPULATE: "AtlasBehaviorManipulateParams",
-}
-IN_ROBOTS_FILE = {
-    Behavior.WALK: ("walk_limits", "gait_timing", "usual_steps"),
-    Behavior.STEP: ("step_limits",),
-    Behavior.MANIPULATE: ("pelvis_range",),
 }
 FLAGS = (messages.BehaviorStatus, messages.WalkStatus, messages.StepStatus)
 
@@ -130,9 +126,6 @@ def behavior_page(behavior: Behavior, implementation: base.BehaviorProtocol) -> 
             f"**Reads** [`{params}`](../{params}.md), **reports** "
             f"[`{feedback}`](../{feedback}.md)."
         )
-    if behavior in IN_ROBOTS_FILE:
-        names = ", ".join(f"`{name}`" for name in IN_ROBOTS_FILE[behavior])
-        parts.append(f"**Limits** stand in [the robot's file](../robot.md): {names}.")
     if guard:
         parts += ["## Without a leg", source_docs.paragraphs(guard)]
     tuned = _tuned(ControllerConfig())
@@ -241,8 +234,9 @@ def scenario_page() -> str:
     parts = [
         "# Fields of a scenario",
         "In a YAML file nested; on the command line `--set key.path=value`. Checks of "
-        "the values are in [`scenario.py`](../../atlas_drake/scenario/scenario.py).",
-        *_fields_of(Scenario(), ""),
+        "the values are in [`scenario.py`](../../atlas_drake/scenario/scenario.py). A robot's "
+        "file gives values of its own for `controller`, at the same paths.",
+        *_fields_of(dataclasses.replace(Scenario(), controller=ControllerConfig()), ""),
     ]
     return "\n\n".join([*parts, NOTE]) + "\n"
 
@@ -404,6 +398,8 @@ def _value(value: Any) -> str:
         return "see below"
     if value in ("", []):
         return ""
+    if isinstance(value, LeastGreatest):
+        return f"`{list(value)}`"
     if isinstance(value, list | tuple) and value and isinstance(value[0], Message):
         return f"{len(value)} empty"
     return f"`{value!r}`"

@@ -26,7 +26,7 @@ from atlas_drake.errors import (
 )
 from atlas_drake.messages import Behavior
 from atlas_drake.messages.behavior_catalog import SHIPPED, BehaviorCatalog
-from atlas_drake.robot import DEFAULT_ROBOT, find_robot, model_beside
+from atlas_drake.robot import DEFAULT_ROBOT, find_robot, model_beside, read_robot_file
 from atlas_drake.scenario.drake_configs import (
     check_simulator_config,
     checked_plant_config,
@@ -142,9 +142,12 @@ class Scenario(Configuration):
     )
     """Drake's ``SimulatorConfig``: the integration of continuous systems that a user
     adds, and the real-time rate. ``start_time`` is 0."""
-    controller: ControllerConfig = field(default_factory=ControllerConfig)
+    controller: Annotated[ControllerConfig | Mapping[str, Any], As(dict[str, Any])] = (
+        field(default_factory=dict)
+    )
     """Gains, weights, limits and timings of the controller, such as
-    ``gains: {dcm_gain: 2.5}``."""
+    ``gains: {dcm_gain: 2.5}``. What is left out has the value of the robot's file, or
+    else the default; a ``ControllerConfig`` has every value."""
     estimator: OdometryTuning = field(default_factory=OdometryTuning)
     """Noise parameters of the state estimator."""
     ground_friction: Positive = 0.9
@@ -198,7 +201,12 @@ class Scenario(Configuration):
         valid = self.validate()
         period = valid.control_period or nominal_period(valid.physics_step)
         plant = checked_plant_config(valid.plant, valid.physics_step)
-        return replace(valid, control_period=period, plant=plant)
+        return replace(
+            valid,
+            control_period=period,
+            plant=plant,
+            controller=valid.controller_config(),
+        )
 
     def validate(self) -> "Scenario":
         """Returns the scenario with every field checked and of its declared type.
@@ -212,10 +220,7 @@ class Scenario(Configuration):
 
     def check(self) -> None:
         """Checks what files and other fields decide."""
-        try:
-            find_robot(self.model)
-        except RobotDescriptionError as error:
-            raise ScenarioError("model", self.model, error.problem) from None
+        self.controller_config()
         if self.noise not in NOISE_MODELS:
             wanted = f"one of {', '.join(NOISE_MODELS)}"
             raise self._refusal("noise", wanted)
@@ -240,6 +245,30 @@ class Scenario(Configuration):
     def _refusal(self, name: str, wanted: str) -> ScenarioError:
         value = getattr(self, name)
         return ScenarioError(name, value, f"is {shown(value)}; must be {wanted}")
+
+    def controller_config(self) -> ControllerConfig:
+        """Returns the parameters of the controller for the scenario's robot.
+
+        Raises:
+            ScenarioError: If there is no such robot, or a value cannot be used.
+        """
+        if isinstance(self.controller, ControllerConfig):
+            return self.controller
+        try:
+            file = read_robot_file(self.model)
+        except RobotDescriptionError as error:
+            raise ScenarioError("model", self.model, error.problem) from None
+        try:
+            robots = ControllerConfig.of(file)
+        except ScenarioError as error:
+            problem = f"{error.problem} (in {find_robot(self.model)})"
+            raise ScenarioError(error.field, error.value, problem) from None
+        if not self.controller:
+            return robots
+        made: ControllerConfig = checked(
+            ControllerConfig, self.controller, "controller", base=robots, from_text=True
+        )
+        return made
 
     def surroundings(self) -> World:
         """Return the world that ``world`` stands for.
@@ -427,6 +456,7 @@ def with_values(scenario: Scenario, values: Mapping[str, Any]) -> Scenario:
         ScenarioError: Naming the first field that cannot be set.
     """
     fields: dict[str, Any] = {}
+    known = replace(scenario, controller=scenario.controller_config())
     for path, value in values.items():
-        put(fields, path, value, scenario)
+        put(fields, path, value, known)
     return scenario_from(fields, scenario)

@@ -279,7 +279,7 @@ def _station_config(scenario: Scenario) -> StationConfig:
         ground_friction=scenario.ground_friction,
         terrain=tuple(scenario.all_terrain()),
         plant=scenario.plant,
-        controller=scenario.controller,
+        controller=scenario.controller_config(),
         estimator=scenario.estimator,
         noise=NOISE_MODELS[scenario.noise],
         seed=scenario.seed,

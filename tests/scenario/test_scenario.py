@@ -305,7 +305,7 @@ plant: {stiction_tolerance: 1e-3, contact_model: point}
 simulator: {accuracy: 1e-3}
 """
     scenario = load(tmp_path, text)
-    controller = scenario.controller
+    controller = scenario.controller_config()
     assert controller.gains.dcm_gain == 2.5
     assert controller.gains.com_height == PdGains(kp=50.0, kd=12.0)
     assert controller.walk.rules == WalkRules(dcm_ready=0.03)
@@ -316,7 +316,7 @@ simulator: {accuracy: 1e-3}
     assert scenario.plant.stiction_tolerance == 1e-3
     assert scenario.plant.discrete_contact_approximation == "similar"
     assert scenario.simulator.accuracy == 1e-3
-    assert ControllerConfig() == Scenario().controller
+    assert ControllerConfig() == Scenario().controller_config()
     assert scenario != Scenario()
     assert scenario_from(yaml_load(data=yaml_dump(as_plain(scenario)))) == scenario
 
