@@ -23,6 +23,7 @@ from pathlib import Path
 from typing import Any
 
 import source_docs
+from json_schemas import schema_files
 
 import atlas_drake
 from atlas_drake import errors, messages
@@ -234,8 +235,8 @@ def scenario_page() -> str:
     parts = [
         "# Fields of a scenario",
         "In a YAML file nested; on the command line `--set key.path=value`. Checks of "
-        "the values are in [`scenario.py`](../../atlas_drake/scenario/scenario.py). A robot's "
-        "file gives values of its own for `controller`, at the same paths.",
+        "the values are in [`scenario.py`](../../atlas_drake/scenario/scenario.py). A "
+        "robot's file gives values of its own for `controller`, at the same paths.",
         *_fields_of(dataclasses.replace(Scenario(), controller=ControllerConfig()), ""),
     ]
     return "\n\n".join([*parts, NOTE]) + "\n"
@@ -297,6 +298,9 @@ def index_page(pages: list[str]) -> str:
         "- [A robot's file](robot.md): every field, with unit and default\n"
         "- [Fields of a scenario](scenario.md), among them every number of the "
         "controller\n"
+        "- JSON schemas, with which editors check and complete YAML files: "
+        "[scenario](schema/scenario.schema.json), [world](schema/world.schema.json), "
+        "[robot](schema/robot.schema.json), [campaign](schema/campaign.schema.json)\n"
         "- [The diagram](diagram.svg): all systems and connections, from the code",
         "## Behaviors",
         "\n".join(
@@ -353,18 +357,19 @@ def all_pages() -> dict[str, str]:
     pages["robot.md"] = robot_page()
     pages["scenario.md"] = scenario_page()
     pages["README.md"] = index_page(list(pages))
-    return pages
+    return pages | {f"schema/{name}": text for name, text in schema_files().items()}
 
 
-def write_pages(folder: Path) -> None:
-    """Writes all pages, and deletes those of names that are no more."""
+def write_pages(folder: Path) -> int:
+    """Writes all files, deletes those of names that are no more; returns how many."""
     pages = all_pages()
-    for old in folder.rglob("*.md"):
+    for old in (*folder.rglob("*.md"), *folder.rglob("*.json")):
         if str(old.relative_to(folder)) not in pages:
             old.unlink()
     for path, text in pages.items():
         (folder / path).parent.mkdir(parents=True, exist_ok=True)
         (folder / path).write_text(text, encoding="utf-8")
+    return len(pages)
 
 
 def _numbers(cls: type, values: Mapping[str, Any] | None = None) -> str:
@@ -410,8 +415,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--output", type=Path, default=REFERENCE, metavar="FOLDER")
     folder = parser.parse_args().output
-    write_pages(folder)
-    print(f"wrote {len(list(folder.rglob('*.md')))} pages to {folder}")
+    print(f"wrote {write_pages(folder)} files to {folder}")
 
 
 if __name__ == "__main__":
