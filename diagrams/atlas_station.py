@@ -45,6 +45,7 @@ from atlas_drake.messages import Behavior
 from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.robot import Robot, load_robot
 from atlas_drake.scenario.drake_configs import checked_plant_config, plant_config
+from atlas_drake.scenario.harness import HarnessGains
 from atlas_drake.scenario.noise import NoiseModel
 from atlas_drake.scenario.pushes import PlannedPush
 from atlas_drake.scenario.terrain import GROUND_SIZE, GROUND_THICKNESS, Block
@@ -84,6 +85,7 @@ class StationConfig:
         seed: Seed of that noise.
         initial_behavior: The behavior active at the start.
         harnessed: True to add a harness that can hold the pelvis.
+        harness: Gains of the harness.
         estimated: True if the behaviors read an estimate in place of the true state.
         controller: Parameters of the controller; None for the robot's.
         estimator: Parameters of the state estimator.
@@ -99,6 +101,7 @@ class StationConfig:
     seed: int = 0
     initial_behavior: Behavior = Behavior.STAND
     harnessed: bool = False
+    harness: HarnessGains = field(default_factory=HarnessGains)
     estimated: bool = False
     controller: ControllerConfig | None = None
     estimator: OdometryTuning = field(default_factory=OdometryTuning)
@@ -275,7 +278,9 @@ def make_atlas_station(
     )
     forces = pushes.GetOutputPort("applied_spatial_force")
     if config.harnessed:
-        harness = builder.AddNamedSystem("harness", Harness(robot, plant))
+        harness = builder.AddNamedSystem(
+            "harness", Harness(robot, plant, config.harness)
+        )
         builder.Connect(own_state, harness.GetInputPort("state"))
         connect(selector, "actuation", harness)
         connect(sensors, "foot_wrenches", harness)

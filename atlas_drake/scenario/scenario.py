@@ -32,8 +32,9 @@ from atlas_drake.scenario.drake_configs import (
     checked_plant_config,
     plant_config,
 )
+from atlas_drake.scenario.harness import HarnessGains
 from atlas_drake.scenario.models import Model, models_beside
-from atlas_drake.scenario.noise import NOISE_MODELS
+from atlas_drake.scenario.noise import NoiseModel, noise_model
 from atlas_drake.scenario.paths import is_path, put
 from atlas_drake.scenario.pushes import PlannedPush
 from atlas_drake.scenario.terrain import START_REACH, Block, Place
@@ -166,10 +167,15 @@ class Scenario(Configuration):
     """Models beside the robot, from files, beside those of the world."""
     start: Start = field(default_factory=Start)
     """Start of the robot."""
+    harness: HarnessGains = field(default_factory=HarnessGains)
+    """Gains of the harness, for a robot that starts in it."""
     pushes: list[PlannedPush] = field(default_factory=list)
     """Pushes on the robot, each at a time or at a phase of its gait."""
-    noise: str = "none"
-    """Sensor noise, a name from NOISE_MODELS."""
+    noise: Annotated[NoiseModel | str, As(NoiseModel), BeforeValidator(noise_model)] = (
+        field(default_factory=NoiseModel)
+    )
+    """Noise of the sensors: ``none``, ``reference`` (the IMU of DRCSim's simulator),
+    ``rough`` (that, and noisy joint encoders), or fields."""
     state: Annotated[
         Literal["true", "estimated"],
         BeforeValidator(lambda value: "true" if value is True else value),
@@ -221,9 +227,6 @@ class Scenario(Configuration):
     def check(self) -> None:
         """Checks what files and other fields decide."""
         self.controller_config()
-        if self.noise not in NOISE_MODELS:
-            wanted = f"one of {', '.join(NOISE_MODELS)}"
-            raise self._refusal("noise", wanted)
         # A step on the common grid may be longer, by a relative error below 1e-9.
         if not SHORTEST_STEP <= round(self.physics_step, 10) <= LONGEST_STEP:
             wanted = f"from {SHORTEST_STEP:g} to {LONGEST_STEP:g} s"
@@ -407,7 +410,7 @@ def scenario_from(
     """
     base = Scenario() if default is None else default
     present = base.surroundings()
-    base = replace(base, world=present)
+    base = replace(base, world=present, noise=noise_model(base.noise))
     if "world" in fields:
         world = world_from(fields["world"], present)
         fields = {**fields, "world": world}

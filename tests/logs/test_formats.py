@@ -13,6 +13,7 @@ import pytest
 
 from atlas_drake import AtlasSimulation, LogError, Scenario, read_log
 from atlas_drake.logs.formats import LogFile
+from atlas_drake.scenario.noise import NOISE_MODELS
 
 from .conftest import PACKAGES, assert_same_arrays
 
@@ -78,7 +79,7 @@ def test_tables_of_any_length_come_back_in_order(log, suffix, tmp_path, monkeypa
 
 def test_the_log_knows_its_scenario_and_robot(log):
     assert log.scenario.name == "recorded"
-    assert log.scenario.noise == "reference"
+    assert log.scenario.noise == NOISE_MODELS["reference"]
     assert log.robot.name == "atlas"
 
 

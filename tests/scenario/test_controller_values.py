@@ -1,5 +1,7 @@
 """Values of the controller: defaults, then the robot's file, then the scenario."""
 
+from dataclasses import replace
+
 import pytest
 
 from atlas_drake import ScenarioError
@@ -7,6 +9,7 @@ from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.checked import as_plain
 from atlas_drake.robot import MODELS_FOLDER, available_robots
 from atlas_drake.scenario import Scenario, scenario_from, with_settings
+from atlas_drake.scenario.noise import NOISE_MODELS, NoiseModel
 
 
 @pytest.fixture
@@ -110,3 +113,9 @@ def test_a_gait_is_within_the_limits_of_the_scenario():
     assert config.gait(stride=0.3).limits == config.walk.limits
     with pytest.raises(ValueError, match=r"gait\.stride"):
         config.gait(stride=0.45)
+
+
+def test_noise_of_a_name_can_be_changed_in_part():
+    scenario = with_settings(Scenario(noise="rough"), ["noise.gyro=0.1"])
+    assert scenario.noise == replace(NOISE_MODELS["rough"], gyro=0.1)
+    assert scenario_from({"noise": "none"}, scenario).noise == NoiseModel()
