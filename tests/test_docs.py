@@ -49,7 +49,7 @@ SHORTER = {
     "teleop": ["--duration", "0.1"],
     "replay": ["--headless", "--record", "replay.html"],
     "diagram": ["--no-open"],
-    "sweep": ["--trials", "1", "--jobs", "1", "--set", "parameters.distance=0.3"],
+    "sweep": ["--trials", "1", "--jobs", "1", "--set", "duration=1"],
 }
 """What is added to a verb's command line, to run it briefly and without a browser."""
 
