@@ -108,7 +108,7 @@ def test_shapes_of_the_robot_inside_each_other_are_named_and_can_be_let_pass(cop
 
 @pytest.mark.parametrize(
     ("pairs", "words"),
-    [("[[hips]]", "must be two words"), ("[[hips, nose]]", "no body 'nose'")],
+    [("[[hips]]", "at least 2 items, not 1"), ("[[hips, nose]]", "no body 'nose'")],
 )
 def test_pairs_that_do_not_exist_are_refused(copied, pairs, words):
     path = copied()
