@@ -13,6 +13,7 @@ import numpy as np
 
 from atlas_drake.behaviors.base import Observation
 from atlas_drake.behaviors.body_reference import BodyReference
+from atlas_drake.behaviors.stance import StanceConfig
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.dcm_plan import DcmReference
 from atlas_drake.control.balance.support_polygon import SupportPolygon
@@ -62,9 +63,12 @@ class FootCommand(NamedTuple):
 class Balance:
     """Feedback around given references for one robot. Holds constants only."""
 
-    def __init__(self, robot: Robot, gains: ControlGains):
+    def __init__(
+        self, robot: Robot, gains: ControlGains, stance: StanceConfig | None = None
+    ):
         self.robot = robot
         self.gains = gains
+        self.stance = stance or StanceConfig()
         self.weight = robot.mass * GRAVITY
         legs = robot.limb("l_leg", "r_leg")
         back = robot.limb("back")

@@ -20,6 +20,7 @@ from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.errors import ScenarioError, did_you_mean, shown
 from atlas_drake.messages import AtlasSimInterfaceCommand, Behavior, BehaviorStatus
 from atlas_drake.messages.behavior_catalog import BehaviorError, BehaviorInterface
+from atlas_drake.planning.footholds import Gait
 from atlas_drake.robot import Robot
 
 
@@ -34,6 +35,7 @@ class BehaviorTools:
         rates: Speed limits of the reference of trunk and posture.
         entry_limits: Conditions under which STAND can take over.
         freeze: The behavior that holds the pose.
+        gait: Gait of demonstrations.
     """
 
     model: WholeBodyModel
@@ -42,6 +44,7 @@ class BehaviorTools:
     rates: BodyRates
     entry_limits: EntryLimits
     freeze: Freeze
+    gait: Gait
 
     @property
     def robot(self) -> Robot:

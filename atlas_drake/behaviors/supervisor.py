@@ -116,7 +116,7 @@ class Supervisor:
             entries: Entries of the behaviors.
         """
         robot = model.robot
-        balance = Balance(robot, config.gains)
+        balance = Balance(robot, config.gains, config.stance)
         self._tools = BehaviorTools(
             model,
             balance,
@@ -124,6 +124,7 @@ class Supervisor:
             config.body,
             config.entry,
             Freeze(balance, config.freeze),
+            config.gait(),
         )
         self._fall_limits = config.fall
         self._legs = np.flatnonzero(robot.limb("l_leg", "r_leg"))

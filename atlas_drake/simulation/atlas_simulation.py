@@ -157,7 +157,7 @@ class AtlasSimulation:
         self.scenario = (scenario or Scenario()).resolved()
         self.robot = load_robot(self.scenario.model)
         self._own_behaviors = configured(
-            registered(behaviors), self.scenario.controller.behaviors
+            registered(behaviors), self.scenario.controller_config().behaviors
         )
         self.behaviors = BehaviorCatalog((*SHIPPED_ENTRIES, *self._own_behaviors))
         self._asked_model = self.scenario.model

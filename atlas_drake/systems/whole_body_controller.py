@@ -110,7 +110,7 @@ class WholeBodyController(CollectableSystem):
         self._own_bounds = EffortBounds(-limit, limit, np.zeros(n, dtype=bool))
         self._model = WholeBodyModel(robot)
         self._qp = WholeBodyQp(robot, config.gains)
-        height = nominal_com_height(self._model) - robot.file.com_drop
+        height = nominal_com_height(self._model) - config.stance.com_drop
         self._supervisor = Supervisor(self._model, config, height, entries)
         self.tick_seconds: MutableSequence[float] | None = None
         """Wall-clock time of each tick [s], kept only when set to a list; it depends on

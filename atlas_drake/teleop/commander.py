@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.control.feet.footstep import LEFT
 from atlas_drake.messages import (
     K_EFFORT_MAX,
@@ -86,9 +87,18 @@ class Orders:
 class Commander:
     """Converts readings of the panel to orders."""
 
-    def __init__(self, robot: Robot, report: AtlasSimInterfaceState) -> None:
-        """Takes over a robot in its reported state."""
+    def __init__(
+        self, robot: Robot, report: AtlasSimInterfaceState, gait: Gait | None = None
+    ) -> None:
+        """Takes over a robot in its reported state.
+
+        Args:
+            robot: The robot.
+            report: Its latest report.
+            gait: The usual gait; None for the robot's.
+        """
         self._robot = robot
+        self._gait = gait or ControllerConfig.of(robot.file).gait()
         groups = group_of(robot)
         self._first_joint = {
             group: groups.index(group) if group in groups else None for group in SHARES
@@ -137,7 +147,7 @@ class Commander:
             if report.behavior_feedback.status_flags & BehaviorStatus.ERROR_FALLING:
                 self._drive = Drive()
             self._drive, orders.sim_command = drive(
-                self._drive, controls.gait(self._robot), report
+                self._drive, controls.gait(self._gait), report
             )
         if orders.sim_command is not None:
             self._change_hands(orders.sim_command, report, state, orders)
@@ -231,7 +241,7 @@ class Commander:
         command = AtlasSimInterfaceCommand()
         command.behavior = behavior
         if behavior is Behavior.STEP:
-            self._fill_step(command, controls.gait(self._robot), report)
+            self._fill_step(command, controls.gait(self._gait), report)
         elif behavior is Behavior.MANIPULATE:
             self._fill_pose(command, controls, report, orders)
         orders.sim_command = command

@@ -35,7 +35,11 @@ class Session:
         self._sim = sim
         self._panel = panel
         self._real_time = real_time
-        self._commander = Commander(sim.robot, sim.atlas_sim_interface_state)
+        self._commander = Commander(
+            sim.robot,
+            sim.atlas_sim_interface_state,
+            sim.scenario.controller_config().gait(),
+        )
         self._waiting: tuple[Button, ...] = ()
         self.paused = False
 

@@ -178,7 +178,7 @@ def test_a_run_that_stays_upright_succeeds(scenario, tmp_path, capsys, summary_k
     assert (summary["model"], summary["seed"]) == ("atlas_v3", 8)
     assert summary["physics_step"] == 0.002
     assert summary["configuration"]["controller"]["gains"]["dcm_gain"] == 2.5
-    assert read_log(log).scenario.controller.gains.dcm_gain == 2.5
+    assert read_log(log).scenario.controller_config().gains.dcm_gain == 2.5
     assert summary["sim_time"] == pytest.approx(0.1)
     assert summary["controller_tick_ms"].keys() == {"median", "p99", "max"}
     assert len(summary["peak_effort_fraction"]) == 28

@@ -54,7 +54,7 @@ def balance(robot):
 def step(balance, observe):
     terms = observe().terms
     height = float(terms.com[2] - terms.feet[LEFT].p_WF[2])
-    return Step(balance, height - balance.robot.file.com_drop)
+    return Step(balance, height - balance.stance.com_drop)
 
 
 def request(index=1, foot=LEFT, x=0.15, y=0.14, z=0.0):

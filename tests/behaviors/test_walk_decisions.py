@@ -7,6 +7,7 @@ import pytest
 
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.body_reference import BodyRates, capture_body
+from atlas_drake.behaviors.stance import StanceConfig
 from atlas_drake.behaviors.walk.phases import Transfer, WalkSettle, WalkShift, WalkSwing
 from atlas_drake.behaviors.walk.preview import TIME_STEP
 from atlas_drake.behaviors.walk.rules import WalkRules
@@ -37,7 +38,7 @@ RULES = WalkRules(
 def walk(robot, observe):
     terms = observe().terms
     balance = Balance(robot, ControlGains())
-    height = float(terms.com[2] - terms.feet[0].p_WF[2]) - robot.file.com_drop
+    height = float(terms.com[2] - terms.feet[0].p_WF[2]) - StanceConfig().com_drop
     return Walk(balance, height, BodyRates())
 
 

@@ -25,16 +25,16 @@ from atlas_drake.behaviors.walk.step_preview import (
     subject,
     warnings_about,
 )
+from atlas_drake.behaviors.walk.timing import GaitTiming
 from atlas_drake.control.feet.footstep import (
     LEFT,
     RIGHT,
     FootPose,
     Footstep,
-    StepSlack,
     outward,
 )
+from atlas_drake.control.feet.step_limits import StepLimits, StepSlack
 from atlas_drake.control.rotations import rotation_z
-from atlas_drake.robot import GaitTiming, StepLimits
 
 LIMITS, SLACK, TIMING = StepLimits(), StepSlack(), GaitTiming()
 HALF_WIDTH = 0.12

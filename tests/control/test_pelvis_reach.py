@@ -11,9 +11,8 @@ from hypothesis import strategies as st
 from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.feet.sole import sole_corners
-from atlas_drake.control.pelvis.pelvis_pose import PelvisPose, make_stance
+from atlas_drake.control.pelvis.pelvis_pose import PelvisPose, PelvisRange, make_stance
 from atlas_drake.control.pelvis.pelvis_reach import PelvisReach, PelvisReserves
-from atlas_drake.robot import PelvisRange
 
 RANGE = PelvisRange()
 RESERVES = PelvisReserves(
@@ -106,7 +105,9 @@ def test_left_and_right_are_alike(case):
 
 
 def test_weak_knees_stand_higher(model, case):
-    weak = PelvisReach(model.robot, dataclasses.replace(RESERVES, effort_share=0.4))
+    weak = PelvisReach(
+        model.robot, RANGE, dataclasses.replace(RESERVES, effort_share=0.4)
+    )
     low = weak.clamp(HOME._replace(height=0.3), HOME, case.stance, case.upper)
     assert low.height > case.clamp(height=0.3).height + 0.02
 

@@ -220,7 +220,7 @@ def test_its_configuration_reaches_our_controller_made_by_hand(bow):
 
     AtlasSimulation(scenario, controller=ours, behaviors=[entry])
     assert made == [Speed(0.1)]
-    with pytest.raises(ScenarioError, match="must be 0 or more"):
+    with pytest.raises(ScenarioError, match="must be greater than or equal to 0"):
         AtlasSimulation(
             with_settings(Scenario(), ["controller.behaviors.BOW.speed=-1"]),
             behaviors=[entry],
@@ -310,7 +310,7 @@ def test_its_configuration_comes_from_the_scenario():
     AtlasSimulation(scenario, behaviors=[entry])
     assert told == [RestConfig(depth=0.4)]
     for setting, words in (
-        ("REST.depth=2", "from 0 to 1"),
+        ("REST.depth=2", "less than or equal to 1"),
         ("REST.deph=0.2", "Did you mean 'depth'"),
         ("RST.depth=0.2", "Did you mean 'REST'"),
     ):

@@ -12,6 +12,7 @@ import pytest
 
 from atlas_drake import AtlasSimulation, LogError, read_log
 from atlas_drake.logs.formats import LogFile
+from atlas_drake.scenario.noise import NOISE_MODELS
 
 from .conftest import assert_same_arrays
 
@@ -52,7 +53,7 @@ def test_every_format_gives_back_the_same(log, suffix, tmp_path):
 
 def test_the_log_knows_its_scenario_and_robot(log):
     assert log.scenario.name == "recorded"
-    assert log.scenario.noise == "reference"
+    assert log.scenario.noise == NOISE_MODELS["reference"]
     assert log.robot.name == "atlas"
     with pytest.raises(KeyError, match=r"joints\.position"):
         log["joints.positon"]

@@ -28,9 +28,9 @@ from atlas_drake.control.feet.footstep import (
     outward,
     saturate,
 )
+from atlas_drake.control.feet.step_limits import StepLimits
 from atlas_drake.control.rotations import mean_yaw, rotation_z, wrap_angle
 from atlas_drake.messages import WalkStatus
-from atlas_drake.robot import StepLimits
 
 LIMITS = StepLimits()
 HALF_WIDTH = Gait().half_width

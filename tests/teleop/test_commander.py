@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.messages import (
     Behavior,
     BehaviorStatus,
@@ -16,6 +17,7 @@ from atlas_drake.messages.behavior_catalog import (
     BehaviorCatalog,
     BehaviorInterface,
 )
+from atlas_drake.robot import load_robot
 from atlas_drake.teleop.commander import PUSH_DURATION, Commander
 from atlas_drake.teleop.controls import (
     PELVIS_HEIGHT,
@@ -26,11 +28,14 @@ from atlas_drake.teleop.controls import (
     Action,
     Controls,
     behavior_buttons,
+    fitted,
     legend,
 )
 from atlas_drake.teleop.limbs import DAMPING, SPEED
 from atlas_drake.teleop.pages import pages_with
 from atlas_drake.teleop.walking import Direction
+
+OWN = fitted(load_robot(), ControllerConfig())
 
 DT = 0.04
 BEHAVIORS = {
@@ -238,9 +243,9 @@ def test_a_behavior_of_ones_own_has_a_button_and_a_page(robot, standing, state):
         "TRICK_2 (0)",
         "TRICK_3",
     ]
-    titles = [page.title for page in pages_with(robot, (), buttons)]
+    titles = [page.title for page in pages_with(robot, OWN, (), buttons)]
     assert titles[1] == "behaviors"
-    assert "behaviors" not in [page.title for page in pages_with(robot, ())]
+    assert "behaviors" not in [page.title for page in pages_with(robot, OWN, ())]
     commander = Commander(robot, standing)
     orders = commander.look(Controls(clicks=(buttons[1],)), standing, state, DT)
     assert orders.sim_command.behavior.name == "TRICK_1"

@@ -12,11 +12,11 @@ from atlas_drake.control.feet.footstep import (
     FootPose,
     saturate,
 )
+from atlas_drake.control.feet.step_limits import StepLimits
 from atlas_drake.control.rotations import rotation_z
 from atlas_drake.frozen import replace
 from atlas_drake.messages import Behavior
 from atlas_drake.planning.footholds import Gait, foothold
-from atlas_drake.robot import StepLimits
 from atlas_drake.teleop.walking import (
     STRIDE_CHANGE,
     Direction,

@@ -1,9 +1,9 @@
 """The stance guard: a standing behavior without a leg to balance on holds its pose.
 
-A behavior can balance on a leg if it commands at least the ``balance_effort`` of the
-robot's file at both hip pitch and ankle pitch. Without such a leg the guard holds the
-pose, as FREEZE does: balance with trunk and arms alone would make the robot lean
-farther and farther, and fall. When the user gives a leg back, the behavior continues.
+A behavior can balance on a leg if it commands at least ``stance.balance_effort`` at
+both hip pitch and ankle pitch. Without such a leg the guard holds the pose, as FREEZE
+does: balance with trunk and arms alone would make the robot lean farther and farther,
+and fall. When the user gives a leg back, the behavior continues.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ class StanceGuard(BehaviorProtocol):
         self._pitch = np.array(
             [leg.joints[[HIP_PITCH, ANKLE_PITCH]] for leg in robot.legs]
         )
-        self._least_effort = robot.file.balance_effort
+        self._least_effort = balance.stance.balance_effort
         names = [
             " and ".join(robot.joint_names[joint] for joint in leg)
             for leg in self._pitch

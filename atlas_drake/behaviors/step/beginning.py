@@ -33,7 +33,7 @@ class StepBeginning:
         self._rules = balance.rules
         self._default = default
         self._profile = profile
-        self._limits = balance.balance.robot.file.step_limits
+        self._limits = balance.planner.limits
 
     def enter(self, observation: Observation) -> Rest:
         """Makes the rest with which STEP begins."""

@@ -65,13 +65,14 @@ class Step(BehaviorProtocol):
         balance: Balance,
         nominal_height: float,
         config: StepConfig | None = None,
+        gait: Gait | None = None,
     ):
         """Stands with the center of mass ``nominal_height`` [m] above the soles."""
         config = config or StepConfig()
         self._rates = config.body
         self._rules = config.rules
-        self._gait = Gait.of(balance.robot)
-        planner = StepPlanner(balance, nominal_height, config.posture)
+        self._gait = gait or Gait()
+        planner = StepPlanner(balance, nominal_height, config.limits, config.posture)
         self._default = StepAction(knee_nominal=planner.nominal_knee)
         stance = StepBalance(balance, nominal_height, planner, config.rules)
         beginning = StepBeginning(stance, self._default, config.swing)

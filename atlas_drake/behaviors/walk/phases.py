@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from atlas_drake.behaviors.step_queue import next_runs
+from atlas_drake.behaviors.walk.timing import GaitTiming
 from atlas_drake.control.balance.dcm_plan import DcmPlan, DcmReference
 from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet import swing_foot
@@ -17,7 +18,6 @@ from atlas_drake.control.feet.footstep import FootPose, Footstep
 from atlas_drake.frozen import replace
 from atlas_drake.messages import WalkStatus
 from atlas_drake.messages.commands import BehaviorRequest
-from atlas_drake.robot import GaitTiming
 
 
 @dataclass(frozen=True)

@@ -53,8 +53,8 @@ class WalkPlanner:
         """Plans for a pendulum with the natural frequency ``omega`` [1/s]."""
         self._balance = balance
         self._omega = omega
-        self._timing = balance.robot.file.gait_timing
-        self._limits = balance.robot.file.walk_limits
+        self._timing = config.timing
+        self._limits = config.limits
         self._slack = config.slack
         self._transfer_change = config.rules.transfer_change
         self._latest: tuple[WalkProgress, Footstep | None, StepPreview] | None = None

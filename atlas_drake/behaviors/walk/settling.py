@@ -9,21 +9,21 @@ import numpy as np
 
 from atlas_drake.behaviors.balance import Balance, FootCommand
 from atlas_drake.behaviors.base import Observation
+from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.behaviors.walk.phase_control import WalkPhaseControl
 from atlas_drake.behaviors.walk.phases import WalkSettle, WalkShift
 from atlas_drake.behaviors.walk.planner import WalkPlanner
-from atlas_drake.behaviors.walk.rules import WalkRules
 from atlas_drake.messages.event import STEPS_LEFT, Event
 
 
 class Settling(WalkPhaseControl[WalkSettle]):
     """Stands still until the walk is over or new steps arrive."""
 
-    def __init__(self, balance: Balance, planner: WalkPlanner, rules: WalkRules):
+    def __init__(self, balance: Balance, planner: WalkPlanner, config: WalkConfig):
         self._balance = balance
         self._planner = planner
-        self._rest = balance.robot.file.gait_timing.rest
-        self._rest_speed = rules.rest_speed
+        self._rest = config.timing.rest
+        self._rest_speed = config.rules.rest_speed
 
     def advance(
         self, phase: WalkSettle, observation: Observation

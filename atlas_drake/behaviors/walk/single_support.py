@@ -31,7 +31,7 @@ class SingleSupport(WalkPhaseControl[WalkSwing]):
         self._rules = config.rules
         self._profile = config.swing
         self._adjustment = config.adjustment
-        self._limits = config.slack.loosen(balance.robot.file.walk_limits)
+        self._limits = config.slack.loosen(config.limits)
         self._touchdown_force = config.rules.touchdown_force * balance.weight
         self._landing_force = config.rules.landing_force * balance.weight
 

@@ -18,7 +18,6 @@ from atlas_drake.behaviors.walk.steps import feet_to_come
 from atlas_drake.control.feet.footstep import (
     FootPose,
     Footstep,
-    StepSlack,
     ensure_clearance,
     heading_error,
     landing_error,
@@ -26,10 +25,10 @@ from atlas_drake.control.feet.footstep import (
     resolve_height,
     saturate,
 )
+from atlas_drake.control.feet.step_limits import StepLimits, StepSlack
 from atlas_drake.frozen import replace
 from atlas_drake.messages import NUM_REQUIRED_WALK_STEPS, AtlasBehaviorStepData
 from atlas_drake.messages.event import Event
-from atlas_drake.robot import StepLimits
 
 LOOK_AHEAD = NUM_REQUIRED_WALK_STEPS
 """Number of steps in the plan."""

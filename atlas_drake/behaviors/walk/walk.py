@@ -60,16 +60,25 @@ class Walk(BehaviorProtocol):
         nominal_height: float,
         rates: BodyRates,
         config: WalkConfig | None = None,
+        gait: Gait | None = None,
     ):
-        """Walks with the center of mass ``nominal_height`` [m] above the soles."""
+        """Walks with the center of mass ``nominal_height`` [m] above the soles.
+
+        Args:
+            balance: Gains, support polygons and tasks.
+            nominal_height: Height of the center of mass above the soles [m].
+            rates: Speed limits of trunk and posture.
+            config: Parameters; None for the defaults.
+            gait: Gait of the demonstration; None for Atlas' usual one.
+        """
         config = config or WalkConfig()
         self._balance = balance
         self._nominal_height = nominal_height
         self._rates = rates
-        self._timing = balance.robot.file.gait_timing
+        self._timing = config.timing
         self._profile = config.swing
         self._rules = config.rules
-        self._gait = Gait.of(balance.robot)
+        self._gait = gait or Gait()
         self._omega = feedback.pendulum_frequency(nominal_height)
         self._planner = WalkPlanner(balance, self._omega, config)
         double_support = DoubleSupport(balance, self._planner, config.rules)
@@ -77,7 +86,7 @@ class Walk(BehaviorProtocol):
             WalkShift: double_support,
             WalkSwing: SingleSupport(balance, self._planner, config),
             Transfer: double_support,
-            WalkSettle: Settling(balance, self._planner, config.rules),
+            WalkSettle: Settling(balance, self._planner, config),
         }
 
     def enter(

@@ -33,6 +33,9 @@ from atlas_drake.frozen import replace
 class SwingProfile(Configuration):
     """Parameters of the swing that are the same for all steps of WALK."""
 
+    height: Positive = 0.10
+    """Apex above the middle of both ends, of steps that planners make [m]; a step that
+    is commanded brings its own."""
     landing_speed: Positive = 0.15
     """Speed of the sole at touchdown, and of its descent past the planned touchdown
     [m/s]. The higher the speed, the smaller the timing error from an error of

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from atlas_drake.configuration import Configuration, NotNegative
+from atlas_drake.configuration import Configuration, LeastGreatest, NotNegative, Range
 from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.pelvis.smooth_motion import Motion, MotionLimits, at_rest
@@ -44,6 +44,27 @@ class PelvisPose(NamedTuple):
     roll: float = 0.0
     com_v0: float = 0.0
     com_v1: float = 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class PelvisRange(Configuration):
+    """Range of pelvis poses for MANIPULATE.
+
+    The limits of legs, motors and feet are computed for each pose; these ranges are the
+    other limits. Each is a least and a greatest value.
+    """
+
+    height: Range = LeastGreatest(0.55, 0.95)
+    """Height of the pelvis' origin above the mean of the soles [m]."""
+    yaw: Range = LeastGreatest(-0.6, 0.6)
+    """Yaw of the pelvis from the mean heading of the feet, to the left [rad]."""
+    pitch: Range = LeastGreatest(-0.3, 0.5)
+    """Pitch of the pelvis, forward and down [rad]."""
+    roll: Range = LeastGreatest(-0.3, 0.3)
+    """Roll of the pelvis, to the right [rad]."""
+    com: Range = LeastGreatest(-0.5, 0.5)
+    """Offset of the center of mass along either axis [m]; the support polygon limits it
+    further."""
 
 
 @dataclass(frozen=True)
