@@ -5,6 +5,7 @@ import shutil
 import threading
 import time
 import urllib.error
+import urllib.request
 
 import pytest
 
@@ -34,7 +35,7 @@ def nowhere(tmp_path, monkeypatch):
     def silent(*_arguments, **_options):
         raise urllib.error.URLError("no such host")
 
-    monkeypatch.setattr(packages.urllib.request, "urlopen", silent)
+    monkeypatch.setattr(urllib.request, "urlopen", silent)
     monkeypatch.setattr(packages, "PackageMap", None)
 
 
