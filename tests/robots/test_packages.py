@@ -62,7 +62,7 @@ def test_a_network_that_hangs_is_not_waited_for(nowhere, monkeypatch):
         patience.wait(10.0)
         raise urllib.error.URLError("too late")
 
-    monkeypatch.setattr(packages.urllib.request, "urlopen", hangs)
+    monkeypatch.setattr(urllib.request, "urlopen", hangs)
     start = time.monotonic()
     with pytest.raises(RobotDescriptionError, match=r"not answer within 0\.05 s"):
         load_robot("drake_atlas")
@@ -85,7 +85,7 @@ def test_a_download_that_fails_says_why(nowhere, monkeypatch):
         # An answer, if not a friendly one.
         raise urllib.error.HTTPError("", 405, "not so", {}, None)
 
-    monkeypatch.setattr(packages.urllib.request, "urlopen", refused)
+    monkeypatch.setattr(urllib.request, "urlopen", refused)
     monkeypatch.setattr(packages, "PackageMap", Broken)
     with pytest.raises(RobotDescriptionError, match="checksum mismatch; set ATLAS"):
         load_robot("drake_atlas")
