@@ -30,14 +30,7 @@ def robot_layout(
     velocities: Iterable[str],
     world: WorldCoordinates,
 ) -> Layout:
-    """Make the layout of one robot's log.
-
-    Args:
-        robot: Robot whose joints name the elements.
-        positions: Names of the robot's positions.
-        velocities: Names of the robot's velocities.
-        world: Coordinates of the models beside the robot.
-    """
+    """Make the layout of the log of a robot with these positions and velocities."""
     return Layout(
         [
             Channel("time", "s", about="time of the tick"),

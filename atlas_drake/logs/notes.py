@@ -233,11 +233,8 @@ DEEPEST = 16
 def to_plain(value: Any, path: tuple[int, ...] = ()) -> Any:
     """Converts messages, arrays and numbers to JSON types; NaN and infinities to None.
 
-    Accepts any content of a refused message: unknown types become text.
-
-    Args:
-        value: Value to convert.
-        path: Identities of the containers around ``value``, to detect a loop.
+    Accepts any content of a refused message: unknown types become text. ``path`` holds
+    the identities of the containers around ``value``, to detect a loop.
     """
     if value is None or isinstance(value, str):
         return value

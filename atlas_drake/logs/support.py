@@ -37,17 +37,11 @@ class Feet:
 
     def extent(self, axis: int) -> tuple[np.ndarray, np.ndarray]:
         """Lowest and highest coordinate of the soles in contact [m], shape (rows,)."""
-        values = np.where(
-            self.contact[:, :, None], self.corners[:, :, :, axis], np.nan
-        ).transpose(1, 0, 2)
-        flat = values.reshape(len(values), -1)
-        held = self.contact.any(axis=0)
-        low, high = np.full(len(flat), np.nan), np.full(len(flat), np.nan)
-        low[held], high[held] = (
-            np.nanmin(flat[held], axis=1),
-            np.nanmax(flat[held], axis=1),
-        )
-        return low, high
+        corners = self.corners[..., axis]
+        loaded, held = self.contact[:, :, None], self.contact.any(axis=0)
+        low = np.where(loaded, corners, np.inf).min(axis=(0, 2))
+        high = np.where(loaded, corners, -np.inf).max(axis=(0, 2))
+        return np.where(held, low, np.nan), np.where(held, high, np.nan)
 
 
 def feet_of(log: Log) -> Feet:

@@ -15,6 +15,7 @@ import numpy as np
 from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.control.feet.footstep import LEFT
 from atlas_drake.messages import (
+    K_EFFORT_MAX,
     AtlasCommand,
     AtlasSimInterfaceCommand,
     AtlasSimInterfaceState,
@@ -34,31 +35,22 @@ from atlas_drake.teleop.controls import (
     SHARES,
     Action,
     BehaviorButton,
+    Button,
     Controls,
     Slider,
 )
 from atlas_drake.teleop.driving import Drive, drive, steer
 from atlas_drake.teleop.limbs import (
-    ALL_BEHAVIOR,
-    ALL_USER,
+    Limbs,
     group_of,
     hand_over,
-    limbs_at_start,
+    joint_shares,
     move_joints,
-    users_joints,
 )
 
 PUSH_DURATION = 0.1
 """Duration of a push, over which its impulse is spread [s]."""
 
-_BEHAVIORS = {
-    Action.STAND: Behavior.STAND,
-    Action.STEP: Behavior.STEP,
-    Action.MANIPULATE: Behavior.MANIPULATE,
-    Action.FREEZE: Behavior.FREEZE,
-    Action.USER: Behavior.USER,
-    Action.STAND_PREP: Behavior.STAND_PREP,
-}
 _USERS = (Behavior.USER, Behavior.NONE)
 
 
@@ -114,12 +106,12 @@ class Commander:
         self._begin(report)
 
     def _begin(self, report: AtlasSimInterfaceState) -> None:
-        self._limbs = limbs_at_start(self._robot, self._in_force(report))
+        self._limbs = Limbs(self._in_force(report), self._robot.stand_prep.copy())
         self._drive = Drive()
         self._last_shares: dict[str, int] | None = None
-        self._shares_before_user = dict(ALL_BEHAVIOR)
+        self._shares_before_user = dict.fromkeys(SHARES, 0)
         self._pose: tuple[float, float] | None = None
-        self._pose_wished = False
+        self._pose_moved = False
         self._step_foot = LEFT
         self._stick_used = False
 
@@ -132,11 +124,7 @@ class Commander:
     ) -> Orders:
         """Makes the orders for the present state of the panel.
 
-        Args:
-            controls: Reading of the panel.
-            report: Latest report of the behaviors.
-            state: Latest report of the joints.
-            dt: Time until the next reading [s].
+        The next reading comes after ``dt`` [s].
         """
         orders = Orders()
         if Action.RESET in controls.clicks:
@@ -151,12 +139,7 @@ class Commander:
                 self._drive = steer(self._drive, None)
             elif action is Action.PUSH:
                 orders.push = push_of(controls, report, self._robot)
-            elif isinstance(action, BehaviorButton) or action in _BEHAVIORS:
-                behavior = (
-                    action.behavior
-                    if isinstance(action, BehaviorButton)
-                    else _BEHAVIORS[action]
-                )
+            elif (behavior := _behavior_of(action)) is not None:
                 self._drive = Drive()
                 self._ask_for(behavior, controls, report, orders)
         self._follow_stick(controls)
@@ -168,9 +151,9 @@ class Commander:
             )
         if orders.sim_command is not None:
             self._change_hands(orders.sim_command, report, state, orders)
-        limbs = self._limbs
+        shares = joint_shares(self._robot, self._limbs.shares)
         orders.joints = {
-            i: float(limbs.position[i]) for i in users_joints(self._robot, limbs.shares)
+            i: float(self._limbs.position[i]) for i in np.flatnonzero(shares).tolist()
         }
         return orders
 
@@ -235,7 +218,7 @@ class Commander:
             if not was_users:
                 self._shares_before_user = dict(self._limbs.shares)
             shares = {
-                group: 0 if joint is None else ALL_USER[group]
+                group: 0 if joint is None else K_EFFORT_MAX
                 for group, joint in self._first_joint.items()
             }
         elif was_users:
@@ -288,8 +271,8 @@ class Commander:
     ) -> None:
         """Returns the sliders' pose if they were moved, else the present pose."""
         params = command.manipulate_params
-        params.use_desired = self._pose_wished
-        if self._pose_wished:
+        params.use_desired = self._pose_moved
+        if self._pose_moved:
             params.desired.pelvis_height = controls.value(PELVIS_HEIGHT)
             params.desired.pelvis_yaw = controls.value(PELVIS_YAW)
             return
@@ -306,7 +289,7 @@ class Commander:
         before, self._pose = self._pose, pose
         if before is None or pose == before:
             return
-        self._pose_wished = True
+        self._pose_moved = True
         if report.desired_behavior == Behavior.MANIPULATE:
             self._ask_for(Behavior.MANIPULATE, controls, report, orders)
 
@@ -319,6 +302,13 @@ class Commander:
         elif self._stick_used:
             self._drive = steer(self._drive, None)
             self._stick_used = False
+
+
+def _behavior_of(button: Button) -> Behavior | None:
+    """Returns the behavior that a button requests, if any."""
+    if isinstance(button, BehaviorButton):
+        return button.behavior
+    return Behavior.__members__.get(button.name)
 
 
 def push_of(

@@ -7,26 +7,24 @@ status; contact forces are in ``contact_forces``.
 from __future__ import annotations
 
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
-from pydrake.common.value import AbstractValue
 from pydrake.geometry import Cylinder, Meshcat, Rgba, Sphere
 from pydrake.math import RigidTransform
 from pydrake.systems.framework import Context
 
+from atlas_drake.control.balance.center_of_pressure import center_of_pressure
+from atlas_drake.control.balance.feedback import dcm, pendulum_frequency
 from atlas_drake.control.whole_body.model import WholeBodyModel
-from atlas_drake.frozen import NOTHING
+from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.messages.controller_status import Plan, PlannedPaths
 from atlas_drake.palette import COM, COP, DCM, SUPPORT, SWING
 from atlas_drake.robot import Robot
-from atlas_drake.visualization.balance_points import BalancePoints, balance_points
 from atlas_drake.visualization.display import Display
-from atlas_drake.visualization.marks import Marks
+from atlas_drake.visualization.marks import Marks, Timeline
 from atlas_drake.visualization.overlays import Overlays
-from atlas_drake.visualization.ribbons import draw_flat
-from atlas_drake.visualization.timeline import Timeline
-from atlas_drake.visualization.tubes import thinned, tube
+from atlas_drake.visualization.shapes import draw_flat, thinned, tube
 
 PATH = "/atlas_drake/balance"
 BALL, PLUMB_LINE = 0.03, 0.003
@@ -56,6 +54,35 @@ _NAMES = ("com", "dcm", "cop", "support", "plan", "swing")
 Point = tuple[float, float, float]
 
 
+class BalancePoints(NamedTuple):
+    """Points in W [m], shape (3,).
+
+    Attributes:
+        ground: Height of the lower sole [m].
+        com: Center of mass.
+        dcm: Divergent component of motion, on the ground.
+        cop: Center of pressure; None without a load on the feet.
+    """
+
+    ground: float
+    com: np.ndarray
+    dcm: np.ndarray
+    cop: np.ndarray | None
+
+
+def balance_points(terms: WholeBodyTerms, wrenches: np.ndarray) -> BalancePoints:
+    """Computes the points; for ``wrenches``, shape (12,), see ``RobotSensors``."""
+    ground = min(float(foot.p_WF[2]) for foot in terms.feet)
+    omega = pendulum_frequency(float(terms.com[2]) - ground)
+    soles = [foot.p_WF for foot in terms.feet]
+    return BalancePoints(
+        ground,
+        terms.com,
+        np.append(dcm(terms, omega), ground),
+        center_of_pressure(soles, wrenches),
+    )
+
+
 class BalanceMarks(Display):
     """Draws the balance overlays.
 
@@ -76,15 +103,7 @@ class BalanceMarks(Display):
         period: float,
         recorded: bool,
     ) -> None:
-        """Draws the enabled overlays every ``period`` [s].
-
-        Args:
-            meshcat: Meshcat instance to draw in.
-            robot: Robot of the station.
-            overlays: Switches of the overlays.
-            period: Time between pictures [s].
-            recorded: See ``Marks``.
-        """
+        """Draws what is on every ``period`` [s]; ``recorded`` as in ``Marks``."""
         super().__init__(period)
         self._meshcat = meshcat
         self._overlays = overlays
@@ -92,9 +111,8 @@ class BalanceMarks(Display):
         self._scratch = self._model.create_context()
         self._state = self.DeclareVectorInputPort("state", self._model.num_states)
         self._wrenches = self.DeclareVectorInputPort("foot_wrenches", 12)
-        self._status, self._paths = (
-            self.DeclareAbstractInputPort(name, AbstractValue.Make(NOTHING))
-            for name in ("controller_status", "planned_paths")
+        self._status, self._paths = self.declare_values(
+            "controller_status", "planned_paths"
         )
         self._pictures = -1
         self._timeline = Timeline(meshcat)

@@ -16,6 +16,8 @@ from atlas_drake.visualization import FRAME_RATE
 from atlas_drake.visualization.control_colors import COVER, GAMMA
 from atlas_drake.visualization.overlays import Overlays, overlays_from
 
+from .conftest import picture, wait_for
+
 pytestmark = pytest.mark.slow
 
 ROBOT = ["drake", "visualizer", "atlas"]
@@ -35,23 +37,23 @@ def node(path):
 
 def wait_for_robot(page):
     """Until the meshes, which are loaded one by one, are all there."""
-    page.wait_until("typeof viewer !== 'undefined'")
-    page.wait_until(f"'pelvis' in {node(ROBOT)}.children")
+    page.wait_for_function("typeof viewer !== 'undefined'")
+    page.wait_for_function(f"'pelvis' in {node(ROBOT)}.children")
     count = (
         f"(() => {{ let n = 0; {node(ROBOT)}.object.traverse("
         "o => { n += o.isMesh ? 1 : 0 }); return n })()"
     )
-    page.wait_until(f"{count} >= {len(LINKS)}")
+    page.wait_for_function(f"{count} >= {len(LINKS)}")
     seen = -1
     while seen != (now := page.evaluate(count)):
         seen = now
-        page.picture()
+        picture(page)
 
 
 def wait_for_recording(page):
     """Until everything is there, the motions too, which are loaded last."""
     wait_for_robot(page)
-    page.wait_until("viewer.animator.duration > 0")
+    page.wait_for_function("viewer.animator.duration > 0")
 
 
 def position(page, link):
@@ -77,12 +79,12 @@ def pixel(page, p_W):
 
 def rows_and_columns_of_robot(page):
     """The pixels that change when the robot is hidden."""
-    picture = page.picture()
+    whole = picture(page)
     page.evaluate(f"{node(['drake'])}.object.visible = false")
-    empty = page.picture()
+    empty = picture(page)
     page.evaluate(f"{node(['drake'])}.object.visible = true")
     # A shadow darkens the ground a little; the robot differs more.
-    return np.nonzero(np.abs(picture - empty).max(axis=2) > VISIBLE)
+    return np.nonzero(np.abs(whole - empty).max(axis=2) > VISIBLE)
 
 
 def shown(page, path):
@@ -97,9 +99,9 @@ def shown(page, path):
 
 def caption_pixels(page):
     """The upper middle of the picture, where the caption is."""
-    picture = page.picture()
-    height, width, _ = picture.shape
-    return picture[: height // 6, width // 6 : -width // 6]
+    whole = picture(page)
+    height, width, _ = whole.shape
+    return whole[: height // 6, width // 6 : -width // 6]
 
 
 def check_that_it_stands(page):
@@ -129,7 +131,7 @@ def test_a_run_is_seen_as_it_goes(open_page):
     sim.publish(command)
     sim.advance(0.2)
     assert sim.current_behavior.name == "MANIPULATE"
-    page.wait_for(lambda: shown(page, CAPTION) != standing, "another caption")
+    wait_for(lambda: shown(page, CAPTION) != standing, "another caption")
     assert (np.abs(caption_pixels(page) - words).max(axis=2) > VISIBLE).sum() > 100
 
     plant_context = sim.plant.GetMyContextFromRoot(sim.context)
@@ -214,11 +216,11 @@ def look_at_the_ground(page):
 def seen_of(page, path):
     """How many pixels change when something is hidden."""
     target = f"{node(path)}.object.visible"
-    with_it = page.picture()
+    with_it = picture(page)
     before = page.evaluate(
         f"(() => {{ const v = {target}; {target} = false;return v }})()"
     )
-    without = page.picture()
+    without = picture(page)
     page.evaluate(f"{target} = {json.dumps(before)}")
     return int((np.abs(with_it - without).max(axis=2) > VISIBLE).sum())
 

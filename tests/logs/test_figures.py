@@ -4,7 +4,6 @@ import re
 
 import numpy as np
 import pytest
-from PIL import Image
 
 from atlas_drake import Scenario
 from atlas_drake.control.feet.sole import sole_corners
@@ -255,16 +254,6 @@ def test_a_png_is_written(page, tmp_path, monkeypatch):
     width, height = (int.from_bytes(data[k : k + 4], "big") for k in (16, 20))
     assert width == 600
     assert height > width
-
-
-def test_thin_lines_keep_their_colors(page):
-    pixels = np.zeros((300, 300, 3), dtype=np.uint8)
-    pixels[..., 0] = np.arange(300)[:, None] % 256
-    pixels[..., 1] = np.arange(300)[None, :] % 256
-    pixels[7, :20] = (0x7E, 0x57, 0xC2)  # Of the legs' fifth joint.
-    picture = png_page._with_palette(Image.fromarray(pixels), page)
-    assert picture.size == (300, 300)
-    assert picture.convert("RGB").getpixel((5, 7)) == (0x7E, 0x57, 0xC2)
 
 
 @pytest.mark.slow

@@ -24,17 +24,16 @@ from atlas_drake.logs.log_player import LogPlayer
 from atlas_drake.logs.notes import Header
 from atlas_drake.scenario.terrain import Block
 from atlas_drake.visualization.balance_marks import PATH as BALANCE
-from atlas_drake.visualization.caption import caption_of
-from atlas_drake.visualization.feedback_words import feedback_words
+from atlas_drake.visualization.caption import caption_of, feedback_words
 from atlas_drake.visualization.footsteps import footstep_marks
 from atlas_drake.visualization.overlays import LOGGED, Overlays
 
-from .conftest import ARM, drive, walk_command
+from .conftest import ARM, walk_command
 
 DISPLAYS = (
     "footstep_display",
     "caption_display",
-    "following_camera",
+    "following",
     "balance_marks",
     "contact_force_display",
     "control_colors",
@@ -110,12 +109,9 @@ def test_the_row_is_the_latest_one(log):
         )
 
 
-def test_footsteps_and_caption_are_those_of_the_run(tmp_path, scenario):
-    sim = AtlasSimulation(scenario, log=tmp_path / "run.npz")
-    drive(sim)
+def test_footsteps_and_caption_are_those_of_the_run(run):
+    sim, log = run
     live = [sim.output(name) for name in NAMES]
-    sim.close()
-    log = read_log(tmp_path / "run.npz")
     player = LogPlayer(log)
     context = player.CreateDefaultContext()
     context.SetTime(log.time[-1])
@@ -147,21 +143,17 @@ def test_footsteps_and_caption_are_those_of_the_run(tmp_path, scenario):
     assert again[0].request.command == walk_command()
 
 
-def test_a_replay_shows_robot_caption_and_footsteps(log, meshcat):
-    simulator = Simulator(make_replay(log, meshcat))
-    simulator.AdvanceTo(log.time[-1])
-    assert meshcat.HasPath("/drake/visualizer/atlas/pelvis")
-    assert meshcat.HasPath("/atlas_drake/footsteps/0")
-
-
-def test_what_a_log_is_enough_for_is_shown(log):
+def test_a_replay_shows_the_robot_and_what_the_log_is_enough_for(log):
     meshcat, overlays = Meshcat(), Overlays(LOGGED)
     simulator = Simulator(make_replay(log, meshcat, overlays))
     for name in ("owner", "effort"):
         overlays.switch(name, True)
-        simulator.AdvanceTo(simulator.get_context().get_time() + 0.1)
+        simulator.AdvanceTo(simulator.get_context().get_time() + 0.05)
+    assert meshcat.HasPath("/drake/visualizer/atlas/pelvis")
     for mark in ("com_ball", "dcm", "cop", "support/0"):
         assert meshcat.HasPath(f"{BALANCE}/{mark}")
+    simulator.AdvanceTo(log.time[-1])
+    assert meshcat.HasPath("/atlas_drake/footsteps/0")
     view = simulator.get_system()
     shown = {name for name in DISPLAYS if view.HasSubsystemNamed(name)}
     assert shown == set(DISPLAYS) - {"contact_force_display"}
