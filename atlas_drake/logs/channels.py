@@ -51,15 +51,12 @@ def robot_layout(
             ),
             Channel("state.q", labels=tuple(positions), about="true positions"),
             Channel("state.v", labels=tuple(velocities), about="true velocities"),
-            *_world(world),
+            *(
+                Channel(name, labels=tuple(places), about=f"other models' {name[-1]}")
+                for name, places in world.places.items()
+            ),
         ]
     )
-
-
-def _world(world: WorldCoordinates) -> Iterable[Channel]:
-    if world.q:
-        yield Channel("world.q", labels=tuple(world.q), about="other models' q")
-        yield Channel("world.v", labels=tuple(world.v), about="other models' v")
 
 
 def _joints(names: tuple[str, ...]) -> Iterable[Channel]:

@@ -94,7 +94,7 @@ class SampleLayout:
             name: place.stop - place.start for name, place in layout.places.items()
         }
         states = {"behavior_state": plant.num_multibody_states()}
-        if beside.q:
+        if beside.places:
             states["plant_state"] = beside.num_states
         self.port_sizes = {
             port: sum(sizes[name] for name in channels)
@@ -110,7 +110,8 @@ class SampleLayout:
         self.measured = at.pop("behavior_state")
         world = at.pop("plant_state", None)
         if world is not None:
-            at |= {name: world[indices] for name, indices in beside.indices.items()}
+            for name, places in beside.places.items():
+                at[name] = world[[*places.values()]]
         indices = robot.indices(plant)
         at["joints.position"] = self.measured[indices.q]
         at["joints.velocity"] = self.measured[plant.num_positions() + indices.v]

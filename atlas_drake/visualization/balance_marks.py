@@ -46,6 +46,11 @@ slowly."""
 AREA_GRID, CURVE_GRID, BEND = 0.002, 0.001, 0.002
 """Corners and points are rounded to a grid [m]; points are left out where a curve bends
 by less [m], because a recording keeps every shape."""
+_SHAPES = {
+    "com_ball": Sphere(BALL),
+    "com_line": Cylinder(PLUMB_LINE, 1.0),
+    **{name: Cylinder(radius, DISC_HEIGHT) for name, radius in DISC.items()},
+}
 _COLORS = {"com": Rgba(*COM), "dcm": Rgba(*DCM), "cop": Rgba(*COP)}
 _CURVES = {"plan_com": Rgba(*COM), "plan_dcm": Rgba(*DCM), "swing": Rgba(*SWING)}
 _AREA = Rgba(*SUPPORT, 0.5)
@@ -142,14 +147,18 @@ class BalanceMarks(Display):
         at = balance_points(terms, self._wrenches.Eval(context))
         ground = at.ground
         if "com" in on:
-            self._move_com(at, time)
-        if "dcm" in on:
-            self._move_disc("dcm", at.dcm, time)
-        if "cop" in on:
-            if at.cop is not None:
-                self._move_disc("cop", at.cop, time)
-            elif "cop" in self._drawn:
-                self._timeline.show(f"{PATH}/cop", False, time)
+            x, y, z = at.com
+            height = max(z - ground, LOWEST)
+            self._move("com_ball", [x, y, z], time)
+            self._move("com_line", [x, y, ground + 0.5 * height], time)
+            line = f"{PATH}/com_line/shape"
+            self._meshcat.SetProperty(line, "scale", [1.0, 1.0, float(height)], time)
+            self._move("com", [x, y, ground + LIFT["com"]], time)
+        for name, point in (("dcm", at.dcm), ("cop", at.cop)):
+            if name in on and point is not None:
+                self._move(name, point + np.array([0.0, 0.0, LIFT[name]]), time)
+            elif name in self._drawn:
+                self._timeline.show(f"{PATH}/{name}", False, time)
         if "support" in on:
             self._support.show(_area(plan.support, ground), time)
         self._pictures += 1
@@ -168,37 +177,18 @@ class BalanceMarks(Display):
         if "swing" in on:
             self._curves["swing"].show(_curve(paths.swing), time)
 
-    def _move_com(self, points: BalancePoints, time: float) -> None:
-        """Draws a ball, visible through the body, and its projection on the ground."""
-        ground = points.ground
-        x, y, z = map(float, points.com)
-        if "com_ball" not in self._drawn:
-            path = f"{PATH}/com_ball"
-            self._meshcat.SetObject(path, Sphere(BALL), _COLORS["com"])
-            self._see_through(path)
-        self._move("com_ball", [x, y, z], time)
-        height = max(z - ground, LOWEST)
-        rod = f"{PATH}/com_line/rod"
-        if "com_line" not in self._drawn:
-            self._meshcat.SetObject(rod, Cylinder(PLUMB_LINE, 1.0), _COLORS["com"])
-        # A separate node, because every transform resets the scale of its node.
-        self._meshcat.SetProperty(rod, "scale", [1.0, 1.0, height], time)
-        self._move("com_line", [x, y, ground + 0.5 * height], time)
-        self._move_disc("com", np.array([x, y, ground]), time)
-
-    def _move_disc(self, name: str, point: np.ndarray, time: float) -> None:
+    def _move(self, name: str, p_W: Any, time: float) -> None:
+        """Moves a shape to a point in W [m], shape (3,)."""
+        path = f"{PATH}/{name}"
         if name not in self._drawn:
-            disc = Cylinder(DISC[name], DISC_HEIGHT)
-            self._meshcat.SetObject(f"{PATH}/{name}", disc, _COLORS[name])
-            self._see_through(f"{PATH}/{name}")
-        x, y, z = map(float, point)
-        self._move(name, [x, y, z + LIFT[name]], time)
-
-    def _move(self, name: str, position: list[float], time: float) -> None:
-        p_W: Any = np.array(position)
-        self._meshcat.SetTransform(f"{PATH}/{name}", RigidTransform(p_W), time)
-        self._timeline.show(f"{PATH}/{name}", True, time)
-        self._drawn.add(name)
+            self._drawn.add(name)
+            # A node of its own, because every transform resets the scale of its node.
+            color = _COLORS[name.split("_", maxsplit=1)[0]]
+            self._meshcat.SetObject(f"{path}/shape", _SHAPES[name], color)
+            if name != "com_line":
+                self._see_through(f"{path}/shape")
+        self._meshcat.SetTransform(path, RigidTransform(p_W), time)
+        self._timeline.show(path, True, time)
 
     def _draw_support(self, path: str, mark: object) -> None:
         corners: Any = mark

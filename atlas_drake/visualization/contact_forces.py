@@ -78,11 +78,6 @@ def arrow_pose(force: ContactForce) -> RigidTransform:
     )
 
 
-def arrow_length(force: ContactForce) -> float:
-    """Computes the length of the arrow of a force [m]."""
-    return SCALE * float(np.linalg.norm(force.force_W))
-
-
 class ContactForces(Display):
     """Draws an arrow per point of contact while it is switched on.
 
@@ -121,7 +116,7 @@ class ContactForces(Display):
                 self._made += 1
             self._meshcat.SetTransform(path, arrow_pose(force), time)
             # A separate node, because every transform resets the scale of its node.
-            scale = [1.0, 1.0, arrow_length(force)]
+            scale = [1.0, 1.0, SCALE * float(np.linalg.norm(force.force_W))]
             self._meshcat.SetProperty(f"{path}/arrow", "scale", scale, time)
         for number in range(self._made):
             self._timeline.show(f"{PATH}/{number}", number < len(forces), time)

@@ -7,8 +7,10 @@ import pytest
 from pydrake.geometry import Meshcat, MeshcatParams
 
 from atlas_drake import AtlasSimulation, Behavior
-from atlas_drake.teleop.controls import PELVIS_HEIGHT, SHARES, Action
-from atlas_drake.teleop.pages import MAX_ROWS, SWITCHES, pages_with
+from atlas_drake.behaviors.config import ControllerConfig
+from atlas_drake.robot import load_robot
+from atlas_drake.teleop.controls import PELVIS_HEIGHT, Action, fitted
+from atlas_drake.teleop.pages import MAX_ROWS, pages_with
 from atlas_drake.teleop.panel import Panel
 from atlas_drake.teleop.session import Session
 from atlas_drake.visualization.overlays import Overlays
@@ -16,6 +18,8 @@ from atlas_drake.visualization.overlays import Overlays
 from .conftest import drag, wait_for
 
 pytestmark = pytest.mark.slow
+
+OWN = fitted(load_robot(), ControllerConfig())
 
 DRAG_POINTS = 5
 """Places on the way of the mouse from where a slider is to where it shall be."""
@@ -175,7 +179,7 @@ def test_every_page_fits_and_hears_every_key(hand):
     width, height = SMALL_WINDOW
     hand.page.set_viewport_size({"width": width, "height": height})
     hand.open_panel()
-    pages = pages_with(hand.sim.robot, ())
+    pages = pages_with(hand.sim.robot, OWN, ())
     for page in pages:
         assert hand.title().startswith(f"{page.title}: page ")
         rows = hand.page.evaluate(
@@ -215,18 +219,6 @@ def test_every_page_fits_and_hears_every_key(hand):
     assert hand.title().startswith(pages[0].title)
 
 
-def test_colors_exclude_each_other(hand):
-    hand.open_panel()
-    owner, effort = SWITCHES["owner"], SWITCHES["effort"]
-    hand.turn_to(owner)
-    for switch, other in ((owner, effort), (effort, owner), (owner, effort)):
-        hand.slide(switch, 1)
-        hand.go(LOOK)
-        wait_for(lambda o=other: hand.shown(o) == 0, "the other to go off")
-        hand.go(LOOK)
-        assert hand.shown(switch) == 1
-
-
 def test_a_button_and_a_slider_move_the_pelvis(hand):
     sim = hand.sim
     hand.open_panel()
@@ -246,16 +238,3 @@ def test_a_button_and_a_slider_move_the_pelvis(hand):
     hand.go(2.0)
     assert sim.pelvis_pose.translation()[2] == pytest.approx(goal, abs=0.02)
     assert not sim.has_fallen
-
-
-def test_a_slider_takes_an_arm_and_gives_it_back(hand):
-    sim, slider = hand.sim, SHARES["left arm"]
-    left_arm = sim.robot.limb("l_arm")
-    hand.open_panel()
-    hand.turn_to(slider)
-    for share in (slider.high, slider.low):
-        hand.slide(slider, share)
-        hand.go(0.12)
-        k_effort = np.array(sim.atlas_sim_interface_state.k_effort)
-        np.testing.assert_array_equal(k_effort, np.where(left_arm, share, 0))
-    assert sim.current_behavior is Behavior.STAND

@@ -10,7 +10,6 @@ import pytest
 from pydrake.geometry import Meshcat, MeshcatParams
 
 from atlas_drake import AtlasSimInterfaceCommand, AtlasSimulation
-from atlas_drake.app.main import main
 from atlas_drake.palette import BEHAVIOR, USER
 from atlas_drake.visualization import FRAME_RATE
 from atlas_drake.visualization.control_colors import COVER, GAMMA
@@ -146,32 +145,6 @@ def seek(page, time):
     page.evaluate(f"viewer.animator.pause(); viewer.animator.seek({time})")
 
 
-def test_a_recording_plays_from_disk_without_a_network(open_page, tmp_path):
-    scenario, recording = tmp_path / "scenario.yaml", tmp_path / "run.html"
-    # Until the tutorial's walk has just begun: four steps are asked for.
-    scenario.write_text("programme: tutorial\nduration: 9.3\nphysics_step: 0.002\n")
-    options = ["--headless", "--record", str(recording)]
-    assert main(["run", str(scenario), *options]) == 0
-    page = open_page(recording.as_uri(), offline=True)
-    wait_for_recording(page)
-    # Nothing was asked of any other address.
-    asked = page.evaluate("performance.getEntriesByType('resource').map(e => e.name)")
-    assert [name for name in asked if not name.startswith(("data:", "blob:"))] == []
-
-    assert page.evaluate("viewer.animator.duration") == pytest.approx(9.3, abs=0.1)
-    for name in ("slab", "bold"):
-        assert page.evaluate(f"{node(['atlas_drake', 'ground', name])}.object.visible")
-    seek(page, 0.0)
-    check_that_it_stands(page)
-    first, words = shown(page, CAPTION), caption_pixels(page)
-    assert shown(page, FOOTSTEPS) == set()
-    seek(page, 9.25)
-    check_that_it_stands(page)
-    assert shown(page, CAPTION) != first
-    assert (np.abs(caption_pixels(page) - words).max(axis=2) > VISIBLE).sum() > 100
-    assert len(shown(page, FOOTSTEPS)) == 4
-
-
 BALANCE = ["atlas_drake", "balance"]
 HEAD = [*ROBOT, "head", "atlas", "head_visual"]
 STANDING, SWINGING, UNCOLOURED = 0.5, 1.5, 1.75
@@ -247,9 +220,25 @@ def color_of(page, path):
     return page.evaluate(f"{node(link)}.object.material.color.toArray()")
 
 
-def test_a_recording_shows_what_the_controller_thinks(open_page, tmp_path):
+def test_a_recording_plays_without_a_network_and_shows_what_the_controller_thinks(
+    open_page, tmp_path
+):
     page = open_page(record_thoughts(tmp_path).as_uri(), offline=True)
     wait_for_recording(page)
+    # Nothing was asked of any other address.
+    asked = page.evaluate("performance.getEntriesByType('resource').map(e => e.name)")
+    assert [name for name in asked if not name.startswith(("data:", "blob:"))] == []
+    assert page.evaluate("viewer.animator.duration") == pytest.approx(1.8, abs=0.1)
+    for name in ("slab", "bold"):
+        assert page.evaluate(f"{node(['atlas_drake', 'ground', name])}.object.visible")
+    seek(page, 0.0)
+    check_that_it_stands(page)
+    first, words = shown(page, CAPTION), caption_pixels(page)
+    assert shown(page, FOOTSTEPS) == set()
+    seek(page, SWINGING)
+    assert shown(page, CAPTION) != first
+    assert (np.abs(caption_pixels(page) - words).max(axis=2) > VISIBLE).sum() > 100
+    assert len(shown(page, FOOTSTEPS)) >= 4  # To come; some have landed.
     look_at_the_ground(page)
     covered = [*HEAD[:-1], HEAD[-1] + COVER]
 

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from atlas_drake import Scenario
-from atlas_drake.control.feet.sole import sole_corners
 from atlas_drake.frozen import replace
 from atlas_drake.logs import png_page
 from atlas_drake.logs.figures import make_page
@@ -146,25 +145,6 @@ def test_a_fall_is_marked_in_all_figures_over_time(log):
 
 
 # ---- geometry ----------------------------------------------------------------
-
-
-def test_corners_of_the_soles_are_those_of_the_controller(log):
-    from pydrake.common.eigen_geometry import Quaternion
-    from pydrake.math import RotationMatrix
-
-    feet, sole = feet_of(log), log.robot.file.sole
-    for foot, side in enumerate(("left", "right")):
-        quaternion = log[f"feet.{side}_orientation"][-1]
-        R_WF = RotationMatrix(Quaternion(quaternion / np.linalg.norm(quaternion)))
-        expected = sole_corners(
-            log[f"feet.{side}_position"][-1],
-            R_WF.matrix(),
-            sole.length / 2,
-            sole.width / 2,
-        )
-        np.testing.assert_allclose(
-            feet.corners[foot, -1], expected[:, :2], rtol=0, atol=1e-9
-        )
 
 
 def test_standing_has_one_print_of_each_foot_and_one_polygon(log):

@@ -6,14 +6,13 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from atlas_drake import AtlasCommand, AtlasSimulation, Behavior, Scenario, read_log
+from atlas_drake import AtlasCommand, AtlasSimulation, Scenario, read_log
 from atlas_drake.diagrams.atlas_station import StationConfig
 from atlas_drake.logs.channels import GAINS
 from atlas_drake.logs.figures import make_page
 from atlas_drake.logs.png_page import draw_figure
 from atlas_drake.logs.recorder import BLOCK
 from atlas_drake.logs.rows import RowMaker
-from atlas_drake.messages import BehaviorStatus
 from atlas_drake.scenario import Jitter
 
 from .conftest import ARM, END, arm_command, drive, walk_command
@@ -111,13 +110,8 @@ def test_balance_is_consistent(log):
     assert np.abs(error).max() < 0.05
     weight = log["feet.left_force"][-20:, 2] + log["feet.right_force"][-20:, 2]
     assert weight.mean() == pytest.approx(9.81 * log.robot.mass, rel=0.2)
-
-
-def test_imu_and_ticks_are_plausible(log):
     assert log["imu.linear_acceleration"][20:, 2].mean() == pytest.approx(9.81, abs=2)
-    ticks = log["controller.tick_time"]
-    assert np.isfinite(ticks).all()
-    assert (ticks > 0.0).all()
+    assert (log["controller.tick_time"] > 0.0).all()
 
 
 def test_commands_are_kept_as_sent_with_their_times(log):
@@ -136,22 +130,8 @@ def test_events_are_kept(run):
     ]
     times = [event.time for event in happened]
     assert [event.time for event in log.events] == pytest.approx(times)
+    assert log["behavior.error_code"].min() < 0  # Of the refusal.
     assert {"push", "refusal", "behavior"} <= {event.kind for event in log.events}
-
-
-def test_feedback_is_kept(log):
-    # None was accepted at first; WALK was among all that came.
-    first, last = log["behavior.request_number"][[0, -1]]
-    assert set(log["behavior.request_number"]) == {first, last}
-    assert first == 0 < last <= len(log.commands)
-    walking = log["behavior.current"] == Behavior.WALK
-    assert walking[-1]
-    assert not walking[0]
-    assert log["behavior.trans_to"][-1] == Behavior.WALK
-    assert log["behavior.status_flags"][-1] == BehaviorStatus.TRANSITION_SUCCESS
-    assert log["behavior.error_code"].min() < 0  # The refused command.
-    steps = [log[f"walk.step_{place}"][-1] for place in (1, 2, 3, 4)]
-    np.testing.assert_array_equal([step[0] for step in steps], [1, 2, 3, 4])
 
 
 def test_no_field_of_the_joints_state_and_no_command_is_left_out(tmp_path, scenario):

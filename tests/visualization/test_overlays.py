@@ -32,9 +32,7 @@ from atlas_drake.visualization.contact_forces import (
     PATH as FORCES,
 )
 from atlas_drake.visualization.contact_forces import (
-    SCALE,
     ContactForce,
-    arrow_length,
     arrow_pose,
     contact_forces_of,
 )
@@ -130,12 +128,12 @@ def test_a_thinned_curve_looks_the_same():
     np.testing.assert_array_equal(thinned(still, 0.002), still[:2])
 
 
-def test_an_arrow_is_as_long_as_its_force_is_strong():
+def test_an_arrow_points_along_its_force():
     force = ContactForce(np.array([1.0, 2.0, 3.0]), np.array([30.0, -40.0, 120.0]))
-    X_WA, length = arrow_pose(force), arrow_length(force)
+    X_WA, length = arrow_pose(force), np.linalg.norm(force.force_W)
     np.testing.assert_allclose(X_WA.translation(), force.p_WC)
     tip = X_WA @ np.array([0.0, 0.0, length]) - force.p_WC
-    np.testing.assert_allclose(tip, SCALE * force.force_W)
+    np.testing.assert_allclose(tip, force.force_W)
 
 
 def test_the_ground_carries_a_standing_robot_without_a_path(standing):

@@ -273,20 +273,3 @@ def test_a_run_becomes_a_film_of_the_robot(tmp_path, capsys):
     last = found[-1]
     rows, _ = np.nonzero(differing(last, np.repeat(last[:, :1], WIDTH, axis=1), by=60))
     assert np.ptp(rows) > 0.5 * HEIGHT
-
-
-@pytest.mark.slow
-def test_an_interrupted_film_can_be_played(tmp_path, monkeypatch):
-    import signal
-
-    from atlas_drake.app import run as run_command
-
-    def interrupt(_self, _time, _behavior):
-        signal.raise_signal(signal.SIGINT)
-
-    monkeypatch.setattr(run_command.Progress, "update", interrupt)
-    scenario, path = tmp_path / "scenario.yaml", tmp_path / "video.mp4"
-    scenario.write_text("duration: 60.0\n")
-    options = ["--headless", "--video", str(path), "--video-size", f"{WIDTH}x{HEIGHT}"]
-    assert main(["run", str(scenario), *options]) == 130
-    assert len(frames(path)) == 3
