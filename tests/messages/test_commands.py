@@ -16,9 +16,7 @@ from atlas_drake.messages import (
     Header,
 )
 from atlas_drake.messages.commands import (
-    JOINT_FIELDS,
     KEPT,
-    SERVO_FIELDS,
     CommandsInForce,
     commands_at_start,
     latch,
@@ -26,9 +24,14 @@ from atlas_drake.messages.commands import (
     receive,
 )
 from atlas_drake.messages.controller_status import ControllerStatus
+from atlas_drake.messages.joint_command import JOINT_FIELDS
 from atlas_drake.robot import load_robot
 from atlas_drake.simulation.run_log import RunLog
 from atlas_drake.systems.push_source import PushState
+
+SERVO_FIELDS = [
+    name for name in JOINT_FIELDS if hasattr(AtlasSimInterfaceCommand, name)
+]
 
 
 @pytest.fixture(scope="module")
