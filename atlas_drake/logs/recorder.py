@@ -26,10 +26,12 @@ from atlas_drake.frozen import NOTHING
 from atlas_drake.logs.formats import LogFile
 from atlas_drake.logs.notes import (
     COMMANDS,
+    FEEDBACK,
     Header,
     LogError,
     Note,
     note_from_event,
+    note_from_feedback,
     note_from_plan,
     to_plain,
 )
@@ -109,6 +111,7 @@ class LogRecorder(CollectableSystem):
         self._sampled_time = -np.inf
         self._paths_time, self._planned = -np.inf, False
         self._planner = Behavior.NONE
+        self._feedback: dict[str, Any] = {FEEDBACK: None}
         self._received = 0
 
     # ---- writing -------------------------------------------------------------
@@ -168,6 +171,7 @@ class LogRecorder(CollectableSystem):
                 if len(self._samples) >= BLOCK:
                     self._write_rows()
                 self._write_paths(context)
+                self._write_feedback(context)
 
     def _write_rows(self) -> None:
         """Computes and writes the rows of all samples that were kept."""
@@ -190,6 +194,13 @@ class LogRecorder(CollectableSystem):
         if planned or self._planned:
             self._writer.note(note)
         self._planned = planned
+
+    def _write_feedback(self, context: Context) -> None:
+        """Records the feedback of a user's own behavior when it changes."""
+        note = note_from_feedback(context.get_time(), self._status.Eval(context))
+        if note.data != self._feedback:
+            self._feedback = note.data
+            self._writer.note(note)
 
     # ---- sampling ------------------------------------------------------------
 

@@ -1,6 +1,7 @@
 """A replay shows the contents of the log in the same way as the run."""
 
 import dataclasses
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 import pytest
@@ -15,6 +16,8 @@ from atlas_drake import (
     Scenario,
     read_log,
 )
+from atlas_drake.behaviors.base import BehaviorProtocol
+from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.checked import as_plain
 from atlas_drake.control.balance.center_of_pressure import center_of_pressure
 from atlas_drake.diagrams.replay import make_replay
@@ -242,3 +245,53 @@ def test_other_behaviors_look_as_in_the_run(behavior, tmp_path):
     feedback = again[2].manipulate_feedback
     moved = feedback.internal_sensed.pelvis_height != 0.8
     assert moved == (behavior == "MANIPULATE")
+
+
+@dataclass(frozen=True)
+class Waited:
+    """Feedback of the behavior below."""
+
+    ticks: int
+    mood: str = "calm"
+
+
+class Waiting(BehaviorProtocol):
+    """Holds the pose and counts its ticks."""
+
+    def __init__(self, tools, config):
+        self._freeze = tools.freeze
+
+    def enter(self, *given):
+        return (0, self._freeze.enter(*given))
+
+    def update(self, state, *given, leaving):
+        outcome = self._freeze.update(state[1], *given, leaving=leaving)
+        return replace(outcome, state=(state[0] + 1, outcome.state))
+
+    def feedback(self, state, status_flags):
+        return Waited(state[0] // 4)
+
+
+@pytest.mark.parametrize("ending", ["npz", "mcap"])
+def test_feedback_of_ones_own_behavior_is_logged_and_replayed(tmp_path, ending):
+    entry = BehaviorEntry(name="WAIT", number=100, make=Waiting)
+    path = tmp_path / f"run.{ending}"
+    with AtlasSimulation(behaviors=[entry], log=path) as sim:
+        sim.advance(0.05)
+        sim.publish(AtlasSimInterfaceCommand(behavior="WAIT"))
+        sim.advance(0.1)
+        last = sim.atlas_sim_interface_state.feedback
+        sim.publish(AtlasSimInterfaceCommand(behavior="FREEZE"))
+        sim.advance(0.05)
+    log = read_log(path)
+    notes = [note.data["feedback"] for note in log.notes if note.kind == "feedback"]
+    ticks = range(last.ticks + 1)
+    assert notes == [*({"ticks": n, "mood": "calm"} for n in ticks), None]
+    player = LogPlayer(log)
+    context = player.CreateDefaultContext()
+    reported = []
+    for time in (0.03, 0.14, 0.19):
+        context.SetTime(time)
+        report = player.GetOutputPort("atlas_sim_interface_state").Eval(context)
+        reported.append(report.feedback)
+    assert reported == [None, asdict(last), None]
