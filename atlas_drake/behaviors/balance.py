@@ -18,10 +18,8 @@ from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.dcm_plan import DcmReference
 from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.footstep import FootPose
-from atlas_drake.control.feet.sole import sole_corners
-from atlas_drake.control.feet.sole_contact import sole_patches
+from atlas_drake.control.feet.sole import sole_corners, sole_patches, toe_corners
 from atlas_drake.control.feet.swing_foot import SwingReference
-from atlas_drake.control.feet.toe_off import toe_corners
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.control.whole_body.command import WholeBodyCommand
 from atlas_drake.control.whole_body.contact import Contact, ContactPatch
@@ -36,8 +34,6 @@ from atlas_drake.control.whole_body.tasks import (
     OrientationTask,
     PostureTask,
     Task,
-)
-from atlas_drake.control.whole_body.tracking import (
     orientation_acceleration,
     position_acceleration,
 )

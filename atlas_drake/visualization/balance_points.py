@@ -9,9 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from atlas_drake.control.balance.center_of_pressure import center_of_pressure
 from atlas_drake.control.balance.feedback import dcm, pendulum_frequency
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
+from atlas_drake.control.wrenches import center_of_pressure
 
 
 class BalancePoints(NamedTuple):

@@ -5,8 +5,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from atlas_drake.control.joints.inverse_mass import InverseMass
 from atlas_drake.control.joints.joint_pid import (
+    InverseMass,
     JointCommand,
     PidState,
     change_without_user,

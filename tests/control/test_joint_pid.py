@@ -9,8 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydrake.multibody.plant import MultibodyPlant
 
-from atlas_drake.control.joints.inverse_mass import InverseMass
 from atlas_drake.control.joints.joint_pid import (
+    InverseMass,
     JointCommand,
     PidState,
     change_without_user,

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from atlas_drake.control.balance.step_adjustment import StepAdjustmentLimits, step_shift
+from atlas_drake.control.balance.feedback import StepAdjustmentLimits, step_shift
 from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.rotations import rotation_z
 

@@ -17,7 +17,7 @@ from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.gains import PdGains
 from atlas_drake.control.rotations import rotation_z
 from atlas_drake.control.whole_body.model import GRAVITY
-from atlas_drake.control.whole_body.tracking import orientation_acceleration
+from atlas_drake.control.whole_body.tasks import orientation_acceleration
 
 GAINS = PdGains(kp=50.0, kd=8.0)
 

@@ -5,8 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from atlas_drake.control.feet.sole_contact import MIDDLE, sole_patches
-from atlas_drake.control.feet.toe_off import TOES
+from atlas_drake.control.feet.sole import MIDDLE, TOES, sole_patches
 from atlas_drake.control.gains import ContactModel, ControlGains, QpWeights
 from atlas_drake.control.whole_body import (
     ComTask,

@@ -25,8 +25,7 @@ from atlas_drake.control.whole_body import (
     WholeBodyCommand,
     WholeBodyQp,
 )
-from atlas_drake.control.whole_body.elimination import TaskStack
-from atlas_drake.control.whole_body.inertia import inverse_inertia
+from atlas_drake.control.whole_body.elimination import TaskStack, inverse_inertia
 from atlas_drake.control.whole_body.model import GRAVITY
 
 HAND = "l_hand"

@@ -16,8 +16,8 @@ from atlas_drake.behaviors.step.phases import StepShift, StepState, StepSwing
 from atlas_drake.behaviors.step.step_balance import Reach, StepBalance
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.support_polygon import SupportPolygon
-from atlas_drake.control.feet.leg_reach import hips_from_com
-from atlas_drake.control.feet.toe_off import on_toes, toe_off_reference
+from atlas_drake.control.feet.leg_kinematics import hips_from_com
+from atlas_drake.control.feet.sole import on_toes, toe_off_reference
 from atlas_drake.frozen import replace
 from atlas_drake.messages.event import STEPS_LEFT, Event
 

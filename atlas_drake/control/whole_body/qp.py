@@ -24,7 +24,6 @@ from atlas_drake.control.whole_body.constraints import (
     JointLimits,
 )
 from atlas_drake.control.whole_body.contact import WRENCH, Contact
-from atlas_drake.control.whole_body.cost import cost
 from atlas_drake.control.whole_body.diagnosis import why_unsolved
 from atlas_drake.control.whole_body.elimination import (
     BASE,
@@ -38,8 +37,7 @@ from atlas_drake.control.whole_body.quadratic_program import (
     QuadraticProgram,
     solve,
 )
-from atlas_drake.control.whole_body.shapes import shaped
-from atlas_drake.control.whole_body.tasks import PostureTask
+from atlas_drake.control.whole_body.tasks import PostureTask, shaped
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.robot import Robot
 
@@ -211,3 +209,33 @@ def _within_authority(
         1.0 + YIELDING * (1.0 - bounds.behavior_weight)
     )
     return PostureTask(wanted, np.maximum(posture.weight * fading, USER_JOINT_WEIGHT))
+
+
+def cost(
+    dynamics: ReducedDynamics, stack: TaskStack, posture: PostureTask
+) -> tuple[np.ndarray, np.ndarray]:
+    """Adds up ½ ‖error‖²_weight of all tasks, and the cost of the contact wrenches.
+
+    Args:
+        dynamics: Dynamics of the tick, reduced together with the stack.
+        stack: All tasks but the posture.
+        posture: The posture task, whose weights go on the diagonal.
+
+    Returns:
+        Hessian H ∈ R^{size × size} and gradient f ∈ R^{size} at z = 0.
+    """
+    n, size = dynamics.num_joints, dynamics.size
+    rows = dynamics.tasks
+    R = rows[:, :size]
+    weighted = R.T * stack.weight
+    H = weighted @ R
+    f = weighted @ (rows[:, size] - stack.target)
+    diagonal = np.empty(size)
+    diagonal[:n] = posture.weight
+    for k, contact in enumerate(dynamics.contacts):
+        start = n + WRENCH * k
+        diagonal[start : start + 3] = contact.moment_weight
+        diagonal[start + 3 : start + 6] = contact.force_weight
+    H.reshape(-1)[:: size + 1] += diagonal
+    f[:n] -= posture.weight * posture.target
+    return H, f
