@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from atlas_drake.behaviors.balance import FULL_LOAD, FootCommand
+from atlas_drake.behaviors.balance import FootCommand
 from atlas_drake.behaviors.base import Observation
 from atlas_drake.behaviors.step.action import DesiredStep
 from atlas_drake.behaviors.step.beginning import StepBeginning
@@ -76,7 +76,7 @@ class ShiftControl(StepPhaseControl[StepShift]):
         if phase.fresh is not None and balance.is_fresh(phase):
             return balance.pressed(phase, observation, phase.fresh, cop, on_toes)
         rest = 1.0 - phase.elapsed / phase.shift.duration
-        load = min(max(rest / self._rules.unload_share, 0.01), FULL_LOAD)
+        load = max(rest / self._rules.unload_share, 0.01)
         load = max(load, balance.load_range(phase, foot, cop, on_toes)[0])
         if not on_toes:
             command = balance.balance.planted(observation, foot, load)

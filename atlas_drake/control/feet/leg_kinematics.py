@@ -1,4 +1,4 @@
-"""Joint angles and joint torques of one leg in closed form.
+"""Legs in closed form: joint angles and torques, and the heights that they reach.
 
 For the one layout of legs that ``robot.leg`` describes and reads. Joint limits and
 effort limits are checked in ``control.pelvis.pelvis_reach``.
@@ -95,7 +95,8 @@ def solve_leg(leg: Leg, p_PF: np.ndarray, R_PF: np.ndarray) -> LegPose | None:
 
 
 DEEPEST_SQUAT = 0.40
-"""Range below the highest position in which the lowest is searched [m]."""
+"""Range below the highest position in which the lowest is searched [m]. Numerical, like
+HALVINGS: the range and the resolution of a search."""
 HALVINGS = 9
 """Halvings of that range: the result is exact to a millimetre."""
 

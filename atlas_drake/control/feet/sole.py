@@ -1,4 +1,7 @@
-"""The rectangle of a sole. Regions for the CoP are in ``support_polygon``."""
+"""Geometry of a sole: its corners, its contact patches, and its pose on the toes.
+
+Behaviors decide when a heel rises. Regions for the CoP are in ``support_polygon``.
+"""
 
 from __future__ import annotations
 
@@ -12,6 +15,13 @@ from atlas_drake.control.gains import ContactModel
 from atlas_drake.control.rotations import rotation_y
 from atlas_drake.control.whole_body.contact import ContactPatch
 from atlas_drake.robot import SoleSize
+
+TOES = 0.03
+"""Length of the strip at the front of a sole that carries a foot on its toes [m]:
+geometry, shared by the plan and the QP."""
+MIDDLE = 0.01
+"""Half the side of the square that counts as the middle of a sole [m]. Numerical: a
+point, but with room for the solver's tolerance."""
 
 
 def sole_corners(
@@ -27,10 +37,6 @@ def sole_corners(
         ]
     )
     return p_WF + corners @ R_WF.T
-
-
-TOES = 0.03
-"""Length of the strip at the front of a sole that carries a foot on its toes [m]."""
 
 
 def on_toes(flat: FootPose, angle: float, half_length: float) -> FootPose:
@@ -66,10 +72,6 @@ def toe_corners(flat: FootPose, half_length: float, half_width: float) -> np.nda
     """Computes the corners of the strip that carries the toes, in W [m], (4, 3)."""
     middle = flat.p_WF + (half_length - 0.5 * TOES) * flat.R_WF[:, 0]
     return sole_corners(middle, flat.R_WF, 0.5 * TOES, half_width)
-
-
-MIDDLE = 0.01
-"""Half the side of the square that counts as the middle of a sole [m]."""
 
 
 @dataclass(frozen=True)

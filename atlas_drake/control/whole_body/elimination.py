@@ -2,7 +2,9 @@
 
 The unknowns are z = [q̈; λ]: the n joint accelerations and one wrench per contact.
 The pelvis' acceleration is eliminated with the six rows of the dynamics that no motor
-acts on, which makes the QP smaller and those rows exact.
+acts on, which makes the QP smaller and those rows exact; the other rows give the
+efforts, as in Herzog et al., "Momentum control with hierarchical inverse dynamics on a
+torque-controlled humanoid", Autonomous Robots 2016.
 """
 
 from __future__ import annotations
