@@ -12,7 +12,7 @@ from atlas_drake.behaviors.walk.phases import Transfer, WalkSettle, WalkShift, W
 from atlas_drake.behaviors.walk.preview import TIME_STEP
 from atlas_drake.behaviors.walk.rules import WalkRules
 from atlas_drake.behaviors.walk.walk import Walk
-from atlas_drake.control.balance.step_adjustment import StepAdjustmentLimits
+from atlas_drake.control.balance.feedback import StepAdjustmentLimits
 from atlas_drake.control.feet.footstep import LEFT, RIGHT, FootPose, outward
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.frozen import replace
