@@ -191,10 +191,7 @@ class Step(BehaviorProtocol):
             wanted = desired_step(params, feet_z, self._default)
         if wanted is None or wanted.step.index <= progress.index:
             return None
-        refused = progress.refused
-        if refused is not None and refused.number == request.number:
-            return None
-        return wanted
+        return wanted if request.is_newer(progress.refused) else None
 
     def _read(
         self,
@@ -204,7 +201,7 @@ class Step(BehaviorProtocol):
     ) -> tuple[StepState, tuple[Event, ...]]:
         """Warns of a new message whose step is too late to be taken."""
         params, last = request.command.step_params, phase.progress.request
-        if last is not None and request.number == last.number:
+        if not request.is_newer(last):
             return phase, ()
         progress = replace(phase.progress, request=request)
         phase = replace(phase, progress=progress)

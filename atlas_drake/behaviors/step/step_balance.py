@@ -112,11 +112,13 @@ class StepBalance:
             highest_com(legs, phase.hips, com, enumerate(now)),
             highest_com(legs, phase.hips, phase.shift.end, reach.later),
         )
+        tilt = np.array([0.0, phase.lean])
         return BodyTarget(
             height=min(reach.height, highest),
             yaw=mean_yaw(now[0].yaw, now[1].yaw),
             joints=self.balance.robot.stand_prep,
-            pelvis_tilt=np.array([0.0, phase.lean]),
+            pelvis_tilt=tilt,
+            chest_tilt=tilt,
         )
 
     def is_fresh(self, phase: StepPhase) -> bool:

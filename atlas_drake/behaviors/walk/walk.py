@@ -182,7 +182,7 @@ class Walk(BehaviorProtocol):
     def _read_queue(self, phase: WalkState, request: BehaviorRequest) -> WalkState:
         """Merges the steps of a new message with those that have not begun."""
         progress = phase.progress
-        if request.number == progress.request.number:
+        if not request.is_newer(progress.request):
             return phase
         params, last = request.command.walk_params, progress.request.command.walk_params
         progress = replace(progress, request=request)
@@ -215,4 +215,5 @@ class Walk(BehaviorProtocol):
             yaw=mean_yaw(left.yaw, right.yaw),
             joints=self._balance.robot.stand_prep,
             pelvis_tilt=_UPRIGHT,
+            chest_tilt=_UPRIGHT,
         )

@@ -104,7 +104,7 @@ class WholeBodyQp:
         stack = TaskStack(command.tasks, terms, contacts)
         dynamics = ReducedDynamics(terms, contacts, stack)
         _check_posture(command.posture, len(terms.q))
-        posture = _within_authority(command.posture, terms, bounds)
+        posture = _within_behavior_share(command.posture, terms, bounds)
         H, f = cost(dynamics, stack, posture)
         constraints: list[Constraint] = [bounds, FrictionCones(contacts)]
         constraints += command.constraints
@@ -191,7 +191,7 @@ def _check_posture(posture: PostureTask, n: int) -> None:
     shaped(posture.weight, (n,), "weight", "the command's posture")
 
 
-def _within_authority(
+def _within_behavior_share(
     posture: PostureTask, terms: WholeBodyTerms, bounds: EffortBounds
 ) -> PostureTask:
     """Limits the posture to what the behavior's share of each joint can achieve.
