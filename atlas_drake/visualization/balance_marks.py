@@ -187,7 +187,7 @@ class BalanceMarks(Display):
             self._meshcat.SetObject(f"{path}/shape", _SHAPES[name], color)
             if name != "com_line":
                 self._see_through(f"{path}/shape")
-        self._meshcat.SetTransform(path, RigidTransform(p_W), time)
+        self._meshcat.SetTransform(path, RigidTransform(np.array(p_W)), time)
         self._timeline.show(path, True, time)
 
     def _draw_support(self, path: str, mark: object) -> None:
