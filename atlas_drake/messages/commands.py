@@ -8,7 +8,7 @@ import logging
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -63,6 +63,10 @@ class BehaviorRequest(Frozen):
     command: AtlasSimInterfaceCommand
     number: int
     time: float = 0.0
+
+    def is_newer(self, last: Self | None) -> bool:
+        """Returns True if this request came after ``last``; None is before all."""
+        return last is None or self.number > last.number
 
 
 @dataclass(frozen=True)

@@ -14,10 +14,10 @@ from pydrake.geometry import Cylinder, Meshcat, Rgba, Sphere
 from pydrake.math import RigidTransform
 from pydrake.systems.framework import Context
 
-from atlas_drake.control.balance.center_of_pressure import center_of_pressure
 from atlas_drake.control.balance.feedback import dcm, pendulum_frequency
 from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
+from atlas_drake.control.wrenches import center_of_pressure
 from atlas_drake.messages.controller_status import Plan, PlannedPaths
 from atlas_drake.palette import COM, COP, DCM, SUPPORT, SWING
 from atlas_drake.robot import Robot

@@ -19,7 +19,7 @@ from atlas_drake import (
 from atlas_drake.behaviors.base import BehaviorProtocol
 from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.checked import as_plain
-from atlas_drake.control.balance.center_of_pressure import center_of_pressure
+from atlas_drake.control.wrenches import center_of_pressure
 from atlas_drake.diagrams.replay import make_replay
 from atlas_drake.logs.layout import SIDES
 from atlas_drake.logs.log import Log
