@@ -95,7 +95,7 @@ def test_duration_is_the_sum_of_its_phases(feet, steps, cop, swinging, count):
 def test_starts_from_the_present_cop_and_never_jumps(feet, steps, cop, swinging):
     plan = plan_walk(cop, FIRST, feet, steps, swinging, TIMING, OMEGA)
     np.testing.assert_allclose(plan.evaluate(0.0).cop, cop, atol=1e-12)
-    times = np.linspace(0.0, plan.duration, 5000)
+    times = np.linspace(0.0, plan.duration, 1000)
     cops = np.array([plan.evaluate(time).cop for time in times])
     dcms = np.array([plan.evaluate(time).dcm for time in times])
     # A walker's CoP crosses from foot to foot in a tenth of a second or longer.

@@ -109,18 +109,11 @@ def test_a_foot_that_slips_is_latched_anew(robot, observe, foot, axis):
         assert after.height - before.height == pytest.approx(0.5 * moved[2])
 
 
-@pytest.mark.parametrize("spelling", ["freeze", "Freeze", " FREEZE ", 1])
-def test_behaviors_are_known_by_name_in_any_case_and_by_number(record, spelling):
-    recording = record()
-    recording.ask(spelling)
-    recording.advance(0.02)
-    assert recording.looks[-1].report.current_behavior is Behavior.FREEZE
-
-
 def test_freeze_stands_still(record):
     recording = record()
-    recording.ask("freeze")
-    recording.advance(0.9)
+    recording.ask(" Freeze ")
+    recording.advance(0.7)
+    assert recording.looks[-1].report.current_behavior is Behavior.FREEZE
     assert np.abs(recording.sim.atlas_state.velocity).max() < 0.03
 
 
