@@ -30,9 +30,7 @@ def at_rest_over_the_feet(asked: Transition) -> BehaviorStatus:
         return BehaviorStatus.OK
     observation, limits = asked.observation, asked.tools.entry_limits
     terms = observation.terms
-    support = asked.tools.balance.support(
-        observation.foot_pose(0), observation.foot_pose(1)
-    )
+    support = asked.tools.balance.support(*observation.foot_poses)
     if support.distance_outside(terms.com[:2]) > -limits.com_inside:
         return BehaviorStatus.FAILED_TRANS_COM_POS
     omega = feedback.pendulum_frequency(float(terms.com[2]) - mean_sole_height(terms))

@@ -99,10 +99,7 @@ class Manipulate(BehaviorProtocol):
         self._legs = robot.limb("l_leg", "r_leg")
 
     def enter(
-        self,
-        observation: Observation,
-        body: BodyReference,
-        request: BehaviorRequest,
+        self, observation: Observation, body: BodyReference, request: BehaviorRequest
     ) -> ManipulateState:
         """Starts from the present body reference and DCM."""
         return self._pursue(
@@ -128,7 +125,7 @@ class Manipulate(BehaviorProtocol):
             state = self._pursue(self._listen(state, observation, request), observation)
         elif (waited and not waits) or self._arms_moved(state, observation):
             state = self._pursue(state, observation)
-        if self._slipped(state.stance, observation):
+        if observation.has_slipped(state.stance.feet, self._config.foot_slip):
             state = replace(state, stance=self._note_feet(observation))
             state = state if leaving else self._pursue(state, observation)
         if waits:
@@ -153,10 +150,7 @@ class Manipulate(BehaviorProtocol):
             state.dcm_reference(omega),
             omega,
             state.stance.support,
-            (
-                self._balance.planted(observation, 0),
-                self._balance.planted(observation, 1),
-            ),
+            self._balance.standing(observation),
         )
         there = motion.pose(state.stance)
         remaining = max(abs(x - y) for x, y in zip(there, state.goal, strict=True))
@@ -344,14 +338,8 @@ class Manipulate(BehaviorProtocol):
     # ---- feet ----------------------------------------------------------------
 
     def _note_feet(self, observation: Observation) -> Stance:
-        left, right = observation.foot_pose(0), observation.foot_pose(1)
+        left, right = observation.foot_poses
         return make_stance(left, right, self._balance.support(left, right))
-
-    def _slipped(self, stance: Stance, observation: Observation) -> bool:
-        return any(
-            float(np.abs(now.p_WF - noted.p_WF).max()) > self._config.foot_slip
-            for noted, now in zip(stance.feet, observation.terms.feet, strict=True)
-        )
 
 
 def _pose(params: AtlasBehaviorPelvisServoParams) -> PelvisPose:

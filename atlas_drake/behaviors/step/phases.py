@@ -1,6 +1,6 @@
 """The state of STEP between ticks: one dataclass for each of its phases.
 
-Frozen data, and functions of these data alone. ``both_feet``, ``shift`` and
+Frozen data, and functions of these data alone. ``both_feet`` and
 ``single_support`` compute the ticks of each phase.
 """
 

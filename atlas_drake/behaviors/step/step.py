@@ -17,9 +17,12 @@ from atlas_drake.behaviors.base import BehaviorProtocol, Observation, Outcome
 from atlas_drake.behaviors.body_reference import BodyReference, advance_body
 from atlas_drake.behaviors.step.action import StepAction, step_spec_from
 from atlas_drake.behaviors.step.beginning import StepBeginning
-from atlas_drake.behaviors.step.both_feet import RestControl, SettleControl
+from atlas_drake.behaviors.step.both_feet import (
+    RestControl,
+    SettleControl,
+    ShiftControl,
+)
 from atlas_drake.behaviors.step.config import StepConfig
-from atlas_drake.behaviors.step.phase_control import StepPhaseControl
 from atlas_drake.behaviors.step.phases import (
     Lower,
     Rest,
@@ -29,9 +32,8 @@ from atlas_drake.behaviors.step.phases import (
     StepSwing,
 )
 from atlas_drake.behaviors.step.plan import StepPlanner
-from atlas_drake.behaviors.step.shift import ShiftControl
 from atlas_drake.behaviors.step.single_support import LowerControl, SwingControl
-from atlas_drake.behaviors.step.step_balance import StepBalance
+from atlas_drake.behaviors.step.step_balance import StepBalance, StepPhaseControl
 from atlas_drake.behaviors.step_queue import step_data_from
 from atlas_drake.frozen import replace
 from atlas_drake.messages import (
@@ -79,10 +81,7 @@ class Step(BehaviorProtocol):
         }
 
     def enter(
-        self,
-        observation: Observation,
-        body: BodyReference,
-        request: BehaviorRequest,
+        self, observation: Observation, body: BodyReference, request: BehaviorRequest
     ) -> Rest:
         """Rests on both feet; the first step begins at the first tick."""
         return self._beginning.enter(observation)

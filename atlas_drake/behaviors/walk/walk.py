@@ -94,13 +94,10 @@ class Walk(BehaviorProtocol):
         }
 
     def enter(
-        self,
-        observation: Observation,
-        body: BodyReference,
-        request: BehaviorRequest,
+        self, observation: Observation, body: BodyReference, request: BehaviorRequest
     ) -> WalkShift:
         """Begins to shift the weight to the first stance foot."""
-        feet = (observation.foot_pose(0), observation.foot_pose(1))
+        feet = observation.foot_poses
         params = request.command.walk_params
         pending = steps_asked_for((), params, feet, 1, self._gait)
         first = pending[0].index if pending else 1
