@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from atlas_drake.behaviors.base import BehaviorProtocol
 from atlas_drake.behaviors.entry import BehaviorEntry, BehaviorTools, Transition
 from atlas_drake.behaviors.idle import Idle
 from atlas_drake.behaviors.manipulate.config import ManipulateConfig
 from atlas_drake.behaviors.manipulate.manipulate import Manipulate
 from atlas_drake.behaviors.stand.config import StandConfig
-from atlas_drake.behaviors.stand.stand import Stand
 from atlas_drake.behaviors.step.config import StepConfig
 from atlas_drake.behaviors.step.step import Step
 from atlas_drake.behaviors.walk.config import WalkConfig
@@ -45,10 +45,8 @@ def at_rest_over_the_feet(asked: Transition) -> BehaviorStatus:
     return BehaviorStatus.OK
 
 
-def _stand(tools: BehaviorTools, config: StandConfig) -> Any:
-    return tools.guarded(
-        Stand(tools.balance, tools.nominal_height, tools.rates, config)
-    )
+def _stand(tools: BehaviorTools, config: StandConfig) -> BehaviorProtocol:
+    return tools.stand(config=config)
 
 
 def _walk(tools: BehaviorTools, config: WalkConfig) -> Walk:
@@ -59,7 +57,7 @@ def _step(tools: BehaviorTools, config: StepConfig) -> Step:
     return Step(tools.balance, tools.nominal_height, config, tools.gait)
 
 
-def _manipulate(tools: BehaviorTools, config: ManipulateConfig) -> Any:
+def _manipulate(tools: BehaviorTools, config: ManipulateConfig) -> BehaviorProtocol:
     reach = PelvisReach(tools.robot, config.range)
     return tools.guarded(
         Manipulate(tools.balance, reach, tools.nominal_height, tools.rates, config)

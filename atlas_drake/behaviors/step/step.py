@@ -212,7 +212,8 @@ class Step(BehaviorProtocol):
         observation: Observation,
     ) -> tuple[Event, ...]:
         """Names the steps that STAND leaves out: a started step and a coming step."""
-        left = list(phase.not_begun)
+        # A step whose foot is still down is left out, too.
+        left = [phase.progress.index] if isinstance(phase, StepShift) else []
         wanted, request = self._beginning.requested(phase), phase.progress.request
         demo = request is not None and request.command.step_params.use_demo_walk
         if wanted is not None and not demo:
