@@ -161,34 +161,6 @@ def test_planning_again_midway_goes_on_with_the_same_plan(feet, steps, cop):
             np.testing.assert_allclose(now.cop, expected.cop, atol=1e-9)
 
 
-def test_mirrored_walks_have_mirrored_plans(feet, steps, cop):
-    mirror = np.array([1.0, -1.0])
-
-    def mirrored_pose(pose):
-        return FootPose(pose.p_WF * [1.0, -1.0, 1.0], rotation_z(-pose.yaw))
-
-    other_feet = (mirrored_pose(feet[RIGHT]), mirrored_pose(feet[LEFT]))
-    other_steps = tuple(
-        Footstep(
-            s.index,
-            1 - s.foot,
-            s.p_WF * [1.0, -1.0, 1.0],
-            -s.yaw,
-            s.duration,
-            s.swing_height,
-        )
-        for s in steps
-    )
-    plan = plan_walk(cop, FIRST, feet, steps, False, TIMING, OMEGA)
-    other = plan_walk(
-        cop * mirror, FIRST, other_feet, other_steps, False, TIMING, OMEGA
-    )
-    for time in np.linspace(0.0, plan.duration, 40):
-        here, there = plan.evaluate(time), other.evaluate(time)
-        np.testing.assert_allclose(there.dcm, here.dcm * mirror, atol=1e-12)
-        np.testing.assert_allclose(there.cop, here.cop * mirror, atol=1e-12)
-
-
 @pytest.mark.parametrize("foot", [LEFT, RIGHT])
 @pytest.mark.parametrize("yaw", [0.0, 0.8, -2.0])
 def test_stance_cop_is_inside_and_turns_with_the_foot(foot, yaw):

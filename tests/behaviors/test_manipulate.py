@@ -246,27 +246,6 @@ def test_the_pelvis_rests_while_the_user_controls_a_leg(start, observe):
     assert robot.feedback.clamped.pelvis_height == 0.85
 
 
-@pytest.mark.slow
-def test_it_is_finished_at_the_pose_of_stand(start, observe):
-    robot = start(asked(pelvis_height=0.85))
-    request = asked(pelvis_height=0.85)
-    for _ in range(300):
-        robot.tick(observe(), request)
-    assert robot.feedback.internal_desired.pelvis_height < 0.88
-    stand = AtlasSimInterfaceCommand(behavior="STAND")
-    ticks = 0
-    while not robot.outcome.finished:
-        robot.tick(observe(), stand, leaving=True)
-        ticks += 1
-        assert ticks < 1500
-    assert ticks > 100
-    home = robot.feedback.clamped.pelvis_height
-    assert robot.feedback.internal_desired.pelvis_height == pytest.approx(
-        home, abs=0.003
-    )
-    assert home > 0.9
-
-
 # ---- the simulated robot -----------------------------------------------------
 
 

@@ -231,18 +231,13 @@ def test_onto_a_tilted_block_and_off_it(stepping):
 
 
 @pytest.mark.slow
-def test_ground_that_is_higher_than_told_is_met_early(stepping):
-    robot = stepping(terrain=[block_ahead(0.03)])
-    step = robot.step(LEFT, 0.32, 0.13, 0.0)
-    assert step["landed_height"] == pytest.approx(0.03, abs=0.005)
-    robot.assert_done()
-
-
-@pytest.mark.slow
-def test_ground_that_is_lower_than_told_is_looked_for(stepping):
-    robot = stepping()
-    step = robot.step(LEFT, 0.25, 0.13, 0.04)
-    assert step["landed_height"] == pytest.approx(0.0, abs=0.005)
+@pytest.mark.parametrize(
+    ("ground", "x", "sent"), [(0.03, 0.32, 0.0), (0.0, 0.25, 0.04)], ids=["up", "down"]
+)
+def test_a_foot_lands_on_ground_of_another_height(stepping, ground, x, sent):
+    robot = stepping(terrain=[block_ahead(ground)] if ground else [])
+    step = robot.step(LEFT, x, 0.13, sent)
+    assert step["landed_height"] == pytest.approx(ground, abs=0.005)
     robot.assert_done()
 
 
