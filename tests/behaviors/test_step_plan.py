@@ -8,9 +8,9 @@ from atlas_drake.behaviors.stance import StanceConfig
 from atlas_drake.behaviors.step.action import DesiredStep, StepAction
 from atlas_drake.behaviors.step.plan import PostureRules, StepPlanner
 from atlas_drake.control.feet.footstep import LEFT, RIGHT, FootPose, Footstep, outward
-from atlas_drake.control.feet.leg_reach import _knee_ahead, highest_com
+from atlas_drake.control.feet.leg_kinematics import _knee_ahead, highest_com
+from atlas_drake.control.feet.sole import on_toes
 from atlas_drake.control.feet.step_limits import quasi_static_limits
-from atlas_drake.control.feet.toe_off import on_toes
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.control.rotations import rotation_z
 from atlas_drake.messages import ToeOff

@@ -79,7 +79,7 @@ def test_each_number_is_granted_as_far_as_it_goes_and_no_other_is_moved(
     assert not (low <= getattr(further, name) <= high and case.allows(further))
 
 
-@settings(max_examples=30)
+@settings(max_examples=12)
 @given(
     commanded=st.tuples(
         st.floats(0.3, 1.2), *[st.floats(-1.5, 1.5)] * 3, *[st.floats(-0.4, 0.4)] * 2

@@ -16,7 +16,7 @@ from atlas_drake import (
     Start,
 )
 from atlas_drake.control.joints.damping import damping_effort, damping_mode_gain
-from atlas_drake.control.joints.inverse_mass import InverseMass
+from atlas_drake.control.joints.joint_pid import InverseMass
 from atlas_drake.robot import load_robot
 from atlas_drake.scenario.scenario import LONGEST_PERIOD
 

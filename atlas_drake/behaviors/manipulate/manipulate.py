@@ -22,10 +22,10 @@ from atlas_drake.control.pelvis.pelvis_pose import (
     PelvisMotion,
     PelvisPose,
     Stance,
+    at_rest,
     make_stance,
 )
 from atlas_drake.control.pelvis.pelvis_reach import PelvisReach, UpperBody
-from atlas_drake.control.pelvis.smooth_motion import at_rest
 from atlas_drake.control.rotations import tilt_of
 from atlas_drake.frozen import replace
 from atlas_drake.messages import (

@@ -25,9 +25,9 @@ from atlas_drake.behaviors.step.phases import (
 from atlas_drake.behaviors.step.plan import StepPlan
 from atlas_drake.behaviors.step.step_balance import StepBalance
 from atlas_drake.control.feet.footstep import FootPose, resolve_height
-from atlas_drake.control.feet.leg_reach import hips_from_com
+from atlas_drake.control.feet.leg_kinematics import hips_from_com
+from atlas_drake.control.feet.sole import on_toes
 from atlas_drake.control.feet.step_swing import StepSwingProfile, plan_step_swing
-from atlas_drake.control.feet.toe_off import on_toes
 from atlas_drake.frozen import replace
 from atlas_drake.messages import ToeOff
 from atlas_drake.messages.event import STEPS_LEFT, Event

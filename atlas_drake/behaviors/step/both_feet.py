@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from atlas_drake.behaviors.balance import FULL_LOAD, FootCommand
+from atlas_drake.behaviors.balance import FootCommand
 from atlas_drake.behaviors.base import Observation
 from atlas_drake.behaviors.footstep_event import footstep_event
 from atlas_drake.behaviors.phases import with_foot
@@ -26,8 +26,8 @@ from atlas_drake.behaviors.step.step_balance import (
 )
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.support_polygon import SupportPolygon
-from atlas_drake.control.feet.leg_reach import hips_from_com
-from atlas_drake.control.feet.toe_off import on_toes, toe_off_reference
+from atlas_drake.control.feet.leg_kinematics import hips_from_com
+from atlas_drake.control.feet.sole import on_toes, toe_off_reference
 from atlas_drake.frozen import replace
 from atlas_drake.messages.event import STEPS_LEFT, Event
 
@@ -118,7 +118,7 @@ class ShiftControl(StepPhaseControl[StepShift]):
             feet = balance.pressed(phase, observation, phase.fresh, cop, on_toes)
             return phase, feet
         rest = 1.0 - phase.elapsed / phase.shift.duration
-        load = min(max(rest / self._rules.unload_share, 0.01), FULL_LOAD)
+        load = max(rest / self._rules.unload_share, 0.01)
         load = max(load, balance.load_range(phase, foot, cop, on_toes)[0])
         if not on_toes:
             command = balance.balance.planted(observation, foot, load)

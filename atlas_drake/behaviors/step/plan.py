@@ -20,7 +20,7 @@ from atlas_drake.control.feet.footstep import (
     resolve_height,
     saturate,
 )
-from atlas_drake.control.feet.leg_reach import (
+from atlas_drake.control.feet.leg_kinematics import (
     highest_com,
     highest_sole,
     hips_from_com,
@@ -28,8 +28,8 @@ from atlas_drake.control.feet.leg_reach import (
     leg_length,
     lowest_com,
 )
+from atlas_drake.control.feet.sole import on_toes
 from atlas_drake.control.feet.step_limits import StepLimits
-from atlas_drake.control.feet.toe_off import on_toes
 from atlas_drake.control.rotations import rotation_z
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.frozen import replace

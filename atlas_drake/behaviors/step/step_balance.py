@@ -22,15 +22,14 @@ from atlas_drake.behaviors.step.plan import StepPlanner
 from atlas_drake.behaviors.step.rules import StepRules
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.dcm_plan import DcmReference
-from atlas_drake.control.balance.load_share import load_share_range
-from atlas_drake.control.balance.support_polygon import SupportPolygon
+from atlas_drake.control.balance.support_polygon import SupportPolygon, load_share_range
 from atlas_drake.control.balance.weight_shift import (
     WeightShift,
     plan_weight_shift,
     sway_duration,
 )
 from atlas_drake.control.feet.footstep import FootPose
-from atlas_drake.control.feet.leg_reach import highest_com
+from atlas_drake.control.feet.leg_kinematics import highest_com
 from atlas_drake.control.rotations import mean_yaw
 
 

@@ -5,9 +5,11 @@ Computes each tick of these phases; ``planner`` makes the plans that they follow
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
-from atlas_drake.behaviors.balance import FULL_LOAD, Balance, FootCommand
+from atlas_drake.behaviors.balance import Balance, FootCommand
 from atlas_drake.behaviors.base import Observation
 from atlas_drake.behaviors.phases import PhaseControl
 from atlas_drake.behaviors.walk.config import WalkConfig
@@ -60,7 +62,7 @@ class DoubleSupport(PhaseControl[WalkShift | Transfer]):
         self, phase: WalkShift | Transfer, observation: Observation
     ) -> tuple[WalkShift | Transfer, tuple[FootCommand, FootCommand]]:
         """Keeps both feet planted, and unloads the foot that lifts off next."""
-        loads = [FULL_LOAD, FULL_LOAD]
+        loads = [math.inf, math.inf]
         if phase.unloading is not None and not phase.waiting:
             left_share = 1.0 - phase.elapsed / phase.duration
             unload = min(max(left_share / self._rules.unload_share, 0.01), 1.0)

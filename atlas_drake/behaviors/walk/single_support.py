@@ -15,7 +15,7 @@ from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.behaviors.walk.phases import WalkState, WalkSwing
 from atlas_drake.behaviors.walk.planner import WalkPlanner
 from atlas_drake.control.balance import feedback
-from atlas_drake.control.balance.step_adjustment import step_shift
+from atlas_drake.control.balance.feedback import step_shift
 from atlas_drake.control.feet.footstep import LEFT, saturate
 from atlas_drake.control.feet.swing_foot import advance_swing
 from atlas_drake.frozen import replace
