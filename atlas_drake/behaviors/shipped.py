@@ -18,7 +18,6 @@ from atlas_drake.behaviors.step.step import Step
 from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.behaviors.walk.walk import Walk
 from atlas_drake.control.balance import feedback
-from atlas_drake.control.pelvis.pelvis_reach import PelvisReach
 from atlas_drake.control.whole_body.model import mean_sole_height
 from atlas_drake.messages import Behavior, BehaviorStatus
 from atlas_drake.messages.behavior_catalog import SHIPPED
@@ -49,19 +48,8 @@ def _stand(tools: BehaviorTools, config: StandConfig) -> BehaviorProtocol:
     return tools.stand(config=config)
 
 
-def _walk(tools: BehaviorTools, config: WalkConfig) -> Walk:
-    return Walk(tools.balance, tools.nominal_height, tools.rates, config, tools.gait)
-
-
-def _step(tools: BehaviorTools, config: StepConfig) -> Step:
-    return Step(tools.balance, tools.nominal_height, config, tools.gait)
-
-
 def _manipulate(tools: BehaviorTools, config: ManipulateConfig) -> BehaviorProtocol:
-    reach = PelvisReach(tools.robot, config.range)
-    return tools.guarded(
-        Manipulate(tools.balance, reach, tools.nominal_height, tools.rates, config)
-    )
+    return tools.guarded(Manipulate(tools, config))
 
 
 def _entry(behavior: Behavior, **how: Any) -> BehaviorEntry:
@@ -93,13 +81,13 @@ SHIPPED_ENTRIES = (
     ),
     _entry(
         Behavior.WALK,
-        make=_walk,
+        make=Walk,
         config=WalkConfig(),
         lifts_feet=True,
     ),
     _entry(
         Behavior.STEP,
-        make=_step,
+        make=Step,
         config=StepConfig(),
         lifts_feet=True,
     ),

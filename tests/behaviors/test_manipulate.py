@@ -7,12 +7,10 @@ import numpy as np
 import pytest
 
 from atlas_drake import AtlasCommand, AtlasSimInterfaceCommand, AtlasState, Scenario
-from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.body_reference import BodyRates, capture_body
+from atlas_drake.behaviors.manipulate.config import ManipulateConfig
 from atlas_drake.behaviors.manipulate.manipulate import Manipulate
 from atlas_drake.behaviors.stand.stand import Stand
-from atlas_drake.control.gains import ControlGains
-from atlas_drake.control.pelvis.pelvis_reach import PelvisReach
 from atlas_drake.messages import Behavior, BehaviorStatus
 
 from .as_request import as_request
@@ -77,12 +75,12 @@ class Ticked:
 
 
 @pytest.fixture(scope="module")
-def parts(model, observe):
+def parts(make_tools, observe):
     terms = observe().terms
     height = float(terms.com[2] - terms.feet[0].p_WF[2])
-    balance = Balance(model.robot, ControlGains())
-    manipulate = Manipulate(balance, PelvisReach(model.robot), height, BodyRates())
-    return manipulate, Stand(balance, height, BodyRates())
+    tools = make_tools(height)
+    stand = Stand(tools.balance, height, tools.rates)
+    return Manipulate(tools, ManipulateConfig()), stand
 
 
 @pytest.fixture

@@ -10,6 +10,7 @@ from atlas_drake import AtlasSimInterfaceCommand
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.body_reference import capture_body
 from atlas_drake.behaviors.phases import TIME_STEP
+from atlas_drake.behaviors.step.config import StepConfig
 from atlas_drake.behaviors.step.phases import (
     Lower,
     Rest,
@@ -51,10 +52,10 @@ def balance(robot):
 
 
 @pytest.fixture(scope="module")
-def step(balance, observe):
+def step(make_tools, balance, observe):
     terms = observe().terms
     height = float(terms.com[2] - terms.feet[LEFT].p_WF[2])
-    return Step(balance, height - balance.stance.com_drop)
+    return Step(make_tools(height - balance.stance.com_drop), StepConfig())
 
 
 def request(index=1, foot=LEFT, x=0.15, y=0.14, z=0.0):

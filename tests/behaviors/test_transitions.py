@@ -6,20 +6,15 @@ import itertools
 import numpy as np
 import pytest
 
-from atlas_drake.behaviors.balance import Balance
-from atlas_drake.behaviors.body_reference import BodyRates
 from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.entry import (
-    BehaviorTools,
     Transition,
     legal_transitions,
     refusal,
 )
 from atlas_drake.behaviors.entry_limits import EntryLimits
-from atlas_drake.behaviors.freeze import Freeze
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.behaviors.supervisor import Supervisor
-from atlas_drake.control.gains import ControlGains
 from atlas_drake.errors import ErrorCode
 from atlas_drake.messages import (
     AtlasSimInterfaceCommand,
@@ -29,7 +24,6 @@ from atlas_drake.messages import (
 )
 from atlas_drake.messages.behavior_catalog import SHIPPED
 from atlas_drake.messages.commands import BehaviorRequest
-from atlas_drake.planning.footholds import Gait
 
 NONE, FREEZE, STAND_PREP, STAND, WALK, STEP, MANIPULATE, USER = Behavior
 
@@ -195,8 +189,8 @@ def test_stand_takes_over_only_a_robot_that_it_can_hold(
     assert robot.status.error_code is ErrorCode.NO_ERRORS
 
 
-def test_the_dcm_is_that_of_a_pendulum_between_both_soles(model, observe):
-    seen, balance = observe(speed=0.3), Balance(model.robot, ControlGains())
+def test_the_dcm_is_that_of_a_pendulum_between_both_soles(make_tools, observe):
+    seen, balance = observe(speed=0.3), make_tools(0.9).balance
     left, right = seen.terms.feet
     higher = right._replace(p_WF=right.p_WF + np.array([0.0, 0.0, 0.3]))
     terms = dataclasses.replace(seen.terms, feet=(left, higher))
@@ -211,9 +205,7 @@ def test_the_dcm_is_that_of_a_pendulum_between_both_soles(model, observe):
         (inside + 1e-4, BehaviorStatus.FAILED_TRANS_COM_VEL),
     ):
         limits = EntryLimits(com_inside=inside, dcm_inside=margin, joint_speed=10.0)
-        tools = BehaviorTools(
-            model, balance, height, BodyRates(), limits, Freeze(balance), Gait()
-        )
+        tools = dataclasses.replace(make_tools(height), entry_limits=limits)
         stand, freeze = (
             next(entry for entry in SHIPPED_ENTRIES if entry.behavior is behavior)
             for behavior in (STAND, FREEZE)

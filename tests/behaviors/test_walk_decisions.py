@@ -6,17 +6,16 @@ import numpy as np
 import pytest
 
 from atlas_drake import AtlasSimInterfaceCommand
-from atlas_drake.behaviors.balance import Balance
-from atlas_drake.behaviors.body_reference import BodyRates, capture_body
+from atlas_drake.behaviors.body_reference import capture_body
 from atlas_drake.behaviors.phases import TIME_STEP
 from atlas_drake.behaviors.stance import StanceConfig
 from atlas_drake.behaviors.walk.both_feet import steps_left_out
+from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.behaviors.walk.phases import Transfer, WalkSettle, WalkShift, WalkSwing
 from atlas_drake.behaviors.walk.rules import WalkRules
 from atlas_drake.behaviors.walk.walk import Walk
 from atlas_drake.control.balance.feedback import StepAdjustmentLimits
 from atlas_drake.control.feet.footstep import LEFT, RIGHT, FootPose, outward
-from atlas_drake.control.gains import ControlGains
 from atlas_drake.frozen import replace
 
 from .as_request import as_request
@@ -37,11 +36,10 @@ RULES = WalkRules(
 
 
 @pytest.fixture(scope="module")
-def walk(robot, observe):
+def walk(make_tools, observe):
     terms = observe().terms
-    balance = Balance(robot, ControlGains())
     height = float(terms.com[2] - terms.feet[0].p_WF[2]) - StanceConfig().com_drop
-    return Walk(balance, height, BodyRates())
+    return Walk(make_tools(height), WalkConfig())
 
 
 def raised(pose, height):

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.base import BehaviorProtocol, Observation, Outcome
-from atlas_drake.behaviors.body_reference import BodyRates, BodyReference
+from atlas_drake.behaviors.body_reference import BodyReference
+from atlas_drake.behaviors.entry import BehaviorTools
 from atlas_drake.behaviors.manipulate.config import ManipulateConfig
 from atlas_drake.behaviors.manipulate.pelvis_demo import demo_amplitude, demo_pose
 from atlas_drake.control.balance import feedback
@@ -78,23 +78,15 @@ class ManipulateState:
 class Manipulate(BehaviorProtocol):
     """Balance on both feet with a servoed pelvis."""
 
-    def __init__(
-        self,
-        balance: Balance,
-        reach: PelvisReach,
-        nominal_height: float,
-        posture_rates: BodyRates,
-        config: ManipulateConfig | None = None,
-    ):
-        """In STAND the center of mass is ``nominal_height`` [m] above the soles."""
-        self._balance = balance
-        self._reach = reach
-        self._nominal_height = nominal_height
-        self._posture_rates = posture_rates
-        self._config = config = config or ManipulateConfig()
+    def __init__(self, tools: BehaviorTools, config: ManipulateConfig):
+        self._balance = tools.balance
+        self._reach = PelvisReach(tools.robot, config.range)
+        self._nominal_height = tools.nominal_height
+        self._posture_rates = tools.rates
+        self._config = config
         self._rates = config.rates
         self._lead = config.lead
-        robot = balance.robot
+        robot = tools.robot
         self._back = robot.limb("back")
         self._legs = robot.limb("l_leg", "r_leg")
 

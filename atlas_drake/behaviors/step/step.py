@@ -12,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
-from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.base import BehaviorProtocol, Observation, Outcome
 from atlas_drake.behaviors.body_reference import BodyReference, advance_body
+from atlas_drake.behaviors.entry import BehaviorTools
 from atlas_drake.behaviors.step.action import StepAction, step_spec_from
 from atlas_drake.behaviors.step.beginning import StepBeginning
 from atlas_drake.behaviors.step.both_feet import (
@@ -44,7 +44,6 @@ from atlas_drake.messages import (
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan, PlannedPaths
 from atlas_drake.messages.event import STEPS_LEFT, Event
-from atlas_drake.planning.footholds import Gait
 
 
 class Step(BehaviorProtocol):
@@ -54,21 +53,14 @@ class Step(BehaviorProtocol):
     ``ShiftControl``, ``SwingControl``, ``LowerControl`` or ``SettleControl``.
     """
 
-    def __init__(
-        self,
-        balance: Balance,
-        nominal_height: float,
-        config: StepConfig | None = None,
-        gait: Gait | None = None,
-    ):
-        """Stands with the center of mass ``nominal_height`` [m] above the soles."""
-        config = config or StepConfig()
+    def __init__(self, tools: BehaviorTools, config: StepConfig):
+        balance, height = tools.balance, tools.nominal_height
         self._rates = config.body
         self._rules = config.rules
-        planner = StepPlanner(balance, nominal_height, config.limits, config.posture)
+        planner = StepPlanner(balance, height, config.limits, config.posture)
         default = StepAction(knee_nominal=planner.nominal_knee)
-        stance = StepBalance(balance, nominal_height, planner, config.rules)
-        beginning = StepBeginning(stance, default, config.swing, gait or Gait())
+        stance = StepBalance(balance, height, planner, config.rules)
+        beginning = StepBeginning(stance, default, config.swing, tools.gait)
         self._balance = balance
         self._stance = stance
         self._beginning = beginning
