@@ -408,12 +408,12 @@ def test_an_outcome_with_a_field_that_cannot_be_used_is_told(bow, changes, words
 
 
 def test_a_plan_of_another_type_is_refused(bow):
-    class Planless(Extended):
-        def plan(self, state, com, omega):
-            return None
+    def make(tools, _config):
+        stand = tools.stand()
+        stand.plan = lambda state, com, omega: None
+        return stand
 
-    make = replace(bow, make=lambda tools, _config: Planless(tools.stand()))
-    sim = AtlasSimulation(behaviors=[make])
+    sim = AtlasSimulation(behaviors=[replace(bow, make=make)])
     sim.publish(asked("BOW"))
     with pytest.raises(BehaviorError, match="plan of BOW must return Plan, returned"):
         sim.advance(0.02)
