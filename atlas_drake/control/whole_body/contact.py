@@ -124,15 +124,10 @@ class ContactPatch:
         to_patch[:3, 3:] = -self.R_FC.T @ VectorToSkewSymmetric(self.p_FC)
         return read_only(np.array(rows) @ to_patch)
 
-    @cached_property
+    @property
     def num_rows(self) -> int:
         """Number of rows r of the cone."""
         return len(self.cone)
-
-    @cached_property
-    def cone_vectors(self) -> np.ndarray:
-        """Moment and force part of each row of the cone in turn, shape (2 r, 3)."""
-        return self.cone.reshape(-1, 3)
 
 
 @dataclass(frozen=True)
