@@ -383,6 +383,8 @@ def _numbers(cls: type, values: Mapping[str, Any] | None = None) -> str:
 
 def _kind(annotation: Any) -> str:
     """A field's type in words that fit into a table."""
+    if typing.get_origin(annotation) is typing.Annotated:
+        annotation = typing.get_args(annotation)[0]
     # From Python 3.14 on unions have a name too, and it says nothing.
     named = not isinstance(annotation, types.UnionType)
     text = str(getattr(annotation, "__name__", annotation) if named else annotation)

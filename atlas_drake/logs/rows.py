@@ -60,10 +60,9 @@ class RowMaker:
         )
 
     def rows(self, samples: np.ndarray) -> np.ndarray:
-        """Computes rows, shape (k, layout's width); NaN for missing values.
+        """Computes rows, shape (k, layout's width), of k samples.
 
-        Args:
-            samples: Samples, shape (k, samples' size).
+        Missing values are NaN.
         """
         known = self.samples
         table = np.full((len(samples), self.layout.width), np.nan)

@@ -6,7 +6,7 @@ One dataclass, one comment per field, all defaults here. ``simulation`` runs a s
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from annotated_types import Interval
 from pydantic import BeforeValidator, Strict
@@ -113,6 +113,8 @@ class Start(Configuration):
 class Scenario(Configuration):
     """All settings of a run."""
 
+    _is_checked: ClassVar[bool] = False
+
     name: str = "sandbox"
     """Text that is shown to the user."""
     model: str = DEFAULT_ROBOT
@@ -207,11 +209,13 @@ class Scenario(Configuration):
         valid = self.validate()
         period = valid.control_period or nominal_period(valid.physics_step)
         plant = checked_plant_config(valid.plant, valid.physics_step)
-        return replace(
-            valid,
-            control_period=period,
-            plant=plant,
-            controller=valid.controller_config(),
+        return _passed(
+            replace(
+                valid,
+                control_period=period,
+                plant=plant,
+                controller=valid.controller_config(),
+            )
         )
 
     def validate(self) -> "Scenario":
@@ -220,9 +224,10 @@ class Scenario(Configuration):
         Raises:
             ScenarioError: Naming the first field that cannot be used.
         """
+        if self._is_checked:
+            return self
         given = replace(self, world=self.surroundings())
-        valid: Scenario = checked(Scenario, given, base=Scenario())
-        return valid
+        return _passed(checked(Scenario, given, base=Scenario()))
 
     def check(self) -> None:
         """Checks what files and other fields decide."""
@@ -408,13 +413,18 @@ def scenario_from(
     Raises:
         ScenarioError: Naming the first field that cannot be used.
     """
-    base = Scenario() if default is None else default
+    base = Scenario() if default is None else default.validate()
     present = base.surroundings()
-    base = replace(base, world=present, noise=noise_model(base.noise))
+    base = replace(base, world=present)
     if "world" in fields:
         world = world_from(fields["world"], present)
         fields = {**fields, "world": world}
-    scenario: Scenario = checked(Scenario, fields, base=base, from_text=True)
+    return _passed(checked(Scenario, fields, base=base, from_text=True))
+
+
+def _passed(scenario: Scenario) -> Scenario:
+    """Marks a scenario as checked; ``replace`` makes one that is not."""
+    object.__setattr__(scenario, "_is_checked", True)
     return scenario
 
 

@@ -67,7 +67,6 @@ from atlas_drake.simulation.steady import steady_ticks
 from atlas_drake.simulation.summary import estimator_drift, make_summary
 from atlas_drake.simulation.turns import Turns
 from atlas_drake.visualization.overlays import Overlays
-from atlas_drake.visualization.viewer_gate import show_latest
 
 if TYPE_CHECKING:
     from atlas_drake.logs.recorder import LogRecorder
@@ -75,8 +74,6 @@ if TYPE_CHECKING:
 
 CHUNK = 0.02
 """Simulated time between looks at events and Ctrl-C [s]."""
-SHOWN_EVERY = 0.5
-"""At most this often a slow viewer is shown where an advance ended [s of wall time]."""
 
 
 class AtlasSimulation:
@@ -230,14 +227,13 @@ class AtlasSimulation:
         self._error: str | None = None
         self._faults: list[AtlasError] = []
         self._wall_time = 0.0
-        self._shown = 0.0
         self._pace.forget_all()
 
     # ---- log -----------------------------------------------------------------
 
     def _start_log(self, path: Path, world: Sequence[WorldMaker]) -> LogRecorder:
         # What logs need loads only where there is one.
-        from atlas_drake.logs.start import start_recorder
+        from atlas_drake.logs.recorder import start_recorder
 
         recorder = start_recorder(
             path,
@@ -380,19 +376,6 @@ class AtlasSimulation:
                             self._advance_chunk(end)
         finally:
             self._wall_time += time.perf_counter() - begin
-        if self.meshcat is not None:
-            self._show_end(time.perf_counter())
-
-    def _show_end(self, now: float) -> None:
-        """Shows a viewer that is too slow for all pictures where an advance ended.
-
-        Not more often than it can take: an advance that ends soon after another one
-        may stay unseen until the next picture that comes through.
-        """
-        if now - self._shown > SHOWN_EVERY:
-            self._shown = now
-            with self._turns:
-                show_latest(self.diagram, self.context)
 
     def _advance_chunk(self, t: float) -> None:
         """Simulates until the next look at the events, at most until ``t``."""

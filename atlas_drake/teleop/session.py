@@ -30,10 +30,7 @@ class Session:
     ) -> None:
         """Starts at the present state of the simulation.
 
-        Args:
-            sim: Simulation of the robot.
-            panel: Panel that steers the robot.
-            real_time: True to simulate no faster than real time.
+        With ``real_time`` it simulates no faster than real time.
         """
         self._sim = sim
         self._panel = panel

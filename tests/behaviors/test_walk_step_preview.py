@@ -19,7 +19,7 @@ from atlas_drake.behaviors.walk.phases import (
     WalkShift,
     WalkSwing,
 )
-from atlas_drake.behaviors.walk.step_preview import (
+from atlas_drake.behaviors.walk.steps import (
     LOOK_AHEAD,
     look_ahead,
     subject,

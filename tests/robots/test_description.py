@@ -11,7 +11,7 @@ from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.control.feet.leg_kinematics import solve_leg
 from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.errors import InvalidMessageError, RobotDescriptionError
-from atlas_drake.messages import AtlasCommand, validate_atlas_command
+from atlas_drake.messages import AtlasCommand, check_command
 from atlas_drake.robot import load_robot
 
 
@@ -108,7 +108,7 @@ def test_shapes_of_the_robot_inside_each_other_are_named_and_can_be_let_pass(cop
 
 @pytest.mark.parametrize(
     ("pairs", "words"),
-    [("[[hips]]", "must be two words"), ("[[hips, nose]]", "no body 'nose'")],
+    [("[[hips]]", "at least 2 items, not 1"), ("[[hips, nose]]", "no body 'nose'")],
 )
 def test_pairs_that_do_not_exist_are_refused(copied, pairs, words):
     path = copied()
@@ -214,10 +214,10 @@ def test_joints_that_cannot_be_commanded_are_refused(copied, fault):
 def test_messages_are_as_long_as_the_robot_has_joints(heron):
     message = AtlasCommand()
     message.position = heron.stand_prep
-    validate_atlas_command(message, heron.joint_names)
+    check_command(message, heron.joint_names)
     message.position = load_robot().stand_prep
     with pytest.raises(InvalidMessageError, match="must have 15 elements"):
-        validate_atlas_command(message, heron.joint_names)
+        check_command(message, heron.joint_names)
 
 
 def test_its_gait_keeps_its_own_limits(heron):

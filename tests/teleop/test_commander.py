@@ -9,8 +9,7 @@ from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.messages import (
     Behavior,
     BehaviorStatus,
-    validate_atlas_command,
-    validate_sim_interface_command,
+    check_command,
 )
 from atlas_drake.messages.behavior_catalog import (
     SHIPPED,
@@ -58,11 +57,11 @@ def look(panel, robot, standing, state):
     def once():
         orders = commander.look(panel.read(), standing, state, DT)
         if orders.atlas_command is not None:
-            validate_atlas_command(orders.atlas_command, robot.joint_names)
+            check_command(orders.atlas_command, robot.joint_names)
             if len(orders.atlas_command.k_effort):
                 standing.k_effort = list(orders.atlas_command.k_effort)
         if orders.sim_command is not None:
-            validate_sim_interface_command(orders.sim_command, robot.joint_names)
+            check_command(orders.sim_command, robot.joint_names)
             behavior = Behavior(orders.sim_command.behavior)
             standing.current_behavior = standing.desired_behavior = behavior
         for slider, value in orders.sliders.items():

@@ -9,7 +9,7 @@ and fall. When the user gives a leg back, the behavior continues.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -39,22 +39,6 @@ class Holding:
     warned: bool = False
 
 
-class StandingBehavior(BehaviorProtocol, Protocol):
-    """A behavior that the stance guard can interrupt."""
-
-    def idle(self, state: Any, observation: Observation) -> Any:
-        """Returns the behavior's state after a tick in which the pose was held."""
-
-    def resume(
-        self,
-        state: Any,
-        observation: Observation,
-        body: BodyReference,
-        request: BehaviorRequest,
-    ) -> Any:
-        """Returns the state in which the behavior continues from the present pose."""
-
-
 class StanceGuard(BehaviorProtocol):
     """A standing behavior, interrupted while it has no leg to balance on.
 
@@ -62,7 +46,7 @@ class StanceGuard(BehaviorProtocol):
         behavior: The behavior that balances.
     """
 
-    def __init__(self, behavior: StandingBehavior, freeze: Freeze, balance: Balance):
+    def __init__(self, behavior: BehaviorProtocol, freeze: Freeze, balance: Balance):
         """Runs ``behavior`` while it can balance, else ``freeze``."""
         self.behavior = behavior
         self._freeze = freeze

@@ -1,7 +1,7 @@
 """Makes the phases of a walk, each with its initial DCM plan.
 
-``double_support``, ``single_support`` and ``settling`` determine when a phase ends. The
-mathematics of the plan is in ``gait``; that of the steps, in ``step_preview``.
+``both_feet`` and ``single_support`` determine when a phase ends. The
+mathematics of the plan is in ``gait``; that of the steps, in ``steps``.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from atlas_drake.behaviors.walk.phases import (
     WalkShift,
     WalkSwing,
 )
-from atlas_drake.behaviors.walk.step_preview import (
+from atlas_drake.behaviors.walk.steps import (
     StepPreview,
     look_ahead,
     subject,
