@@ -52,7 +52,11 @@ class StepStream:
     def next_command(
         self, report: AtlasSimInterfaceState
     ) -> AtlasSimInterfaceCommand | None:
-        """Returns the command to publish now, if any, by the latest report."""
+        """Returns the command to publish now, if any.
+
+        Args:
+            report: Latest report of the behaviors.
+        """
         if self._sent == len(self._steps) or self.is_over(report):
             return None
         if self._sent and not self._wants_more(report):
@@ -71,6 +75,9 @@ class StepStream:
         """Returns True once the walk has ended, completed or not.
 
         The events of the run tell if the walk was completed.
+
+        Args:
+            report: Latest report of the behaviors.
         """
         if not self._steps:
             return True
