@@ -25,7 +25,7 @@ from atlas_drake.control.pelvis.pelvis_pose import (
     at_rest,
     make_stance,
 )
-from atlas_drake.control.pelvis.pelvis_reach import PelvisReach, UpperBody
+from atlas_drake.control.pelvis.pelvis_reach import PelvisReach
 from atlas_drake.control.rotations import tilt_of
 from atlas_drake.frozen import replace
 from atlas_drake.messages import (
@@ -59,7 +59,7 @@ class ManipulateState:
     goal: PelvisPose
     home: PelvisPose
     motion: PelvisMotion
-    upper: UpperBody
+    upper: np.ndarray
     sensed: PelvisPose
     request: BehaviorRequest | None = None
     demo_time: float | None = None
@@ -252,7 +252,7 @@ class Manipulate(BehaviorProtocol):
 
     def _arms_moved(self, state: ManipulateState, observation: Observation) -> bool:
         upper = self._reach.upper_body(observation.terms, state.stance)
-        moved = upper.p_PU - state.upper.p_PU
+        moved = upper - state.upper
         return float(moved @ moved) > self._config.arms_moved**2
 
     # ---- references ----------------------------------------------------------
