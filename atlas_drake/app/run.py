@@ -19,10 +19,9 @@ from atlas_drake.app.interrupts import ctrl_c, nothing_cut_off
 from atlas_drake.app.outputs import (
     check_outputs,
     invite_viewer,
-    keep,
+    keep_files,
     keep_recording,
     keep_text,
-    keep_video,
     open_view,
     realtime_rate,
     video_asked_for,
@@ -97,7 +96,7 @@ def run_scenario(
             stopped = (simulate or _simulate)(sim, progress)
         finally:
             # Also after a second Ctrl-C: unfinished files cannot be read.
-            kept = _keep_what_grew(sim, options, progress)
+            kept = keep_files(sim, options, progress)
         summary = sim.summary()
         summary["stopped"] = stopped
         if stopped is not None:
@@ -115,23 +114,6 @@ def run_scenario(
         show_latest(sim.diagram, sim.context)
         keep_serving(progress.say)
     return exit_status.OK if summary["success"] else exit_status.FAILED
-
-
-def _keep_what_grew(
-    sim: AtlasSimulation, options: argparse.Namespace, progress: Progress
-) -> bool:
-    """Completes video and log, which grow during the run; returns True on success."""
-    kept = True
-    if options.video is not None:
-        kept = keep_video(options.video, sim.close_video, progress)
-    if options.log is not None and sim.time == 0.0:
-        sim.close()
-        progress.say(f"{options.log} is not written: nothing was simulated.")
-    elif options.log is not None:
-        progress.say(f"Completing {options.log} ...")
-        draw = f"; draw it: atlas-drake plot {options.log}"
-        kept = keep(options.log, sim.close, progress, lambda _closed: draw) and kept
-    return kept
 
 
 def with_options(scenario: Scenario, options: argparse.Namespace) -> Scenario:

@@ -477,9 +477,11 @@ def test_a_second_ctrl_c_cuts_off_nothing_that_is_written(
         signal.raise_signal(signal.SIGINT)
 
     monkeypatch.setattr(run_command.Progress, "update", interrupt)
-    close = run_command.AtlasSimulation.close
+    detach = run_command.AtlasSimulation.detach
     monkeypatch.setattr(
-        run_command.AtlasSimulation, "close", lambda sim: (interrupt(), close(sim))
+        run_command.AtlasSimulation,
+        "detach",
+        lambda sim, sink: (interrupt(), detach(sim, sink)),
     )
     file, log = tmp_path / "out.json", tmp_path / "out.npz"
     keep = ["--json", str(file), "--log", str(log)]

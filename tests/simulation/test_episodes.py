@@ -123,7 +123,7 @@ def test_friction_and_masses_are_drawn_anew():
     assert before[1] != after[1]
     for name in ("ground", "terrain_0"):
         assert before[0][name] != after[0][name]
-        assert after[0][name] == sim._stage.variation.ground_friction
+        assert after[0][name] == sim._run.variation.ground_friction
     assert before[0]["terrain_1"] == after[0]["terrain_1"] == 0.3
     sim.reset(seed=1)
     assert drawn() == before

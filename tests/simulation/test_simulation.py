@@ -665,3 +665,56 @@ def test_steps_read_as_they_were_given(tmp_path):
     header = read_log(path).header
     assert header.control_period == 0.009
     assert "physics_step: 0.003\n" in header.scenario
+
+
+# ---- sinks ---------------------------------------------------------------------
+
+
+class Notebook:
+    """A sink that keeps what it gets."""
+
+    path = fault = None
+
+    def __init__(self):
+        self.texts, self.closed_at = [], None
+
+    def event(self, event):
+        self.texts.append(event.text)
+
+    def close(self, root):
+        self.closed_at = root.get_time()
+        return len(self.texts)
+
+
+def test_a_sink_gets_events_from_attach_to_detach(sim):
+    first, second = Notebook(), Notebook()
+    sim.publish(behavior_command("FREEZE"))
+    sim.advance(2 * TICK)
+    sim.attach(first)
+    sim.attach(second)
+    sim.publish(behavior_command("STAND_PREP"))
+    sim.advance(2 * TICK)
+    assert sim.detach(first) == 1
+    assert first.closed_at == sim.time
+    sim.reset(seed=1)
+    sim.publish(behavior_command("USER"))
+    sim.advance(2 * TICK)
+    sim.close()
+    assert first.texts == ["FREEZE -> STAND_PREP"]
+    assert second.texts == ["FREEZE -> STAND_PREP", "STAND -> USER"]
+    assert sim.sinks == ()
+    with pytest.raises(ValueError, match="not in"):
+        sim.detach(first)
+
+
+def test_close_completes_the_other_sinks_when_one_fails(sim):
+    class Broken(Notebook):
+        def close(self, root):
+            raise OSError("disk full")
+
+    kept = Notebook(), Notebook()
+    for sink in (kept[0], Broken(), kept[1]):
+        sim.attach(sink)
+    with pytest.raises(OSError, match="disk full"):
+        sim.close()
+    assert [sink.closed_at for sink in kept] == [0.0, 0.0]
