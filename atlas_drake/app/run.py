@@ -29,10 +29,12 @@ from atlas_drake.app.outputs import (
 from atlas_drake.app.parts import load_parts
 from atlas_drake.app.progress import Progress
 from atlas_drake.behaviors.footstep_event import is_elsewhere
+from atlas_drake.errors import ScenarioError
 from atlas_drake.logs.formats import check_format
 from atlas_drake.messages.event import STEPS_LEFT
-from atlas_drake.scenario import Scenario, with_settings
+from atlas_drake.scenario import Scenario, load_scenario, with_settings
 from atlas_drake.simulation import AtlasSimulation, SimulationError
+from atlas_drake.simulation.tutorial import DURATION
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.viewer import interactive, keep_serving
 from atlas_drake.visualization.viewer_gate import show_latest
@@ -44,6 +46,45 @@ AFTER_FALL = 2.0
 
 Simulate = Callable[[AtlasSimulation, Progress], str | None]
 """Simulates a run; returns None, or why it ended early, other than by a fall."""
+
+
+def run_demo(options: argparse.Namespace) -> int:
+    """Runs the tutorial; returns the exit status."""
+    scenario = Scenario(
+        name="demo",
+        programme="tutorial_literal" if options.literal else "tutorial",
+        duration=DURATION,
+    )
+    return run_scenario(scenario, options)
+
+
+def run_file(options: argparse.Namespace) -> int:
+    """Runs the scenario of a file; returns the exit status."""
+    return run_scenario(scenario_of(options, "run"), options)
+
+
+def scenario_of(options: argparse.Namespace, name: str) -> Scenario:
+    """Reads the scenario of a command, and says so if the file is a campaign.
+
+    Args:
+        options: Options of the command line.
+        name: Name of the default scenario, for a command without a file.
+
+    Raises:
+        ScenarioError: If the file is not a valid scenario.
+    """
+    path = options.scenario
+    if path is None:
+        return Scenario(name=name)
+    try:
+        return load_scenario(path)
+    except ScenarioError as error:
+        from atlas_drake.campaigns.reading import is_campaign
+
+        if error.field == "file" or not is_campaign(path):
+            raise
+        problem = f"{path} is a campaign: use `atlas-drake sweep {path}`"
+        raise ScenarioError(error.field, error.value, problem) from None
 
 
 def run_scenario(

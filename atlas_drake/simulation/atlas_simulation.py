@@ -153,7 +153,14 @@ class AtlasSimulation:
                 a model of it.
             BehaviorError: If a behavior cannot be registered.
         """
-        check_arguments(scenario, view, overlays, video, on_event, log)
+        check_arguments(
+            scenario=scenario,
+            view=view,
+            overlays=overlays,
+            video=video,
+            on_event=on_event,
+            log=log,
+        )
         self.scenario = (scenario or Scenario()).resolved()
         self.robot = load_robot(self.scenario.model)
         self._own_behaviors = configured(
