@@ -31,7 +31,6 @@ from atlas_drake.errors import (
     InvalidMessageError,
     ScenarioError,
     WaitTimeoutError,
-    did_you_mean,
     shown,
 )
 from atlas_drake.messages import (
@@ -64,7 +63,7 @@ from atlas_drake.simulation.run_diagram import RunDiagram
 from atlas_drake.simulation.run_log import RunLog
 from atlas_drake.simulation.sinks import FileSink, Listener, Sink
 from atlas_drake.simulation.steady import steady_ticks
-from atlas_drake.simulation.summary import estimator_drift, make_summary
+from atlas_drake.simulation.summary import make_summary
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.viewer_gate import show_latest
 
@@ -188,7 +187,12 @@ class AtlasSimulation:
                 self._own_behaviors,
             )
         try:
-            self.meshcat = self._open(view)
+            if view is True:
+                from atlas_drake.visualization.viewer import start_meshcat
+
+                self.meshcat = start_meshcat()
+            else:
+                self.meshcat = view or None
             self._run = RunDiagram(
                 self.robot,
                 self.scenario,
@@ -233,15 +237,6 @@ class AtlasSimulation:
             if not self.realtime_rate:
                 self.set_realtime_rate(1.0)
 
-    @staticmethod
-    def _open(view: bool | Meshcat | None) -> Meshcat | None:
-        """Returns the Meshcat to draw in, a new one for True."""
-        if view is True:
-            from atlas_drake.visualization.viewer import start_meshcat
-
-            return start_meshcat()
-        return view or None
-
     def _note_begin(self) -> None:
         """Starts the records of a run that begins."""
         del self._tick_seconds[:]
@@ -274,7 +269,7 @@ class AtlasSimulation:
             sink: One of ``sinks``.
 
         Returns:
-            What the sink's ``close`` returns.
+            The result of the sink's ``close``.
 
         Raises:
             ValueError: If the sink is not attached.
@@ -321,12 +316,12 @@ class AtlasSimulation:
         that is sent again counts again.
 
         Any thread may call this. While another thread simulates, the message is checked
-        here, and taken in before that thread simulates another 20 ms. What contradicts
-        only what is in force then, such as a stamp before the last one, is not raised
-        but reported: by ``error_code``, and as an event.
+        here, and received before that thread simulates another 20 ms. A contradiction
+        to the commands in force then, such as a stamp before the last one, is not
+        raised but reported: by ``error_code``, and as an event.
 
         Args:
-            message: What is commanded.
+            message: The command.
 
         Raises:
             InvalidMessageError: If the message cannot be applied. The robot then
@@ -407,28 +402,17 @@ class AtlasSimulation:
                     with self._lock:
                         # Another thread may have had a turn meanwhile.
                         if self.time < end - 1e-9:
-                            self._advance_chunk(end)
+                            self._pace.forget_lost_time()
+                            self._run.advance_to(min(end, self.time + CHUNK))
+                            self._look()
         finally:
             self._wall_time += time.perf_counter() - begin
-        if self.meshcat is not None:
-            self._show_end(time.perf_counter())
-
-    def _show_end(self, now: float) -> None:
-        """Shows a viewer that is too slow for all pictures where an advance ended.
-
-        Not more often than it can take: an advance that ends soon after another one
-        may stay unseen until the next picture that comes through.
-        """
-        if now - self._shown > SHOWN_EVERY:
+        # A viewer that is too slow for all pictures is shown where an advance ended.
+        now = time.perf_counter()
+        if self.meshcat is not None and now - self._shown > SHOWN_EVERY:
             self._shown = now
             with self._lock:
                 show_latest(self.diagram, self.context)
-
-    def _advance_chunk(self, t: float) -> None:
-        """Simulates until the next look at the events, at most until ``t``."""
-        self._pace.forget_lost_time()
-        self._run.advance_to(min(t, self.time + CHUNK))
-        self._look()
 
     def wait_until(
         self,
@@ -602,9 +586,9 @@ class AtlasSimulation:
     def context(self) -> Context:
         """The root context of the diagram; not for use while another thread simulates.
 
-        The rest here may be called by any thread. What reads an output or changes
-        anything waits until the one that simulates pauses, as it does every 20 ms of
-        simulated time; ``time``, ``events`` and the like say what was last noticed.
+        Any thread may call all other members. Those that read an output or change
+        anything wait until the simulating thread pauses, every 20 ms of simulated time;
+        ``time``, ``events`` and the like give the state at the last pause.
         """
         return self.simulator.get_mutable_context()
 
@@ -640,7 +624,7 @@ class AtlasSimulation:
 
     @property
     def events(self) -> list[Event]:
-        """What happened so far."""
+        """All events so far."""
         return self._log.events
 
     @property
@@ -662,17 +646,8 @@ class AtlasSimulation:
         Raises:
             ValueError: If the robot has neither a body nor a frame of that name.
         """
-        own = self.robot.instance(self.plant)
-        if not (isinstance(name, str) and self.plant.HasFrameNamed(name, own)):
-            indices = self.plant.GetFrameIndices(own)
-            known = [self.plant.get_frame(index).name() for index in indices]
-            raise ValueError(
-                f"{self.robot.name} has no frame {name!r}."
-                f"{did_you_mean(str(name), known)} Known are {', '.join(known)}"
-            )
-        frame = self.plant.GetFrameByName(name, own)
         with self._lock:
-            return frame.CalcPoseInWorld(self._run.plant_context)
+            return self._run.frame_pose(name)
 
     @property
     def tick_seconds(self) -> MutableSequence[float]:
@@ -680,7 +655,7 @@ class AtlasSimulation:
         return self._tick_seconds
 
     def output(self, name: str) -> Any:
-        """What an output port of the station says now.
+        """Reads an output port of the station.
 
         Args:
             name: Of the port, such as ``effort``: those of
@@ -696,15 +671,8 @@ class AtlasSimulation:
             return self._run.output(name)
 
     def summary(self) -> dict[str, Any]:
-        """What happened so far, as plain numbers and text ready for JSON."""
-        extremes = self.output("extremes")
-        summary = make_summary(self, self._wall_time, extremes)
-        if self.scenario.state == "estimated":
-            summary["estimator_drift"] = estimator_drift(
-                self.output("estimation_error"),
-                self.output("largest_estimation_error"),
-            )
-        return summary
+        """Summarizes the run as plain numbers and text, ready for JSON."""
+        return make_summary(self, self._wall_time)
 
     # ---- events --------------------------------------------------------------
 

@@ -9,6 +9,7 @@ from collections.abc import Iterable, MutableSequence, Sequence
 from typing import Any, TypeAlias
 
 import numpy as np
+from pydrake.math import RigidTransform
 from pydrake.systems.analysis import ApplySimulatorConfig, Simulator
 from pydrake.systems.framework import Context
 
@@ -49,7 +50,7 @@ class RunDiagram:
         station: The ``AtlasStation`` in it.
         plant: The ``MultibodyPlant`` of the station.
         simulator: Drake's simulator of the diagram.
-        variation: What the present run drew from its seed.
+        variation: Random variation of the present run.
     """
 
     def __init__(
@@ -242,6 +243,23 @@ class RunDiagram:
                 f"Known are {', '.join(self._outputs)}"
             )
         return self.diagram.get_output_port(index).Eval(self.context)
+
+    def frame_pose(self, name: str) -> RigidTransform:
+        """Returns the pose in W of a body or frame of the robot.
+
+        Raises:
+            ValueError: If the robot has neither a body nor a frame of that name.
+        """
+        own = self.robot.instance(self.plant)
+        if not (isinstance(name, str) and self.plant.HasFrameNamed(name, own)):
+            indices = self.plant.GetFrameIndices(own)
+            known = [self.plant.get_frame(index).name() for index in indices]
+            raise ValueError(
+                f"{self.robot.name} has no frame {name!r}."
+                f"{did_you_mean(str(name), known)} Known are {', '.join(known)}"
+            )
+        frame = self.plant.GetFrameByName(name, own)
+        return frame.CalcPoseInWorld(self.plant_context)
 
     def _check_place(self, variation: Variation, start: Start) -> None:
         """Tries a place apart from the run; only a model of the world can be there.
