@@ -44,7 +44,8 @@ format: $(STAMP) ## Format the code and fix what can be fixed.
 	@$(BIN)/ruff format .
 
 # Material names MkDocs 2, which is not used here, in a banner.
-docs: $(STAMP) ## Build the site of README, docs/ and all docstrings (build/site).
+docs: $(STAMP) ## Write reference and JSON schemas; build the site (build/site).
+	@$(BIN)/python docs/make_reference.py
 	@NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --quiet $(ARGS)
 	@echo "Open build/site/index.html; to search in it, serve it:" \
 	  "$(BIN)/python -m http.server -d build/site"

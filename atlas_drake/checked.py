@@ -16,7 +16,6 @@ from collections.abc import Mapping
 from typing import Annotated, Any
 
 import numpy as np
-from annotated_types import Ge, Gt, Interval, Len
 from pydantic import TypeAdapter, ValidationError
 from pydantic_core import core_schema
 from pydrake.common.schema import Transform
@@ -31,25 +30,8 @@ LARGEST = 1e6
 """Largest absolute value of a number in a scenario, in any unit: a thousand kilometres
 from the origin, positions are still exact to a nanometre."""
 _EXPONENT = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+")
-_WANTED = {
-    "float_type": "a number",
-    "int_type": "a whole number",
-    "string_type": "a word",
-    "bool_type": "true or false",
-    "list_type": "a list",
-    "tuple_type": "a list",
-    "dict_type": "a mapping of words",
-    "invalid_key": "a mapping of words",
-}
-"""Completes the sentence "must be ..." for pydantic's kinds of errors."""
+_SHOULD_BE = "Input should be "
 _UNKNOWN = ("unexpected_keyword_argument", "extra_forbidden")
-_OUT_OF_BOUNDS = (
-    "finite_number",
-    "greater_than",
-    "greater_than_equal",
-    "less_than",
-    "less_than_equal",
-)
 
 
 def checked(
@@ -256,20 +238,16 @@ def _first(error: ValidationError, kind: Any, path: str) -> ScenarioError:
         return ScenarioError(where, cause.value, cause.problem)
     if name == "value_error":
         return ScenarioError(where, value, str(fault["ctx"]["error"]))
-    if name in ("too_short", "too_long"):
-        return _wrong(where, value, _length(known))
     if name == "float_type" and is_number(value):
         return _wrong(where, value, f"within ±{LARGEST:g}")
     if name in ("dataclass_type", "dict_type") and _names(_structure(known)):
         return _wrong(where, value, _example(_structure(known)))
-    if name == "literal_error":
-        words = filter(None, typing.get_args(_structure(known)))
-        return _wrong(where, value, f"one of {', '.join(map(str, words))}")
-    if name in _OUT_OF_BOUNDS:
-        return _wrong(where, value, _bounds(known))
-    if name == "is_instance_of":
-        return _wrong(where, value, f"a {fault['ctx']['class']}")
-    return _wrong(where, value, _WANTED.get(name, fault["msg"]))
+    if name == "bool_type":  # In the words of YAML.
+        return _wrong(where, value, "true or false")
+    said = fault["msg"].replace(" after validation", "")
+    if said.startswith(_SHOULD_BE):
+        return _wrong(where, value, said.removeprefix(_SHOULD_BE))
+    return ScenarioError(where, value, f"is {shown(value)}; {said}")
 
 
 def _structure(kind: Any) -> Any:
@@ -299,37 +277,6 @@ def _notes(kind: Any) -> tuple[Any, ...]:
     if typing.get_origin(kind) in (types.UnionType, typing.Union):
         return sum((_notes(one) for one in typing.get_args(kind)), ())
     return ()
-
-
-def _bounds(kind: Any) -> str:
-    """Describes a number by its declared bounds."""
-    for note in _notes(kind):
-        if isinstance(note, Gt):
-            return f"above {note.gt:g}"
-        if isinstance(note, Ge):
-            return f"{note.ge:g} or more"
-        if isinstance(note, Interval):
-            least = f"from {note.ge:g}" if note.gt is None else f"above {note.gt:g}"
-            most = (
-                f"to {_short(note.le)}" if note.lt is None else f"and below {note.lt:g}"
-            )
-            return f"{least} {most}"
-    return "a finite number"
-
-
-def _short(number: Any) -> str:
-    """Writes 1.0 as 1, and a large whole number in full."""
-    return str(number) if isinstance(number, int) else f"{number:g}"
-
-
-def _length(kind: Any) -> str:
-    """Describes a list by its declared length."""
-    length = next((one for one in _notes(kind) if isinstance(one, Len)), None)
-    if length is None:
-        return "a list that is not empty"
-    count = {2: "two", 3: "three", 6: "six"}[length.min_length]
-    elements = typing.get_args(_structure(kind))[0]
-    return f"{count} {'numbers' if _structure(elements) is float else 'words'}"
 
 
 def _example(kind: Any) -> str:

@@ -5,9 +5,12 @@ Declarations only; ``checked`` reads and checks values against them.
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, NamedTuple
 
 from annotated_types import Ge, Gt, Interval, Len
+from pydantic import AfterValidator, BeforeValidator
+
+from atlas_drake.errors import shown
 
 Positive = Annotated[float, Gt(0.0)]
 """A number above 0, such as a divisor."""
@@ -19,6 +22,31 @@ ProperShare = Annotated[float, Interval(gt=0.0, lt=1.0)]
 """A share of a whole, neither 0 nor 1 [-]."""
 Vector = Annotated[list[float], Len(3, 3)]
 """Three numbers."""
+
+
+class LeastGreatest(NamedTuple):
+    """A least and a greatest value."""
+
+    least: float
+    greatest: float
+
+
+def _two_numbers(value: Any) -> Any:
+    if isinstance(value, list | tuple) and len(value) == 2:
+        return value
+    raise ValueError(f"is {shown(value)}; must be two numbers, the least and greatest")
+
+
+def _in_order(value: LeastGreatest) -> LeastGreatest:
+    if value.least > value.greatest:
+        raise ValueError(f"is {list(value)}; the least must not exceed the greatest")
+    return value
+
+
+Range = Annotated[
+    LeastGreatest, BeforeValidator(_two_numbers), AfterValidator(_in_order)
+]
+"""A least and a greatest value, ``[least, greatest]`` in YAML."""
 
 
 class Configuration:

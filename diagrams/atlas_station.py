@@ -45,6 +45,7 @@ from atlas_drake.messages import Behavior
 from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.robot import Robot, load_robot
 from atlas_drake.scenario.drake_configs import checked_plant_config, plant_config
+from atlas_drake.scenario.harness import HarnessGains
 from atlas_drake.scenario.noise import NoiseModel
 from atlas_drake.scenario.pushes import PlannedPush
 from atlas_drake.scenario.terrain import GROUND_SIZE, GROUND_THICKNESS, Block
@@ -84,8 +85,9 @@ class StationConfig:
         seed: Seed of that noise.
         initial_behavior: The behavior active at the start.
         harnessed: True to add a harness that can hold the pelvis.
+        harness: Gains of the harness.
         estimated: True if the behaviors read an estimate in place of the true state.
-        controller: Parameters of the controller.
+        controller: Parameters of the controller; None for the robot's.
         estimator: Parameters of the state estimator.
         plant: Contact model and solver; see ``Scenario.plant``.
         pushes: Pushes on the robot, see ``PlannedPush``.
@@ -99,8 +101,9 @@ class StationConfig:
     seed: int = 0
     initial_behavior: Behavior = Behavior.STAND
     harnessed: bool = False
+    harness: HarnessGains = field(default_factory=HarnessGains)
     estimated: bool = False
-    controller: ControllerConfig = field(default_factory=ControllerConfig)
+    controller: ControllerConfig | None = None
     estimator: OdometryTuning = field(default_factory=OdometryTuning)
     plant: MultibodyPlantConfig = field(default_factory=plant_config)
     pushes: tuple[PlannedPush, ...] = ()
@@ -172,6 +175,7 @@ def make_atlas_station(
     """
     robot = robot or load_robot()
     config = config or StationConfig()
+    tuning = config.controller or ControllerConfig.of(robot.file)
     builder = DiagramBuilder()
     entries = (*SHIPPED_ENTRIES, *registered(behaviors))
     plant, scene_graph = _add_plant(builder, robot, config, world)
@@ -223,7 +227,7 @@ def make_atlas_station(
     )
     falls = builder.AddNamedSystem(
         "fall_monitor",
-        FallMonitor(robot, plant, config.controller.fall, config.control_period),
+        FallMonitor(robot, plant, tuning, config.control_period),
     )
 
     def connect(source: System, output: str, target: System, *inputs: str) -> None:
@@ -274,7 +278,9 @@ def make_atlas_station(
     )
     forces = pushes.GetOutputPort("applied_spatial_force")
     if config.harnessed:
-        harness = builder.AddNamedSystem("harness", Harness(robot, plant))
+        harness = builder.AddNamedSystem(
+            "harness", Harness(robot, plant, config.harness)
+        )
         builder.Connect(own_state, harness.GetInputPort("state"))
         connect(selector, "actuation", harness)
         connect(sensors, "foot_wrenches", harness)
@@ -327,12 +333,13 @@ def make_whole_body_controller(
         config: Settings of the station.
         entries: Entries of the behaviors.
     """
+    tuning = config.controller or ControllerConfig.of(robot.file)
     return WholeBodyController(
         robot,
-        config.controller,
+        tuning,
         config.control_period,
         config.initial_behavior,
-        configured(entries, config.controller.behaviors),
+        configured(entries, tuning.behaviors),
     )
 
 

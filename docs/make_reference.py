@@ -23,6 +23,7 @@ from pathlib import Path
 from typing import Any
 
 import source_docs
+from json_schemas import schema_files
 
 import atlas_drake
 from atlas_drake import errors, messages
@@ -32,6 +33,7 @@ from atlas_drake.behaviors.entry import legal_transitions
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.behaviors.stand import stance_guard
 from atlas_drake.checked import as_plain
+from atlas_drake.configuration import LeastGreatest
 from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.messages import Behavior, Message
 from atlas_drake.robot import RobotFile, load_robot
@@ -50,11 +52,6 @@ PARAMS = {
     Behavior.STEP: "AtlasBehaviorStepParams",
     Behavior.STAND: "AtlasBehaviorStandParams",
     Behavior.MANIPULATE: "AtlasBehaviorManipulateParams",
-}
-IN_ROBOTS_FILE = {
-    Behavior.WALK: ("walk_limits", "gait_timing", "usual_steps"),
-    Behavior.STEP: ("step_limits",),
-    Behavior.MANIPULATE: ("pelvis_range",),
 }
 FLAGS = (messages.BehaviorStatus, messages.WalkStatus, messages.StepStatus)
 
@@ -130,9 +127,6 @@ def behavior_page(behavior: Behavior, implementation: base.BehaviorProtocol) -> 
             f"**Reads** [`{params}`](../{params}.md), **reports** "
             f"[`{feedback}`](../{feedback}.md)."
         )
-    if behavior in IN_ROBOTS_FILE:
-        names = ", ".join(f"`{name}`" for name in IN_ROBOTS_FILE[behavior])
-        parts.append(f"**Limits** stand in [the robot's file](../robot.md): {names}.")
     if guard:
         parts += ["## Without a leg", source_docs.paragraphs(guard)]
     tuned = _tuned(ControllerConfig())
@@ -241,8 +235,9 @@ def scenario_page() -> str:
     parts = [
         "# Fields of a scenario",
         "In a YAML file nested; on the command line `--set key.path=value`. Checks of "
-        "the values are in [`scenario.py`](../../atlas_drake/scenario/scenario.py).",
-        *_fields_of(Scenario(), ""),
+        "the values are in [`scenario.py`](../../atlas_drake/scenario/scenario.py). A "
+        "robot's file gives values of its own for `controller`, at the same paths.",
+        *_fields_of(dataclasses.replace(Scenario(), controller=ControllerConfig()), ""),
     ]
     return "\n\n".join([*parts, NOTE]) + "\n"
 
@@ -303,6 +298,9 @@ def index_page(pages: list[str]) -> str:
         "- [A robot's file](robot.md): every field, with unit and default\n"
         "- [Fields of a scenario](scenario.md), among them every number of the "
         "controller\n"
+        "- JSON schemas, with which editors check and complete YAML files: "
+        "[scenario](schema/scenario.schema.json), [world](schema/world.schema.json), "
+        "[robot](schema/robot.schema.json), [campaign](schema/campaign.schema.json)\n"
         "- [The diagram](diagram.svg): all systems and connections, from the code",
         "## Behaviors",
         "\n".join(
@@ -359,18 +357,19 @@ def all_pages() -> dict[str, str]:
     pages["robot.md"] = robot_page()
     pages["scenario.md"] = scenario_page()
     pages["README.md"] = index_page(list(pages))
-    return pages
+    return pages | {f"schema/{name}": text for name, text in schema_files().items()}
 
 
-def write_pages(folder: Path) -> None:
-    """Writes all pages, and deletes those of names that are no more."""
+def write_pages(folder: Path) -> int:
+    """Writes all files, deletes those of names that are no more; returns how many."""
     pages = all_pages()
-    for old in folder.rglob("*.md"):
+    for old in (*folder.rglob("*.md"), *folder.rglob("*.json")):
         if str(old.relative_to(folder)) not in pages:
             old.unlink()
     for path, text in pages.items():
         (folder / path).parent.mkdir(parents=True, exist_ok=True)
         (folder / path).write_text(text, encoding="utf-8")
+    return len(pages)
 
 
 def _numbers(cls: type, values: Mapping[str, Any] | None = None) -> str:
@@ -384,6 +383,8 @@ def _numbers(cls: type, values: Mapping[str, Any] | None = None) -> str:
 
 def _kind(annotation: Any) -> str:
     """A field's type in words that fit into a table."""
+    if typing.get_origin(annotation) is typing.Annotated:
+        annotation = typing.get_args(annotation)[0]
     # From Python 3.14 on unions have a name too, and it says nothing.
     named = not isinstance(annotation, types.UnionType)
     text = str(getattr(annotation, "__name__", annotation) if named else annotation)
@@ -404,6 +405,8 @@ def _value(value: Any) -> str:
         return "see below"
     if value in ("", []):
         return ""
+    if isinstance(value, LeastGreatest):
+        return f"`{list(value)}`"
     if isinstance(value, list | tuple) and value and isinstance(value[0], Message):
         return f"{len(value)} empty"
     return f"`{value!r}`"
@@ -414,8 +417,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--output", type=Path, default=REFERENCE, metavar="FOLDER")
     folder = parser.parse_args().output
-    write_pages(folder)
-    print(f"wrote {len(list(folder.rglob('*.md')))} pages to {folder}")
+    print(f"wrote {write_pages(folder)} files to {folder}")
 
 
 if __name__ == "__main__":

@@ -15,22 +15,21 @@ STEP = 0.5
 
 
 def robot_in(behavior, **scenario):
-    """A robot that has been in a behavior for a second."""
+    """A robot that has been in a behavior for a moment."""
     sim = AtlasSimulation(Scenario(**scenario))
     if behavior != "STAND":
         sim.publish(AtlasSimInterfaceCommand(behavior=behavior))
-    sim.advance(1.0)
+    sim.advance(0.3)
     return sim
 
 
 def blended(limbs, k, seed, behavior="STAND"):
     """A robot of which the user wants a share of some limbs elsewhere, at once."""
-    # The coarser physics halves the wait.
     sim = robot_in(behavior)
     robot, random = sim.robot, np.random.default_rng(seed)
     command = AtlasCommand()
-    wish = sim.atlas_state.position + random.uniform(-STEP, STEP, robot.num_joints)
-    command.position = np.clip(wish, robot.position_lower, robot.position_upper)
+    target = sim.atlas_state.position + random.uniform(-STEP, STEP, robot.num_joints)
+    command.position = np.clip(target, robot.position_lower, robot.position_upper)
     command.kp_position = [200.0] * robot.num_joints
     command.kp_velocity = [20.0] * robot.num_joints
     command.k_effort = np.where(robot.limb(*limbs), k, 0)
@@ -49,9 +48,7 @@ def soles(sim):
     ("behavior", "k", "seed"),
     [
         ("STAND", 20, 1),
-        ("STAND", 152, 11),
         ("STAND", 248, 4),
-        ("MANIPULATE", 128, 2),
         ("MANIPULATE", 200, 3),
     ],
 )
@@ -67,10 +64,10 @@ def test_shared_arms_and_neck_do_not_move_the_rest(behavior, k, seed):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("k", [60, 150, 240])
+@pytest.mark.parametrize("k", [60, 240])
 def test_a_shared_back_leaves_the_robot_standing(k):
     sim = blended(("back",), k, seed=5)
-    sim.advance(2.5)
+    sim.advance(2.0)
     assert not sim.has_fallen
     assert sim.pelvis_pose.translation()[2] > 0.8
 
@@ -92,7 +89,7 @@ def test_a_back_that_swings_leaves_the_feet_where_they_are(take, behavior, jump)
     sim = robot_in(behavior)
     take(sim, sim.robot.limb("back"), jump=jump)
     before = soles(sim)
-    sim.advance(3.0)
+    sim.advance(2.0)
     assert np.linalg.norm(soles(sim) - before, axis=1).max() < 0.01
     assert not sim.has_fallen
 

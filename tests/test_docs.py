@@ -9,6 +9,7 @@ Comments in a page, above a block, tell what readers need not see:
 """
 
 import importlib.util
+import json
 import re
 import shlex
 import shutil
@@ -17,6 +18,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
+from jsonschema import Draft202012Validator, ValidationError
+from pydrake.common.yaml import yaml_load
+from referencing import Registry, Resource
+from referencing.jsonschema import DRAFT202012
 
 from atlas_drake.app.main import _parsed, main
 from atlas_drake.app.run import with_options
@@ -44,7 +49,7 @@ SHORTER = {
     "teleop": ["--duration", "0.1"],
     "replay": ["--headless", "--record", "replay.html"],
     "diagram": ["--no-open"],
-    "sweep": ["--trials", "1", "--jobs", "1", "--set", "parameters.distance=0.3"],
+    "sweep": ["--trials", "1", "--jobs", "1", "--set", "duration=1"],
 }
 """What is added to a verb's command line, to run it briefly and without a browser."""
 
@@ -209,9 +214,32 @@ def test_the_reference_pages_are_of_today(pages):
     folder = DOCS / "reference"
     found = {
         str(path.relative_to(folder)): path.read_text(encoding="utf-8")
-        for path in folder.rglob("*.md")
+        for path in (*folder.rglob("*.md"), *folder.rglob("*.json"))
     }
     assert found == pages, "run: python docs/make_reference.py"
+
+
+NAMED = re.compile(r"# yaml-language-server: \$schema=(\S+)\n")
+WITH_SCHEMA = sorted(
+    path
+    for folder in ("examples/scenarios", "models", "benchmarks/campaigns")
+    for path in (ROOT / folder).rglob("*.yaml")
+)
+
+
+@pytest.mark.parametrize("path", WITH_SCHEMA, ids=lambda path: path.stem)
+def test_the_first_line_of_a_file_names_a_schema_that_it_keeps(path):
+    text = path.read_text(encoding="utf-8")
+    schema = (path.parent / NAMED.match(text)[1]).resolve()
+    known = Registry().with_resources(
+        (one.name, Resource(json.loads(one.read_text(encoding="utf-8")), DRAFT202012))
+        for one in schema.parent.glob("*.json")
+    )
+    checker = Draft202012Validator(known.contents(schema.name), registry=known)
+    checker.validate(yaml_load(data=text))
+    # An unknown field is refused.
+    with pytest.raises(ValidationError, match="unexpected"):
+        checker.validate({**yaml_load(data=text), "colour": "red"})
 
 
 def test_every_field_of_the_interfaces_messages_is_explained(pages):

@@ -29,7 +29,7 @@ def test_the_tutorial():
             seed=1,
         )
     )
-    sim.advance_to(17.0)
+    sim.advance_to(13.6)
     summary = sim.summary()
     assert summary["success"]
     assert len(sim.footsteps) == 4

@@ -18,8 +18,8 @@ from atlas_drake import (
 )
 from atlas_drake.app.parts import load_parts
 from atlas_drake.behaviors.entry import BehaviorEntry
+from atlas_drake.behaviors.extended import Extended
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES, shipped_entry
-from atlas_drake.behaviors.stand.stand import Stand
 from atlas_drake.messages.event import Event
 from atlas_drake.visualization.caption import caption_of
 
@@ -125,21 +125,16 @@ def test_an_element_of_a_channel_has_a_name(tmp_path):
         log.column("time", "s")
 
 
-class Nod(Stand):
-    """STAND with a neck that nods, and nothing said about how it ends."""
+def nod(tools, config):
+    """Makes STAND with a neck that nods."""
+    neck = tools.robot.joint_index("neck_ry")
 
-    def __init__(self, tools, config):
-        super().__init__(tools.balance, tools.nominal_height, tools.rates)
-        self._neck = tools.robot.joint_index("neck_ry")
+    def pose(upright, seen, request, leaving):
+        joints = upright.joints.copy()
+        joints[neck] += 0.2 * sin(2.0 * pi * seen.time / 3.0)
+        return replace(upright, joints=joints)
 
-    def target(self, state, seen, request, leaving):
-        still = super().target(state, seen, request, leaving)
-        joints = still.joints.copy()
-        joints[self._neck] += 0.2 * sin(2.0 * pi * seen.time / 3.0)
-        return replace(still, joints=joints)
-
-    def feedback(self, state, status_flags):
-        return Nodding(state.com)
+    return Extended(tools.stand(pose), feedback=lambda state: Nodding(state.com))
 
 
 @dataclass(frozen=True)
@@ -148,8 +143,7 @@ class Nodding:
 
 
 def test_standing_with_a_nod_is_a_behavior_that_ends_when_it_is_left():
-    nod = BehaviorEntry(name="NOD", number=100, make=Nod)
-    sim = AtlasSimulation(behaviors=[nod])
+    sim = AtlasSimulation(behaviors=[BehaviorEntry(name="NOD", number=100, make=nod)])
     sim.publish(AtlasSimInterfaceCommand(behavior="NOD"))
     sim.advance(1.0)
     np.testing.assert_allclose(

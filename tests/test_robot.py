@@ -327,21 +327,6 @@ FAULTS = {
         [],
         r"stand_prep: .*center of mass is -0\.18\d m ahead",
     ),
-    "limits crossed": (
-        [("imu_frame", "walk_limits: {min_width: 0.6}\nimu_frame")],
-        [],
-        r"walk_limits.max_width: is 0.5; must be at least min_width",
-    ),
-    "usual beyond limits": (
-        [("imu_frame", "usual_steps: {stride: 0.5}\nimu_frame")],
-        [],
-        "usual_steps.stride: is 0.5; must be at most 0.42",
-    ),
-    "range reversed": (
-        [("imu_frame", "pelvis_range: {yaw: [1, -1]}\nimu_frame")],
-        [],
-        "pelvis_range.yaw: ",
-    ),
     "no such contact": (
         [("frame: l_hand", "frame: fist")],
         [],
@@ -406,12 +391,6 @@ def test_defaults_are_filled_in(spoil):
     lines = ("pushed: [pelvis, utorso, head, l_hand, r_hand]\n", "")
     file = load_robot(spoil(lines)).file
     assert file.pushed == ["pelvis", "utorso", "l_hand", "r_hand"]
-    # What is given in part keeps the rest; STEP has limits of its own.
-    limits = ("imu_frame", "step_limits: {forward: 0.3}\nimu_frame")
-    file = load_robot(spoil(limits)).file
-    assert file.step_limits.forward == 0.3
-    assert file.step_limits.backward == 0.36
-    assert file.walk_limits.forward == 0.42
 
 
 def test_message_order_is_the_descriptions(spoil):

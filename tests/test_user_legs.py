@@ -54,11 +54,11 @@ def test_without_a_leg_of_its_own_the_robot_holds_its_pose(take, behavior, joint
     sim = AtlasSimulation()
     if behavior != "STAND":
         sim.publish(AtlasSimInterfaceCommand(behavior=behavior))
-    sim.advance(1.0)
+    sim.advance(0.3)
     users = joints_of(sim, *joints)
     pose = np.array(sim.atlas_state.position)
     take(sim, users, k)
-    sim.advance(3.5)
+    sim.advance(2.0)
     assert not sim.has_fallen
     moved = np.abs(np.array(sim.atlas_state.position) - pose)
     assert moved[~users].max() < 0.05
@@ -79,9 +79,9 @@ def test_without_a_leg_of_its_own_the_robot_holds_its_pose(take, behavior, joint
 @pytest.mark.parametrize("joints", [["l_leg_"], ["leg_kny"], ["leg_hpx", "leg_akx"]])
 def test_one_leg_is_enough_to_balance(take, joints):
     sim = AtlasSimulation()
-    sim.advance(1.0)
+    sim.advance(0.2)
     take(sim, joints_of(sim, *joints))
-    sim.advance(1.0)
+    sim.advance(0.5)
     sim.apply_push(sim.robot.file.chest, [100.0, 0.0, 0.0], 0.1)
     sim.advance(2.0)
     assert not sim.has_fallen

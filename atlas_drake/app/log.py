@@ -43,7 +43,6 @@ from atlas_drake.logs.panels import Page
 from atlas_drake.simulation.pace import Pace
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.viewer import interactive, keep_serving
-from atlas_drake.visualization.viewer_gate import show_latest
 from atlas_drake.whole_file import whole_file
 
 PICTURES = (".png", ".html")
@@ -177,7 +176,6 @@ def replay_log(options: argparse.Namespace) -> int:
     if not kept:
         return exit_status.OUTPUT_LOST
     if not options.headless and interactive():
-        show_latest(diagram, simulator.get_context())
         keep_serving(progress.say)
     return exit_status.OK
 

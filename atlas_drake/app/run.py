@@ -37,7 +37,6 @@ from atlas_drake.simulation import AtlasSimulation, SimulationError
 from atlas_drake.simulation.tutorial import DURATION
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.viewer import interactive, keep_serving
-from atlas_drake.visualization.viewer_gate import show_latest
 
 PIECE = 0.1
 """Simulated time between updates of the progress line [s]."""
@@ -152,7 +151,6 @@ def run_scenario(
     if not kept:
         return exit_status.OUTPUT_LOST
     if not options.headless and interactive():
-        show_latest(sim.diagram, sim.context)
         keep_serving(progress.say)
     return exit_status.OK if summary["success"] else exit_status.FAILED
 

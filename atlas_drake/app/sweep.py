@@ -24,8 +24,8 @@ from atlas_drake.app.outputs import (
 from atlas_drake.app.progress import Progress, StatusLine, TrialProgress
 from atlas_drake.campaigns import Campaign, CampaignError, Shard, load_campaign
 from atlas_drake.campaigns.comparison import compare
+from atlas_drake.campaigns.errors import check_packages
 from atlas_drake.campaigns.folder import CampaignFolder, as_kept, merge, same_result
-from atlas_drake.campaigns.packages import check_packages
 from atlas_drake.campaigns.plan import make_trial, number_of_trials, scenario_of
 from atlas_drake.campaigns.results import write_results
 from atlas_drake.campaigns.runner import run_campaign

@@ -54,7 +54,14 @@ def run_teleop(options: argparse.Namespace) -> int:
         overlays=overlays,
         **parts,
     )
-    panel = Panel(meshcat, sim.robot, overlays, sim.behaviors, progress.say)
+    panel = Panel(
+        meshcat,
+        sim.robot,
+        overlays,
+        sim.behaviors,
+        progress.say,
+        sim.scenario.controller_config(),
+    )
     session = Session(sim, panel)
     with ctrl_c() as asked_to_stop:
         progress.say(

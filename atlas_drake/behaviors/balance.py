@@ -13,14 +13,13 @@ import numpy as np
 
 from atlas_drake.behaviors.base import Observation
 from atlas_drake.behaviors.body_reference import BodyReference
+from atlas_drake.behaviors.stance import StanceConfig
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.dcm_plan import DcmReference
 from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.footstep import FootPose
-from atlas_drake.control.feet.sole import sole_corners
-from atlas_drake.control.feet.sole_contact import sole_patches
+from atlas_drake.control.feet.sole import sole_corners, sole_patches, toe_corners
 from atlas_drake.control.feet.swing_foot import SwingReference
-from atlas_drake.control.feet.toe_off import toe_corners
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.control.whole_body.command import WholeBodyCommand
 from atlas_drake.control.whole_body.contact import Contact, ContactPatch
@@ -35,16 +34,11 @@ from atlas_drake.control.whole_body.tasks import (
     OrientationTask,
     PostureTask,
     Task,
-)
-from atlas_drake.control.whole_body.tracking import (
     orientation_acceleration,
     position_acceleration,
 )
 from atlas_drake.frozen import read_only
 from atlas_drake.robot import Robot
-
-FULL_LOAD = 3.0
-"""Upper bound of the normal force on one sole, in weights of the robot [-]."""
 
 
 class FootCommand(NamedTuple):
@@ -62,9 +56,12 @@ class FootCommand(NamedTuple):
 class Balance:
     """Feedback around given references for one robot. Holds constants only."""
 
-    def __init__(self, robot: Robot, gains: ControlGains):
+    def __init__(
+        self, robot: Robot, gains: ControlGains, stance: StanceConfig | None = None
+    ):
         self.robot = robot
         self.gains = gains
+        self.stance = stance or StanceConfig()
         self.weight = robot.mass * GRAVITY
         legs = robot.limb("l_leg", "r_leg")
         back = robot.limb("back")
@@ -171,11 +168,11 @@ class Balance:
         """
         return FootCommand(
             self._resting(observation, foot, self._stance_weight),
-            self._contact(foot, self._patches.middle, FULL_LOAD, load),
+            self._contact(foot, self._patches.middle, math.inf, load),
         )
 
     def planted(
-        self, observation: Observation, foot: int, max_load: float = FULL_LOAD
+        self, observation: Observation, foot: int, max_load: float = math.inf
     ) -> FootCommand:
         """Commands a foot to stay planted, loaded by at most ``max_load`` weights.
 
@@ -184,7 +181,7 @@ class Balance:
         model = self.gains.contact
         felt = float(observation.foot_force[foot]) / self.weight
         if math.isnan(felt):  # At the first tick the robot is taken to stand.
-            felt = FULL_LOAD
+            felt = model.full_load
         # Below a sole that carries next to nothing a moment would only turn the foot.
         rests = felt >= model.unloaded_share
         patch = self._patches.whole if rests else self._patches.middle
@@ -260,7 +257,7 @@ class Balance:
         return Contact(
             self._frames[foot],
             patch,
-            max_normal_force=max_load * self.weight,
+            max_normal_force=min(max_load, self.gains.contact.full_load) * self.weight,
             min_normal_force=min_load * self.weight,
             force_weight=self.gains.weights.contact_force,
             moment_weight=self.gains.weights.contact_moment,

@@ -99,6 +99,20 @@ class BehaviorProtocol(Protocol):
     ) -> Outcome:
         """Computes one tick; ``leaving`` requests an orderly end of the behavior."""
 
+    def idle(self, state: Any, observation: Observation) -> Any:
+        """Returns the state after a tick in which the stance guard held the pose."""
+        return state
+
+    def resume(
+        self,
+        state: Any,
+        observation: Observation,
+        body: BodyReference,
+        request: BehaviorRequest,
+    ) -> Any:
+        """Returns the state in which the behavior continues after the stance guard."""
+        return self.enter(observation, body, request)
+
     def feedback(self, state: Any, status_flags: int) -> Any:
         """Returns the behavior's feedback for the state message; None without one.
 

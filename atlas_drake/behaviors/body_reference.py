@@ -74,15 +74,14 @@ class BodyTarget:
         yaw: Heading of pelvis and chest [rad].
         joints: Posture [rad], shape (n,).
         pelvis_tilt: Roll and pitch of the pelvis [rad], shape (2,).
-        chest_tilt: Roll and pitch of the chest [rad], shape (2,); None for those of
-            the pelvis.
+        chest_tilt: Roll and pitch of the chest [rad], shape (2,).
     """
 
     height: float
     yaw: float
     joints: np.ndarray
     pelvis_tilt: np.ndarray
-    chest_tilt: np.ndarray | None = None
+    chest_tilt: np.ndarray
 
 
 def capture_body(terms: WholeBodyTerms) -> BodyReference:
@@ -120,14 +119,13 @@ def advance_body(
     if user_held.any():
         joints = np.where(user_held, measured, joints)
     tilt = rates.tilt * dt
-    chest = target.pelvis_tilt if target.chest_tilt is None else target.chest_tilt
     return BodyReference(
         height=body.height + height_rate * dt,
         height_rate=height_rate,
         yaw=body.yaw + yaw_rate * dt,
         yaw_rate=yaw_rate,
         pelvis_tilt=_approach_all(body.pelvis_tilt, target.pelvis_tilt, tilt),
-        chest_tilt=_approach_all(body.chest_tilt, chest, tilt),
+        chest_tilt=_approach_all(body.chest_tilt, target.chest_tilt, tilt),
         joints=joints,
     )
 

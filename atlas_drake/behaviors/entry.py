@@ -14,12 +14,14 @@ from atlas_drake.behaviors.base import BehaviorProtocol, Observation
 from atlas_drake.behaviors.body_reference import BodyRates
 from atlas_drake.behaviors.entry_limits import EntryLimits
 from atlas_drake.behaviors.freeze import Freeze
-from atlas_drake.behaviors.stand.stance_guard import StanceGuard, StandingBehavior
+from atlas_drake.behaviors.stand.stance_guard import StanceGuard
+from atlas_drake.behaviors.stand.stand import Pose, Stand
 from atlas_drake.checked import checked
 from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.errors import ScenarioError, did_you_mean, shown
 from atlas_drake.messages import AtlasSimInterfaceCommand, Behavior, BehaviorStatus
 from atlas_drake.messages.behavior_catalog import BehaviorError, BehaviorInterface
+from atlas_drake.planning.footholds import Gait
 from atlas_drake.robot import Robot
 
 
@@ -34,6 +36,7 @@ class BehaviorTools:
         rates: Speed limits of the reference of trunk and posture.
         entry_limits: Conditions under which STAND can take over.
         freeze: The behavior that holds the pose.
+        gait: Gait of demonstrations.
     """
 
     model: WholeBodyModel
@@ -42,13 +45,26 @@ class BehaviorTools:
     rates: BodyRates
     entry_limits: EntryLimits
     freeze: Freeze
+    gait: Gait
 
     @property
     def robot(self) -> Robot:
         """Description of the robot."""
         return self.model.robot
 
-    def guarded(self, behavior: StandingBehavior) -> StanceGuard:
+    def stand(self, pose: Pose | None = None) -> StanceGuard:
+        """Returns STAND, whose target of trunk and posture ``pose`` changes.
+
+        The stance guard holds the pose while the user controls both legs.
+
+        Args:
+            pose: Returns the target from (upright, observation, request, leaving), at
+                each tick.
+        """
+        stand = Stand(self.balance, self.nominal_height, self.rates, pose=pose)
+        return self.guarded(stand)
+
+    def guarded(self, behavior: BehaviorProtocol) -> StanceGuard:
         """Adds the stance guard, which holds the pose while the user has both legs."""
         return StanceGuard(behavior, self.freeze, self.balance)
 

@@ -54,11 +54,15 @@ def _stand(tools: BehaviorTools, config: StandConfig) -> Any:
 
 
 def _walk(tools: BehaviorTools, config: WalkConfig) -> Walk:
-    return Walk(tools.balance, tools.nominal_height, tools.rates, config)
+    return Walk(tools.balance, tools.nominal_height, tools.rates, config, tools.gait)
+
+
+def _step(tools: BehaviorTools, config: StepConfig) -> Step:
+    return Step(tools.balance, tools.nominal_height, config, tools.gait)
 
 
 def _manipulate(tools: BehaviorTools, config: ManipulateConfig) -> Any:
-    reach = PelvisReach(tools.robot)
+    reach = PelvisReach(tools.robot, config.range)
     return tools.guarded(
         Manipulate(tools.balance, reach, tools.nominal_height, tools.rates, config)
     )
@@ -99,7 +103,7 @@ SHIPPED_ENTRIES = (
     ),
     _entry(
         Behavior.STEP,
-        make=lambda tools, config: Step(tools.balance, tools.nominal_height, config),
+        make=_step,
         config=StepConfig(),
         lifts_feet=True,
     ),

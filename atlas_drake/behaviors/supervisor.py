@@ -1,13 +1,12 @@
 """Runs the active behavior and changes it on request, by itself, or after a fall.
 
-The supervisor's state is one frozen value; the objects here hold constants only. The
-legal transitions of a behavior are in its ``entry``.
+The objects here hold constants only; ``supervisor_state`` has the frozen state, and
+``entry`` the legal transitions of a behavior.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from typing import Any, TypeVar
 
 import numpy as np
@@ -25,6 +24,13 @@ from atlas_drake.behaviors.entry import (
 from atlas_drake.behaviors.fall import posture_of, sign_of_fall
 from atlas_drake.behaviors.freeze import Freeze
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
+from atlas_drake.behaviors.supervisor_state import (
+    LastTransition,
+    Running,
+    Starting,
+    SupervisorState,
+    Waiting,
+)
 from atlas_drake.control.whole_body.command import WholeBodyCommand
 from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.errors import ErrorCode, shown
@@ -33,63 +39,13 @@ from atlas_drake.messages import AtlasBehaviorFeedback, Behavior, BehaviorStatus
 from atlas_drake.messages.behavior_catalog import BehaviorError
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import (
-    KEPT_EVENTS,
     ControllerStatus,
     Plan,
     PlannedPaths,
 )
 from atlas_drake.messages.event import Event
-from atlas_drake.messages.recent import append_recent
 
 _Planned = TypeVar("_Planned", Plan, PlannedPaths)
-
-
-@dataclass(frozen=True)
-class SupervisorState:
-    """State of supervisor and behaviors from one tick to the next.
-
-    Attributes:
-        current: Active behavior.
-        desired: Requested behavior; differs from ``current`` during a transition.
-        behavior_state: State of the active behavior; None before its first tick.
-        entered: True after the active behavior's first tick.
-        body: Reference of trunk and posture; None before the first tick.
-        request_number: Number of the last handled request, accepted or refused.
-        request: Last request for the active behavior: the one that started it, or a
-            later one for the same behavior; None before the first tick.
-        status: Flags of the last transition.
-        trans_from: Behavior before the last transition.
-        trans_to: Behavior after the last transition.
-        behavior_flags: The active behavior's own flags, latched.
-        error_code: Error code of the last request.
-        warned: True after the warning about steps with leg joints under user control.
-        falling: True from a detected fall until a behavior begins in a posture that is
-            not that of a fall.
-        events: The latest events.
-        event_count: Number of events so far.
-    """
-
-    current: Behavior
-    desired: Behavior
-    behavior_state: Any = None
-    entered: bool = False
-    body: BodyReference | None = None
-    request_number: int = 0
-    request: BehaviorRequest | None = None
-    status: BehaviorStatus = BehaviorStatus.OK
-    trans_from: Behavior = Behavior.NONE
-    trans_to: Behavior = Behavior.NONE
-    behavior_flags: int = 0
-    error_code: ErrorCode = ErrorCode.NO_ERRORS
-    warned: bool = False
-    falling: bool = False
-    events: tuple[Event, ...] = ()
-    event_count: int = 0
-
-    @property
-    def in_damping_mode(self) -> bool:
-        """True if the robot falls in a behavior, and its joints are only damped."""
-        return self.falling and self.current not in (Behavior.NONE, Behavior.USER)
 
 
 class Supervisor:
@@ -116,7 +72,7 @@ class Supervisor:
             entries: Entries of the behaviors.
         """
         robot = model.robot
-        balance = Balance(robot, config.gains)
+        balance = Balance(robot, config.gains, config.stance)
         self._tools = BehaviorTools(
             model,
             balance,
@@ -124,6 +80,7 @@ class Supervisor:
             config.body,
             config.entry,
             Freeze(balance, config.freeze),
+            config.gait(),
         )
         self._fall_limits = config.fall
         self._legs = np.flatnonzero(robot.limb("l_leg", "r_leg"))
@@ -136,7 +93,7 @@ class Supervisor:
 
     def start(self, behavior: Behavior) -> SupervisorState:
         """Returns the state before the first tick, with ``behavior`` active."""
-        return SupervisorState(current=behavior, desired=behavior)
+        return SupervisorState(Starting(behavior), desired=behavior)
 
     def restart(self, state: SupervisorState, behavior: Behavior) -> SupervisorState:
         """Returns the state of a new start that keeps the events so far."""
@@ -162,51 +119,52 @@ class Supervisor:
             The next state, and the command for the whole-body QP; None when no
             behavior acts.
         """
-        if state.body is None:
+        active = state.active
+        if isinstance(active, Starting):
             body = read_only(capture_body(observation.terms))
-            state = replace(state, body=body, request=requests[0])
+            active = Waiting(active.behavior, requests[0], body)
         state = self._watch_for_fall(state, observation)
-        if requests[-1].number != state.request_number:
-            for new in requests:
-                if new.number > state.request_number:
-                    state = self._take_request(state, observation, new)
+        for new in requests:
+            if new.number > state.request_number:
+                state, active = self._take_request(state, active, observation, new)
         if state.in_damping_mode:
             # No behavior acts or reports while the joints are only damped.
             body = read_only(capture_body(observation.terms))
-            return replace(state, body=body), None
-        request = state.request
-        assert request is not None
-        if not state.entered:
-            state = self._enter(state, observation, request)
-
-        if self._entries[state.current].lifts_feet and not state.warned:
-            state = self._warn_of_user_legs(state, observation)
-        assert state.body is not None
-        behavior = self.behaviors[state.current]
+            return replace(state, active=replace(active, body=body)), None
+        behavior = self.behaviors[active.behavior]
+        if isinstance(active, Waiting):
+            entered = behavior.enter(observation, active.body, active.request)
+            active = Running(
+                active.behavior, active.request, active.body, read_only(entered)
+            )
+        if self._entries[active.behavior].lifts_feet and not active.warned:
+            state, active = self._warn_of_user_legs(state, active, observation)
         outcome = behavior.update(
-            state.behavior_state,
+            active.state,
             observation,
-            state.body,
-            request,
-            leaving=state.desired != state.current,
+            active.body,
+            active.request,
+            leaving=state.desired != active.behavior,
         )
-        _check_outcome(outcome, state.current)
-        state = replace(
-            state,
-            behavior_state=read_only(outcome.state, state.behavior_state),
-            body=read_only(outcome.body, state.body),
-            behavior_flags=_latch(state.behavior_flags, outcome.status_flags),
+        _check_outcome(outcome, active.behavior)
+        active = replace(
+            active,
+            state=read_only(outcome.state, active.state),
+            body=read_only(outcome.body, active.body),
+            flags=(active.flags & ~_SUBSTATES) | outcome.status_flags,
         )
+        state = replace(state, active=active)
         for event in outcome.events:
-            state = _log(state, event)
+            state = state.with_event(event)
         if outcome.finished:
-            asked = state.desired is not state.current
+            asked = state.desired is not active.behavior
             status = (
                 BehaviorStatus.TRANSITION_SUCCESS
                 if asked
                 else BehaviorStatus.WARNING_AUTO_TRANS
             )
-            state = self._change(state, observation, Behavior.STAND, status)
+            following = Waiting(Behavior.STAND, active.request, active.body)
+            state = self._change(state, observation, following, status)
         return state, None if state.falling else outcome.command
 
     def status(
@@ -220,18 +178,18 @@ class Supervisor:
             omega: Natural frequency of the pendulum at that tick [1/s].
         """
         falling = BehaviorStatus.ERROR_FALLING if state.falling else BehaviorStatus.OK
+        last, active, feedback = state.last, state.active, None
+        if isinstance(active, Running) and active.state is not None:
+            behavior = self.behaviors[active.behavior]
+            feedback = behavior.feedback(active.state, active.flags)
         return ControllerStatus(
-            current_behavior=state.current,
+            current_behavior=active.behavior,
             desired_behavior=state.desired,
             error_code=state.error_code,
             behavior_feedback=AtlasBehaviorFeedback(
-                state.status | falling, state.trans_from, state.trans_to
+                last.status | falling, last.source, last.target
             ),
-            feedback=None
-            if state.behavior_state is None
-            else self.behaviors[state.current].feedback(
-                state.behavior_state, state.behavior_flags
-            ),
+            feedback=feedback,
             events=state.events,
             event_count=state.event_count,
             plan=self._planned("plan", Plan, state, com, omega),
@@ -252,10 +210,15 @@ class Supervisor:
         omega: float,
     ) -> _Planned:
         """Calls ``plan`` or ``paths`` of the active behavior, if it acts."""
-        if state.behavior_state is None or state.in_damping_mode:
+        active = state.active
+        if (
+            not isinstance(active, Running)
+            or active.state is None
+            or state.in_damping_mode
+        ):
             return kind()
-        behavior = self.behaviors[state.current]
-        planned = getattr(behavior, method)(state.behavior_state, com, omega)
+        behavior = self.behaviors[active.behavior]
+        planned = getattr(behavior, method)(active.state, com, omega)
         if not isinstance(planned, kind):
             raise BehaviorError(
                 f"{method} of {state.current.name} must return {kind.__name__}, "
@@ -266,24 +229,33 @@ class Supervisor:
     # ---- transitions ---------------------------------------------------------
 
     def _take_request(
-        self, state: SupervisorState, observation: Observation, request: BehaviorRequest
-    ) -> SupervisorState:
+        self,
+        state: SupervisorState,
+        active: Waiting | Running,
+        observation: Observation,
+        request: BehaviorRequest,
+    ) -> tuple[SupervisorState, Waiting | Running]:
+        """Handles a new request; returns the state, and the behavior then active."""
         state = replace(
-            state, request_number=request.number, error_code=ErrorCode.NO_ERRORS
+            state,
+            active=active,
+            request_number=request.number,
+            error_code=ErrorCode.NO_ERRORS,
         )
-        target = request.behavior
+        target, last = request.behavior, state.last
         if target not in self._entries:
             text = f"{target.name} refused: the controller has no such behavior"
             state = replace(state, error_code=ErrorCode.BEHAVIOR_NOT_IMPLEMENTED)
-            return _log(state, Event(observation.time, "refusal", text))
-        if target is state.current and not state.in_damping_mode:
+            return state.with_event(Event(observation.time, "refusal", text)), active
+        if target is active.behavior and not state.in_damping_mode:
             # A request for the active behavior: further steps, for example, or the
             # withdrawal of a request to leave.
-            status = state.status & ~BehaviorStatus.TRANSITION_IN_PROGRESS
-            return replace(state, desired=target, status=status, request=request)
+            status = last.status & ~BehaviorStatus.TRANSITION_IN_PROGRESS
+            state = replace(state, desired=target, last=replace(last, status=status))
+            return state, replace(active, request=request)
         # In damping mode no behavior controls the robot, whichever is active.
         source = self._entries[
-            Behavior.FREEZE if state.in_damping_mode else state.current
+            Behavior.FREEZE if state.in_damping_mode else active.behavior
         ]
         asked = Transition(source, observation, self._tools, request.command)
         entry = self._entries[target]
@@ -294,85 +266,54 @@ class Supervisor:
             reason = f"{sign}; a reset puts the robot back on its feet"
         if why is not BehaviorStatus.OK:
             hint = f" ({reason})" if reason else ""
-            text = f"{state.current.name} -> {target.name} refused: {why.name}{hint}"
+            text = f"{active.behavior.name} -> {target.name} refused: {why.name}{hint}"
+            status = why | (last.status & BehaviorStatus.TRANSITION_IN_PROGRESS)
             state = replace(
                 state,
                 error_code=ErrorCode.FAILED_TO_START_BEHAVIOR,
-                status=why | (state.status & BehaviorStatus.TRANSITION_IN_PROGRESS),
-                trans_from=state.current,
-                trans_to=target,
+                last=LastTransition(active.behavior, target, status),
             )
-            return _log(state, Event(observation.time, "refusal", text))
+            return state.with_event(Event(observation.time, "refusal", text)), active
         if source.ends_in_order and target is Behavior.STAND:
             # The behavior comes to an orderly end, and then sets ``finished``.
-            return replace(
-                state,
-                desired=target,
-                status=BehaviorStatus.TRANSITION_IN_PROGRESS,
-                trans_from=state.current,
-                trans_to=target,
-            )
-        state = replace(state, request=request)
-        return self._change(
-            state, observation, target, BehaviorStatus.TRANSITION_SUCCESS
-        )
+            status = BehaviorStatus.TRANSITION_IN_PROGRESS
+            last = LastTransition(active.behavior, target, status)
+            return replace(state, desired=target, last=last), active
+        following = Waiting(target, request, active.body)
+        success = BehaviorStatus.TRANSITION_SUCCESS
+        return self._change(state, observation, following, success), following
 
     def _change(
         self,
         state: SupervisorState,
         observation: Observation,
-        target: Behavior,
+        following: Waiting,
         status: BehaviorStatus,
     ) -> SupervisorState:
-        """Makes ``target`` the active behavior, to be entered at its first tick."""
+        """Makes a behavior the active one, to be entered at its first tick."""
+        source, target = state.current, following.behavior
         auto = " (by itself)" if status is BehaviorStatus.WARNING_AUTO_TRANS else ""
-        text = f"{state.current.name} -> {target.name}{auto}"
-        state = replace(
+        text = f"{source.name} -> {target.name}{auto}"
+        names = {"from": source.name, "to": target.name}
+        return replace(
             state,
-            current=target,
+            active=following,
             desired=target,
-            behavior_state=None,
-            entered=False,
-            status=status,
-            trans_from=state.current,
-            trans_to=target,
-            behavior_flags=0,
-            warned=False,
+            last=LastTransition(source, target, status),
             falling=state.falling and bool(self._sign_of_fall(observation)),
-        )
-        return _log(
-            state,
-            Event(
-                observation.time,
-                "behavior",
-                text,
-                {"from": state.trans_from.name, "to": target.name},
-            ),
-        )
-
-    def _enter(
-        self,
-        state: SupervisorState,
-        observation: Observation,
-        request: BehaviorRequest,
-    ) -> SupervisorState:
-        assert state.body is not None
-        behavior = self.behaviors[state.current]
-        behavior_state = read_only(behavior.enter(observation, state.body, request))
-        return replace(state, behavior_state=behavior_state, entered=True)
+        ).with_event(Event(observation.time, "behavior", text, names))
 
     def _warn_of_user_legs(
-        self, state: SupervisorState, observation: Observation
-    ) -> SupervisorState:
+        self, state: SupervisorState, active: Running, observation: Observation
+    ) -> tuple[SupervisorState, Running]:
         """Warns once if a behavior steps with leg joints under user control."""
         held = self._legs[observation.user_held[self._legs]]
         if not held.size:
-            return state
+            return state, active
         names = ", ".join(self._tools.robot.joint_names[i] for i in held)
-        text = f"{state.current.name} with leg joints under user control: {names}"
-        return _log(
-            replace(state, warned=True), Event(observation.time, "warning", text)
-        )
+        text = f"{active.behavior.name} with leg joints under user control: {names}"
+        state = state.with_event(Event(observation.time, "warning", text))
+        return state, replace(active, warned=True)
 
     def _watch_for_fall(
         self, state: SupervisorState, observation: Observation
@@ -384,7 +325,8 @@ class Supervisor:
         if not sign:
             return state
         text = f"falling in {state.current.name} ({sign})"
-        return _log(replace(state, falling=True), Event(observation.time, "fall", text))
+        event = Event(observation.time, "fall", text)
+        return replace(state, falling=True).with_event(event)
 
     def _sign_of_fall(self, observation: Observation) -> str:
         return sign_of_fall(
@@ -439,15 +381,3 @@ _OUTCOME = {
 """Types of an outcome's fields; ``finished`` may have any type."""
 _SUBSTATES = 7
 """Bits of a behavior's flags for its present substate, which are not latched."""
-
-
-def _latch(before: int, now: int) -> int:
-    return (before & ~_SUBSTATES) | now
-
-
-def _log(state: SupervisorState, event: Event) -> SupervisorState:
-    return replace(
-        state,
-        events=append_recent(state.events, event, KEPT_EVENTS),
-        event_count=state.event_count + 1,
-    )

@@ -1,4 +1,4 @@
-"""Campaigns: many runs of one scenario, drawn from seeds, done anywhere, and judged.
+"""Campaigns: many runs of one scenario with random values, and their statistics.
 
 A single run is in ``simulation``; the fields of a scenario are in ``scenario``.
 """

@@ -1,6 +1,6 @@
-"""Campaigns as data: a scenario, what of it varies, and what is measured.
+"""Campaigns as data: a scenario, the values that vary, and the metrics.
 
-One dataclass, one comment per field. How one is read from YAML is in ``reading``.
+``reading`` reads campaigns from YAML files.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from atlas_drake.scenario.scenario import Seed
 
 METRICS_BY_DEFAULT = ("success", "landing", "tilt", "effort", "energy", "drift")
 PARAMETERS = "parameters."
-"""Begins the path of a value for the trial function rather than for the scenario."""
+"""Prefix of paths to parameters of the trial function; others are the scenario's."""
 
 
 @dataclass(frozen=True)
@@ -29,20 +29,20 @@ class Threshold(Configuration):
     """A search for the largest value under which the robot still succeeds."""
 
     of: Annotated[str, MinLen(1)]
-    """Path of that value, such as ``pushes[0].impulse``."""
+    """Path of the value, such as ``pushes[0].impulse``."""
     least: float = 0.0
-    """Smallest value; assumed to be borne, and not tried."""
+    """Smallest value; not tried, because success is assumed."""
     most: float = 100.0
     """Largest value tried."""
     within: Positive = 10.0
-    """Distance between the values tried, from ``least`` up."""
+    """Step between the values tried, from ``least`` up."""
     replicas: Annotated[int, Ge(1)] = 5
-    """Trials of each value, with seeds that are the same for all values."""
+    """Trials of each value; all values have the same seeds."""
     passes: Annotated[int, Ge(1)] = 4
     """Number of replicas that must succeed."""
     search: Literal["bisect", "climb"] = "bisect"
     """Order of the values: ``bisect`` halves the interval, ``climb`` goes up from
-    ``least`` until a value is not borne."""
+    ``least`` until too many trials fail."""
 
     def check(self) -> None:
         """Checks that there are values to try, and that replicas can pass."""
@@ -63,7 +63,7 @@ class Threshold(Configuration):
         return int((self.most - self.least) / self.within + 1e-9)
 
     def value(self, level: int) -> float:
-        """Returns the value at a place of the grid; 0 is ``least``."""
+        """Returns the value at a level of the grid; level 0 is ``least``."""
         return self.least + level * self.within
 
 
@@ -72,11 +72,11 @@ class Campaign(Configuration):
     """Many runs of one scenario, each with its own seed."""
 
     name: str = "campaign"
-    """Shown to the user."""
+    """Name in reports."""
     scenario: Scenario = field(default_factory=Scenario)
-    """What is simulated."""
+    """The scenario of all trials."""
     code: list[str] = field(default_factory=list)
-    """Python files with functions and parts of one's own, as ``--with`` takes them."""
+    """Python files with the user's functions and parts, as for ``--with``."""
     trial: str = "run"
     """Function that runs a trial: ``run`` simulates the scenario's duration; a user's
     function (sim, parameters) -> figures has its name in ``code``, or is given as
@@ -107,13 +107,13 @@ class Campaign(Configuration):
     trial_timeout: NotNegative = 0.0
     """Wall time after which a trial is ended and has failed [s]; 0 for no limit."""
     threshold: Threshold | None = None
-    """Search for the largest value that is borne, in place of independent trials."""
+    """Search for the largest value with success, in place of independent trials."""
     goal: Share | None = None
     """Smallest share of successes for which the command ends with status 0; null for no
     goal."""
 
     def validate(self) -> Campaign:
-        """Returns the campaign with every field checked, but the names of functions.
+        """Returns the campaign with every field checked except the names of functions.
 
         Raises:
             ScenarioError: Naming the first field that cannot be used.
@@ -122,7 +122,7 @@ class Campaign(Configuration):
         return valid
 
     def check(self) -> None:
-        """Checks the conditions, and that the fields take the values that vary."""
+        """Checks the conditions, and that the fields accept the values that vary."""
         check_conditions(self.success)
         for path, distribution in self.vary.items():
             where = f"vary.{path}"
@@ -140,7 +140,7 @@ class Campaign(Configuration):
     def _try(self, path: str, value: Any, where: str) -> None:
         """Checks that a field accepts a value like this one."""
         if path == "seed":
-            raise CampaignError(where, value, "is of each trial's own; vary another")
+            raise CampaignError(where, value, "differs in each trial; vary another")
         if path.startswith(PARAMETERS):
             return
         try:

@@ -7,9 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from atlas_drake.campaigns.errors import CampaignError
+from atlas_drake.campaigns.errors import CampaignError, check_packages
 from atlas_drake.campaigns.intervals import mcnemar, mean_interval
-from atlas_drake.campaigns.packages import check_packages
 from atlas_drake.campaigns.report import (
     figure_names,
     is_number,

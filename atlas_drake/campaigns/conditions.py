@@ -1,4 +1,4 @@
-"""Rules of success: conditions on a trial's figures, as short texts."""
+"""Conditions of success: a figure's name, alone or compared with a number."""
 
 from __future__ import annotations
 
@@ -18,17 +18,18 @@ _COMPARISONS: dict[str, Callable[[Any, Any], bool]] = {
     "<": operator.lt,
     ">": operator.gt,
 }
-_FORM = re.compile(r"\s*([\w.\[\]]+)\s*(?:(<=|>=|==|!=|<|>)\s*(\S+)\s*)?")
+_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?|[-+]?inf"
+_FORM = re.compile(rf"\s*([\w.\[\]]+)\s*(?:(<=|>=|==|!=|<|>)\s*({_NUMBER})\s*)?")
 
 
 def check_conditions(conditions: Iterable[str]) -> None:
-    """Checks their form.
+    """Checks that every text is a condition.
 
     Raises:
-        CampaignError: Naming the first that is none.
+        CampaignError: Naming the first text that is not.
     """
     for index, text in enumerate(conditions):
-        if _parsed(text) is None:
+        if _FORM.fullmatch(text) is None:
             raise CampaignError(
                 f"success[{index}]",
                 text,
@@ -38,35 +39,27 @@ def check_conditions(conditions: Iterable[str]) -> None:
 
 
 def figure_of(condition: str) -> str:
-    """The name of the figure that a valid condition is about."""
-    parsed = _parsed(condition)
-    assert parsed is not None
-    return parsed[0]
+    """Returns the name of the figure in a valid condition."""
+    return _parts(condition)[0]
 
 
 def unmet(conditions: Iterable[str], figures: Mapping[str, Any]) -> list[str]:
-    """The conditions that do not hold; a figure that is missing meets none."""
+    """Returns the conditions that do not hold; a missing figure meets none."""
     return [text for text in conditions if not _holds(text, figures)]
 
 
 def _holds(text: str, figures: Mapping[str, Any]) -> bool:
-    parsed = _parsed(text)
-    assert parsed is not None
-    name, comparison, number = parsed
+    name, comparison, number = _parts(text)
     value = figures.get(name)
     if comparison is None:
         return bool(value)
     if not isinstance(value, int | float):
         return False
-    return _COMPARISONS[comparison](value, number)
+    return _COMPARISONS[comparison](value, float(number))
 
 
-def _parsed(text: str) -> tuple[str, str | None, float] | None:
-    found = _FORM.fullmatch(text)
-    if found is None:
-        return None
-    name, comparison, number = found.groups()
-    try:
-        return name, comparison, float(number or 0.0)
-    except ValueError:
-        return None
+def _parts(condition: str) -> tuple[Any, ...]:
+    """Returns figure, comparison and number; the last two are None without one."""
+    found = _FORM.fullmatch(condition)
+    assert found is not None  # check_conditions has checked it.
+    return found.groups()

@@ -1,6 +1,6 @@
-"""Distributions that a campaign draws a scenario's values from.
+"""Distributions, from which a campaign draws values of a scenario.
 
-As YAML has them: ``{uniform: [10, 60]}``. What they are put into is in ``plan``.
+Their form is that of YAML, such as ``{uniform: [10, 60]}``; ``plan`` draws the values.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ FORMS = {
     "choice": "a list of values",
     "sign": "a number, drawn with either sign",
 }
-"""What each distribution is given."""
+"""Arguments of each distribution."""
 
 
 def is_distribution(value: object) -> bool:
-    """Tells a distribution from the fields of a structure."""
+    """Returns True for a distribution, and False for fields of a structure."""
     return isinstance(value, Mapping) and len(value) == 1 and set(value) <= set(FORMS)
 
 
@@ -34,14 +34,14 @@ def check_distribution(value: object, path: str) -> dict[str, Any]:
     """Checks a distribution.
 
     Args:
-        value: As YAML has it.
-        path: Of the field, for the error.
+        value: Value read from YAML.
+        path: Path of the field, for the error.
 
     Returns:
-        The same with Python's own numbers.
+        The distribution with numbers of type float.
 
     Raises:
-        CampaignError: If it is none.
+        CampaignError: If the value is not a distribution.
     """
     if not isinstance(value, Mapping) or len(value) != 1:
         raise CampaignError(
@@ -73,7 +73,7 @@ def _allowed(kind: str, first: float, second: float) -> bool:
 
 
 def _numbers(values: object) -> list[float] | None:
-    """Finite numbers, also 1e-3, which YAML takes for a word; None for others."""
+    """Converts finite numbers; YAML reads 1e-3 as text. Returns None for others."""
     if isinstance(values, str) or not isinstance(values, Sequence):
         return None
     numbers: list[float] = []
@@ -94,8 +94,8 @@ def draw(distribution: Mapping[str, Any], random: np.random.Generator) -> Any:
     """Draws one value.
 
     Args:
-        distribution: As ``check_distribution`` returns it.
-        random: Drawn from once.
+        distribution: Result of ``check_distribution``.
+        random: Generator to draw from, once.
     """
     ((kind, given),) = distribution.items()
     if kind == "choice":
@@ -111,12 +111,8 @@ def draw(distribution: Mapping[str, Any], random: np.random.Generator) -> Any:
 
 
 def example(distribution: Mapping[str, Any]) -> Any:
-    """A value in the middle, to check that the field takes such values."""
+    """Returns one value of the distribution, to check that a field accepts it."""
     ((kind, given),) = distribution.items()
-    if kind == "choice":
-        return given[0]
     if kind == "sign":
         return given
-    if kind == "normal":
-        return given[0]
-    return given[1]
+    return given[0] if kind in ("choice", "normal") else given[1]

@@ -1,8 +1,8 @@
-"""What a campaign can measure: the functions that are shipped.
+"""The shipped metrics.
 
-A metric is a function of a simulation at its end that returns figures by name: numbers,
-words, or None where there is none. It may have an attribute ``extend``, called with
-(builder, station, robot) before the diagram is built, to add what watches the run.
+A metric is a function of a finished simulation. It returns figures by name: numbers,
+text, or None for a missing value. Its optional attribute ``extend`` is called with
+(builder, station, robot) before the diagram is built, to add systems that measure.
 """
 
 from __future__ import annotations
@@ -12,14 +12,20 @@ from typing import Any
 
 import numpy as np
 from pydrake.math import RollPitchYaw
+from pydrake.systems.framework import Diagram, DiagramBuilder
 
-from atlas_drake.campaigns.energy import PORT, add_energy_meter
+from atlas_drake.robot import Robot
 from atlas_drake.simulation import AtlasSimulation
 from atlas_drake.simulation.start import draw_variation
+from atlas_drake.systems.energy_meter import EnergyMeter
 
 Figures = dict[str, Any]
 AT_LIMIT = 0.999
-"""A motor that did this share of its largest effort was at its limit [-]."""
+"""Share of its largest effort from which a motor counts as at its limit [-]."""
+METER_STEPS = 2
+"""Physics steps between two samples of the motors' power."""
+WORK = "motor_work"
+"""Output port of the diagram with the motors' work."""
 
 
 def success(sim: AtlasSimulation) -> Figures:
@@ -36,7 +42,7 @@ def success(sim: AtlasSimulation) -> Figures:
 
 
 def landing(sim: AtlasSimulation) -> Figures:
-    """Distances of the feet from where they were sent."""
+    """Distances between the landed feet and their commanded poses."""
     errors = [step["error_m"] for step in sim.footsteps]
     return {
         "steps": len(errors),
@@ -52,7 +58,7 @@ def tilt(sim: AtlasSimulation) -> Figures:
 
 
 def effort(sim: AtlasSimulation) -> Figures:
-    """How near the motors came to their limits."""
+    """Largest efforts of the motors, as shares of their limits."""
     shares = sim.output("extremes")[:-2]
     return {
         "effort_max_share": float(np.max(shares)),
@@ -61,16 +67,31 @@ def effort(sim: AtlasSimulation) -> Figures:
 
 
 def energy(sim: AtlasSimulation) -> Figures:
-    """Mechanical work of the motors: done, and done on them."""
-    done, taken = sim.output(PORT)
+    """Mechanical work of the motors: work done, and work taken up."""
+    done, taken = sim.output(WORK)
     return {"work_done_j": float(done), "work_taken_j": float(taken)}
+
+
+def add_energy_meter(builder: DiagramBuilder, station: Diagram, robot: Robot) -> None:
+    """Adds the meter of the motors' work, and exports its output."""
+    plant: Any = station.GetSubsystemByName("plant")
+    own = robot.instance(plant)
+    velocities = plant.num_positions(own) + robot.indices(plant).v
+    period = METER_STEPS * plant.time_step()
+    meter = builder.AddNamedSystem(
+        "energy_meter",
+        EnergyMeter(velocities, plant.num_multibody_states(own), period),
+    )
+    for name in ("effort", "state"):
+        builder.Connect(station.GetOutputPort(name), meter.GetInputPort(name))
+    builder.ExportOutput(meter.GetOutputPort("work"), WORK)
 
 
 energy.extend = add_energy_meter  # type: ignore[attr-defined]
 
 
 def drift(sim: AtlasSimulation) -> Figures:
-    """How far the pelvis is from where it began, and the estimate from the truth."""
+    """Drift of the pelvis from its start, and of the estimate from the true state."""
     start = draw_variation(sim.scenario, sim.robot)
     X_WP = sim.pelvis_pose
     away = X_WP.translation()[:2] - start.position
@@ -86,9 +107,9 @@ def drift(sim: AtlasSimulation) -> Figures:
 
 
 def ticks(sim: AtlasSimulation) -> Figures:
-    """Control ticks without a solution, and their wall times, which are the machine's.
+    """Number of control ticks without a solution, and wall times of the ticks.
 
-    The only figures that are not the same in every run.
+    The wall times depend on the machine; all other figures are the same in every run.
     """
     times = 1e3 * np.asarray(sim.tick_seconds)
     return {
@@ -102,4 +123,4 @@ METRICS: dict[str, Callable[[AtlasSimulation], Figures]] = {
     function.__name__: function
     for function in (success, landing, tilt, effort, energy, drift, ticks)
 }
-"""By name."""
+"""Metrics by name."""

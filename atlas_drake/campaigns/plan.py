@@ -1,7 +1,7 @@
-"""Which trials a campaign has, and what each is drawn from.
+"""The trials of a campaign: seed and values of each trial.
 
-Everything follows from the campaign and the number of the trial; for a threshold also
-from the results before it, see ``threshold``.
+The campaign and the number of a trial determine both. In the search for a threshold the
+next trials also depend on earlier results, see ``threshold``.
 """
 
 from __future__ import annotations
@@ -25,10 +25,10 @@ class Trial:
     """One trial.
 
     Attributes:
-        number: In the campaign, from 0.
-        seed: Of the scenario, and of what is drawn for it.
-        values: Everything that differs between trials, by path: the case, what was
-            drawn, and the value that a threshold is searched for.
+        number: Number in the campaign, from 0.
+        seed: Seed of the scenario and of the random values.
+        values: Values that differ between trials, by path: the case, the random values,
+            and the value of a threshold's search.
     """
 
     number: int
@@ -37,17 +37,17 @@ class Trial:
 
 
 def case_list(campaign: Campaign) -> list[dict[str, Any]]:
-    """Every combination of the cases' values; one empty case where there are none."""
+    """Returns every combination of the cases' values; one empty case without any."""
     combinations = itertools.product(*campaign.cases.values())
     return [dict(zip(campaign.cases, values, strict=True)) for values in combinations]
 
 
 def number_of_trials(campaign: Campaign, trials: int | None = None) -> int | None:
-    """How many trials there are in all; None for a threshold, whose results decide.
+    """Returns the number of all trials; None for a threshold, where results decide.
 
     Args:
         campaign: The campaign.
-        trials: How many, of each case; None is the campaign's number.
+        trials: Number of trials of each case; None for the campaign's number.
     """
     if campaign.threshold is not None:
         return None
@@ -55,7 +55,7 @@ def number_of_trials(campaign: Campaign, trials: int | None = None) -> int | Non
 
 
 def trial_seed(campaign: Campaign, replica: int) -> int:
-    """The seed of the trials with this number within their case."""
+    """Returns the seed of the trials with this number within their case."""
     if campaign.seeds == "counted":
         return (campaign.seed + replica) % (LARGEST_SEED + 1)
     sequence = np.random.SeedSequence(campaign.seed, spawn_key=(replica,))
@@ -63,15 +63,15 @@ def trial_seed(campaign: Campaign, replica: int) -> int:
 
 
 def make_trial(campaign: Campaign, number: int, level: int | None = None) -> Trial:
-    """The trial of this number.
+    """Makes the trial with this number.
 
-    Numbers go through the cases first, so that more trials leave them as they are; in
-    a threshold then through the replicas, and then through the levels.
+    Numbers count cases first, then replicas, then levels of a threshold. The numbers of
+    existing trials therefore stay the same when trials are added.
 
     Args:
         campaign: The campaign.
-        number: Of the trial.
-        level: Of a threshold's grid; None without threshold.
+        number: Number of the trial.
+        level: Level in the grid of a threshold; None without threshold.
     """
     cases = case_list(campaign)
     replica, case = divmod(number, len(cases))
@@ -82,7 +82,7 @@ def make_trial(campaign: Campaign, number: int, level: int | None = None) -> Tri
     for path, distribution in campaign.vary.items():
         if path in values:
             continue
-        # A stream for each path: what else varies changes nothing.
+        # Each path has its own stream, so that other paths do not change its values.
         stream = np.random.SeedSequence(seed, spawn_key=(zlib.crc32(path.encode()),))
         values[path] = draw(distribution, np.random.default_rng(stream))
     if campaign.threshold is not None and level is not None:
@@ -91,10 +91,10 @@ def make_trial(campaign: Campaign, number: int, level: int | None = None) -> Tri
 
 
 def scenario_of(campaign: Campaign, trial: Trial) -> Scenario:
-    """The scenario of a trial.
+    """Makes the scenario of a trial.
 
     Raises:
-        ScenarioError: If what was drawn is not allowed.
+        ScenarioError: If a random value is not allowed.
     """
     values = {k: v for k, v in trial.values.items() if not k.startswith(PARAMETERS)}
     try:
@@ -105,7 +105,7 @@ def scenario_of(campaign: Campaign, trial: Trial) -> Scenario:
 
 
 def parameters_of(campaign: Campaign, trial: Trial) -> dict[str, Any]:
-    """What the trial function is given."""
+    """Returns the parameters of the trial function."""
     drawn = {
         path.removeprefix(PARAMETERS): value
         for path, value in trial.values.items()

@@ -1,7 +1,7 @@
-"""What can be done in a trial: the functions that are shipped.
+"""The shipped trial functions.
 
-A trial function gets a simulation that has just begun, and the campaign's parameters
-with what was drawn for them. It simulates, and may return figures.
+A trial function receives a simulation at its start, and the parameters of the trial. It
+advances the simulation, and may return figures.
 """
 
 from __future__ import annotations
@@ -15,15 +15,15 @@ from atlas_drake.planning.step_stream import StepStream
 from atlas_drake.simulation import AtlasSimulation
 
 PIECE = 0.1
-"""Simulated time between looks at the robot [s]."""
+"""Simulated time between two checks of the robot [s]."""
 DISTANCE = 2.0
-"""That ``walk`` walks if no parameter says otherwise [m]."""
+"""Default distance of ``walk`` [m]."""
 STANDING = 1.0
-"""Time in which ``walk`` stands before its first step [s]."""
+"""Time for which ``walk`` stands before its first step [s]."""
 
 
 def run(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> None:
-    """Simulates for the scenario's duration, or until the robot falls."""
+    """Simulates until the scenario's duration ends or the robot falls."""
     _until(sim, sim.scenario.duration)
 
 
@@ -53,4 +53,4 @@ def _until(sim: AtlasSimulation, end: float) -> None:
 
 
 TRIALS: dict[str, Callable[..., Any]] = {"run": run, "walk": walk}
-"""By name."""
+"""Trial functions by name."""

@@ -1,4 +1,4 @@
-"""Where the functions and parts of a campaign come from: by name, file or module."""
+"""Functions and parts of a campaign, found by name, in a file or in a module."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ from atlas_drake.simulation.parts_file import parts_in, run_file
 
 @dataclass
 class Sources:
-    """What a user brings along; it can be sent to other processes.
+    """The user's functions and parts; can be pickled for other processes.
 
     Attributes:
-        files: Python files that define functions and parts, run in each process.
+        files: Python files that define functions and parts; each process runs them.
         functions: Functions by name, from a module that other processes can import.
-        parts: Arguments of ``AtlasSimulation``, likewise.
+        parts: Arguments of ``AtlasSimulation``, from such a module.
     """
 
     files: tuple[str, ...] = ()
@@ -33,7 +33,7 @@ class Sources:
 
     @functools.cached_property
     def names(self) -> dict[str, Any]:
-        """All that the files define, of two equal names the later.
+        """The definitions of all files by name; a later file overrides earlier ones.
 
         Raises:
             ScenarioError: If a file fails.
@@ -46,7 +46,7 @@ class Sources:
         return found
 
     def all_parts(self) -> dict[str, Any]:
-        """Arguments of ``AtlasSimulation``."""
+        """Returns the arguments of ``AtlasSimulation``."""
         return {**parts_in(self.names), **self.parts}
 
     def function(
@@ -55,12 +55,12 @@ class Sources:
         """Finds a function.
 
         Args:
-            name: Of a shipped one, of one's own, or ``module:function``.
-            path: Of the field that names it, for the error.
-            shipped: Those that come with the package.
+            name: Name of a shipped function, of the user's own, or ``module:function``.
+            path: Path of the field with the name, for the error.
+            shipped: Functions of the package by name.
 
         Raises:
-            CampaignError: If there is none.
+            CampaignError: If there is no such function.
         """
         if ":" in name:
             return _imported(name, path)
@@ -74,11 +74,11 @@ class Sources:
         return found
 
     def fingerprints(self, names: Iterable[str] = ()) -> list[dict[str, str]]:
-        """Name and content of each file, to notice one that was changed.
+        """Returns name and hash of each file, to detect changes.
 
         Args:
-            names: Of functions that the campaign names; the files of those that are
-                ``module:function`` count, too.
+            names: Functions in the campaign; the files of ``module:function`` are
+                included.
         """
         modules = [importlib.import_module(n.split(":")[0]) for n in names if ":" in n]
         given = [*modules, *self.functions.values(), *self.parts.values()]
@@ -92,12 +92,12 @@ class Sources:
         ]
 
     def __getstate__(self) -> dict[str, Any]:
-        """Leaves what the files define to be found anew by the process that gets it."""
+        """Leaves out the definitions, which the other process reads from the files."""
         return {k: v for k, v in vars(self).items() if k != "names"}
 
 
 def _files_of(values: Iterable[Any]) -> list[str]:
-    """Source files of functions and modules, as far as they have any."""
+    """Returns the source files of functions and modules that have one."""
     files = []
     for value in values:
         with suppress(TypeError):
@@ -118,6 +118,6 @@ def _imported(name: str, path: str) -> Callable[..., Any]:
 
 
 def joined(*lists: Iterable[str | Path]) -> tuple[str, ...]:
-    """Files as absolute paths, each once."""
+    """Returns the files as absolute paths, each once."""
     paths = [str(Path(path).absolute()) for files in lists for path in files]
     return tuple(dict.fromkeys(paths))

@@ -1,7 +1,6 @@
-"""The largest value that is borne: which values are tried next, and what was found.
+"""Search for the largest value under which the robot still succeeds.
 
-The same records always lead to the same next step, so that a search goes on where it
-was stopped.
+The records alone determine the next trials, so that a stopped search can continue.
 """
 
 from __future__ import annotations
@@ -14,7 +13,7 @@ from atlas_drake.campaigns.campaign import Campaign
 from atlas_drake.campaigns.plan import Trial, case_list, make_trial
 
 Records = Mapping[int, Mapping[str, Any]]
-"""Results by the number of their trial."""
+"""Records by the number of their trial."""
 
 
 @dataclass(frozen=True)
@@ -23,8 +22,8 @@ class Found:
 
     Attributes:
         case: Values of the case by path.
-        borne: Largest value known to be borne.
-        too_much: Smallest value known not to be; None if none was met.
+        borne: Largest value under which enough trials succeeded.
+        too_much: Smallest value under which they did not; None if there is none so far.
         ended: True if the search is over.
     """
 
@@ -38,16 +37,17 @@ class Search:
     """The search of one case."""
 
     def __init__(self, campaign: Campaign, case: int) -> None:
-        """Searches in the case of this number."""
+        """Searches in the case with this number."""
         assert campaign.threshold is not None
         self._campaign, self._case = campaign, case
         self._threshold = campaign.threshold
         self._cases = case_list(campaign)
 
     def next_trials(self, records: Records) -> list[Trial]:
-        """Trials that are needed next and not done; empty when the search is over.
+        """Returns the trials to run next; empty when the search is over.
 
-        First as many replicas as have to pass; the others only if these do not decide.
+        The first round has as many replicas as must succeed; a second round has the
+        others, if the first does not decide.
         """
         level = self._state(records)[2]
         if level is None:
@@ -60,14 +60,14 @@ class Search:
         return [make_trial(self._campaign, number, level) for number in missing]
 
     def found(self, records: Records) -> Found:
-        """What the records say."""
+        """Returns the state of the search after these records."""
         borne, too_much, level = self._state(records)
         upper = None if too_much is None else self._threshold.value(too_much)
         lower = self._threshold.value(borne)
         return Found(self._cases[self._case], lower, upper, level is None)
 
     def _state(self, records: Records) -> tuple[int, int | None, int | None]:
-        """Level borne, level that is too much, and the level to try next."""
+        """Returns the level borne, the level not borne, and the level to try next."""
         top = self._threshold.levels
         borne, too_much = 0, None
         while True:
@@ -87,7 +87,7 @@ class Search:
                 too_much = level
 
     def _verdict(self, level: int, records: Records) -> bool | None:
-        """True if a level is borne; None as long as missing trials decide."""
+        """Returns whether a level is borne; None if missing trials still decide."""
         threshold = self._threshold
         done = [records[n] for n in self._numbers(level) if n in records]
         passes = sum(bool(record["success"]) for record in done)
@@ -104,7 +104,7 @@ class Search:
 
 
 def level_of(campaign: Campaign, number: int) -> int | None:
-    """The level that a trial of a threshold tries; None without threshold."""
+    """Returns the level that a trial tries; None without threshold."""
     if campaign.threshold is None:
         return None
     return number // len(case_list(campaign)) // campaign.threshold.replicas

@@ -57,6 +57,14 @@ class QpWeights(Configuration):
     internal_contact_moment: NotNegative = 1e-3
     """Internal contact moment: moments of the feet against each other about the
     vertical [1/(N·m)²]."""
+    least_posture: Positive = 1e-5
+    """Least weight of a joint's posture, whatever the user's share: keeps the QP well
+    posed, far below any task [1/(rad/s²)²]."""
+    user_yielding: NotNegative = 100.0
+    """Factor by which the posture of a joint weighs less at the user's full share than
+    at none, before it fades to zero [-]. Any weight holds the posture of a joint that
+    no other task moves; when the user moves the joint fast, a large weight would make
+    the whole body work against the user."""
 
 
 @dataclass(frozen=True)
@@ -80,6 +88,8 @@ class ContactModel(Configuration):
     load_growth: Positive = 1.5
     """Normal force that the QP may count on beyond that, relative to the measured one
     [-]: a sole is trusted with the full weight after four ticks."""
+    full_load: Positive = 3.0
+    """Upper bound of the normal force on one sole, in weights of the robot [-]."""
 
 
 @dataclass(frozen=True)

@@ -86,15 +86,8 @@ def rotation_with_normal(yaw: float, normal: np.ndarray) -> np.ndarray:
     c, s = math.cos(yaw), math.sin(yaw)
     nx, ny, nz = normal.tolist()
     slope = -(c * nx + s * ny) / nz
-    length = math.sqrt(1.0 + slope * slope)
-    x, y, z = c / length, s / length, slope / length
-    return np.array(
-        [
-            [x, ny * z - nz * y, nx],
-            [y, nz * x - nx * z, ny],
-            [z, nx * y - ny * x, nz],
-        ]
-    )
+    x = np.array([c, s, slope]) / math.sqrt(1.0 + slope * slope)
+    return np.column_stack([x, cross(normal, x), normal])
 
 
 def rotation_vector(R: np.ndarray) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""Contact wrenches, moved from the world's origin to the frames that they act on.
+"""Measured contact wrenches: moved to the frames that they act on, and their center.
 
 The sensors sum the forces of single contacts about the origin of W, which needs no
 poses; see ``systems.robot_sensors``.
@@ -6,7 +6,7 @@ poses; see ``systems.robot_sensors``.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -35,3 +35,30 @@ def shift_to_frames(wrenches: np.ndarray, frames: Iterable[Any], context: Any) -
     for wrench, frame in zip(wrenches, frames, strict=False):
         if wrench.any():
             shift_wrench(wrench, frame.CalcPoseInWorld(context).translation())
+
+
+LEAST_LOAD = 20.0
+"""Vertical force on both soles together below which there is no CoP [N]. Numerical:
+the CoP of a smaller force is noise."""
+
+
+def center_of_pressure(
+    soles: Sequence[np.ndarray], wrenches: np.ndarray
+) -> np.ndarray | None:
+    """Computes the center of pressure of both soles together.
+
+    Args:
+        soles: Positions of the soles' centers in W [m], each of shape (3,).
+        wrenches: Moment and force on each sole, at its center in W [N·m; N], shape
+            (12,).
+
+    Returns:
+        Position in W [m], shape (3,), at the load-weighted mean height of the soles;
+        None if the load is below LEAST_LOAD.
+    """
+    total, moment = 0.0, np.zeros(3)
+    for sole, wrench in zip(soles, wrenches.reshape(2, 6), strict=True):
+        load = wrench[5]
+        total += load
+        moment += load * sole + np.array([-wrench[1], wrench[0], 0.0])
+    return moment / total if total > LEAST_LOAD else None

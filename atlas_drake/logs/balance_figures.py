@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
+from pydrake.math import RollPitchYaw
 
 from atlas_drake.control.feet.sole import sole_corners
 from atlas_drake.control.rotations import rotation_z
@@ -15,7 +16,7 @@ from atlas_drake.logs.joint_figures import JOINT_COLORS
 from atlas_drake.logs.layout import SIDES
 from atlas_drake.logs.log import Log
 from atlas_drake.logs.panels import Band, Item, Line, Outline, Panel
-from atlas_drake.logs.support import Feet, double_supports, footprints
+from atlas_drake.logs.support import Feet, double_supports, footprints, rotations
 from atlas_drake.palette import COM, COP, DCM, FEET, hex_color
 
 SIDE_COLORS = tuple(map(hex_color, FEET))
@@ -96,33 +97,32 @@ def _sole(log: Log, pose: list[float]) -> np.ndarray:
 
 def foot_heights(log: Log) -> Panel:
     """Heights of both soles."""
-    items = tuple(
-        Line(log.time, log[f"feet.{side}_position"][:, 2], SIDE_COLORS[foot], side)
-        for foot, side in enumerate(SIDES)
-    )
-    return Panel("Foot heights", "sole z [m]", items)
+    return _vertical(log, "position", "Foot heights", "sole z [m]")
 
 
 def foot_forces(log: Log) -> Panel:
     """Vertical forces on both soles."""
+    return _vertical(log, "force", "Foot forces", "vertical [N]")
+
+
+def _vertical(log: Log, name: str, title: str, y_label: str) -> Panel:
+    """Draws the z of a channel of both feet."""
     items = tuple(
-        Line(log.time, log[f"feet.{side}_force"][:, 2], SIDE_COLORS[foot], side)
-        for foot, side in enumerate(SIDES)
+        Line(log.time, log[f"feet.{side}_{name}"][:, 2], color, side)
+        for side, color in zip(SIDES, SIDE_COLORS, strict=True)
     )
-    return Panel("Foot forces", "vertical [N]", items)
+    return Panel(title, y_label, items)
 
 
 def pelvis_angles(log: Log) -> Panel:
     """Orientation of the pelvis."""
-    w, x, y, z = log["pelvis.orientation"].T
-    angles = {
-        "roll": np.arctan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y)),
-        "pitch": np.arcsin(np.clip(2 * (w * y - z * x), -1.0, 1.0)),
-        "yaw": np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z)),
-    }
+    angles = np.array(
+        [RollPitchYaw(R_WB).vector() for R_WB in rotations(log["pelvis.orientation"])]
+    )
+    names = ("roll", "pitch", "yaw")
     items = tuple(
-        Line(log.time, angle, color, name)
-        for (name, angle), color in zip(angles.items(), JOINT_COLORS, strict=False)
+        Line(log.time, angles[:, axis], color, name)
+        for axis, (name, color) in enumerate(zip(names, JOINT_COLORS, strict=False))
     )
     return Panel("Orientation of the pelvis", "angle [rad]", items)
 

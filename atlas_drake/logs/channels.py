@@ -30,14 +30,7 @@ def robot_layout(
     velocities: Iterable[str],
     world: WorldCoordinates,
 ) -> Layout:
-    """Make the layout of one robot's log.
-
-    Args:
-        robot: Robot whose joints name the elements.
-        positions: Names of the robot's positions.
-        velocities: Names of the robot's velocities.
-        world: Coordinates of the models beside the robot.
-    """
+    """Make the layout of the log of a robot with these positions and velocities."""
     return Layout(
         [
             Channel("time", "s", about="time of the tick"),
@@ -58,15 +51,12 @@ def robot_layout(
             ),
             Channel("state.q", labels=tuple(positions), about="true positions"),
             Channel("state.v", labels=tuple(velocities), about="true velocities"),
-            *_world(world),
+            *(
+                Channel(name, labels=tuple(places), about=f"other models' {name[-1]}")
+                for name, places in world.places.items()
+            ),
         ]
     )
-
-
-def _world(world: WorldCoordinates) -> Iterable[Channel]:
-    if world.q:
-        yield Channel("world.q", labels=tuple(world.q), about="other models' q")
-        yield Channel("world.v", labels=tuple(world.v), about="other models' v")
 
 
 def _joints(names: tuple[str, ...]) -> Iterable[Channel]:

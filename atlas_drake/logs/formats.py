@@ -9,28 +9,19 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
-from typing import Any, Literal, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from atlas_drake.errors import did_you_mean
 from atlas_drake.logs.notes import Header, LogError, LogWriter, Note
 
-
-class Format(NamedTuple):
-    """Names of a format's module in this package, of its writer and of its reader."""
-
-    module: str
-    writer: str
-    reader: str
-
-
 FORMATS = {
-    ".mcap": Format("mcap_file", "McapWriter", "read_mcap"),
-    ".npz": Format("npz_file", "NpzWriter", "read_npz"),
-    ".parquet": Format("parquet_file", "ParquetWriter", "read_parquet"),
+    ".mcap": ("mcap_file", "McapWriter", "read_mcap"),
+    ".npz": ("npz_file", "NpzWriter", "read_npz"),
+    ".parquet": ("parquet_file", "ParquetWriter", "read_parquet"),
 }
-"""Formats by file name ending."""
+"""Module, writer and reader of each format, by file name ending."""
 LOG_EXTRA, PLOT_EXTRA = "log", "plot"
 """Extras of the package that install the packages of formats and figures."""
 
@@ -52,7 +43,7 @@ class LogFile:
                 cannot be written.
         """
         self.path = path
-        writer = _member(path, "writer")
+        writer, _ = _writer_and_reader(path)
         self._writer: LogWriter | None = None
         self._has_rows = False
         self._early: list[Note] = []
@@ -60,10 +51,7 @@ class LogFile:
             self._writer = writer(path, header)
 
     def rows(self, table: np.ndarray) -> None:
-        """Writes some ticks, unless the file is closed.
-
-        Args:
-            table: Rows, shape (k, layout's width).
+        """Writes some ticks, shape (k, layout's width), unless the file is closed.
 
         Raises:
             LogError: If it cannot be written. The file is then closed.
@@ -122,7 +110,7 @@ def check_format(path: Path) -> None:
     Raises:
         LogError: If the ending is unknown or a package is missing.
     """
-    _member(path, "writer")
+    _writer_and_reader(path)
 
 
 def read_file(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]:
@@ -131,7 +119,7 @@ def read_file(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]:
     Raises:
         LogError: If the file cannot be read.
     """
-    read = _member(path, "reader")
+    _, read = _writer_and_reader(path)
     try:
         if not path.exists():
             raise LogError("there is no such file")
@@ -152,13 +140,7 @@ class MissingPackageError(LogError):
 
 
 def missing_package(what: str, name: str | None, extra: str) -> MissingPackageError:
-    """Makes the error for a package that is not installed.
-
-    Args:
-        what: Feature that needs the package.
-        name: Name of the package, or of a module in it.
-        extra: Extra of atlas-drake that installs the package.
-    """
+    """Makes the error for a package, or a module in it, that an extra would install."""
     package = (name or "").partition(".")[0]
     return MissingPackageError(
         f"{what} needs the package {package!r}, which is not installed: "
@@ -166,14 +148,14 @@ def missing_package(what: str, name: str | None, extra: str) -> MissingPackageEr
     )
 
 
-def _member(path: Path, role: Literal["writer", "reader"]) -> Any:
-    """Finds the writer or the reader of a log with that name."""
-    entry = FORMATS.get(path.suffix)
-    if entry is None:
+def _writer_and_reader(path: Path) -> tuple[Any, Any]:
+    """Finds the writer and the reader of a log with that name."""
+    if path.suffix not in FORMATS:
         hint = did_you_mean(path.suffix, FORMATS)
         raise LogError(f"{path}: a log must end in one of {', '.join(FORMATS)}.{hint}")
+    name, writer, reader = FORMATS[path.suffix]
     try:
-        module = import_module(f"atlas_drake.logs.{entry.module}")
+        module = import_module(f"atlas_drake.logs.{name}")
     except ModuleNotFoundError as error:
         raise missing_package(f"{path}: {path.suffix}", error.name, LOG_EXTRA) from None
-    return getattr(module, getattr(entry, role))
+    return getattr(module, writer), getattr(module, reader)

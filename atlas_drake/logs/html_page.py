@@ -5,18 +5,17 @@ The page is self-contained; its security policy forbids it to load anything.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from html import escape
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import plotly.graph_objects as go
 from plotly.subplots import make_subplots
 
 from atlas_drake.logs.panels import (
     Band,
     Heat,
+    Item,
     Line,
     Marker,
     Outline,
@@ -48,15 +47,6 @@ POLICY = (
 """Content-Security-Policy of the page: nothing is loaded from anywhere."""
 
 
-@dataclass(frozen=True)
-class _Place:
-    """Place of an item: the page, a cell of its grid, and a legend."""
-
-    page: Page
-    cell: dict[str, int]
-    legend: str
-
-
 def write_html(page: Page, path: Path) -> None:
     """Writes the page; any browser shows it, also without a network."""
     html = draw(page).to_html(
@@ -65,7 +55,7 @@ def write_html(page: Page, path: Path) -> None:
     )
     head = (
         f'<head><meta http-equiv="Content-Security-Policy" content="{POLICY}">'
-        f"<title>{_escaped(page.title)}</title>"
+        f"<title>{escape(page.title)}</title>"
     )
     path.write_text(html.replace("<head>", head, 1), encoding="utf-8")
 
@@ -76,15 +66,14 @@ def draw(page: Page) -> Any:
     inner = PIXELS_PER_INCH * sum(page.heights) + GAP * (rows - 1)
     specs: list[list[Any]] = [[{}] * page.columns for _ in range(rows)]
     for panel in page.panels:
-        column = panel.column
-        specs[panel.row][column] = {"rowspan": panel.rows}
+        specs[panel.row][panel.column] = {"rowspan": panel.rows}
         for row in range(panel.row + 1, panel.row + panel.rows):
-            specs[row][column] = None
+            specs[row][panel.column] = None
     figure = make_subplots(
         rows=rows,
         cols=page.columns,
         specs=specs,
-        row_heights=[height / sum(page.heights) for height in page.heights],
+        row_heights=[*page.heights],
         vertical_spacing=GAP / inner,
         horizontal_spacing=GAP_BETWEEN_COLUMNS,
     )
@@ -93,7 +82,7 @@ def draw(page: Page) -> Any:
         height=round(inner + HEADER + FOOTER),
         margin={"t": HEADER, "b": FOOTER, "l": 90, "r": 70},
         title={
-            "text": f"<b>{_escaped(page.title)}</b><br>{_escaped(page.subtitle)}",
+            "text": f"<b>{escape(page.title)}</b><br>{escape(page.subtitle)}",
             "font": {"size": 16},
             "y": 1.0 - 40 / (inner + HEADER + FOOTER),
         },
@@ -106,8 +95,8 @@ def draw(page: Page) -> Any:
 
 
 def _draw_panel(figure: Any, panel: Panel, page: Page, suffix: str) -> None:
-    plot = figure.get_subplot(panel.row + 1, panel.column + 1)
-    x, y = plot.xaxis, plot.yaxis
+    cell = {"row": panel.row + 1, "col": panel.column + 1}
+    x, y = figure.get_subplot(**cell)
     x.title = {"text": panel.x_label, "standoff": 4}
     y.title = {"text": panel.y_label, "standoff": 4}
     if panel.over_time:
@@ -118,51 +107,84 @@ def _draw_panel(figure: Any, panel: Panel, page: Page, suffix: str) -> None:
         y.range = panel.y_range
     if panel.equal:
         y.scaleanchor, y.scaleratio = y.anchor, 1.0
-    left = x.domain[0]
-    top = y.domain[1]
+    corner = {"x": x.domain[0], "y": y.domain[1]}
+    corner |= {"xanchor": "left", "yanchor": "bottom"}
     legend = f"legend{suffix}"
-    figure.update_layout(
-        {
-            legend: {
-                "orientation": "h",
-                "x": left,
-                "xanchor": "left",
-                "y": top,
-                "yanchor": "bottom",
-                "font": {"size": 10},
-                "bgcolor": "rgba(0,0,0,0)",
-                "itemwidth": 30,
-            }
-        }
-    )
+    figure.layout[legend] = {
+        **corner,
+        "orientation": "h",
+        "font": {"size": 10},
+        "bgcolor": "rgba(0,0,0,0)",
+        "itemwidth": 30,
+    }
     figure.add_annotation(
-        text=f"<b>{_escaped(panel.title)}</b>",
-        x=left,
-        y=top,
+        **corner,
+        text=f"<b>{escape(panel.title)}</b>",
         xref="paper",
         yref="paper",
-        xanchor="left",
-        yanchor="bottom",
         yshift=TITLE_ABOVE,
         showarrow=False,
         font={"size": 12},
     )
-    at = _Place(page, {"row": panel.row + 1, "col": panel.column + 1}, legend)
     for item in panel.items:
-        _DRAW[type(item)](figure, item, at)
+        _draw(figure, item, page, {**cell, "legend": legend})
 
 
-def _line(figure: Any, item: Line, at: _Place) -> None:
-    x, y = _thin_track(item)
-    dash = "dash" if item.dashed else "solid"
-    _add_scatter(
-        figure,
-        at,
-        item.label,
-        x=x,
-        y=y,
-        mode="lines",
-        line={"color": item.color, "width": 1.2 * item.width, "dash": dash},
+def _draw(figure: Any, item: Item, page: Page, at: dict[str, Any]) -> None:
+    """Draws an item in a cell of the grid, with a legend of its own."""
+    cell = {"row": at["row"], "col": at["col"]}
+    match item:
+        case Line(_, _, color, label, dashed, width):
+            x, y = _thin_track(item)
+            dash = "dash" if dashed else "solid"
+            line = {"color": color, "width": 1.2 * width, "dash": dash}
+            _add_curve(figure, at, label, x=x, y=y, line=line)
+        case Band(color=color, label=label):
+            x, y = _band_polygons(item)
+            fill = {"fillcolor": _transparent(color, 0.55), "hoverinfo": "skip"}
+            edge = {"width": 0}
+            _add_curve(figure, at, label, x=x, y=y, line=edge, fill="toself", **fill)
+        case Outline(_, color, label, opacity, dashed):
+            x, y = item.closed
+            dash = "dash" if dashed else "solid"
+            line = {"color": color, "width": 1, "dash": dash}
+            fill = {"fillcolor": _transparent(color, opacity), "hoverinfo": "skip"}
+            kind = "toself" if opacity else None
+            _add_curve(figure, at, label, x=x, y=y, line=line, fill=kind, **fill)
+        case Marker(x, color):
+            figure.add_vline(x=x, line={"color": color, "width": 1}, **cell)
+        case Span(start, end, color, label):
+            _add_curve(
+                figure,
+                at,
+                x=[start, start, end, end, start],
+                y=[0, 1, 1, 0, 0],
+                line={"color": color, "width": 1},
+                fill="toself",
+                fillcolor=color,
+                hoveron="fills",
+                hoverinfo="text",
+                text=f"{label}: {start:.2f} s to {end:.2f} s",
+            )
+            figure.update_yaxes(visible=False, range=(0, 1), **cell)
+            if page.has_room(item):
+                figure.add_annotation(
+                    text=escape(label),
+                    x=0.5 * (start + end),
+                    y=0.5,
+                    showarrow=False,
+                    font={"size": 10},
+                    **cell,
+                )
+        case Heat():
+            _draw_heat(figure, item, cell)
+
+
+def _add_curve(
+    figure: Any, at: dict[str, Any], label: str = "", **options: Any
+) -> None:
+    figure.add_scatter(
+        mode="lines", name=label or None, showlegend=bool(label), **options, **at
     )
 
 
@@ -176,142 +198,49 @@ def _thin_track(item: Line) -> tuple[np.ndarray, np.ndarray]:
     return np.round(x, 5), y.astype(np.float32)
 
 
-def _band(figure: Any, item: Band, at: _Place) -> None:
-    x, y = _band_polygons(item)
-    _add_scatter(
-        figure,
-        at,
-        item.label,
-        x=np.round(x, 5),
-        y=y.astype(np.float32),
-        mode="lines",
-        line={"width": 0},
-        fill="toself",
-        fillcolor=_transparent(item.color, 0.55),
-        hoverinfo="skip",
-    )
-
-
 def _band_polygons(item: Band) -> tuple[np.ndarray, np.ndarray]:
     """Outlines of the pieces of a band, with gaps between them."""
-    xs, ys = [np.full(1, np.nan)], [np.full(1, np.nan)]
+    gap = np.full(1, np.nan)
+    xs, ys = [gap], [gap]
     for begin, end in runs(~np.isnan(item.low)):
         x, low, high = (a[begin:end] for a in (item.x, item.low, item.high))
         # The edges are step functions: only their corners are drawn.
         moved = np.hypot(np.diff(low), np.diff(high)) > SMALL_STEP
         corner = np.r_[moved, True] | np.r_[True, moved]
         x, low, high = x[corner], low[corner], high[corner]
-        xs += [x, x[::-1], np.full(1, np.nan)]
-        ys += [low, high[::-1], np.full(1, np.nan)]
-    return np.concatenate(xs), np.concatenate(ys)
+        xs += [x, x[::-1], gap]
+        ys += [low, high[::-1], gap]
+    return np.round(np.concatenate(xs), 5), np.concatenate(ys).astype(np.float32)
 
 
-def _outline(figure: Any, item: Outline, at: _Place) -> None:
-    dash = "dash" if item.dashed else "solid"
-    _add_scatter(
-        figure,
-        at,
-        item.label,
-        x=item.closed[0],
-        y=item.closed[1],
-        mode="lines",
-        line={"color": item.color, "width": 1, "dash": dash},
-        fill="toself" if item.opacity else None,
-        fillcolor=_transparent(item.color, item.opacity),
-        hoverinfo="skip",
-    )
-
-
-def _span(figure: Any, item: Span, at: _Place) -> None:
-    _add_scatter(
-        figure,
-        at,
-        "",
-        x=[item.start, item.start, item.end, item.end, item.start],
-        y=[0, 1, 1, 0, 0],
-        mode="lines",
-        line={"color": item.color, "width": 1},
-        fill="toself",
-        fillcolor=item.color,
-        hoveron="fills",
-        hoverinfo="text",
-        text=f"{item.label}: {item.start:.2f} s to {item.end:.2f} s",
-    )
-    figure.update_yaxes(visible=False, range=(0, 1), **at.cell)
-    if at.page.has_room(item):
-        figure.add_annotation(
-            text=_escaped(item.label),
-            x=0.5 * (item.start + item.end),
-            y=0.5,
-            showarrow=False,
-            font={"size": 10},
-            **at.cell,
-        )
-
-
-def _marker(figure: Any, item: Marker, at: _Place) -> None:
-    figure.add_vline(x=item.x, line={"color": item.color, "width": 1}, **at.cell)
-
-
-def _heat(figure: Any, item: Heat, at: _Place) -> None:
+def _draw_heat(figure: Any, item: Heat, cell: dict[str, int]) -> None:
     x, z = item.thinned(POINTS)
-    plot = figure.get_subplot(**at.cell)
+    plot = figure.get_subplot(**cell)
     low, high = plot.yaxis.domain
     count = len(item.colors) - 1
-    figure.add_trace(
-        go.Heatmap(
-            x=np.round(x, 5),
-            y=list(item.names),
-            z=z.astype(np.float32),
-            zmin=item.low,
-            zmax=item.high,
-            colorscale=[[i / count, color] for i, color in enumerate(item.colors)],
-            colorbar={
-                "title": {"text": item.label, "side": "right", "font": {"size": 10}},
-                "x": plot.xaxis.domain[1] + 0.004,
-                "xanchor": "left",
-                "y": 0.5 * (low + high),
-                "len": high - low,
-                "thickness": BAR_WIDTH,
-                "xpad": 0,
-                "ypad": 0,
-                "tickfont": {"size": 9},
-            },
-            hovertemplate="%{y} at %{x:.3f} s: %{z:.3g}<extra></extra>",
-        ),
-        **at.cell,
+    figure.add_heatmap(
+        x=np.round(x, 5),
+        y=list(item.names),
+        z=z.astype(np.float32),
+        zmin=item.low,
+        zmax=item.high,
+        colorscale=[[i / count, color] for i, color in enumerate(item.colors)],
+        colorbar={
+            "title": {"text": item.label, "side": "right", "font": {"size": 10}},
+            "x": plot.xaxis.domain[1] + 0.004,
+            "xanchor": "left",
+            "y": 0.5 * (low + high),
+            "len": high - low,
+            "thickness": BAR_WIDTH,
+            "xpad": 0,
+            "ypad": 0,
+            "tickfont": {"size": 9},
+        },
+        hovertemplate="%{y} at %{x:.3f} s: %{z:.3g}<extra></extra>",
+        **cell,
     )
-    figure.update_yaxes(autorange="reversed", dtick=1, tickfont={"size": 8}, **at.cell)
-
-
-def _add_scatter(figure: Any, at: _Place, label: str, **options: Any) -> None:
-    options.setdefault("hovertemplate", None)
-    figure.add_trace(
-        go.Scatter(
-            name=label or None,
-            legend=at.legend,
-            showlegend=bool(label),
-            connectgaps=False,
-            **options,
-        ),
-        **at.cell,
-    )
+    figure.update_yaxes(autorange="reversed", dtick=1, tickfont={"size": 8}, **cell)
 
 
 def _transparent(color: str, opacity: float) -> str:
-    red, green, blue = (int(color[place : place + 2], 16) for place in (1, 3, 5))
-    return f"rgba({red},{green},{blue},{opacity})"
-
-
-def _escaped(text: str) -> str:
-    return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
-
-
-_DRAW: dict[type, Callable[[Any, Any, _Place], None]] = {
-    Line: _line,
-    Band: _band,
-    Outline: _outline,
-    Span: _span,
-    Marker: _marker,
-    Heat: _heat,
-}
+    return f"{color}{round(255 * opacity):02x}"

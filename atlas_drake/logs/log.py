@@ -160,10 +160,8 @@ class Log:
                 f"{self.path}: its robot cannot be loaded: {error}"
             ) from error
         for channel in self.header.layout.channels:
-            if (
-                channel.name == "joints.k_effort"
-                and channel.labels != robot.joint_names
-            ):
+            of_joints = channel.name == "joints.k_effort"
+            if of_joints and channel.labels != robot.joint_names:
                 raise LogError(
                     f"{self.path}: its robot, {self.header.model}, has other joints "
                     "than when the log was recorded; restore its file of that time"

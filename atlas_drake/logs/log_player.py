@@ -5,6 +5,9 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
+from operator import attrgetter
+
 import numpy as np
 from pydrake.common.value import AbstractValue
 from pydrake.multibody.plant import MultibodyPlant
@@ -14,6 +17,7 @@ from atlas_drake.frozen import replace
 from atlas_drake.logs.layout import SIDES
 from atlas_drake.logs.log import Log
 from atlas_drake.logs.notes import (
+    FEEDBACK,
     PATHS,
     LogError,
     Note,
@@ -88,7 +92,7 @@ class LogPlayer(CollectableSystem):
         start = commands_at_start(log.robot, Behavior.STAND, log.header.catalog)
         self._start = start
         self._paths = [note for note in log.notes if note.kind == PATHS]
-        self._path_times = np.array([note.time for note in self._paths])
+        self._feedback = [note for note in log.notes if note.kind == FEEDBACK]
         now = {self.time_ticket()}
         for name, channels in VECTORS.items():
             tables = [log[channel] for channel in channels]
@@ -169,7 +173,7 @@ class LogPlayer(CollectableSystem):
             if f"balance.{name}" in self._log.arrays
         }
         support = self._log.arrays.get("balance.support")
-        note = self._latest_paths(now)
+        note = _latest(self._paths, now)
         return Plan(
             **{name: value for name, value in kept.items() if np.isfinite(value).all()},
             support=None if support is None else polygon_from(support[row]),
@@ -177,13 +181,8 @@ class LogPlayer(CollectableSystem):
         )
 
     def _planned_paths(self, context: Context) -> PlannedPaths:
-        note = self._latest_paths(context.get_time() + 1e-9)
+        note = _latest(self._paths, context.get_time() + 1e-9)
         return PlannedPaths() if note is None else paths_from_note(note)
-
-    def _latest_paths(self, now: float) -> Note | None:
-        """The last note of paths, if any; a note without points marks their end."""
-        place = int(np.searchsorted(self._path_times, now, side="right")) - 1
-        return self._paths[place] if place >= 0 else None
 
     def _report(self, context: Context) -> AtlasSimInterfaceState:
         log, row = self._log, self.row(context)
@@ -194,7 +193,15 @@ class LogPlayer(CollectableSystem):
         report.header.stamp = float(log.time[row])
         report.f_out = log["joints.behavior_effort"][row].tolist()
         report.k_effort = log["joints.k_effort"][row].tolist()
+        note = _latest(self._feedback, context.get_time() + 1e-9)
+        report.feedback = None if note is None else note.data[FEEDBACK]
         return report
+
+
+def _latest(notes: list[Note], now: float) -> Note | None:
+    """The last note until now, if any; one without content marks an end."""
+    place = bisect_right(notes, now, key=attrgetter("time"))
+    return notes[place - 1] if place else None
 
 
 def _check_complete(log: Log) -> None:

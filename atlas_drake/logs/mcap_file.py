@@ -26,6 +26,7 @@ from atlas_drake.logs.layout import Channel, Layout
 from atlas_drake.logs.notes import (
     COMMANDS,
     EVENT,
+    FEEDBACK,
     FOOTSTEPS,
     PATHS,
     Header,
@@ -92,6 +93,7 @@ class McapWriter:
             self._register(kind, f"atlas_drake.{message.__name__}", to_plain(message()))
         points = {name: [[0.0]] for name in ("com", "dcm", "cop", "swing", FOOTSTEPS)}
         self._register(PATHS, "atlas_drake.PlannedPaths", points)
+        self._register(FEEDBACK, "atlas_drake.Feedback", {FEEDBACK: {}})
         for name, (schema, sample) in VIEWER_SCHEMAS.items():
             self._register(name, schema, sample)
         self._file.flush()
@@ -214,7 +216,7 @@ def read_mcap(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]:
                     topics[record.id] = record.topic.removeprefix("/")
                 elif isinstance(record, Message):
                     topic = topics[record.channel_id]
-                    if topic in (*COMMANDS, PATHS, "events"):
+                    if topic in (*COMMANDS, PATHS, FEEDBACK, "events"):
                         notes.append(_note(topic, record))
                     elif topic not in VIEWER_SCHEMAS:
                         messages.setdefault(topic, []).append(record)

@@ -25,6 +25,7 @@ from atlas_drake.messages.behavior_catalog import (
     BehaviorInterface,
 )
 from atlas_drake.messages.controller_status import (
+    ControllerStatus,
     Plan,
     PlannedPaths,
     PlannedStep,
@@ -44,6 +45,8 @@ EVENT = "event"
 """Kind of the notes that are events."""
 PATHS = "planned_paths"
 """Kind of the notes that hold ``PlannedPaths``."""
+FEEDBACK = "feedback"
+"""Kind of the notes that hold the feedback of a user's own behavior."""
 FOOTSTEPS = "footsteps"
 """Key in a note of PATHS: the footsteps to come, each as foot, x, y, z [m], yaw
 [rad]."""
@@ -61,7 +64,7 @@ class Note:
 
     Attributes:
         time: Time of the record [s].
-        kind: One of COMMANDS, EVENT, or PATHS.
+        kind: One of COMMANDS, EVENT, PATHS, or FEEDBACK.
         data: Values that a JSON object can hold.
     """
 
@@ -198,6 +201,16 @@ def note_from_plan(time: float, plan: Plan, paths: PlannedPaths) -> Note:
     return Note(time, PATHS, data)
 
 
+def note_from_feedback(time: float, status: ControllerStatus) -> Note:
+    """Converts the feedback of a user's own behavior to a note.
+
+    Its data has the feedback, as ``to_plain`` converts it; None while a behavior of the
+    interface is active, whose feedback has channels of its own.
+    """
+    own = None if isinstance(status.feedback, Message) else status.feedback
+    return Note(time, FEEDBACK, {FEEDBACK: to_plain(own)})
+
+
 def paths_from_note(note: Note) -> PlannedPaths:
     """Reads the paths from a note of ``note_from_plan``."""
     paths = {
@@ -233,11 +246,8 @@ DEEPEST = 16
 def to_plain(value: Any, path: tuple[int, ...] = ()) -> Any:
     """Converts messages, arrays and numbers to JSON types; NaN and infinities to None.
 
-    Accepts any content of a refused message: unknown types become text.
-
-    Args:
-        value: Value to convert.
-        path: Identities of the containers around ``value``, to detect a loop.
+    Accepts any content of a refused message: unknown types become text. ``path`` holds
+    the identities of the containers around ``value``, to detect a loop.
     """
     if value is None or isinstance(value, str):
         return value

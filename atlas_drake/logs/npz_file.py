@@ -1,14 +1,10 @@
-"""Logs as numpy's .npz: one array per channel, for Python without further packages.
-
-Rows are kept in memory until the end, because the format cannot be appended to.
-"""
+"""Logs as numpy's .npz: one array per channel, for Python without further packages."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
 from typing import IO, Any
-from zipfile import ZIP_DEFLATED, ZIP_STORED, ZipFile, ZipInfo
 
 import numpy as np
 
@@ -18,62 +14,19 @@ from atlas_drake.logs.notes import (
     notes_from_json,
     notes_to_json,
 )
-from atlas_drake.whole_file import WholeFile
+from atlas_drake.logs.whole_log import WholeLog
 
 
-class NpzWriter:
-    """Writes the file when it is closed, whole or not at all."""
-
-    def __init__(self, path: Path, header: Header):
-        """Opens the file, to raise an error now if it cannot be written."""
-        self._file = WholeFile(path)
-        self._header = header
-        self._tables = [np.empty((0, header.layout.width))]
-        self._notes: list[Note] = []
-
-    def rows(self, table: np.ndarray) -> None:
-        """Keeps some ticks."""
-        self._tables.append(table)
-
-    def note(self, note: Note) -> None:
-        """Keeps a note."""
-        self._notes.append(note)
-
-    def close(self) -> None:
-        """Writes the file."""
-        arrays: dict[str, Any] = self._header.layout.split(np.concatenate(self._tables))
-        arrays["header"] = np.array(self._header.to_json())
-        arrays["notes"] = np.array(notes_to_json(self._notes))
-        with self._file as file:
-            _write_arrays(file, arrays)
-
-    def abandon(self) -> None:
-        """Leaves no file: it is written whole or not at all."""
-        self._file.abandon()
+def _write(
+    file: IO[bytes], header: Header, rows: np.ndarray, notes: list[Note]
+) -> None:
+    arrays: dict[str, Any] = header.layout.split(rows)
+    arrays["header"] = np.array(header.to_json())
+    arrays["notes"] = np.array(notes_to_json(notes))
+    np.savez_compressed(file, **arrays)
 
 
-def _write_arrays(file: IO[bytes], arrays: Mapping[str, np.ndarray]) -> None:
-    """Writes an .npz file as numpy does, but compresses only what repeats itself.
-
-    Measured numbers shrink by a tenth at most, and take most of the time.
-    """
-    with ZipFile(file, "w") as archive:
-        for name, array in arrays.items():
-            part = ZipInfo(f"{name}.npy")
-            part.compress_type = ZIP_DEFLATED if _repeats(array) else ZIP_STORED
-            with archive.open(part, "w", force_zip64=True) as entry:
-                np.lib.format.write_array(entry, array, allow_pickle=False)
-
-
-def _repeats(array: np.ndarray) -> bool:
-    """Returns True for text, and where most rows' numbers are those of the row before.
-
-    NaN is not equal to itself, but to its own bytes.
-    """
-    if array.ndim == 0:
-        return True
-    data = array.view(f"u{array.itemsize}")
-    return bool(np.count_nonzero(data[1:] == data[:-1]) >= 0.5 * data[1:].size)
+NpzWriter = partial(WholeLog, _write)
 
 
 def read_npz(path: Path) -> tuple[Header, dict[str, np.ndarray], list[Note]]:

@@ -160,12 +160,7 @@ class Page:
 
 
 def thinned(x: np.ndarray, y: np.ndarray, points: int) -> tuple[np.ndarray, np.ndarray]:
-    """Thins a curve and keeps its extremes.
-
-    Args:
-        x: X of the curve, shape (any,).
-        y: Y of the curve, of the same shape.
-        points: Approximate number of points to keep.
+    """Thins a curve to about so many points, and keeps its extremes.
 
     Returns:
         x and y of the lowest and the highest point of each piece of the curve.

@@ -7,10 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from pydrake.common.value import AbstractValue
+from pydrake.common.yaml import yaml_dump
 from pydrake.systems.framework import (
     Context,
     DiagramBuilder,
@@ -19,21 +21,30 @@ from pydrake.systems.framework import (
 )
 from pydrake.systems.primitives import Multiplexer
 
+from atlas_drake.checked import as_plain
 from atlas_drake.frozen import NOTHING
 from atlas_drake.logs.formats import LogFile
 from atlas_drake.logs.notes import (
     COMMANDS,
+    FEEDBACK,
+    Header,
     LogError,
     Note,
     note_from_event,
+    note_from_feedback,
     note_from_plan,
     to_plain,
 )
 from atlas_drake.logs.rows import RowMaker
 from atlas_drake.logs.samples import take_sample
 from atlas_drake.messages import Behavior
+from atlas_drake.messages.behavior_catalog import BehaviorInterface
 from atlas_drake.messages.controller_status import ControllerStatus
 from atlas_drake.messages.event import Event
+from atlas_drake.robot import Robot
+from atlas_drake.scenario import Scenario
+from atlas_drake.scenario.time_grid import on_common_grid
+from atlas_drake.scenario.world import WorldMaker
 from atlas_drake.systems.collectable_system import CollectableSystem
 
 VALUES = ("commands", "controller_status", "imu", "planned_paths")
@@ -79,14 +90,7 @@ class LogRecorder(CollectableSystem):
         period: float,
         tick_seconds: Sequence[float] = (),
     ):
-        """Samples every ``period`` [s].
-
-        Args:
-            maker: Maker of rows for the station's robot.
-            writer: Writer of rows and notes.
-            period: The control period [s].
-            tick_seconds: Wall times of the controller's ticks, which it appends to.
-        """
+        """Samples every ``period`` [s]; ``tick_seconds`` as in ``start_recorder``."""
         super().__init__()
         self._maker = maker
         self._writer = writer
@@ -107,6 +111,7 @@ class LogRecorder(CollectableSystem):
         self._sampled_time = -np.inf
         self._paths_time, self._planned = -np.inf, False
         self._planner = Behavior.NONE
+        self._feedback: dict[str, Any] = {FEEDBACK: None}
         self._received = 0
 
     # ---- writing -------------------------------------------------------------
@@ -166,6 +171,7 @@ class LogRecorder(CollectableSystem):
                 if len(self._samples) >= BLOCK:
                     self._write_rows()
                 self._write_paths(context)
+                self._write_feedback(context)
 
     def _write_rows(self) -> None:
         """Computes and writes the rows of all samples that were kept."""
@@ -189,6 +195,13 @@ class LogRecorder(CollectableSystem):
             self._writer.note(note)
         self._planned = planned
 
+    def _write_feedback(self, context: Context) -> None:
+        """Records the feedback of a user's own behavior when it changes."""
+        note = note_from_feedback(context.get_time(), self._status.Eval(context))
+        if note.data != self._feedback:
+            self._feedback = note.data
+            self._writer.note(note)
+
     # ---- sampling ------------------------------------------------------------
 
     def _sample(self, context: Context, discrete: DiscreteValues) -> None:
@@ -203,16 +216,39 @@ class LogRecorder(CollectableSystem):
         discrete.get_mutable_vector(self._latest).SetFromVector(sample)
 
 
+def start_recorder(
+    path: Path,
+    scenario: Scenario,
+    robot: Robot,
+    world: Sequence[WorldMaker],
+    tick_seconds: Sequence[float],
+    behaviors: Sequence[BehaviorInterface] = (),
+) -> LogRecorder:
+    """Opens the file and makes the system that writes it.
+
+    Args:
+        path: Path of the file; its ending selects the format.
+        scenario: The simulated scenario.
+        robot: Robot of the scenario.
+        world: Models in the plant beside the robot.
+        tick_seconds: Wall times of the controller's ticks, which it appends to.
+        behaviors: The user's own behaviors, beside the shipped ones.
+
+    Raises:
+        LogError: If the file cannot be written.
+    """
+    maker = RowMaker(robot, world)
+    nominal = scenario.control_period
+    _, period = on_common_grid(scenario.physics_step, nominal)
+    text = yaml_dump(as_plain(scenario))
+    header = Header(robot.model, nominal, text, maker.layout, tuple(behaviors))
+    return LogRecorder(maker, LogFile(path, header), period, tick_seconds)
+
+
 def add_log_recorder(
     builder: DiagramBuilder, station: System, recorder: LogRecorder
 ) -> None:
-    """Adds a recorder to a diagram and connects it.
-
-    Args:
-        builder: Builder of the diagram that holds the station.
-        station: An AtlasStation.
-        recorder: Recorder of the station's robot.
-    """
+    """Adds a recorder to a diagram and connects it to the diagram's AtlasStation."""
     builder.AddNamedSystem("log_recorder", recorder)
     # Drake joins them in a fraction of the time that reading each of them would take.
     sizes = recorder.port_sizes

@@ -84,12 +84,7 @@ class ReportChannel:
 def reported(
     report: AtlasSimInterfaceState, channels: Iterable[ReportChannel]
 ) -> list[float]:
-    """Reads the numbers of some channels, one after the other.
-
-    Args:
-        report: A report.
-        channels: The channels to read.
-    """
+    """Reads the numbers of some channels, one after the other."""
     numbers: list[float] = []
     for entry in channels:
         numbers += entry.read(report)

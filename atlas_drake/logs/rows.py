@@ -12,9 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from atlas_drake.control.balance.center_of_pressure import center_of_pressure
 from atlas_drake.control.balance.feedback import pendulum_frequency
-from atlas_drake.control.wrenches import shift_to_frames
+from atlas_drake.control.wrenches import center_of_pressure, shift_to_frames
 from atlas_drake.logs.channels import robot_layout
 from atlas_drake.logs.layout import SIDES
 from atlas_drake.logs.samples import SampleLayout
@@ -61,10 +60,9 @@ class RowMaker:
         )
 
     def rows(self, samples: np.ndarray) -> np.ndarray:
-        """Computes rows, shape (k, layout's width); NaN for missing values.
+        """Computes rows, shape (k, layout's width), of k samples.
 
-        Args:
-            samples: Samples, shape (k, samples' size).
+        Missing values are NaN.
         """
         known = self.samples
         table = np.full((len(samples), self.layout.width), np.nan)

@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from itertools import chain
 from typing import Any
 
 import numpy as np
@@ -74,7 +74,7 @@ class SampleLayout:
         port_sizes: Lengths of the station's ports whose numbers a sample holds, by
             name, in order.
         size: Length of a sample. Its last number is the plan's natural frequency.
-        measured: Place of the state that the controller reads.
+        measured: Index of each number of the state that the controller reads.
         sources: Index into a sample of each number that a row has as it is.
         targets: Index into a row of the same numbers.
     """
@@ -82,7 +82,7 @@ class SampleLayout:
     def __init__(
         self, robot: Robot, plant: Any, beside: WorldCoordinates, layout: Layout
     ):
-        """Makes the layout of the samples.
+        """Makes the layout of the samples for rows of ``layout``.
 
         Args:
             robot: The simulated robot.
@@ -90,59 +90,35 @@ class SampleLayout:
             beside: Coordinates of the models beside the robot.
             layout: Layout of the rows.
         """
-        num_states, num_joints = plant.num_multibody_states(), robot.num_joints
-        self.port_sizes = {
-            "state": num_states,
-            "contact_wrenches": 24,
-            "effort": num_joints,
-            "user_effort": num_joints,
-            "behavior_effort": num_joints,
-            "behavior_state": num_states,
+        sizes = {
+            name: place.stop - place.start for name, place in layout.places.items()
         }
-        if beside.q:
-            self.port_sizes["plant_state"] = beside.num_states
-        # By channel: index into a sample of each of its numbers.
-        sources: dict[str, np.ndarray] = {}
-        end = _add(sources, _FIRST, layout, 0)
-        for port, size in self.port_sizes.items():
-            if port == "behavior_state":
-                self.measured = slice(end, end + size)
-                sources |= _measured(plant, robot, end)
-            elif port == "plant_state":
-                sources |= {name: end + at for name, at in beside.indices.items()}
-            else:
-                _add(sources, _PORTS[port], layout, end)
-            end += size
-        self.size = _add(sources, _LAST, layout, end) + 1
-        places = [layout.places[name] for name in sources]
-        self.sources = np.concatenate([*sources.values()])
-        self.targets = np.r_[tuple(places)]
-
-
-def _add(
-    sources: dict[str, np.ndarray], channels: Iterable[str], layout: Layout, start: int
-) -> int:
-    """Adds channels that lie one after the other; returns where they end."""
-    for name in channels:
-        place = layout.places[name]
-        end = start + place.stop - place.start
-        sources[name] = np.arange(start, end)
-        start = end
-    return start
-
-
-def _measured(plant: Any, robot: Robot, start: int) -> dict[str, np.ndarray]:
-    """Channels of the state that the controller reads, which begins at ``start``."""
-    indices = robot.indices(plant)
-    pelvis = indices.pelvis
-    places = start + np.arange(plant.num_multibody_states())
-    return {
-        "joints.position": places[indices.q],
-        "joints.velocity": places[plant.num_positions() + indices.v],
-        "pelvis.orientation": places[pelvis.orientation],
-        "pelvis.position": places[pelvis.position],
-        "pelvis.velocity": places[pelvis.velocity],
-    }
+        states = {"behavior_state": plant.num_multibody_states()}
+        if beside.places:
+            states["plant_state"] = beside.num_states
+        self.port_sizes = {
+            port: sum(sizes[name] for name in channels)
+            for port, channels in _PORTS.items()
+        } | states
+        own = [*_FIRST, *chain.from_iterable(_PORTS.values())]
+        parts = [(name, sizes[name]) for name in own]
+        parts += [*states.items(), *((name, sizes[name]) for name in _LAST)]
+        ends = np.cumsum([size for _, size in parts])
+        self.size = int(ends[-1]) + 1
+        pieces = np.split(np.arange(ends[-1]), ends[:-1])
+        at = {name: piece for (name, _), piece in zip(parts, pieces, strict=True)}
+        self.measured = at.pop("behavior_state")
+        world = at.pop("plant_state", None)
+        if world is not None:
+            for name, places in beside.places.items():
+                at[name] = world[[*places.values()]]
+        indices = robot.indices(plant)
+        at["joints.position"] = self.measured[indices.q]
+        at["joints.velocity"] = self.measured[plant.num_positions() + indices.v]
+        for name in ("orientation", "position", "velocity"):
+            at[f"pelvis.{name}"] = self.measured[getattr(indices.pelvis, name)]
+        self.sources = np.concatenate([*at.values()])
+        self.targets = np.r_[tuple(layout.places[name] for name in at)]
 
 
 def take_sample(
@@ -195,15 +171,9 @@ def take_sample(
 
 def _references(plan: Plan) -> list[np.ndarray]:
     """Returns the references of CoM, DCM and CoP, and the support polygon."""
+    points = plan.com_reference, plan.dcm_reference, plan.cop_reference
     return [
-        *(
-            _UNKNOWN if reference is None else reference
-            for reference in (
-                plan.com_reference,
-                plan.dcm_reference,
-                plan.cop_reference,
-            )
-        ),
+        *(_UNKNOWN if point is None else point for point in points),
         _NO_SUPPORT if plan.support is None else flat_polygon(plan.support),
     ]
 

@@ -9,8 +9,11 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+from pydrake.common.eigen_geometry import Quaternion
+from pydrake.math import RotationMatrix
 
 from atlas_drake.control.balance.support_polygon import SupportPolygon
+from atlas_drake.control.feet.sole import sole_corners
 from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.logs.layout import SIDES
 from atlas_drake.logs.log import Log
@@ -37,40 +40,36 @@ class Feet:
 
     def extent(self, axis: int) -> tuple[np.ndarray, np.ndarray]:
         """Lowest and highest coordinate of the soles in contact [m], shape (rows,)."""
-        values = np.where(
-            self.contact[:, :, None], self.corners[:, :, :, axis], np.nan
-        ).transpose(1, 0, 2)
-        flat = values.reshape(len(values), -1)
-        held = self.contact.any(axis=0)
-        low, high = np.full(len(flat), np.nan), np.full(len(flat), np.nan)
-        low[held], high[held] = (
-            np.nanmin(flat[held], axis=1),
-            np.nanmax(flat[held], axis=1),
-        )
-        return low, high
+        corners = self.corners[..., axis]
+        loaded, held = self.contact[:, :, None], self.contact.any(axis=0)
+        low = np.where(loaded, corners, np.inf).min(axis=(0, 2))
+        high = np.where(loaded, corners, -np.inf).max(axis=(0, 2))
+        return np.where(held, low, np.nan), np.where(held, high, np.nan)
 
 
 def feet_of(log: Log) -> Feet:
     """Computes the feet over time from a log."""
     sole = log.robot.file.sole
-    local = np.array([[1, 1], [1, -1], [-1, -1], [-1, 1]]) * (
-        0.5 * np.array([sole.length, sole.width])
-    )
     load = CONTACT_SHARE * log.robot.mass * GRAVITY
     corners, contact = [], []
+    half = 0.5 * sole.length, 0.5 * sole.width
     for side in SIDES:
-        w, x, y, z = log[f"feet.{side}_orientation"].T
-        # The first two columns of the rotation matrix, horizontal part.
-        along = np.array([1 - 2 * (y * y + z * z), 2 * (x * y + w * z)]).T
-        across = np.array([2 * (x * y - w * z), 1 - 2 * (x * x + z * z)]).T
-        center = log[f"feet.{side}_position"][:, None, :2]
+        poses = zip(
+            log[f"feet.{side}_position"],
+            rotations(log[f"feet.{side}_orientation"]),
+            strict=True,
+        )
         corners.append(
-            center
-            + local[None, :, :1] * along[:, None]
-            + local[None, :, 1:] * across[:, None]
+            [sole_corners(p_WF, R_WF.matrix(), *half)[:, :2] for p_WF, R_WF in poses]
         )
         contact.append(log[f"feet.{side}_force"][:, 2] > load)
     return Feet(np.array(corners), np.array(contact))
+
+
+def rotations(orientations: np.ndarray) -> Iterator[RotationMatrix]:
+    """Converts quaternions, w first, shape (rows, 4); their length is of no account."""
+    for wxyz in orientations:
+        yield RotationMatrix(Quaternion(wxyz / np.linalg.norm(wxyz)))
 
 
 def runs(flags: np.ndarray) -> Iterator[tuple[int, int]]:

@@ -45,12 +45,7 @@ _LEVELS = {"warning": _WARNING, "refusal": _WARNING, "fall": _ERROR}
 def viewer_messages(
     layout: Layout, row: list[Any]
 ) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Makes topics and messages of one tick.
-
-    Args:
-        layout: Layout of the row.
-        row: Numbers of the row; None for missing values.
-    """
+    """Makes topics and messages of one tick from its row, in which None is missing."""
     stamp = _stamp(row[0])
 
     def transform(child: str, name: str, separator: str) -> dict[str, Any]:

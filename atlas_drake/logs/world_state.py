@@ -18,26 +18,13 @@ class WorldCoordinates:
     """Places of the coordinates in a plant that are not the robot's.
 
     Attributes:
-        q: Index into the plant's positions by name of the coordinate.
-        v: Index into the plant's velocities by name of the coordinate.
-        num_positions: Number of positions of the whole plant.
+        places: Index into the state of the whole plant by the name of the coordinate,
+            for each of the log's channels that exist.
         num_states: Number of states of the whole plant.
     """
 
-    q: dict[str, int]
-    v: dict[str, int]
-    num_positions: int
+    places: dict[str, dict[str, int]]
     num_states: int
-
-    @property
-    def indices(self) -> dict[str, np.ndarray]:
-        """Index into the state of the whole plant, by the name of the log's channel."""
-        if not self.q:
-            return {}
-        return {
-            "world.q": np.array([*self.q.values()]),
-            "world.v": self.num_positions + np.array([*self.v.values()], dtype=int),
-        }
 
 
 def world_coordinates(robot: Robot, world: Sequence[WorldMaker]) -> WorldCoordinates:
@@ -59,15 +46,23 @@ def world_coordinates(robot: Robot, world: Sequence[WorldMaker]) -> WorldCoordin
 
 def coordinates_beside(plant: MultibodyPlant, robot: Robot) -> WorldCoordinates:
     """Find the coordinates of a finalized plant that are not the robot's."""
-    own = robot.instance(plant)
-    all_q = np.arange(plant.num_positions(), dtype=float)
-    all_v = np.arange(plant.num_velocities(), dtype=float)
-    return WorldCoordinates(
-        _others(plant.GetPositionNames(), plant.GetPositionsFromArray(own, all_q)),
-        _others(plant.GetVelocityNames(), plant.GetVelocitiesFromArray(own, all_v)),
-        plant.num_positions(),
-        plant.num_multibody_states(),
-    )
+    own = set(np.concatenate(_own_places(plant, robot)).tolist())
+    names = [*plant.GetPositionNames(), *plant.GetVelocityNames()]
+    others = {name: i for i, name in enumerate(names) if i not in own}
+    num_q, places = plant.num_positions(), {}
+    if others:
+        places["world.q"] = {name: i for name, i in others.items() if i < num_q}
+        places["world.v"] = {name: i for name, i in others.items() if i >= num_q}
+    return WorldCoordinates(places, plant.num_multibody_states())
+
+
+def _own_places(plant: MultibodyPlant, robot: Robot) -> tuple[np.ndarray, np.ndarray]:
+    """Index into the plant's state of the robot's positions and velocities."""
+    own, num_q = robot.instance(plant), plant.num_positions()
+    places = np.arange(plant.num_multibody_states(), dtype=float)
+    q = plant.GetPositionsFromArray(own, places[:num_q])
+    v = plant.GetVelocitiesFromArray(own, places[num_q:])
+    return q.astype(int), v.astype(int)
 
 
 class PlantState:
@@ -81,23 +76,13 @@ class PlantState:
     ) -> None:
         """Takes a finalized plant and the elements of the log's channels by name."""
         self._default = plant.GetPositionsAndVelocities(plant.CreateDefaultContext())
-        own, beside = robot.instance(plant), coordinates_beside(plant, robot)
-        num_q = plant.num_positions()
-        all_q = np.arange(num_q, dtype=float)
-        all_v = num_q + np.arange(plant.num_velocities(), dtype=float)
-        robot_q = plant.GetPositionsFromArray(own, all_q).astype(int)
-        robot_v = plant.GetVelocitiesFromArray(own, all_v).astype(int)
-        self._parts = [
-            ("state.q", np.arange(len(robot_q)), robot_q),
-            ("state.v", np.arange(len(robot_v)), robot_v),
-        ]
-        for name, places, offset in (
-            ("world.q", beside.q, 0),
-            ("world.v", beside.v, num_q),
-        ):
+        q, v = _own_places(plant, robot)
+        self._parts = [("state.q", np.arange(len(q)), q)]
+        self._parts.append(("state.v", np.arange(len(v)), v))
+        for name, places in coordinates_beside(plant, robot).places.items():
             kept = labels.get(name, ())
             columns = [column for column, label in enumerate(kept) if label in places]
-            targets = [offset + places[kept[column]] for column in columns]
+            targets = [places[kept[column]] for column in columns]
             self._parts.append((name, np.array(columns), np.array(targets)))
 
     @property
@@ -112,9 +97,3 @@ class PlantState:
             if places.size:
                 state[places] = arrays[name][row][columns]
         return state
-
-
-def _others(names: Sequence[str], own: np.ndarray) -> dict[str, int]:
-    """Index by name of all coordinates but those at the indices ``own``."""
-    taken = set(own.astype(int).tolist())
-    return {name: i for i, name in enumerate(names) if i not in taken}

@@ -36,6 +36,7 @@ from atlas_drake.messages.behavior_params import (
     AtlasBehaviorWalkParams,
     ToeOff,
 )
+from atlas_drake.messages.checks import K_EFFORT_MAX
 from atlas_drake.messages.geometry import (
     Header,
     Pose,
@@ -45,12 +46,7 @@ from atlas_drake.messages.geometry import (
     Wrench,
 )
 from atlas_drake.messages.imu import Imu
-from atlas_drake.messages.validation import (
-    K_EFFORT_MAX,
-    check_command,
-    validate_atlas_command,
-    validate_sim_interface_command,
-)
+from atlas_drake.messages.validation import check_command
 
 __all__ = [
     "K_EFFORT_MAX",
@@ -89,6 +85,4 @@ __all__ = [
     "WalkStatus",
     "Wrench",
     "check_command",
-    "validate_atlas_command",
-    "validate_sim_interface_command",
 ]

@@ -4,8 +4,10 @@ Validation is in ``validation``, the control law in ``control.joints.joint_pid``
 """
 
 from dataclasses import dataclass, field
+from typing import Annotated
 
-from atlas_drake.messages.base import FloatArray, IntArray, Message
+from atlas_drake.messages.base import Message
+from atlas_drake.messages.checks import Bounds, Gains, Numbers, Shares
 from atlas_drake.messages.geometry import Header
 
 
@@ -36,14 +38,14 @@ class AtlasCommand(Message):
     """
 
     header: Header = field(default_factory=Header)
-    position: FloatArray = field(default_factory=list)
-    velocity: FloatArray = field(default_factory=list)
-    effort: FloatArray = field(default_factory=list)
-    kp_position: FloatArray = field(default_factory=list)
-    ki_position: FloatArray = field(default_factory=list)
-    kd_position: FloatArray = field(default_factory=list)
-    kp_velocity: FloatArray = field(default_factory=list)
-    i_effort_min: FloatArray = field(default_factory=list)
-    i_effort_max: FloatArray = field(default_factory=list)
-    k_effort: IntArray = field(default_factory=list)
-    desired_controller_period_ms: int = 0
+    position: Numbers = field(default_factory=list)
+    velocity: Numbers = field(default_factory=list)
+    effort: Numbers = field(default_factory=list)
+    kp_position: Gains = field(default_factory=list)
+    ki_position: Gains = field(default_factory=list)
+    kd_position: Gains = field(default_factory=list)
+    kp_velocity: Gains = field(default_factory=list)
+    i_effort_min: Numbers = field(default_factory=list)
+    i_effort_max: Numbers = field(default_factory=list)
+    k_effort: Shares = field(default_factory=list)
+    desired_controller_period_ms: Annotated[int, Bounds(0.0, 255.0, whole=True)] = 0

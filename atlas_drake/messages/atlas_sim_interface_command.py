@@ -6,7 +6,7 @@ Validation is in ``validation``; the effect of a command is in its behavior.
 from dataclasses import dataclass, field
 from typing import Any
 
-from atlas_drake.messages.base import FloatArray, IntArray, Message
+from atlas_drake.messages.base import Message
 from atlas_drake.messages.behavior import Behavior
 from atlas_drake.messages.behavior_params import (
     AtlasBehaviorManipulateParams,
@@ -14,6 +14,7 @@ from atlas_drake.messages.behavior_params import (
     AtlasBehaviorStepParams,
     AtlasBehaviorWalkParams,
 )
+from atlas_drake.messages.checks import Gains, Numbers, Shares
 from atlas_drake.messages.geometry import Header
 
 
@@ -72,10 +73,10 @@ class AtlasSimInterfaceCommand(Message):
         default_factory=AtlasBehaviorManipulateParams
     )
     params: Any = None
-    position: FloatArray = field(default_factory=list)
-    velocity: FloatArray = field(default_factory=list)
-    effort: FloatArray = field(default_factory=list)
-    kp_position: FloatArray = field(default_factory=list)
-    ki_position: FloatArray = field(default_factory=list)
-    kp_velocity: FloatArray = field(default_factory=list)
-    k_effort: IntArray = field(default_factory=list)
+    position: Numbers = field(default_factory=list)
+    velocity: Numbers = field(default_factory=list)
+    effort: Numbers = field(default_factory=list)
+    kp_position: Gains = field(default_factory=list)
+    ki_position: Gains = field(default_factory=list)
+    kp_velocity: Gains = field(default_factory=list)
+    k_effort: Shares = field(default_factory=list)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from atlas_drake.errors import ErrorCode
-from atlas_drake.messages.base import FloatArray, IntArray, Message
+from atlas_drake.messages.base import Message
 from atlas_drake.messages.behavior import Behavior
 from atlas_drake.messages.behavior_feedback import (
     AtlasBehaviorFeedback,
@@ -16,6 +16,7 @@ from atlas_drake.messages.behavior_feedback import (
     AtlasBehaviorStepFeedback,
     AtlasBehaviorWalkFeedback,
 )
+from atlas_drake.messages.checks import Numbers, Shares
 from atlas_drake.messages.geometry import Header, Pose, Vector3
 
 
@@ -83,7 +84,7 @@ class AtlasSimInterfaceState(Message):
     error_code: int = ErrorCode.NO_ERRORS
     current_behavior: int = Behavior.NONE
     desired_behavior: int = Behavior.NONE
-    f_out: FloatArray = field(default_factory=list)
+    f_out: Numbers = field(default_factory=list)
     pos_est: AtlasPositionData = field(default_factory=AtlasPositionData)
     foot_pos_est: list[Pose] = field(default_factory=_two_poses)
     behavior_feedback: AtlasBehaviorFeedback = field(
@@ -101,5 +102,5 @@ class AtlasSimInterfaceState(Message):
     manipulate_feedback: AtlasBehaviorManipulateFeedback = field(
         default_factory=AtlasBehaviorManipulateFeedback
     )
-    k_effort: IntArray = field(default_factory=list)
+    k_effort: Shares = field(default_factory=list)
     feedback: Any = None

@@ -5,7 +5,8 @@ Behaviors are reported in ``atlas_sim_interface_state``.
 
 from dataclasses import dataclass, field
 
-from atlas_drake.messages.base import FloatArray, IntArray, Message
+from atlas_drake.messages.base import Message
+from atlas_drake.messages.checks import Numbers, Shares
 from atlas_drake.messages.geometry import Header, Quaternion, Vector3, Wrench
 from atlas_drake.messages.joint_indices import JointIndices
 
@@ -42,16 +43,16 @@ class AtlasState(JointIndices, Message):
     """
 
     header: Header = field(default_factory=Header)
-    position: FloatArray = field(default_factory=list)
-    velocity: FloatArray = field(default_factory=list)
-    effort: FloatArray = field(default_factory=list)
-    kp_position: FloatArray = field(default_factory=list)
-    ki_position: FloatArray = field(default_factory=list)
-    kd_position: FloatArray = field(default_factory=list)
-    kp_velocity: FloatArray = field(default_factory=list)
-    i_effort_min: FloatArray = field(default_factory=list)
-    i_effort_max: FloatArray = field(default_factory=list)
-    k_effort: IntArray = field(default_factory=list)
+    position: Numbers = field(default_factory=list)
+    velocity: Numbers = field(default_factory=list)
+    effort: Numbers = field(default_factory=list)
+    kp_position: Numbers = field(default_factory=list)
+    ki_position: Numbers = field(default_factory=list)
+    kd_position: Numbers = field(default_factory=list)
+    kp_velocity: Numbers = field(default_factory=list)
+    i_effort_min: Numbers = field(default_factory=list)
+    i_effort_max: Numbers = field(default_factory=list)
+    k_effort: Shares = field(default_factory=list)
     orientation: Quaternion = field(default_factory=Quaternion)
     angular_velocity: Vector3 = field(default_factory=Vector3)
     linear_acceleration: Vector3 = field(default_factory=Vector3)

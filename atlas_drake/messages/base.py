@@ -13,7 +13,6 @@ from dataclasses import fields, is_dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from atlas_drake.errors import did_you_mean
 from atlas_drake.frozen import NOTHING
@@ -21,13 +20,6 @@ from atlas_drake.numeric import plain_number
 
 if TYPE_CHECKING:
     from typing import Self
-
-FloatArray = list[float] | NDArray[Any]
-"""One number for each joint in message order, or none: "keep the values in force"."""
-
-IntArray = list[int] | NDArray[Any]
-"""One whole number for each joint in message order, or none, as for numbers."""
-
 
 UNNUMBERED = 0
 """Number of a message whose sender does not number messages."""

@@ -29,11 +29,6 @@ from atlas_drake.messages.behavior_params import (
     AtlasBehaviorStepParams,
     AtlasBehaviorWalkParams,
 )
-from atlas_drake.messages.behavior_validation import (
-    check_manipulate_params,
-    check_step_params,
-    check_walk_params,
-)
 from atlas_drake.messages.checks import MAX_INDEX, check_kind
 from atlas_drake.numeric import is_whole
 
@@ -161,35 +156,30 @@ class BehaviorCatalog(Frozen):
             ErrorCode.NO_SUCH_BEHAVIOR,
         )
 
-    def check_params(self, message: AtlasSimInterfaceCommand) -> Behavior:
-        """Check the requested behavior of a message, and all its parameters.
+    def check_params(self, message: AtlasSimInterfaceCommand) -> None:
+        """Check the requested behavior, and parameters by the behaviors' own checks.
 
         Raises:
             InvalidMessageError: If anything in them cannot be applied; it names the
                 field.
         """
-        behavior = self.find(message.behavior)
-        asked = self.entry(behavior)
+        asked = self.entry(self.find(message.behavior))
+        reads_params = asked.params is not None and asked.params_field == "params"
+        if message.params is not None and not reads_params:
+            reads = (
+                f"reads {asked.params_field}" if asked.params else "has no parameters"
+            )
+            raise InvalidMessageError(
+                "params",
+                message.params,
+                f"is for the user's own behaviors; {asked.name} {reads}",
+            )
         for entry in self.entries:
-            # The fields of the original interface are checked for any requested
-            # behavior.
-            if entry.params is None or entry.params_field == "params":
-                continue
-            _check(entry, getattr(message, entry.params_field))
+            # The fields of the original interface count for any requested behavior.
+            if entry.params is not None and entry.params_field != "params":
+                _check(entry, getattr(message, entry.params_field))
         if message.params is not None:
-            if asked.params is None or asked.params_field != "params":
-                where = (
-                    f"reads {asked.params_field}"
-                    if asked.params
-                    else "has no parameters"
-                )
-                raise InvalidMessageError(
-                    "params",
-                    message.params,
-                    f"is for the user's own behaviors; {asked.name} {where}",
-                )
             _check(asked, message.params)
-        return behavior
 
 
 def _check(entry: BehaviorInterface, params: object) -> None:
@@ -257,26 +247,21 @@ def _shipped() -> Iterable[BehaviorInterface]:
         (Behavior.MANIPULATE, "#ec407a", "Balance with a servoed pelvis."),
         (Behavior.USER, "#ffb74d", "All joints return to the user at once."),
     ):
-        params = _PARAMS.get(behavior)
-        given = {} if params is None else {"params": params[0], "check": params[1]}
         yield BehaviorInterface(
             name=behavior.name,
             number=behavior.value,
             color=color,
             description=description,
+            params=_PARAMS.get(behavior),
             params_field=f"{behavior.name.lower()}_params",
-            **given,  # type: ignore[arg-type]
         )
 
 
-_PARAMS: dict[Behavior, tuple[type, Callable[[Any, str], None] | None]] = {
-    Behavior.WALK: (AtlasBehaviorWalkParams, lambda p, _field: check_walk_params(p)),
-    Behavior.STEP: (AtlasBehaviorStepParams, lambda p, _field: check_step_params(p)),
-    Behavior.STAND: (AtlasBehaviorStandParams, None),
-    Behavior.MANIPULATE: (
-        AtlasBehaviorManipulateParams,
-        lambda p, _field: check_manipulate_params(p),
-    ),
+_PARAMS: dict[Behavior, type] = {
+    Behavior.WALK: AtlasBehaviorWalkParams,
+    Behavior.STEP: AtlasBehaviorStepParams,
+    Behavior.STAND: AtlasBehaviorStandParams,
+    Behavior.MANIPULATE: AtlasBehaviorManipulateParams,
 }
 SHIPPED = BehaviorCatalog(tuple(_shipped()))
 """The behaviors of the original interface."""

@@ -5,8 +5,10 @@ The feedback of the behaviors is in ``behavior_feedback``.
 
 from dataclasses import dataclass, field
 from enum import IntEnum
+from typing import Annotated
 
 from atlas_drake.messages.base import Message
+from atlas_drake.messages.checks import NotNegative, Positive
 from atlas_drake.messages.geometry import Pose, Vector3
 
 NUM_REQUIRED_WALK_STEPS = 4
@@ -33,9 +35,9 @@ class AtlasBehaviorStepData(Message):
 
     step_index: int = NO_STEP
     foot_index: int = 0
-    duration: float = 0.0
+    duration: Positive = 0.0
     pose: Pose = field(default_factory=Pose)
-    swing_height: float = 0.0
+    swing_height: NotNegative = 0.0
 
 
 def empty_step_queue() -> list[AtlasBehaviorStepData]:
@@ -127,10 +129,10 @@ class AtlasBehaviorStepAction(Message):
     sway_duration: float = 0.1
     swing_height: float = 0.0
     lift_height: float = 0.0
-    toe_off: int = ToeOff.ENABLE
+    toe_off: Annotated[int, ToeOff] = ToeOff.ENABLE
     knee_nominal: float = 0.0
-    max_body_accel: float = 0.0
-    max_foot_vel: float = 0.0
+    max_body_accel: NotNegative = 0.0
+    max_foot_vel: NotNegative = 0.0
     sway_end_dist: float = 0.1
     step_end_dist: float = 0.1
 

@@ -1,31 +1,66 @@
-"""Checks of one value each: a finite number, a whole number, a joint array.
+"""Bounds of fields, and checks of one value each: a number, a flag, a joint array.
 
-``validation`` assigns the checks to the fields.
+Messages declare the bounds beside their fields; ``validation`` applies the checks.
 """
 
 import math
 from collections.abc import Sequence
-from typing import Any
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from atlas_drake.errors import InvalidMessageError, shown
-from atlas_drake.messages.base import Message
 from atlas_drake.numeric import as_float, is_whole
 
+LARGEST = 1e12
+"""Largest magnitude of a number in a message, in any unit: products of larger numbers
+could leave the range of floating point."""
 
-def check_kind(value: object, kind: type[Message], field: str) -> None:
+MAX_INDEX = 2**31 - 1
+"""Largest number of a step or a behavior: the original has 32 bits for them."""
+
+K_EFFORT_MAX = 255
+"""``k_effort`` of a joint that the user controls alone."""
+
+
+@dataclass(frozen=True)
+class Bounds:
+    """Bounds of a number, or of each number of an array, in the field's unit.
+
+    Attributes:
+        lower: The least value allowed.
+        upper: The largest value allowed.
+        strictly: The value must be greater than ``lower``.
+        whole: Only whole numbers are allowed.
+    """
+
+    lower: float = -math.inf
+    upper: float = math.inf
+    strictly: bool = False
+    whole: bool = False
+
+
+NotNegative = Annotated[float, Bounds(0.0)]
+Positive = Annotated[float, Bounds(0.0, strictly=True)]
+
+Numbers = list[float] | NDArray[Any]
+"""One number for each joint in message order, or none: "keep the values in force"."""
+Gains = Annotated[Numbers, Bounds(0.0)]
+Shares = Annotated[
+    list[int] | NDArray[Any], Bounds(0.0, float(K_EFFORT_MAX), whole=True)
+]
+"""A share of user control for each joint, or none: 0 for the behavior alone."""
+
+
+def check_kind(value: object, kind: type, field: str) -> None:
     """Raise InvalidMessageError unless the value is a message of this kind."""
     if not isinstance(value, kind):
         raise InvalidMessageError(
             field, value, f"must be {kind.__name__}, is {type(value).__name__}"
         )
-
-
-LARGEST = 1e12
-"""Largest magnitude of a number in a message, in any unit: products of larger numbers
-could leave the range of floating point."""
 
 
 def check_number(
@@ -35,46 +70,41 @@ def check_number(
     upper: float = math.inf,
     *,
     strictly: bool = False,
+    whole: bool = False,
 ) -> float:
     """Check that a value is a finite number, not too large and not too small.
 
     Args:
         value: The value; truth values are not numbers.
         field: Path of the value in its message.
-        lower: The least value allowed, without the unit.
+        lower: The least value allowed, in the field's unit.
         upper: The largest value allowed.
         strictly: The value must be greater than ``lower``.
+        whole: Only whole numbers are allowed.
 
     Returns:
         The number.
 
     Raises:
-        InvalidMessageError: If it is not a number, not finite, beyond ``LARGEST``, too
-            small or too large.
+        InvalidMessageError: If it is not a number, not finite, beyond ``LARGEST``, out
+            of bounds, or not whole.
     """
     number = as_float(value)
     if number is None:
-        raise InvalidMessageError(field, value, f"must be a number, is {shown(value)}")
-    if not math.isfinite(number):
-        raise InvalidMessageError(field, value, f"must be finite, is {shown(value)}")
-    if abs(number) > LARGEST:
-        raise InvalidMessageError(
-            field, value, f"must be within ±{LARGEST:g}, is {shown(value)}"
-        )
-    if number < lower or (strictly and number == lower):
-        bound = "greater than" if strictly else "at least"
-        raise InvalidMessageError(
-            field, value, f"must be {bound} {lower:g}, is {shown(value)}"
-        )
-    if number > upper:
-        raise InvalidMessageError(
-            field, value, f"must be at most {upper:g}, is {shown(value)}"
-        )
-    return number
-
-
-MAX_INDEX = 2**31 - 1
-"""Largest number of a step or a behavior: the original has 32 bits for them."""
+        requirement = "a number"
+    elif not math.isfinite(number):
+        requirement = "finite"
+    elif abs(number) > LARGEST:
+        requirement = f"within ±{LARGEST:g}"
+    elif number < lower or (strictly and number == lower):
+        requirement = f"{'greater than' if strictly else 'at least'} {lower:g}"
+    elif number > upper:
+        requirement = f"at most {upper:g}"
+    elif whole and not number.is_integer():
+        requirement = "a whole number"
+    else:
+        return number
+    raise InvalidMessageError(field, value, f"must be {requirement}, is {shown(value)}")
 
 
 def check_vector(
@@ -113,14 +143,17 @@ def check_flag(value: object, field: str) -> None:
         )
 
 
+def check_choice(value: object, field: str, choices: type[IntEnum]) -> None:
+    """Raise InvalidMessageError unless the value is the number of a member."""
+    if not is_whole(value) or value not in set(choices):
+        known = ", ".join(f"{member.value} ({member.name})" for member in choices)
+        raise InvalidMessageError(
+            field, value, f"must be one of {known}, is {shown(value)}"
+        )
+
+
 def check_joint_array(
-    values: object,
-    field: str,
-    joint_names: Sequence[str],
-    lower: float = -math.inf,
-    upper: float = math.inf,
-    *,
-    whole: bool = False,
+    values: object, field: str, joint_names: Sequence[str], bounds: Bounds
 ) -> NDArray[np.float64]:
     """Check that a value has one valid number per joint, or is empty.
 
@@ -128,9 +161,7 @@ def check_joint_array(
         values: A list, tuple or one-dimensional array.
         field: Path of the value in its message.
         joint_names: The robot's joints in message order.
-        lower: The least number allowed, without the unit.
-        upper: The greatest number allowed, without the unit.
-        whole: Only whole numbers are allowed.
+        bounds: Bounds of each number.
 
     Returns:
         The numbers; shape (number of joints,) or (0,).
@@ -141,6 +172,7 @@ def check_joint_array(
             whole.
     """
     numbers = _joint_numbers(values, field, joint_names)
+    lower, upper = bounds.lower, bounds.upper
     bad = ~np.isfinite(numbers)
     requirement = "must be finite"
     if not bad.any():
@@ -151,7 +183,7 @@ def check_joint_array(
         requirement = f"must be at least {lower:g}"
         if math.isfinite(upper):
             requirement = f"must be {lower:g} to {upper:g}"
-    if not bad.any() and whole:
+    if not bad.any() and bounds.whole:
         bad = numbers != np.floor(numbers)
         requirement = "must be a whole number"
     if bad.any():
@@ -167,44 +199,35 @@ def check_joint_array(
 
 
 def _joint_numbers(
-    values: object, field: str, joint_names: Sequence[str]
+    values: Any, field: str, joint_names: Sequence[str]
 ) -> NDArray[np.float64]:
+    is_array, number_of_joints = isinstance(values, np.ndarray), len(joint_names)
+    problem = ""
     if isinstance(values, np.ma.MaskedArray):
-        raise InvalidMessageError(
-            field,
-            values,
+        problem = (
             "must be a list of numbers or a plain array, is a masked array; give the "
-            "masked elements values with its filled()",
+            "masked elements values with its filled()"
         )
-    is_array = isinstance(values, np.ndarray)
-    if not (isinstance(values, (list, tuple)) or is_array):
-        raise InvalidMessageError(
-            field,
-            values,
+    elif not (isinstance(values, (list, tuple)) or is_array):
+        problem = (
             "must be a list of numbers, one per joint, or an empty list, is "
-            f"{type(values).__name__}",
+            f"{type(values).__name__}"
         )
-    if is_array and values.ndim != 1:  # type: ignore[attr-defined]
-        raise InvalidMessageError(
-            field,
-            values,
-            f"must have one dimension, has shape {values.shape}",  # type: ignore[attr-defined]
+    elif is_array and values.ndim != 1:
+        problem = f"must have one dimension, has shape {values.shape}"
+    elif len(values) not in (0, number_of_joints):
+        problem = (
+            f"must have {number_of_joints} elements, one per joint, or none, has "
+            f"{len(values)}"
         )
-    elements: Any = values
-    if len(elements) not in (0, len(joint_names)):
-        raise InvalidMessageError(
-            field,
-            values,
-            f"must have {len(joint_names)} elements, one per joint, or none, has "
-            f"{len(elements)}",
-        )
-    if is_array and elements.dtype.kind in "iuf":
-        with np.errstate(
-            over="ignore"
-        ):  # An overflow gives infinity, which is refused.
-            return np.asarray(elements, dtype=float)
-    numbers = np.empty(len(elements))
-    for index, element in enumerate(elements):
+    if problem:
+        raise InvalidMessageError(field, values, problem)
+    if is_array and values.dtype.kind in "iuf":
+        # An overflow gives infinity, which is refused.
+        with np.errstate(over="ignore"):
+            return np.asarray(values, dtype=float)
+    numbers = np.empty(len(values))
+    for index, element in enumerate(values):
         number = as_float(element)
         if number is None:
             raise InvalidMessageError(

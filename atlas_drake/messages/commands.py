@@ -8,7 +8,7 @@ import logging
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -19,12 +19,12 @@ from atlas_drake.messages import (
     AtlasCommand,
     AtlasSimInterfaceCommand,
     Behavior,
-    validate_atlas_command,
-    validate_sim_interface_command,
+    check_command,
 )
 from atlas_drake.messages.base import frozen, is_new
 from atlas_drake.messages.behavior_catalog import SHIPPED, BehaviorCatalog
-from atlas_drake.messages.joint_command import JOINT_FIELDS, JointCommand
+from atlas_drake.messages.checks import check_kind
+from atlas_drake.messages.joint_command import JointCommand
 from atlas_drake.messages.recent import append_recent, items_since
 from atlas_drake.numeric import as_float
 from atlas_drake.robot import Robot
@@ -63,6 +63,10 @@ class BehaviorRequest(Frozen):
     command: AtlasSimInterfaceCommand
     number: int
     time: float = 0.0
+
+    def is_newer(self, last: Self | None) -> bool:
+        """Returns True if this request came after ``last``; None is before all."""
+        return last is None or self.number > last.number
 
 
 @dataclass(frozen=True)
@@ -146,17 +150,6 @@ class CommandsInForce(Frozen):
         """User's share per joint, 0 to 255, shape (n,)."""
         return self.joints.k_effort
 
-
-SERVO_FIELDS = (
-    "position",
-    "velocity",
-    "effort",
-    "kp_position",
-    "ki_position",
-    "kp_velocity",
-    "k_effort",
-)
-"""Joint arrays that a behavior command has, too; the later message counts."""
 
 KEPT = 50
 """Number of messages, requests and refusals to keep; none younger than READ_WITHIN is
@@ -287,8 +280,8 @@ SAME_FAULT = 1.0
 def _apply_atlas_command(
     force: CommandsInForce, message: AtlasCommand, robot: Robot, time: float
 ) -> CommandsInForce:
-    validate_atlas_command(message, robot.joint_names, force.atlas_stamp)
-    given = _given(message, JOINT_FIELDS, robot)
+    check_kind(message, AtlasCommand, "message")
+    given = _given(message, force, robot, force.atlas_stamp)
     joints = replace(force.joints, **given)
     crossed = np.flatnonzero(joints.i_effort_min > joints.i_effort_max)
     if crossed.size:
@@ -311,11 +304,10 @@ def _apply_sim_command(
     robot: Robot,
     time: float,
 ) -> CommandsInForce:
-    behavior = validate_sim_interface_command(
-        message, robot.joint_names, force.sim_stamp, force.catalog
-    )
+    check_kind(message, AtlasSimInterfaceCommand, "message")
+    given = _given(message, force, robot, force.sim_stamp)
+    behavior = force.catalog.find(message.behavior)
     request = BehaviorRequest(behavior, message, force.received, time)
-    given = _given(message, SERVO_FIELDS, robot)
     if behavior is Behavior.USER:
         # USER returns every joint to the user at once, for any k_effort of the message.
         all_user = np.full(robot.num_joints, float(K_EFFORT_MAX))
@@ -337,14 +329,10 @@ _APPLY: dict[str, Callable[[CommandsInForce, Any, Robot, float], CommandsInForce
 
 
 def _given(
-    message: object, names: tuple[str, ...], robot: Robot
+    message: Command, force: CommandsInForce, robot: Robot, stamp: float | None
 ) -> dict[str, np.ndarray]:
-    """Copies a message's joint arrays that are not empty, with limited kp_velocity."""
-    given = {
-        name: np.array(getattr(message, name), dtype=float)
-        for name in names
-        if len(getattr(message, name))
-    }
+    """Checks a message; returns its joint arrays, with limited kp_velocity."""
+    given = check_command(message, robot.joint_names, force.catalog, stamp)
     if "kp_velocity" in given:
         given["kp_velocity"] = np.minimum(given["kp_velocity"], robot.kp_velocity_limit)
     return read_only(given)

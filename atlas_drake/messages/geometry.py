@@ -4,11 +4,13 @@ Data only: compute rotations and rigid transforms with Drake.
 """
 
 from dataclasses import dataclass, field
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from atlas_drake.messages.base import Message
+from atlas_drake.messages.checks import Bounds
 
 
 @dataclass(slots=True, eq=False)
@@ -20,7 +22,7 @@ class Header(Message):
         frame_id: Name of the frame; empty means the frame that the message documents.
     """
 
-    stamp: float | None = 0.0
+    stamp: Annotated[float | None, Bounds(0.0)] = 0.0
     frame_id: str = ""
 
 

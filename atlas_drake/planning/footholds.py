@@ -7,26 +7,45 @@ steered in ``teleop.walking``.
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass, field
-from typing import NamedTuple, Self
+from dataclasses import dataclass, field, replace
+from typing import Any, NamedTuple
 
+from atlas_drake.configuration import Configuration, Positive
 from atlas_drake.control.estimation.attitude import rotation_matrix
 from atlas_drake.control.feet.footstep import clip, longest_duration, outward
+from atlas_drake.control.feet.step_limits import StepLimits
+from atlas_drake.control.feet.swing_foot import SwingProfile
 from atlas_drake.control.rotations import wrap_angle, yaw_of
 from atlas_drake.messages import AtlasBehaviorStepData, Pose
-from atlas_drake.robot import Robot, RobotFile, StepLimits, UsualSteps
 
 BACKWARD_SHARE = 0.6
 """Share of the stride when walking backward: the knees bend the other way."""
 SIDEWAYS_SHARE = 0.5
 """Share of the stride for each pair of steps to the side."""
 
+STANCE_WIDTH = 0.24
+"""Default distance between the soles' middles of feet side by side [m]."""
+
 _ROUNDING = 1e-9
+
+
+@dataclass(frozen=True, kw_only=True)
+class UsualSteps(Configuration):
+    """Default steps of a walk, for demonstrations and planners."""
+
+    stride: Positive = 0.20
+    """Distance from one footprint to the next [m]."""
+    turn: Positive = 0.15
+    """Turn of each step on a bend or on the spot [rad]."""
+    duration: Positive = 0.63
+    """Duration of each step [s]."""
 
 
 @dataclass(frozen=True)
 class Gait:
-    """Parameters of a walk; defaults are Atlas' values, ``of`` has any robot's.
+    """Parameters of a walk; defaults are Atlas' values.
+
+    ``ControllerConfig.gait`` returns those of a robot and a scenario.
 
     Attributes:
         stride: Distance from one footprint to the next [m]; at most 0.35 for Atlas.
@@ -44,47 +63,24 @@ class Gait:
     stride: float = UsualSteps.stride
     turn: float = UsualSteps.turn
     duration: float = UsualSteps.duration
-    swing_height: float = UsualSteps.swing_height
+    swing_height: float = SwingProfile.height
     limits: StepLimits = field(default_factory=StepLimits, repr=False)
-    stance_width: float = field(default=RobotFile.stance_width, repr=False)
+    stance_width: float = field(default=STANCE_WIDTH, repr=False)
 
-    @classmethod
-    def of(cls, robot: Robot, **wishes: float) -> Self:
-        """Returns the usual gait of a robot.
-
-        Args:
-            robot: Robot with the limits and the stance.
-            **wishes: Values of stride, turn, duration and swing_height that differ from
-                the usual ones.
-
-        Raises:
-            ValueError: If the robot cannot walk like that.
-        """
-        file = robot.file
-        return cls(
-            **(asdict(file.usual_steps) | wishes),
-            limits=file.walk_limits,
-            stance_width=file.stance_width,
-        )
-
-    @classmethod
-    def nearest(cls, robot: Robot, **wishes: float) -> Self:
-        """Returns the feasible gait nearest to wishes beyond the limits.
+    def nearest(self, **wanted: float) -> Gait:
+        """Returns the feasible gait nearest to values that may be beyond the limits.
 
         Args:
-            robot: Robot with the limits and the stance.
-            **wishes: As for ``of``.
+            **wanted: Values of stride, turn, duration and swing_height that differ from
+                this gait's.
         """
-        usual = cls.of(robot)
-        wishes = {
-            name: clip(wishes.get(name, getattr(usual, name)), low, high)
-            for name, low, high in usual._bounds()
+        values: dict[str, Any] = {
+            name: clip(wanted.get(name, getattr(self, name)), low, high)
+            for name, low, high in self._bounds()
         }
-        reach = cls.of(robot, **(wishes | {"duration": usual.limits.min_duration}))
-        longest = longest_duration(reach._farthest_apart, reach.limits)
-        return cls.of(
-            robot, **(wishes | {"duration": min(wishes["duration"], longest)})
-        )
+        quickest = replace(self, **{**values, "duration": self.limits.duration.least})
+        longest = longest_duration(quickest._farthest_apart, self.limits)
+        return replace(quickest, duration=min(values["duration"], longest))
 
     @property
     def half_width(self) -> float:
@@ -99,8 +95,8 @@ class Gait:
         return (
             ("stride", 0.01, longest),
             ("turn", 0.01, limits.toe_in),
-            ("swing_height", limits.min_swing_height, limits.max_swing_height),
-            ("duration", limits.min_duration, limits.max_duration),
+            ("swing_height", *limits.swing_height),
+            ("duration", *limits.duration),
         )
 
     def __post_init__(self) -> None:

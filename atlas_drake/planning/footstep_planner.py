@@ -2,7 +2,7 @@
 
 Each function takes the robot's latest report and returns steps for
 ``walk_params.step_queue``, from the present footholds to feet side by side, within the
-limits of the gait's robot: Atlas, unless ``Gait.of`` names another. ``step_stream``
+limits of the gait's robot: Atlas, unless another gait is given. ``step_stream``
 sends more steps than the queue holds. The ground is assumed to be level; obstacles are
 not detected.
 """
@@ -248,7 +248,7 @@ def _farthest_ahead(out: float, turn: float, gait: Gait) -> float:
     limits, width = gait.limits, gait.half_width + out
     farthest = (limits.forward + width * math.sin(turn)) / math.cos(0.5 * turn)
     if turn < -REACHED_YAW:
-        room = gait.half_width + width * math.cos(turn) - limits.min_width
+        room = gait.half_width + width * math.cos(turn) - limits.width.least
         farthest = min(farthest, room / math.sin(-0.5 * turn))
     return farthest
 

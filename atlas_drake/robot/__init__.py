@@ -9,13 +9,9 @@ from atlas_drake.robot.file import (
     LIMBS,
     ContactEntry,
     FootEntry,
-    GaitTiming,
     JointEntry,
-    PelvisRange,
     RobotFile,
     SoleSize,
-    StepLimits,
-    UsualSteps,
 )
 from atlas_drake.robot.leg import ANKLE_PITCH, HIP_PITCH, KNEE, Leg
 from atlas_drake.robot.load import (
@@ -25,6 +21,7 @@ from atlas_drake.robot.load import (
     find_robot,
     load_robot,
     model_beside,
+    read_robot_file,
 )
 from atlas_drake.robot.packages import LOCAL_MODELS, models_at_hand
 from atlas_drake.robot.robot import PelvisParts, PlantIndices, Robot
@@ -40,20 +37,17 @@ __all__ = [
     "MODELS_FOLDER",
     "ContactEntry",
     "FootEntry",
-    "GaitTiming",
     "JointEntry",
     "Leg",
     "PelvisParts",
-    "PelvisRange",
     "PlantIndices",
     "Robot",
     "RobotFile",
     "SoleSize",
-    "StepLimits",
-    "UsualSteps",
     "available_robots",
     "find_robot",
     "load_robot",
     "model_beside",
     "models_at_hand",
+    "read_robot_file",
 ]

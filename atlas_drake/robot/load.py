@@ -6,6 +6,7 @@ Every error about a robot's files carries the file's name. The checks are in ``f
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
@@ -82,16 +83,17 @@ def load_robot(model: str | Path = DEFAULT_ROBOT) -> Robot:
             faulty, they do not match, or the controller cannot use it.
     """
     path = find_robot(model)
+    file = read_robot_file(model)
+    name = str(model) if str(model) in available_robots() else None
     try:
-        return _load(path, str(model) if str(model) in available_robots() else None)
+        return _load(path, name, file)
     except (RobotDescriptionError, ScenarioError) as error:
         raise RobotDescriptionError(
             error.field, error.value, f"{error.problem} (in {path})"
         ) from None
 
 
-def _load(path: Path, name: str | None) -> Robot:
-    file = _read_file(path)
+def _load(path: Path, name: str | None, file: RobotFile) -> Robot:
     robot_name = name or path.stem
     builder = DiagramBuilder()
     plant: Any = AddMultibodyPlantSceneGraph(builder, time_step=0.0)[0]
@@ -136,24 +138,40 @@ def _load(path: Path, name: str | None) -> Robot:
     )
 
 
-def _read_file(path: Path) -> RobotFile:
-    """Reads the YAML file and checks it alone."""
+def read_robot_file(model: str | Path = DEFAULT_ROBOT) -> RobotFile:
+    """Reads a robot's YAML file, and not its URDF.
+
+    Args:
+        model: As for ``find_robot``.
+
+    Raises:
+        RobotDescriptionError: If there is no such robot, or the file is faulty.
+    """
+    path = find_robot(model)
     try:
-        text = path.read_text()
-        raw = yaml_load(data=text) if text.strip() else None
-    except Exception as error:
-        # The parser raises many kinds of exception for a faulty file.
+        return _parsed(path.read_text())
+    except (OSError, UnicodeDecodeError) as error:
+        problem = f"{path} cannot be read: {error}"
+        raise RobotDescriptionError("file", str(path), problem) from error
+    except (RobotDescriptionError, ScenarioError) as error:
         raise RobotDescriptionError(
-            "file", str(path), f"cannot be read: {error}"
-        ) from error
+            error.field, error.value, f"{error.problem} (in {path})"
+        ) from None
+
+
+@functools.lru_cache(maxsize=8)
+def _parsed(text: str) -> RobotFile:
+    """Reads a robot's YAML text; cached, because each scenario needs its robot's."""
+    try:
+        raw = yaml_load(data=text) if text.strip() else None
+    except Exception as error:  # The parser raises many kinds of exception.
+        problem = f"cannot be read: {error}"
+        raise RobotDescriptionError("file", text, problem) from error
     if not isinstance(raw, Mapping):
         raise RobotDescriptionError(
             "file", raw, "must have fields of a robot, such as urdf: robot.urdf"
         )
-    try:
-        file: RobotFile = checked(RobotFile, raw, from_text=True)
-    except ScenarioError as error:
-        raise RobotDescriptionError(error.field, error.value, error.problem) from None
+    file: RobotFile = checked(RobotFile, raw, from_text=True)
     pushed = list(dict.fromkeys([file.pelvis, file.chest, *file.hands]))
     return replace(
         file,

@@ -8,8 +8,6 @@ from __future__ import annotations
 
 import os
 import threading
-import urllib.error
-import urllib.request
 from pathlib import Path
 
 from pydrake.multibody.parsing import PackageMap
@@ -144,6 +142,9 @@ def _models() -> Path:
 
 def _network_silence() -> str:
     """Returns why the origin of the models does not answer; empty if it answers."""
+    import urllib.error
+    import urllib.request
+
     allowed = os.environ.get("DRAKE_ALLOW_NETWORK")
     if allowed is not None and "package_map" not in allowed.split(":"):
         return "DRAKE_ALLOW_NETWORK does not allow package_map"

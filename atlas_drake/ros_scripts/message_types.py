@@ -18,7 +18,7 @@ from atlas_drake.ros_scripts.ros_message import (
     array_of,
     message_type,
 )
-from atlas_drake.ros_scripts.ros_time import Duration, Time
+from atlas_drake.ros_scripts.ros_time import Time
 
 NOT_IN_ROS = {"params", "feedback"}
 """Fields of this package's messages that the original does not have."""
@@ -27,22 +27,11 @@ BYTES = {"k_effort"}
 
 _Types = dict[str, type[RosMessage]]
 
-_STD: dict[str, dict[str, Factory]] = {
-    "Header": {"seq": int, "stamp": Time, "frame_id": str},
-    "Empty": {},
-    "String": {"data": str},
-    "Bool": {"data": bool},
-    "Time": {"data": Time},
-    "Duration": {"data": Duration},
-}
-_STD |= {f"Float{bits}": {"data": float} for bits in (32, 64)}
-_STD |= {
-    f"{sign}{bits}": {"data": int}
-    for sign in ("Int", "UInt")
-    for bits in (8, 16, 32, 64)
-}
 std_msgs: _Types = {
-    name: message_type(f"std_msgs/{name}", content) for name, content in _STD.items()
+    "Header": message_type(
+        "std_msgs/Header", {"seq": int, "stamp": Time, "frame_id": str}
+    ),
+    "String": message_type("std_msgs/String", {"data": str}),
 }
 Header = std_msgs["Header"]
 
@@ -53,16 +42,12 @@ def _geometry() -> _Types:
     def add(name: str, **content: Factory) -> None:
         types[name] = message_type(f"geometry_msgs/{name}", content)
 
-    for name in ("Point", "Point32", "Vector3"):
+    for name in ("Point", "Vector3"):
         add(name, x=float, y=float, z=float)
     add("Quaternion", x=float, y=float, z=float, w=float)
     add("Pose", position=types["Point"], orientation=types["Quaternion"])
-    add("Pose2D", x=float, y=float, theta=float)
-    add("Transform", translation=types["Vector3"], rotation=types["Quaternion"])
     add("Twist", linear=types["Vector3"], angular=types["Vector3"])
     add("Wrench", force=types["Vector3"], torque=types["Vector3"])
-    for name in ("Point", "Vector3", "Quaternion", "Pose", "Twist", "Wrench"):
-        add(f"{name}Stamped", header=Header, **{name.lower(): types[name]})
     return types
 
 

@@ -6,7 +6,7 @@ Used by ``rospy.get_param`` and the related functions.
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any
 
 from atlas_drake.ros_scripts.joint_topics import joint_name
@@ -67,49 +67,18 @@ class Parameters:
 
     def has(self, name: str) -> bool:
         """Tells whether a parameter or a group exists."""
-        return self.get(name, _ABSENT) is not _ABSENT
+        return self.get(name, self) is not self
 
     def set(self, name: str, value: Any) -> None:
         """Sets a parameter, or by a dict a group; the robot does not read it."""
-        group, last = self._group(name)
-        group[last] = copy.deepcopy(value)
-
-    def delete(self, name: str) -> None:
-        """Deletes a parameter or a group.
-
-        Raises:
-            NoParameterError: If it does not exist.
-        """
-        self.get(name)
-        group, last = self._group(name)
-        del group[last]
-
-    def names(self) -> list[str]:
-        """Returns the names of all parameters."""
-        return sorted(_names("", self._tree))
-
-    def _group(self, name: str) -> tuple[dict[str, Any], str]:
-        """Return the group of a parameter, made if necessary, and the last name."""
         *groups, last = self._path(name)
         group = self._tree
         for part in groups:
             if not isinstance(group.get(part), dict):
                 group[part] = {}
             group = group[part]
-        return group, last
+        group[last] = copy.deepcopy(value)
 
     def _path(self, name: str) -> list[str]:
         parts = self._resolve(name).split("/")
         return [joint_name(part) for part in parts if part]
-
-
-_ABSENT = object()
-
-
-def _names(path: str, value: Any) -> Iterator[str]:
-    """Return the full names of a parameter, or of all in a group."""
-    if not isinstance(value, dict):
-        yield path
-        return
-    for key, inner in value.items():
-        yield from _names(f"{path}/{key}", inner)

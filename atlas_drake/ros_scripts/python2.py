@@ -2,8 +2,8 @@
 
 Programs for ROS 1 and DRCSim were written for Python 2, in which ``1 / 2`` is 0 and
 ``range(3)`` is a list. ``old_meaning`` rewrites operators and methods in the syntax
-tree; ``BUILTINS`` has the functions. Syntax that Python 3 cannot read is for
-``python2_syntax``.
+tree; ``BUILTINS`` has the functions. ``source_file`` translates what Python 3 cannot
+read.
 """
 
 from __future__ import annotations
@@ -67,11 +67,6 @@ def _method(owner: Any, name: str) -> Any:
     return getattr(owner, name)
 
 
-def _execfile(path: str, names: dict[str, Any]) -> None:
-    with open(path, "rb") as file:
-        exec(compile(file.read(), path, "exec"), names)
-
-
 def _filter(function: Callable[..., Any] | None, values: Any) -> Any:
     """Filter; return a string of a string, a tuple of a tuple, else a list."""
     kept = list(builtins.filter(function, values))
@@ -82,10 +77,6 @@ def _filter(function: Callable[..., Any] | None, values: Any) -> Any:
 
 def _listed(function: Callable[..., Any]) -> Callable[..., list[Any]]:
     return lambda *arguments: list(function(*arguments))
-
-
-def _cmp(one: Any, other: Any) -> int:
-    return (one > other) - (one < other)
 
 
 def _round(number: float, digits: int = 0) -> float:
@@ -101,8 +92,7 @@ BUILTINS: dict[str, Any] = {
     DIVIDE_IN_PLACE: _divide_in_place,
     METHOD: _method,
     "basestring": str,
-    "cmp": _cmp,
-    "execfile": _execfile,
+    "cmp": lambda one, other: (one > other) - (one < other),
     "file": open,
     "filter": _filter,
     "input": lambda *prompt: eval(input(*prompt), {}),
@@ -112,7 +102,6 @@ BUILTINS: dict[str, Any] = {
     "raw_input": input,
     "reduce": functools.reduce,
     "round": _round,
-    "unichr": chr,
     "unicode": str,
     "xrange": range,
     "zip": _listed(builtins.zip),

@@ -33,8 +33,6 @@ class _Seconds:
         """Return a value of so many seconds."""
         return cls(float(seconds))
 
-    from_seconds = from_sec
-
     def to_sec(self) -> float:
         """Return the value in seconds."""
         return self.secs + self.nsecs / NANO
@@ -43,15 +41,8 @@ class _Seconds:
         """Return the value in nanoseconds."""
         return self.secs * NANO + self.nsecs
 
-    def is_zero(self) -> bool:
-        """Tell whether the value is 0."""
-        return not self
-
     def __bool__(self) -> bool:
         return self.to_nsec() != 0
-
-    def __float__(self) -> float:
-        return self.to_sec()
 
     def __hash__(self) -> int:
         return hash(self.to_nsec())
@@ -70,6 +61,11 @@ class _Seconds:
         both_durations = isinstance(other, Duration) and isinstance(self, Duration)
         return other.to_nsec() if both_times or both_durations else None  # type: ignore[attr-defined]
 
+    def __add__(self, other: object) -> Any:
+        if isinstance(other, Duration):
+            return self._like(self.to_nsec() + other.to_nsec())
+        return NotImplemented
+
     def __repr__(self) -> str:
         return f"{type(self).__name__}[{self.to_nsec()}]"
 
@@ -82,11 +78,6 @@ class _Seconds:
 
 class Duration(_Seconds):
     """A span of time, of either sign."""
-
-    def __add__(self, other: object) -> Any:
-        if isinstance(other, Duration):
-            return self._like(self.to_nsec() + other.to_nsec())
-        return NotImplemented
 
     def __sub__(self, other: object) -> Any:
         if isinstance(other, Duration):
@@ -104,21 +95,13 @@ class Duration(_Seconds):
         return self._like(self.to_nsec() / divisor)
 
     def __neg__(self) -> Duration:
-        return self._like(-self.to_nsec())
-
-    def __abs__(self) -> Duration:
-        return self._like(abs(self.to_nsec()))
+        return self * -1
 
 
 class Time(_Seconds):
     """A moment of simulated time; 0 means "not set" in a header."""
 
-    def __add__(self, other: object) -> Any:
-        if isinstance(other, Duration):
-            return self._like(self.to_nsec() + other.to_nsec())
-        return NotImplemented
-
-    __radd__ = __add__
+    __radd__ = _Seconds.__add__
 
     def __sub__(self, other: object) -> Any:
         if isinstance(other, Time):

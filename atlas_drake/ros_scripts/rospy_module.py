@@ -14,7 +14,6 @@ from typing import Any
 
 from atlas_drake.ros_scripts import waiting
 from atlas_drake.ros_scripts.clock import Clock, RosError, RosInterruptError
-from atlas_drake.ros_scripts.message_types import Header
 from atlas_drake.ros_scripts.node import Publisher, Subscriber
 from atlas_drake.ros_scripts.parameters import Parameters
 from atlas_drake.ros_scripts.ros_time import Duration
@@ -22,6 +21,14 @@ from atlas_drake.ros_scripts.ros_time import Time as RosTime
 
 LEVELS = {"DEBUG": 1, "INFO": 2, "WARN": 4, "ERROR": 8, "FATAL": 16}
 """Levels of log messages; DEBUG is not shown."""
+LOGGERS = {
+    "debug": "DEBUG",
+    "info": "INFO",
+    "warn": "WARN",
+    "err": "ERROR",
+    "fatal": "FATAL",
+}
+"""Levels by the endings of ``rospy.loginfo`` and related functions."""
 
 
 class RosNode:
@@ -38,7 +45,6 @@ class RosNode:
         self._name = "unnamed"
         self._at_end: list[Callable[..., object]] = []
         self._parameters = Parameters(clock.sim, self._resolve)
-        self._said: set[str] = set()
 
     def init_node(self, name: str, *_arguments: object, **_options: object) -> None:
         """Sets the name; the registration takes one control period."""
@@ -53,15 +59,10 @@ class RosNode:
             **LEVELS,
             "init_node": self.init_node,
             "get_name": lambda: f"/{self._name}",
-            "get_caller_id": lambda: f"/{self._name}",
-            "get_node_uri": lambda: None,
-            "get_namespace": lambda: "/",
-            "resolve_name": self._resolve,
             "myargv": _own_arguments,
             "Publisher": partial(Publisher, clock, self._say),
             "Subscriber": partial(Subscriber, clock),
             "wait_for_message": partial(waiting.wait_for_message, clock),
-            "Header": Header,
             "Rate": partial(waiting.Rate, clock),
             "Timer": partial(waiting.Timer, clock),
             "Time": time,
@@ -78,9 +79,10 @@ class RosNode:
             "get_param": self._get_param,
             "has_param": parameters.has,
             "set_param": parameters.set,
-            "delete_param": parameters.delete,
-            "get_param_names": parameters.names,
-            **self._loggers(),
+            **{
+                f"log{name}": partial(self._log, level)
+                for name, level in LOGGERS.items()
+            },
         }
 
     def end(self) -> None:
@@ -120,23 +122,10 @@ class RosNode:
         self._clock.glance()
         return self._parameters.get(name, *default, **named)
 
-    def _loggers(self) -> dict[str, Callable[..., None]]:
-        loggers: dict[str, Callable[..., None]] = {}
-        for level in LEVELS:
-            name = {"WARN": "warn", "ERROR": "err"}.get(level, level.lower())
-            loggers[f"log{name}"] = partial(self._log, level)
-            loggers[f"log{name}_once"] = partial(self._log_once, level)
-        return loggers
-
     def _log(self, level: str, text: object, *arguments: object, **_: object) -> None:
         if level != "DEBUG":
             said = str(text) % arguments if arguments else str(text)
             self._say(f"[{level}] [{self._clock.sim.time:.3f}]: {said}")
-
-    def _log_once(self, level: str, text: object, *arguments: object) -> None:
-        if str(text) not in self._said:
-            self._said.add(str(text))
-            self._log(level, text, *arguments)
 
 
 def _own_arguments(argv: Sequence[str] | None = None) -> list[str]:

@@ -1,7 +1,9 @@
 """Reads, translates and compiles a program's file.
 
 A program whose first line names python3 is Python 3; any other program is Python 2,
-which was current at the time of DRCSim.
+which was current at the time of DRCSim. Syntax that Python 3 cannot read, such as
+``print`` without parentheses, is translated by fissix, the maintained copy of lib2to3.
+Differences in meaning are in ``python2``.
 """
 
 from __future__ import annotations
@@ -13,10 +15,24 @@ from pathlib import Path
 from types import CodeType
 
 from atlas_drake.ros_scripts.python2 import old_meaning
-from atlas_drake.ros_scripts.python2_syntax import as_python3
 from atlas_drake.ros_scripts.unknown import ScriptError
 
 _PYTHON3 = re.compile(r"#!.*\bpython3")
+_FIXERS = (
+    "except",
+    "exec",
+    "ne",
+    "numliterals",
+    "paren",
+    "print",
+    "raise",
+    "repr",
+    "tuple_params",
+    "unicode",
+)
+"""Fixers for syntax alone; the rest of a program stays as it is."""
+_TAB = 8
+"""Columns of a tab in Python 2."""
 
 
 def is_python2(source: str) -> bool:
@@ -44,25 +60,75 @@ def compile_program(path: Path, source: str) -> CodeType:
     Raises:
         ScriptError: If it is not valid Python; the error names the line.
     """
-    old = is_python2(source)
     try:
-        tree = _parse(path, source)
+        return compile(_tree(path, source), str(path), "exec", dont_inherit=True)
     except SyntaxError as error:
-        if not old:
-            raise ScriptError(f"{path}:{error.lineno}: {error.msg}") from error
-        try:
-            tree = _parse(path, as_python3(path, source, error))
-        except SyntaxError as second:
-            raise ScriptError(f"{path}:{second.lineno}: {second.msg}") from second
+        raise ScriptError(f"{path}:{error.lineno}: {error.msg}") from error
     except ValueError as error:  # Null bytes.
         raise ScriptError(f"{path}: {error}") from error
-    if old:
-        try:
-            tree = old_meaning(tree)
-        except SyntaxError as error:
-            raise ScriptError(f"{path}:{error.lineno}: {error.msg}") from error
-    return compile(tree, str(path), "exec", dont_inherit=True)
 
 
-def _parse(path: Path, source: str) -> ast.Module:
-    return ast.parse(source, str(path))
+def _tree(path: Path, source: str) -> ast.Module:
+    """Parse a program and give a Python 2 one its meaning.
+
+    Raises:
+        SyntaxError: If it is not valid Python.
+    """
+    if not is_python2(source):
+        return ast.parse(source, str(path))
+    try:
+        tree = ast.parse(source, str(path))
+    except SyntaxError as error:
+        tree = ast.parse(_as_python3(path, source, error), str(path))
+    return old_meaning(tree)
+
+
+def _as_python3(path: Path, source: str, error: SyntaxError) -> str:
+    """Return a program's text in Python 3, with the same lines.
+
+    Args:
+        path: Path of the program, for errors.
+        source: Text of the program.
+        error: Error of Python 3.
+
+    Raises:
+        ScriptError: If fissix is needed and not installed, or the program is not
+            Python 2 either.
+    """
+    source = re.sub(
+        r"^[ \t]*\t[ \t]*", lambda found: found[0].expandtabs(_TAB), source, flags=re.M
+    )
+    try:
+        compile(source, str(path), "exec", dont_inherit=True)
+        return source
+    except SyntaxError:
+        pass
+    where = f"{path}:{error.lineno}: {error.msg}"
+    try:
+        from fissix.pgen2.parse import ParseError
+        from fissix.pgen2.tokenize import TokenError
+        from fissix.refactor import RefactoringTool
+    except ImportError as missing:
+        raise ScriptError(
+            f"{where}. If this is Python 2, `pip install 'atlas-drake[scripts]'` lets "
+            "it be read; or write print(...) with parentheses and `except X as e`"
+        ) from missing
+    tool = RefactoringTool([f"fissix.fixes.fix_{name}" for name in _FIXERS])
+    try:
+        # The grammar of fissix needs a newline at the end.
+        return str(tool.refactor_string(source.rstrip() + "\n", str(path)))
+    except (ParseError, TokenError, IndentationError) as problem:
+        line = _line_of(problem)
+        raise ScriptError(
+            f"{where}; read as Python 2, the program is invalid at line {line}"
+        ) from problem
+
+
+def _line_of(problem: Exception) -> int:
+    """Returns the line at which fissix could not go on."""
+    if isinstance(problem, SyntaxError):
+        return problem.lineno or 1
+    # A ParseError has (prefix, (line, column)) as its context, a TokenError
+    # (text, (line, column)) as its arguments.
+    where = getattr(problem, "context", problem.args)
+    return int(where[1][0])

@@ -13,11 +13,8 @@ from types import ModuleType
 from typing import Any
 
 from atlas_drake.robot import Robot
-from atlas_drake.ros_scripts import kdl_frame, transformations
-from atlas_drake.ros_scripts.clock import RosError, RosInterruptError
+from atlas_drake.ros_scripts import poses
 from atlas_drake.ros_scripts.message_types import PACKAGES, with_joints_of
-from atlas_drake.ros_scripts.ros_message import RosMessage
-from atlas_drake.ros_scripts.ros_time import Duration, Time
 from atlas_drake.ros_scripts.unknown import UnknownNameError, unknown
 
 
@@ -48,19 +45,13 @@ def stand_ins(rospy: Mapping[str, Any], robot: Robot) -> dict[str, StandIn]:
         robot: Robot whose joints ``AtlasState`` names.
     """
     flat: dict[str, Mapping[str, Any]] = {
-        "PyKDL": kdl_frame.NAMES,
-        "genpy": {"Time": Time, "Duration": Duration, "Message": RosMessage},
+        "PyKDL": poses.KDL,
         "roslib": {"load_manifest": lambda *_packages: None},
-        "rospy": {**rospy, "Message": RosMessage},
-        "rospy.exceptions": {
-            "ROSException": RosError,
-            "ROSInterruptException": RosInterruptError,
-        },
-        "rospy.rostime": {name: rospy[name] for name in ("Time", "Duration")},
+        "rospy": rospy,
         "tf": {},
-        "tf.transformations": transformations.TRANSFORMATIONS,
-        "tf_conversions": transformations.POSEMATH,
-        "tf_conversions.posemath": transformations.POSEMATH,
+        "tf.transformations": poses.TRANSFORMATIONS,
+        "tf_conversions": poses.POSEMATH,
+        "tf_conversions.posemath": poses.POSEMATH,
     }
     for package, types in PACKAGES.items():
         own = with_joints_of(robot, types) if "AtlasState" in types else types

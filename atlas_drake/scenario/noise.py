@@ -5,35 +5,35 @@ Context cloned without hidden random state.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
+from atlas_drake.configuration import Configuration, NotNegative
+from atlas_drake.errors import shown
 from atlas_drake.frozen import Frozen
 
 
 @dataclass(frozen=True)
-class NoiseModel:
-    """Standard deviations and biases of the measurements.
+class NoiseModel(Configuration):
+    """Standard deviations and biases of the measurements."""
 
-    Attributes:
-        gyro: White noise of the angular velocity [rad/s].
-        gyro_bias_mean: Mean size of its constant bias [rad/s].
-        gyro_bias_sigma: Spread of that size [rad/s].
-        accelerometer: White noise of the specific force [m/s²].
-        accelerometer_bias_mean: Mean size of its constant bias [m/s²].
-        accelerometer_bias_sigma: Spread of that size [m/s²].
-        joint_position: White noise of the joint encoders [rad].
-        joint_velocity: White noise of the joint velocities [rad/s].
-    """
-
-    gyro: float = 0.0
-    gyro_bias_mean: float = 0.0
-    gyro_bias_sigma: float = 0.0
-    accelerometer: float = 0.0
-    accelerometer_bias_mean: float = 0.0
-    accelerometer_bias_sigma: float = 0.0
-    joint_position: float = 0.0
-    joint_velocity: float = 0.0
+    gyro: NotNegative = 0.0
+    """White noise of the angular velocity [rad/s]."""
+    gyro_bias_mean: NotNegative = 0.0
+    """Mean size of the constant bias of the angular velocity [rad/s]."""
+    gyro_bias_sigma: NotNegative = 0.0
+    """Spread of that size [rad/s]."""
+    accelerometer: NotNegative = 0.0
+    """White noise of the specific force [m/s²]."""
+    accelerometer_bias_mean: NotNegative = 0.0
+    """Mean size of the constant bias of the specific force [m/s²]."""
+    accelerometer_bias_sigma: NotNegative = 0.0
+    """Spread of that size [m/s²]."""
+    joint_position: NotNegative = 0.0
+    """White noise of the joint encoders [rad]."""
+    joint_velocity: NotNegative = 0.0
+    """White noise of the joint velocities [rad/s]."""
 
 
 REFERENCE_IMU = {
@@ -53,6 +53,20 @@ NOISE_MODELS = {
 }
 """Models by name: exact sensors, the reference IMU, and the reference IMU with noisy
 encoders."""
+
+
+def noise_model(given: Any) -> Any:
+    """Returns the model of a name; anything else is returned as it is.
+
+    Raises:
+        ValueError: If no model has the name.
+    """
+    if not isinstance(given, str):
+        return given
+    if given not in NOISE_MODELS:
+        names = ", ".join(NOISE_MODELS)
+        raise ValueError(f"is {shown(given)}; must be one of {names}, or fields")
+    return NOISE_MODELS[given]
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ One dataclass, one comment per field, all defaults here. ``simulation`` runs a s
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from annotated_types import Interval
 from pydantic import BeforeValidator, Strict
@@ -26,14 +26,15 @@ from atlas_drake.errors import (
 )
 from atlas_drake.messages import Behavior
 from atlas_drake.messages.behavior_catalog import SHIPPED, BehaviorCatalog
-from atlas_drake.robot import DEFAULT_ROBOT, find_robot, model_beside
+from atlas_drake.robot import DEFAULT_ROBOT, find_robot, model_beside, read_robot_file
 from atlas_drake.scenario.drake_configs import (
     check_simulator_config,
     checked_plant_config,
     plant_config,
 )
+from atlas_drake.scenario.harness import HarnessGains
 from atlas_drake.scenario.models import Model, models_beside
-from atlas_drake.scenario.noise import NOISE_MODELS
+from atlas_drake.scenario.noise import NoiseModel, noise_model
 from atlas_drake.scenario.paths import is_path, put
 from atlas_drake.scenario.pushes import PlannedPush
 from atlas_drake.scenario.terrain import START_REACH, Block, Place
@@ -112,6 +113,8 @@ class Start(Configuration):
 class Scenario(Configuration):
     """All settings of a run."""
 
+    _is_checked: ClassVar[bool] = False
+
     name: str = "sandbox"
     """Text that is shown to the user."""
     model: str = DEFAULT_ROBOT
@@ -142,9 +145,12 @@ class Scenario(Configuration):
     )
     """Drake's ``SimulatorConfig``: the integration of continuous systems that a user
     adds, and the real-time rate. ``start_time`` is 0."""
-    controller: ControllerConfig = field(default_factory=ControllerConfig)
+    controller: Annotated[ControllerConfig | Mapping[str, Any], As(dict[str, Any])] = (
+        field(default_factory=dict)
+    )
     """Gains, weights, limits and timings of the controller, such as
-    ``gains: {dcm_gain: 2.5}``."""
+    ``gains: {dcm_gain: 2.5}``. What is left out has the value of the robot's file, or
+    else the default; a ``ControllerConfig`` has every value."""
     estimator: OdometryTuning = field(default_factory=OdometryTuning)
     """Noise parameters of the state estimator."""
     ground_friction: Positive = 0.9
@@ -163,10 +169,15 @@ class Scenario(Configuration):
     """Models beside the robot, from files, beside those of the world."""
     start: Start = field(default_factory=Start)
     """Start of the robot."""
+    harness: HarnessGains = field(default_factory=HarnessGains)
+    """Gains of the harness, for a robot that starts in it."""
     pushes: list[PlannedPush] = field(default_factory=list)
     """Pushes on the robot, each at a time or at a phase of its gait."""
-    noise: str = "none"
-    """Sensor noise, a name from NOISE_MODELS."""
+    noise: Annotated[NoiseModel | str, As(NoiseModel), BeforeValidator(noise_model)] = (
+        field(default_factory=NoiseModel)
+    )
+    """Noise of the sensors: ``none``, ``reference`` (the IMU of DRCSim's simulator),
+    ``rough`` (that, and noisy joint encoders), or fields."""
     state: Annotated[
         Literal["true", "estimated"],
         BeforeValidator(lambda value: "true" if value is True else value),
@@ -198,7 +209,14 @@ class Scenario(Configuration):
         valid = self.validate()
         period = valid.control_period or nominal_period(valid.physics_step)
         plant = checked_plant_config(valid.plant, valid.physics_step)
-        return replace(valid, control_period=period, plant=plant)
+        return _passed(
+            replace(
+                valid,
+                control_period=period,
+                plant=plant,
+                controller=valid.controller_config(),
+            )
+        )
 
     def validate(self) -> "Scenario":
         """Returns the scenario with every field checked and of its declared type.
@@ -206,19 +224,14 @@ class Scenario(Configuration):
         Raises:
             ScenarioError: Naming the first field that cannot be used.
         """
+        if self._is_checked:
+            return self
         given = replace(self, world=self.surroundings())
-        valid: Scenario = checked(Scenario, given, base=Scenario())
-        return valid
+        return _passed(checked(Scenario, given, base=Scenario()))
 
     def check(self) -> None:
         """Checks what files and other fields decide."""
-        try:
-            find_robot(self.model)
-        except RobotDescriptionError as error:
-            raise ScenarioError("model", self.model, error.problem) from None
-        if self.noise not in NOISE_MODELS:
-            wanted = f"one of {', '.join(NOISE_MODELS)}"
-            raise self._refusal("noise", wanted)
+        self.controller_config()
         # A step on the common grid may be longer, by a relative error below 1e-9.
         if not SHORTEST_STEP <= round(self.physics_step, 10) <= LONGEST_STEP:
             wanted = f"from {SHORTEST_STEP:g} to {LONGEST_STEP:g} s"
@@ -240,6 +253,30 @@ class Scenario(Configuration):
     def _refusal(self, name: str, wanted: str) -> ScenarioError:
         value = getattr(self, name)
         return ScenarioError(name, value, f"is {shown(value)}; must be {wanted}")
+
+    def controller_config(self) -> ControllerConfig:
+        """Returns the parameters of the controller for the scenario's robot.
+
+        Raises:
+            ScenarioError: If there is no such robot, or a value cannot be used.
+        """
+        if isinstance(self.controller, ControllerConfig):
+            return self.controller
+        try:
+            file = read_robot_file(self.model)
+        except RobotDescriptionError as error:
+            raise ScenarioError("model", self.model, error.problem) from None
+        try:
+            robots = ControllerConfig.of(file)
+        except ScenarioError as error:
+            problem = f"{error.problem} (in {find_robot(self.model)})"
+            raise ScenarioError(error.field, error.value, problem) from None
+        if not self.controller:
+            return robots
+        made: ControllerConfig = checked(
+            ControllerConfig, self.controller, "controller", base=robots, from_text=True
+        )
+        return made
 
     def surroundings(self) -> World:
         """Return the world that ``world`` stands for.
@@ -376,13 +413,18 @@ def scenario_from(
     Raises:
         ScenarioError: Naming the first field that cannot be used.
     """
-    base = Scenario() if default is None else default
+    base = Scenario() if default is None else default.validate()
     present = base.surroundings()
     base = replace(base, world=present)
     if "world" in fields:
         world = world_from(fields["world"], present)
         fields = {**fields, "world": world}
-    scenario: Scenario = checked(Scenario, fields, base=base, from_text=True)
+    return _passed(checked(Scenario, fields, base=base, from_text=True))
+
+
+def _passed(scenario: Scenario) -> Scenario:
+    """Marks a scenario as checked; ``replace`` makes one that is not."""
+    object.__setattr__(scenario, "_is_checked", True)
     return scenario
 
 
@@ -427,6 +469,7 @@ def with_values(scenario: Scenario, values: Mapping[str, Any]) -> Scenario:
         ScenarioError: Naming the first field that cannot be set.
     """
     fields: dict[str, Any] = {}
+    known = replace(scenario, controller=scenario.controller_config())
     for path, value in values.items():
-        put(fields, path, value, scenario)
+        put(fields, path, value, known)
     return scenario_from(fields, scenario)

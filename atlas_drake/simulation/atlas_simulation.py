@@ -65,15 +65,12 @@ from atlas_drake.simulation.sinks import FileSink, Listener, Sink
 from atlas_drake.simulation.steady import steady_ticks
 from atlas_drake.simulation.summary import make_summary
 from atlas_drake.visualization.overlays import Overlays
-from atlas_drake.visualization.viewer_gate import show_latest
 
 if TYPE_CHECKING:
     from atlas_drake.visualization.video_display import Video
 
 CHUNK = 0.02
 """Simulated time between looks at events and Ctrl-C [s]."""
-SHOWN_EVERY = 0.5
-"""At most this often a slow viewer is shown where an advance ended [s of wall time]."""
 
 
 class AtlasSimulation:
@@ -163,7 +160,7 @@ class AtlasSimulation:
         self.scenario = (scenario or Scenario()).resolved()
         self.robot = load_robot(self.scenario.model)
         self._own_behaviors = configured(
-            registered(behaviors), self.scenario.controller.behaviors
+            registered(behaviors), self.scenario.controller_config().behaviors
         )
         self.behaviors = BehaviorCatalog((*SHIPPED_ENTRIES, *self._own_behaviors))
         self._asked_model = self.scenario.model
@@ -176,7 +173,7 @@ class AtlasSimulation:
         recorder = None
         if log is not None:
             # The modules for logs load only with a log.
-            from atlas_drake.logs.start import start_recorder
+            from atlas_drake.logs.recorder import start_recorder
 
             recorder = start_recorder(
                 Path(log),
@@ -243,7 +240,6 @@ class AtlasSimulation:
         self._log = RunLog(self._sinks)
         self._error: str | None = None
         self._wall_time = 0.0
-        self._shown = 0.0
         self._pace.forget_all()
 
     # ---- sinks ---------------------------------------------------------------
@@ -407,12 +403,6 @@ class AtlasSimulation:
                             self._look()
         finally:
             self._wall_time += time.perf_counter() - begin
-        # A viewer that is too slow for all pictures is shown where an advance ended.
-        now = time.perf_counter()
-        if self.meshcat is not None and now - self._shown > SHOWN_EVERY:
-            self._shown = now
-            with self._lock:
-                show_latest(self.diagram, self.context)
 
     def wait_until(
         self,

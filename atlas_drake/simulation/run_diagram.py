@@ -26,7 +26,7 @@ from atlas_drake.messages.commands import Command, Refusal
 from atlas_drake.robot import Robot
 from atlas_drake.scenario import Scenario, Start
 from atlas_drake.scenario.models import set_velocities
-from atlas_drake.scenario.noise import NOISE_MODELS
+from atlas_drake.scenario.noise import noise_model
 from atlas_drake.scenario.world import WorldMaker, put_world_back
 from atlas_drake.simulation.start import Variation, draw_variation, scale_masses
 from atlas_drake.systems.command_scheduler import ScheduledCommand
@@ -325,9 +325,10 @@ def _station_config(scenario: Scenario) -> StationConfig:
         ground_friction=scenario.ground_friction,
         terrain=tuple(scenario.all_terrain()),
         plant=scenario.plant,
-        controller=scenario.controller,
+        controller=scenario.controller_config(),
         estimator=scenario.estimator,
-        noise=NOISE_MODELS[scenario.noise],
+        noise=noise_model(scenario.noise),
+        harness=scenario.harness,
         seed=scenario.seed,
         initial_behavior=scenario.behavior(),
         harnessed=scenario.start.harnessed,

@@ -12,7 +12,8 @@ from pydrake.common.value import AbstractValue
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context, State
 
-from atlas_drake.behaviors.fall import FallLimits, Posture, sign_of_fall
+from atlas_drake.behaviors.config import ControllerConfig
+from atlas_drake.behaviors.fall import Posture, sign_of_fall
 from atlas_drake.frozen import NOTHING, Frozen
 from atlas_drake.robot import Robot
 from atlas_drake.systems.collectable_system import CollectableSystem
@@ -48,19 +49,23 @@ class FallMonitor(CollectableSystem):
     __slots__ = ()
 
     def __init__(
-        self, robot: Robot, plant: MultibodyPlant, limits: FallLimits, period: float
+        self,
+        robot: Robot,
+        plant: MultibodyPlant,
+        config: ControllerConfig,
+        period: float,
     ) -> None:
         """Looks at ``robot`` in ``plant`` every ``TICKS`` control periods.
 
         Args:
             robot: The robot.
             plant: A finalized plant with the robot.
-            limits: Limits of the controller.
+            config: Parameters of the controller.
             period: The control period [s].
         """
         super().__init__()
         self._plant: Any = plant
-        self._limits = limits
+        self._limits = config.fall
         self._instance = own = robot.instance(plant)
         self._up = robot.indices(plant).pelvis.orientation
         # Indices, because frames hold their plant where the garbage collector cannot
@@ -68,7 +73,7 @@ class FallMonitor(CollectableSystem):
         self._soles = [
             plant.GetFrameByName(f.sole_frame, own).index() for f in robot.file.feet
         ]
-        self._nominal_height = self._standing_height(robot) - robot.file.com_drop
+        self._nominal_height = self._standing_height(robot) - config.stance.com_drop
         self._state_input = self.DeclareVectorInputPort(
             "state", plant.num_multibody_states(own)
         )

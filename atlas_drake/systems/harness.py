@@ -20,26 +20,9 @@ from atlas_drake.control.rotations import rotation_error
 from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.frozen import Frozen, replace
 from atlas_drake.robot import Robot
+from atlas_drake.scenario.harness import HarnessGains
 from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.systems.scratch import declare_scratch_context
-
-
-@dataclass(frozen=True)
-class HarnessGains:
-    """Gains that hold the robot, and are stable at every permitted physics step."""
-
-    natural_frequency: float = 12.0
-    """Natural frequency of the robot's mass on the harness [rad/s]."""
-    damping_ratio: float = 1.0
-    """Damping ratio of the robot's mass on the harness [-]."""
-    rotational_stiffness: float = 4000.0
-    """Rotational stiffness at the pelvis [N·m/rad]."""
-    rotational_damping: float = 300.0
-    """Rotational damping at the pelvis [N·m·s/rad]."""
-    lowering_speed: float = 0.10
-    """Speed at which a released robot is lowered [m/s]."""
-    fading_time: float = 1.0
-    """Time in which the harness transfers its load to the legs after lowering [s]."""
 
 
 @dataclass(frozen=True)

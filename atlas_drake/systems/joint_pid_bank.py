@@ -17,8 +17,8 @@ from pydrake.systems.framework import (
 )
 
 from atlas_drake.control.joints.blend import UserForecast, forecast_user_effort
-from atlas_drake.control.joints.inverse_mass import InverseMass
 from atlas_drake.control.joints.joint_pid import (
+    InverseMass,
     PidState,
     StepModel,
     change_without_user,

@@ -23,7 +23,8 @@ from atlas_drake.behaviors.base import Observation
 from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
-from atlas_drake.behaviors.supervisor import Supervisor, SupervisorState
+from atlas_drake.behaviors.supervisor import Supervisor
+from atlas_drake.behaviors.supervisor_state import SupervisorState
 from atlas_drake.control.balance.feedback import pendulum_frequency
 from atlas_drake.control.joints.blend import behavior_share, effort_bounds
 from atlas_drake.control.joints.damping import damping_effort
@@ -110,7 +111,7 @@ class WholeBodyController(CollectableSystem):
         self._own_bounds = EffortBounds(-limit, limit, np.zeros(n, dtype=bool))
         self._model = WholeBodyModel(robot)
         self._qp = WholeBodyQp(robot, config.gains)
-        height = nominal_com_height(self._model) - robot.file.com_drop
+        height = nominal_com_height(self._model) - config.stance.com_drop
         self._supervisor = Supervisor(self._model, config, height, entries)
         self.tick_seconds: MutableSequence[float] | None = None
         """Wall-clock time of each tick [s], kept only when set to a list; it depends on
@@ -176,7 +177,7 @@ class WholeBodyController(CollectableSystem):
         )
         commands: CommandsInForce = self._command_input.Eval(context)
         share = commands.joints.share
-        first = before.supervisor.body is None
+        first = not before.supervisor.has_begun
         observation = Observation(
             time=context.get_time(),
             dt=self._period,

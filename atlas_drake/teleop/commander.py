@@ -12,8 +12,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.control.feet.footstep import LEFT
 from atlas_drake.messages import (
+    K_EFFORT_MAX,
+    AtlasBehaviorManipulateParams,
+    AtlasBehaviorStepParams,
     AtlasCommand,
     AtlasSimInterfaceCommand,
     AtlasSimInterfaceState,
@@ -33,31 +37,22 @@ from atlas_drake.teleop.controls import (
     SHARES,
     Action,
     BehaviorButton,
+    Button,
     Controls,
     Slider,
 )
 from atlas_drake.teleop.driving import Drive, drive, steer
 from atlas_drake.teleop.limbs import (
-    ALL_BEHAVIOR,
-    ALL_USER,
+    Limbs,
     group_of,
     hand_over,
-    limbs_at_start,
+    joint_shares,
     move_joints,
-    users_joints,
 )
 
 PUSH_DURATION = 0.1
 """Duration of a push, over which its impulse is spread [s]."""
 
-_BEHAVIORS = {
-    Action.STAND: Behavior.STAND,
-    Action.STEP: Behavior.STEP,
-    Action.MANIPULATE: Behavior.MANIPULATE,
-    Action.FREEZE: Behavior.FREEZE,
-    Action.USER: Behavior.USER,
-    Action.STAND_PREP: Behavior.STAND_PREP,
-}
 _USERS = (Behavior.USER, Behavior.NONE)
 
 
@@ -91,12 +86,31 @@ class Orders:
     joints: Mapping[int, float] = field(default_factory=dict)
 
 
+@dataclass(frozen=True)
+class _Look:
+    """One look at the panel and the robot, and the orders that it leads to."""
+
+    controls: Controls
+    report: AtlasSimInterfaceState
+    state: AtlasState
+    orders: Orders
+
+
 class Commander:
     """Converts readings of the panel to orders."""
 
-    def __init__(self, robot: Robot, report: AtlasSimInterfaceState) -> None:
-        """Takes over a robot in its reported state."""
+    def __init__(
+        self, robot: Robot, report: AtlasSimInterfaceState, gait: Gait | None = None
+    ) -> None:
+        """Takes over a robot in its reported state.
+
+        Args:
+            robot: The robot.
+            report: Its latest report.
+            gait: The usual gait; None for the robot's.
+        """
         self._robot = robot
+        self._gait = gait or ControllerConfig.of(robot.file).gait()
         groups = group_of(robot)
         self._first_joint = {
             group: groups.index(group) if group in groups else None for group in SHARES
@@ -104,12 +118,12 @@ class Commander:
         self._begin(report)
 
     def _begin(self, report: AtlasSimInterfaceState) -> None:
-        self._limbs = limbs_at_start(self._robot, self._in_force(report))
+        self._limbs = Limbs(self._in_force(report), self._robot.stand_prep.copy())
         self._drive = Drive()
         self._last_shares: dict[str, int] | None = None
-        self._shares_before_user = dict(ALL_BEHAVIOR)
+        self._shares_before_user = dict.fromkeys(SHARES, 0)
         self._pose: tuple[float, float] | None = None
-        self._pose_wished = False
+        self._pose_moved = False
         self._step_foot = LEFT
         self._stick_used = False
 
@@ -122,18 +136,15 @@ class Commander:
     ) -> Orders:
         """Makes the orders for the present state of the panel.
 
-        Args:
-            controls: Reading of the panel.
-            report: Latest report of the behaviors.
-            state: Latest report of the joints.
-            dt: Time until the next reading [s].
+        The next reading comes after ``dt`` [s].
         """
         orders = Orders()
         if Action.RESET in controls.clicks:
             orders.reset = True
             return orders
-        self._give_joints(controls, report, state, dt, orders)
-        self._look_at_pose(controls, report, orders)
+        now = _Look(controls, report, state, orders)
+        self._give_joints(now, dt)
+        self._look_at_pose(now)
         for action in controls.clicks:
             if action in DIRECTIONS:
                 self._drive = steer(self._drive, DIRECTIONS[action])
@@ -141,26 +152,21 @@ class Commander:
                 self._drive = steer(self._drive, None)
             elif action is Action.PUSH:
                 orders.push = push_of(controls, report, self._robot)
-            elif isinstance(action, BehaviorButton) or action in _BEHAVIORS:
-                behavior = (
-                    action.behavior
-                    if isinstance(action, BehaviorButton)
-                    else _BEHAVIORS[action]
-                )
+            elif (behavior := _behavior_of(action)) is not None:
                 self._drive = Drive()
-                self._ask_for(behavior, controls, report, orders)
+                self._ask_for(behavior, now)
         self._follow_stick(controls)
         if orders.sim_command is None:
             if report.behavior_feedback.status_flags & BehaviorStatus.ERROR_FALLING:
                 self._drive = Drive()
             self._drive, orders.sim_command = drive(
-                self._drive, controls.gait(self._robot), report
+                self._drive, controls.gait(self._gait), report
             )
         if orders.sim_command is not None:
-            self._change_hands(orders.sim_command, report, state, orders)
-        limbs = self._limbs
+            self._change_hands(orders.sim_command, now)
+        shares = joint_shares(self._robot, self._limbs.shares)
         orders.joints = {
-            i: float(limbs.position[i]) for i in users_joints(self._robot, limbs.shares)
+            i: float(self._limbs.position[i]) for i in np.flatnonzero(shares).tolist()
         }
         return orders
 
@@ -178,127 +184,94 @@ class Commander:
             for group, joint in self._first_joint.items()
         }
 
-    def _give_joints(
-        self,
-        controls: Controls,
-        report: AtlasSimInterfaceState,
-        state: AtlasState,
-        dt: float,
-        orders: Orders,
-    ) -> None:
+    def _give_joints(self, now: _Look, dt: float) -> None:
         """Hands limbs over by the sliders, and moves the user's joints."""
-        in_force = self._in_force(report)
+        in_force = self._in_force(now.report)
         if in_force != dict(self._limbs.shares):
             # Another commander has changed the shares: the sliders follow.
-            self._limbs, _ = hand_over(self._limbs, in_force, state, self._robot)
-            self._show_shares(in_force, orders)
+            self._limbs, _ = hand_over(self._limbs, in_force, now.state, self._robot)
+            self._show_shares(in_force, now.orders)
             return
-        wanted = controls.shares
+        wanted = now.controls.shares
         moved = self._last_shares is not None and wanted != self._last_shares
         if self._last_shares is None and wanted != in_force:
-            self._show_shares(in_force, orders)
+            self._show_shares(in_force, now.orders)
             return
         self._last_shares = wanted
         if moved:
-            self._limbs, orders.atlas_command = hand_over(
-                self._limbs, wanted, state, self._robot
+            self._limbs, now.orders.atlas_command = hand_over(
+                self._limbs, wanted, now.state, self._robot
             )
         else:
-            self._limbs, orders.atlas_command = move_joints(
-                self._limbs, controls.joints, dt
+            self._limbs, now.orders.atlas_command = move_joints(
+                self._limbs, now.controls.joints, dt
             )
 
     def _show_shares(self, shares: Mapping[str, int], orders: Orders) -> None:
         orders.sliders.update({SHARES[g]: share for g, share in shares.items()})
         self._last_shares = dict(shares)
 
-    def _change_hands(
-        self,
-        command: AtlasSimInterfaceCommand,
-        report: AtlasSimInterfaceState,
-        state: AtlasState,
-        orders: Orders,
-    ) -> None:
+    def _change_hands(self, command: AtlasSimInterfaceCommand, now: _Look) -> None:
         """Gives USER all limbs as they are, and the next behavior its limbs back."""
-        was_users = report.current_behavior in _USERS
+        was_users = now.report.current_behavior in _USERS
         if command.behavior == Behavior.USER:
             if not was_users:
                 self._shares_before_user = dict(self._limbs.shares)
             shares = {
-                group: 0 if joint is None else ALL_USER[group]
+                group: 0 if joint is None else K_EFFORT_MAX
                 for group, joint in self._first_joint.items()
             }
         elif was_users:
             shares = self._shares_before_user
         else:
             return
-        self._limbs, message = hand_over(self._limbs, shares, state, self._robot)
-        orders.atlas_command = message or orders.atlas_command
-        self._show_shares(shares, orders)
+        self._limbs, message = hand_over(self._limbs, shares, now.state, self._robot)
+        now.orders.atlas_command = message or now.orders.atlas_command
+        self._show_shares(shares, now.orders)
 
     # ---- behaviors ----------------------------------------------------------
 
-    def _ask_for(
-        self,
-        behavior: Behavior,
-        controls: Controls,
-        report: AtlasSimInterfaceState,
-        orders: Orders,
-    ) -> None:
-        command = AtlasSimInterfaceCommand()
-        command.behavior = behavior
+    def _ask_for(self, behavior: Behavior, now: _Look) -> None:
+        command = AtlasSimInterfaceCommand(behavior=behavior)
         if behavior is Behavior.STEP:
-            self._fill_step(command, controls.gait(self._robot), report)
+            self._fill_step(command.step_params, now)
         elif behavior is Behavior.MANIPULATE:
-            self._fill_pose(command, controls, report, orders)
-        orders.sim_command = command
+            self._fill_pose(command.manipulate_params, now)
+        now.orders.sim_command = command
 
-    def _fill_step(
-        self,
-        command: AtlasSimInterfaceCommand,
-        gait: Gait,
-        report: AtlasSimInterfaceState,
-    ) -> None:
+    def _fill_step(self, params: AtlasBehaviorStepParams, now: _Look) -> None:
         """Requests one step ahead, with alternating feet."""
+        gait, report = now.controls.gait(self._gait), now.report
         active = report.current_behavior == Behavior.STEP
         index = report.step_feedback.next_step_index_needed if active else 1
         foot = self._step_foot
         stance = foothold(report.foot_pos_est[1 - foot])
         place = step_from(stance, foot, gait, gait.stride, 0.0, 0.0)
-        command.step_params.desired_step = step_data(index, foot, place, gait)
-        command.step_params.use_relative_step_height = True
+        params.desired_step = step_data(index, foot, place, gait)
+        params.use_relative_step_height = True
         self._step_foot = 1 - foot
 
-    def _fill_pose(
-        self,
-        command: AtlasSimInterfaceCommand,
-        controls: Controls,
-        report: AtlasSimInterfaceState,
-        orders: Orders,
-    ) -> None:
-        """Returns the sliders' pose if they were moved, else the present pose."""
-        params = command.manipulate_params
-        params.use_desired = self._pose_wished
-        if self._pose_wished:
-            params.desired.pelvis_height = controls.value(PELVIS_HEIGHT)
-            params.desired.pelvis_yaw = controls.value(PELVIS_YAW)
+    def _fill_pose(self, params: AtlasBehaviorManipulateParams, now: _Look) -> None:
+        """Requests the sliders' pose if they were moved, else the present pose."""
+        params.use_desired = self._pose_moved
+        if self._pose_moved:
+            params.desired.pelvis_height = now.controls.value(PELVIS_HEIGHT)
+            params.desired.pelvis_yaw = now.controls.value(PELVIS_YAW)
             return
-        feet = [pose.position.z for pose in report.foot_pos_est]
-        height = report.pos_est.position.z - 0.5 * sum(feet)
-        orders.sliders[PELVIS_HEIGHT] = height
+        feet = [pose.position.z for pose in now.report.foot_pos_est]
+        height = now.report.pos_est.position.z - 0.5 * sum(feet)
+        now.orders.sliders[PELVIS_HEIGHT] = height
         self._pose = None
 
-    def _look_at_pose(
-        self, controls: Controls, report: AtlasSimInterfaceState, orders: Orders
-    ) -> None:
+    def _look_at_pose(self, now: _Look) -> None:
         """Sends the pelvis to the sliders' pose when they move in MANIPULATE."""
-        pose = controls.value(PELVIS_HEIGHT), controls.value(PELVIS_YAW)
+        pose = now.controls.value(PELVIS_HEIGHT), now.controls.value(PELVIS_YAW)
         before, self._pose = self._pose, pose
         if before is None or pose == before:
             return
-        self._pose_wished = True
-        if report.desired_behavior == Behavior.MANIPULATE:
-            self._ask_for(Behavior.MANIPULATE, controls, report, orders)
+        self._pose_moved = True
+        if now.report.desired_behavior == Behavior.MANIPULATE:
+            self._ask_for(Behavior.MANIPULATE, now)
 
     def _follow_stick(self, controls: Controls) -> None:
         """Steers by gamepad while its sticks are held."""
@@ -309,6 +282,13 @@ class Commander:
         elif self._stick_used:
             self._drive = steer(self._drive, None)
             self._stick_used = False
+
+
+def _behavior_of(button: Button) -> Behavior | None:
+    """Returns the behavior that a button requests, if any."""
+    if isinstance(button, BehaviorButton):
+        return button.behavior
+    return Behavior.__members__.get(button.name)
 
 
 def push_of(

@@ -11,7 +11,10 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import NamedTuple
 
+from atlas_drake.behaviors.config import ControllerConfig
+from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.control.feet.footstep import clip
+from atlas_drake.control.pelvis.pelvis_pose import PelvisRange
 from atlas_drake.messages import (
     K_EFFORT_MAX,
     AtlasBehaviorPelvisServoParams,
@@ -19,7 +22,7 @@ from atlas_drake.messages import (
 )
 from atlas_drake.messages.behavior_catalog import SHIPPED, BehaviorCatalog
 from atlas_drake.planning.footholds import Gait
-from atlas_drake.robot import PelvisRange, Robot, StepLimits, UsualSteps
+from atlas_drake.robot import Robot
 from atlas_drake.teleop.limbs import GROUPS
 from atlas_drake.teleop.walking import Direction
 
@@ -147,14 +150,15 @@ class Slider(NamedTuple):
     value: float
 
 
-def _walking_sliders(usual: UsualSteps, limits: StepLimits) -> tuple[Slider, ...]:
+def _walking_sliders(walk: WalkConfig) -> tuple[Slider, ...]:
     """Makes the sliders for stride, turn, duration and swing height."""
-    stride, height = usual.stride, usual.swing_height
-    slowest = 2.0 * limits.min_duration
+    usual, limits = walk.steps, walk.limits
+    stride, height = usual.stride, walk.swing.height
+    quickest = limits.duration.least
     return (
         Slider("stride [m]", 0.25 * stride, 1.5 * stride, 0.01, stride),
         Slider("turn per step [rad]", 0.05, limits.toe_in, 0.01, usual.turn),
-        Slider("step duration [s]", limits.min_duration, slowest, 0.01, usual.duration),
+        Slider("step duration [s]", quickest, 2.0 * quickest, 0.01, usual.duration),
         Slider("swing height [m]", 0.5 * height, 2.5 * height, 0.01, height),
     )
 
@@ -162,11 +166,16 @@ def _walking_sliders(usual: UsualSteps, limits: StepLimits) -> tuple[Slider, ...
 def _pelvis_sliders(allowed: PelvisRange) -> tuple[Slider, ...]:
     """Makes the sliders for height and yaw."""
     pose = AtlasBehaviorPelvisServoParams()
-    (low, high), (left, right) = allowed.height, allowed.yaw
-    height = clip(pose.pelvis_height, low, high)
+    height, yaw = allowed.height, allowed.yaw
     return (
-        Slider("pelvis height [m]", low, high, 0.005, height),
-        Slider("pelvis yaw [rad]", left, right, 0.01, clip(0.0, left, right)),
+        Slider(
+            "pelvis height [m]",
+            height.least,
+            height.greatest,
+            0.005,
+            clip(pose.pelvis_height, *height),
+        ),
+        Slider("pelvis yaw [rad]", yaw.least, yaw.greatest, 0.01, clip(0.0, *yaw)),
     )
 
 
@@ -175,7 +184,7 @@ def _push_body(bodies: int) -> Slider:
     return Slider("body", 1, bodies, 1, min(2, bodies))
 
 
-STRIDE, TURN, DURATION, SWING_HEIGHT = _walking_sliders(UsualSteps(), StepLimits())
+STRIDE, TURN, DURATION, SWING_HEIGHT = _walking_sliders(WalkConfig())
 PELVIS_HEIGHT, PELVIS_YAW = _pelvis_sliders(PelvisRange())
 PUSH_BODY = _push_body(5)
 PUSH_DIRECTION = Slider("direction [deg]", -180, 180, 5, 0)
@@ -197,13 +206,12 @@ SLIDERS = (
 )
 
 
-def fitted(robot: Robot) -> dict[str, Slider]:
+def fitted(robot: Robot, config: ControllerConfig) -> dict[str, Slider]:
     """Returns the sliders of the panel with the ranges of a robot, by label."""
-    file = robot.file
     own = (
-        *_walking_sliders(file.usual_steps, file.walk_limits),
-        *_pelvis_sliders(file.pelvis_range),
-        _push_body(len(file.pushed)),
+        *_walking_sliders(config.walk),
+        *_pelvis_sliders(config.manipulate.range),
+        _push_body(len(robot.file.pushed)),
     )
     return {slider.label: slider for slider in (*SLIDERS, *own)}
 
@@ -230,10 +238,9 @@ class Controls:
         """Returns the position of a slider."""
         return self.sliders[slider.label]
 
-    def gait(self, robot: Robot) -> Gait:
-        """Returns the gait of ``robot`` that the sliders set."""
-        return Gait.nearest(
-            robot,
+    def gait(self, usual: Gait) -> Gait:
+        """Returns the gait that the sliders set, within the limits of ``usual``."""
+        return usual.nearest(
             stride=self.value(STRIDE),
             turn=self.value(TURN),
             duration=self.value(DURATION),

@@ -24,7 +24,6 @@ from atlas_drake.teleop.walking import (
     first_open_step,
     is_closing,
     next_steps,
-    walk_on,
 )
 
 PATIENCE = 1.0
@@ -52,71 +51,63 @@ class Drive:
     sent: object = None
 
 
-def steer(memory: Drive, direction: Direction | None) -> Drive:
+def steer(state: Drive, direction: Direction | None) -> Drive:
     """Sets a new direction; None stops the walk."""
-    return replace(memory, direction=direction)
+    return replace(state, direction=direction)
 
 
 def drive(
-    memory: Drive, gait: Gait, report: AtlasSimInterfaceState
+    state: Drive, gait: Gait, report: AtlasSimInterfaceState
 ) -> tuple[Drive, AtlasSimInterfaceCommand | None]:
     """Returns the new state and the command to send now, if any.
 
     From every behavior but WALK the transition to WALK goes through STAND.
-
-    Args:
-        memory: State of the driving so far.
-        gait: Gait of the walk.
-        report: Latest report of the behaviors.
     """
     current = Behavior(report.current_behavior)
-    memory = _notice(memory, current, report.header.stamp or 0.0)
-    if current is Behavior.WALK and memory.walker is not None:
-        return _walking(memory, memory.walker, gait, report)
-    direction = memory.direction
-    if direction is None or memory.walker is not None:
-        return memory, None
-    if current is Behavior.STAND:
-        walker = begin_walk(direction)
-        memory = replace(
-            memory, asked_at=report.header.stamp or 0.0, started=False, leaving=False
-        )
-        return _send(memory, walker, direction, gait, report)
-    return _ask_for_stand(memory)
+    state = _notice(state, current, report.header.stamp or 0.0)
+    if current is Behavior.WALK and state.walker is not None:
+        return _walking(state, state.walker, gait, report)
+    direction = state.direction
+    if direction is None or state.walker is not None:
+        return state, None
+    if current is not Behavior.STAND:
+        return _ask_for_stand(state)
+    asked_at = report.header.stamp or 0.0
+    state = replace(state, asked_at=asked_at, started=False, leaving=False)
+    return _send(state, begin_walk(direction), direction, gait, report)
 
 
-def _notice(memory: Drive, current: Behavior, now: float) -> Drive:
+def _notice(state: Drive, current: Behavior, now: float) -> Drive:
     """Detects that the walk has begun, has ended, or was refused."""
-    if memory.walker is None:
-        return memory
+    if state.walker is None:
+        return state
     if current is Behavior.WALK:
-        return replace(memory, started=True)
-    if memory.started:
+        return replace(state, started=True)
+    if state.started:
         # A walk that ended by itself starts again only on a new request.
-        direction = memory.direction if memory.leaving else None
-        return Drive(direction=direction)
-    return Drive() if now > memory.asked_at + PATIENCE else memory
+        return Drive(direction=state.direction if state.leaving else None)
+    return Drive() if now > state.asked_at + PATIENCE else state
 
 
 def _walking(
-    memory: Drive, walker: Walker, gait: Gait, report: AtlasSimInterfaceState
+    state: Drive, walker: Walker, gait: Gait, report: AtlasSimInterfaceState
 ) -> tuple[Drive, AtlasSimInterfaceCommand | None]:
-    if memory.leaving:
-        return memory, None
-    if memory.direction is None:
+    if state.leaving:
+        return state, None
+    if state.direction is None:
         if is_closing(walker, report):
-            return _ask_for_stand(memory)
+            return _ask_for_stand(state)
         walker = close_feet(walker, report)
         direction = Direction()
     else:
-        walker, direction = walk_on(walker), memory.direction
-    if memory.sent == _cause(walker, direction, gait, report):
-        return replace(memory, walker=walker), None
-    return _send(memory, walker, direction, gait, report)
+        walker, direction = replace(walker, closing=None), state.direction
+    if state.sent == _cause(walker, direction, gait, report):
+        return replace(state, walker=walker), None
+    return _send(state, walker, direction, gait, report)
 
 
 def _send(
-    memory: Drive,
+    state: Drive,
     walker: Walker,
     direction: Direction,
     gait: Gait,
@@ -124,21 +115,21 @@ def _send(
 ) -> tuple[Drive, AtlasSimInterfaceCommand]:
     cause = _cause(walker, direction, gait, report)
     walker, steps = next_steps(walker, direction, gait, report)
-    return replace(memory, walker=walker, sent=cause), walk_command(steps)
+    return replace(state, walker=walker, sent=cause), walk_command(steps)
 
 
 def _cause(
     walker: Walker, direction: Direction, gait: Gait, report: AtlasSimInterfaceState
 ) -> object:
+    """Returns what the steps of a walk follow from."""
     return walker.closing, direction, gait, first_open_step(report)
 
 
-def _ask_for_stand(memory: Drive) -> tuple[Drive, AtlasSimInterfaceCommand | None]:
-    if memory.leaving:
-        return memory, None
-    command = AtlasSimInterfaceCommand()
-    command.behavior = Behavior.STAND
-    return replace(memory, leaving=True), command
+def _ask_for_stand(state: Drive) -> tuple[Drive, AtlasSimInterfaceCommand | None]:
+    if state.leaving:
+        return state, None
+    command = AtlasSimInterfaceCommand(behavior=Behavior.STAND)
+    return replace(state, leaving=True), command
 
 
 def walk_command(steps: list[AtlasBehaviorStepData]) -> AtlasSimInterfaceCommand:

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from atlas_drake.frozen import replace
-from atlas_drake.messages import K_EFFORT_MAX, AtlasCommand, AtlasState
+from atlas_drake.messages import AtlasCommand, AtlasState
 from atlas_drake.robot import Robot
 
 GROUPS = {
@@ -32,8 +32,6 @@ SLIDER_STEP = 0.01
 """Resolution of the joints' sliders [rad]; smaller differences than half of it are
 lost.
 """
-ALL_USER = dict.fromkeys(GROUPS, K_EFFORT_MAX)
-ALL_BEHAVIOR = dict.fromkeys(GROUPS, 0)
 
 
 @dataclass(frozen=True)
@@ -49,11 +47,6 @@ class Limbs:
     position: np.ndarray
 
 
-def limbs_at_start(robot: Robot, shares: Mapping[str, int]) -> Limbs:
-    """Returns the initial state: set-points of the stand-prep pose."""
-    return Limbs(dict(shares), robot.stand_prep.copy())
-
-
 def group_of(robot: Robot) -> list[str]:
     """The group of each joint, in message order."""
     of_limb = {limb: name for name, limbs in GROUPS.items() for limb in limbs}
@@ -65,23 +58,12 @@ def joint_shares(robot: Robot, shares: Mapping[str, int]) -> np.ndarray:
     return np.array([shares[name] for name in group_of(robot)], dtype=int)
 
 
-def users_joints(robot: Robot, shares: Mapping[str, int]) -> list[int]:
-    """Indices of the joints with a user share above 0."""
-    return np.flatnonzero(joint_shares(robot, shares)).tolist()
-
-
 def hand_over(
     limbs: Limbs, shares: Mapping[str, int], state: AtlasState, robot: Robot
 ) -> tuple[Limbs, AtlasCommand | None]:
-    """Hands limbs over to the user or back to the behavior.
+    """Hands limbs over to the user or back to the behavior, by shares of groups.
 
     A joint that the user gets keeps its position.
-
-    Args:
-        limbs: The last command.
-        shares: Shares by group, 0 to 255.
-        state: Latest report of the joints.
-        robot: Robot that has the limbs.
     """
     if dict(shares) == dict(limbs.shares):
         return limbs, None
@@ -100,13 +82,7 @@ def hand_over(
 def move_joints(
     limbs: Limbs, targets: Mapping[int, float], dt: float
 ) -> tuple[Limbs, AtlasCommand | None]:
-    """Moves set-points toward their targets.
-
-    Args:
-        limbs: The last command.
-        targets: Targets of the user's joints by index [rad].
-        dt: Time until the next reading of the panel [s].
-    """
+    """Moves set-points toward their targets [rad], by index, for ``dt`` [s]."""
     position = limbs.position.copy()
     for index, target in targets.items():
         way = target - position[index]

@@ -36,11 +36,7 @@ class PagedControls:
     ) -> None:
         """Adds the buttons, and opens the first page.
 
-        Args:
-            meshcat: Meshcat instance that shows the panel.
-            pages: Initial pages.
-            more_buttons: Buttons beside those that every panel has.
-            say: Called with a message about a value beyond its slider's range.
+        ``say`` is called with a message about a value beyond its slider's range.
         """
         self._meshcat = meshcat
         self._say = say

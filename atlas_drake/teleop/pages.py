@@ -5,7 +5,7 @@ Data only; ``paged_controls`` turns the pages.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from atlas_drake.robot import Robot
@@ -25,7 +25,6 @@ from atlas_drake.teleop.controls import (
     BehaviorButton,
     Button,
     Slider,
-    fitted,
     pushed_bodies,
 )
 from atlas_drake.teleop.limbs import SLIDER_STEP, group_of
@@ -97,18 +96,21 @@ def joint_slider(robot: Robot, index: int) -> Slider:
 
 
 def pages_with(
-    robot: Robot, joints: Collection[int], behaviors: Sequence[BehaviorButton] = ()
+    robot: Robot,
+    own: Mapping[str, Slider],
+    joints: Collection[int],
+    behaviors: Sequence[BehaviorButton] = (),
 ) -> tuple[Page, ...]:
     """Makes all pages, with one more for each limb under user control.
 
     Args:
         robot: Robot whose joints get sliders.
+        own: Sliders with the ranges of the robot, by label, see ``fitted``.
         joints: Joints under user control.
         behaviors: Buttons of the user's own behaviors, which get a page if there are
             any.
     """
     groups = group_of(robot)
-    own = fitted(robot)
 
     def fit(page: Page, note: str = "") -> Page:
         sliders = tuple(own[slider.label] for slider in page.sliders)

@@ -12,6 +12,7 @@ from typing import Protocol
 
 from pydrake.geometry import Meshcat
 
+from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.messages.behavior_catalog import SHIPPED, BehaviorCatalog
 from atlas_drake.robot import Robot
 from atlas_drake.teleop.controls import (
@@ -60,6 +61,7 @@ class Panel:
         overlays: Overlays,
         behaviors: BehaviorCatalog = SHIPPED,
         say: Callable[[str], object] = print,
+        config: ControllerConfig | None = None,
     ) -> None:
         """Adds the first page.
 
@@ -69,15 +71,16 @@ class Panel:
             overlays: Overlays that the panel switches on and off.
             behaviors: Catalog whose user-defined behaviors get buttons.
             say: Called with a message about a value beyond its slider's range.
+            config: Gives the ranges of sliders; None for the robot's values.
         """
         self._meshcat = meshcat
         self._robot = robot
         self._overlays = overlays
         self._joints: dict[int, Slider] = {}
         self._buttons = behavior_buttons(behaviors)
-        self._own = fitted(robot)
+        self._own = fitted(robot, config or ControllerConfig.of(robot.file))
         self._controls = PagedControls(
-            meshcat, pages_with(robot, (), self._buttons), self._buttons, say
+            meshcat, pages_with(robot, self._own, (), self._buttons), self._buttons, say
         )
         self._show_overlays()
 
@@ -104,7 +107,7 @@ class Panel:
         self._joints = {index: joint_slider(robot, index) for index in positions}
         for index in new:
             self._controls.set(self._joints[index], positions[index])
-        self._controls.set_pages(pages_with(robot, positions, self._buttons))
+        self._controls.set_pages(pages_with(robot, self._own, positions, self._buttons))
 
     def show_paused(self, paused: bool) -> None:
         """Shows in the 3D view if time stands still."""

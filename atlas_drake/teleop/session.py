@@ -30,15 +30,16 @@ class Session:
     ) -> None:
         """Starts at the present state of the simulation.
 
-        Args:
-            sim: Simulation of the robot.
-            panel: Panel that steers the robot.
-            real_time: True to simulate no faster than real time.
+        With ``real_time`` it simulates no faster than real time.
         """
         self._sim = sim
         self._panel = panel
         self._real_time = real_time
-        self._commander = Commander(sim.robot, sim.atlas_sim_interface_state)
+        self._commander = Commander(
+            sim.robot,
+            sim.atlas_sim_interface_state,
+            sim.scenario.controller_config().gait(),
+        )
         self._waiting: tuple[Button, ...] = ()
         self.paused = False
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from atlas_drake.control.feet.footstep import LEFT, RIGHT
+from atlas_drake.control.feet.footstep import LEFT, RIGHT, clip
 from atlas_drake.frozen import replace
 from atlas_drake.messages import (
     NUM_REQUIRED_WALK_STEPS,
@@ -80,8 +80,9 @@ def first_open_step(report: AtlasSimInterfaceState) -> int:
     if report.current_behavior != Behavior.WALK:
         return 1
     walk = report.walk_feedback
-    in_air = _in_air(report) is not None
-    return walk.current_step_index + (1 if in_air else 2)
+    current = walk.current_step_index
+    in_air = any(0 < step.step_index == current for step in walk.step_queue_saturated)
+    return current + (1 if in_air else 2)
 
 
 def next_steps(
@@ -92,17 +93,11 @@ def next_steps(
 ) -> tuple[Walker, list[AtlasBehaviorStepData]]:
     """Plans the steps that can still be changed.
 
-    Args:
-        walker: State of this walk.
-        direction: Direction of the walk.
-        gait: Gait of the walk.
-        report: Latest report of the behaviors.
-
     Returns:
         The new state of the walk, and steps for the queue.
     """
     first = first_open_step(report)
-    feet = feet_before(walker, first, report)
+    feet = feet_before(first, report)
     stride = walker.strides.get(first - 1, 0.0)
     strides = {i: s for i, s in walker.strides.items() if i < first}
     steps = []
@@ -115,7 +110,7 @@ def next_steps(
             wanted = gait.stride * direction.forward
             if wanted < 0.0:
                 wanted *= BACKWARD_SHARE
-            stride += _clip(wanted - stride, STRIDE_CHANGE)
+            stride += clip(wanted - stride, -STRIDE_CHANGE, STRIDE_CHANGE)
             shift = gait.stride * SIDEWAYS_SHARE * direction.left
             turn = gait.turn * direction.turn
         feet[foot] = step_from(feet[1 - foot], foot, gait, stride, shift, turn)
@@ -131,20 +126,13 @@ def close_feet(walker: Walker, report: AtlasSimInterfaceState) -> Walker:
     return replace(walker, closing=first_open_step(report))
 
 
-def walk_on(walker: Walker) -> Walker:
-    """Cancels the end of the walk."""
-    return replace(walker, closing=None)
-
-
 def is_closing(walker: Walker, report: AtlasSimInterfaceState) -> bool:
     """Returns True once the last step has begun, so that STAND may be requested."""
     index = report.walk_feedback.current_step_index
     return walker.closing is not None and index >= walker.closing
 
 
-def feet_before(
-    walker: Walker, index: int, report: AtlasSimInterfaceState
-) -> list[Foothold]:
+def feet_before(index: int, report: AtlasSimInterfaceState) -> list[Foothold]:
     """Computes the poses of the feet when step ``index`` begins.
 
     Feet on the ground keep their poses; feet of earlier steps have the landing poses of
@@ -156,16 +144,3 @@ def feet_before(
             if 0 < step.step_index < index:
                 feet[step.foot_index] = foothold(step.pose)
     return feet
-
-
-def _in_air(report: AtlasSimInterfaceState) -> AtlasBehaviorStepData | None:
-    """Returns the step whose foot is in the air."""
-    walk = report.walk_feedback
-    for step in walk.step_queue_saturated:
-        if 0 < step.step_index == walk.current_step_index:
-            return step
-    return None
-
-
-def _clip(value: float, size: float) -> float:
-    return min(max(value, -size), size)

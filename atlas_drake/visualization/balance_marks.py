@@ -7,26 +7,24 @@ status; contact forces are in ``contact_forces``.
 from __future__ import annotations
 
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
-from pydrake.common.value import AbstractValue
 from pydrake.geometry import Cylinder, Meshcat, Rgba, Sphere
 from pydrake.math import RigidTransform
 from pydrake.systems.framework import Context
 
+from atlas_drake.control.balance.feedback import dcm, pendulum_frequency
 from atlas_drake.control.whole_body.model import WholeBodyModel
-from atlas_drake.frozen import NOTHING
+from atlas_drake.control.whole_body.terms import WholeBodyTerms
+from atlas_drake.control.wrenches import center_of_pressure
 from atlas_drake.messages.controller_status import Plan, PlannedPaths
 from atlas_drake.palette import COM, COP, DCM, SUPPORT, SWING
 from atlas_drake.robot import Robot
-from atlas_drake.visualization.balance_points import BalancePoints, balance_points
 from atlas_drake.visualization.display import Display
-from atlas_drake.visualization.marks import Marks
+from atlas_drake.visualization.marks import Marks, Timeline
 from atlas_drake.visualization.overlays import Overlays
-from atlas_drake.visualization.ribbons import draw_flat
-from atlas_drake.visualization.timeline import Timeline
-from atlas_drake.visualization.tubes import thinned, tube
+from atlas_drake.visualization.shapes import draw_flat, thinned, tube
 
 PATH = "/atlas_drake/balance"
 BALL, PLUMB_LINE = 0.03, 0.003
@@ -48,12 +46,46 @@ slowly."""
 AREA_GRID, CURVE_GRID, BEND = 0.002, 0.001, 0.002
 """Corners and points are rounded to a grid [m]; points are left out where a curve bends
 by less [m], because a recording keeps every shape."""
+_SHAPES = {
+    "com_ball": Sphere(BALL),
+    "com_line": Cylinder(PLUMB_LINE, 1.0),
+    **{name: Cylinder(radius, DISC_HEIGHT) for name, radius in DISC.items()},
+}
 _COLORS = {"com": Rgba(*COM), "dcm": Rgba(*DCM), "cop": Rgba(*COP)}
 _CURVES = {"plan_com": Rgba(*COM), "plan_dcm": Rgba(*DCM), "swing": Rgba(*SWING)}
 _AREA = Rgba(*SUPPORT, 0.5)
 _NAMES = ("com", "dcm", "cop", "support", "plan", "swing")
 
 Point = tuple[float, float, float]
+
+
+class BalancePoints(NamedTuple):
+    """Points in W [m], shape (3,).
+
+    Attributes:
+        ground: Height of the lower sole [m].
+        com: Center of mass.
+        dcm: Divergent component of motion, on the ground.
+        cop: Center of pressure; None without a load on the feet.
+    """
+
+    ground: float
+    com: np.ndarray
+    dcm: np.ndarray
+    cop: np.ndarray | None
+
+
+def balance_points(terms: WholeBodyTerms, wrenches: np.ndarray) -> BalancePoints:
+    """Computes the points; for ``wrenches``, shape (12,), see ``RobotSensors``."""
+    ground = min(float(foot.p_WF[2]) for foot in terms.feet)
+    omega = pendulum_frequency(float(terms.com[2]) - ground)
+    soles = [foot.p_WF for foot in terms.feet]
+    return BalancePoints(
+        ground,
+        terms.com,
+        np.append(dcm(terms, omega), ground),
+        center_of_pressure(soles, wrenches),
+    )
 
 
 class BalanceMarks(Display):
@@ -76,15 +108,7 @@ class BalanceMarks(Display):
         period: float,
         recorded: bool,
     ) -> None:
-        """Draws the enabled overlays every ``period`` [s].
-
-        Args:
-            meshcat: Meshcat instance to draw in.
-            robot: Robot of the station.
-            overlays: Switches of the overlays.
-            period: Time between pictures [s].
-            recorded: See ``Marks``.
-        """
+        """Draws what is on every ``period`` [s]; ``recorded`` as in ``Marks``."""
         super().__init__(period)
         self._meshcat = meshcat
         self._overlays = overlays
@@ -92,9 +116,8 @@ class BalanceMarks(Display):
         self._scratch = self._model.create_context()
         self._state = self.DeclareVectorInputPort("state", self._model.num_states)
         self._wrenches = self.DeclareVectorInputPort("foot_wrenches", 12)
-        self._status, self._paths = (
-            self.DeclareAbstractInputPort(name, AbstractValue.Make(NOTHING))
-            for name in ("controller_status", "planned_paths")
+        self._status, self._paths = self.declare_values(
+            "controller_status", "planned_paths"
         )
         self._pictures = -1
         self._timeline = Timeline(meshcat)
@@ -124,14 +147,18 @@ class BalanceMarks(Display):
         at = balance_points(terms, self._wrenches.Eval(context))
         ground = at.ground
         if "com" in on:
-            self._move_com(at, time)
-        if "dcm" in on:
-            self._move_disc("dcm", at.dcm, time)
-        if "cop" in on:
-            if at.cop is not None:
-                self._move_disc("cop", at.cop, time)
-            elif "cop" in self._drawn:
-                self._timeline.show(f"{PATH}/cop", False, time)
+            x, y, z = at.com
+            height = max(z - ground, LOWEST)
+            self._move("com_ball", [x, y, z], time)
+            self._move("com_line", [x, y, ground + 0.5 * height], time)
+            line = f"{PATH}/com_line/shape"
+            self._meshcat.SetProperty(line, "scale", [1.0, 1.0, float(height)], time)
+            self._move("com", [x, y, ground + LIFT["com"]], time)
+        for name, point in (("dcm", at.dcm), ("cop", at.cop)):
+            if name in on and point is not None:
+                self._move(name, point + np.array([0.0, 0.0, LIFT[name]]), time)
+            elif name in self._drawn:
+                self._timeline.show(f"{PATH}/{name}", False, time)
         if "support" in on:
             self._support.show(_area(plan.support, ground), time)
         self._pictures += 1
@@ -150,37 +177,18 @@ class BalanceMarks(Display):
         if "swing" in on:
             self._curves["swing"].show(_curve(paths.swing), time)
 
-    def _move_com(self, points: BalancePoints, time: float) -> None:
-        """Draws a ball, visible through the body, and its projection on the ground."""
-        ground = points.ground
-        x, y, z = map(float, points.com)
-        if "com_ball" not in self._drawn:
-            path = f"{PATH}/com_ball"
-            self._meshcat.SetObject(path, Sphere(BALL), _COLORS["com"])
-            self._see_through(path)
-        self._move("com_ball", [x, y, z], time)
-        height = max(z - ground, LOWEST)
-        rod = f"{PATH}/com_line/rod"
-        if "com_line" not in self._drawn:
-            self._meshcat.SetObject(rod, Cylinder(PLUMB_LINE, 1.0), _COLORS["com"])
-        # A separate node, because every transform resets the scale of its node.
-        self._meshcat.SetProperty(rod, "scale", [1.0, 1.0, height], time)
-        self._move("com_line", [x, y, ground + 0.5 * height], time)
-        self._move_disc("com", np.array([x, y, ground]), time)
-
-    def _move_disc(self, name: str, point: np.ndarray, time: float) -> None:
+    def _move(self, name: str, p_W: Any, time: float) -> None:
+        """Moves a shape to a point in W [m], shape (3,)."""
+        path = f"{PATH}/{name}"
         if name not in self._drawn:
-            disc = Cylinder(DISC[name], DISC_HEIGHT)
-            self._meshcat.SetObject(f"{PATH}/{name}", disc, _COLORS[name])
-            self._see_through(f"{PATH}/{name}")
-        x, y, z = map(float, point)
-        self._move(name, [x, y, z + LIFT[name]], time)
-
-    def _move(self, name: str, position: list[float], time: float) -> None:
-        p_W: Any = np.array(position)
-        self._meshcat.SetTransform(f"{PATH}/{name}", RigidTransform(p_W), time)
-        self._timeline.show(f"{PATH}/{name}", True, time)
-        self._drawn.add(name)
+            self._drawn.add(name)
+            # A node of its own, because every transform resets the scale of its node.
+            color = _COLORS[name.split("_", maxsplit=1)[0]]
+            self._meshcat.SetObject(f"{path}/shape", _SHAPES[name], color)
+            if name != "com_line":
+                self._see_through(f"{path}/shape")
+        self._meshcat.SetTransform(path, RigidTransform(np.array(p_W)), time)
+        self._timeline.show(path, True, time)
 
     def _draw_support(self, path: str, mark: object) -> None:
         corners: Any = mark

@@ -7,18 +7,19 @@ appears in recordings, which a label beside the 3D view would not.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
-from pydrake.common.value import AbstractValue
 from pydrake.geometry import Meshcat, Rgba
 from pydrake.math import RigidTransform
 from pydrake.systems.framework import Context
 
-from atlas_drake.frozen import NOTHING
+from atlas_drake.errors import ErrorCode
 from atlas_drake.messages import (
     K_EFFORT_MAX,
+    AtlasBehaviorManipulateFeedback,
     AtlasSimInterfaceState,
     Behavior,
     BehaviorStatus,
@@ -27,11 +28,10 @@ from atlas_drake.messages import (
 )
 from atlas_drake.messages.behavior_catalog import SHIPPED, BehaviorCatalog
 from atlas_drake.visualization.display import Display
-from atlas_drake.visualization.feedback_words import feedback_words
 from atlas_drake.visualization.marks import Marks
 from atlas_drake.visualization.overlays import Overlays
-from atlas_drake.visualization.ribbons import draw_flat, ribbons
 from atlas_drake.visualization.scene import CAMERA, FIELD_OF_VIEW
+from atlas_drake.visualization.shapes import draw_flat, ribbons
 from atlas_drake.visualization.stroke_font import text_segments
 
 DISTANCE = 0.5
@@ -48,15 +48,35 @@ STROKE = 0.13
 COLOR = Rgba(0.13, 0.17, 0.22, 1.0)
 
 
+ARRIVED = 1e-3
+"""Distance to its goal below which the pelvis' reference has arrived [m or rad]."""
+_TRANSITION = {
+    BehaviorStatus.TRANSITION_IN_PROGRESS: "transition in progress",
+    BehaviorStatus.FAILED_TRANS_UNKNOWN_BEHAVIOR: "unknown behavior",
+    BehaviorStatus.FAILED_TRANS_ILLEGAL_BEHAVIOR: "illegal transition",
+    BehaviorStatus.FAILED_TRANS_COM_POS: "refused: CoM not over the feet",
+    BehaviorStatus.FAILED_TRANS_COM_VEL: "refused: CoM too fast",
+    BehaviorStatus.FAILED_TRANS_VEL: "refused: joints too fast",
+    BehaviorStatus.WARNING_AUTO_TRANS: "ended by itself",
+    BehaviorStatus.ERROR_FALLING: "falling",
+}
+_WALK = {
+    WalkStatus.SUBSTATE_SWAYING: "swaying",
+    WalkStatus.SUBSTATE_STEPPING: "stepping",
+    WalkStatus.SUBSTATE_CATCHING: "catching",
+    WalkStatus.WARNING_INSUFFICIENT_STEP_DATA: "out of steps",
+    WalkStatus.ERROR_INCONSISTENT_STEPS: "inconsistent steps",
+}
+_STEP = {
+    StepStatus.SUBSTATE_SWAYING: "swaying",
+    StepStatus.SUBSTATE_STEPPING: "stepping",
+}
+
+
 def caption_of(
     report: AtlasSimInterfaceState, catalog: BehaviorCatalog = SHIPPED
 ) -> tuple[str, str]:
-    """Makes title and note about the robot's behavior.
-
-    Args:
-        report: Report of the robot.
-        catalog: Catalog of its behaviors.
-    """
+    """Makes title and note about the behavior of a robot with these behaviors."""
     shares = list(report.k_effort)
     users = sum(share >= K_EFFORT_MAX for share in shares)
     blended = sum(0 < share < K_EFFORT_MAX for share in shares)
@@ -81,6 +101,32 @@ def caption_of(
     return entry.title, note
 
 
+def feedback_words(report: AtlasSimInterfaceState) -> str:
+    """Describes the flags: substate, transition, errors; "ok" if there is none."""
+    words = _said(report.walk_feedback.status_flags, _WALK)
+    words += _said(report.step_feedback.status_flags, _STEP)
+    if report.current_behavior == Behavior.MANIPULATE:
+        words += _pelvis_words(report.manipulate_feedback)
+    words += _said(report.behavior_feedback.status_flags, _TRANSITION)
+    if report.error_code != ErrorCode.NO_ERRORS:
+        words.append(f"error: {ErrorCode(report.error_code).name.replace('_', ' ')}")
+    return ", ".join(words) or "ok"
+
+
+def _pelvis_words(feedback: AtlasBehaviorManipulateFeedback) -> list[str]:
+    """Describes if the reference of MANIPULATE, which has no flags, has arrived."""
+    goal, now = feedback.clamped, feedback.internal_desired
+    arrived = all(
+        abs(getattr(goal, field.name) - getattr(now, field.name)) < ARRIVED
+        for field in fields(goal)
+    )
+    return [] if arrived else ["pelvis moves"]
+
+
+def _said(flags: int, words: Mapping[Any, str]) -> list[str]:
+    return [text for flag, text in words.items() if flags & flag]
+
+
 @dataclass(frozen=True)
 class _Line:
     text: str
@@ -101,22 +147,12 @@ class CaptionDisplay(Display):
     def __init__(
         self, meshcat: Meshcat, overlays: Overlays, period: float, recorded: bool
     ) -> None:
-        """Updates the caption every ``period`` [s].
-
-        Args:
-            meshcat: Meshcat instance to draw in.
-            overlays: Switches of the overlays, among them the flags.
-            period: Time between pictures [s].
-            recorded: See ``Marks``.
-        """
+        """Updates it every ``period`` [s]; ``recorded`` as in ``Marks``."""
         super().__init__(period)
         self._overlays = overlays
         self._meshcat = meshcat
-        self._report = self.DeclareAbstractInputPort(
-            "atlas_sim_interface_state", AbstractValue.Make(AtlasSimInterfaceState())
-        )
-        self._commands = self.DeclareAbstractInputPort(
-            "commands", AbstractValue.Make(NOTHING)
+        self._report, self._commands = self.declare_values(
+            "atlas_sim_interface_state", "commands"
         )
         self._marks = Marks(meshcat, f"{CAMERA}/caption", self._draw, recorded)
 
@@ -138,12 +174,7 @@ class CaptionDisplay(Display):
 
 
 def show_paused(meshcat: Meshcat, paused: bool) -> None:
-    """Says in the picture that time stands still, or takes that away.
-
-    Args:
-        meshcat: Meshcat instance to draw in.
-        paused: True if no time passes.
-    """
+    """Says in the picture that time stands still, or takes that away."""
     path = f"{CAMERA}/paused"
     if not paused:
         meshcat.Delete(path)

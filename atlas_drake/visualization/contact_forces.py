@@ -5,7 +5,7 @@ The arrows show the forces of the physics, not those that the controller request
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from pydrake.common.value import AbstractValue
@@ -17,10 +17,9 @@ from pydrake.systems.framework import Context
 
 from atlas_drake.palette import FORCE
 from atlas_drake.visualization.display import Display
+from atlas_drake.visualization.marks import Timeline
 from atlas_drake.visualization.overlays import Overlays
-from atlas_drake.visualization.ribbons import draw_flat
-from atlas_drake.visualization.timeline import Timeline
-from atlas_drake.visualization.tubes import tube
+from atlas_drake.visualization.shapes import draw_flat, tube
 
 PATH = "/atlas_drake/forces"
 SCALE = 0.0012
@@ -41,13 +40,9 @@ class ContactForce(NamedTuple):
 def contact_forces_of(
     results: ContactResults, inspector: SceneGraphInspector
 ) -> list[ContactForce]:
-    """Returns the forces on the robot.
+    """Returns the forces on the robot, from contacts at points and on surfaces.
 
     Two touching links push each other: the returned force is the one that points up.
-
-    Args:
-        results: Contacts of the plant, as points or as surfaces.
-        inspector: Of the plant's geometry.
     """
     world = world_index()
     forces = []
@@ -78,16 +73,9 @@ def _on_robot(
 
 def arrow_pose(force: ContactForce) -> RigidTransform:
     """Computes the pose in W of an arrow along z that starts where the force acts."""
-    z = force.force_W / np.linalg.norm(force.force_W)
-    x = np.cross([0.0, 1.0, 0.0], z)
-    x /= np.linalg.norm(x)
-    R_WA: Any = np.column_stack([x, np.cross(z, x), z])
-    return RigidTransform(RotationMatrix(R_WA), force.p_WC)
-
-
-def arrow_length(force: ContactForce) -> float:
-    """Computes the length of the arrow of a force [m]."""
-    return SCALE * float(np.linalg.norm(force.force_W))
+    return RigidTransform(
+        RotationMatrix.MakeFromOneVector(force.force_W, 2), force.p_WC
+    )
 
 
 class ContactForces(Display):
@@ -128,7 +116,7 @@ class ContactForces(Display):
                 self._made += 1
             self._meshcat.SetTransform(path, arrow_pose(force), time)
             # A separate node, because every transform resets the scale of its node.
-            scale = [1.0, 1.0, arrow_length(force)]
+            scale = [1.0, 1.0, SCALE * float(np.linalg.norm(force.force_W))]
             self._meshcat.SetProperty(f"{path}/arrow", "scale", scale, time)
         for number in range(self._made):
             self._timeline.show(f"{PATH}/{number}", number < len(forces), time)

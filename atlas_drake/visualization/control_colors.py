@@ -22,14 +22,13 @@ from pydrake.geometry import (
 )
 from pydrake.systems.framework import Context
 
-from atlas_drake.frozen import NOTHING
 from atlas_drake.messages import K_EFFORT_MAX
 from atlas_drake.palette import BEHAVIOR, BUSY, IDLE, SHARED, SPENT, USER, Color
 from atlas_drake.robot import Robot
 from atlas_drake.visualization.display import Display
 from atlas_drake.visualization.gltf_triangles import gltf_triangles
+from atlas_drake.visualization.marks import Timeline
 from atlas_drake.visualization.overlays import Overlays
-from atlas_drake.visualization.timeline import Timeline
 
 SHADES = 20
 """Steps of a color scale: equal colors are not sent again."""
@@ -40,11 +39,7 @@ COVER = "_colored"
 
 
 def owner_colors(k_effort: np.ndarray) -> list[Color]:
-    """Colors joints from the behavior's color over shared joints to the user's color.
-
-    Args:
-        k_effort: User's share per joint, 0 to 255, shape (n,).
-    """
+    """Colors joints by the user's share, 0 to 255, shape (n,)."""
     colors = (BEHAVIOR, SHARED, USER)
     return [_between(colors, share / K_EFFORT_MAX) for share in k_effort]
 
@@ -57,12 +52,11 @@ def effort_colors(effort: np.ndarray, limit: np.ndarray) -> list[Color]:
 
 def _between(colors: Sequence[Color], share: float) -> Color:
     """Returns the color at a point of a scale, in discrete shades."""
-    place = round(SHADES * float(share)) / SHADES * (len(colors) - 1)
-    first = min(int(place), len(colors) - 2)
-    into = place - first
+    shade = round(SHADES * float(share)) / SHADES
+    places = np.linspace(0.0, 1.0, len(colors))
     r, g, b = (
-        round((1.0 - into) * x + into * y, 3)
-        for x, y in zip(colors[first], colors[first + 1], strict=True)
+        round(float(np.interp(shade, places, part)), 3)
+        for part in zip(*colors, strict=True)
     )
     return r, g, b
 
@@ -92,12 +86,7 @@ class ControlColors(Display):
     ) -> None:
         """Updates the colors every ``period`` [s].
 
-        Args:
-            meshcat: Meshcat instance with the links.
-            prefix: Path under which Drake's visualiser draws the links.
-            robot: Robot that has the links.
-            overlays: Switches of the overlays.
-            period: Time between pictures [s].
+        Drake's visualiser draws the links under ``prefix``.
         """
         super().__init__(period)
         self._meshcat = meshcat
@@ -107,10 +96,10 @@ class ControlColors(Display):
             [f"{robot.name}::{link}" for link in links] for links in robot.moved_links
         ]
         self._overlays = overlays
-        self._query, self._commands = (
-            self.DeclareAbstractInputPort(name, AbstractValue.Make(value))
-            for name, value in (("query_object", QueryObject()), ("commands", NOTHING))
+        self._query = self.DeclareAbstractInputPort(
+            "query_object", AbstractValue.Make(QueryObject())
         )
+        (self._commands,) = self.declare_values("commands")
         self._effort = self.DeclareVectorInputPort("effort", robot.num_joints)
         self._begin()
         # Drake's visualiser then draws everything anew, which also deletes the copies.

@@ -12,13 +12,11 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from pydrake.common.value import AbstractValue
 from pydrake.geometry import Meshcat, Rgba
 from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.systems.framework import Context
 
 from atlas_drake.behaviors.step_queue import footstep_from
-from atlas_drake.frozen import NOTHING
 from atlas_drake.messages import (
     NO_STEP,
     AtlasBehaviorStepData,
@@ -31,7 +29,7 @@ from atlas_drake.palette import FEET
 from atlas_drake.robot import SoleSize
 from atlas_drake.visualization.display import Display
 from atlas_drake.visualization.marks import Marks
-from atlas_drake.visualization.ribbons import draw_flat, ribbons
+from atlas_drake.visualization.shapes import draw_flat, ribbons
 
 LANDED_OPACITY = 0.45
 KEPT = 40
@@ -80,14 +78,9 @@ def footstep_marks(
     events: Iterable[Event],
     plan: Plan,
 ) -> list[FootstepMark]:
-    """Collects the footstep marks.
+    """Collects the marks of footsteps: commanded, in the report, landed.
 
-    Args:
-        request: The behavior command in force.
-        report: Report of the behaviors.
-        events: The latest events; only footstep events are used.
-        plan: Plan of the controller; its footsteps are used where the feedback of WALK
-            or STEP does not have them.
+    The footsteps of the plan are used where the feedback of WALK or STEP lacks them.
     """
     marks = []
     for event in [e for e in events if e.kind == "footstep"][-KEPT:]:
@@ -101,25 +94,15 @@ def footstep_marks(
     walk, step = report.walk_feedback, report.step_feedback
     if step.is_active:
         if step.t_step_rem > 0.0:
-            taken = _poses([step.desired_step_saturated])
-            marks += [
-                _mark(
-                    Kind.COMMANDED,
-                    foot,
-                    pose,
-                    step.desired_step_saturated.pose.position.z,
-                )
-                for foot, pose in taken.values()
-            ]
+            z = step.desired_step_saturated.pose.position.z
+            for foot, pose in _poses([step.desired_step_saturated]).values():
+                marks.append(_mark(Kind.COMMANDED, foot, pose, z))
         return marks
     if not walk.is_active:
         for planned in plan.footsteps:
-            place = [*map(float, planned.p_WF[:2]), planned.yaw]
-            marks.append(
-                _mark(
-                    Kind.COMMANDED, planned.foot, _steady(place), float(planned.p_WF[2])
-                )
-            )
+            x, y, z = map(float, planned.p_WF)
+            place = _steady([x, y, planned.yaw])
+            marks.append(_mark(Kind.COMMANDED, planned.foot, place, z))
         return marks
     first = max(walk.current_step_index, 1)
     queue = walk.step_queue_saturated
@@ -176,9 +159,6 @@ def _differ(a: Sequence[float], b: Sequence[float]) -> bool:
 def sole_outline(sole: SoleSize) -> NDArray[np.float64]:
     """Computes the outline of a sole, rounder at the toes.
 
-    Args:
-        sole: Size of the sole.
-
     Returns:
         Points in the sole frame, counter-clockwise and not closed [m], shape
         (3, number of points); z is zero.
@@ -200,10 +180,6 @@ def mark_triangles(
     kind: Kind, outline: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
     """Computes the shape of a mark: filled, an outline, or dashes.
-
-    Args:
-        kind: Kind of the mark.
-        outline: Outline of the sole, see ``sole_outline``.
 
     Returns:
         Vertices in the sole frame [m], shape (3, any), and triangles, shape (3, any).
@@ -238,9 +214,8 @@ class FootstepDisplay(Display):
         super().__init__(period)
         self._meshcat = meshcat
         self._outline = sole_outline(sole)
-        self._commands, self._status, self._report = (
-            self.DeclareAbstractInputPort(name, AbstractValue.Make(NOTHING))
-            for name in ("commands", "controller_status", "atlas_sim_interface_state")
+        self._commands, self._status, self._report = self.declare_values(
+            "commands", "controller_status", "atlas_sim_interface_state"
         )
         self._marks = Marks(meshcat, "/atlas_drake/footsteps", self._draw, recorded)
 
@@ -248,8 +223,7 @@ class FootstepDisplay(Display):
         commands: Any = self._commands.Eval(context)
         report: Any = self._report.Eval(context)
         status: Any = self._status.Eval(context)
-        events = status.events
-        marks = footstep_marks(commands.request, report, events, status.plan)
+        marks = footstep_marks(commands.request, report, status.events, status.plan)
         self._marks.show(marks, context.get_time())
 
     def _draw(self, path: str, mark: object) -> None:

@@ -21,10 +21,7 @@ _WIDTHS = {"SCALAR": 1, "VEC3": 3}
 
 
 def gltf_triangles(file: Path) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
-    """Reads all parts of a mesh as one.
-
-    Args:
-        file: File in glTF 2.0.
+    """Reads all parts of a mesh in glTF 2.0 as one.
 
     Returns:
         Vertices with z up [m], shape (3, any), and triangles, shape (3, any).

@@ -1,8 +1,9 @@
-"""Objects that appear and disappear in Meshcat, live and in a recording.
+"""Objects that appear, disappear and change in Meshcat, live and in a recording.
 
-A recording holds motions and visibility but no new objects; so objects are made once
-and then shown or hidden. A recording must be started before the simulation is built;
-otherwise it lacks the initial objects.
+A recording holds motions and properties but no new objects; so objects are made once
+and then shown or hidden. It must be started before the simulation is built; otherwise
+it lacks the initial objects. Between two keys it interpolates numbers, and its first
+key is valid from the start: a jump, or a later first value, needs an extra key.
 """
 
 from __future__ import annotations
@@ -11,10 +12,53 @@ from collections.abc import Callable, Iterable
 
 from pydrake.geometry import Meshcat
 
-from atlas_drake.visualization.timeline import Timeline
+from atlas_drake.visualization import FRAME_RATE
 
+PERIOD = 1.0 / FRAME_RATE
+"""Time between two pictures [s]."""
 SPARE = 16
 """Number of hidden marks that are kept for reuse when nothing is recorded."""
+
+
+class Timeline:
+    """Sets properties at a time, each only when it changes.
+
+    The set values are kept here and not in a Context, because they belong to the
+    browser, as with Drake's own visualisers.
+    """
+
+    def __init__(self, meshcat: Meshcat) -> None:
+        """Starts without any property set in ``meshcat``."""
+        self._meshcat = meshcat
+        self._visible: dict[str, bool] = {}
+        self._numbers: dict[tuple[str, str], tuple[float, float]] = {}
+
+    def show(self, path: str, visible: bool, time: float) -> None:
+        """Shows or hides an object from ``time`` [s] on.
+
+        A recording starts with the opposite state.
+        """
+        before = self._visible.get(path)
+        if before == visible:
+            return
+        self._visible[path] = visible
+        if before is None and time > 0.0:
+            self._meshcat.SetProperty(path, "visible", not visible, 0.0)
+            # Visible while a browser still loads the recording.
+            self._meshcat.SetProperty(path, "visible", not visible)
+        self._meshcat.SetProperty(path, "visible", visible, time)
+
+    def jump(self, path: str, name: str, number: float, time: float) -> None:
+        """Sets a property of an object to a number from ``time`` [s] on."""
+        before = self._numbers.get((path, name))
+        if before is not None:
+            last, since = before
+            if last == number:
+                return
+            if time - since > 1.5 * PERIOD:
+                self._meshcat.SetProperty(path, name, last, time - PERIOD)
+        self._numbers[path, name] = number, time
+        self._meshcat.SetProperty(path, name, number, time)
 
 
 class Marks:
@@ -55,11 +99,9 @@ class Marks:
         self._shown: set[object] = set()
 
     def show(self, marks: Iterable[object], time: float) -> None:
-        """Shows exactly these marks.
+        """Shows exactly these marks from ``time`` [s] on.
 
-        Args:
-            marks: Values that compare equal if they look the same.
-            time: Simulated time [s]; when it runs backward, a new run begins.
+        Marks that look the same are equal. When time runs backward, a new run begins.
         """
         wanted = set(marks)
         if time < self._time:

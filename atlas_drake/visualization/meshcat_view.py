@@ -11,16 +11,14 @@ from pydrake.systems.framework import DiagramBuilder, System
 from atlas_drake.robot import Robot
 from atlas_drake.visualization import FRAME_RATE
 from atlas_drake.visualization.balance_marks import BalanceMarks
-from atlas_drake.visualization.camera import FollowingCamera
 from atlas_drake.visualization.caption import CaptionDisplay
 from atlas_drake.visualization.contact_forces import ContactForces
 from atlas_drake.visualization.control_colors import ControlColors
 from atlas_drake.visualization.display import Display
-from atlas_drake.visualization.following_scene import FollowingScene
+from atlas_drake.visualization.following import Following
 from atlas_drake.visualization.footsteps import FootstepDisplay
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.scene import prepare_scene
-from atlas_drake.visualization.viewer_gate import GATE, ViewerGate
 
 VISUALIZER = "/drake/visualizer"
 """Where Drake's own visualiser draws the links."""
@@ -42,15 +40,11 @@ def add_meshcat_view(
         robot: Robot of the station.
         meshcat: Meshcat instance to draw in.
         overlays: Switches of the overlays, which may change later.
-        recorded: True if a recording runs, which needs every picture; otherwise
-            pictures that a slow viewer could not take in time are left out.
+        recorded: See ``Marks``.
     """
     overlays = overlays or Overlays()
     period = 1.0 / FRAME_RATE
     prepare_scene(meshcat)
-    gate = None
-    if not recorded:
-        gate = builder.AddNamedSystem(GATE, ViewerGate(meshcat, period))
     MeshcatVisualizer.AddToBuilder(
         builder,
         station.GetOutputPort("query_object"),
@@ -65,8 +59,7 @@ def add_meshcat_view(
             FootstepDisplay(meshcat, robot.file.sole, period, recorded),
         ),
         ("caption_display", CaptionDisplay(meshcat, overlays, period, recorded)),
-        ("following_scene", FollowingScene(meshcat, period, recorded)),
-        ("following_camera", FollowingCamera(meshcat, overlays, period)),
+        ("following", Following(meshcat, overlays, period, recorded)),
         ("balance_marks", BalanceMarks(meshcat, robot, overlays, period, recorded)),
         ("contact_force_display", ContactForces(meshcat, overlays, period)),
         (
@@ -74,20 +67,10 @@ def add_meshcat_view(
             ControlColors(meshcat, VISUALIZER, robot, overlays, period),
         ),
     ]
-    offered = {
-        station.get_output_port(index).get_name()
-        for index in range(station.num_output_ports())
-    }
     for name, display in displays:
-        wanted = {
-            display.get_input_port(index).get_name()
-            for index in range(display.num_input_ports())
-        }
+        ports = [display.get_input_port(i) for i in range(display.num_input_ports())]
         # A replay has no contact results.
-        if not wanted <= offered:
-            continue
-        display.gate = gate
-        builder.AddNamedSystem(name, display)
-        for index in range(display.num_input_ports()):
-            port = display.get_input_port(index)
-            builder.Connect(station.GetOutputPort(port.get_name()), port)
+        if all(station.HasOutputPort(port.get_name()) for port in ports):
+            builder.AddNamedSystem(name, display)
+            for port in ports:
+                builder.Connect(station.GetOutputPort(port.get_name()), port)

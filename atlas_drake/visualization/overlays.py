@@ -47,11 +47,6 @@ class Overlays:
         for name in on:
             self.switch(name, True)
 
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Names of all overlays."""
-        return tuple(OVERLAYS)
-
     def is_on(self, name: str) -> bool:
         """Returns True if an overlay is shown.
 

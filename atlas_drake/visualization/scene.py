@@ -55,23 +55,12 @@ def prepare_scene(meshcat: Meshcat) -> None:
 
 
 def look_at(meshcat: Meshcat, p_WG: np.ndarray) -> None:
-    """Puts the camera beside a robot.
-
-    Args:
-        meshcat: Whose camera.
-        p_WG: Place on the ground where the robot stands, in W [m], shape (3,).
-    """
+    """Puts the camera beside a robot that stands at ``p_WG`` [m], shape (3,)."""
     meshcat.SetCameraPose(CAMERA_POSITION + p_WG, CAMERA_TARGET + p_WG)
 
 
 def center_at(meshcat: Meshcat, x: float, y: float) -> None:
-    """Moves ground, grid and lamp to a place, so that the robot never leaves them.
-
-    Args:
-        meshcat: Whose scene.
-        x: Place of the robot in W [m].
-        y: Likewise.
-    """
+    """Moves ground, grid and lamp to a robot at x, y in W [m]."""
     # By whole squares of the darker lines, which then seem to stand still.
     square = GRID_SPACING * GRID_BOLD
     p_WS: Array = np.array([square * round(x / square), square * round(y / square), 0])
@@ -95,11 +84,10 @@ def show_start(meshcat: Meshcat, scenario: Scenario) -> None:
 
 
 def _add_ground(meshcat: Meshcat) -> None:
-    path = GROUND
     slab = Box(GROUND_SIZE, GROUND_SIZE, GROUND_THICKNESS)
-    meshcat.SetObject(f"{path}/slab", slab, Rgba(0.93, 0.94, 0.95, 1.0))
+    meshcat.SetObject(f"{GROUND}/slab", slab, Rgba(0.93, 0.94, 0.95, 1.0))
     p_WS: Array = np.array([0.0, 0.0, -0.5 * GROUND_THICKNESS])
-    meshcat.SetTransform(f"{path}/slab", RigidTransform(p_WS))
+    meshcat.SetTransform(f"{GROUND}/slab", RigidTransform(p_WS))
     count = round(0.5 * GRID_SIZE / GRID_SPACING)
     numbers = np.arange(-count, count + 1)
     for name, chosen, color in (
@@ -111,7 +99,7 @@ def _add_ground(meshcat: Meshcat) -> None:
         lift = np.full(at.size, GRID_LIFT)
         starts: Array = np.hstack([[at, -end, lift], [-end, at, lift]])
         ends: Array = np.hstack([[at, end, lift], [end, at, lift]])
-        meshcat.SetLineSegments(f"{path}/{name}", starts, ends, 1.0, color)
+        meshcat.SetLineSegments(f"{GROUND}/{name}", starts, ends, 1.0, color)
 
 
 def _add_light(meshcat: Meshcat) -> None:
@@ -122,21 +110,22 @@ def _add_light(meshcat: Meshcat) -> None:
         ("FillLight", 0.3),
         ("AmbientLight", 0.75),
     ):
-        meshcat.SetProperty(f"/Lights/{name}/<object>", "intensity", intensity)
-    for name in ("PointLightNegativeX", "PointLightPositiveX"):
-        meshcat.SetProperty(f"/Lights/{name}/<object>", "decay", 0.0)
-        meshcat.SetProperty(f"/Lights/{name}/<object>", "distance", 0.0)
+        light = f"/Lights/{name}/<object>"
+        meshcat.SetProperty(light, "intensity", intensity)
+        if name.startswith("Point"):
+            meshcat.SetProperty(light, "decay", 0.0)
+            meshcat.SetProperty(light, "distance", 0.0)
     meshcat.SetProperty(SUN.removesuffix("/<object>"), "visible", True)
     center_at(meshcat, 0.0, 0.0)
-    for name, value in (
-        ("intensity", 2.2),
-        ("decay", 0.0),
-        ("angle", 1.25),
-        ("penumbra", 1.0),
-        ("castShadow", True),
-        ("shadow.radius", 4.0),
-        ("shadow.bias", -0.0005),
-        ("shadow.mapSize.width", 2048.0),
-        ("shadow.mapSize.height", 2048.0),
-    ):
+    for name, value in {
+        "intensity": 2.2,
+        "decay": 0.0,
+        "angle": 1.25,
+        "penumbra": 1.0,
+        "castShadow": True,
+        "shadow.radius": 4.0,
+        "shadow.bias": -0.0005,
+        "shadow.mapSize.width": 2048.0,
+        "shadow.mapSize.height": 2048.0,
+    }.items():
         meshcat.SetProperty(SUN, name, value)

@@ -24,15 +24,12 @@ LAG = 0.5
 
 
 def follow(target: Vector | None, p_WP: Vector, elapsed: float) -> Vector:
-    """Computes the next target of the camera.
+    """Computes the next target of the camera, in W [m], shape (3,).
 
     Args:
         target: Last target in W [m]; None at the start.
         p_WP: Position of the pelvis [m].
         elapsed: Time since the last target [s].
-
-    Returns:
-        A point in W [m], shape (3,).
     """
     wanted = p_WP + TARGET_ABOVE_PELVIS
     if target is None:
@@ -42,12 +39,7 @@ def follow(target: Vector | None, p_WP: Vector, elapsed: float) -> Vector:
 
 
 def camera_pose(target: Vector, yaw: float) -> RigidTransform:
-    """Computes the pose of the camera, x right in the picture, y down and z ahead.
-
-    Args:
-        target: Target of the camera in W [m].
-        yaw: Yaw of the axes H in W [rad].
-    """
+    """Computes the pose of the camera from its target [m] and the yaw of H [rad]."""
     p_TC: Any = RotationMatrix.MakeZRotation(yaw).multiply(OFFSET_H)
     return looking_at(target + p_TC, target)
 
@@ -55,9 +47,7 @@ def camera_pose(target: Vector, yaw: float) -> RigidTransform:
 def looking_at(lens: Vector, target: Vector) -> RigidTransform:
     """Computes the pose of a camera, x right in the picture, y down and z ahead.
 
-    Args:
-        lens: Position of the camera in W [m].
-        target: Point that it looks at, not straight above or below [m].
+    The target [m] must not be straight above or below the lens [m].
     """
     ahead = (target - lens) / np.linalg.norm(target - lens)
     right = np.cross(ahead, [0.0, 0.0, 1.0])

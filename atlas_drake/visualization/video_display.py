@@ -30,9 +30,8 @@ from atlas_drake.scenario.terrain import Block
 from atlas_drake.scenario.world import WorldMaker
 from atlas_drake.scenario.world_file import View
 from atlas_drake.systems.collectable_system import CollectableSystem
-from atlas_drake.visualization.caption import caption_of
+from atlas_drake.visualization.caption import caption_of, feedback_words
 from atlas_drake.visualization.contact_forces import ContactForce, contact_forces_of
-from atlas_drake.visualization.feedback_words import feedback_words
 from atlas_drake.visualization.footsteps import footstep_marks
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.video_camera import camera_pose, follow, looking_at
@@ -47,12 +46,15 @@ TITLE_HEIGHT, NOTE_HEIGHT, MARGIN = 0.055, 0.030, 0.045
 height."""
 INK = (33, 43, 56)
 """Red, green and blue of the letters."""
-ACCENTS = ((60, 125, 225), (235, 135, 50), (160, 190, 230), (235, 195, 160))
-"""Red, green and blue of footsteps in the light of the scene."""
-
-
 VECTORS = ("state", "plant_state", "foot_wrenches", "effort")
 """Ports that hold vectors."""
+VALUES = (
+    "commands",
+    "controller_status",
+    "planned_paths",
+    "atlas_sim_interface_state",
+)
+"""Ports that hold values of this project."""
 CONTACTS = {"contact_results": ContactResults, "query_object": QueryObject}
 """Ports from which contact forces are computed, with their types."""
 
@@ -136,9 +138,7 @@ class VideoDisplay(CollectableSystem):
         """
         super().__init__()
         self.fault: VideoError | None = None
-        self._file = VideoFile(
-            video.path, VIDEO_RATE, video.width, video.height, ACCENTS
-        )
+        self._file = VideoFile(video.path, VIDEO_RATE, video.width, video.height)
         self._fixed: RigidTransform | None = None
         X_TC = None
         if view is not None and not overlays.is_on("follow"):
@@ -154,12 +154,7 @@ class VideoDisplay(CollectableSystem):
         )
         self._commands, self._status, self._paths, self._report = (
             self.DeclareAbstractInputPort(name, AbstractValue.Make(NOTHING))
-            for name in (
-                "commands",
-                "controller_status",
-                "planned_paths",
-                "atlas_sim_interface_state",
-            )
+            for name in VALUES
         )
         self._contacts, self._query = (
             self.DeclareAbstractInputPort(name, AbstractValue.Make(kind()))
@@ -180,10 +175,7 @@ class VideoDisplay(CollectableSystem):
         return self._file.num_frames
 
     def close(self) -> int:
-        """Finishes the file and ends filming.
-
-        Returns:
-            Number of pictures of the video.
+        """Finishes the file, ends filming, and returns the number of pictures.
 
         Raises:
             VideoError: If the file cannot be written, now or at an earlier picture.
@@ -250,14 +242,7 @@ class VideoDisplay(CollectableSystem):
 def with_caption(
     picture: NDArray[np.uint8], title: str, note: str, time: float
 ) -> NDArray[np.uint8]:
-    """Draws title and note into the upper left corner of a picture, and the time.
-
-    Args:
-        picture: Picture, shape (height, width, 3).
-        title: Behavior of the robot.
-        note: Shares of user control; further lines below.
-        time: Simulated time [s].
-    """
+    """Draws title and note in the upper left corner of a picture, and the time [s]."""
     from PIL import Image, ImageDraw
 
     image = Image.fromarray(picture)
@@ -291,15 +276,8 @@ def add_video(
 ) -> None:
     """Adds a ``VideoDisplay`` named ``video`` to a diagram that holds a station.
 
-    Args:
-        builder: Builder of the diagram.
-        station: An AtlasStation, or a diagram with some of its output ports.
-        robot: Robot of the station.
-        terrain: Boxes on the ground of the station.
-        video: Settings of the video.
-        world: Models beside the robot in the station.
-        overlays: Switches of the overlays.
-        view: See ``VideoDisplay``.
+    Arguments as for ``VideoDisplay``; ``station`` is an AtlasStation, or a diagram with
+    some of its output ports.
 
     Raises:
         VideoError: If the video cannot be made.

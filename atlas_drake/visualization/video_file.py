@@ -6,7 +6,7 @@ Nothing here is specific to robots. The packages are an extra, loaded when neede
 from __future__ import annotations
 
 import importlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from fractions import Fraction
 from pathlib import Path
@@ -31,12 +31,7 @@ class VideoError(AtlasError):
 
 
 def check_video(path: Path, width: int, height: int) -> None:
-    """Checks that a video can be made, before the run.
-
-    Args:
-        path: Path of the video; its ending is one of ENDINGS.
-        width: Width of the pictures [pixel].
-        height: Height of the pictures [pixel].
+    """Checks that a video of this size [pixel] can be made, before the run.
 
     Raises:
         VideoError: If the ending is unknown, a package is missing, the format cannot
@@ -61,23 +56,8 @@ def check_video(path: Path, width: int, height: int) -> None:
 class VideoFile:
     """Encodes each picture at once, so that a long video needs little memory."""
 
-    def __init__(
-        self,
-        path: Path,
-        rate: int,
-        width: int,
-        height: int,
-        accents: Sequence[tuple[int, int, int]] = (),
-    ) -> None:
-        """Opens the file.
-
-        Args:
-            path: Path of the video; its ending is one of ENDINGS.
-            rate: Pictures per second.
-            width: Width of the pictures [pixel].
-            height: Height of the pictures [pixel].
-            accents: Red, green and blue of colors that appear later in a video. A GIF,
-                whose palette comes from its first picture, reserves them.
+    def __init__(self, path: Path, rate: int, width: int, height: int) -> None:
+        """Opens the file for pictures of this size [pixel], so many per second.
 
         Raises:
             VideoError: See ``check_video``.
@@ -85,34 +65,34 @@ class VideoFile:
         check_video(path, width, height)
         import av
 
-        gif = path.suffix == ".gif"
+        self._gif = path.suffix == ".gif"
         self._path = path
-        options = {"movflags": "+faststart"} if not gif else {}
+        options = {} if self._gif else {"movflags": "+faststart"}
         self._container: Any = None
         with self._named_faults():
             self._container = av.open(str(path), "w", options=options)
-        self._stream = self._container.add_stream("gif" if gif else "libx264", rate)
+        codec = "gif" if self._gif else "libx264"
+        self._stream = self._container.add_stream(codec, rate)
         self._stream.width, self._stream.height = width, height
-        self._stream.pix_fmt = "pal8" if gif else "yuv420p"
-        if not gif:
+        self._stream.pix_fmt = "pal8" if self._gif else "yuv420p"
+        if not self._gif:
             self._stream.options = {"crf": QUALITY}
         self._time_base = Fraction(1, rate)
-        self._palette: Any = None
-        self._gif, self._accents = gif, accents
         self.num_frames = 0
 
     def add(self, picture: NDArray[np.uint8]) -> None:
-        """Appends a picture; does nothing when the file is closed.
-
-        Args:
-            picture: Red, green and blue, shape (height, width, 3).
+        """Appends a picture, shape (height, width, 3), unless the file is closed.
 
         Raises:
             VideoError: If it cannot be written. The file is then deleted.
         """
         if self._container is None:
             return
-        frame = self._indexed(picture) if self._gif else self._colored(picture)
+        import av
+
+        content: Any = _indexed(picture) if self._gif else picture
+        kind = "pal8" if self._gif else "rgb24"
+        frame = av.VideoFrame.from_ndarray(content, format=kind)
         frame.pts, frame.time_base = self.num_frames, self._time_base
         with self._named_faults():
             self._container.mux(self._stream.encode(frame))
@@ -155,35 +135,14 @@ class VideoFile:
             problem = getattr(error, "strerror", None) or error
             raise VideoError(f"{self._path}: cannot be written: {problem}") from error
 
-    def _colored(self, picture: NDArray[np.uint8]) -> Any:
-        import av
 
-        return av.VideoFrame.from_ndarray(picture, format="rgb24")
-
-    def _indexed(self, picture: NDArray[np.uint8]) -> Any:
-        """Reduces a picture to the 256 colors of the first picture, without flicker."""
-        import av
-        from PIL import Image
-
-        image = Image.fromarray(picture)
-        if self._palette is None:
-            self._palette = _palette(image, self._accents)
-        indexed = image.quantize(palette=self._palette, dither=Image.Dither.NONE)
-        colors = np.array(indexed.getpalette("RGB"), dtype=np.uint8).reshape(-1, 3)
-        palette = np.zeros((256, 4), dtype=np.uint8)  # Alpha, red, green, blue.
-        palette[: len(colors), 1:], palette[:, 0] = colors, 255
-        both: Any = (np.array(indexed), palette)
-        return av.VideoFrame.from_ndarray(both, format="pal8")
-
-
-def _palette(image: Any, accents: Sequence[tuple[int, int, int]]) -> Any:
-    """Makes an image whose palette has the colors of another image and the accents."""
+def _indexed(picture: NDArray[np.uint8]) -> tuple[Any, Any]:
+    """Reduces a picture to 256 colors of its own, as a GIF holds it."""
     from PIL import Image
 
-    indexed = image.quantize(256 - len(accents), method=Image.Quantize.FASTOCTREE)
-    colors = [*indexed.getpalette("RGB")]
-    for accent in accents:
-        colors += accent
-    palette = Image.new("P", (1, 1))
-    palette.putpalette(colors)
-    return palette
+    image = Image.fromarray(picture)
+    indexed = image.quantize(method=Image.Quantize.FASTOCTREE)
+    colors = np.array(indexed.getpalette("RGB"), dtype=np.uint8).reshape(-1, 3)
+    palette = np.full((256, 4), 255, dtype=np.uint8)  # Alpha, red, green, blue.
+    palette[: len(colors), 1:] = colors
+    return np.array(indexed), palette

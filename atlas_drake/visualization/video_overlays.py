@@ -16,14 +16,10 @@ from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.messages.controller_status import Plan, PlannedPaths
 from atlas_drake.palette import COM, COP, DCM, FORCE, SUPPORT, SWING, Color
 from atlas_drake.robot import Robot
-from atlas_drake.visualization.balance_marks import BALL, DISC
-from atlas_drake.visualization.balance_points import balance_points
-from atlas_drake.visualization.contact_forces import (
-    SCALE,
-    ContactForce,
-)
+from atlas_drake.visualization.balance_marks import BALL, DISC, balance_points
+from atlas_drake.visualization.contact_forces import SCALE, ContactForce
 from atlas_drake.visualization.control_colors import effort_colors, owner_colors
-from atlas_drake.visualization.overlays import Overlays
+from atlas_drake.visualization.overlays import OVERLAYS, Overlays
 from atlas_drake.visualization.video_stage import Picture, VideoStage
 
 FINER = 3
@@ -75,16 +71,10 @@ class VideoOverlays:
         self._moved = [stage.bodies(links) for links in robot.moved_links]
 
     def onto(self, picture: Picture, seen: Seen, X_WC: RigidTransform) -> Picture:
-        """Returns a picture with the overlays.
-
-        Args:
-            picture: The stage's last picture.
-            seen: What the overlays show.
-            X_WC: Pose of the camera.
-        """
+        """Returns the stage's last picture with the overlays; the camera is at X_WC."""
         from PIL import Image, ImageDraw
 
-        on = {name for name in self._overlays.names if self._overlays.is_on(name)}
+        on = {name for name in OVERLAYS if self._overlays.is_on(name)}
         if "owner" in on:
             picture = self._colored(picture, owner_colors(seen.k_effort), X_WC)
         elif "effort" in on:

@@ -45,7 +45,7 @@ from atlas_drake.visualization.footsteps import (
     mark_triangles,
     sole_outline,
 )
-from atlas_drake.visualization.ribbons import ribbons
+from atlas_drake.visualization.shapes import ribbons
 from atlas_drake.visualization.video_camera import camera_pose
 from atlas_drake.visualization.video_file import VideoError
 
@@ -161,9 +161,6 @@ class VideoStage:
     def links(self, X_WC: RigidTransform) -> NDArray[np.int16]:
         """Returns which link each pixel of the last picture shows.
 
-        Args:
-            X_WC: Pose of the camera.
-
         Returns:
             Index of a body in the plant, or another number, shape (height, width).
         """
@@ -179,11 +176,7 @@ class VideoStage:
     def pixels(
         self, points: NDArray[np.float64], X_WC: RigidTransform
     ) -> NDArray[np.float64] | None:
-        """Projects points.
-
-        Args:
-            points: Points in W [m], shape (k, 3).
-            X_WC: Pose of the camera.
+        """Projects points in W [m], shape (k, 3).
 
         Returns:
             Column and row of each point [pixel], and its distance ahead of the lens
@@ -267,9 +260,7 @@ def _looks(X_TC: RigidTransform | None) -> RenderEngineVtkParams:
     X_CT = (X_TC or camera_pose(np.zeros(3), 0.0)).inverse()
     p_CT = X_CT.translation()
 
-    def lamp(
-        p_TL: NDArray[np.float64], intensity: float, cone: float
-    ) -> LightParameter:
+    def lamp(p_TL: Any, intensity: float, cone: float) -> LightParameter:
         position = X_CT @ p_TL
         return LightParameter(
             type="spot" if cone else "point",
@@ -280,11 +271,12 @@ def _looks(X_TC: RigidTransform | None) -> RenderEngineVtkParams:
             cone_angle=cone,
         )
 
-    lights = [lamp(LAMP, LAMP_INTENSITY, LAMP_CONE)]
-    lights += [lamp(FILL, FILL_INTENSITY, 0.0)]
     return RenderEngineVtkParams(
         default_clear_color=SKY,
-        lights=lights,
+        lights=[
+            lamp(LAMP, LAMP_INTENSITY, LAMP_CONE),
+            lamp(FILL, FILL_INTENSITY, 0.0),
+        ],
         cast_shadows=True,
         shadow_map_size=SHADOW_MAP,
     )

@@ -2,7 +2,7 @@
 
     python examples/extending/own_behavior.py
 
-One class and one entry: BOW is requested, refused, logged and drawn like STAND.
+One function and one entry: BOW is requested, refused, logged and drawn like STAND.
 """
 
 from dataclasses import dataclass, replace
@@ -11,7 +11,6 @@ import numpy as np
 
 from atlas_drake import AtlasSimInterfaceCommand, AtlasSimulation
 from atlas_drake.behaviors.entry import BehaviorEntry
-from atlas_drake.behaviors.stand.stand import Stand
 from atlas_drake.messages.checks import check_number
 
 LOWERING = 0.05  # of the center of mass in a bow of 1 rad [m]
@@ -29,33 +28,26 @@ def check_bow(params, field):
     check_number(params.depth, f"{field}.depth", 0.0, 0.6)
 
 
-class Bow(Stand):
+def make_bow(tools, config):
     """STAND with the back bent: balance and feet are as there."""
+    back = tools.robot.joint_index("back_bky")
 
-    def __init__(self, tools, config):
-        super().__init__(tools.balance, tools.nominal_height, tools.rates)
-        self._robot = tools.robot
-
-    def target(self, state, observation, request, leaving):
+    def pose(upright, observation, request, leaving):
         """Goals of trunk and posture; upright again once STAND is requested."""
         depth = 0.0 if leaving else (request.command.params or BowParams()).depth
-        upright = super().target(state, observation, request, leaving)
-        joints = self._robot.stand_prep.copy()
-        joints[self._robot.joint_index("back_bky")] += depth
+        joints = upright.joints.copy()
+        joints[back] += depth
         height = upright.height - LOWERING * depth
         chest_tilt = np.array([0.0, depth])
         return replace(upright, chest_tilt=chest_tilt, joints=joints, height=height)
 
-    def update(self, state, observation, body, request, leaving):
-        """One tick; the behavior is over when the chest is upright again."""
-        outcome = super().update(state, observation, body, request, leaving)
-        return replace(outcome, finished=leaving and outcome.body.chest_tilt[1] < 0.01)
+    return tools.stand(pose)
 
 
 BOW = BehaviorEntry(
     name="BOW",
     number=100,
-    make=lambda tools, config: tools.guarded(Bow(tools, config)),
+    make=make_bow,
     params=BowParams,
     check=check_bow,
     caption="bowing",

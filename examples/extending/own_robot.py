@@ -12,7 +12,6 @@ from pathlib import Path
 from atlas_drake import (
     AtlasSimulation,
     Behavior,
-    Gait,
     Scenario,
     StepStream,
     steps_ahead,
@@ -34,8 +33,9 @@ def main():
     start = sim.pelvis_pose.translation()
 
     # The usual length and duration of its steps are in its file, too.
+    gait = sim.scenario.controller_config().gait()
     report = sim.atlas_sim_interface_state
-    walk = StepStream(steps_ahead(report, options.distance, Gait.of(robot)))
+    walk = StepStream(steps_ahead(report, options.distance, gait))
     while not walk.is_over(sim.atlas_sim_interface_state) and not sim.has_fallen:
         command = walk.next_command(sim.atlas_sim_interface_state)
         if command is not None:  # the next four steps

@@ -11,8 +11,8 @@ from dataclasses import replace
 import numpy as np
 
 from atlas_drake import AtlasSimInterfaceCommand, AtlasSimulation, Behavior
+from atlas_drake.behaviors.extended import Extended
 from atlas_drake.behaviors.shipped import shipped_entry
-from atlas_drake.behaviors.walk.walk import Walk
 from atlas_drake.control.gains import PdGains
 from atlas_drake.control.whole_body import PositionTask
 
@@ -28,30 +28,25 @@ def circle(time):
     return CENTER + RADIUS * np.array([0.0, c, s]), RADIUS * rate * np.array([0, -s, c])
 
 
-class WalkWithHand(Walk):
+WALK = shipped_entry(Behavior.WALK)
+
+
+def make(tools, config):
     """WALK, and the left hand goes round a circle in front of the pelvis."""
+    arm = tools.robot.limb("l_arm")
 
-    def __init__(self, tools, config):
-        super().__init__(tools.balance, tools.nominal_height, tools.rates, config)
-        self._arm = tools.robot.limb("l_arm")
-
-    def update(self, state, observation, body, request, leaving):
-        """Computes one tick: the command of WALK with the task added."""
-        outcome = super().update(state, observation, body, request, leaving)
+    def with_hand(command, observation):
         terms, P = observation.terms, observation.terms.frame("pelvis")
         p_PD, v_PD = circle(observation.time)
         p_WD, v_WD = P.p_WF + P.R_WF @ p_PD, P.V_WF[3:] + P.R_WF @ v_PD
         hand = PositionTask.tracking(terms, "l_hand", p_WD, GAINS, WEIGHT, v_WD)
-        command = outcome.command.with_posture_scaled(self._arm, 0.01).plus(hand)
-        return replace(outcome, command=command)
+        return command.with_posture_scaled(arm, 0.01).plus(hand)
+
+    return Extended(WALK.make(tools, config), command=with_hand)
 
 
 WALK_WITH_HAND = replace(
-    shipped_entry(Behavior.WALK),
-    name="WALK_WITH_HAND",
-    number=101,
-    make=WalkWithHand,
-    follows=("STAND",),
+    WALK, name="WALK_WITH_HAND", number=101, make=make, follows=("STAND",)
 )
 behaviors = [WALK_WITH_HAND]  # what --with takes from this file
 

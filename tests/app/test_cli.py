@@ -180,7 +180,7 @@ def test_a_run_that_stays_upright_succeeds(scenario, tmp_path, capsys, summary_k
     kept = read_log(log)
     # A row at each control tick before the end.
     assert len(kept) == math.ceil(0.1 / summary["control_period"])
-    assert kept.scenario.controller.gains.dcm_gain == 2.5
+    assert kept.scenario.controller_config().gains.dcm_gain == 2.5
     assert summary["sim_time"] == pytest.approx(0.1)
     assert summary["controller_tick_ms"].keys() == {"median", "p99", "max"}
     assert len(summary["peak_effort_fraction"]) == 28

@@ -53,6 +53,7 @@ def target(model):
         yaw=-2.9,
         joints=model.robot.stand_prep,
         pelvis_tilt=np.array([0.0, 0.1]),
+        chest_tilt=np.array([0.0, 0.1]),
     )
 
 

@@ -13,10 +13,10 @@ from atlas_drake.behaviors.walk.gait import (
     plan_walk,
     stance_cop,
 )
+from atlas_drake.behaviors.walk.timing import GaitTiming
 from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.footstep import LEFT, RIGHT, FootPose, Footstep, outward
 from atlas_drake.control.rotations import rotation_z
-from atlas_drake.robot import GaitTiming
 
 OMEGA = 3.3
 TIMING = GaitTiming()

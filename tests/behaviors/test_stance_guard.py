@@ -8,6 +8,7 @@ from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.body_reference import BodyRates, capture_body
 from atlas_drake.behaviors.freeze import Freeze
 from atlas_drake.behaviors.manipulate.manipulate import Manipulate
+from atlas_drake.behaviors.stance import StanceConfig
 from atlas_drake.behaviors.stand.stance_guard import Holding, StanceGuard
 from atlas_drake.behaviors.stand.stand import Stand
 from atlas_drake.control.gains import ControlGains
@@ -63,8 +64,9 @@ def test_a_share_counts_by_the_effort_it_leaves(robot, stand, observe):
         shares = {"l_leg_hpy": 1.0 - effort / limit, "r_leg_hpy": 1.0}
         return stand.can_balance(observe(users=shares))
 
-    assert balances_with(robot.file.balance_effort + 0.1)
-    assert not balances_with(robot.file.balance_effort - 0.1)
+    least = StanceConfig().balance_effort
+    assert balances_with(least + 0.1)
+    assert not balances_with(least - 0.1)
 
 
 def run(behavior, state, observations, command=None, leaving=False):

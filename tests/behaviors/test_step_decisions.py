@@ -9,6 +9,7 @@ import pytest
 from atlas_drake import AtlasSimInterfaceCommand
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.body_reference import capture_body
+from atlas_drake.behaviors.phases import TIME_STEP
 from atlas_drake.behaviors.step.phases import (
     Lower,
     Rest,
@@ -16,7 +17,6 @@ from atlas_drake.behaviors.step.phases import (
     StepShift,
     StepSwing,
 )
-from atlas_drake.behaviors.step.preview import TIME_STEP
 from atlas_drake.behaviors.step.rules import StepRules
 from atlas_drake.behaviors.step.step import Step
 from atlas_drake.control.balance import feedback
@@ -54,7 +54,7 @@ def balance(robot):
 def step(balance, observe):
     terms = observe().terms
     height = float(terms.com[2] - terms.feet[LEFT].p_WF[2])
-    return Step(balance, height - balance.robot.file.com_drop)
+    return Step(balance, height - balance.stance.com_drop)
 
 
 def request(index=1, foot=LEFT, x=0.15, y=0.14, z=0.0):
@@ -194,7 +194,8 @@ def in_phase(kind, state, **fields):
 
 def commanded(step, state, seen):
     """Both feet's contacts; the reference is held still for the look."""
-    return step._command(state, seen, capture_body(seen.terms)).contacts
+    _, feet = step._control(state).command_feet(state, seen)
+    return [foot.contact for foot in feet]
 
 
 @pytest.mark.parametrize("pressed", [LEFT, RIGHT])
@@ -355,7 +356,8 @@ def raised(state, foot, rise):
 def test_a_relative_height_counts_from_the_foot_that_stays(step, observe, foot):
     state = entered(step, observe(), request())
     state = raised(state, 1 - foot, 0.05)
-    wanted = step._next(state, request(foot=foot))
+    progress = replace(state.progress, request=request(foot=foot))
+    wanted = step._beginning.requested(replace(state, progress=progress))
     assert wanted.step.p_WF[2] == pytest.approx(state.feet[1 - foot].p_WF[2])
 
 

@@ -4,11 +4,13 @@ import numpy as np
 import pytest
 
 from atlas_drake.behaviors.balance import Balance
+from atlas_drake.behaviors.stance import StanceConfig
 from atlas_drake.behaviors.step.action import DesiredStep, StepAction
 from atlas_drake.behaviors.step.plan import PostureRules, StepPlanner
 from atlas_drake.control.feet.footstep import LEFT, RIGHT, FootPose, Footstep, outward
-from atlas_drake.control.feet.leg_reach import _knee_ahead, highest_com
-from atlas_drake.control.feet.toe_off import on_toes
+from atlas_drake.control.feet.leg_kinematics import _knee_ahead, highest_com
+from atlas_drake.control.feet.sole import on_toes
+from atlas_drake.control.feet.step_limits import quasi_static_limits
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.control.rotations import rotation_z
 from atlas_drake.messages import ToeOff
@@ -20,8 +22,10 @@ HALF_WIDTH = 0.14
 @pytest.fixture(scope="module")
 def planner(robot, observe):
     terms = observe().terms
-    height = float(terms.com[2] - terms.feet[0].p_WF[2]) - robot.file.com_drop
-    return StepPlanner(Balance(robot, ControlGains()), height)
+    height = float(terms.com[2] - terms.feet[0].p_WF[2]) - StanceConfig().com_drop
+    return StepPlanner(
+        Balance(robot, ControlGains()), height, quasi_static_limits(), PostureRules()
+    )
 
 
 @pytest.fixture
@@ -112,7 +116,7 @@ def test_a_step_up_is_planned_with_what_the_standing_knee_can_carry(
     for heavier in (1.0, 2.0, 4.0):
         loaded = Balance(robot, ControlGains())
         loaded.weight *= heavier
-        plan = StepPlanner(loaded, planner._nominal_height).plan(
+        plan = StepPlanner(loaded, planner._nominal_height, planner.limits, RULES).plan(
             terms, feet, step_of(feet, foot, 0.15, rise=rise)
         )
         com = np.append(plan.com, plan.height)

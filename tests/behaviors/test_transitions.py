@@ -29,6 +29,7 @@ from atlas_drake.messages import (
 )
 from atlas_drake.messages.behavior_catalog import SHIPPED
 from atlas_drake.messages.commands import BehaviorRequest
+from atlas_drake.planning.footholds import Gait
 
 NONE, FREEZE, STAND_PREP, STAND, WALK, STEP, MANIPULATE, USER = Behavior
 
@@ -211,7 +212,7 @@ def test_the_dcm_is_that_of_a_pendulum_between_both_soles(model, observe):
     ):
         limits = EntryLimits(com_inside=inside, dcm_inside=margin, joint_speed=10.0)
         tools = BehaviorTools(
-            model, balance, height, BodyRates(), limits, Freeze(balance)
+            model, balance, height, BodyRates(), limits, Freeze(balance), Gait()
         )
         stand, freeze = (
             next(entry for entry in SHIPPED_ENTRIES if entry.behavior is behavior)

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from atlas_drake import AtlasSimulation, Scenario
-from atlas_drake.behaviors.stand.stand import Stand
+from atlas_drake import AtlasSimInterfaceCommand, AtlasSimulation
+from atlas_drake.behaviors.entry import BehaviorEntry
+from atlas_drake.behaviors.extended import Extended
 from atlas_drake.control.gains import PdGains
 from atlas_drake.control.whole_body import PositionTask
-from atlas_drake.frozen import replace
 
 HAND = "l_hand"
 GAINS = PdGains(kp=100.0, kd=20.0)
@@ -22,35 +22,30 @@ def hand_position(sim):
     return np.array(plant.EvalBodyPoseInWorld(context, body).translation())
 
 
-@pytest.fixture
-def run(monkeypatch):
+def run():
     """Makes a STAND whose left hand holds a point in the world; returns the errors."""
 
-    def make():
-        sim = AtlasSimulation(Scenario(initial_behavior="STAND"))
-        goal = hand_position(sim) + AWAY
-        arm = sim.robot.limb("l_arm")
-        stand = Stand.update
+    def make(tools, _config):
+        arm = tools.robot.limb("l_arm")
 
-        def hold_the_hand(self, state, seen, body, request, leaving):
-            outcome = stand(self, state, seen, body, request, leaving)
+        def hold_the_hand(command, seen):
             hand = PositionTask.tracking(seen.terms, HAND, goal, GAINS, 20.0)
-            command = outcome.command.with_posture_scaled(arm, 0.01).plus(hand)
-            return replace(outcome, command=command)
+            return command.with_posture_scaled(arm, 0.01).plus(hand)
 
-        with monkeypatch.context() as patch:
-            patch.setattr(Stand, "update", hold_the_hand)
-            errors = []
-            for _ in range(10):
-                sim.advance(0.15)
-                errors.append(np.linalg.norm(hand_position(sim) - goal))
-        return sim, np.array(errors)
+        return Extended(tools.stand(), hold_the_hand)
 
-    return make
+    sim = AtlasSimulation(behaviors=[BehaviorEntry(name="HOLD", number=100, make=make)])
+    goal = hand_position(sim) + AWAY
+    sim.publish(AtlasSimInterfaceCommand(behavior="HOLD"))
+    errors = []
+    for _ in range(10):
+        sim.advance(0.15)
+        errors.append(np.linalg.norm(hand_position(sim) - goal))
+    return sim, np.array(errors)
 
 
 @pytest.mark.slow
-def test_a_hand_holds_a_point_in_the_world_while_the_robot_stands(run):
+def test_a_hand_holds_a_point_in_the_world_while_the_robot_stands():
     sim, errors = run()
     assert not sim.has_fallen
     assert errors[0] > 0.05

@@ -7,11 +7,13 @@ import pytest
 
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.body_reference import BodyRates, capture_body
+from atlas_drake.behaviors.phases import TIME_STEP
+from atlas_drake.behaviors.stance import StanceConfig
+from atlas_drake.behaviors.walk.both_feet import steps_left_out
 from atlas_drake.behaviors.walk.phases import Transfer, WalkSettle, WalkShift, WalkSwing
-from atlas_drake.behaviors.walk.preview import TIME_STEP
 from atlas_drake.behaviors.walk.rules import WalkRules
 from atlas_drake.behaviors.walk.walk import Walk
-from atlas_drake.control.balance.step_adjustment import StepAdjustmentLimits
+from atlas_drake.control.balance.feedback import StepAdjustmentLimits
 from atlas_drake.control.feet.footstep import LEFT, RIGHT, FootPose, outward
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.frozen import replace
@@ -37,7 +39,7 @@ RULES = WalkRules(
 def walk(robot, observe):
     terms = observe().terms
     balance = Balance(robot, ControlGains())
-    height = float(terms.com[2] - terms.feet[0].p_WF[2]) - robot.file.com_drop
+    height = float(terms.com[2] - terms.feet[0].p_WF[2]) - StanceConfig().com_drop
     return Walk(balance, height, BodyRates())
 
 
@@ -107,7 +109,7 @@ def test_a_foot_lifts_off_when_the_dcm_is_ready_or_waiting_is_in_vain(
     phase = replace(phase, elapsed=phase.duration + late, plan_time=phase.duration)
     miss = (0.5 if ready else 1.5) * RULES.dcm_ready * np.array([0.6, 0.8])
     seen = bent(observe(above=phase.planned.dcm + miss), robot, flexion)
-    after, _ = walk._control(phase).advance(phase, seen)
+    after, _ = walk._control(phase).advance(phase, seen, False)
     assert isinstance(after, WalkSwing) == lifts
     if lifts:
         assert after.step.foot == foot
@@ -222,7 +224,7 @@ def test_touchdown_is_felt_by_the_foot_in_the_air(
     felt = np.zeros(2)
     felt[foot] = force * walk._balance.weight
     seen = replace(observe(), foot_force=felt)
-    after, _ = walk._control(phase).advance(phase, seen)
+    after, _ = walk._control(phase).advance(phase, seen, False)
     if not touches:
         assert after is phase
         return
@@ -240,7 +242,7 @@ def test_touchdown_is_felt_by_the_foot_in_the_air(
     )
     # The other foot's load says nothing.
     elsewhere = replace(seen, foot_force=felt[::-1].copy())
-    assert walk._control(phase).advance(phase, elsewhere)[0] is phase
+    assert walk._control(phase).advance(phase, elsewhere, False)[0] is phase
 
 
 @pytest.mark.parametrize("axis", [0, 1, 2])
@@ -261,11 +263,11 @@ def test_a_walk_is_over_when_the_robot_has_come_to_rest(
         velocity[axis] = speed
         now = replace(seen, terms=replace(seen.terms, com_velocity=velocity))
         phase = replace(settle, elapsed=end + late)
-        finished, events = walk._control(phase).end(phase, now, leaving=False)
-        assert finished == over
-        assert len(events) == over
-        # Nothing is left out if the end was asked for.
-        assert walk._control(phase).end(phase, now, leaving=True) == (over, ())
+        assert walk._settling.is_over(phase, now) == over
+    (event,) = steps_left_out(settle, 1.0, leaving=False)
+    assert event.text.startswith("WALK ends without a step")
+    # Nothing is left out if the end was asked for.
+    assert steps_left_out(settle, 1.0, leaving=True) == ()
 
 
 def test_a_step_may_be_warned_of_again_when_a_message_replaces_it(
@@ -330,11 +332,11 @@ def test_steps_that_come_while_the_robot_settles_are_taken(walk, observe, swingi
     _, feet = walk._control(settle).command_feet(settle, seen)
     soles = [foot.sole_frame for foot in walk._balance.robot.file.feet]
     assert [foot.contact.frame for foot in feet] == soles
-    again, _ = walk._control(settle).advance(settle, seen)
+    again, _ = walk._control(settle).advance(settle, seen, False)
     assert isinstance(again, WalkShift)
     assert again.unloading == RIGHT
     np.testing.assert_allclose(again.planned.cop, settle.planned.cop)
     blocked = replace(settle, obstacle="step 2 leads up")
     done = replace(settle, progress=replace(settle.progress, pending=()))
     for phase in (blocked, done):
-        assert walk._control(phase).advance(phase, seen) == (phase, ())
+        assert walk._control(phase).advance(phase, seen, False) == (phase, ())

@@ -19,22 +19,22 @@ from atlas_drake.behaviors.walk.phases import (
     WalkShift,
     WalkSwing,
 )
-from atlas_drake.behaviors.walk.step_preview import (
+from atlas_drake.behaviors.walk.steps import (
     LOOK_AHEAD,
     look_ahead,
     subject,
     warnings_about,
 )
+from atlas_drake.behaviors.walk.timing import GaitTiming
 from atlas_drake.control.feet.footstep import (
     LEFT,
     RIGHT,
     FootPose,
     Footstep,
-    StepSlack,
     outward,
 )
+from atlas_drake.control.feet.step_limits import StepLimits, StepSlack
 from atlas_drake.control.rotations import rotation_z
-from atlas_drake.robot import GaitTiming, StepLimits
 
 LIMITS, SLACK, TIMING = StepLimits(), StepSlack(), GaitTiming()
 HALF_WIDTH = 0.12

@@ -19,11 +19,11 @@ from atlas_drake.control.feet.footstep import (
     resolve_height,
     saturate,
 )
+from atlas_drake.control.feet.step_limits import StepLimits
 from atlas_drake.control.rotations import rotation_z
 from atlas_drake.messages import AtlasBehaviorStepData, AtlasBehaviorWalkParams
 from atlas_drake.planning.demo_steps import DEMO_STEPS, demo_steps
 from atlas_drake.planning.footholds import Gait
-from atlas_drake.robot import StepLimits
 
 LIMITS, GAIT = StepLimits(), Gait()
 GROUND = 1.0
@@ -96,11 +96,11 @@ def test_a_normal_straight_down_has_no_side_to_be_near_to():
 @pytest.mark.parametrize("climb", [-0.1, -0.02, 0.0, 0.02, 0.1])
 def test_a_climb_needs_a_swing_that_clears_it(climb):
     start = FootPose(np.array([0.0, 0.1, GROUND]), np.eye(3))
-    low = replace(step(GROUND + climb), swing_height=LIMITS.min_swing_height)
+    low = replace(step(GROUND + climb), swing_height=LIMITS.swing_height.least)
     done = ensure_clearance(low, start, LIMITS)
     # Counted from the middle of its ends, the apex lies above the higher one.
     above = done.swing_height - 0.5 * abs(climb)
-    assert above == pytest.approx(LIMITS.min_swing_height + 0.5 * abs(climb))
+    assert above == pytest.approx(LIMITS.swing_height.least + 0.5 * abs(climb))
     high = replace(low, swing_height=0.25)
     assert ensure_clearance(high, start, LIMITS) is high
 
@@ -109,8 +109,8 @@ def test_a_climb_needs_a_swing_that_clears_it(climb):
 @pytest.mark.parametrize(
     ("apart", "longest"),
     [
-        (0.2, LIMITS.max_duration),
-        (LIMITS.near, LIMITS.max_duration),
+        (0.2, LIMITS.duration.greatest),
+        (LIMITS.near, LIMITS.duration.greatest),
         (LIMITS.far, LIMITS.far_duration),
         (0.8, LIMITS.far_duration),
     ],

@@ -7,13 +7,19 @@ import pytest
 from pydrake.geometry import Meshcat, MeshcatParams
 
 from atlas_drake import AtlasSimulation, Behavior
-from atlas_drake.teleop.controls import PELVIS_HEIGHT, SHARES, Action
-from atlas_drake.teleop.pages import MAX_ROWS, SWITCHES, pages_with
+from atlas_drake.behaviors.config import ControllerConfig
+from atlas_drake.robot import load_robot
+from atlas_drake.teleop.controls import PELVIS_HEIGHT, Action, fitted
+from atlas_drake.teleop.pages import MAX_ROWS, pages_with
 from atlas_drake.teleop.panel import Panel
 from atlas_drake.teleop.session import Session
 from atlas_drake.visualization.overlays import Overlays
 
+from .conftest import drag, wait_for
+
 pytestmark = pytest.mark.slow
+
+OWN = fitted(load_robot(), ControllerConfig())
 
 DRAG_POINTS = 5
 """Places on the way of the mouse from where a slider is to where it shall be."""
@@ -42,18 +48,20 @@ class Hand:
         self._session = Session(self.sim, self._panel, real_time=False)
         self.page = open_page(self.meshcat.web_url())
         # The page is ready once it knows the style, which comes after the buttons.
-        self.page.wait_until("document.querySelector('.dg li style') !== null")
+        self.page.wait_for_function("document.querySelector('.dg li style') !== null")
 
     def open_panel(self):
         """Unfolds it, as it is folded in a small window."""
-        self.page.drag(middle(self.page, "document.querySelector('.close-button')"))
-        self.page.wait_until("document.querySelector('.dg.main > ul.closed') === null")
+        drag(self.page, middle(self.page, "document.querySelector('.close-button')"))
+        self.page.wait_for_function(
+            "document.querySelector('.dg.main > ul.closed') === null"
+        )
 
     def click(self, action):
         """Clicks on a button, and waits until the click has arrived."""
         before = self.meshcat.GetButtonClicks(action.label)
-        self.page.drag(middle(self.page, row(action.label)))
-        self.page.wait_for(
+        drag(self.page, middle(self.page, row(action.label)))
+        wait_for(
             lambda: self.meshcat.GetButtonClicks(action.label) > before, "the click"
         )
 
@@ -70,10 +78,10 @@ class Hand:
         before = self.title()
         self.click(Action.NEXT_PAGE)
         self.go(LOOK)
-        self.page.wait_for(lambda: self.title() != before, "the next page")
+        wait_for(lambda: self.title() != before, "the next page")
         # The old page's sliders go and the new one's come one after the other.
         names = set(self.meshcat.GetSliderNames())
-        self.page.wait_for(lambda: self.sliders() == names, "the sliders")
+        wait_for(lambda: self.sliders() == names, "the sliders")
 
     def title(self):
         """What the open page says at its top."""
@@ -104,10 +112,10 @@ class Hand:
         begin = min(max(begin, left + 1.0), left + width - 1.0)
         end += {slider.low: -BEYOND, slider.high: BEYOND}.get(value, 0.0)
         y = top + 0.5 * height
-        self.page.drag(*((x, y) for x in np.linspace(begin, end, DRAG_POINTS)))
+        drag(self.page, *((x, y) for x in np.linspace(begin, end, DRAG_POINTS)))
         shown = self.shown(slider)
         assert shown == pytest.approx(value, abs=2.0 * slider.step)
-        self.page.wait_for(
+        wait_for(
             lambda: self.meshcat.GetSliderValue(slider.label) == pytest.approx(shown),
             f"{slider.label} to be {shown}",
         )
@@ -159,9 +167,9 @@ def hand(open_page):
 
 def test_a_key_makes_the_robot_walk(hand):
     key = Action.FORWARD.key
-    hand.page.press(key.code, key.cap)
+    hand.page.keyboard.press(key.code)
     label = Action.FORWARD.label
-    hand.page.wait_for(lambda: hand.meshcat.GetButtonClicks(label), "the key")
+    wait_for(lambda: hand.meshcat.GetButtonClicks(label), "the key")
     hand.go(0.08)
     assert hand.meshcat.GetButtonClicks(label) == 1
     assert hand.sim.current_behavior is Behavior.WALK
@@ -169,15 +177,9 @@ def test_a_key_makes_the_robot_walk(hand):
 
 def test_every_page_fits_and_hears_every_key(hand):
     width, height = SMALL_WINDOW
-    hand.page.call(
-        "Emulation.setDeviceMetricsOverride",
-        width=width,
-        height=height,
-        deviceScaleFactor=1,
-        mobile=False,
-    )
+    hand.page.set_viewport_size({"width": width, "height": height})
     hand.open_panel()
-    pages = pages_with(hand.sim.robot, ())
+    pages = pages_with(hand.sim.robot, OWN, ())
     for page in pages:
         assert hand.title().startswith(f"{page.title}: page ")
         rows = hand.page.evaluate(
@@ -205,8 +207,8 @@ def test_every_page_fits_and_hears_every_key(hand):
         for action in Action:
             before = hand.meshcat.GetButtonClicks(action.label)
             if action not in (Action.PREVIOUS_PAGE, Action.NEXT_PAGE):
-                hand.page.press(action.key.code, action.key.cap)
-                hand.page.wait_for(
+                hand.page.keyboard.press(action.key.code)
+                wait_for(
                     lambda a=action, b=before: (
                         hand.meshcat.GetButtonClicks(a.label) == b + 1
                     ),
@@ -215,18 +217,6 @@ def test_every_page_fits_and_hears_every_key(hand):
         hand.forget_clicks()
         hand.turn_page()
     assert hand.title().startswith(pages[0].title)
-
-
-def test_colors_exclude_each_other(hand):
-    hand.open_panel()
-    owner, effort = SWITCHES["owner"], SWITCHES["effort"]
-    hand.turn_to(owner)
-    for switch, other in ((owner, effort), (effort, owner), (owner, effort)):
-        hand.slide(switch, 1)
-        hand.go(LOOK)
-        hand.page.wait_for(lambda o=other: hand.shown(o) == 0, "the other to go off")
-        hand.go(LOOK)
-        assert hand.shown(switch) == 1
 
 
 def test_a_button_and_a_slider_move_the_pelvis(hand):
@@ -238,7 +228,7 @@ def test_a_button_and_a_slider_move_the_pelvis(hand):
     assert sim.current_behavior is Behavior.MANIPULATE
     # The slider has gone to where the pelvis is, in the browser too.
     height = sim.pelvis_pose.translation()[2]
-    hand.page.wait_for(
+    wait_for(
         lambda: abs(hand.shown(PELVIS_HEIGHT) - height) < 0.02, "the slider to follow"
     )
     goal = hand.slide(PELVIS_HEIGHT, height - 0.1)
@@ -248,16 +238,3 @@ def test_a_button_and_a_slider_move_the_pelvis(hand):
     hand.go(2.0)
     assert sim.pelvis_pose.translation()[2] == pytest.approx(goal, abs=0.02)
     assert not sim.has_fallen
-
-
-def test_a_slider_takes_an_arm_and_gives_it_back(hand):
-    sim, slider = hand.sim, SHARES["left arm"]
-    left_arm = sim.robot.limb("l_arm")
-    hand.open_panel()
-    hand.turn_to(slider)
-    for share in (slider.high, slider.low):
-        hand.slide(slider, share)
-        hand.go(0.12)
-        k_effort = np.array(sim.atlas_sim_interface_state.k_effort)
-        np.testing.assert_array_equal(k_effort, np.where(left_arm, share, 0))
-    assert sim.current_behavior is Behavior.STAND

@@ -10,11 +10,12 @@ import pytest
 from pydrake.geometry import Meshcat, MeshcatParams
 
 from atlas_drake import AtlasSimInterfaceCommand, AtlasSimulation
-from atlas_drake.app.main import main
 from atlas_drake.palette import BEHAVIOR, USER
 from atlas_drake.visualization import FRAME_RATE
 from atlas_drake.visualization.control_colors import COVER, GAMMA
 from atlas_drake.visualization.overlays import Overlays, overlays_from
+
+from .conftest import picture, wait_for
 
 pytestmark = pytest.mark.slow
 
@@ -35,23 +36,23 @@ def node(path):
 
 def wait_for_robot(page):
     """Until the meshes, which are loaded one by one, are all there."""
-    page.wait_until("typeof viewer !== 'undefined'")
-    page.wait_until(f"'pelvis' in {node(ROBOT)}.children")
+    page.wait_for_function("typeof viewer !== 'undefined'")
+    page.wait_for_function(f"'pelvis' in {node(ROBOT)}.children")
     count = (
         f"(() => {{ let n = 0; {node(ROBOT)}.object.traverse("
         "o => { n += o.isMesh ? 1 : 0 }); return n })()"
     )
-    page.wait_until(f"{count} >= {len(LINKS)}")
+    page.wait_for_function(f"{count} >= {len(LINKS)}")
     seen = -1
     while seen != (now := page.evaluate(count)):
         seen = now
-        page.picture()
+        picture(page)
 
 
 def wait_for_recording(page):
     """Until everything is there, the motions too, which are loaded last."""
     wait_for_robot(page)
-    page.wait_until("viewer.animator.duration > 0")
+    page.wait_for_function("viewer.animator.duration > 0")
 
 
 def position(page, link):
@@ -77,12 +78,12 @@ def pixel(page, p_W):
 
 def rows_and_columns_of_robot(page):
     """The pixels that change when the robot is hidden."""
-    picture = page.picture()
+    whole = picture(page)
     page.evaluate(f"{node(['drake'])}.object.visible = false")
-    empty = page.picture()
+    empty = picture(page)
     page.evaluate(f"{node(['drake'])}.object.visible = true")
     # A shadow darkens the ground a little; the robot differs more.
-    return np.nonzero(np.abs(picture - empty).max(axis=2) > VISIBLE)
+    return np.nonzero(np.abs(whole - empty).max(axis=2) > VISIBLE)
 
 
 def shown(page, path):
@@ -97,9 +98,9 @@ def shown(page, path):
 
 def caption_pixels(page):
     """The upper middle of the picture, where the caption is."""
-    picture = page.picture()
-    height, width, _ = picture.shape
-    return picture[: height // 6, width // 6 : -width // 6]
+    whole = picture(page)
+    height, width, _ = whole.shape
+    return whole[: height // 6, width // 6 : -width // 6]
 
 
 def check_that_it_stands(page):
@@ -129,7 +130,7 @@ def test_a_run_is_seen_as_it_goes(open_page):
     sim.publish(command)
     sim.advance(0.2)
     assert sim.current_behavior.name == "MANIPULATE"
-    page.wait_for(lambda: shown(page, CAPTION) != standing, "another caption")
+    wait_for(lambda: shown(page, CAPTION) != standing, "another caption")
     assert (np.abs(caption_pixels(page) - words).max(axis=2) > VISIBLE).sum() > 100
 
     plant_context = sim.plant.GetMyContextFromRoot(sim.context)
@@ -142,32 +143,6 @@ def test_a_run_is_seen_as_it_goes(open_page):
 
 def seek(page, time):
     page.evaluate(f"viewer.animator.pause(); viewer.animator.seek({time})")
-
-
-def test_a_recording_plays_from_disk_without_a_network(open_page, tmp_path):
-    scenario, recording = tmp_path / "scenario.yaml", tmp_path / "run.html"
-    # Until the tutorial's walk has just begun: four steps are asked for.
-    scenario.write_text("programme: tutorial\nduration: 9.3\nphysics_step: 0.002\n")
-    options = ["--headless", "--record", str(recording)]
-    assert main(["run", str(scenario), *options]) == 0
-    page = open_page(recording.as_uri(), offline=True)
-    wait_for_recording(page)
-    # Nothing was asked of any other address.
-    asked = page.evaluate("performance.getEntriesByType('resource').map(e => e.name)")
-    assert [name for name in asked if not name.startswith(("data:", "blob:"))] == []
-
-    assert page.evaluate("viewer.animator.duration") == pytest.approx(9.3, abs=0.1)
-    for name in ("slab", "bold"):
-        assert page.evaluate(f"{node(['atlas_drake', 'ground', name])}.object.visible")
-    seek(page, 0.0)
-    check_that_it_stands(page)
-    first, words = shown(page, CAPTION), caption_pixels(page)
-    assert shown(page, FOOTSTEPS) == set()
-    seek(page, 9.25)
-    check_that_it_stands(page)
-    assert shown(page, CAPTION) != first
-    assert (np.abs(caption_pixels(page) - words).max(axis=2) > VISIBLE).sum() > 100
-    assert len(shown(page, FOOTSTEPS)) == 4
 
 
 BALANCE = ["atlas_drake", "balance"]
@@ -214,11 +189,11 @@ def look_at_the_ground(page):
 def seen_of(page, path):
     """How many pixels change when something is hidden."""
     target = f"{node(path)}.object.visible"
-    with_it = page.picture()
+    with_it = picture(page)
     before = page.evaluate(
         f"(() => {{ const v = {target}; {target} = false;return v }})()"
     )
-    without = page.picture()
+    without = picture(page)
     page.evaluate(f"{target} = {json.dumps(before)}")
     return int((np.abs(with_it - without).max(axis=2) > VISIBLE).sum())
 
@@ -245,9 +220,25 @@ def color_of(page, path):
     return page.evaluate(f"{node(link)}.object.material.color.toArray()")
 
 
-def test_a_recording_shows_what_the_controller_thinks(open_page, tmp_path):
+def test_a_recording_plays_without_a_network_and_shows_what_the_controller_thinks(
+    open_page, tmp_path
+):
     page = open_page(record_thoughts(tmp_path).as_uri(), offline=True)
     wait_for_recording(page)
+    # Nothing was asked of any other address.
+    asked = page.evaluate("performance.getEntriesByType('resource').map(e => e.name)")
+    assert [name for name in asked if not name.startswith(("data:", "blob:"))] == []
+    assert page.evaluate("viewer.animator.duration") == pytest.approx(1.8, abs=0.1)
+    for name in ("slab", "bold"):
+        assert page.evaluate(f"{node(['atlas_drake', 'ground', name])}.object.visible")
+    seek(page, 0.0)
+    check_that_it_stands(page)
+    first, words = shown(page, CAPTION), caption_pixels(page)
+    assert shown(page, FOOTSTEPS) == set()
+    seek(page, SWINGING)
+    assert shown(page, CAPTION) != first
+    assert (np.abs(caption_pixels(page) - words).max(axis=2) > VISIBLE).sum() > 100
+    assert len(shown(page, FOOTSTEPS)) >= 4  # To come; some have landed.
     look_at_the_ground(page)
     covered = [*HEAD[:-1], HEAD[-1] + COVER]
 

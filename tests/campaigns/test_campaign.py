@@ -38,7 +38,7 @@ def test_a_file_says_what_varies_and_how_far(campaign_file):
     assert {s.start.yaw for s in scenarios} == {-0.5, 0.5}
     impulses = [s.pushes[0].impulse for s in scenarios]
     assert 5.0 <= min(impulses) < 15.0 < 30.0 < max(impulses) <= 40.0
-    gains = [s.controller.gains.dcm_gain for s in scenarios]
+    gains = [s.controller_config().gains.dcm_gain for s in scenarios]
     assert 1.5 <= min(gains) < max(gains) <= 3.0
     assert np.mean([s.jitter.joints for s in scenarios]) == pytest.approx(
         0.01, abs=1e-3

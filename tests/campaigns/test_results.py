@@ -12,9 +12,8 @@ from atlas_drake.app.main import main
 from atlas_drake.campaigns import Campaign, figures
 from atlas_drake.campaigns.comparison import compare
 from atlas_drake.campaigns.folder import CampaignFolder
-from atlas_drake.campaigns.results import write_results
+from atlas_drake.campaigns.results import write_parquet, write_results
 from atlas_drake.campaigns.sources import Sources
-from atlas_drake.campaigns.table import write_parquet
 
 from .conftest import record
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from atlas_drake.control.balance.center_of_pressure import (
+from atlas_drake.control.wrenches import (
     LEAST_LOAD,
     center_of_pressure,
 )

@@ -17,8 +17,8 @@ from atlas_drake.control.feet.footstep import (
     outward,
     saturate,
 )
+from atlas_drake.control.feet.step_limits import StepLimits
 from atlas_drake.control.rotations import rotation_z, wrap_angle
-from atlas_drake.robot import StepLimits
 
 LIMITS = StepLimits()
 FAR = st.floats(-2.0, 2.0)
@@ -64,11 +64,13 @@ def test_saturated_steps_are_within_all_limits(situation):
     forward, width, rise, turn = in_stance_frame(step, stance)
     slack = 1e-9
     assert -LIMITS.backward - slack <= forward <= LIMITS.forward + slack
-    assert LIMITS.min_width - slack <= width <= LIMITS.max_width + slack
+    assert LIMITS.width.least - slack <= width <= LIMITS.width.greatest + slack
     assert abs(rise) <= LIMITS.rise + slack
     assert -LIMITS.toe_in - slack <= turn <= LIMITS.toe_out + slack
-    assert LIMITS.min_duration <= step.duration <= LIMITS.max_duration
-    assert LIMITS.min_swing_height <= step.swing_height <= LIMITS.max_swing_height
+    assert LIMITS.duration.least <= step.duration <= LIMITS.duration.greatest
+    assert (
+        LIMITS.swing_height.least <= step.swing_height <= LIMITS.swing_height.greatest
+    )
     assert (step.index, step.foot) == (commanded.index, commanded.foot)
 
 
@@ -101,7 +103,7 @@ def test_left_and_right_are_mirror_images(situation):
 
 @given(
     forward=st.floats(-LIMITS.backward, LIMITS.forward),
-    width=st.floats(LIMITS.min_width, LIMITS.max_width),
+    width=st.floats(LIMITS.width.least, LIMITS.width.greatest),
     rise=st.floats(-LIMITS.rise, LIMITS.rise),
     turn=st.floats(-LIMITS.toe_in, LIMITS.toe_out),
     yaw=YAWS,
@@ -115,8 +117,8 @@ def test_a_step_within_reach_is_taken_as_it_is(forward, width, rise, turn, yaw, 
         foot=foot,
         p_WF=stance.p_WF + rotation_z(yaw) @ [forward, sign * width, rise],
         yaw=stance.yaw + sign * turn,
-        duration=0.5 * (LIMITS.min_duration + LIMITS.max_duration),
-        swing_height=0.5 * (LIMITS.min_swing_height + LIMITS.max_swing_height),
+        duration=0.5 * (LIMITS.duration.least + LIMITS.duration.greatest),
+        swing_height=0.5 * (LIMITS.swing_height.least + LIMITS.swing_height.greatest),
     )
     assert_same(saturate(commanded, stance, LIMITS), commanded)
 

@@ -5,8 +5,8 @@ import dataclasses
 import numpy as np
 import pytest
 
-from atlas_drake.control.joints.inverse_mass import InverseMass
 from atlas_drake.control.joints.joint_pid import (
+    InverseMass,
     JointCommand,
     PidState,
     change_without_user,
@@ -20,8 +20,8 @@ from atlas_drake.simulation.tutorial import KP_POSITION
 NEGLIGIBLE = 0.05
 """Growth that the friction of joints and ground, not modeled here, exceeds [1/s]."""
 
-PHYSICS_STEPS = (0.0005, 0.001, 0.002, 0.003)
-"""Those that the project offers [s]."""
+PHYSICS_STEPS = (0.0005, 0.003)
+"""Shortest and longest that the project offers [s]."""
 
 FOOTHOLDS = {"air": (False, False), "left": (True, False), "both": (True, True)}
 """Which soles the ground holds."""
@@ -132,7 +132,7 @@ def growth(step, dt):
 
 @pytest.mark.parametrize("planted", FOOTHOLDS.values(), ids=FOOTHOLDS)
 @pytest.mark.parametrize("dt", PHYSICS_STEPS)
-@pytest.mark.parametrize("extra_damping", [0.0, 3.0, 50.0])
+@pytest.mark.parametrize("extra_damping", [0.0, 50.0])
 def test_the_whole_robot_is_stable_under_the_law(
     model, robot, inverse_mass, planted, dt, extra_damping
 ):
@@ -155,8 +155,8 @@ def test_the_whole_robot_is_stable_under_the_law(
     assert growth(step, dt) < NEGLIGIBLE
 
 
-@pytest.mark.parametrize("stiffer", [1.0, 3.0, 5.0])
-@pytest.mark.parametrize("kp_velocity", [20.0, 50.0, 200.0])
+@pytest.mark.parametrize("stiffer", [1.0, 5.0])
+@pytest.mark.parametrize("kp_velocity", [20.0, 200.0])
 def test_stiff_legs_on_the_ground_are_stable_at_the_default_step(
     model, robot, inverse_mass, stiffer, kp_velocity
 ):

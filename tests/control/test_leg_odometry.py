@@ -64,7 +64,7 @@ def test_a_standing_robot_stays_and_learns_the_bias():
 def test_the_bias_is_known_in_the_pelvis_axes():
     q = turned(UPRIGHT, np.array([0.0, 0.0, 2.0]))
     state = start(q=q)
-    for _ in range(2000):
+    for _ in range(1000):
         state = predict(state, np.zeros(3), rest(bias=BIAS), DT, TUNING)
         state = correct(state, FEET - P_WI, REST, BOTH, DT, TUNING)
     np.testing.assert_allclose(state.bias_P, BIAS, atol=3e-3)
@@ -75,7 +75,7 @@ def test_motion_under_exact_increments_is_followed_exactly():
     turn = np.array([0.1, 0.2, 0.9]) * DT
     state, q = start(velocity), UPRIGHT
     still = OdometryTuning(gravity_settling=np.inf)
-    for k in range(1, 501):
+    for k in range(1, 201):
         halfway = rotation_matrix(turned(q, 0.5 * turn))
         felt = halfway.T @ (acceleration + np.array([0.0, 0.0, GRAVITY])) * DT
         q, t = turned(q, turn), k * DT
@@ -84,7 +84,7 @@ def test_motion_under_exact_increments_is_followed_exactly():
         v_FI = np.tile(velocity + acceleration * t, (2, 1))
         state = correct(state, FEET - p_WI, -v_FI, BOTH, DT, still)
     np.testing.assert_allclose(state.p_WI, p_WI, atol=1e-9)
-    np.testing.assert_allclose(state.v_WI, velocity + acceleration, atol=1e-9)
+    np.testing.assert_allclose(state.v_WI, velocity + acceleration * t, atol=1e-9)
     np.testing.assert_allclose(state.p_WF, FEET, atol=1e-9)
     np.testing.assert_allclose(turn_between(q, state.q_WP), 0.0, atol=1e-12)
 
@@ -101,7 +101,7 @@ def test_a_foot_is_anchored_anew_where_it_lands():
         (BOTH, FEET + swing),
         (1.0 - LEFT, FEET + swing),
     ):
-        for _ in range(200):
+        for _ in range(50):
             state = predict(state, np.zeros(3), rest(), DT, TUNING)
             state = correct(state, feet - P_WI, REST, load, DT, TUNING)
         np.testing.assert_allclose(state.p_WI, P_WI, atol=1e-6)
@@ -128,7 +128,7 @@ def test_a_foot_that_lands_early_by_a_kick_does_not_push_the_pelvis():
 @pytest.mark.parametrize("speed", [0.15, 0.5])
 def test_a_foot_that_slides_does_not_take_the_pelvis_along(speed):
     state = start()
-    for _ in range(1000):
+    for _ in range(500):
         state = predict(state, np.zeros(3), rest(bias=BIAS), DT, TUNING)
         state = correct(state, FEET - P_WI, REST, BOTH, DT, TUNING)
     before = state
@@ -139,7 +139,7 @@ def test_a_foot_that_slides_does_not_take_the_pelvis_along(speed):
         feet = FEET + way / speed * slide
         state = predict(state, np.zeros(3), rest(bias=BIAS), DT, TUNING)
         state = correct(state, feet - P_WI, slide, LEFT, DT, TUNING)
-    for _ in range(1000):
+    for _ in range(300):
         state = predict(state, np.zeros(3), rest(bias=BIAS), DT, TUNING)
         state = correct(state, feet - P_WI, REST, LEFT, DT, TUNING)
     np.testing.assert_allclose(state.p_WI, before.p_WI, atol=2e-3)
@@ -148,10 +148,10 @@ def test_a_foot_that_slides_does_not_take_the_pelvis_along(speed):
 
 def test_a_hanging_robot_does_not_fly_away():
     state = start()
-    for _ in range(5000):
+    for _ in range(2000):
         state = predict(state, np.zeros(3), rest(bias=BIAS), DT, TUNING)
         state = correct(state, FEET - P_WI, REST, NONE, DT, TUNING)
-    # The bias alone is 5 m in 10 s.
+    # The bias alone is 1.4 m in 4 s.
     assert np.linalg.norm(state.p_WI - P_WI) < 0.2
     np.testing.assert_allclose(state.v_WI, 0.0, atol=0.01)
 
@@ -159,7 +159,7 @@ def test_a_hanging_robot_does_not_fly_away():
 def test_the_covariance_stays_one():
     random = np.random.default_rng(1)
     state = start()
-    for k in range(3000):
+    for k in range(600):
         load = [BOTH, LEFT, 1.0 - LEFT, NONE][k // 50 % 4]
         state = predict(state, random.normal(0.0, 1e-3, 3), rest(), DT, TUNING)
         state = correct(state, FEET - P_WI, REST, load, DT, TUNING)
@@ -196,7 +196,7 @@ def test_what_was_believed_before_is_left_alone():
         np.testing.assert_array_equal(array, copy)
 
 
-@pytest.mark.parametrize("period", [0.001, 0.002, 0.004])
+@pytest.mark.parametrize("period", [0.001, 0.004])
 def test_the_period_does_not_decide_how_soon_the_bias_is_known(period):
     state = start()
     for _ in range(round(1.0 / period)):

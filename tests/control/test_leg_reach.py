@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from atlas_drake.control.feet.footstep import FootPose
-from atlas_drake.control.feet.leg_reach import (
+from atlas_drake.control.feet.leg_kinematics import (
     _knee_ahead,
     highest_com,
     highest_sole,

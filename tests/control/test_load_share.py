@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from atlas_drake.control.balance.load_share import load_share_range
-from atlas_drake.control.balance.support_polygon import SupportPolygon
+from atlas_drake.control.balance.support_polygon import SupportPolygon, load_share_range
 from atlas_drake.control.feet.sole import sole_corners
 
 UPRIGHT = np.eye(3)

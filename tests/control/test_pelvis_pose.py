@@ -14,9 +14,9 @@ from atlas_drake.control.pelvis.pelvis_pose import (
     PelvisMotion,
     PelvisPose,
     PelvisRates,
+    at_rest,
     make_stance,
 )
-from atlas_drake.control.pelvis.smooth_motion import at_rest
 from atlas_drake.control.rotations import rotation_z
 
 DT = 0.002

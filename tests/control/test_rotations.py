@@ -43,11 +43,12 @@ def test_elementary_rotations_are_drakes(angle):
 
 
 @given(yaw=SMALL, pitch=st.floats(-1.5, 1.5), roll=SMALL)
-def test_orientation_is_roll_pitch_yaw_and_tilt_takes_it_apart(yaw, pitch, roll):
+def test_orientation_is_roll_pitch_yaw_and_yaw_and_tilt_take_it_apart(yaw, pitch, roll):
     R = orientation(yaw, np.array([roll, pitch]))
     expected = RotationMatrix(RollPitchYaw(roll, pitch, yaw)).matrix()
     np.testing.assert_allclose(R, expected, atol=1e-12)
     np.testing.assert_allclose(tilt_of(R), [roll, pitch], atol=1e-7)
+    assert yaw_of(R) == pytest.approx(yaw)
 
 
 @given(*[st.tuples(SMALL, SMALL, SMALL).map(np.array)] * 2)
@@ -60,12 +61,6 @@ def test_wrapped_angle_is_the_same_direction_and_small(angle):
     wrapped = wrap_angle(angle)
     assert abs(wrapped) <= math.pi
     assert math.cos(wrapped - angle) == pytest.approx(1.0)
-
-
-@given(yaw=st.floats(-3.1, 3.1), pitch=st.floats(-1.5, 1.5), roll=SMALL)
-def test_yaw_is_that_of_roll_pitch_yaw(yaw, pitch, roll):
-    R = RollPitchYaw(roll, pitch, yaw).ToRotationMatrix().matrix()
-    assert yaw_of(R) == pytest.approx(yaw)
 
 
 @given(yaw=ANGLES, turn=st.floats(-3.1, 3.1))

@@ -3,11 +3,10 @@
 import math
 
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from atlas_drake.control.balance.step_adjustment import StepAdjustmentLimits, step_shift
+from atlas_drake.control.balance.feedback import StepAdjustmentLimits, step_shift
 from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.rotations import rotation_z
 
@@ -44,30 +43,6 @@ def test_errors_within_the_ankles_reach_move_no_step(share, remaining, yaw):
     np.testing.assert_array_equal(np.abs(shift_of(error, remaining, yaw)), 0.0)
 
 
-@given(remaining=TIMES, yaw=YAWS, axis=st.integers(0, 1))
-def test_errors_beyond_it_do(remaining, yaw, axis):
-    error = np.zeros(2)
-    error[axis] = 1.05 * taken_by_ankles(remaining)[axis]
-    R_WS = rotation_z(yaw)[:2, :2]
-    shift = R_WS.T @ shift_of(R_WS @ error, remaining, yaw)
-    assert shift[axis] > 0.0
-    assert shift[1 - axis] == pytest.approx(0.0, abs=1e-12)
-
-
-@given(error=ERRORS, remaining=TIMES, yaw=YAWS)
-def test_opposite_errors_give_opposite_shifts(error, remaining, yaw):
-    np.testing.assert_allclose(
-        shift_of(-error, remaining, yaw), -shift_of(error, remaining, yaw), atol=1e-15
-    )
-
-
-@given(error=ERRORS, remaining=TIMES, yaw=YAWS)
-def test_the_shift_is_towards_the_error(error, remaining, yaw):
-    R_WS = rotation_z(yaw)[:2, :2]
-    shift = R_WS.T @ shift_of(100.0 * error, remaining, yaw)
-    assert (shift * (R_WS.T @ error) >= -1e-12).all()
-
-
 @given(error=ERRORS, remaining=TIMES, yaw=YAWS)
 def test_shift_turns_with_the_stance_foot(error, remaining, yaw):
     R_WS = rotation_z(yaw)[:2, :2]
@@ -78,19 +53,16 @@ def test_shift_turns_with_the_stance_foot(error, remaining, yaw):
     )
 
 
-@given(error=ERRORS, remaining=TIMES)
-def test_with_ankles_and_tolerance_the_shift_makes_up_for_the_error(error, remaining):
-    shift = shift_of(error, remaining)
-    final = np.abs(error) * math.exp(OMEGA * remaining)
-    budget = taken_by_ankles(remaining) * math.exp(OMEGA * remaining)
-    left = final - SENSITIVITY * np.abs(shift)
-    assert (left <= budget + 1e-9).all()
-    # No more than needed.
-    np.testing.assert_allclose(left[shift != 0.0], budget[shift != 0.0], atol=1e-9)
-
-
-@given(error=ERRORS, remaining=TIMES)
-def test_steps_that_move_the_plan_less_move_further(error, remaining):
-    less = np.abs(shift_of(error, remaining, sensitivity=2.0))
-    more = np.abs(shift_of(error, remaining, sensitivity=0.5))
-    assert (more >= less).all()
+@given(error=ERRORS, remaining=TIMES, sensitivity=st.sampled_from([0.5, 0.8, 2.0]))
+def test_with_ankles_and_tolerance_the_shift_makes_up_for_the_error(
+    error, remaining, sensitivity
+):
+    shift = shift_of(error, remaining, sensitivity=sensitivity)
+    growth = math.exp(OMEGA * remaining)
+    budget = taken_by_ankles(remaining) * growth
+    left = error * growth - sensitivity * shift
+    assert (np.abs(left) <= budget + 1e-9).all()
+    # No more than needed, and in the direction of the error.
+    moved = shift != 0.0
+    toward = np.sign(error[moved])
+    np.testing.assert_allclose(toward * left[moved], budget[moved], atol=1e-9)

@@ -53,7 +53,7 @@ def target(request):
     return step_to(z=LEVEL + request.param)
 
 
-@pytest.mark.parametrize("duration", [0.3, DURATION, 1.5])
+@pytest.mark.parametrize("duration", [0.3, 1.5])
 def test_lifts_off_from_where_the_foot_is_at_rest(start, target, duration):
     _, references = swing_through(start, lambda _: target, 1, duration=duration)
     first = references[0]
@@ -73,8 +73,8 @@ def test_lands_at_the_target_at_its_speed(start, target):
     np.testing.assert_allclose(last.w_WF, 0.0, atol=0.05)
 
 
-@pytest.mark.parametrize("duration", [0.3, DURATION, 1.5])
-@pytest.mark.parametrize("swing_height", [0.03, 0.1, 0.3])
+@pytest.mark.parametrize("duration", [0.3, 1.0])
+@pytest.mark.parametrize("swing_height", [0.03, 0.3])
 def test_meets_the_ground_when_the_swing_is_over_and_not_before(
     start, target, duration, swing_height
 ):
@@ -97,7 +97,7 @@ def test_apex_counts_from_the_middle_of_the_ends(start, target):
     assert highest - middle == pytest.approx(target.swing_height, abs=0.01)
 
 
-@pytest.mark.parametrize("climb", [0.05, 0.1, -0.05, -0.1])
+@pytest.mark.parametrize("climb", [0.1, -0.1])
 def test_an_edge_between_the_ends_is_cleared(climb):
     reach, margin, half_sole = 0.32, 0.03, 0.13
     start = FootPose(np.array([0.0, 0.1, LEVEL]), np.eye(3))

@@ -13,11 +13,10 @@ from atlas_drake.control.balance.feedback import (
     pendulum_frequency,
     stance_acceleration,
 )
-from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.gains import PdGains
 from atlas_drake.control.rotations import rotation_z
 from atlas_drake.control.whole_body.model import GRAVITY
-from atlas_drake.control.whole_body.tracking import orientation_acceleration
+from atlas_drake.control.whole_body.tasks import orientation_acceleration
 
 GAINS = PdGains(kp=50.0, kd=8.0)
 
@@ -77,9 +76,3 @@ def test_orientation_acceleration_turns_towards_the_target():
 def test_stance_acceleration_opposes_the_soles_velocity(terms):
     foot = terms.feet[1]
     np.testing.assert_allclose(stance_acceleration(foot, 12.0), -12.0 * foot.V_WF)
-
-
-def test_the_cop_is_clamped_to_the_support():
-    corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)]
-    support = SupportPolygon([np.array(corner) for corner in corners])
-    np.testing.assert_array_equal(support.clamp(np.array([1.5, 0.5])), [1.0, 0.5])

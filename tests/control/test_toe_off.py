@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from atlas_drake.control.feet.footstep import FootPose
-from atlas_drake.control.feet.toe_off import (
+from atlas_drake.control.feet.sole import (
     TOES,
     on_toes,
     toe_corners,

@@ -10,7 +10,7 @@ from pydrake.multibody.tree import MultibodyForces
 from atlas_drake.control.whole_body.model import GRAVITY, nominal_com_height
 from atlas_drake.errors import RobotDescriptionError
 
-SEEDS = range(4)
+SEEDS = range(2)
 STEP = 1e-6
 """Of the finite differences [s]."""
 
@@ -60,42 +60,7 @@ def angular_velocity(model, state, generalized, rotation):
     return np.array([W[2, 1] - W[1, 2], W[0, 2] - W[2, 0], W[1, 0] - W[0, 1]]) / 2.0
 
 
-@pytest.mark.parametrize("foot", [0, 1])
-def test_foot_jacobian_gives_the_velocity_of_the_sole(
-    model, state, terms, generalized, foot
-):
-    spatial = terms.feet[foot].J_WF @ generalized
-    linear = derivative(model, state, generalized, lambda t: t.feet[foot].p_WF)
-    angular = angular_velocity(model, state, generalized, lambda t: t.feet[foot].R_WF)
-    np.testing.assert_allclose(spatial[3:], linear, atol=1e-6)
-    np.testing.assert_allclose(spatial[:3], angular, atol=1e-6)
-    np.testing.assert_allclose(terms.feet[foot].V_WF, spatial, atol=1e-12)
-
-
-@pytest.mark.parametrize("foot", [0, 1])
-def test_foot_jacobian_column_by_column(model, state, terms, foot):
-    # One velocity at a time, so that an exchange of columns cannot go unseen.
-    for column in range(6 + model.robot.num_joints):
-        unit = np.zeros(6 + model.robot.num_joints)
-        unit[column] = 1.0
-        linear = derivative(model, state, unit, lambda t: t.feet[foot].p_WF)
-        np.testing.assert_allclose(
-            terms.feet[foot].J_WF[3:, column], linear, atol=1e-6, err_msg=str(column)
-        )
-
-
-@pytest.mark.parametrize("foot", [0, 1])
-def test_foot_bias_is_the_rate_of_the_jacobian(model, state, terms, generalized, foot):
-    rate = derivative(model, state, generalized, lambda t: t.feet[foot].J_WF)
-    np.testing.assert_allclose(terms.feet[foot].bias, rate @ generalized, atol=1e-5)
-
-
-def test_chest_jacobian_and_bias(model, state, terms, generalized):
-    angular = angular_velocity(model, state, generalized, lambda t: t.R_WC)
-    np.testing.assert_allclose(terms.w_WC, angular, atol=1e-6)
-
-
-FRAMES = ("pelvis", "chest", "head", "l_hand", "r_farm", "r_sole")
+FRAMES = ("pelvis", "chest", "head", "l_hand", "l_sole", "r_sole")
 
 
 @pytest.mark.parametrize("name", FRAMES)
@@ -111,8 +76,11 @@ def test_any_frame_by_its_name(model, state, terms, generalized, name):
     np.testing.assert_allclose(frame.bias, rate @ generalized, atol=1e-5)
 
 
-@pytest.mark.parametrize("name", ["l_hand", "r_farm"])
-def test_any_frames_jacobian_column_by_column(model, state, terms, name):
+@pytest.mark.parametrize("name", ["l_hand", "l_sole", "r_sole"])
+def test_a_frames_jacobian_column_by_column(model, random_state, name):
+    # One velocity at a time, so that an exchange of columns cannot go unseen.
+    state = random_state(0)
+    terms = model.evaluate(model.create_context(), state)
     for column in range(6 + model.robot.num_joints):
         unit = np.zeros(6 + model.robot.num_joints)
         unit[column] = 1.0
@@ -120,6 +88,18 @@ def test_any_frames_jacobian_column_by_column(model, state, terms, name):
         np.testing.assert_allclose(
             terms.frame(name).J_WF[3:, column], linear, atol=1e-6, err_msg=str(column)
         )
+
+
+def test_the_terms_of_soles_chest_and_pelvis_are_those_of_their_frames(model, terms):
+    file = model.robot.file
+    for foot, sole in zip(terms.feet, file.feet, strict=True):
+        assert foot is terms.frame(sole.sole_frame)
+    chest, pelvis = terms.frame(file.chest), terms.frame(file.pelvis)
+    np.testing.assert_array_equal(terms.R_WC, chest.R_WF)
+    np.testing.assert_array_equal(terms.w_WC, chest.V_WF[:3])
+    np.testing.assert_array_equal(terms.R_WP, pelvis.R_WF)
+    np.testing.assert_array_equal(terms.p_WP, pelvis.p_WF)
+    np.testing.assert_array_equal(terms.V_WP, pelvis.V_WF)
 
 
 def test_a_frame_is_computed_once_and_for_the_state_of_its_terms(model, random_state):
@@ -137,12 +117,6 @@ def test_a_frame_is_computed_once_and_for_the_state_of_its_terms(model, random_s
 def test_a_frame_that_the_robot_does_not_have_is_named(terms):
     with pytest.raises(RobotDescriptionError, match=r"'l_hnad'.*'l_hand'"):
         terms.frame("l_hnad")
-
-
-def test_pelvis_velocity_is_that_of_its_pose(model, state, terms, generalized):
-    linear = derivative(model, state, generalized, lambda t: t.p_WP)
-    angular = angular_velocity(model, state, generalized, lambda t: t.R_WP)
-    np.testing.assert_allclose(terms.V_WP, [*angular, *linear], atol=1e-6)
 
 
 def test_center_of_mass(model, state, terms, generalized):

@@ -26,7 +26,6 @@ from atlas_drake.control.whole_body import (
     WholeBodyQp,
 )
 from atlas_drake.control.whole_body.elimination import TaskStack
-from atlas_drake.control.whole_body.inertia import inverse_inertia
 from atlas_drake.control.whole_body.model import GRAVITY
 
 HAND = "l_hand"
@@ -215,13 +214,6 @@ def test_a_bound_on_a_task_is_kept(robot, qp, bounds, terms, soft):
     assert kept.found
     assert free[0] > 1.9
     assert value(wish, terms, command, kept)[0] <= 0.5 + 1e-4
-
-
-def test_the_inverse_of_the_robots_inertia(terms):
-    M = terms.M[:6, :6]
-    np.testing.assert_allclose(
-        inverse_inertia(M, terms.mass) @ M, np.eye(6), atol=1e-12
-    )
 
 
 def test_rows_beyond_a_tasks_frame_names_are_refused_by_name(robot, qp, bounds, terms):

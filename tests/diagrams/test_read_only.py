@@ -14,9 +14,8 @@ from atlas_drake import (
     Behavior,
 )
 from atlas_drake.behaviors.entry import BehaviorEntry
+from atlas_drake.behaviors.extended import Extended
 from atlas_drake.behaviors.shipped import shipped_entry
-from atlas_drake.behaviors.stand.stand import Stand
-from atlas_drake.behaviors.walk.walk import Walk
 from atlas_drake.frozen import NOTHING, read_only
 
 PERIOD = 0.01
@@ -48,7 +47,7 @@ def writable(value, path, seen=None):
     }
 
 
-def listening(kind, behavior):
+def listening(behavior):
     """The entry of a shipped behavior that looks at all that it gets."""
     found, heard = set(), set()
 
@@ -56,11 +55,10 @@ def listening(kind, behavior):
         heard.add(name)
         found.update(writable(values, name))
 
-    class Own(kind):
+    class Own(Extended):
         def __init__(self, tools, config):
             look("tools", tools.robot, tools.balance)
-            more = [config] if kind is Walk else []
-            super().__init__(tools.balance, tools.nominal_height, tools.rates, *more)
+            super().__init__(shipped_entry(behavior).make(tools, config))
 
         def enter(self, observation, body, request):
             look("enter", observation, body, request)
@@ -95,9 +93,9 @@ def listening(kind, behavior):
     return entry, found, heard
 
 
-@pytest.mark.parametrize(("kind", "behavior"), [(Stand, "STAND"), (Walk, "WALK")])
-def test_a_behavior_gets_read_only_arrays(kind, behavior):
-    entry, found, heard = listening(kind, Behavior[behavior])
+@pytest.mark.parametrize("behavior", ["STAND", "WALK"])
+def test_a_behavior_gets_read_only_arrays(behavior):
+    entry, found, heard = listening(Behavior[behavior])
     sim = AtlasSimulation(behaviors=[entry])
     arms = AtlasCommand()
     arms.k_effort = [0] * 16 + [255] * 6 + [100] * 6
@@ -160,11 +158,8 @@ def test_a_controller_gets_read_only_arrays():
     assert made[0].found == set()
 
 
-class InPlace(Stand):
-    """Forgets to copy."""
-
-    def __init__(self, tools, config):
-        super().__init__(tools.balance, tools.nominal_height, tools.rates)
+class InPlace(Extended):
+    """Writes into the body reference that it is given."""
 
     def update(self, state, observation, body, request, leaving):
         body.joints[3] += 0.002
@@ -172,7 +167,9 @@ class InPlace(Stand):
 
 
 def test_a_behavior_that_writes_into_what_it_was_given_is_stopped():
-    entry = BehaviorEntry(name="MINE", number=100, make=InPlace)
+    entry = BehaviorEntry(
+        name="MINE", number=100, make=lambda tools, _config: InPlace(tools.stand())
+    )
     sim = AtlasSimulation(behaviors=[entry])
     sim.publish(AtlasSimInterfaceCommand(behavior="MINE"))
     with pytest.raises(ValueError, match="read-only"):

@@ -4,13 +4,12 @@ import re
 
 import numpy as np
 import pytest
-from PIL import Image
 
 from atlas_drake import Scenario
-from atlas_drake.control.feet.sole import sole_corners
 from atlas_drake.frozen import replace
 from atlas_drake.logs import png_page
-from atlas_drake.logs.figures import make_page
+from atlas_drake.logs.balance_figures import balance_over_time, view_from_above
+from atlas_drake.logs.figures import _solved, make_page
 from atlas_drake.logs.log import Log
 from atlas_drake.logs.notes import note_from_event
 from atlas_drake.logs.panels import Band, Heat, Line, Marker, Span, thinned
@@ -86,27 +85,31 @@ def test_set_points_are_shown_where_the_user_has_a_share(log, page):
     assert not any(line.dashed for line in panel(page, "Left arm").items)
 
 
+def changed(log, arrays):
+    return Log(log.path, log.header, arrays, log.notes)
+
+
 def test_references_are_dashed_where_there_are_any(log):
     """STAND and WALK plan different ones, and a controller may plan none."""
     names = [f"balance.{name}_reference" for name in ("com", "dcm", "cop")]
-    titles = ("From above", "Balance ahead", "Balance sideways")
+    feet = feet_of(log)
     for given in (names, names[:1], []):
         arrays = {**log.arrays}
         for name in set(names) - set(given):
             arrays[name] = np.full_like(arrays[name], np.nan)
-        page = make_page(Log(log.path, log.header, arrays, log.notes))
-        for title, column in zip(titles, (1, 0, 1), strict=True):
-            drawn = [
-                item.y
-                for item in panel(page, title).items
-                if isinstance(item, Line) and item.dashed
-            ]
-            assert len(drawn) == len(given), title
-            for name, y in zip(given, drawn, strict=True):
+        part = changed(log, arrays)
+        for drawn, column in (
+            (view_from_above(part, feet), 1),
+            (balance_over_time(part, feet, 0), 0),
+            (balance_over_time(part, feet, 1), 1),
+        ):
+            plans = [i.y for i in drawn.items if isinstance(i, Line) and i.dashed]
+            assert len(plans) == len(given), drawn.title
+            for name, y in zip(given, plans, strict=True):
                 np.testing.assert_array_equal(y, arrays[name][:, column])
     # Logs of earlier versions lack some.
     arrays = {n: a for n, a in log.arrays.items() if n != "balance.com_reference"}
-    make_page(Log(log.path, log.header, arrays, log.notes))
+    balance_over_time(changed(log, arrays), feet, 0)
 
 
 def test_a_qp_that_is_not_told_of_is_not_shown_as_solved(log):
@@ -115,17 +118,15 @@ def test_a_qp_that_is_not_told_of_is_not_shown_as_solved(log):
     solved[: rows // 2] = -1
     solved[-5:] = 0
 
-    def labels(**changes):
-        arrays = {**log.arrays, **changes}
-        page = make_page(Log(log.path, log.header, arrays, log.notes))
-        return [span.label for span in panel(page, "Whole-body QP").items]
+    def labels(solved):
+        arrays = {**log.arrays, "controller.solved": solved}
+        if solved is None:  # Logs of earlier versions lack it.
+            del arrays["controller.solved"]
+        return [span.label for span in _solved(changed(log, arrays)).items]
 
-    assert labels() == ["solved"]
-    assert labels(**{"controller.solved": solved}) == ["solved", "no QP", "no solution"]
-    assert labels(**{"controller.solved": np.full(rows, -1)}) == ["no QP"]
-    arrays = {n: a for n, a in log.arrays.items() if n != "controller.solved"}
-    page = make_page(Log(log.path, log.header, arrays, log.notes))
-    assert [s.label for s in panel(page, "Whole-body QP").items] == ["solved"]
+    assert labels(solved) == ["solved", "no QP", "no solution"]
+    assert labels(np.full(rows, -1)) == ["no QP"]
+    assert labels(None) == labels(log["controller.solved"]) == ["solved"]
 
 
 def test_the_cop_lies_in_the_support(log, page):
@@ -147,25 +148,6 @@ def test_a_fall_is_marked_in_all_figures_over_time(log):
 
 
 # ---- geometry ----------------------------------------------------------------
-
-
-def test_corners_of_the_soles_are_those_of_the_controller(log):
-    from pydrake.common.eigen_geometry import Quaternion
-    from pydrake.math import RotationMatrix
-
-    feet, sole = feet_of(log), log.robot.file.sole
-    for foot, side in enumerate(("left", "right")):
-        quaternion = log[f"feet.{side}_orientation"][-1]
-        R_WF = RotationMatrix(Quaternion(quaternion / np.linalg.norm(quaternion)))
-        expected = sole_corners(
-            log[f"feet.{side}_position"][-1],
-            R_WF.matrix(),
-            sole.length / 2,
-            sole.width / 2,
-        )
-        np.testing.assert_allclose(
-            feet.corners[foot, -1], expected[:, :2], rtol=0, atol=1e-9
-        )
 
 
 def test_standing_has_one_print_of_each_foot_and_one_polygon(log):
@@ -255,16 +237,6 @@ def test_a_png_is_written(page, tmp_path, monkeypatch):
     width, height = (int.from_bytes(data[k : k + 4], "big") for k in (16, 20))
     assert width == 600
     assert height > width
-
-
-def test_thin_lines_keep_their_colors(page):
-    pixels = np.zeros((300, 300, 3), dtype=np.uint8)
-    pixels[..., 0] = np.arange(300)[:, None] % 256
-    pixels[..., 1] = np.arange(300)[None, :] % 256
-    pixels[7, :20] = (0x7E, 0x57, 0xC2)  # Of the legs' fifth joint.
-    picture = png_page._with_palette(Image.fromarray(pixels), page)
-    assert picture.size == (300, 300)
-    assert picture.convert("RGB").getpixel((5, 7)) == (0x7E, 0x57, 0xC2)
 
 
 @pytest.mark.slow

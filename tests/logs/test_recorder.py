@@ -6,14 +6,13 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from atlas_drake import AtlasCommand, AtlasSimulation, Behavior, Scenario, read_log
+from atlas_drake import AtlasCommand, AtlasSimulation, Scenario, read_log
 from atlas_drake.diagrams.atlas_station import StationConfig
 from atlas_drake.logs.channels import GAINS
 from atlas_drake.logs.figures import make_page
 from atlas_drake.logs.png_page import draw_figure
 from atlas_drake.logs.recorder import BLOCK
 from atlas_drake.logs.rows import RowMaker
-from atlas_drake.messages import BehaviorStatus
 from atlas_drake.scenario import Jitter
 
 from .conftest import ARM, END, arm_command, drive, walk_command
@@ -37,10 +36,7 @@ def test_recording_changes_not_a_bit(run, scenario):
     ]
     np.testing.assert_array_equal(*states)
     assert recorded.events == plain.events
-
-
-def test_no_recorder_is_built_where_there_is_no_log():
-    assert not AtlasSimulation().diagram.HasSubsystemNamed("log_recorder")
+    assert not plain.diagram.HasSubsystemNamed("log_recorder")
 
 
 def test_a_row_has_what_the_ports_said(tmp_path, scenario):
@@ -114,13 +110,8 @@ def test_balance_is_consistent(log):
     assert np.abs(error).max() < 0.05
     weight = log["feet.left_force"][-20:, 2] + log["feet.right_force"][-20:, 2]
     assert weight.mean() == pytest.approx(9.81 * log.robot.mass, rel=0.2)
-
-
-def test_imu_and_ticks_are_plausible(log):
     assert log["imu.linear_acceleration"][20:, 2].mean() == pytest.approx(9.81, abs=2)
-    ticks = log["controller.tick_time"]
-    assert np.isfinite(ticks).all()
-    assert (ticks > 0.0).all()
+    assert (log["controller.tick_time"] > 0.0).all()
 
 
 def test_commands_are_kept_as_sent_with_their_times(log):
@@ -131,18 +122,6 @@ def test_commands_are_kept_as_sent_with_their_times(log):
     assert walk.message == walk_command()
 
 
-def test_all_commands_of_one_instant_are_kept(tmp_path):
-    gains = AtlasCommand(kp_position=[7.0] * 28)
-    with AtlasSimulation(log=tmp_path / "run.npz") as sim:
-        sim.advance(0.01)
-        for message in (gains, arm_command(), walk_command()):
-            sim.publish(message)
-        sim.advance(0.01)
-    log = read_log(tmp_path / "run.npz")
-    sent = [command.message for command in log.commands]
-    assert sent == [gains, arm_command(), walk_command()]
-
-
 def test_events_are_kept(run):
     sim, log = run
     happened = sorted(sim.events, key=lambda event: event.time)
@@ -151,32 +130,22 @@ def test_events_are_kept(run):
     ]
     times = [event.time for event in happened]
     assert [event.time for event in log.events] == pytest.approx(times)
+    assert log["behavior.error_code"].min() < 0  # Of the refusal.
     assert {"push", "refusal", "behavior"} <= {event.kind for event in log.events}
 
 
-def test_feedback_is_kept(log):
-    # None was accepted at first; WALK was among all that came.
-    first, last = log["behavior.request_number"][[0, -1]]
-    assert set(log["behavior.request_number"]) == {first, last}
-    assert first == 0 < last <= len(log.commands)
-    walking = log["behavior.current"] == Behavior.WALK
-    assert walking[-1]
-    assert not walking[0]
-    assert log["behavior.trans_to"][-1] == Behavior.WALK
-    assert log["behavior.status_flags"][-1] == BehaviorStatus.TRANSITION_SUCCESS
-    assert log["behavior.error_code"].min() < 0  # The refused command.
-    steps = [log[f"walk.step_{place}"][-1] for place in (1, 2, 3, 4)]
-    np.testing.assert_array_equal([step[0] for step in steps], [1, 2, 3, 4])
-
-
-def test_no_field_of_the_joints_state_is_left_out(tmp_path, scenario):
+def test_no_field_of_the_joints_state_and_no_command_is_left_out(tmp_path, scenario):
+    gains = AtlasCommand(kp_position=[7.0] * 28)
+    messages = [gains, arm_command(), walk_command()]
     with AtlasSimulation(scenario, log=tmp_path / "run.npz") as sim:
-        sim.publish(arm_command())
+        for message in messages:
+            sim.publish(message)
         sim.advance_to(5 * PERIOD)
         # What the next tick finds; what motors do and touch changes in the tick.
         state = sim.atlas_state
         sim.advance_to(6 * PERIOD)
     log = read_log(tmp_path / "run.npz")
+    assert [command.message for command in log.commands] == messages
     in_tick = {
         "effort": "joints.effort",
         "linear_acceleration": "imu.linear_acceleration",
@@ -208,12 +177,14 @@ def test_no_field_of_the_joints_state_is_left_out(tmp_path, scenario):
         assert np.isfinite(log[channel]).all()
 
 
-def test_a_reset_goes_on_in_the_same_log(tmp_path):
+def test_a_reset_goes_on_in_the_same_log_and_the_run_without_it(tmp_path):
     file = tmp_path / "run.npz"
     with AtlasSimulation(log=file) as sim:
         sim.advance_to(5 * PERIOD)
         sim.reset()
         sim.advance_to(10 * PERIOD)
+        sim.close()
+        sim.advance_to(15 * PERIOD)
     log = read_log(file)
     np.testing.assert_allclose(log.time, PERIOD * np.arange(10), atol=1e-9)
     assert "reset" in [event.kind for event in log.events]
@@ -227,21 +198,7 @@ def test_a_forgotten_log_is_completed_with_its_simulation(tmp_path):
     assert len(read_log(tmp_path / "run.npz")) == 5
 
 
-def test_the_run_may_go_on_without_its_log(tmp_path):
-    sim = AtlasSimulation(log=tmp_path / "run.npz")
-    sim.advance_to(5 * PERIOD)
-    sim.close()
-    sim.close()
-    sim.advance_to(10 * PERIOD)
-    assert len(read_log(tmp_path / "run.npz")) == 5
-
-
-@pytest.mark.parametrize("name", ["run.npz", "run.mcap"])
-def test_what_interrupts_the_computation_of_rows_takes_none(
-    name, tmp_path, monkeypatch
-):
-    if name.endswith(".mcap"):
-        pytest.importorskip("mcap")
+def test_what_interrupts_the_computation_of_rows_takes_none(tmp_path, monkeypatch):
     compute, calls = RowMaker.rows, []
 
     def interrupted(maker, samples):
@@ -254,10 +211,10 @@ def test_what_interrupts_the_computation_of_rows_takes_none(
     # Drake may pass it on as an error of its own.
     with (
         pytest.raises((KeyboardInterrupt, RuntimeError, SystemError)),
-        AtlasSimulation(log=tmp_path / name) as sim,
+        AtlasSimulation(log=tmp_path / "run.npz") as sim,
     ):
-        sim.advance_to(100 * PERIOD)
-    times = read_log(tmp_path / name).time
+        sim.advance_to(3 * BLOCK * PERIOD)
+    times = read_log(tmp_path / "run.npz").time
     assert len(times) >= 2 * BLOCK
     np.testing.assert_allclose(times, PERIOD * np.arange(len(times)), atol=1e-9)
 

@@ -1,6 +1,7 @@
 """A replay shows the contents of the log in the same way as the run."""
 
 import dataclasses
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 import pytest
@@ -15,8 +16,10 @@ from atlas_drake import (
     Scenario,
     read_log,
 )
+from atlas_drake.behaviors.base import BehaviorProtocol
+from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.checked import as_plain
-from atlas_drake.control.balance.center_of_pressure import center_of_pressure
+from atlas_drake.control.wrenches import center_of_pressure
 from atlas_drake.diagrams.replay import make_replay
 from atlas_drake.logs.layout import SIDES
 from atlas_drake.logs.log import Log
@@ -24,17 +27,16 @@ from atlas_drake.logs.log_player import LogPlayer
 from atlas_drake.logs.notes import Header
 from atlas_drake.scenario.terrain import Block
 from atlas_drake.visualization.balance_marks import PATH as BALANCE
-from atlas_drake.visualization.caption import caption_of
-from atlas_drake.visualization.feedback_words import feedback_words
+from atlas_drake.visualization.caption import caption_of, feedback_words
 from atlas_drake.visualization.footsteps import footstep_marks
 from atlas_drake.visualization.overlays import LOGGED, Overlays
 
-from .conftest import ARM, drive, walk_command
+from .conftest import ARM, walk_command
 
 DISPLAYS = (
     "footstep_display",
     "caption_display",
-    "following_camera",
+    "following",
     "balance_marks",
     "contact_force_display",
     "control_colors",
@@ -110,12 +112,9 @@ def test_the_row_is_the_latest_one(log):
         )
 
 
-def test_footsteps_and_caption_are_those_of_the_run(tmp_path, scenario):
-    sim = AtlasSimulation(scenario, log=tmp_path / "run.npz")
-    drive(sim)
+def test_footsteps_and_caption_are_those_of_the_run(run):
+    sim, log = run
     live = [sim.output(name) for name in NAMES]
-    sim.close()
-    log = read_log(tmp_path / "run.npz")
     player = LogPlayer(log)
     context = player.CreateDefaultContext()
     context.SetTime(log.time[-1])
@@ -147,21 +146,17 @@ def test_footsteps_and_caption_are_those_of_the_run(tmp_path, scenario):
     assert again[0].request.command == walk_command()
 
 
-def test_a_replay_shows_robot_caption_and_footsteps(log, meshcat):
-    simulator = Simulator(make_replay(log, meshcat))
-    simulator.AdvanceTo(log.time[-1])
-    assert meshcat.HasPath("/drake/visualizer/atlas/pelvis")
-    assert meshcat.HasPath("/atlas_drake/footsteps/0")
-
-
-def test_what_a_log_is_enough_for_is_shown(log):
+def test_a_replay_shows_the_robot_and_what_the_log_is_enough_for(log):
     meshcat, overlays = Meshcat(), Overlays(LOGGED)
     simulator = Simulator(make_replay(log, meshcat, overlays))
     for name in ("owner", "effort"):
         overlays.switch(name, True)
-        simulator.AdvanceTo(simulator.get_context().get_time() + 0.1)
+        simulator.AdvanceTo(simulator.get_context().get_time() + 0.05)
+    assert meshcat.HasPath("/drake/visualizer/atlas/pelvis")
     for mark in ("com_ball", "dcm", "cop", "support/0"):
         assert meshcat.HasPath(f"{BALANCE}/{mark}")
+    simulator.AdvanceTo(log.time[-1])
+    assert meshcat.HasPath("/atlas_drake/footsteps/0")
     view = simulator.get_system()
     shown = {name for name in DISPLAYS if view.HasSubsystemNamed(name)}
     assert shown == set(DISPLAYS) - {"contact_force_display"}
@@ -250,3 +245,53 @@ def test_other_behaviors_look_as_in_the_run(behavior, tmp_path):
     feedback = again[2].manipulate_feedback
     moved = feedback.internal_sensed.pelvis_height != 0.8
     assert moved == (behavior == "MANIPULATE")
+
+
+@dataclass(frozen=True)
+class Waited:
+    """Feedback of the behavior below."""
+
+    ticks: int
+    mood: str = "calm"
+
+
+class Waiting(BehaviorProtocol):
+    """Holds the pose and counts its ticks."""
+
+    def __init__(self, tools, config):
+        self._freeze = tools.freeze
+
+    def enter(self, *given):
+        return (0, self._freeze.enter(*given))
+
+    def update(self, state, *given, leaving):
+        outcome = self._freeze.update(state[1], *given, leaving=leaving)
+        return replace(outcome, state=(state[0] + 1, outcome.state))
+
+    def feedback(self, state, status_flags):
+        return Waited(state[0] // 4)
+
+
+@pytest.mark.parametrize("ending", ["npz", "mcap"])
+def test_feedback_of_ones_own_behavior_is_logged_and_replayed(tmp_path, ending):
+    entry = BehaviorEntry(name="WAIT", number=100, make=Waiting)
+    path = tmp_path / f"run.{ending}"
+    with AtlasSimulation(behaviors=[entry], log=path) as sim:
+        sim.advance(0.05)
+        sim.publish(AtlasSimInterfaceCommand(behavior="WAIT"))
+        sim.advance(0.1)
+        last = sim.atlas_sim_interface_state.feedback
+        sim.publish(AtlasSimInterfaceCommand(behavior="FREEZE"))
+        sim.advance(0.05)
+    log = read_log(path)
+    notes = [note.data["feedback"] for note in log.notes if note.kind == "feedback"]
+    ticks = range(last.ticks + 1)
+    assert notes == [*({"ticks": n, "mood": "calm"} for n in ticks), None]
+    player = LogPlayer(log)
+    context = player.CreateDefaultContext()
+    reported = []
+    for time in (0.03, 0.14, 0.19):
+        context.SetTime(time)
+        report = player.GetOutputPort("atlas_sim_interface_state").Eval(context)
+        reported.append(report.feedback)
+    assert reported == [None, asdict(last), None]

@@ -16,9 +16,7 @@ from atlas_drake.messages import (
     Header,
 )
 from atlas_drake.messages.commands import (
-    JOINT_FIELDS,
     KEPT,
-    SERVO_FIELDS,
     CommandsInForce,
     commands_at_start,
     latch,
@@ -26,9 +24,14 @@ from atlas_drake.messages.commands import (
     receive,
 )
 from atlas_drake.messages.controller_status import ControllerStatus
+from atlas_drake.messages.joint_command import JOINT_FIELDS
 from atlas_drake.robot import load_robot
 from atlas_drake.simulation.run_log import RunLog
 from atlas_drake.systems.push_source import PushState
+
+SERVO_FIELDS = [
+    name for name in JOINT_FIELDS if hasattr(AtlasSimInterfaceCommand, name)
+]
 
 
 @pytest.fixture(scope="module")
@@ -97,10 +100,6 @@ def test_at_start_joints_are_the_users_only_without_behavior(robot, behavior):
     assert start.request.number == 0
 
 
-def test_without_messages_nothing_changes(robot, start):
-    assert latch(start, NOTHING, NOTHING, robot, 1.0) is start
-
-
 # Joint commands.
 
 
@@ -159,37 +158,23 @@ def test_a_behavior_command_sets_the_joints_too(robot, start, everything, field)
         )
 
 
-def test_a_behavior_command_without_arrays_leaves_the_joints_as_they_are(robot, start):
+def test_an_empty_command_changes_nothing_but_is_accepted(robot, start):
     after = sent(start, robot, sim=AtlasSimInterfaceCommand(behavior=Behavior.STAND))
     assert after.joints is start.joints
-
-
-def test_an_empty_command_changes_nothing_but_is_accepted(robot, start):
-    after = sent(start, robot, AtlasCommand(), time=3.0)
+    after = sent(after, robot, AtlasCommand(), time=3.0)
     for name in JOINT_FIELDS:
         np.testing.assert_array_equal(
             getattr(after.joints, name), getattr(start.joints, name)
         )
-    assert after.atlas_stamp == 3.0
-    assert after.refused == 0
+    assert (after.atlas_stamp, after.refused) == (3.0, 0)
 
 
-BAD_VALUES = {
-    "one too few": [1.0] * 27,
-    "one too many": [1.0] * 29,
-    "no number": [1.0] * 27 + [float("nan")],
-    "infinite": [1.0] * 27 + [float("inf")],
-    "words": ["one"] * 28,
-}
-
-
-@pytest.mark.parametrize("fault", BAD_VALUES)
 @pytest.mark.parametrize("field", JOINT_FIELDS)
-def test_a_bad_array_refuses_the_whole_command(robot, start, everything, field, fault):
+def test_a_bad_array_refuses_the_whole_command(robot, start, everything, field):
     before = sent(start, robot, everything)
     command = everything.mutable_copy()
     command.position = [0.5] * 28  # Good, and yet it must not be applied.
-    setattr(command, field, BAD_VALUES[fault])
+    setattr(command, field, [1.0] * 27)
     after = sent(before, robot, command, time=4.0)
     assert_only_the_error_is_new(after, before)
     assert after.error_code is ErrorCode.VALUE_OUT_OF_RANGE
@@ -237,24 +222,17 @@ def test_a_behavior_request_is_numbered(robot, start):
     assert force.request.behavior is Behavior.MANIPULATE
 
 
-def test_joint_commands_do_not_count_as_requests(robot, start, everything):
-    assert sent(start, robot, everything).request.number == 0
-
-
-@pytest.mark.parametrize("behavior", [8, -1, "moonwalk", None, 2.5])
-def test_an_unknown_behavior_is_refused(robot, start, behavior):
-    command = AtlasSimInterfaceCommand(behavior=behavior, k_effort=[255] * 28)
-    after = sent(start, robot, sim=command)
-    assert_only_the_error_is_new(after, start)
-    assert after.error_code is ErrorCode.NO_SUCH_BEHAVIOR
-
-
-def test_a_bad_step_is_refused_with_the_whole_command(robot, start):
-    command = AtlasSimInterfaceCommand(behavior=Behavior.WALK, k_effort=[3] * 28)
-    command.walk_params.step_queue[0].step_index = 0
-    after = sent(start, robot, sim=command)
-    assert_only_the_error_is_new(after, start)
-    assert after.error_code is ErrorCode.INVALID_INDEX
+def test_a_bad_behavior_or_step_refuses_the_whole_command(robot, start):
+    unknown = AtlasSimInterfaceCommand(behavior="moonwalk", k_effort=[255] * 28)
+    walk = AtlasSimInterfaceCommand(behavior=Behavior.WALK, k_effort=[3] * 28)
+    walk.walk_params.step_queue[0].step_index = 0
+    for command, code in (
+        (unknown, ErrorCode.NO_SUCH_BEHAVIOR),
+        (walk, ErrorCode.INVALID_INDEX),
+    ):
+        after = sent(start, robot, sim=command)
+        assert_only_the_error_is_new(after, start)
+        assert after.error_code is code
 
 
 @pytest.mark.parametrize("shares", [[], [0] * 28])
@@ -292,7 +270,13 @@ def test_the_later_message_wins_the_shares(robot, start):
 
 @pytest.mark.parametrize(
     ("atlas_stamp", "sim_stamp", "winner"),
-    [(2.0, 1.0, 7.0), (1.0, 2.0, 9.0), (0.0, 0.0, 9.0), (1.5, 1.5, 9.0)],
+    [
+        (2.0, 1.0, 7.0),
+        (np.float32(2.0), 1, 7.0),
+        (1.0, 2.0, 9.0),
+        (0.0, 0.0, 9.0),
+        (1.5, 1.5, 9.0),
+    ],
 )
 def test_at_one_instant_the_stamps_decide(robot, start, atlas_stamp, sim_stamp, winner):
     atlas = AtlasCommand(Header(atlas_stamp), k_effort=[7] * 28)
@@ -302,15 +286,6 @@ def test_at_one_instant_the_stamps_decide(robot, start, atlas_stamp, sim_stamp, 
     after = sent(start, robot, atlas, sim, time=2.0)
     np.testing.assert_array_equal(after.k_effort, np.full(28, winner))
     assert after.error_code is ErrorCode.NO_ERRORS
-
-
-def test_stamps_of_any_number_type_are_compared(robot, start):
-    atlas = AtlasCommand(Header(np.float32(2.0)), k_effort=[7] * 28)
-    sim = AtlasSimInterfaceCommand(
-        Header(1), behavior=Behavior.STAND, k_effort=[9] * 28
-    )
-    after = sent(start, robot, atlas, sim, time=2.0)
-    np.testing.assert_array_equal(after.k_effort, np.full(28, 7.0))
 
 
 def test_one_refused_message_does_not_take_the_other_with_it(robot, start):
@@ -327,6 +302,8 @@ def test_a_message_seen_before_is_not_new(robot, start):
     good = AtlasSimInterfaceCommand(behavior=Behavior.WALK).snapshot()
     once = latch(start, bad, good, robot, 1.0)
     assert latch(once, bad, good, robot, 2.0) is once
+    # A message that leaves its port stays in force.
+    assert latch(once, NOTHING, NOTHING, robot, 2.0) is once
     assert once.refused == 1
     assert once.request.number == once.received == 2
 
@@ -384,11 +361,6 @@ def test_a_message_that_changes_on_its_port_is_new(robot, start):
     assert force.messages[0].message.position[3] == 0.0
 
 
-def test_a_message_that_leaves_its_port_is_not_forgotten(robot, start, everything):
-    after = sent(start, robot, everything)
-    assert latch(after, NOTHING, NOTHING, robot, 2.0) is after
-
-
 def test_time_must_not_run_backward_for_either_kind(robot, start):
     force = sent(start, robot, AtlasCommand(Header(5.0)))
     # The two kinds have clocks of their own.
@@ -419,14 +391,6 @@ def test_an_accepted_message_clears_the_error_but_not_the_log(robot, start):
     assert after.refusals == refused.refusals
 
 
-def test_refusals_are_counted_but_only_the_latest_kept(robot, start):
-    force = start
-    for number in range(KEPT + 7):
-        force = sent(force, robot, AtlasCommand(position=[0.0]), time=float(number))
-    assert force.refused == KEPT + 7
-    assert [r.time for r in force.refusals] == list(range(7, KEPT + 7))
-
-
 @pytest.mark.parametrize("kind", ["messages", "refusals", "requests"])
 def test_nothing_of_the_last_moments_is_dropped(robot, start, kind):
     force = start
@@ -435,8 +399,10 @@ def test_nothing_of_the_last_moments_is_dropped(robot, start, kind):
         command = AtlasSimInterfaceCommand(behavior="WALLK" if bad else "STAND")
         force = sent(force, robot, sim=command, time=1.0)
     assert len(getattr(force, kind)) >= 3 * KEPT
+    assert not bad or force.refused == 3 * KEPT
     later = sent(force, robot, sim=command, time=2.0)
     assert len(getattr(later, kind)) == KEPT
+    assert getattr(later, kind)[-1].time == 2.0
 
 
 def test_a_reader_who_has_seen_more_than_there_was_gets_nothing(robot, start):
@@ -445,27 +411,6 @@ def test_a_reader_who_has_seen_more_than_there_was_gets_nothing(robot, start):
     assert force.messages_since(7) == ()
     assert force.refusals_since(7) == ()
     assert len(force.messages_since(0)) == 1
-
-
-def test_refusals_are_logged(robot, start, caplog):
-    log_refusals(start, sent(start, robot, AtlasCommand(velocity=[0.0]), time=1.25))
-    (record,) = caplog.records
-    assert record.levelno == logging.WARNING
-    assert "velocity" in record.getMessage()
-    assert "1.25" in record.getMessage()
-
-
-def test_a_streamed_fault_is_logged_once(robot, start, caplog):
-    force = start
-    for tick in range(600):
-        bad = AtlasCommand(Header(1.0 + tick), velocity=[0.0])
-        before, force = force, sent(force, robot, bad, time=0.002 * tick)
-        log_refusals(before, force)
-    assert force.refused == 600
-    assert len(caplog.records) == 1
-    late = sent(force, robot, AtlasCommand(velocity=[0.0]), time=4.0)
-    log_refusals(force, late)
-    assert len(caplog.records) == 2
 
 
 def test_each_fault_is_heard_and_again_when_time_went_back(robot, start, caplog):
@@ -478,11 +423,14 @@ def test_each_fault_is_heard_and_again_when_time_went_back(robot, start, caplog)
             force = receive(force, fault, robot, time)
         log_refusals(before, force)
         assert len(caplog.records) == heard, time
+        for record, name in zip(caplog.records, ("position", "velocity"), strict=False):
+            assert record.levelno == logging.WARNING
+            assert record.getMessage().startswith(f"t = {time:.3f} s: refused: {name}")
 
 
 def test_two_streamed_faults_that_change_are_logged_once_each(robot, start, caplog):
     force, log = start, RunLog()
-    for tick in range(500):
+    for tick in range(150):
         time = 0.002 * tick
         bad = AtlasCommand(Header(1.0 + tick), kp_velocity=[-1.0 - tick] * 28)
         before, force = force, sent(force, robot, bad, time=time)
@@ -491,9 +439,9 @@ def test_two_streamed_faults_that_change_are_logged_once_each(robot, start, capl
         before, force = force, sent(force, robot, worse, time=time)
         log_refusals(before, force)
         log.collect((), 0, force, ControllerStatus(), PushState())
-    assert force.refused > 900
+    assert force.refused > 280
     assert len(caplog.records) == 2
-    assert len(log.events) > 900  # Events are a record, and leave none out.
+    assert len(log.events) > 280  # Events are a record, and leave none out.
 
 
 @pytest.mark.parametrize("thing", ["stand", 4, [1, 2]])
@@ -505,15 +453,6 @@ def test_what_is_no_message_is_refused(robot, start, thing):
 
 
 # Values.
-
-
-def test_what_was_in_force_does_not_change_afterwards(robot, start, everything):
-    kept = {n: getattr(start.joints, n).copy() for n in JOINT_FIELDS}
-    shares = start.k_effort.copy()
-    sent(start, robot, everything)
-    for name, values in kept.items():
-        np.testing.assert_array_equal(getattr(start.joints, name), values)
-    np.testing.assert_array_equal(start.k_effort, shares)
 
 
 def test_arrays_in_force_are_not_the_senders(robot, start):

@@ -8,8 +8,7 @@ from atlas_drake.messages import (
     AtlasSimInterfaceCommand,
     AtlasState,
     Behavior,
-    validate_atlas_command,
-    validate_sim_interface_command,
+    check_command,
 )
 
 NUM_JOINTS = 28
@@ -33,8 +32,8 @@ def test_user_mode_pose():
     # The script sets this gain on a message that it has sent before.
     sent = message.snapshot()
     message.kp_velocity = [50.0] * NUM_JOINTS
-    validate_atlas_command(sent, JOINTS)
-    validate_atlas_command(message, JOINTS)
+    check_command(sent, JOINTS)
+    check_command(message, JOINTS)
     assert len(sent.kp_velocity) == 0
 
 
@@ -48,8 +47,8 @@ def test_one_message_is_sent_twice_with_changes_and_the_same_stamp():
     message.k_effort = [0] * NUM_JOINTS
     stand = message.snapshot()
 
-    validate_sim_interface_command(warm_up, JOINTS)
-    validate_sim_interface_command(stand, JOINTS, warm_up.header.stamp)
+    check_command(warm_up, JOINTS)
+    check_command(stand, JOINTS, previous_stamp=warm_up.header.stamp)
     assert (warm_up.behavior, stand.behavior) == (Behavior.STAND_PREP, Behavior.STAND)
     assert (warm_up.k_effort[0], stand.k_effort[0]) == (255, 0)
 
@@ -64,7 +63,7 @@ def test_arms_under_user_control():
     message.k_effort = [0] * NUM_JOINTS
     for joint in USER_JOINTS:
         message.k_effort[joint] = 255
-    validate_atlas_command(message, JOINTS)
+    check_command(message, JOINTS)
     assert [i for i, k in enumerate(message.k_effort) if k] == [3, 18, 21, 24, 27]
 
 
@@ -92,7 +91,7 @@ def test_walk():
     snapshot = message.snapshot()
     arms_k_effort[0] = 255  # The script shares one list between two messages.
 
-    validate_sim_interface_command(snapshot, JOINTS, previous_stamp=3.5)
+    check_command(snapshot, JOINTS, previous_stamp=3.5)
     assert snapshot.k_effort[0] == 0
     steps = snapshot.walk_params.step_queue
     assert [step.pose.position.x for step in steps] == [0.25, 0.25, 0.5, 0.5]
@@ -103,4 +102,4 @@ def test_walk():
 def test_behavior_by_name(name):
     message = AtlasSimInterfaceCommand()
     message.behavior = name
-    validate_sim_interface_command(message, JOINTS)
+    check_command(message, JOINTS)

@@ -28,9 +28,9 @@ from atlas_drake.control.feet.footstep import (
     outward,
     saturate,
 )
+from atlas_drake.control.feet.step_limits import StepLimits
 from atlas_drake.control.rotations import mean_yaw, rotation_z, wrap_angle
 from atlas_drake.messages import WalkStatus
-from atlas_drake.robot import StepLimits
 
 LIMITS = StepLimits()
 HALF_WIDTH = Gait().half_width
@@ -121,7 +121,7 @@ def assert_ends_at(feet, x, y, yaw):
     assert wrap_angle(feet[0].yaw - feet[1].yaw) == pytest.approx(0.0, abs=1e-3)
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=25)
 @given(report=reports(), x=PLACES, y=PLACES, yaw=ANGLES)
 def test_from_any_feet_to_any_pose(report, x, y, yaw):
     steps = steps_to(report, x, y, yaw)
@@ -132,7 +132,7 @@ def test_from_any_feet_to_any_pose(report, x, y, yaw):
     assert len(steps) <= distance / 0.04 + 2 * math.pi / 0.15 + 12
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=25)
 @given(
     report=reports(),
     x=st.floats(-0.5, 0.5),
@@ -170,7 +170,7 @@ def test_to_a_pose_nearby_in_any_gait(report, gait, x, y, turn):
         assert_ends_at(taken(report, steps), *goal)
 
 
-@settings(deadline=None, max_examples=60)
+@settings(deadline=None, max_examples=25)
 @given(report=reports(), length=st.floats(-3.0, 3.0), angle=st.floats(-7.0, 7.0))
 def test_along_an_arc(report, length, angle):
     x, y, yaw = middle(soles(report))

@@ -6,11 +6,12 @@ import re
 import numpy as np
 import pytest
 
-from atlas_drake import AtlasSimulation, Gait, Scenario
+from atlas_drake import AtlasSimulation, Scenario
+from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.control.feet.leg_kinematics import solve_leg
 from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.errors import InvalidMessageError, RobotDescriptionError
-from atlas_drake.messages import AtlasCommand, validate_atlas_command
+from atlas_drake.messages import AtlasCommand, check_command
 from atlas_drake.robot import load_robot
 
 
@@ -107,7 +108,7 @@ def test_shapes_of_the_robot_inside_each_other_are_named_and_can_be_let_pass(cop
 
 @pytest.mark.parametrize(
     ("pairs", "words"),
-    [("[[hips]]", "must be two words"), ("[[hips, nose]]", "no body 'nose'")],
+    [("[[hips]]", "at least 2 items, not 1"), ("[[hips, nose]]", "no body 'nose'")],
 )
 def test_pairs_that_do_not_exist_are_refused(copied, pairs, words):
     path = copied()
@@ -213,20 +214,21 @@ def test_joints_that_cannot_be_commanded_are_refused(copied, fault):
 def test_messages_are_as_long_as_the_robot_has_joints(heron):
     message = AtlasCommand()
     message.position = heron.stand_prep
-    validate_atlas_command(message, heron.joint_names)
+    check_command(message, heron.joint_names)
     message.position = load_robot().stand_prep
     with pytest.raises(InvalidMessageError, match="must have 15 elements"):
-        validate_atlas_command(message, heron.joint_names)
+        check_command(message, heron.joint_names)
 
 
 def test_its_gait_keeps_its_own_limits(heron):
-    usual = Gait.of(heron)
+    config = ControllerConfig.of(heron.file)
+    usual = config.gait()
     assert (usual.stride, usual.turn, usual.half_width) == (0.14, 0.15, 0.09)
-    assert Gait.of(heron, stride=0.2).duration == usual.duration
+    assert config.gait(stride=0.2).duration == usual.duration
     with pytest.raises(ValueError, match=r"gait.stride is 0.3, and not between"):
-        Gait.of(heron, stride=0.3)
-    widest = Gait.nearest(heron, stride=0.9, duration=9.0, turn=2.0, swing_height=1.0)
+        config.gait(stride=0.3)
+    widest = usual.nearest(stride=0.9, duration=9.0, turn=2.0, swing_height=1.0)
     assert 0.2 < widest.stride < 0.3
     assert widest.swing_height == 0.2
     assert widest.duration < 3.0
-    assert Gait.nearest(heron) == usual
+    assert usual.nearest() == usual

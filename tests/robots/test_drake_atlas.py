@@ -7,7 +7,6 @@ from atlas_drake import (
     AtlasCommand,
     AtlasSimulation,
     Behavior,
-    Gait,
     Scenario,
     StepStream,
     steps_ahead,
@@ -106,7 +105,7 @@ def test_it_stands_and_takes_messages_of_its_own_length(sim):
 def test_it_walks(sim):
     sim.advance(0.3)
     report = sim.atlas_sim_interface_state
-    gait = Gait.of(sim.robot, stride=0.25)
+    gait = sim.scenario.controller_config().gait(stride=0.25)
     stream = StepStream(steps_ahead(report, 0.75, gait))
     while not stream.is_over(sim.atlas_sim_interface_state):
         command = stream.next_command(sim.atlas_sim_interface_state)

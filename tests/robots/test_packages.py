@@ -5,6 +5,7 @@ import shutil
 import threading
 import time
 import urllib.error
+import urllib.request
 
 import pytest
 
@@ -34,7 +35,7 @@ def nowhere(tmp_path, monkeypatch):
     def silent(*_arguments, **_options):
         raise urllib.error.URLError("no such host")
 
-    monkeypatch.setattr(packages.urllib.request, "urlopen", silent)
+    monkeypatch.setattr(urllib.request, "urlopen", silent)
     monkeypatch.setattr(packages, "PackageMap", None)
 
 
@@ -61,7 +62,7 @@ def test_a_network_that_hangs_is_not_waited_for(nowhere, monkeypatch):
         patience.wait(10.0)
         raise urllib.error.URLError("too late")
 
-    monkeypatch.setattr(packages.urllib.request, "urlopen", hangs)
+    monkeypatch.setattr(urllib.request, "urlopen", hangs)
     start = time.monotonic()
     with pytest.raises(RobotDescriptionError, match=r"not answer within 0\.05 s"):
         load_robot("drake_atlas")
@@ -84,7 +85,7 @@ def test_a_download_that_fails_says_why(nowhere, monkeypatch):
         # An answer, if not a friendly one.
         raise urllib.error.HTTPError("", 405, "not so", {}, None)
 
-    monkeypatch.setattr(packages.urllib.request, "urlopen", refused)
+    monkeypatch.setattr(urllib.request, "urlopen", refused)
     monkeypatch.setattr(packages, "PackageMap", Broken)
     with pytest.raises(RobotDescriptionError, match="checksum mismatch; set ATLAS"):
         load_robot("drake_atlas")

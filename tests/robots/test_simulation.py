@@ -9,13 +9,13 @@ from atlas_drake import (
     AtlasSimInterfaceCommand,
     AtlasSimulation,
     Behavior,
-    Gait,
     Scenario,
     StepStream,
     load_scenario,
     steps_ahead,
 )
 from atlas_drake.app.main import main
+from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.diagrams.replay import make_replay
 from atlas_drake.errors import ScenarioError
 from atlas_drake.logs import LogError, read_log
@@ -104,8 +104,8 @@ def test_a_log_knows_where_its_robot_is(copied, tmp_path, ending):
 
 
 def test_the_panel_fits_the_robot(heron):
-    own = fitted(heron)
-    titles = {page.title: page for page in pages_with(heron, ())}
+    own = fitted(heron, ControllerConfig.of(heron.file))
+    titles = {page.title: page for page in pages_with(heron, own, ())}
     shown = {slider.label for page in titles.values() for slider in page.sliders}
     assert own["stride [m]"].value == 0.14
     assert own["pelvis height [m]"][1:3] == (0.45, 0.68)
@@ -120,7 +120,8 @@ def test_steering_commands_the_robot(heron):
     sim = simulate()
     commander = Commander(heron, sim.atlas_sim_interface_state)
     sliders = {slider.label: slider.value for slider in SLIDERS}
-    sliders |= {label: slider.value for label, slider in fitted(heron).items()}
+    own = fitted(heron, ControllerConfig.of(heron.file))
+    sliders |= {label: slider.value for label, slider in own.items()}
 
     def press(*actions):
         controls = Controls(actions, sliders)
@@ -150,9 +151,8 @@ def test_it_stands_squats_and_walks():
     sim.advance(1.0)
     stood = sim.atlas_sim_interface_state.pos_est.position
     assert stood.z == pytest.approx(0.66, abs=0.01)
-    stream = StepStream(
-        steps_ahead(sim.atlas_sim_interface_state, 0.42, Gait.of(sim.robot))
-    )
+    gait = sim.scenario.controller_config().gait()
+    stream = StepStream(steps_ahead(sim.atlas_sim_interface_state, 0.42, gait))
     while not stream.is_over(sim.atlas_sim_interface_state):
         command = stream.next_command(sim.atlas_sim_interface_state)
         if command is not None:

@@ -110,8 +110,8 @@ def test_a_part_that_does_not_belong_there_is_named():
 
 
 def test_messages_print_as_yaml():
-    pose = geometry_msgs["PoseStamped"]()
-    assert str(pose).splitlines()[:3] == ["header:", "  seq: 0", "  stamp: Time[0]"]
+    state = atlas_msgs["AtlasState"]()
+    assert str(state).splitlines()[:3] == ["header:", "  seq: 0", "  stamp: Time[0]"]
     assert str(std_msgs["String"]("so")) == "data: 'so'"
 
 
@@ -123,7 +123,7 @@ def test_times_are_seconds_and_nanoseconds():
     assert Duration(0.3) * 2 == Duration(0.6)
     assert span / Duration(0.5) == 5.0
     assert (time < Time(2), time >= Time(1.5), -span < Duration(0)) == (True,) * 3
-    assert (time == span, bool(Time()), Time(0).is_zero()) == (False, False, True)
+    assert (time == span, bool(Time())) == (False, False)
     assert (time.secs, time.nsecs, time.to_nsec()) == (1, 500_000_000, 1_500_000_000)
     with pytest.raises(TypeError):
         _ = time < 2.0

@@ -6,7 +6,6 @@ import pytest
 
 from atlas_drake import AtlasSimulation, Scenario
 from atlas_drake.messages import Behavior
-from atlas_drake.ros_scripts.topics import TOPICS
 
 from .conftest import STEPS
 
@@ -27,17 +26,20 @@ from std_msgs.msg import String
 @pytest.mark.parametrize(
     ("text", "seconds"),
     [
-        ("time.sleep(0.1)", 0.1),
-        ("rospy.sleep(0.1)", 0.1),
-        ("rospy.sleep(rospy.Duration(0.1))", 0.1),
+        ("time.sleep(0.04)", 0.04),
+        ("rospy.sleep(0.04)", 0.04),
+        ("rospy.sleep(rospy.Duration(0.04))", 0.04),
         ("rospy.sleep(-1.0)", 0.0),
-        ("t = time.time()\nwhile time.time() - t < 0.1: pass", 0.1),
-        ("while rospy.get_time() < 0.1: pass", 0.1),
-        ("while rospy.Time.now() < rospy.Time(0.1): pass", 0.1),
-        ("rate = rospy.Rate(50)\nfor i in range(5): rate.sleep()", 0.1),
-        ("rate = rospy.Rate(50)\nrospy.sleep(0.03)\nrate.sleep()\nrate.sleep()", 0.04),
+        ("t = time.time()\nwhile time.time() - t < 0.04: pass", 0.04),
+        ("while rospy.get_time() < 0.04: pass", 0.04),
+        ("while rospy.Time.now() < rospy.Time(0.04): pass", 0.04),
+        ("rate = rospy.Rate(100)\nfor i in range(4): rate.sleep()", 0.04),
+        (
+            "rate = rospy.Rate(100)\nrospy.sleep(0.015)\nrate.sleep()\nrate.sleep()",
+            0.02,
+        ),
         ("for i in range(10): print(rospy.Time.now(), rospy.is_shutdown())", 0.0),
-        ("m = rospy.wait_for_message('/clock', Clock)\nassert m.clock.to_sec()", 0.004),
+        ("m = rospy.wait_for_message('/clock', Clock)\nassert m.clock", 0.004),
         ("rospy.init_node('test')", 0.004),
     ],
 )
@@ -59,10 +61,10 @@ names = {"atlas/imu": Imu, "atlas/atlas_state": AtlasState, "/clock": Clock,
     "joint_states": JointState, "/atlas/joint_states": JointState}
 subscribers = [rospy.Subscriber(n, t, keep, n) for n, t in names.items()]
 assert not got
-time.sleep(0.1)
+time.sleep(0.04)
 for name in names:
-    assert 24 <= len(got[name]) <= 26, (name, len(got[name]))
-    assert name == "/clock" or got[name][-1].header.stamp.to_sec() > 0.09
+    assert 9 <= len(got[name]) <= 11, (name, len(got[name]))
+    assert name == "/clock" or got[name][-1].header.stamp.to_sec() > 0.03
 assert got["joint_states"][-1].name[AtlasState.neck_ry] == "neck_ry"
 assert len(got["atlas/atlas_state"][-1].position) == 28
 state = got["/atlas/atlas_sim_interface_state"][-1]
@@ -71,8 +73,8 @@ assert 0.7 < state.pos_est.position.z < 1.0
 assert list(bytearray(state.k_effort)) == [0] * 28
 for subscriber in subscribers:
     subscriber.unregister()
-time.sleep(0.1)
-print(len(got["/clock"]) < 27)
+time.sleep(0.04)
+print(len(got["/clock"]) < 12)
 """
     )
     assert ran.problem is None, ran.complained
@@ -308,20 +310,19 @@ rospy.set_param("~own", 4)
 print(rospy.get_param("ns/x"), rospy.get_param("/ns/y/z"), rospy.get_param("/ns"))
 print(rospy.get_param("/node/own"), rospy.has_param("/own"), rospy.has_param("~own"))
 rospy.get_param("/ns")["x"] = 9
-rospy.delete_param("/ns/y")
-print([name for name in rospy.get_param_names() if name.startswith("/n")])
+print(rospy.get_param("ns/x"))
 gains = rospy.get_param("atlas_controller/gains/atlas::l_arm_uwy")
 print(gains == rospy.get_param("atlas_controller/gains")["l_arm_uwy"], sorted(gains))
-rospy.delete_param("/ns/y")
+rospy.get_param("/ns/v")
 """
     )
     assert ran.printed == [
         "1 2 {'x': 1, 'y': {'z': 2}, 'w': 3}",
         "4 False True",
-        "['/node/own', '/ns/w', '/ns/x']",
+        "1",
         "True ['d', 'i', 'i_clamp', 'p']",
     ]
-    assert "parameter '/ns/y'" in ran.complained
+    assert "parameter '/ns/v'" in ran.complained
 
 
 def test_commands_reach_the_robot(run):
@@ -340,31 +341,23 @@ joints = rospy.Publisher("/atlas/joint_commands", JointCommands)
 gain = rospy.get_param("atlas_controller/gains/l_arm_uwy/p")
 joints.publish(name=["atlas::l_arm_uwy", "r_arm_wry"], position=[0.2, 0.1],
                kp_position=[gain, gain])
+rospy.sleep(0.01)
+state = rospy.wait_for_message("/atlas/atlas_state", AtlasState)
+print([i for i, k in enumerate(bytearray(state.k_effort)) if k == 255])
 mode = rospy.Publisher("/atlas/control_mode", String, None, False, True, None)
-rospy.sleep(0.1)
 mode.publish("Manip")
-rospy.sleep(0.1)
+rospy.sleep(0.02)
 """
     )
     assert ran.problem is None, ran.complained
+    # Besides the neck only the two joints that joint_commands names.
+    assert ran.printed == ["[3, 20, 26]"]
     in_force = ran.sim.output("commands").joints
     assert in_force.position[[3, 20, 26]].tolist() == [0.3, 0.2, 0.1]
     assert in_force.kp_position[26] == in_force.kp_position[20] == 50.0
     assert ran.sim.current_behavior is Behavior.MANIPULATE
     # The word gives the behavior all joints.
     assert set(ran.sim.atlas_state.k_effort) == {0}
-
-
-def test_joint_commands_take_the_joints_that_they_name(run):
-    ran = run(
-        HEAD
-        + """
-joints = rospy.Publisher("/atlas/joint_commands", JointCommands)
-joints.publish(name=["atlas::l_arm_uwy"], position=[0.2])
-rospy.sleep(0.1)
-"""
-    )
-    assert [i for i, k in enumerate(ran.sim.atlas_state.k_effort) if k == 255] == [20]
 
 
 @pytest.mark.parametrize(
@@ -380,7 +373,7 @@ rospy.sleep(0.1)
 )
 def test_control_modes_are_behaviors(run, word, behavior):
     text = f"rospy.Publisher('atlas/control_mode', String).publish({word!r})\n"
-    ran = run(HEAD + text + "rospy.sleep(0.05)\n")
+    ran = run(HEAD + text + "rospy.sleep(0.01)\n")
     assert ran.sim.current_behavior is behavior, ran.complained
     assert set(ran.sim.atlas_state.k_effort) == {255 if word == "User" else 0}
 
@@ -393,11 +386,11 @@ def test_the_harness_lets_go_when_the_mode_says_so(run):
         HEAD
         + """
 mode = rospy.Publisher("/atlas/mode", String)
-rospy.sleep(0.05)
+rospy.sleep(0.01)
 mode.publish("harnessed")
-rospy.sleep(0.05)
+rospy.sleep(0.01)
 mode.publish("nominal")
-rospy.sleep(0.05)
+rospy.sleep(0.01)
 """,
         on=AtlasSimulation(scenario),
     )
@@ -548,14 +541,6 @@ def test_a_program_has_its_own_arguments(run):
     assert ran.printed == ["['-a', 'x:=y'] ['-a']"]
 
 
-def test_two_runs_are_the_same(run, sim):
-    text = HEAD + "rospy.Publisher('atlas/control_mode', String).publish('Manip')\n"
-    text += "rospy.sleep(0.1)\n"
-    first = run(text).sim.atlas_state
-    sim.reset(seed=0)
-    assert run(text).sim.atlas_state == first
-
-
 def test_ros_that_is_installed_is_not_used(run, tmp_path, monkeypatch):
     (tmp_path / "PyKDL.py").write_text("raise SystemExit('the wrong one')\n")
     monkeypatch.syspath_prepend(tmp_path)
@@ -563,12 +548,3 @@ def test_ros_that_is_installed_is_not_used(run, tmp_path, monkeypatch):
     assert ran.printed == ["2.0"]
     assert "PyKDL is installed" in ran.said[0]
     assert "the stand-in for it is used" in ran.said[0]
-
-
-def test_all_topics_of_the_original_are_there():
-    assert {
-        "/atlas/atlas_command",
-        "/atlas/atlas_sim_interface_command",
-        "/atlas/control_mode",
-        "/atlas/mode",
-    } < {name for name, topic in TOPICS.items() if topic.write}

@@ -89,7 +89,7 @@ def test_parameters_of_ones_own_behavior_are_made_from_their_fields():
     ("fields", "field", "told"),
     [
         ({"dept": 0.3}, ".dept", "Did you mean 'depth'"),
-        ({"depth": "deep"}, ".depth", "is 'deep'; must be a number"),
+        ({"depth": "deep"}, ".depth", "is 'deep'; must be a valid number"),
         ({"depth": 0.7}, ".depth", "0.7"),
         ({"manner": "long"}, ".manner", "is 'long'; must be"),
         ({"goal": [1.0]}, ".goal", r"is \[1.0\]; must be"),
@@ -134,7 +134,7 @@ def test_parameters_that_cannot_be_used_are_named(fields, field, told):
             "28",
         ),
         ({"atlas_command": {"k_effort": 300}}, ".atlas_command.k_effort[0]", "300"),
-        ({"atlas_command": 3}, ".atlas_command", "is 3; must be a mapping"),
+        ({"atlas_command": 3}, ".atlas_command", "is 3; must be a valid dictionary"),
     ],
 )
 def test_a_message_that_cannot_be_sent_is_named_before_the_run(message, field, told):

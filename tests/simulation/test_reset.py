@@ -15,8 +15,8 @@ from atlas_drake import (
     ScenarioError,
     Start,
 )
-from atlas_drake.control.joints.damping import damping_effort, limp_damping
-from atlas_drake.control.joints.inverse_mass import InverseMass
+from atlas_drake.control.joints.damping import damping_effort, damping_mode_gain
+from atlas_drake.control.joints.joint_pid import InverseMass
 from atlas_drake.robot import load_robot
 from atlas_drake.scenario.scenario import LONGEST_PERIOD
 
@@ -79,7 +79,7 @@ def test_limp_joints_are_only_braked():
 @pytest.mark.parametrize(
     "period", [0.002, Scenario().resolved().control_period, LONGEST_PERIOD]
 )
-def test_limp_damping_is_too_weak_to_shake_a_joint(name, period):
+def test_damping_mode_gain_is_too_weak_to_shake_a_joint(name, period):
     robot = load_robot(name)
     inverse_mass = InverseMass(robot)
     context = inverse_mass.create_context()
@@ -88,7 +88,7 @@ def test_limp_damping_is_too_weak_to_shake_a_joint(name, period):
     plant.Finalize()
     q = plant.GetPositions(plant.CreateDefaultContext())
     inertia = 1.0 / np.diag(inverse_mass.evaluate(context, q))
-    damping = limp_damping(robot.effort_limit, period)
+    damping = damping_mode_gain(robot.effort_limit, period)
     # Held over a control tick, it would overshoot from inertia / period on.
     assert (damping * period < 0.7 * inertia).all()
     assert (damping > 0.0).all()

@@ -71,7 +71,7 @@ def test_there_is_ground_wherever_a_robot_can_start():
     loads = sim.output("foot_wrenches")[[5, 11]]
     assert sum(loads) == pytest.approx(9.81 * sim.robot.mass, rel=0.1)
     beyond = [0.0, 1.01 * START_REACH]
-    with pytest.raises(ScenarioError, match=r"start.position\[1\].*from -5000 to 5000"):
+    with pytest.raises(ScenarioError, match=r"start.position\[1\].*equal to 5000"):
         Scenario(start=Start(position=beyond)).validate()
     with pytest.raises(ScenarioError, match=r"pose.position\[1\]"):
         sim.reset(pose=Start(position=beyond))

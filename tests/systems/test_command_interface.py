@@ -14,7 +14,7 @@ from atlas_drake.messages import (
     AtlasSimInterfaceCommand,
     Behavior,
 )
-from atlas_drake.messages.commands import JOINT_FIELDS
+from atlas_drake.messages.joint_command import JOINT_FIELDS
 from atlas_drake.systems.command_interface import CommandInterface
 
 PERIOD = 0.002

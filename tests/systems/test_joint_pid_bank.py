@@ -7,7 +7,7 @@ import pytest
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.analysis import Simulator
 
-from atlas_drake.control.joints.inverse_mass import InverseMass
+from atlas_drake.control.joints.joint_pid import InverseMass
 from atlas_drake.messages import Behavior
 from atlas_drake.messages.commands import commands_at_start
 from atlas_drake.systems.joint_pid_bank import JointPidBank

@@ -5,17 +5,18 @@ import math
 import numpy as np
 import pytest
 
+from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.messages import (
     Behavior,
     BehaviorStatus,
-    validate_atlas_command,
-    validate_sim_interface_command,
+    check_command,
 )
 from atlas_drake.messages.behavior_catalog import (
     SHIPPED,
     BehaviorCatalog,
     BehaviorInterface,
 )
+from atlas_drake.robot import load_robot
 from atlas_drake.teleop.commander import PUSH_DURATION, Commander
 from atlas_drake.teleop.controls import (
     PELVIS_HEIGHT,
@@ -26,11 +27,14 @@ from atlas_drake.teleop.controls import (
     Action,
     Controls,
     behavior_buttons,
+    fitted,
     legend,
 )
 from atlas_drake.teleop.limbs import DAMPING, SPEED
 from atlas_drake.teleop.pages import pages_with
 from atlas_drake.teleop.walking import Direction
+
+OWN = fitted(load_robot(), ControllerConfig())
 
 DT = 0.04
 BEHAVIORS = {
@@ -53,11 +57,11 @@ def look(panel, robot, standing, state):
     def once():
         orders = commander.look(panel.read(), standing, state, DT)
         if orders.atlas_command is not None:
-            validate_atlas_command(orders.atlas_command, robot.joint_names)
+            check_command(orders.atlas_command, robot.joint_names)
             if len(orders.atlas_command.k_effort):
                 standing.k_effort = list(orders.atlas_command.k_effort)
         if orders.sim_command is not None:
-            validate_sim_interface_command(orders.sim_command, robot.joint_names)
+            check_command(orders.sim_command, robot.joint_names)
             behavior = Behavior(orders.sim_command.behavior)
             standing.current_behavior = standing.desired_behavior = behavior
         for slider, value in orders.sliders.items():
@@ -238,9 +242,9 @@ def test_a_behavior_of_ones_own_has_a_button_and_a_page(robot, standing, state):
         "TRICK_2 (0)",
         "TRICK_3",
     ]
-    titles = [page.title for page in pages_with(robot, (), buttons)]
+    titles = [page.title for page in pages_with(robot, OWN, (), buttons)]
     assert titles[1] == "behaviors"
-    assert "behaviors" not in [page.title for page in pages_with(robot, ())]
+    assert "behaviors" not in [page.title for page in pages_with(robot, OWN, ())]
     commander = Commander(robot, standing)
     orders = commander.look(Controls(clicks=(buttons[1],)), standing, state, DT)
     assert orders.sim_command.behavior.name == "TRICK_1"

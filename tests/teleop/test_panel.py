@@ -6,6 +6,7 @@ import struct
 import pytest
 from pydrake.geometry import Meshcat
 
+from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.robot import load_robot
 from atlas_drake.teleop.controls import (
     PAGE_TURNS,
@@ -14,12 +15,15 @@ from atlas_drake.teleop.controls import (
     SLIDERS,
     STRIDE,
     Action,
+    fitted,
     legend,
 )
 from atlas_drake.teleop.pages import MAX_ROWS, SWITCHES, joint_slider, pages_with
 from atlas_drake.teleop.panel import Panel, stick_direction
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.scene import CAMERA
+
+OWN = fitted(load_robot(), ControllerConfig())
 
 
 @pytest.fixture(scope="module")
@@ -73,7 +77,7 @@ def open_page(panel, meshcat, slider):
 
 
 def test_every_button_has_its_key_on_every_page(panel, meshcat, robot):
-    for _ in pages_with(robot, ()):
+    for _ in pages_with(robot, OWN, ()):
         for action in Action:
             meshcat.GetButtonClicks(action.label)
             # A button of this name with another key would be refused.
@@ -92,7 +96,7 @@ def test_a_button_is_heard_once_whatever_page_is_open(panel, meshcat):
 
 
 def test_pages_are_short_and_together_have_everything(robot):
-    pages = pages_with(robot, range(robot.num_joints))
+    pages = pages_with(robot, OWN, range(robot.num_joints))
     for page in pages:
         rows = 1 + len(PAGE_TURNS) + len(page.actions) + len(page.sliders)
         assert rows <= MAX_ROWS

@@ -69,9 +69,9 @@ def test_real_time_is_not_outrun(panel):
 
     session = Session(AtlasSimulation(), panel)
     begin = time.perf_counter()
-    for _ in range(5):
+    for _ in range(2):
         session.advance()
-    assert time.perf_counter() - begin >= 5 * SLICE
+    assert time.perf_counter() - begin >= 2 * SLICE
 
 
 def test_reset_works_while_paused(steered, panel):

@@ -12,10 +12,11 @@ from atlas_drake.control.feet.footstep import (
     FootPose,
     saturate,
 )
+from atlas_drake.control.feet.step_limits import StepLimits
 from atlas_drake.control.rotations import rotation_z
+from atlas_drake.frozen import replace
 from atlas_drake.messages import Behavior
 from atlas_drake.planning.footholds import Gait, foothold
-from atlas_drake.robot import StepLimits
 from atlas_drake.teleop.walking import (
     STRIDE_CHANGE,
     Direction,
@@ -24,7 +25,6 @@ from atlas_drake.teleop.walking import (
     first_open_step,
     is_closing,
     next_steps,
-    walk_on,
 )
 
 GAIT = Gait()
@@ -179,4 +179,4 @@ def test_stopping_puts_the_feet_side_by_side(standing):
     walk(standing, steps[0], in_air=False)
     walk(standing, closing[0], in_air=True)
     assert is_closing(walker, standing)
-    assert not is_closing(walk_on(walker), standing)
+    assert not is_closing(replace(walker, closing=None), standing)

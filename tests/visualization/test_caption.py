@@ -1,6 +1,7 @@
 """The caption agrees with the report, in letters of the stroke font."""
 
 from dataclasses import replace
+from itertools import product
 
 import pytest
 
@@ -70,11 +71,10 @@ def test_a_behavior_derived_from_walk_says_its_step():
     assert title == "MY WALK - step 2"
 
 
-@pytest.mark.parametrize("behavior", Behavior)
-def test_the_font_has_every_letter_of_every_caption(behavior):
+def test_the_font_has_every_letter_of_every_caption():
     flags = WalkStatus.SUBSTATE_STEPPING
-    for k_effort in ([0] * 28, [255] * 28, [255] * 5 + [128] * 23):
-        for falling in (False, True):
-            state = report(behavior, k_effort, falling, flags, step=1234567890)
-            for line in caption_of(state):
-                assert set(line.upper()) <= set(_GLYPHS)
+    shares = [0] * 28, [255] * 28, [255] * 5 + [128] * 23
+    for behavior, k_effort, falling in product(Behavior, shares, (False, True)):
+        state = report(behavior, k_effort, falling, flags, step=1234567890)
+        for line in caption_of(state):
+            assert set(line.upper()) <= set(_GLYPHS)

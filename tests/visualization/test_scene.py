@@ -4,10 +4,14 @@ import struct
 
 import numpy as np
 import pytest
+from pydrake.common.value import AbstractValue
 from pydrake.geometry import Meshcat
 
 from atlas_drake import AtlasSimulation, Scenario, Start
+from atlas_drake.messages import AtlasSimInterfaceState
 from atlas_drake.scenario.world_file import load_world
+from atlas_drake.visualization.following import Following
+from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.scene import (
     CAMERA_POSITION,
     CAMERA_TARGET,
@@ -23,6 +27,12 @@ class Camera:
 
     def SetCameraPose(self, lens, target):
         self.lens, self.target = lens, target
+
+    def SetTransform(self, path, pose):
+        pass
+
+    def SetProperty(self, path, name, value):
+        pass
 
 
 @pytest.mark.parametrize(
@@ -63,3 +73,17 @@ def test_ground_grid_and_lamp_go_with_the_robot():
     assert doubles(meshcat._GetPackedTransform(GROUND), 16)[12:14] == [8.0, -5.0]
     lamp = doubles(meshcat._GetPackedProperty(SUN, "position"), 3)
     assert lamp == pytest.approx(SUN_POSITION + np.array([8.3, -4.8, 0.0]), abs=0.05)
+
+
+def test_the_camera_follows_the_pelvis_over_the_ground_if_asked_to():
+    report = AtlasSimInterfaceState()
+    report.pos_est.position.x, report.pos_est.position.z = 2.0, 0.9
+    for overlays, place in (([], None), (["follow"], [2.0, 0.0, 0.0])):
+        camera = Camera()
+        display = Following(camera, Overlays(overlays), 0.1, False)
+        context = display.CreateDefaultContext()
+        port = display.GetInputPort("atlas_sim_interface_state")
+        port.FixValue(context, AbstractValue.Make(report))
+        display.ForcedPublish(context)
+        assert hasattr(camera, "target") == (place is not None)
+    np.testing.assert_allclose(camera.target, CAMERA_TARGET + place)

@@ -5,7 +5,7 @@ import string
 import numpy as np
 import pytest
 
-from atlas_drake.visualization.ribbons import ribbons
+from atlas_drake.visualization.shapes import ribbons
 from atlas_drake.visualization.stroke_font import text_segments
 
 HEIGHT = 0.06
@@ -27,29 +27,18 @@ def test_lower_case_is_written_in_capitals():
         np.testing.assert_array_equal(one, other)
 
 
-@pytest.mark.parametrize("letter", string.ascii_uppercase + string.digits + "-.,:()/>!")
-def test_every_letter_stays_in_its_cell_and_has_its_own_shape(letter):
-    starts, ends = text_segments(letter, HEIGHT)
-    points = np.hstack([starts, ends])
-    assert starts.shape[1] > 0
-    assert np.abs(points[0]).max() <= HEIGHT * 2 / 6 + 1e-12
-    assert points[1].min() >= -1e-12
-    assert points[1].max() <= HEIGHT + 1e-12
-    box, _ = text_segments("\u20ac", HEIGHT)
-    assert not np.array_equal(starts, box)
-
-
-def test_no_two_letters_look_the_same():
-    shapes = {
-        tuple(np.vstack(text_segments(letter, HEIGHT)).ravel().round(6))
-        for letter in string.ascii_uppercase + string.digits
-    }
-    assert len(shapes) == 36
-
-
-def test_what_the_font_lacks_is_a_box_and_no_error():
-    starts, _ = text_segments("\u20ac", HEIGHT)
-    assert starts.shape == (3, 4)
+def test_every_letter_stays_in_its_cell_and_has_its_own_shape():
+    box = np.hstack(text_segments("\u20ac", HEIGHT))  # What the font lacks.
+    assert box.shape == (3, 8)
+    letters = string.ascii_uppercase + string.digits + "-.,:()/>!"
+    shapes = {tuple(box.ravel().round(6))}
+    for letter in letters:
+        points = np.hstack(text_segments(letter, HEIGHT))
+        assert np.abs(points[0]).max() <= HEIGHT * 2 / 6 + 1e-12, letter
+        assert points[1].min() >= -1e-12, letter
+        assert points[1].max() <= HEIGHT + 1e-12, letter
+        shapes.add(tuple(points.ravel().round(6)))
+    assert len(shapes) == 1 + len(letters)
 
 
 def test_no_text_has_no_strokes():
@@ -77,9 +66,5 @@ def test_a_ribbon_covers_its_line_and_half_its_width_beyond():
     across = vertices[:2, 0] - vertices[:2, 1]
     assert np.linalg.norm(across) == pytest.approx(0.2)
     assert across @ np.array([3.0, 4.0]) == pytest.approx(0.0)
-
-
-def test_a_dot_is_a_ribbon_too():
-    point = np.zeros((3, 1))
-    vertices, _ = ribbons(point, point, 0.2)
-    assert np.isfinite(vertices).all()
+    dot, _ = ribbons(starts[:, :1], starts[:, :1], 0.2)
+    assert np.isfinite(dot).all()

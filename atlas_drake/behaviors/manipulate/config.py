@@ -3,13 +3,19 @@
 from dataclasses import dataclass, field
 
 from atlas_drake.configuration import Configuration, NotNegative
-from atlas_drake.control.pelvis.pelvis_pose import PelvisLead, PelvisRates
+from atlas_drake.control.pelvis.pelvis_pose import (
+    PelvisLead,
+    PelvisRange,
+    PelvisRates,
+)
 
 
 @dataclass(frozen=True)
 class ManipulateConfig(Configuration):
     """Parameters of MANIPULATE."""
 
+    range: PelvisRange = field(default_factory=PelvisRange)
+    """Range of pelvis poses."""
     rates: PelvisRates = field(default_factory=PelvisRates)
     """Speed and acceleration of pelvis and CoM."""
     lead: PelvisLead = field(default_factory=PelvisLead)

@@ -22,10 +22,10 @@ from atlas_drake.control.pelvis.pelvis_pose import (
     PelvisMotion,
     PelvisPose,
     Stance,
+    at_rest,
     make_stance,
 )
 from atlas_drake.control.pelvis.pelvis_reach import PelvisReach, UpperBody
-from atlas_drake.control.pelvis.smooth_motion import at_rest
 from atlas_drake.control.rotations import tilt_of
 from atlas_drake.frozen import replace
 from atlas_drake.messages import (
@@ -48,7 +48,7 @@ class ManipulateState:
         motion: The reference, which moves towards the goal.
         upper: Trunk and arms at the time of the last clamping.
         sensed: The measured pose.
-        request_number: Number of the last request read; None to read it again.
+        request: The last request read; None to read it again.
         demo_time: Time since the beginning of the demo [s]; None without demo.
         demo_share: Share of the demo's movement that the legs allow [-].
         waits: True while the user controls a leg joint, and the reference rests.
@@ -61,7 +61,7 @@ class ManipulateState:
     motion: PelvisMotion
     upper: UpperBody
     sensed: PelvisPose
-    request_number: int | None = None
+    request: BehaviorRequest | None = None
     demo_time: float | None = None
     demo_share: float = 0.0
     waits: bool = False
@@ -123,8 +123,8 @@ class Manipulate(BehaviorProtocol):
         state = replace(state, waits=waits)
         if leaving:
             home = self._home(observation, state.stance)
-            state = replace(state, goal=home, demo_time=None, request_number=None)
-        elif request.number != state.request_number:
+            state = replace(state, goal=home, demo_time=None, request=None)
+        elif request.is_newer(state.request):
             state = self._pursue(self._listen(state, observation, request), observation)
         elif (waited and not waits) or self._arms_moved(state, observation):
             state = self._pursue(state, observation)
@@ -182,7 +182,7 @@ class Manipulate(BehaviorProtocol):
         resumed = replace(
             self._here(observation, body),
             commanded=state.commanded,
-            request_number=state.request_number,
+            request=state.request,
             demo_time=state.demo_time,
             demo_share=state.demo_share,
         )
@@ -234,7 +234,7 @@ class Manipulate(BehaviorProtocol):
         request: BehaviorRequest,
     ) -> ManipulateState:
         """Reads a request."""
-        state = replace(state, request_number=request.number)
+        state = replace(state, request=request)
         params = request.command.manipulate_params
         if params.use_demo_mode:
             if state.demo_time is not None:

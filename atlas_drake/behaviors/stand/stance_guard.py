@@ -1,15 +1,15 @@
 """The stance guard: a standing behavior without a leg to balance on holds its pose.
 
-A behavior can balance on a leg if it commands at least the ``balance_effort`` of the
-robot's file at both hip pitch and ankle pitch. Without such a leg the guard holds the
-pose, as FREEZE does: balance with trunk and arms alone would make the robot lean
-farther and farther, and fall. When the user gives a leg back, the behavior continues.
+A behavior can balance on a leg if it commands at least ``stance.balance_effort`` at
+both hip pitch and ankle pitch. Without such a leg the guard holds the pose, as FREEZE
+does: balance with trunk and arms alone would make the robot lean farther and farther,
+and fall. When the user gives a leg back, the behavior continues.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
@@ -39,22 +39,6 @@ class Holding:
     warned: bool = False
 
 
-class StandingBehavior(BehaviorProtocol, Protocol):
-    """A behavior that the stance guard can interrupt."""
-
-    def idle(self, state: Any, observation: Observation) -> Any:
-        """Returns the behavior's state after a tick in which the pose was held."""
-
-    def resume(
-        self,
-        state: Any,
-        observation: Observation,
-        body: BodyReference,
-        request: BehaviorRequest,
-    ) -> Any:
-        """Returns the state in which the behavior continues from the present pose."""
-
-
 class StanceGuard(BehaviorProtocol):
     """A standing behavior, interrupted while it has no leg to balance on.
 
@@ -62,7 +46,7 @@ class StanceGuard(BehaviorProtocol):
         behavior: The behavior that balances.
     """
 
-    def __init__(self, behavior: StandingBehavior, freeze: Freeze, balance: Balance):
+    def __init__(self, behavior: BehaviorProtocol, freeze: Freeze, balance: Balance):
         """Runs ``behavior`` while it can balance, else ``freeze``."""
         self.behavior = behavior
         self._freeze = freeze
@@ -70,7 +54,7 @@ class StanceGuard(BehaviorProtocol):
         self._pitch = np.array(
             [leg.joints[[HIP_PITCH, ANKLE_PITCH]] for leg in robot.legs]
         )
-        self._least_effort = robot.file.balance_effort
+        self._least_effort = balance.stance.balance_effort
         names = [
             " and ".join(robot.joint_names[joint] for joint in leg)
             for leg in self._pitch

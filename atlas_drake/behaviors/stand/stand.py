@@ -8,7 +8,9 @@ brings the robot to a posture from which STAND can begin.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 
@@ -25,13 +27,20 @@ from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.dcm_plan import DcmReference
 from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.footstep import FootPose
-from atlas_drake.control.feet.leg_reach import highest_com, hips_from_com
+from atlas_drake.control.feet.leg_kinematics import highest_com, hips_from_com
 from atlas_drake.control.rotations import mean_yaw
 from atlas_drake.frozen import read_only, replace
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan
 
 _UPRIGHT = read_only(np.zeros(2))
+ARRIVED = 0.01
+"""A trunk this near to its target has arrived [rad]."""
+
+Pose: TypeAlias = (
+    "Callable[[BodyTarget, Observation, BehaviorRequest, bool], BodyTarget]"
+)
+"""Changes STAND's target, from (upright, observation, request, leaving)."""
 
 
 @dataclass(frozen=True)
@@ -64,8 +73,18 @@ class Stand(BehaviorProtocol):
         nominal_height: float,
         rates: BodyRates,
         config: StandConfig | None = None,
+        pose: Pose | None = None,
     ):
-        """Stands with the center of mass ``nominal_height`` [m] above the soles."""
+        """Stands with the center of mass ``nominal_height`` [m] above the soles.
+
+        Args:
+            balance: Gains, support polygons and tasks.
+            nominal_height: Height of the center of mass above the soles [m].
+            rates: Speed limits of trunk and posture.
+            config: Parameters; None for the defaults.
+            pose: Change of the upright target of trunk and posture, if any.
+        """
+        self._pose = pose
         self._config = config or StandConfig()
         self._balance = balance
         self._nominal_height = nominal_height
@@ -93,17 +112,28 @@ class Stand(BehaviorProtocol):
     ) -> Outcome:
         """Computes one tick of standing.
 
-        STAND is finished as soon as ``leaving`` is True; a derived behavior may finish
-        later.
+        With ``leaving``, STAND is finished at once, and with a changed pose as soon as
+        the trunk is at its target.
         """
         com = _towards(state.com, state.middle, self._config.com_speed * observation.dt)
         if self._slipped(state, observation):
             state = self._note_feet(observation, com)
         elif com is not state.com:
             state = replace(state, com=com)
+        target = BodyTarget(
+            height=state.height,
+            yaw=state.yaw,
+            joints=self._balance.robot.stand_prep,
+            pelvis_tilt=_UPRIGHT,
+            chest_tilt=_UPRIGHT,
+        )
+        finished = leaving
+        if self._pose is not None:
+            target = self._pose(target, observation, request, leaving)
+            finished = leaving and _has_arrived(body, target)
         body = advance_body(
             body,
-            self.target(state, observation, request, leaving),
+            target,
             self._rates,
             observation.dt,
             observation.terms.q,
@@ -120,43 +150,7 @@ class Stand(BehaviorProtocol):
                 self._balance.planted(observation, 1),
             ),
         )
-        return Outcome(state=state, body=body, command=command, finished=leaving)
-
-    def target(
-        self,
-        state: StandState,
-        observation: Observation,
-        request: BehaviorRequest,
-        leaving: bool,
-    ) -> BodyTarget:
-        """Returns the target of trunk and posture: upright, in the stand-prep pose.
-
-        Args:
-            state: State of STAND.
-            observation: Observation of this tick.
-            request: The command in force.
-            leaving: True if another behavior is requested.
-        """
-        return BodyTarget(
-            height=state.height,
-            yaw=state.yaw,
-            joints=self._balance.robot.stand_prep,
-            pelvis_tilt=_UPRIGHT,
-        )
-
-    def idle(self, state: StandState, observation: Observation) -> StandState:
-        """Returns the state unchanged: the reference rests while the pose is held."""
-        return state
-
-    def resume(
-        self,
-        state: StandState,
-        observation: Observation,
-        body: BodyReference,
-        request: BehaviorRequest,
-    ) -> StandState:
-        """Enters STAND again, because the feet may have moved."""
-        return self.enter(observation, body, request)
+        return Outcome(state=state, body=body, command=command, finished=finished)
 
     def plan(self, state: StandState, com: np.ndarray, omega: float) -> Plan:
         """Returns the CoM reference, which is also that of DCM and CoP."""
@@ -202,6 +196,13 @@ def _pendulum_frequency(observation: Observation, state: StandState) -> float:
     return feedback.pendulum_frequency(
         float(observation.terms.com[2] - state.middle[2])
     )
+
+
+def _has_arrived(body: BodyReference, target: BodyTarget) -> bool:
+    """Returns True if pelvis and chest are tilted as their target is."""
+    pelvis = body.pelvis_tilt - target.pelvis_tilt
+    chest = body.chest_tilt - target.chest_tilt
+    return float(np.abs([pelvis, chest]).max()) < ARRIVED
 
 
 def _towards(value: np.ndarray, goal: np.ndarray, step: float) -> np.ndarray:

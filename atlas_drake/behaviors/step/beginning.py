@@ -8,37 +8,54 @@ from __future__ import annotations
 
 from atlas_drake.behaviors.base import Observation
 from atlas_drake.behaviors.footstep_event import out_of_reach, pace_changed
-from atlas_drake.behaviors.step.action import DesiredStep, StepAction
-from atlas_drake.behaviors.step.phases import Rest, StepSettle, StepShift
+from atlas_drake.behaviors.step.action import (
+    DesiredStep,
+    StepAction,
+    demo_step,
+    desired_step,
+)
+from atlas_drake.behaviors.step.phases import (
+    Rest,
+    StepPhase,
+    StepProgress,
+    StepSettle,
+    StepShift,
+    TakenStep,
+)
 from atlas_drake.behaviors.step.plan import StepPlan
-from atlas_drake.behaviors.step.progress import Progress, TakenStep
 from atlas_drake.behaviors.step.step_balance import StepBalance
 from atlas_drake.control.feet.footstep import FootPose, resolve_height
-from atlas_drake.control.feet.leg_reach import hips_from_com
+from atlas_drake.control.feet.leg_kinematics import hips_from_com
+from atlas_drake.control.feet.sole import on_toes
 from atlas_drake.control.feet.step_swing import StepSwingProfile, plan_step_swing
-from atlas_drake.control.feet.toe_off import on_toes
 from atlas_drake.frozen import replace
 from atlas_drake.messages import ToeOff
 from atlas_drake.messages.event import STEPS_LEFT, Event
+from atlas_drake.planning.footholds import Gait
 
 
 class StepBeginning:
     """Makes the phases ``Rest`` and ``StepShift``. Holds constants only."""
 
     def __init__(
-        self, balance: StepBalance, default: StepAction, profile: StepSwingProfile
+        self,
+        balance: StepBalance,
+        default: StepAction,
+        profile: StepSwingProfile,
+        gait: Gait,
     ):
         self._balance = balance
         self._planner = balance.planner
         self._rules = balance.rules
         self._default = default
         self._profile = profile
-        self._limits = balance.balance.robot.file.step_limits
+        self._gait = gait
+        self._limits = balance.planner.limits
 
     def enter(self, observation: Observation) -> Rest:
         """Makes the rest with which STEP begins."""
         feet = (observation.foot_pose(0), observation.foot_pose(1))
-        return self._rest_on(feet, observation, Progress())
+        return self._rest_on(feet, observation, StepProgress())
 
     def rest(
         self,
@@ -56,13 +73,14 @@ class StepBeginning:
         )
 
     def begin(
-        self, phase: Rest, observation: Observation, wanted: DesiredStep | None
+        self, phase: Rest, observation: Observation, leaving: bool
     ) -> tuple[Rest | StepShift, tuple[Event, ...]]:
         """Plans the whole step and begins the weight shift to the stance foot.
 
         The robot stays at rest without a requested step, while its DCM is too near the
         edge of the support polygon, and for a step that is out of reach.
         """
+        wanted = None if leaving else self.requested(phase)
         if wanted is None:
             return phase, ()
         outside = self._balance.dcm_outside(phase, observation, phase.support)
@@ -88,11 +106,28 @@ class StepBeginning:
             *pace_changed(observation.time, slope, step),
         )
 
+    def requested(self, phase: StepPhase) -> DesiredStep | None:
+        """Returns the requested step that has not begun, if any."""
+        progress = phase.progress
+        request = progress.request
+        if request is None or not request.is_newer(progress.refused):
+            return None
+        params = request.command.step_params
+        if params.use_demo_walk:
+            index = progress.index + 1
+            wanted = demo_step(phase.feet, index, self._default, self._gait)
+        else:
+            feet_z = (float(phase.feet[0].p_WF[2]), float(phase.feet[1].p_WF[2]))
+            wanted = desired_step(params, feet_z, self._default)
+        if wanted is None or wanted.step.index <= progress.index:
+            return None
+        return wanted
+
     def _rest_on(
         self,
         feet: tuple[FootPose, FootPose],
         observation: Observation,
-        progress: Progress,
+        progress: StepProgress,
     ) -> Rest:
         balance = self._balance
         middle = 0.5 * (feet[0].p_WF + feet[1].p_WF)[:2]

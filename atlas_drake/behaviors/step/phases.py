@@ -10,38 +10,83 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from atlas_drake.behaviors.step.progress import Progress, TakenStep
+from atlas_drake.behaviors.phases import TIME_STEP, Phase, sampled
+from atlas_drake.behaviors.step.action import DesiredStep, StepAction
 from atlas_drake.control.balance.dcm_plan import DcmReference
-from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.balance.weight_shift import WeightShift
-from atlas_drake.control.feet.footstep import FootPose
+from atlas_drake.control.feet.footstep import FootPose, Footstep
+from atlas_drake.control.feet.step_swing import StepSwing as SwingPath
 from atlas_drake.control.feet.swing_foot import quintic_progress
+from atlas_drake.messages.commands import BehaviorRequest
+from atlas_drake.messages.controller_status import PlannedPaths
+
+
+@dataclass(frozen=True)
+class StepProgress:
+    """Progress of STEP in any phase.
+
+    Attributes:
+        index: Index of the present or last step; 0 before the first step.
+        leaving: True if STAND was requested with a foot in the air.
+        request: The last request that was read; None before the first one.
+        refused: The request whose step cannot be taken.
+    """
+
+    index: int = 0
+    leaving: bool = False
+    request: BehaviorRequest | None = None
+    refused: BehaviorRequest | None = None
+
+
+@dataclass(frozen=True)
+class TakenStep:
+    """A step as executed.
+
+    Attributes:
+        sent: The step as requested.
+        step: The same step as executed.
+        action: Parameters of the step as executed.
+        swing: Path of the swing foot.
+    """
+
+    sent: DesiredStep
+    step: Footstep
+    action: StepAction
+    swing: SwingPath
+
+    @property
+    def foot(self) -> int:
+        """The foot that steps."""
+        return self.step.foot
+
+    @property
+    def stance(self) -> int:
+        """The foot that stays on the ground."""
+        return 1 - self.step.foot
 
 
 @dataclass(frozen=True, kw_only=True)
-class StepPhase:
+class StepPhase(Phase):
     """Common part of all phases of STEP.
+
+    ``support`` is the region of the CoP with both soles flat, or on the stance foot;
+    ``elapsed`` counts from lift-off in single support.
 
     Attributes:
         progress: Progress of the steps, and the requested step.
         feet: Poses in which the soles are, or last were, on the ground.
-        support: Region of the CoP with both soles flat, or on the stance foot.
         hips: Hip positions from the center of mass in W [m], shape (2, 3).
         shift: Motion of the center of mass.
         shift_time: Time since the beginning of that motion [s].
         lean: Pitch of the trunk [rad].
-        elapsed: Time since the beginning of the phase; in single support, since
-            lift-off [s].
     """
 
-    progress: Progress
+    progress: StepProgress
     feet: tuple[FootPose, FootPose]
-    support: SupportPolygon
     hips: np.ndarray
     shift: WeightShift
     shift_time: float = 0.0
     lean: float = 0.0
-    elapsed: float = 0.0
 
     @property
     def carrying(self) -> tuple[FootPose, ...]:
@@ -70,6 +115,20 @@ class StepPhase:
             omega: Natural frequency of the pendulum [1/s].
         """
         return self.shift.evaluate(self.shift_time, omega)
+
+    def paths(self, omega: float) -> PlannedPaths:
+        """Returns the paths of the weight shift; in single support, of the swing foot.
+
+        Args:
+            omega: Natural frequency of the pendulum [1/s].
+        """
+        shift = self.shift
+        times = np.arange(self.shift_time, shift.duration, TIME_STEP)
+        if times.size < 2:
+            return PlannedPaths()
+        dcm, cop = sampled(lambda time: shift.evaluate(time, omega), times)
+        com = np.array([shift.motion(time)[0] for time in times])
+        return PlannedPaths(com=com, dcm=dcm, cop=cop)
 
     def time_left(self, settle: float) -> float:
         """Computes the time until both feet carry load again [s].
@@ -174,6 +233,13 @@ class InAir(Stepping):
     def in_air(self) -> TakenStep:
         """The step being taken."""
         return self.taken
+
+    def paths(self, omega: float) -> PlannedPaths:
+        """Returns the path of the swing foot."""
+        swing = self.taken.swing
+        count = max(int(swing.duration / TIME_STEP), 2)
+        times = np.linspace(0.0, swing.duration, count)
+        return PlannedPaths(swing=np.array([swing.evaluate(t).p_WF for t in times]))
 
     def foothold(self) -> FootPose:
         """Computes the landing pose, lower if the foot has found no ground yet."""

@@ -20,7 +20,7 @@ from atlas_drake.control.feet.footstep import (
     resolve_height,
     saturate,
 )
-from atlas_drake.control.feet.leg_reach import (
+from atlas_drake.control.feet.leg_kinematics import (
     highest_com,
     highest_sole,
     hips_from_com,
@@ -28,12 +28,12 @@ from atlas_drake.control.feet.leg_reach import (
     leg_length,
     lowest_com,
 )
-from atlas_drake.control.feet.toe_off import on_toes
+from atlas_drake.control.feet.sole import on_toes
+from atlas_drake.control.feet.step_limits import StepLimits
 from atlas_drake.control.rotations import rotation_z
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.frozen import replace
 from atlas_drake.messages import ToeOff
-from atlas_drake.robot import StepLimits
 
 
 @dataclass(frozen=True)
@@ -96,7 +96,8 @@ class StepPlanner:
         self,
         balance: Balance,
         nominal_height: float,
-        rules: PostureRules | None = None,
+        limits: StepLimits,
+        rules: PostureRules,
     ):
         """Stands with the center of mass ``nominal_height`` [m] above the soles."""
         robot = balance.robot
@@ -104,13 +105,13 @@ class StepPlanner:
         self.half_length = 0.5 * robot.file.sole.length
         self._nominal_height = nominal_height
         # A sideways distance up to this width does not reduce the reach.
-        self._easy_width = robot.file.stance_width
-        self._rules = rules = rules or PostureRules()
-        limits: StepLimits = robot.file.step_limits
+        self._easy_width = balance.stance.width
+        self._rules = rules
+        self.limits = limits
         self._limits = replace(limits, rise=limits.rise + rules.rise_slack)
         knee = self.legs[0].knee
         upright = leg_length(self.legs[0], robot.stand_prep[knee])
-        self._nominal_leg = upright - robot.file.com_drop
+        self._nominal_leg = upright - balance.stance.com_drop
         self._lever = float(robot.effort_limit[knee]) / balance.weight
 
     @property

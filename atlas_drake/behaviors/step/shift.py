@@ -7,17 +7,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from atlas_drake.behaviors.balance import FULL_LOAD, FootCommand
+from atlas_drake.behaviors.balance import FootCommand
 from atlas_drake.behaviors.base import Observation
-from atlas_drake.behaviors.step.action import DesiredStep
 from atlas_drake.behaviors.step.beginning import StepBeginning
 from atlas_drake.behaviors.step.phase_control import StepPhaseControl
 from atlas_drake.behaviors.step.phases import StepShift, StepState, StepSwing
 from atlas_drake.behaviors.step.step_balance import Reach, StepBalance
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.support_polygon import SupportPolygon
-from atlas_drake.control.feet.leg_reach import hips_from_com
-from atlas_drake.control.feet.toe_off import on_toes, toe_off_reference
+from atlas_drake.control.feet.leg_kinematics import hips_from_com
+from atlas_drake.control.feet.sole import on_toes, toe_off_reference
 from atlas_drake.frozen import replace
 from atlas_drake.messages.event import STEPS_LEFT, Event
 
@@ -33,7 +32,7 @@ class ShiftControl(StepPhaseControl[StepShift]):
         self._weight = balance.balance.weight
 
     def advance(
-        self, phase: StepShift, observation: Observation, wanted: DesiredStep | None
+        self, phase: StepShift, observation: Observation, leaving: bool
     ) -> tuple[StepState, tuple[Event, ...]]:
         """Lifts off, or abandons a step whose foot cannot be unloaded."""
         if self._is_ready(phase, observation):
@@ -67,25 +66,27 @@ class ShiftControl(StepPhaseControl[StepShift]):
         return Reach(self._balance.height_over(stance, taken), now, later)
 
     def command_feet(
-        self, phase: StepShift, observation: Observation, cop: np.ndarray
-    ) -> tuple[FootCommand, FootCommand]:
+        self, phase: StepShift, observation: Observation
+    ) -> tuple[StepShift, tuple[FootCommand, FootCommand]]:
         """Unloads the leaving foot and raises its heel, after pressing a new foot."""
         balance, foot = self._balance, phase.taken.foot
+        cop = self.cop(phase, observation)
         angle, rate, acceleration = self._heel(phase)
         on_toes = angle > 0.0
         if phase.fresh is not None and balance.is_fresh(phase):
-            return balance.pressed(phase, observation, phase.fresh, cop, on_toes)
+            feet = balance.pressed(phase, observation, phase.fresh, cop, on_toes)
+            return phase, feet
         rest = 1.0 - phase.elapsed / phase.shift.duration
-        load = min(max(rest / self._rules.unload_share, 0.01), FULL_LOAD)
+        load = max(rest / self._rules.unload_share, 0.01)
         load = max(load, balance.load_range(phase, foot, cop, on_toes)[0])
         if not on_toes:
             command = balance.balance.planted(observation, foot, load)
-            return balance.planted(observation, foot, command)
+            return phase, balance.planted(observation, foot, command)
         reference = toe_off_reference(
             phase.feet[foot], angle, rate, acceleration, self._half_length
         )
         command = balance.balance.toeing_off(observation, foot, reference, load)
-        return balance.planted(observation, foot, command)
+        return phase, balance.planted(observation, foot, command)
 
     def support(self, phase: StepShift) -> SupportPolygon:
         """Returns the present region of the CoP; a raised heel carries no load."""

@@ -11,8 +11,7 @@ import numpy as np
 
 from atlas_drake.behaviors.balance import FootCommand
 from atlas_drake.behaviors.base import Observation
-from atlas_drake.behaviors.step.action import DesiredStep
-from atlas_drake.behaviors.step.both_feet import with_foot
+from atlas_drake.behaviors.phases import with_foot
 from atlas_drake.behaviors.step.phase_control import StepPhaseControl
 from atlas_drake.behaviors.step.phases import (
     InAir,
@@ -42,13 +41,13 @@ class InAirControl(StepPhaseControl[P]):
         return Reach(height, feet, list(enumerate(feet)))
 
     def command_feet(
-        self, phase: P, observation: Observation, cop: np.ndarray
-    ) -> tuple[FootCommand, FootCommand]:
+        self, phase: P, observation: Observation
+    ) -> tuple[P, tuple[FootCommand, FootCommand]]:
         """Keeps the stance foot planted and moves the other foot along its swing."""
         foot, swing = phase.taken.foot, phase.taken.swing
         reference = swing.evaluate(phase.elapsed)
         command = self._balance.balance.swinging(observation, foot, reference)
-        return self._balance.planted(observation, foot, command)
+        return phase, self._balance.planted(observation, foot, command)
 
     def are_both_flat(self, phase: P) -> bool:
         """Returns False: one foot is in the air."""
@@ -59,7 +58,7 @@ class SwingControl(InAirControl[StepSwing]):
     """Moves the foot up and across."""
 
     def advance(
-        self, phase: StepSwing, observation: Observation, wanted: DesiredStep | None
+        self, phase: StepSwing, observation: Observation, leaving: bool
     ) -> tuple[StepState, tuple[Event, ...]]:
         """Begins to lower the foot when it is above its foothold."""
         if not phase.taken.swing.is_lowering(phase.elapsed):
@@ -101,7 +100,7 @@ class LowerControl(InAirControl[Lower]):
         self._touchdown_force = balance.rules.touchdown_force * balance.balance.weight
 
     def advance(
-        self, phase: Lower, observation: Observation, wanted: DesiredStep | None
+        self, phase: Lower, observation: Observation, leaving: bool
     ) -> tuple[StepState, tuple[Event, ...]]:
         """Ends the phase at touchdown; a foot that finds no ground returns."""
         if observation.foot_force[phase.taken.foot] > self._touchdown_force:

@@ -15,13 +15,7 @@ import numpy as np
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.base import BehaviorProtocol, Observation, Outcome
 from atlas_drake.behaviors.body_reference import BodyReference, advance_body
-from atlas_drake.behaviors.step.action import (
-    DesiredStep,
-    StepAction,
-    demo_step,
-    desired_step,
-    step_spec_from,
-)
+from atlas_drake.behaviors.step.action import StepAction, step_spec_from
 from atlas_drake.behaviors.step.beginning import StepBeginning
 from atlas_drake.behaviors.step.both_feet import RestControl, SettleControl
 from atlas_drake.behaviors.step.config import StepConfig
@@ -35,12 +29,10 @@ from atlas_drake.behaviors.step.phases import (
     StepSwing,
 )
 from atlas_drake.behaviors.step.plan import StepPlanner
-from atlas_drake.behaviors.step.preview import step_paths, step_plan
 from atlas_drake.behaviors.step.shift import ShiftControl
 from atlas_drake.behaviors.step.single_support import LowerControl, SwingControl
 from atlas_drake.behaviors.step.step_balance import StepBalance
 from atlas_drake.behaviors.step_queue import step_data_from
-from atlas_drake.control.whole_body.command import WholeBodyCommand
 from atlas_drake.frozen import replace
 from atlas_drake.messages import (
     NO_STEP,
@@ -65,16 +57,17 @@ class Step(BehaviorProtocol):
         balance: Balance,
         nominal_height: float,
         config: StepConfig | None = None,
+        gait: Gait | None = None,
     ):
         """Stands with the center of mass ``nominal_height`` [m] above the soles."""
         config = config or StepConfig()
         self._rates = config.body
         self._rules = config.rules
-        self._gait = Gait.of(balance.robot)
-        planner = StepPlanner(balance, nominal_height, config.posture)
-        self._default = StepAction(knee_nominal=planner.nominal_knee)
+        planner = StepPlanner(balance, nominal_height, config.limits, config.posture)
+        default = StepAction(knee_nominal=planner.nominal_knee)
         stance = StepBalance(balance, nominal_height, planner, config.rules)
-        beginning = StepBeginning(stance, self._default, config.swing)
+        beginning = StepBeginning(stance, default, config.swing, gait or Gait())
+        self._balance = balance
         self._stance = stance
         self._beginning = beginning
         self._controls: dict[type[StepState], StepPhaseControl[Any]] = {
@@ -115,22 +108,28 @@ class Step(BehaviorProtocol):
             progress=replace(progress, leaving=leaving and cut_short),
         )
         phase, events = self._read(phase, observation, request)
-        wanted = None if leaving else self._next(phase, request)
-        phase, news = self._control(phase).advance(phase, observation, wanted)
+        phase, news = self._control(phase).advance(phase, observation, leaving)
+        control = self._control(phase)
+        phase, feet = control.command_feet(phase, observation)
         body = advance_body(
             body,
-            self._stance.body_target(phase, self._control(phase).reach(phase)),
+            self._stance.body_target(phase, control.reach(phase)),
             self._rates,
             observation.dt,
             observation.terms.q,
             observation.user_held,
         )
+        reference, omega = control.reference(phase, observation)
+        support = control.support(phase)
+        command = self._balance.command(
+            observation, body, reference, omega, support, feet
+        )
         finished = leaving and self._may_stand(phase, observation)
-        left = self._left_by_standing(phase, observation, request) if finished else ()
+        left = self._left_by_standing(phase, observation) if finished else ()
         return Outcome(
             state=phase,
             body=body,
-            command=self._command(phase, observation, body),
+            command=command,
             finished=finished,
             status_flags=StepStatus.SUBSTATE_SWAYING
             if phase.in_air is None
@@ -140,11 +139,12 @@ class Step(BehaviorProtocol):
 
     def plan(self, phase: StepState, com: np.ndarray, omega: float) -> Plan:
         """Returns the references of the weight shift and the step in the air."""
-        return step_plan(phase, omega)
+        steps = () if phase.in_air is None else (phase.in_air.step,)
+        return phase.plan_of(phase.dcm_reference(omega), omega, steps)
 
     def paths(self, phase: StepState, com: np.ndarray, omega: float) -> PlannedPaths:
         """Returns the paths of the present weight shift or swing."""
-        return step_paths(phase, omega)
+        return phase.paths(omega)
 
     def feedback(
         self, phase: StepState, status_flags: int
@@ -166,34 +166,7 @@ class Step(BehaviorProtocol):
     def _control(self, phase: StepState) -> StepPhaseControl[Any]:
         return self._controls[type(phase)]
 
-    def _command(
-        self, phase: StepState, observation: Observation, body: BodyReference
-    ) -> WholeBodyCommand:
-        """Returns the QP's command of one tick."""
-        control, balance = self._control(phase), self._stance.balance
-        omega = self._stance.omega(observation, phase.carrying)
-        reference, support = phase.dcm_reference(omega), control.support(phase)
-        cop = balance.wanted_cop(observation, reference, omega, support)
-        feet = control.command_feet(phase, observation, cop)
-        return balance.command(observation, body, reference, omega, support, feet)
-
     # ---- requests ------------------------------------------------------------
-
-    def _next(self, phase: StepState, request: BehaviorRequest) -> DesiredStep | None:
-        """Returns the requested step that has not begun, if any."""
-        params, progress = request.command.step_params, phase.progress
-        if params.use_demo_walk:
-            index = progress.index + 1
-            wanted = demo_step(phase.feet, index, self._default, self._gait)
-        else:
-            feet_z = (float(phase.feet[0].p_WF[2]), float(phase.feet[1].p_WF[2]))
-            wanted = desired_step(params, feet_z, self._default)
-        if wanted is None or wanted.step.index <= progress.index:
-            return None
-        refused = progress.refused
-        if refused is not None and refused.number == request.number:
-            return None
-        return wanted
 
     def _read(
         self,
@@ -203,7 +176,7 @@ class Step(BehaviorProtocol):
     ) -> tuple[StepState, tuple[Event, ...]]:
         """Warns of a new message whose step is too late to be taken."""
         params, last = request.command.step_params, phase.progress.request
-        if last is not None and request.number == last.number:
+        if not request.is_newer(last):
             return phase, ()
         progress = replace(phase.progress, request=request)
         phase = replace(phase, progress=progress)
@@ -238,12 +211,12 @@ class Step(BehaviorProtocol):
         self,
         phase: StepState,
         observation: Observation,
-        request: BehaviorRequest,
     ) -> tuple[Event, ...]:
         """Names the steps that STAND leaves out: a started step and a coming step."""
         left = list(phase.not_begun)
-        wanted = self._next(phase, request)
-        if wanted is not None and not request.command.step_params.use_demo_walk:
+        wanted, request = self._beginning.requested(phase), phase.progress.request
+        demo = request is not None and request.command.step_params.use_demo_walk
+        if wanted is not None and not demo:
             left.append(wanted.step.index)
         if not left:
             return ()

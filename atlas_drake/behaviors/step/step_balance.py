@@ -14,20 +14,18 @@ from atlas_drake.behaviors.balance import Balance, FootCommand
 from atlas_drake.behaviors.base import Observation
 from atlas_drake.behaviors.body_reference import BodyTarget
 from atlas_drake.behaviors.step.action import StepAction
-from atlas_drake.behaviors.step.phases import StepPhase
+from atlas_drake.behaviors.step.phases import StepPhase, TakenStep
 from atlas_drake.behaviors.step.plan import StepPlanner
-from atlas_drake.behaviors.step.progress import TakenStep
 from atlas_drake.behaviors.step.rules import StepRules
 from atlas_drake.control.balance import feedback
-from atlas_drake.control.balance.load_share import load_share_range
-from atlas_drake.control.balance.support_polygon import SupportPolygon
+from atlas_drake.control.balance.support_polygon import SupportPolygon, load_share_range
 from atlas_drake.control.balance.weight_shift import (
     WeightShift,
     plan_weight_shift,
     sway_duration,
 )
 from atlas_drake.control.feet.footstep import FootPose
-from atlas_drake.control.feet.leg_reach import highest_com
+from atlas_drake.control.feet.leg_kinematics import highest_com
 from atlas_drake.control.rotations import mean_yaw
 
 
@@ -112,11 +110,13 @@ class StepBalance:
             highest_com(legs, phase.hips, com, enumerate(now)),
             highest_com(legs, phase.hips, phase.shift.end, reach.later),
         )
+        tilt = np.array([0.0, phase.lean])
         return BodyTarget(
             height=min(reach.height, highest),
             yaw=mean_yaw(now[0].yaw, now[1].yaw),
             joints=self.balance.robot.stand_prep,
-            pelvis_tilt=np.array([0.0, phase.lean]),
+            pelvis_tilt=tilt,
+            chest_tilt=tilt,
         )
 
     def is_fresh(self, phase: StepPhase) -> bool:
@@ -135,7 +135,10 @@ class StepBalance:
         )
 
     def planted(
-        self, observation: Observation, foot: int, command: FootCommand | None = None
+        self,
+        observation: Observation,
+        foot: int = 0,
+        command: FootCommand | None = None,
     ) -> tuple[FootCommand, FootCommand]:
         """Commands both feet to stay planted, except ``foot`` if it has a command."""
         feet = [self.balance.planted(observation, other) for other in (0, 1)]

@@ -10,12 +10,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from atlas_drake.behaviors.walk.timing import GaitTiming
 from atlas_drake.control.balance.dcm_plan import CopSegment, DcmPlan
 from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.footstep import FootPose, Footstep, outward
 from atlas_drake.control.rotations import rotation_z
 from atlas_drake.frozen import replace
-from atlas_drake.robot import GaitTiming
 
 COP_INWARD = 0.010
 """Distance of the CoP reference from the stance sole's middle to the inside [m]."""

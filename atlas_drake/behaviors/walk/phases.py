@@ -1,23 +1,27 @@
 """The state of a walk between ticks: its progress and its present phase.
 
 Frozen data, and functions of these data alone. ``planner`` makes the phases;
-``double_support``, ``single_support`` and ``settling`` compute their ticks.
+``both_feet`` and ``single_support`` compute their ticks.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
+import numpy as np
+
+from atlas_drake.behaviors.phases import TIME_STEP, Phase, sampled
 from atlas_drake.behaviors.step_queue import next_runs
+from atlas_drake.behaviors.walk.timing import GaitTiming
 from atlas_drake.control.balance.dcm_plan import DcmPlan, DcmReference
-from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet import swing_foot
 from atlas_drake.control.feet.footstep import FootPose, Footstep
 from atlas_drake.frozen import replace
 from atlas_drake.messages import WalkStatus
 from atlas_drake.messages.commands import BehaviorRequest
-from atlas_drake.robot import GaitTiming
+from atlas_drake.messages.controller_status import PlannedPaths
 
 
 @dataclass(frozen=True)
@@ -51,23 +55,19 @@ class WalkProgress:
 
 
 @dataclass(frozen=True, kw_only=True)
-class WalkPhase:
+class WalkPhase(Phase):
     """Common part of all phases of a walk.
 
     Attributes:
         progress: Feet and steps.
         plan: Plan of the DCM.
-        support: Region of the CoP.
         duration: Planned duration of the phase [s].
-        elapsed: Time since the beginning of the phase [s].
         plan_time: Time since the beginning of the plan [s].
     """
 
     progress: WalkProgress
     plan: DcmPlan
-    support: SupportPolygon
     duration: float
-    elapsed: float = 0.0
     plan_time: float = 0.0
 
     @property
@@ -83,6 +83,24 @@ class WalkPhase:
     def dcm_reference(self) -> DcmReference:
         """Evaluates the present references of DCM and CoP."""
         return self.planned
+
+    def paths(self, com: np.ndarray, profile: swing_foot.SwingProfile) -> PlannedPaths:
+        """Integrates ċ = ω (ξ - c), exactly for a constant DCM between two points.
+
+        Args:
+            com: Present center of mass, horizontal in W [m], shape (2,).
+            profile: Shape of the swing.
+        """
+        times = np.arange(self.plan_time, self.plan.duration, TIME_STEP)
+        if times.size < 2:
+            return PlannedPaths()
+        dcm, cop = sampled(self.plan.evaluate, times)
+        decay = np.exp(-self.plan.omega * TIME_STEP)
+        path = [np.asarray(com, dtype=float)]
+        for before, after in pairwise(dcm):
+            goal = 0.5 * (before + after)
+            path.append(goal + decay * (path[-1] - goal))
+        return PlannedPaths(com=np.array(path), dcm=dcm, cop=cop)
 
     def time_to_touchdown(
         self, coming: Sequence[Footstep], timing: GaitTiming
@@ -178,6 +196,16 @@ class WalkSwing(WalkPhase):
     def in_air(self) -> Footstep:
         """The step being taken."""
         return self.step
+
+    def paths(self, com: np.ndarray, profile: swing_foot.SwingProfile) -> PlannedPaths:
+        """Adds the path of the swing sole from lift-off to touchdown."""
+        swing = swing_foot.begin_swing(self.motion.start, self.motion.duration)
+        points = [swing.start.p_WF]
+        while swing.remaining > 0.0:
+            step = min(TIME_STEP, max(swing.remaining, 1e-6))
+            swing, reference = swing_foot.advance_swing(swing, self.step, profile, step)
+            points.append(reference.p_WF)
+        return replace(super().paths(com, profile), swing=np.array(points))
 
     def time_to_touchdown(
         self, coming: Sequence[Footstep], timing: GaitTiming

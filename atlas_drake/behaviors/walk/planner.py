@@ -1,7 +1,7 @@
 """Makes the phases of a walk, each with its initial DCM plan.
 
-``double_support``, ``single_support`` and ``settling`` determine when a phase ends. The
-mathematics of the plan is in ``gait``; that of the steps, in ``step_preview``.
+``both_feet`` and ``single_support`` determine when a phase ends. The
+mathematics of the plan is in ``gait``; that of the steps, in ``steps``.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from atlas_drake.behaviors.walk.phases import (
     WalkShift,
     WalkSwing,
 )
-from atlas_drake.behaviors.walk.step_preview import (
+from atlas_drake.behaviors.walk.steps import (
     StepPreview,
     look_ahead,
     subject,
@@ -53,8 +53,8 @@ class WalkPlanner:
         """Plans for a pendulum with the natural frequency ``omega`` [1/s]."""
         self._balance = balance
         self._omega = omega
-        self._timing = balance.robot.file.gait_timing
-        self._limits = balance.robot.file.walk_limits
+        self._timing = config.timing
+        self._limits = config.limits
         self._slack = config.slack
         self._transfer_change = config.rules.transfer_change
         self._latest: tuple[WalkProgress, Footstep | None, StepPreview] | None = None

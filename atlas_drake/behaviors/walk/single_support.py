@@ -10,19 +10,19 @@ import numpy as np
 from atlas_drake.behaviors.balance import Balance, FootCommand
 from atlas_drake.behaviors.base import Observation
 from atlas_drake.behaviors.footstep_event import footstep_event
+from atlas_drake.behaviors.phases import PhaseControl, with_foot
 from atlas_drake.behaviors.walk.config import WalkConfig
-from atlas_drake.behaviors.walk.phase_control import WalkPhaseControl
 from atlas_drake.behaviors.walk.phases import WalkState, WalkSwing
 from atlas_drake.behaviors.walk.planner import WalkPlanner
 from atlas_drake.control.balance import feedback
-from atlas_drake.control.balance.step_adjustment import step_shift
+from atlas_drake.control.balance.feedback import step_shift
 from atlas_drake.control.feet.footstep import LEFT, saturate
 from atlas_drake.control.feet.swing_foot import advance_swing
 from atlas_drake.frozen import replace
 from atlas_drake.messages.event import Event
 
 
-class SingleSupport(WalkPhaseControl[WalkSwing]):
+class SingleSupport(PhaseControl[WalkSwing]):
     """Moves the swing foot to a landing place that keeps balance; detects touchdown."""
 
     def __init__(self, balance: Balance, planner: WalkPlanner, config: WalkConfig):
@@ -31,12 +31,12 @@ class SingleSupport(WalkPhaseControl[WalkSwing]):
         self._rules = config.rules
         self._profile = config.swing
         self._adjustment = config.adjustment
-        self._limits = config.slack.loosen(balance.robot.file.walk_limits)
+        self._limits = config.slack.loosen(config.limits)
         self._touchdown_force = config.rules.touchdown_force * balance.weight
         self._landing_force = config.rules.landing_force * balance.weight
 
     def advance(
-        self, phase: WalkSwing, observation: Observation
+        self, phase: WalkSwing, observation: Observation, leaving: bool
     ) -> tuple[WalkState, tuple[Event, ...]]:
         """Ends the swing with touchdown."""
         least = self._touchdown_force
@@ -67,10 +67,10 @@ class SingleSupport(WalkPhaseControl[WalkSwing]):
     ) -> tuple[WalkState, tuple[Event, ...]]:
         step = phase.step
         landed = observation.foot_pose(step.foot)
-        feet, aimed = list(phase.progress.feet), list(phase.progress.aimed)
-        feet[step.foot], aimed[step.foot] = landed, step.pose
         progress = replace(
-            phase.progress, feet=(feet[0], feet[1]), aimed=(aimed[0], aimed[1])
+            phase.progress,
+            feet=with_foot(phase.progress.feet, step.foot, landed),
+            aimed=with_foot(phase.progress.aimed, step.foot, step.pose),
         )
         early = phase.duration - phase.elapsed
         event = footstep_event(observation.time, phase.sent, step, landed)

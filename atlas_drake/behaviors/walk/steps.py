@@ -1,22 +1,75 @@
-"""The steps of a walk: those of a message, or those of the demo walk.
+"""The steps of a walk: as requested, and as they will be taken, or why they are not.
 
-Pure functions; the phases of the walk determine the timing.
+Pure functions of the walk's progress; its phases determine the timing.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
 
-from atlas_drake.behaviors.step_queue import merge
+import numpy as np
+
+from atlas_drake.behaviors.footstep_event import out_of_reach, pace_changed
+from atlas_drake.behaviors.step_queue import merge, step_data_from
 from atlas_drake.behaviors.walk.phases import WalkProgress
 from atlas_drake.control.feet.footstep import (
     LEFT,
     FootPose,
     Footstep,
+    ensure_clearance,
+    heading_error,
+    landing_error,
+    limit_duration,
+    resolve_height,
+    saturate,
 )
-from atlas_drake.messages import AtlasBehaviorWalkParams
+from atlas_drake.control.feet.step_limits import StepLimits, StepSlack
+from atlas_drake.frozen import replace
+from atlas_drake.messages import (
+    NUM_REQUIRED_WALK_STEPS,
+    AtlasBehaviorStepData,
+    AtlasBehaviorWalkParams,
+)
+from atlas_drake.messages.event import Event
 from atlas_drake.planning.demo_steps import demo_steps
 from atlas_drake.planning.footholds import Gait
+
+LOOK_AHEAD = NUM_REQUIRED_WALK_STEPS
+"""Number of steps in the plan."""
+
+ROUNDING = 1e-9
+"""A step that saturation moves by at most this much counts as unchanged [m], [rad]."""
+LEVEL = 0.02
+"""A step up or down by more than this leads to another level [m]."""
+EDGE = 0.02
+"""Largest distance of a step to another level from its commanded place [m]."""
+_NO_STEP = AtlasBehaviorStepData().snapshot()
+
+
+@dataclass(frozen=True)
+class StepPreview:
+    """Coming steps of the walk, as commanded and as executed.
+
+    Attributes:
+        commanded: The commanded steps of the plan, heights in W; the one in the air as
+            executed, because balance may have moved it.
+        steps: The same steps as they will be executed; the one in the air comes first.
+        blocked: The step after these steps, if it cannot be taken.
+        obstacle: Why the blocked step cannot be taken; empty if there is none.
+    """
+
+    commanded: tuple[Footstep, ...]
+    steps: tuple[Footstep, ...]
+    blocked: Footstep | None = None
+    obstacle: str = ""
+
+    @cached_property
+    def reported(self) -> tuple[AtlasBehaviorStepData, ...]:
+        """The steps as snapshots of messages, filled up with empty ones."""
+        steps = tuple(step_data_from(step).snapshot() for step in self.steps)
+        return steps + (_NO_STEP,) * (NUM_REQUIRED_WALK_STEPS - len(steps))
 
 
 def steps_asked_for(
@@ -56,3 +109,110 @@ def feet_to_come(progress: WalkProgress, in_air: Footstep | None) -> list[FootPo
     if in_air is not None:
         feet[in_air.foot] = in_air.pose
     return feet
+
+
+def look_ahead(
+    progress: WalkProgress,
+    in_air: Footstep | None,
+    limits: StepLimits,
+    slack: StepSlack,
+) -> StepPreview:
+    """Saturates the coming steps, each relative to the step before.
+
+    Args:
+        progress: WalkProgress of the walk.
+        in_air: The step whose foot is in the air, if any; it is not changed.
+        limits: Limits of a step.
+        slack: Amount by which a step may exceed the limits to correct landing errors.
+    """
+    steps, commanded = [], []
+    poses, aims = feet_to_come(progress, in_air), list(progress.aimed)
+    if in_air is not None:
+        steps.append(in_air)
+        commanded.append(in_air)
+        aims[in_air.foot] = in_air.pose
+    loose = slack.loosen(limits)
+    firm = replace(limits, rise=loose.rise)
+    last_foot = progress.last_foot
+    for step in progress.known:
+        if len(steps) >= LOOK_AHEAD:
+            break
+        start, stance = poses[step.foot], poses[1 - step.foot]
+        goal = resolve_height(step, stance, limits)
+        taken = saturate(goal, stance, firm)
+        pose = taken.pose
+        if max(landing_error(goal, pose), heading_error(goal, pose)) > ROUNDING:
+            # A landing error of the stance foot shall not reduce the next step: the
+            # limits count from the aimed pose, and with slack from the landed pose.
+            aim = at_height(aims[1 - step.foot], stance)
+            taken = saturate(saturate(goal, aim, firm), stance, loose)
+        obstacle = obstacle_to(goal, taken, stance, last_foot, loose)
+        if obstacle:
+            return StepPreview(tuple(commanded), tuple(steps), step, obstacle)
+        taken = limit_duration(
+            ensure_clearance(taken, start, limits), start, stance, limits
+        )
+        commanded.append(goal)
+        steps.append(taken)
+        poses[taken.foot] = aims[taken.foot] = taken.pose
+        last_foot = taken.foot
+    return StepPreview(tuple(commanded), tuple(steps))
+
+
+def at_height(pose: FootPose, ground: FootPose) -> FootPose:
+    """Returns ``pose`` at the height of ``ground``."""
+    return FootPose(np.append(pose.p_WF[:2], ground.p_WF[2]), pose.R_WF)
+
+
+def obstacle_to(
+    goal: Footstep,
+    taken: Footstep,
+    stance: FootPose,
+    last_foot: int | None,
+    limits: StepLimits,
+) -> str:
+    """Determines why a step cannot be taken at all; empty if it can.
+
+    Args:
+        goal: The step as commanded, its height in W.
+        taken: The same step, saturated.
+        stance: Pose of the stance foot of the step.
+        last_foot: The foot of the step before, if any.
+        limits: Limits of a step from that stance foot.
+    """
+    if goal.foot == last_foot:
+        return "two steps in a row are for the same foot"
+    climb = float(goal.p_WF[2] - stance.p_WF[2])
+    if abs(climb) > limits.rise:
+        way = "up" if climb > 0.0 else "down"
+        return f"step {goal.index} leads {abs(climb):.2f} m {way}, which is too much"
+    # A shortened step may miss the level that it leads to.
+    if abs(climb) > LEVEL and landing_error(goal, taken.pose) > EDGE:
+        return f"step {goal.index} leads to another level and is out of reach"
+    return ""
+
+
+def warnings_about(
+    step_preview: StepPreview, warned: frozenset[tuple[int, str]], time: float
+) -> tuple[Event, ...]:
+    """Makes warnings about the steps that differ from their commands, one for each.
+
+    Args:
+        step_preview: The coming steps.
+        warned: The ``subject`` of each earlier warning.
+        time: Time of the warnings [s].
+    """
+    events: tuple[Event, ...] = ()
+    for goal, step in zip(step_preview.commanded, step_preview.steps, strict=True):
+        events += out_of_reach(time, goal, step) + pace_changed(time, goal, step)
+    blocked = step_preview.blocked
+    if blocked is not None:
+        text = f"WALK will end before step {blocked.index}: {step_preview.obstacle}"
+        data = {"index": blocked.index, "about": "obstacle"}
+        events += (Event(time, "warning", text, data),)
+    return tuple(event for event in events if subject(event) not in warned)
+
+
+def subject(warning: Event) -> tuple[int, str]:
+    """Returns the index of a warning's step, and its topic: place, pace or obstacle."""
+    return warning.data["index"], warning.data["about"]

@@ -19,10 +19,14 @@ from atlas_drake.behaviors.body_reference import (
     BodyTarget,
     advance_body,
 )
+from atlas_drake.behaviors.phases import PhaseControl
 from atlas_drake.behaviors.step_queue import replaced
+from atlas_drake.behaviors.walk.both_feet import (
+    DoubleSupport,
+    Settling,
+    steps_left_out,
+)
 from atlas_drake.behaviors.walk.config import WalkConfig
-from atlas_drake.behaviors.walk.double_support import DoubleSupport
-from atlas_drake.behaviors.walk.phase_control import WalkPhaseControl
 from atlas_drake.behaviors.walk.phases import (
     Transfer,
     WalkProgress,
@@ -32,8 +36,6 @@ from atlas_drake.behaviors.walk.phases import (
     WalkSwing,
 )
 from atlas_drake.behaviors.walk.planner import WalkPlanner
-from atlas_drake.behaviors.walk.preview import walk_paths, walk_plan
-from atlas_drake.behaviors.walk.settling import Settling
 from atlas_drake.behaviors.walk.single_support import SingleSupport
 from atlas_drake.behaviors.walk.steps import feet_to_come, steps_asked_for
 from atlas_drake.control.balance import feedback
@@ -42,6 +44,7 @@ from atlas_drake.frozen import read_only, replace
 from atlas_drake.messages import AtlasBehaviorWalkFeedback
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan, PlannedPaths
+from atlas_drake.messages.event import Event
 from atlas_drake.planning.footholds import Gait
 
 _UPRIGHT = read_only(np.zeros(2))
@@ -60,24 +63,34 @@ class Walk(BehaviorProtocol):
         nominal_height: float,
         rates: BodyRates,
         config: WalkConfig | None = None,
+        gait: Gait | None = None,
     ):
-        """Walks with the center of mass ``nominal_height`` [m] above the soles."""
+        """Walks with the center of mass ``nominal_height`` [m] above the soles.
+
+        Args:
+            balance: Gains, support polygons and tasks.
+            nominal_height: Height of the center of mass above the soles [m].
+            rates: Speed limits of trunk and posture.
+            config: Parameters; None for the defaults.
+            gait: Gait of the demonstration; None for Atlas' usual one.
+        """
         config = config or WalkConfig()
         self._balance = balance
         self._nominal_height = nominal_height
         self._rates = rates
-        self._timing = balance.robot.file.gait_timing
+        self._timing = config.timing
         self._profile = config.swing
         self._rules = config.rules
-        self._gait = Gait.of(balance.robot)
+        self._gait = gait or Gait()
         self._omega = feedback.pendulum_frequency(nominal_height)
         self._planner = WalkPlanner(balance, self._omega, config)
         double_support = DoubleSupport(balance, self._planner, config.rules)
-        self._controls: dict[type[WalkState], WalkPhaseControl[Any]] = {
+        self._settling = Settling(balance, self._planner, config)
+        self._controls: dict[type[WalkState], PhaseControl[Any]] = {
             WalkShift: double_support,
             WalkSwing: SingleSupport(balance, self._planner, config),
             Transfer: double_support,
-            WalkSettle: Settling(balance, self._planner, config.rules),
+            WalkSettle: self._settling,
         }
 
     def enter(
@@ -113,7 +126,7 @@ class Walk(BehaviorProtocol):
             elapsed=phase.elapsed + observation.dt,
             plan_time=phase.plan_time + observation.dt,
         )
-        phase, events = self._control(phase).advance(phase, observation)
+        phase, events = self._control(phase).advance(phase, observation, leaving)
         changed = phase.progress.pending is not before.progress.pending
         if before.elapsed == 0.0 or changed:
             phase, news = self._planner.warn(phase, observation.time)
@@ -130,7 +143,12 @@ class Walk(BehaviorProtocol):
         command = self._balance.command(
             observation, body, phase.dcm_reference(), self._omega, phase.support, feet
         )
-        finished, left = self._control(phase).end(phase, observation, leaving)
+        finished = False
+        left: tuple[Event, ...] = ()
+        if isinstance(phase, WalkSettle):
+            finished = self._settling.is_over(phase, observation)
+            if finished:
+                left = steps_left_out(phase, observation.time, leaving)
         return Outcome(
             state=phase,
             body=body,
@@ -142,11 +160,13 @@ class Walk(BehaviorProtocol):
 
     def plan(self, phase: WalkState, com: np.ndarray, omega: float) -> Plan:
         """Returns the references of the DCM plan and the coming footsteps."""
-        return walk_plan(phase)
+        in_air = () if phase.in_air is None else (phase.in_air,)
+        steps = (*in_air, *phase.progress.known)
+        return phase.plan_of(phase.dcm_reference(), phase.plan.omega, steps)
 
     def paths(self, phase: WalkState, com: np.ndarray, omega: float) -> PlannedPaths:
         """Returns the paths of the DCM plan and of the present swing."""
-        return walk_paths(phase, com, self._profile)
+        return phase.paths(com, self._profile)
 
     def feedback(
         self, phase: WalkState, status_flags: int
@@ -162,18 +182,20 @@ class Walk(BehaviorProtocol):
             step_queue_saturated=list(step_preview.reported),
         )
 
-    def _control(self, phase: WalkState) -> WalkPhaseControl[Any]:
+    def _control(self, phase: WalkState) -> PhaseControl[Any]:
         return self._controls[type(phase)]
 
     def _leave(self, phase: WalkState) -> WalkState:
         """Drops the pending steps: a foot in the air lands, then the robot settles."""
         phase = replace(phase, progress=replace(phase.progress, pending=()))
-        return self._control(phase).leave(phase)
+        if isinstance(phase, WalkShift | Transfer):
+            return self._planner.settle(phase.progress, phase.planned.cop)
+        return phase
 
     def _read_queue(self, phase: WalkState, request: BehaviorRequest) -> WalkState:
         """Merges the steps of a new message with those that have not begun."""
         progress = phase.progress
-        if request.number == progress.request.number:
+        if not request.is_newer(progress.request):
             return phase
         params, last = request.command.walk_params, progress.request.command.walk_params
         progress = replace(progress, request=request)
@@ -206,4 +228,5 @@ class Walk(BehaviorProtocol):
             yaw=mean_yaw(left.yaw, right.yaw),
             joints=self._balance.robot.stand_prep,
             pelvis_tilt=_UPRIGHT,
+            chest_tilt=_UPRIGHT,
         )

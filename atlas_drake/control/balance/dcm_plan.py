@@ -3,7 +3,7 @@
 The linear inverted pendulum with a piecewise-linear center of pressure (CoP),
 solved backward in time from the point where the robot comes to rest. After Englsberger,
 Ott, Albu-Schäffer, "Three-dimensional bipedal walking control based on divergent
-component of motion", T-RO 2015. Feet and phases of a gait are not modelled here.
+component of motion", T-RO 2015.
 """
 
 from __future__ import annotations

@@ -1,7 +1,8 @@
 """Quasi-static weight shift: the center of mass moves between two places of rest.
 
-The motion is a quintic on a straight line, with the DCM and CoP that result from it.
-Behaviors decide the goal and the time of a weight shift.
+The motion is the minimum-jerk quintic on a straight line (Flash, Hogan, "The
+coordination of arm movements", Journal of Neuroscience 1985), with the DCM and CoP that
+result from it for the linear inverted pendulum.
 """
 
 from __future__ import annotations
@@ -16,13 +17,15 @@ from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.swing_foot import quintic_progress
 
 PEAK_ACCELERATION = 10.0 / math.sqrt(3.0)
-"""Peak acceleration of a quintic from rest to rest, over distance per duration squared
-[-]."""
+"""Peak acceleration of the quintic from rest to rest, over distance per duration
+squared: a property of the curve [-]."""
 CHECKED = np.linspace(0.0, 1.0, 11)
-"""Shares of its duration at which the CoP of a weight shift is checked [-]."""
+"""Shares of its duration at which the CoP of a weight shift is checked [-]. Numerical,
+like LONGER and TRIES: the resolution of a search."""
 START_INSIDE = 2.0
 """Margin to the edge of the support at the start of a weight shift, over the margin
-that its CoP keeps [-]: the initial acceleration moves the CoP outward."""
+that its CoP keeps, which is the setting [-]: the initial acceleration moves the CoP
+outward."""
 LONGER = 1.15
 """Ratio of each tried duration to the one tried before [-]."""
 TRIES = 16

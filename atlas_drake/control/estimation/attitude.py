@@ -1,7 +1,8 @@
 """Orientation from a gyroscope, with the tilt corrected by gravity.
 
-Unit quaternions [w, x, y, z], written out on floats because the code runs every control
-tick. Position and velocity are estimated in ``leg_odometry``.
+A complementary filter: Mahony, Hamel, Pflimlin, "Nonlinear complementary filters on the
+special orthogonal group", TAC 2008. Unit quaternions [w, x, y, z], written out on
+floats because the code runs every control tick.
 """
 
 from __future__ import annotations

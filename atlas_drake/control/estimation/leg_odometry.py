@@ -1,7 +1,7 @@
 """Position and velocity of the robot, from its accelerometer and its legs.
 
 A linear Kalman filter that takes the orientation as known: the method of Bloesch et
-al., "State estimation for legged robots" (RSS 2012), with the orientation estimated in
+al., "State estimation for legged robots", RSS 2012, with the orientation estimated in
 ``attitude``. Pure functions; the state of the filter is a frozen value.
 """
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from atlas_drake.configuration import Configuration, NotNegative
+from atlas_drake.control.feet.step_limits import StepLimits
 from atlas_drake.control.rotations import (
     rotation_with_normal,
     rotation_z,
@@ -20,7 +20,6 @@ from atlas_drake.control.rotations import (
     yaw_of,
 )
 from atlas_drake.frozen import replace
-from atlas_drake.robot import StepLimits
 
 LEFT, RIGHT = 0, 1
 UP = np.array([0.0, 0.0, 1.0])
@@ -77,35 +76,6 @@ class Footstep:
         return FootPose(self.p_WF, rotation_with_normal(self.yaw, self.normal))
 
 
-@dataclass(frozen=True)
-class StepSlack(Configuration):
-    """Tolerance beyond the limits of a step, to make up for landing errors.
-
-    Limits are relative to the actual or the commanded place of the stance foot. Without
-    the tolerance a foot that landed a little short would shorten every later step.
-    """
-
-    distance: NotNegative = 0.02
-    """Tolerance of the horizontal distance [m]."""
-    turn: NotNegative = 0.05
-    """Tolerance of the heading [rad]."""
-    rise: NotNegative = 0.01
-    """Tolerance of the height, for ground that differs from the step's height [m]."""
-
-    def loosen(self, limits: StepLimits) -> StepLimits:
-        """Returns the limits of a step from the actual place of the stance foot."""
-        return replace(
-            limits,
-            forward=limits.forward + self.distance,
-            backward=limits.backward + self.distance,
-            min_width=limits.min_width - self.distance,
-            max_width=limits.max_width + self.distance,
-            rise=limits.rise + self.rise,
-            toe_out=limits.toe_out + self.turn,
-            toe_in=limits.toe_in + self.turn,
-        )
-
-
 def outward(foot: int) -> float:
     """Returns the sign of y that points away from the other foot."""
     return 1.0 if foot == LEFT else -1.0
@@ -140,7 +110,7 @@ def saturate(step: Footstep, stance: FootPose, limits: StepLimits) -> Footstep:
     reach = np.array(
         [
             clip(p_SF[0], -limits.backward, limits.forward),
-            sign * clip(sign * p_SF[1], limits.min_width, limits.max_width),
+            sign * clip(sign * p_SF[1], *limits.width),
             clip(p_SF[2], -limits.rise, limits.rise),
         ]
     )
@@ -151,10 +121,8 @@ def saturate(step: Footstep, stance: FootPose, limits: StepLimits) -> Footstep:
         step,
         p_WF=stance.p_WF + R_WS @ reach,
         yaw=stance.yaw + turn,
-        duration=clip(step.duration, limits.min_duration, limits.max_duration),
-        swing_height=clip(
-            step.swing_height, limits.min_swing_height, limits.max_swing_height
-        ),
+        duration=clip(step.duration, *limits.duration),
+        swing_height=clip(step.swing_height, *limits.swing_height),
         normal=_tilted_at_most(step.normal, limits.tilt),
     )
 
@@ -169,7 +137,8 @@ def ensure_clearance(step: Footstep, start: FootPose, limits: StepLimits) -> Foo
             the foot also clears the higher end by more.
     """
     climb = abs(float(step.p_WF[2] - start.p_WF[2]))
-    lowest = min(limits.min_swing_height + climb, limits.max_swing_height)
+    least, greatest = limits.swing_height
+    lowest = min(least + climb, greatest)
     if step.swing_height >= lowest:
         return step
     return replace(step, swing_height=lowest)
@@ -183,7 +152,8 @@ def longest_duration(apart: float, limits: StepLimits) -> float:
         limits: Give the longest duration by distance.
     """
     share = clip((apart - limits.near) / (limits.far - limits.near), 0.0, 1.0)
-    return limits.max_duration + share * (limits.far_duration - limits.max_duration)
+    longest = limits.duration.greatest
+    return longest + share * (limits.far_duration - longest)
 
 
 def limit_duration(

@@ -1,8 +1,27 @@
-"""The rectangle of a sole. Regions for the CoP are in ``support_polygon``."""
+"""Geometry of a sole: its corners, its contact patches, and its pose on the toes.
+
+Behaviors decide when a heel rises. Regions for the CoP are in ``support_polygon``.
+"""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
+
+from atlas_drake.control.feet.footstep import FootPose
+from atlas_drake.control.feet.swing_foot import SwingReference
+from atlas_drake.control.gains import ContactModel
+from atlas_drake.control.rotations import rotation_y
+from atlas_drake.control.whole_body.contact import ContactPatch
+from atlas_drake.robot import SoleSize
+
+TOES = 0.03
+"""Length of the strip at the front of a sole that carries a foot on its toes [m]:
+geometry, shared by the plan and the QP."""
+MIDDLE = 0.01
+"""Half the side of the square that counts as the middle of a sole [m]. Numerical: a
+point, but with room for the solver's tolerance."""
 
 
 def sole_corners(
@@ -18,3 +37,76 @@ def sole_corners(
         ]
     )
     return p_WF + corners @ R_WF.T
+
+
+def on_toes(flat: FootPose, angle: float, half_length: float) -> FootPose:
+    """Computes the pose of a sole with its heel raised.
+
+    Args:
+        flat: Pose of the flat sole.
+        angle: Pitch of the sole about its toes [rad].
+        half_length: Half the length of the sole [m].
+    """
+    toes = flat.p_WF + half_length * flat.R_WF[:, 0]
+    R_WF = flat.R_WF @ rotation_y(angle)
+    return FootPose(toes - half_length * R_WF[:, 0], R_WF)
+
+
+def toe_off_reference(
+    flat: FootPose, angle: float, rate: float, acceleration: float, half_length: float
+) -> SwingReference:
+    """Computes the motion of a sole about its toes from the angle [rad] over time."""
+    pose = on_toes(flat, angle, half_length)
+    y, arm = flat.R_WF[:, 1], -half_length * pose.R_WF[:, 0]
+    return SwingReference(
+        p_WF=pose.p_WF,
+        v_WF=rate * np.cross(y, arm),
+        a_WF=acceleration * np.cross(y, arm) - rate * rate * arm,
+        R_WF=pose.R_WF,
+        w_WF=rate * y,
+        alpha_WF=acceleration * y,
+    )
+
+
+def toe_corners(flat: FootPose, half_length: float, half_width: float) -> np.ndarray:
+    """Computes the corners of the strip that carries the toes, in W [m], (4, 3)."""
+    middle = flat.p_WF + (half_length - 0.5 * TOES) * flat.R_WF[:, 0]
+    return sole_corners(middle, flat.R_WF, 0.5 * TOES, half_width)
+
+
+@dataclass(frozen=True)
+class SolePatches:
+    """Regions in which the QP keeps the center of pressure of one sole.
+
+    Attributes:
+        whole: The sole less its margins.
+        middle: The middle of the sole, which turns a foot that stands on an edge flat.
+        toes: The strip at the front of the sole, while the heel is up.
+    """
+
+    whole: ContactPatch
+    middle: ContactPatch
+    toes: ContactPatch
+
+
+def sole_patches(sole: SoleSize, contact: ContactModel) -> SolePatches:
+    """Makes the patches of a sole.
+
+    Args:
+        sole: Size of the sole.
+        contact: Friction, and the margins that are closed to the center of pressure.
+    """
+
+    def patch(x: tuple[float, float], half_width: float) -> ContactPatch:
+        return ContactPatch.rectangle(
+            x, (-half_width, half_width), contact.friction, contact.yaw_moment_arm
+        )
+
+    tip = sole.length / 2
+    half_length = tip - contact.length_margin
+    half_width = sole.width / 2 - contact.width_margin
+    return SolePatches(
+        whole=patch((-half_length, half_length), half_width),
+        middle=patch((-MIDDLE, MIDDLE), MIDDLE),
+        toes=patch((tip - TOES, tip), half_width),
+    )

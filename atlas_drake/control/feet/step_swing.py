@@ -1,7 +1,7 @@
 """Motion of a foot that is lifted straight up, moved across, and lowered straight down.
 
 The quasi-static counterpart of ``swing_foot``: planned once at lift-off, because the
-landing pose does not change. Balance is in ``control.balance``.
+landing pose does not change. Each part is the same minimum-jerk quintic.
 """
 
 from __future__ import annotations
@@ -17,9 +17,11 @@ from atlas_drake.control.feet.swing_foot import SwingReference, bump, quintic_pr
 from atlas_drake.control.rotations import rotation_about, rotation_vector
 
 PEAK_SPEED = 1.875
-"""Peak speed of a quintic from rest to rest, over distance per duration [-]."""
+"""Peak speed of the quintic from rest to rest, over distance per duration: a property
+of the curve [-]."""
 TURN_RADIUS = 0.25
-"""Assumed distance that a point of a turning foot moves per angle [m/rad]."""
+"""Assumed distance that a point of a turning foot moves per angle: geometry of the
+robots' feet [m/rad]."""
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,9 @@
 """Motion of a swinging sole from lift-off to landing.
 
-Horizontal motion follows a quintic that is solved anew every tick from the present
-reference, so that the landing place may move during the swing without a jump. Balance
-and the choice of the landing place are in ``control.balance``.
+Horizontal motion follows the minimum-jerk quintic (Flash, Hogan, "The coordination of
+arm movements", Journal of Neuroscience 1985), solved anew every tick from the present
+reference, so that the landing place may move during the swing without a jump. The
+choice of the landing place is in ``control.balance``.
 """
 
 from __future__ import annotations
@@ -33,6 +34,9 @@ from atlas_drake.frozen import replace
 class SwingProfile(Configuration):
     """Parameters of the swing that are the same for all steps of WALK."""
 
+    height: Positive = 0.10
+    """Apex above the middle of both ends, of steps that planners make [m]; a step that
+    is commanded brings its own."""
     landing_speed: Positive = 0.15
     """Speed of the sole at touchdown, and of its descent past the planned touchdown
     [m/s]. The higher the speed, the smaller the timing error from an error of
@@ -112,9 +116,8 @@ def advance_swing(
     """Advances the swing by ``dt`` [s] toward ``target``."""
     elapsed = swing.elapsed + dt
     begin, end = _horizontal_window(swing, target, profile)
-    if elapsed < begin:
-        xy, velocity, acceleration = swing.xy, np.zeros(2), np.zeros(2)
-    elif elapsed < end:
+    xy, velocity, acceleration = swing.xy, np.zeros(2), np.zeros(2)
+    if begin <= elapsed < end:
         since = max(swing.elapsed, begin)
         xy, velocity, acceleration = quintic_step(
             swing.xy,
@@ -124,8 +127,6 @@ def advance_swing(
             max(end - since, 2.0 * dt),
             elapsed - since,
         )
-    else:
-        xy, velocity, acceleration = swing.xy, np.zeros(2), np.zeros(2)
     moved = replace(
         swing,
         elapsed=elapsed,
@@ -206,14 +207,7 @@ def _sole_on_ground(
     y = R[:, 1].tolist()
     along_y = turn * (c * y[1] - si * y[0]) + slope_rate * y[2]
     spin = along_y / math.sqrt(1.0 + slope * slope)
-    w = np.array(
-        [
-            n[1] * t[2] - n[2] * t[1] + spin * n[0],
-            n[2] * t[0] - n[0] * t[2] + spin * n[1],
-            n[0] * t[1] - n[1] * t[0] + spin * n[2],
-        ]
-    )
-    return R, w
+    return R, cross(normal, tilting) + spin * normal
 
 
 def _toe_pitch(swing: FootSwing, target: Footstep, profile: SwingProfile) -> float:
@@ -298,24 +292,15 @@ def quintic_step(
     dt: float,
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Advances by ``dt`` on the quintic from (p, v, a) to rest at ``goal`` in ``T``."""
-    # On floats: numpy's arithmetic on vectors of two costs ten times as much.
-    after = []
-    for x, vx, ax, goal_x in zip(
-        p.tolist(), v.tolist(), a.tolist(), goal.tolist(), strict=True
-    ):
-        d = goal_x - x - vx * T - 0.5 * ax * T * T
-        e = -(vx + ax * T) * T
-        f = -0.5 * ax * T * T
-        c3 = (10.0 * d - 4.0 * e + f) / T**3
-        c4 = (-15.0 * d + 7.0 * e - 2.0 * f) / T**4
-        c5 = (6.0 * d - 3.0 * e + f) / T**5
-        t = dt
-        after.append(
-            (
-                x + t * (vx + t * (0.5 * ax + t * (c3 + t * (c4 + t * c5)))),
-                vx + t * (ax + t * (3.0 * c3 + t * (4.0 * c4 + t * 5.0 * c5))),
-                ax + t * (6.0 * c3 + t * (12.0 * c4 + t * 20.0 * c5)),
-            )
-        )
-    moved, speed, push = np.array(after).T
-    return moved, speed, push
+    d = goal - p - v * T - 0.5 * a * T * T
+    e = -(v + a * T) * T
+    f = -0.5 * a * T * T
+    c3 = (10.0 * d - 4.0 * e + f) / T**3
+    c4 = (-15.0 * d + 7.0 * e - 2.0 * f) / T**4
+    c5 = (6.0 * d - 3.0 * e + f) / T**5
+    t = dt
+    return (
+        p + t * (v + t * (0.5 * a + t * (c3 + t * (c4 + t * c5)))),
+        v + t * (a + t * (3.0 * c3 + t * (4.0 * c4 + t * 5.0 * c5))),
+        a + t * (6.0 * c3 + t * (12.0 * c4 + t * 20.0 * c5)),
+    )

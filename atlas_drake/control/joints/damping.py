@@ -22,7 +22,7 @@ per tick. The least inertia for an effort limit is that of the ankles in the air
 """
 
 
-def limp_damping(effort_limit: np.ndarray, period: float) -> np.ndarray:
+def damping_mode_gain(effort_limit: np.ndarray, period: float) -> np.ndarray:
     """Computes the damping of each joint [N·m·s/rad], shape (n,).
 
     Args:
@@ -42,5 +42,5 @@ def damping_effort(
         effort_limit: Effort limits [N·m], shape (n,).
         period: Time for which the effort is held [s].
     """
-    effort = -limp_damping(effort_limit, period) * v
+    effort = -damping_mode_gain(effort_limit, period) * v
     return np.minimum(np.maximum(effort, -effort_limit), effort_limit)

@@ -1,14 +1,19 @@
 """Control law of the joints: PID with velocity gain and feed-forward, per joint.
 
-Pure functions. ``user_effort`` explains why the law is stable for any damping gain at
-any step.
+The damping is implicit, after Tan, Liu, Turk, "Stable proportional-derivative
+controllers", IEEE Computer Graphics and Applications 2011; ``user_effort`` adds motors
+that saturate and joints that the user shares with the behavior. The constants are no
+settings: they are bounds of stability and numerical tolerances of the law at the
+physics steps that are offered; the gains are the user's.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from pydrake.systems.framework import Context
 
 from atlas_drake.control.whole_body.quadratic_program import (
     INEQUALITY,
@@ -17,6 +22,7 @@ from atlas_drake.control.whole_body.quadratic_program import (
 )
 from atlas_drake.frozen import replace
 from atlas_drake.messages.joint_command import JointCommand
+from atlas_drake.robot import Robot
 
 
 @dataclass(frozen=True)
@@ -327,3 +333,31 @@ def _saturated_damped(
     # Exact to the bit: rounding must not decide if a motor is at its limit.
     at_limit = np.abs(effort) >= limit * (1.0 - ROUNDING)
     return np.where(at_limit, np.sign(effort) * limit, effort)
+
+
+class InverseMass:
+    """The joints' block of M⁻¹, the pelvis free and no sole on the ground.
+
+    The ground makes joints heavier than they are here, never lighter, and the law
+    tolerates that. It holds no state.
+    """
+
+    def __init__(self, robot: Robot):
+        # Untyped, because pydrake's stubs misname the type of every array.
+        self._plant: Any = robot.make_plant()
+        indices = robot.indices(self._plant)
+        self._block = np.ix_(indices.v, indices.v)
+
+    def create_context(self) -> Context:
+        """Creates a scratch context for ``evaluate``."""
+        return self._plant.CreateDefaultContext()
+
+    def evaluate(self, context: Context, positions: np.ndarray) -> np.ndarray:
+        """Computes the joint accelerations per effort Λ [rad/s² per N·m], shape (n, n).
+
+        Args:
+            context: A scratch context; overwritten.
+            positions: Positions of the plant, in plant order.
+        """
+        self._plant.SetPositions(context, positions)
+        return np.linalg.inv(self._plant.CalcMassMatrix(context))[self._block]

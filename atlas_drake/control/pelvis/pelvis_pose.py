@@ -6,15 +6,21 @@ in ``pelvis_reach``.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 
-from atlas_drake.configuration import Configuration, NotNegative
+from atlas_drake.configuration import (
+    Configuration,
+    LeastGreatest,
+    NotNegative,
+    Positive,
+    Range,
+)
 from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.footstep import FootPose
-from atlas_drake.control.pelvis.smooth_motion import Motion, MotionLimits, at_rest
 from atlas_drake.control.rotations import (
     mean_yaw,
     orientation,
@@ -23,6 +29,70 @@ from atlas_drake.control.rotations import (
     yaw_of,
 )
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
+
+
+@dataclass(frozen=True)
+class MotionLimits(Configuration):
+    """Limits on the motion of a point, in any unit.
+
+    Raises:
+        ValueError: If the acceleration is too small to brake from full speed as fast as
+            the spring requires, so that the point would overshoot its goal.
+    """
+
+    speed: NotNegative
+    """Greatest speed [1/s]."""
+    acceleration: NotNegative
+    """Greatest acceleration [1/s²]."""
+    rate: Positive = 4.0
+    """Rate of the spring: the distance to the goal shrinks by a factor e in 1/rate
+    [1/s]."""
+
+    def __post_init__(self) -> None:
+        """Checks that the point can brake."""
+        if self.acceleration < self.speed * self.rate / math.e:
+            raise ValueError(
+                f"an acceleration of {self.acceleration:g} does not stop a speed of "
+                f"{self.speed:g} at the rate {self.rate:g}"
+            )
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Motion of a point with any number of coordinates.
+
+    Attributes:
+        position: Position, shape (k,).
+        velocity: Velocity, shape (k,).
+        acceleration: Acceleration during the last tick, shape (k,).
+    """
+
+    position: np.ndarray
+    velocity: np.ndarray
+    acceleration: np.ndarray
+
+    def towards(self, goal: np.ndarray, limits: MotionLimits, dt: float) -> Motion:
+        """Advances by ``dt`` [s]; from rest the path to ``goal`` is a straight line."""
+        w = limits.rate
+        wanted = w * w * (goal - self.position) - 2.0 * w * self.velocity
+        pull = _bounded(wanted, limits.acceleration)
+        velocity = _bounded(self.velocity + pull * dt, limits.speed)
+        return Motion(
+            position=self.position + velocity * dt,
+            velocity=velocity,
+            acceleration=(velocity - self.velocity) / dt,
+        )
+
+
+def at_rest(position: np.ndarray, velocity: np.ndarray | None = None) -> Motion:
+    """Makes a motion that starts at ``position``, by default at rest."""
+    still = np.zeros_like(position)
+    return Motion(position, still if velocity is None else velocity, still)
+
+
+def _bounded(vector: np.ndarray, longest: float) -> np.ndarray:
+    length = math.sqrt(vector @ vector)
+    return vector if length <= longest else vector * (longest / length)
 
 
 class PelvisPose(NamedTuple):
@@ -44,6 +114,27 @@ class PelvisPose(NamedTuple):
     roll: float = 0.0
     com_v0: float = 0.0
     com_v1: float = 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class PelvisRange(Configuration):
+    """Range of pelvis poses for MANIPULATE.
+
+    The limits of legs, motors and feet are computed for each pose; these ranges are the
+    other limits. Each is a least and a greatest value.
+    """
+
+    height: Range = LeastGreatest(0.55, 0.95)
+    """Height of the pelvis' origin above the mean of the soles [m]."""
+    yaw: Range = LeastGreatest(-0.6, 0.6)
+    """Yaw of the pelvis from the mean heading of the feet, to the left [rad]."""
+    pitch: Range = LeastGreatest(-0.3, 0.5)
+    """Pitch of the pelvis, forward and down [rad]."""
+    roll: Range = LeastGreatest(-0.3, 0.3)
+    """Roll of the pelvis, to the right [rad]."""
+    com: Range = LeastGreatest(-0.5, 0.5)
+    """Offset of the center of mass along either axis [m]; the support polygon limits it
+    further."""
 
 
 @dataclass(frozen=True)

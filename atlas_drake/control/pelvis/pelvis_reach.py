@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from atlas_drake.control.feet.leg_kinematics import LegPose, solve_leg
-from atlas_drake.control.pelvis.pelvis_pose import PelvisPose, Stance
+from atlas_drake.control.pelvis.pelvis_pose import PelvisPose, PelvisRange, Stance
 from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.robot import KNEE, Leg, Robot
@@ -55,9 +55,14 @@ class UpperBody:
 class PelvisReach:
     """Checks poses of one robot. Holds constants only."""
 
-    def __init__(self, robot: Robot, reserves: PelvisReserves | None = None):
-        """Takes the limits from ``robot``."""
-        self.range = robot.file.pelvis_range
+    def __init__(
+        self,
+        robot: Robot,
+        allowed: PelvisRange | None = None,
+        reserves: PelvisReserves | None = None,
+    ):
+        """Takes the limits of legs and motors from ``robot``; defaults for None."""
+        self.range = allowed or PelvisRange()
         self.reserves = reserves or PelvisReserves()
         self._legs: tuple[Leg, Leg] = robot.legs
         self._weight = robot.mass * GRAVITY

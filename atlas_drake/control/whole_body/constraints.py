@@ -16,8 +16,7 @@ from atlas_drake.control.gains import JointLimitGains
 from atlas_drake.control.whole_body.contact import WRENCH, Contact
 from atlas_drake.control.whole_body.elimination import ReducedDynamics
 from atlas_drake.control.whole_body.quadratic_program import EQUALITY, SOFT
-from atlas_drake.control.whole_body.shapes import shaped, task_name
-from atlas_drake.control.whole_body.tasks import Task
+from atlas_drake.control.whole_body.tasks import Task, shaped, task_name
 from atlas_drake.robot import Robot
 
 INFINITE = 1e30

@@ -1,8 +1,9 @@
 """Contacts of the robot with its surroundings, as the whole-body QP assumes them.
 
 A ``ContactPatch`` is the constant part: the surface on which forces can act, and its
-friction. A ``Contact`` holds what a behavior allows in one tick. Contact detection is
-not part of this module.
+friction. A ``Contact`` holds what a behavior allows in one tick. The cone of wrenches
+is that of Caron, Pham, Nakamura, "Stability of surface contacts for humanoid robots",
+ICRA 2015, with a lever for the moment about the normal.
 """
 
 from __future__ import annotations

@@ -1,7 +1,9 @@
 """Tasks of the whole-body QP on the contact wrenches: centroidal motion and load.
 
 Their rows are G λ + g; no Jacobian enters. The floating-base dynamics hold exactly, so
-the sum of the contact forces is the motion of the center of mass.
+the sum of the contact forces is the motion of the center of mass. The eCMP and the VRP
+are those of Englsberger, Ott, Albu-Schäffer, "Three-dimensional bipedal walking control
+based on divergent component of motion", T-RO 2015.
 """
 
 from __future__ import annotations

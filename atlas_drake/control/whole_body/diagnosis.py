@@ -13,8 +13,7 @@ import numpy as np
 from atlas_drake.control.whole_body.command import WholeBodyCommand
 from atlas_drake.control.whole_body.constraints import Constraint, TaskBounds
 from atlas_drake.control.whole_body.quadratic_program import QuadraticProgram
-from atlas_drake.control.whole_body.shapes import task_name
-from atlas_drake.control.whole_body.tasks import Task
+from atlas_drake.control.whole_body.tasks import Task, task_name
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
 
 LARGEST_WEIGHT = 1e7

@@ -2,7 +2,9 @@
 
 The unknowns are z = [q̈; λ]: the n joint accelerations and one wrench per contact.
 The pelvis' acceleration is eliminated with the six rows of the dynamics that no motor
-acts on, which makes the QP smaller and those rows exact.
+acts on, which makes the QP smaller and those rows exact; the other rows give the
+efforts, as in Herzog et al., "Momentum control with hierarchical inverse dynamics on a
+torque-controlled humanoid", Autonomous Robots 2016.
 """
 
 from __future__ import annotations
@@ -12,9 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from atlas_drake.control.whole_body.contact import WRENCH, Contact
-from atlas_drake.control.whole_body.inertia import inverse_inertia
-from atlas_drake.control.whole_body.shapes import shaped, task_name
-from atlas_drake.control.whole_body.tasks import Task, TaskRows
+from atlas_drake.control.whole_body.tasks import Task, TaskRows, shaped, task_name
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.errors import shown
 
@@ -150,7 +150,7 @@ class ReducedDynamics:
         right[:, n:size] = J_contacts[:, :BASE].T
         np.negative(h[:BASE], out=right[:, size])
         # Acceleration of the pelvis as X [z; 1].
-        self._X = inverse_inertia(M[:BASE, :BASE], terms.mass) @ right
+        self._X = np.linalg.solve(M[:BASE, :BASE], right)
 
         # One product for efforts and motions together: many small ones cost more.
         A = np.concatenate([M[BASE:], *stack.A])

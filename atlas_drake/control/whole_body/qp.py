@@ -1,8 +1,12 @@
 """The whole-body QP: accelerations, contact wrenches and efforts of one tick.
 
 Minimizes the weighted errors of a ``WholeBodyCommand``'s tasks subject to the
-floating-base dynamics and the constraints. The QP has no state and makes no plan: the
-command gives all tasks, contacts and constraints.
+floating-base dynamics and the constraints: Wensing, Orin, "Generation of dynamic
+humanoid behaviors through task-space control with conic optimization", ICRA 2013;
+Kuindersma et al., "Optimization-based locomotion planning, estimation, and control
+design for the Atlas humanoid robot", Autonomous Robots 2016; Koolen et al., "Design of
+a momentum-based control framework and application to the humanoid robot Atlas",
+International Journal of Humanoid Robotics 2016. The QP has no state and makes no plan.
 """
 
 from __future__ import annotations
@@ -13,7 +17,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from atlas_drake.control.gains import ControlGains
+from atlas_drake.control.gains import ControlGains, QpWeights
 from atlas_drake.control.whole_body.command import WholeBodyCommand
 from atlas_drake.control.whole_body.constraints import (
     INFINITE,
@@ -24,7 +28,6 @@ from atlas_drake.control.whole_body.constraints import (
     JointLimits,
 )
 from atlas_drake.control.whole_body.contact import WRENCH, Contact
-from atlas_drake.control.whole_body.cost import cost
 from atlas_drake.control.whole_body.diagnosis import why_unsolved
 from atlas_drake.control.whole_body.elimination import (
     BASE,
@@ -38,19 +41,9 @@ from atlas_drake.control.whole_body.quadratic_program import (
     QuadraticProgram,
     solve,
 )
-from atlas_drake.control.whole_body.shapes import shaped
-from atlas_drake.control.whole_body.tasks import PostureTask
+from atlas_drake.control.whole_body.tasks import PostureTask, shaped
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.robot import Robot
-
-USER_JOINT_WEIGHT = 1e-5
-"""Least weight of a posture: keeps the QP well posed, far below any task
-[1/(rad/s²)²]."""
-YIELDING = 100.0
-"""Factor of a posture's weight at the user's full share relative to no share, before it
-fades to zero [-]. Any weight holds the posture of a joint that no other task moves;
-when the user moves the joint fast, a large weight would make the whole body work
-against the user."""
 
 
 @dataclass(frozen=True)
@@ -82,6 +75,7 @@ class WholeBodyQp:
 
     def __init__(self, robot: Robot, gains: ControlGains):
         self._joint_limits = JointLimits(robot, gains.joint_limits)
+        self._weights = gains.weights
 
     def solve(
         self,
@@ -103,9 +97,11 @@ class WholeBodyQp:
         contacts = command.contacts
         stack = TaskStack(command.tasks, terms, contacts)
         dynamics = ReducedDynamics(terms, contacts, stack)
-        _check_posture(command.posture, len(terms.q))
-        posture = _within_authority(command.posture, terms, bounds)
-        H, f = cost(dynamics, stack, posture)
+        for name in ("target", "weight"):
+            given = getattr(command.posture, name)
+            shaped(given, (len(terms.q),), name, "the command's posture")
+        posture = _within_behavior_share(command.posture, terms, bounds, self._weights)
+        H, f = _cost(dynamics, stack, posture)
         constraints: list[Constraint] = [bounds, FrictionCones(contacts)]
         constraints += command.constraints
         program = self._program(dynamics, bounds, constraints, H, f)
@@ -185,14 +181,11 @@ def _gravity_compensation(
     )
 
 
-def _check_posture(posture: PostureTask, n: int) -> None:
-    """Raises ValueError unless a posture has one target and weight per joint."""
-    shaped(posture.target, (n,), "target", "the command's posture")
-    shaped(posture.weight, (n,), "weight", "the command's posture")
-
-
-def _within_authority(
-    posture: PostureTask, terms: WholeBodyTerms, bounds: EffortBounds
+def _within_behavior_share(
+    posture: PostureTask,
+    terms: WholeBodyTerms,
+    bounds: EffortBounds,
+    weights: QpWeights,
 ) -> PostureTask:
     """Limits the posture to what the behavior's share of each joint can achieve.
 
@@ -208,6 +201,38 @@ def _within_authority(
     lowest, highest = bounds.lower - gravity, bounds.upper - gravity
     wanted = np.minimum(np.maximum(posture.target, lowest / inertia), highest / inertia)
     fading = bounds.behavior_weight**2 / (
-        1.0 + YIELDING * (1.0 - bounds.behavior_weight)
+        1.0 + weights.user_yielding * (1.0 - bounds.behavior_weight)
     )
-    return PostureTask(wanted, np.maximum(posture.weight * fading, USER_JOINT_WEIGHT))
+    return PostureTask(
+        wanted, np.maximum(posture.weight * fading, weights.least_posture)
+    )
+
+
+def _cost(
+    dynamics: ReducedDynamics, stack: TaskStack, posture: PostureTask
+) -> tuple[np.ndarray, np.ndarray]:
+    """Adds up ½ ‖error‖²_weight of all tasks, and the cost of the contact wrenches.
+
+    Args:
+        dynamics: Dynamics of the tick, reduced together with the stack.
+        stack: All tasks but the posture.
+        posture: The posture task, whose weights go on the diagonal.
+
+    Returns:
+        Hessian H ∈ R^{size × size} and gradient f ∈ R^{size} at z = 0.
+    """
+    n, size = dynamics.num_joints, dynamics.size
+    rows = dynamics.tasks
+    R = rows[:, :size]
+    weighted = R.T * stack.weight
+    H = weighted @ R
+    f = weighted @ (rows[:, size] - stack.target)
+    diagonal = np.empty(size)
+    diagonal[:n] = posture.weight
+    for k, contact in enumerate(dynamics.contacts):
+        start = n + WRENCH * k
+        diagonal[start : start + 3] = contact.moment_weight
+        diagonal[start + 3 : start + 6] = contact.force_weight
+    H.reshape(-1)[:: size + 1] += diagonal
+    f[:n] -= posture.weight * posture.target
+    return H, f

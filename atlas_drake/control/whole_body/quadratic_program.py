@@ -1,7 +1,8 @@
 """A dense quadratic program as a value, and its solver.
 
-Nothing here is specific to robots. The solver is a dual active-set method with a cold
-start: exact, deterministic, and without hidden state between calls.
+Nothing here is specific to robots. The solver is DAQP (Arnström, Bemporad, Axehill, "A
+dual active-set solver for embedded quadratic programming using recursive LDLᵀ updates",
+TAC 2022) with a cold start: exact, deterministic, and without hidden state.
 """
 
 from __future__ import annotations

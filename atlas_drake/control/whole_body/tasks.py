@@ -10,18 +10,15 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from atlas_drake.control.gains import PdGains
+from atlas_drake.control.rotations import rotation_error
 from atlas_drake.control.whole_body.contact import Contact
-from atlas_drake.control.whole_body.shapes import shaped
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
-from atlas_drake.control.whole_body.tracking import (
-    orientation_acceleration,
-    position_acceleration,
-)
+from atlas_drake.errors import shown
 
 _STILL = np.zeros(3)
 
@@ -204,3 +201,62 @@ class PostureTask(Task):
         """
         n = len(terms.q)
         return TaskRows(np.eye(n, n + 6, 6), np.zeros(n))
+
+
+def position_acceleration(
+    p_WD: np.ndarray,
+    v_WD: np.ndarray,
+    p_WF: np.ndarray,
+    v_WF: np.ndarray,
+    gains: PdGains,
+) -> np.ndarray:
+    """Computes the acceleration of a point F toward the point D in W [m/s²], (3,)."""
+    return gains.kp * (p_WD - p_WF) + gains.kd * (v_WD - v_WF)
+
+
+def orientation_acceleration(
+    R_WD: np.ndarray,
+    w_WD: np.ndarray,
+    R_WF: np.ndarray,
+    w_WF: np.ndarray,
+    gains: PdGains,
+) -> np.ndarray:
+    """Computes the angular acceleration of F toward the orientation D in W, (3,)."""
+    return gains.kp * rotation_error(R_WD, R_WF) + gains.kd * (w_WD - w_WF)
+
+
+def task_name(task: object) -> str:
+    """Return what to call a task in an error: its kind, and its frame if it has one."""
+    name = type(task).__name__
+    frame = getattr(task, "frame", None)
+    return name if frame is None else f"{name} on {frame!r}"
+
+
+def shaped(value: Any, shape: tuple[int, ...], name: str, owner: str) -> np.ndarray:
+    """Return a value as an array.
+
+    Args:
+        value: An array, or a list of numbers.
+        shape: That it must have.
+        name: Of the value.
+        owner: Whose it is, see ``task_name``.
+
+    Raises:
+        ValueError: If it has another shape, or is made of anything but numbers; it
+            names value and owner.
+    """
+    if type(value) is np.ndarray and value.shape == shape:
+        return value
+    try:
+        array = np.asarray(value, dtype=float)
+    except (TypeError, ValueError):
+        array = np.array(None)
+    if array.dtype == object:
+        raise ValueError(
+            f"{name} of {owner} must be numbers of shape {shape}, is {shown(value)}"
+        )
+    if array.shape != shape:
+        raise ValueError(
+            f"{name} of {owner} must have shape {shape}, has {array.shape}"
+        )
+    return array

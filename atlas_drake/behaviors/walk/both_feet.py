@@ -1,24 +1,27 @@
-"""SHIFT and TRANSFER: both feet are down, until the DCM is ready for lift-off.
+"""SHIFT, TRANSFER and SETTLE: both feet are down, until lift-off or the walk's end.
 
 Computes each tick of these phases; ``planner`` makes the plans that they follow.
 """
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
-from atlas_drake.behaviors.balance import FULL_LOAD, Balance, FootCommand
+from atlas_drake.behaviors.balance import Balance, FootCommand
 from atlas_drake.behaviors.base import Observation
-from atlas_drake.behaviors.walk.phase_control import WalkPhaseControl
+from atlas_drake.behaviors.phases import PhaseControl
+from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.behaviors.walk.phases import Transfer, WalkSettle, WalkShift, WalkState
 from atlas_drake.behaviors.walk.planner import WalkPlanner
 from atlas_drake.behaviors.walk.rules import WalkRules
 from atlas_drake.control.balance import feedback
 from atlas_drake.frozen import replace
-from atlas_drake.messages.event import Event
+from atlas_drake.messages.event import STEPS_LEFT, Event
 
 
-class DoubleSupport(WalkPhaseControl[WalkShift | Transfer]):
+class DoubleSupport(PhaseControl[WalkShift | Transfer]):
     """Shifts the weight and determines when a foot lifts off."""
 
     def __init__(self, balance: Balance, planner: WalkPlanner, rules: WalkRules):
@@ -29,12 +32,8 @@ class DoubleSupport(WalkPhaseControl[WalkShift | Transfer]):
         self._knees = [leg.knee for leg in legs]
         self._straight_knees = [leg.straight + rules.straight_flexion for leg in legs]
 
-    def leave(self, phase: WalkShift | Transfer) -> WalkSettle:
-        """Keeps both feet where they are."""
-        return self._planner.settle(phase.progress, phase.planned.cop)
-
     def advance(
-        self, phase: WalkShift | Transfer, observation: Observation
+        self, phase: WalkShift | Transfer, observation: Observation, leaving: bool
     ) -> tuple[WalkState, tuple[Event, ...]]:
         """Lifts off when the DCM is ready; settles if no step can be taken."""
         planner = self._planner
@@ -63,7 +62,7 @@ class DoubleSupport(WalkPhaseControl[WalkShift | Transfer]):
         self, phase: WalkShift | Transfer, observation: Observation
     ) -> tuple[WalkShift | Transfer, tuple[FootCommand, FootCommand]]:
         """Keeps both feet planted, and unloads the foot that lifts off next."""
-        loads = [FULL_LOAD, FULL_LOAD]
+        loads = [math.inf, math.inf]
         if phase.unloading is not None and not phase.waiting:
             left_share = 1.0 - phase.elapsed / phase.duration
             unload = min(max(left_share / self._rules.unload_share, 0.01), 1.0)
@@ -91,3 +90,57 @@ class DoubleSupport(WalkPhaseControl[WalkShift | Transfer]):
         return foot is not None and (
             float(observation.terms.q[self._knees[foot]]) < self._straight_knees[foot]
         )
+
+
+class Settling(PhaseControl[WalkSettle]):
+    """Stands still until the walk is over or new steps arrive."""
+
+    def __init__(self, balance: Balance, planner: WalkPlanner, config: WalkConfig):
+        self._balance = balance
+        self._planner = planner
+        self._rest = config.timing.rest
+        self._rest_speed = config.rules.rest_speed
+
+    def advance(
+        self, phase: WalkSettle, observation: Observation, leaving: bool
+    ) -> tuple[WalkSettle | WalkShift, tuple[Event, ...]]:
+        """Begins a new weight shift if new steps arrived that can be taken."""
+        if phase.obstacle or not self._planner.coming(phase.progress):
+            return phase, ()
+        now = phase.planned
+        return self._planner.shift(phase.progress, now.dcm, now.cop), ()
+
+    def command_feet(
+        self, phase: WalkSettle, observation: Observation
+    ) -> tuple[WalkSettle, tuple[FootCommand, FootCommand]]:
+        """Keeps both feet planted."""
+        left = self._balance.planted(observation, 0)
+        right = self._balance.planted(observation, 1)
+        return phase, (left, right)
+
+    def is_over(self, phase: WalkSettle, observation: Observation) -> bool:
+        """Returns True if the robot is at rest."""
+        speed = float(np.abs(observation.terms.com_velocity).max())
+        over = phase.elapsed > phase.duration + self._rest
+        return over and speed < self._rest_speed
+
+
+def steps_left_out(phase: WalkSettle, time: float, leaving: bool) -> tuple[Event, ...]:
+    """Makes an event of the steps that the walk leaves out, if any.
+
+    Args:
+        phase: The last phase of the walk.
+        time: Time of the walk's end [s].
+        leaving: True if the end of the walk was requested.
+    """
+    progress = phase.progress
+    if progress.pending:
+        left = ", ".join(str(step.index) for step in progress.pending)
+        text = f"WALK ends without the steps {left}"
+        if phase.obstacle:
+            text += f": {phase.obstacle}"
+    elif progress.last_foot is None and not leaving:
+        text = "WALK ends without a step: walk_params.step_queue has none"
+    else:
+        return ()
+    return (Event(time, STEPS_LEFT, text),)

@@ -1,0 +1,99 @@
+"""The framework of phases that WALK and STEP share.
+
+A stepping behavior's state is one of its phases, a dataclass for each. For each kind of
+phase there is one ``PhaseControl``.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Generic, TypeVar
+
+import numpy as np
+
+from atlas_drake.behaviors.balance import FootCommand
+from atlas_drake.behaviors.base import Observation
+from atlas_drake.control.balance.dcm_plan import DcmReference
+from atlas_drake.control.balance.support_polygon import SupportPolygon
+from atlas_drake.control.feet.footstep import FootPose, Footstep
+from atlas_drake.messages.controller_status import Plan, PlannedStep
+from atlas_drake.messages.event import Event
+
+TIME_STEP = 0.04
+"""Time between two points of a planned path [s]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Phase:
+    """Common part of all phases.
+
+    Attributes:
+        support: Region of the CoP.
+        elapsed: Time since the beginning of the phase [s].
+    """
+
+    support: SupportPolygon
+    elapsed: float = 0.0
+
+    def plan_of(
+        self, reference: DcmReference, omega: float, steps: tuple[Footstep, ...]
+    ) -> Plan:
+        """Returns the plan for viewers and logs.
+
+        Args:
+            reference: Present references of DCM and CoP.
+            omega: Natural frequency of the pendulum [1/s].
+            steps: Coming footsteps.
+        """
+        return Plan(
+            support=self.support.vertices,
+            omega=omega,
+            dcm_reference=reference.dcm,
+            cop_reference=reference.cop,
+            footsteps=tuple(PlannedStep(s.foot, s.p_WF, s.yaw) for s in steps),
+        )
+
+
+P = TypeVar("P", bound=Phase)
+
+
+class PhaseControl(ABC, Generic[P]):
+    """Computes the ticks of a phase and its end. Holds constants only."""
+
+    @abstractmethod
+    def advance(
+        self, phase: P, observation: Observation, leaving: bool
+    ) -> tuple[Any, tuple[Event, ...]]:
+        """Returns the next phase if the phase is over, or else the same phase.
+
+        Args:
+            phase: The phase, with the time of this tick added.
+            observation: Observation of this tick.
+            leaving: True if the end of the behavior was requested.
+        """
+
+    @abstractmethod
+    def command_feet(
+        self, phase: P, observation: Observation
+    ) -> tuple[P, tuple[FootCommand, FootCommand]]:
+        """Commands both feet, and advances their references by one tick."""
+
+
+def with_foot(
+    feet: tuple[FootPose, FootPose], foot: int, pose: FootPose
+) -> tuple[FootPose, FootPose]:
+    """Returns the feet with another pose of one foot."""
+    return (pose, feet[1]) if foot == 0 else (feet[0], pose)
+
+
+def sampled(
+    evaluate: Callable[[float], DcmReference], times: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Samples the paths of DCM and CoP in W [m], each of shape (k, 2)."""
+    references = [evaluate(time) for time in times]
+    return (
+        np.array([reference.dcm for reference in references]),
+        np.array([reference.cop for reference in references]),
+    )

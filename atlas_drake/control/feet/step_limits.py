@@ -1,0 +1,126 @@
+"""Limits of one step, and the tolerance by which a step may exceed them.
+
+Data only; ``footstep`` saturates steps by the limits.
+"""
+
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator
+
+from atlas_drake.configuration import (
+    Configuration,
+    LeastGreatest,
+    NotNegative,
+    Positive,
+    Range,
+)
+from atlas_drake.errors import ScenarioError, shown
+from atlas_drake.frozen import replace
+from atlas_drake.numeric import is_number
+
+LONGEST = 3.0
+"""Longest duration of a step where only the shortest is given [s]."""
+
+
+def _shortest(value: Any) -> Any:
+    return [value, max(value, LONGEST)] if is_number(value) else value
+
+
+@dataclass(frozen=True, kw_only=True)
+class StepLimits(Configuration):
+    """Limits of one step relative to the stance foot.
+
+    Lateral distances and turns are positive away from the stance foot: a left foot
+        turns its toes to the left.
+    """
+
+    forward: NotNegative = 0.42
+    """Longest step ahead [m]."""
+    backward: NotNegative = 0.32
+    """Longest step back [m]."""
+    width: Range = LeastGreatest(0.18, 0.50)
+    """Lateral distance between the feet, center to center [m]."""
+    rise: NotNegative = 0.10
+    """Largest step up or down [m]."""
+    meant_rise: NotNegative = 0.40
+    """Heights farther than this from the stance foot are treated as not given [m]: on
+    level ground a step may have the height of the pelvis."""
+    tilt: NotNegative = 0.30
+    """Steepest slope of the ground at a foothold [rad]."""
+    toe_out: NotNegative = 0.5
+    """Largest turn outward [rad]."""
+    toe_in: NotNegative = 0.25
+    """Largest turn inward [rad]."""
+    duration: Annotated[Range, BeforeValidator(_shortest)] = LeastGreatest(0.60, 3.0)
+    """Duration of a step from and to a place near the other foot [s]; one number is the
+    shortest."""
+    near: NotNegative = 0.40
+    """Distance of the feet up to which a step may take the longest duration [m]."""
+    far: NotNegative = 0.60
+    """Distance of the feet from which a step takes ``far_duration`` at most [m]."""
+    far_duration: Positive = 1.0
+    """Longest duration of a step with the feet far apart [s]: in a slower step the
+    center of mass would have to be over the stance foot while the other leg cannot
+    reach."""
+    swing_height: Range = LeastGreatest(0.03, 0.30)
+    """Apex of a swing above the middle of its ends [m]."""
+
+    def check(self) -> None:
+        """Checks that the limits leave a range."""
+        for name, least in (("width", 0.0), ("duration", 1e-3), ("swing_height", 0.0)):
+            given = getattr(self, name)
+            if given.least < least:
+                raise _wrong(name, list(given), f"must be {least:g} or more")
+        shortest, longest = self.duration
+        if not shortest <= self.far_duration <= longest:
+            wanted = f"must be within duration ({shortest:g} to {longest:g})"
+            raise _wrong("far_duration", self.far_duration, wanted)
+        if self.far <= self.near:
+            raise _wrong("far", self.far, f"must be more than near ({self.near:g})")
+
+
+def quasi_static_limits() -> StepLimits:
+    """Returns the default limits of STEP; slow steps may be larger than a walk's."""
+    return StepLimits(
+        forward=0.42,
+        backward=0.36,
+        width=LeastGreatest(0.18, 0.45),
+        rise=0.20,
+        tilt=0.25,
+        duration=LeastGreatest(0.1, 20.0),
+        swing_height=LeastGreatest(0.0, 0.60),
+    )
+
+
+@dataclass(frozen=True)
+class StepSlack(Configuration):
+    """Tolerance beyond the limits of a step, to make up for landing errors.
+
+    Limits are relative to the actual or the commanded place of the stance foot. Without
+    the tolerance a foot that landed a little short would shorten every later step.
+    """
+
+    distance: NotNegative = 0.02
+    """Tolerance of the horizontal distance [m]."""
+    turn: NotNegative = 0.05
+    """Tolerance of the heading [rad]."""
+    rise: NotNegative = 0.01
+    """Tolerance of the height, for ground that differs from the step's height [m]."""
+
+    def loosen(self, limits: StepLimits) -> StepLimits:
+        """Returns the limits of a step from the actual place of the stance foot."""
+        narrowest, widest = limits.width
+        return replace(
+            limits,
+            forward=limits.forward + self.distance,
+            backward=limits.backward + self.distance,
+            width=LeastGreatest(narrowest - self.distance, widest + self.distance),
+            rise=limits.rise + self.rise,
+            toe_out=limits.toe_out + self.turn,
+            toe_in=limits.toe_in + self.turn,
+        )
+
+
+def _wrong(name: str, value: object, problem: str) -> ScenarioError:
+    return ScenarioError(name, value, f"is {shown(value)}; {problem}")

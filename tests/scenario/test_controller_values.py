@@ -1,0 +1,121 @@
+"""Values of the controller: defaults, then the robot's file, then the scenario."""
+
+from dataclasses import replace
+
+import pytest
+
+from atlas_drake import ScenarioError
+from atlas_drake.behaviors.config import ControllerConfig
+from atlas_drake.checked import as_plain
+from atlas_drake.robot import MODELS_FOLDER, available_robots
+from atlas_drake.scenario import Scenario, scenario_from, with_settings
+from atlas_drake.scenario.noise import NOISE_MODELS, NoiseModel
+
+
+@pytest.fixture
+def short_legged(tmp_path):
+    """Returns the file of Atlas with values of its own for the controller."""
+
+    def write(controller):
+        text = (MODELS_FOLDER / "atlas.yaml").read_text()
+        path = tmp_path / "short.yaml"
+        path.write_text(f"{text}controller: {controller}\n")
+        return str(path)
+
+    return write
+
+
+def test_a_robots_values_take_the_place_of_defaults(short_legged):
+    model = short_legged(
+        "{walk: {limits: {forward: 0.3, duration: 0.5}, timing: {transfer_share: 0.3}},"
+        " step: {limits: {forward: 0.25}}}"
+    )
+    config = Scenario(model=model).controller_config()
+    assert config.walk.limits.forward == 0.3
+    assert config.walk.limits.duration == (0.5, 3.0)
+    assert config.walk.limits.backward == 0.32
+    assert config.walk.timing.transfer_share == 0.3
+    # STEP has limits of its own.
+    assert config.step.limits.forward == 0.25
+    assert config.step.limits.backward == 0.36
+
+
+def test_a_scenario_takes_the_place_of_the_robots_values(short_legged):
+    model = short_legged("{walk: {limits: {forward: 0.3}, swing: {height: 0.07}}}")
+    given = {"model": model, "controller": {"walk": {"limits": {"forward": 0.42}}}}
+    scenario = scenario_from(given)
+    assert scenario.controller_config().walk.limits.forward == 0.42
+    assert scenario.controller_config().walk.swing.height == 0.07
+    changed = with_settings(
+        scenario,
+        [
+            "controller.walk.swing.height=0.12",
+            "controller.walk.limits.duration=[0.5, 2]",
+            "controller.walk.limits.width[1]=0.4",
+        ],
+    )
+    config = changed.resolved().controller
+    assert config.walk.swing.height == 0.12
+    assert config.walk.limits.duration == (0.5, 2.0)
+    assert config.walk.limits.width == (0.18, 0.4)
+    assert config.walk.limits.forward == 0.42
+    # A log has every value, and does not depend on the robot's file.
+    written = scenario_from(as_plain(changed.resolved()))
+    assert written.resolved() == changed.resolved()
+
+
+def test_another_robot_brings_its_own_values(short_legged):
+    model = short_legged("{walk: {limits: {forward: 0.3}}}")
+    scenario = scenario_from({"controller": {"walk": {"swing": {"height": 0.2}}}})
+    changed = with_settings(scenario, [f"model={model}"]).controller_config()
+    assert changed.walk.limits.forward == 0.3
+    assert changed.walk.swing.height == 0.2
+
+
+@pytest.mark.parametrize("robot", available_robots())
+def test_shipped_robots_have_usable_values(robot):
+    config = Scenario(model=robot).controller_config()
+    assert config.gait() == config.gait().nearest()
+
+
+def test_a_robots_value_that_cannot_be_used_is_named(short_legged):
+    model = short_legged("{walk: {limits: {forwards: 0.3}}}")
+    with pytest.raises(ScenarioError) as raised:
+        Scenario(model=model).validate()
+    assert raised.value.field == "controller.walk.limits.forwards"
+    assert "forward" in raised.value.problem
+    assert model in raised.value.problem
+
+
+@pytest.mark.parametrize(
+    ("controller", "field", "problem"),
+    [
+        ("{walk: {limits: {width: [0.6, 0.5]}}}", "walk.limits.width", "not exceed"),
+        ("{walk: {limits: {width: 0.5}}}", "walk.limits.width", "two numbers"),
+        ("{walk: {limits: {duration: 1.5}}}", "walk.limits.far_duration", "within"),
+        ("{walk: {limits: {duration: [0, 1]}}}", "walk.limits.duration", "or more"),
+        ("{walk: {limits: {far: 0.1}}}", "walk.limits.far", "more than near"),
+        ("{walk: {steps: {stride: 0.5}}}", "walk.steps.stride", "0.42 at most"),
+        ("{walk: {swing: {height: 0.5}}}", "walk.swing.height", "0.3 at most"),
+        ("{stance: {width: 0.6}}", "stance.width", "0.18 to 0.5"),
+        ("{manipulate: {range: {yaw: [1, -1]}}}", "manipulate.range.yaw", "exceed"),
+    ],
+)
+def test_values_that_contradict_each_other_are_refused(controller, field, problem):
+    with pytest.raises(ScenarioError) as raised:
+        with_settings(Scenario(), [f"controller={controller}"])
+    assert raised.value.field == f"controller.{field}"
+    assert problem in raised.value.problem
+
+
+def test_a_gait_is_within_the_limits_of_the_scenario():
+    config = ControllerConfig()
+    assert config.gait(stride=0.3).limits == config.walk.limits
+    with pytest.raises(ValueError, match=r"gait\.stride"):
+        config.gait(stride=0.45)
+
+
+def test_noise_of_a_name_can_be_changed_in_part():
+    scenario = with_settings(Scenario(noise="rough"), ["noise.gyro=0.1"])
+    assert scenario.noise == replace(NOISE_MODELS["rough"], gyro=0.1)
+    assert scenario_from({"noise": "none"}, scenario).noise == NoiseModel()
