@@ -197,7 +197,8 @@ def test_on_what_the_robot_measures():
     assert 0.0 < drift < 0.0175
     for step in path.steps[-2:]:
         sole = sim.plant.GetFrameByName(sim.robot.file.feet[step.foot_index].sole_frame)
-        there = sole.CalcPoseInWorld(sim._stage.plant_context).translation()
+        context = sim.plant.GetMyContextFromRoot(sim.context)
+        there = sole.CalcPoseInWorld(context).translation()
         sent = step.pose.position
         off = math.dist(there[:2], (sent.x, sent.y))
         assert off < LANDING_ERROR + drift
