@@ -1,6 +1,10 @@
 """Fixtures and hooks that several test files share."""
 
 import logging
+import os
+
+# Small matrices: threads of the linear algebra only wait for each other. Before numpy.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
 import pytest

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from hypothesis import settings
-from threadpoolctl import threadpool_limits
 
 from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.robot import load_robot
@@ -13,13 +12,6 @@ settings.register_profile(
     "atlas_drake", deadline=None, derandomize=True, max_examples=40
 )
 settings.load_profile("atlas_drake")
-
-
-@pytest.fixture(scope="session", autouse=True)
-def _one_thread():
-    """Small matrices: threads of the linear algebra only wait for each other."""
-    with threadpool_limits(1):
-        yield
 
 
 @pytest.fixture(scope="session", params=["atlas", "atlas_v3"])
