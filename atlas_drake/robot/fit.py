@@ -185,8 +185,12 @@ def _take_stand_prep(plant: Any, context: Any, file: RobotFile) -> None:
         plant.GetJointByName(joint.name).set_angle(context, joint.stand_prep)
 
 
-def check_stance(plant: Any, instance: Any, file: RobotFile) -> None:
-    """Checks that the robot can stand on both feet in its stand-prep pose."""
+def check_stance(plant: Any, instance: Any, file: RobotFile) -> float:
+    """Checks that the robot can stand on both feet in its stand-prep pose.
+
+    Returns:
+        Height of the center of mass above the soles in this pose [m].
+    """
     context = plant.CreateDefaultContext()
     _take_stand_prep(plant, context, file)
     soles = [
@@ -222,3 +226,4 @@ def check_stance(plant: Any, instance: Any, file: RobotFile) -> None:
     if height < LEAST_COM_HEIGHT:
         found = f"the center of mass is {height:.2f} m above the soles"
         raise wrong(found, f"the controller needs {LEAST_COM_HEIGHT} m", height)
+    return height

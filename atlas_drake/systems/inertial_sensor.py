@@ -21,7 +21,6 @@ from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.robot import Robot
 from atlas_drake.scenario.noise import NoiseModel, SensorNoise
 from atlas_drake.systems.noisy_system import NoisySystem
-from atlas_drake.systems.scratch import declare_scratch_context
 
 _UNSET = -1.0
 """Time of the last tick before the first tick."""
@@ -71,7 +70,7 @@ class InertialSensor(NoisySystem):
         self._state = self.DeclareVectorInputPort(
             "state", plant.num_multibody_states(own)
         )
-        self._scratch = declare_scratch_context(self, plant.CreateDefaultContext)
+        self._scratch = self.declare_scratch_context(plant.CreateDefaultContext)
         # At the last tick: its time, the pelvis' quaternion, the IMU's velocity in W.
         self._last = self.DeclareDiscreteState(_nothing())
         self.DeclareVectorOutputPort("inertial", 9, self._calc_inertial)

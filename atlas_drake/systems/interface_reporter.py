@@ -32,7 +32,6 @@ from atlas_drake.messages.commands import CommandsInForce
 from atlas_drake.messages.controller_status import ControllerStatus
 from atlas_drake.robot import Robot
 from atlas_drake.systems.collectable_system import CollectableSystem
-from atlas_drake.systems.scratch import declare_scratch_context
 
 _BLANK = AtlasSimInterfaceState().snapshot()
 _PARTS = {field.name: getattr(_BLANK, field.name) for field in fields(_BLANK)}
@@ -110,7 +109,7 @@ class InterfaceReporter(CollectableSystem):
             self.DeclareAbstractInputPort(name, AbstractValue.Make(NOTHING))
             for name in ("controller_status", "commands")
         )
-        self._scratch = declare_scratch_context(self, self._plant.CreateDefaultContext)
+        self._scratch = self.declare_scratch_context(self._plant.CreateDefaultContext)
         self.DeclareAbstractOutputPort(
             "atlas_sim_interface_state",
             lambda: AbstractValue.Make(AtlasSimInterfaceState()),

@@ -27,7 +27,6 @@ from atlas_drake.control.whole_body.model import GRAVITY, WholeBodyModel
 from atlas_drake.frozen import NOTHING, Frozen
 from atlas_drake.robot import Robot
 from atlas_drake.systems.collectable_system import CollectableSystem
-from atlas_drake.systems.scratch import declare_scratch_context
 
 
 @dataclass(frozen=True)
@@ -83,7 +82,7 @@ class StateEstimator(CollectableSystem):
         self._inertial = self.DeclareVectorInputPort("inertial", 9)
         self._loads = self.DeclareVectorInputPort("foot_loads", 2)
         self._start = self.DeclareVectorInputPort("start_state", size)
-        self._scratch = declare_scratch_context(self, plant.CreateDefaultContext)
+        self._scratch = self.declare_scratch_context(plant.CreateDefaultContext)
         self._state = self.DeclareAbstractState(AbstractValue.Make(EstimatorState()))
         self._odometry = self.DeclareCacheEntry(
             "odometry",

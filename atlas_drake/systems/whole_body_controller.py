@@ -33,7 +33,6 @@ from atlas_drake.control.whole_body.constraints import EffortBounds
 from atlas_drake.control.whole_body.model import (
     WholeBodyModel,
     mean_sole_height,
-    nominal_com_height,
 )
 from atlas_drake.control.whole_body.qp import WholeBodyQp, WholeBodySolution
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
@@ -43,7 +42,6 @@ from atlas_drake.messages.commands import CommandsInForce
 from atlas_drake.messages.controller_status import ControllerStatus, PlannedPaths
 from atlas_drake.robot import Robot
 from atlas_drake.systems.collectable_system import CollectableSystem
-from atlas_drake.systems.scratch import declare_scratch_context
 
 _UNKNOWN = read_only(np.full(2, np.nan))
 
@@ -111,7 +109,7 @@ class WholeBodyController(CollectableSystem):
         self._own_bounds = EffortBounds(-limit, limit, np.zeros(n, dtype=bool))
         self._model = WholeBodyModel(robot)
         self._qp = WholeBodyQp(robot, config.gains)
-        height = nominal_com_height(self._model) - config.stance.com_drop
+        height = robot.com_height - config.stance.com_drop
         self._supervisor = Supervisor(self._model, config, height, entries)
         self.tick_seconds: MutableSequence[float] | None = None
         """Wall-clock time of each tick [s], kept only when set to a list; it depends on
@@ -130,7 +128,7 @@ class WholeBodyController(CollectableSystem):
         self._command_input = self.DeclareAbstractInputPort(
             "commands", AbstractValue.Make(NOTHING)
         )
-        self._scratch = declare_scratch_context(self, self._model.create_context)
+        self._scratch = self.declare_scratch_context(self._model.create_context)
         self._state = self.DeclareAbstractState(AbstractValue.Make(start))
         self.DeclareVectorOutputPort(
             "behavior_effort",
