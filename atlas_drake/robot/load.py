@@ -19,10 +19,7 @@ from pydrake.multibody.tree import ModelInstanceIndex
 from pydrake.systems.framework import DiagramBuilder
 
 from atlas_drake.checked import checked
-from atlas_drake.errors import (
-    RobotDescriptionError,
-    ScenarioError,
-)
+from atlas_drake.errors import RobotDescriptionError, ScenarioError
 from atlas_drake.robot.data_file import file_beside, find_data_file
 from atlas_drake.robot.file import RobotFile
 from atlas_drake.robot.fit import (

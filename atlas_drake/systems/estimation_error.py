@@ -7,11 +7,7 @@ import math
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.systems.framework import (
-    BasicVector,
-    Context,
-    DiscreteValues,
-)
+from pydrake.systems.framework import BasicVector, Context, DiscreteValues
 
 from atlas_drake.control.estimation.attitude import rotation_matrix, turn_between
 from atlas_drake.robot import Robot

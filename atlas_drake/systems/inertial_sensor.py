@@ -6,11 +6,7 @@ message with the values of an instant.
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.systems.framework import (
-    BasicVector,
-    Context,
-    DiscreteValues,
-)
+from pydrake.systems.framework import BasicVector, Context, DiscreteValues
 
 from atlas_drake.control.estimation.attitude import (
     rotation_matrix,

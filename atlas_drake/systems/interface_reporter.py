@@ -7,7 +7,6 @@ ports.
 from dataclasses import fields
 from typing import Any
 
-import numpy as np
 from pydrake.common.value import AbstractValue
 from pydrake.math import RigidTransform
 from pydrake.systems.framework import Context
@@ -126,17 +125,14 @@ class InterfaceReporter(CollectableSystem):
             Vector3.from_array(state[self._pelvis.position]),
             Vector3.from_array(state[self._pelvis.velocity]),
         )
-        report.foot_pos_est = self._sole_poses(context, state)
-        report.k_effort = commands.k_effort.astype(int).tolist()
-        output.set_value(report)
-
-    def _sole_poses(self, context: Context, state: np.ndarray) -> list[Pose]:
         scratch = self._scratch.Eval(context)
         self._plant.SetPositions(scratch, state[: self._plant.num_positions()])
-        return [
+        report.foot_pos_est = [
             _pose(self._plant.get_frame(index).CalcPoseInWorld(scratch))
             for index in self._soles
         ]
+        report.k_effort = commands.k_effort.astype(int).tolist()
+        output.set_value(report)
 
 
 def _pose(X_WF: RigidTransform) -> Pose:

@@ -7,12 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from pydrake.common.value import AbstractValue
-from pydrake.systems.framework import (
-    BasicVector,
-    Context,
-    State,
-    ValueProducer,
-)
+from pydrake.systems.framework import BasicVector, Context, State, ValueProducer
 
 from atlas_drake.control.estimation.attitude import rotation_matrix
 from atlas_drake.control.estimation.leg_odometry import (

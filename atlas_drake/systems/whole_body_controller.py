@@ -13,11 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from pydrake.common.value import AbstractValue
-from pydrake.systems.framework import (
-    BasicVector,
-    Context,
-    State,
-)
+from pydrake.systems.framework import BasicVector, Context, State
 
 from atlas_drake.behaviors.base import Observation
 from atlas_drake.behaviors.config import ControllerConfig
@@ -28,14 +24,9 @@ from atlas_drake.behaviors.supervisor_state import SupervisorState
 from atlas_drake.control.balance.feedback import pendulum_frequency
 from atlas_drake.control.joints.blend import behavior_share, effort_bounds
 from atlas_drake.control.joints.damping import damping_effort
-from atlas_drake.control.whole_body.command import WholeBodyCommand
 from atlas_drake.control.whole_body.constraints import EffortBounds
-from atlas_drake.control.whole_body.model import (
-    WholeBodyModel,
-    mean_sole_height,
-)
+from atlas_drake.control.whole_body.model import WholeBodyModel, mean_sole_height
 from atlas_drake.control.whole_body.qp import WholeBodyQp, WholeBodySolution
-from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.frozen import NOTHING, Frozen, read_only, replace
 from atlas_drake.messages import Behavior
 from atlas_drake.messages.commands import CommandsInForce
@@ -198,29 +189,17 @@ class WholeBodyController(CollectableSystem):
                 supervisor, effort, com, omega, unsolved=before.unsolved
             )
         if commands.joints.has_user:
-            solution, effort = self._solve_shared(context, terms, command, share)
+            user, limit = self._user_input.Eval(context), self._limit
+            bounds = effort_bounds(share, user, limit)
+            solution = self._qp.solve(terms, command, bounds)
+            effort = behavior_share(
+                solution.effort, solution.joint_acceleration, share, user, limit
+            )
         else:
             solution = self._qp.solve(terms, command, self._own_bounds)
             effort = solution.effort
         unsolved = before.unsolved + (not solution.found)
         return ControllerState(supervisor, effort, com, omega, solution, unsolved)
-
-    def _solve_shared(
-        self,
-        context: Context,
-        terms: WholeBodyTerms,
-        command: WholeBodyCommand,
-        share: np.ndarray,
-    ) -> tuple[WholeBodySolution, np.ndarray]:
-        """Solves the QP with user shares, and computes the behavior's efforts."""
-        user = self._user_input.Eval(context)
-        solution = self._qp.solve(
-            terms, command, effort_bounds(share, user, self._limit)
-        )
-        own = behavior_share(
-            solution.effort, solution.joint_acceleration, share, user, self._limit
-        )
-        return solution, own
 
     def _calc_effort(self, context: Context, output: BasicVector) -> None:
         output.SetFromVector(self._present(context).effort)
