@@ -16,7 +16,6 @@ from atlas_drake import (
 )
 from atlas_drake.app.parts import load_parts
 from atlas_drake.behaviors.entry import BehaviorEntry
-from atlas_drake.behaviors.extended import Extended
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES, shipped_entry
 from atlas_drake.messages.event import Event
 from atlas_drake.visualization.caption import caption_of
@@ -118,7 +117,9 @@ def nod(tools, config):
         joints[neck] += 0.2 * sin(2.0 * pi * seen.time / 3.0)
         return replace(upright, joints=joints)
 
-    return Extended(tools.stand(pose), feedback=lambda state: Nodding(state.com))
+    stand = tools.stand(pose)
+    stand.feedback = lambda state, status_flags: Nodding(state.com)
+    return stand
 
 
 @dataclass(frozen=True)

@@ -282,7 +282,7 @@ def test_a_stamp_that_is_no_time_is_refused_beside_another_message(stamp, kind):
     sim.advance(0.004)
 
 
-def test_what_is_no_command_on_a_port_is_refused_once_and_the_log_goes_on(
+def test_a_port_refuses_values_that_are_no_command_and_the_log_continues(
     tmp_path, caplog
 ):
     things = ["STAND", [1.0], {"behavior": 3}, 10**5000]
@@ -352,7 +352,7 @@ def test_the_same_message_published_again_counts_again(logged):
             assert sim.output("commands").request.number == before + 1
 
 
-def test_what_is_no_command_is_refused_at_once(logged):
+def test_publish_refuses_values_that_are_no_command(logged):
     for thing in (None, 5, "STAND", Header(), object()):
         with pytest.raises(TypeError, match="publish takes an AtlasCommand"):
             logged[0].publish(thing)

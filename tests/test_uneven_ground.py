@@ -9,14 +9,15 @@ from pydrake.math import RollPitchYaw, RotationMatrix
 
 from atlas_drake import (
     AtlasBehaviorStepData,
-    AtlasSimInterfaceCommand,
     AtlasSimulation,
     Behavior,
     BehaviorStatus,
     Quaternion,
     Scenario,
+    StepStream,
     Vector3,
 )
+from atlas_drake.control.estimation.attitude import rotation_matrix
 from atlas_drake.scenario import Jitter, Start
 from atlas_drake.scenario.terrain import Block
 
@@ -61,19 +62,13 @@ def simulate(model, seed, terrain, x=0.0):
 def walk(sim, steps, relative=False):
     """Sends the steps as they are needed; from command to STAND."""
     sim.advance(0.5)
-    needed, sent = 1, 0
-    end = sim.time + len(steps) + 4.0
+    stream, end = StepStream(steps), sim.time + len(steps) + 4.0
     while sim.time < end and not sim.has_fallen:
-        if sent < needed <= len(steps):
-            command = AtlasSimInterfaceCommand()
-            command.behavior = command.WALK
+        command = stream.next_command(sim.atlas_sim_interface_state)
+        if command is not None:
             command.walk_params.use_relative_step_height = relative
-            for place, data in enumerate(steps[needed - 1 : needed + 3]):
-                command.walk_params.step_queue[place] = data
             sim.publish(command)
-            sent = needed
         sim.advance(0.1)
-        needed = sim.atlas_sim_interface_state.walk_feedback.next_step_index_needed
         if sim.current_behavior is Behavior.STAND:
             break
     assert not sim.has_fallen
@@ -130,20 +125,9 @@ def test_tilted_footholds():
     for foot, (roll, pitch) in zip((0, 1), tilts[2:], strict=True):
         pose = sim.atlas_sim_interface_state.foot_pos_est[foot]
         assert pose.position.z == pytest.approx(height, abs=0.005)
-        normal = RotationMatrix(_rotation(pose.orientation)).matrix()[:, 2]
+        normal = rotation_matrix(pose.orientation.to_wxyz())[:, 2]
         expected = RollPitchYaw(roll, pitch, 0.0).ToRotationMatrix().matrix()[:, 2]
         np.testing.assert_allclose(normal, expected, atol=0.02)
-
-
-def _rotation(quaternion):
-    w, x, y, z = quaternion.to_wxyz()
-    return np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-    )
 
 
 @pytest.mark.parametrize("world", ["ramp", "blocks"])

@@ -12,6 +12,7 @@ from atlas_drake import (
     Behavior,
     BehaviorStatus,
     Scenario,
+    StepStream,
 )
 
 pytestmark = pytest.mark.slow
@@ -22,8 +23,6 @@ DURATION = 0.65
 """Of a step [s]; no multiple of the control period."""
 LANDING_ERROR = 0.02
 """[m]"""
-AHEAD = 2
-"""With so many steps known and not begun, the next ones are sent."""
 
 
 class Path:
@@ -56,21 +55,14 @@ class Path:
 
 
 def walk(sim, steps):
-    """Sends the steps four at a time as they are needed, until the robot stands."""
+    """Sends the steps as they are needed, until the robot stands."""
     # Longer than the whole walk with its first shift and its last catch.
     end = sim.time + (len(steps) + 1) * 1.5 * DURATION + 3.0
-    sent = 0
+    stream = StepStream(steps)
     while sim.time < end and not sim.has_fallen:
-        feedback = sim.atlas_sim_interface_state.walk_feedback
-        needed = feedback.next_step_index_needed if sent else 1
-        current = feedback.current_step_index
-        if sent < needed <= len(steps) and needed - current - 1 <= AHEAD:
-            command = AtlasSimInterfaceCommand()
-            command.behavior = command.WALK
-            for place, step in enumerate(steps[needed - 1 : needed + 3]):
-                command.walk_params.step_queue[place] = step
+        command = stream.next_command(sim.atlas_sim_interface_state)
+        if command is not None:
             sim.publish(command)
-            sent = needed
         sim.advance(0.1)
         if sim.current_behavior is Behavior.STAND:
             return
@@ -120,23 +112,18 @@ def test_many_steps_ahead(model, count):
     np.testing.assert_allclose(np.diff(landings), DURATION, rtol=0.035)
 
 
-def test_backwards(sim):
+@pytest.mark.parametrize(
+    ("moves", "axis", "way"),
+    [([{"ahead": -0.2}] * 5 + [{}], 0, -1.0), ([{"left": 0.15}, {}] * 4, 1, 0.6)],
+    ids=["backward", "sideways"],
+)
+def test_straight_in_other_directions(sim, moves, axis, way):
     path = Path(sim)
-    for _ in range(5):
-        path.step(ahead=-0.2)
-    path.step()
+    for move in moves:
+        path.step(**move)
     walk(sim, path.steps)
     assert_walked(sim, path.steps)
-    assert sim.pelvis_pose.translation()[0] == pytest.approx(-5 * 0.2, abs=0.05)
-
-
-def test_sideways(sim):
-    path = Path(sim)
-    for _ in range(4):
-        path.step(left=0.15).step()
-    walk(sim, path.steps)
-    assert_walked(sim, path.steps)
-    assert sim.pelvis_pose.translation()[1] == pytest.approx(4 * 0.15, abs=0.05)
+    assert sim.pelvis_pose.translation()[axis] == pytest.approx(way, abs=0.05)
 
 
 def test_a_half_turn_on_the_spot(sim):
@@ -210,7 +197,8 @@ def test_on_what_the_robot_measures():
     assert 0.0 < drift < 0.0175
     for step in path.steps[-2:]:
         sole = sim.plant.GetFrameByName(sim.robot.file.feet[step.foot_index].sole_frame)
-        there = sole.CalcPoseInWorld(sim._stage.plant_context).translation()
+        context = sim.plant.GetMyContextFromRoot(sim.context)
+        there = sole.CalcPoseInWorld(context).translation()
         sent = step.pose.position
         off = math.dist(there[:2], (sent.x, sent.y))
         assert off < LANDING_ERROR + drift

@@ -5,8 +5,10 @@ Drawing only; Drake provides the systems and their connections.
 
 from __future__ import annotations
 
+import argparse
 import shutil
 import subprocess
+import sys
 from collections.abc import Iterator
 from html import escape
 from pathlib import Path
@@ -15,8 +17,10 @@ from typing import Any
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Diagram, InputPortIndex, OutputPortIndex, System
 
+from atlas_drake.app import exit_status
 from atlas_drake.errors import AtlasError
 from atlas_drake.systems.robot_sensors import RobotSensors
+from atlas_drake.visualization.viewer import open_on_desktop
 
 FORMATS = (".svg", ".png", ".pdf", ".dot")
 
@@ -33,6 +37,15 @@ _OURS, _DRAKE = "#dbe8f6", "#e9e9e9"
 
 class PictureError(AtlasError):
     """The picture cannot be drawn or written."""
+
+
+def show_diagram_picture(options: argparse.Namespace) -> int:
+    """Draws the picture and opens it; returns the exit status."""
+    write_diagram_picture(options.file)
+    sys.stdout.write(f"Wrote {options.file}.\n")
+    if not options.no_open and options.file.suffix != ".dot":
+        open_on_desktop(options.file.resolve().as_uri())
+    return exit_status.OK
 
 
 def write_diagram_picture(path: Path) -> None:

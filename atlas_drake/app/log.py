@@ -24,7 +24,6 @@ from atlas_drake.app.outputs import (
     invite_viewer,
     keep,
     keep_recording,
-    keep_video,
     open_view,
     realtime_rate,
     video_asked_for,
@@ -163,7 +162,12 @@ def replay_log(options: argparse.Namespace) -> int:
             interrupted = _play(log, simulator, pace, end, progress)
         finally:
             # Also after a second Ctrl-C: an unfinished video cannot be played.
-            kept = filmed is None or keep_video(options.video, filmed.close, progress)
+            kept = filmed is None or keep(
+                options.video,
+                filmed.close,
+                progress,
+                lambda pictures: f", {pictures} pictures.",
+            )
         now = simulator.get_context().get_time()
         progress.say(f"{'Stopped' if interrupted else 'Replayed'} at {now:.1f} s.")
         kept = keep_recording(meshcat, options, progress) and kept

@@ -10,8 +10,8 @@ import argparse
 import math
 import sys
 from collections.abc import Sequence
+from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from atlas_drake.app import exit_status
 from atlas_drake.app.options import (
@@ -25,12 +25,8 @@ from atlas_drake.app.options import (
 )
 from atlas_drake.app.parts import behaviors_told
 from atlas_drake.app.sweep_options import add_sweep_commands
-from atlas_drake.app.worlds import worlds_told
-from atlas_drake.errors import AtlasError, ScenarioError, did_you_mean
+from atlas_drake.errors import AtlasError, did_you_mean
 from atlas_drake.visualization.overlays import LOGGED
-
-if TYPE_CHECKING:
-    from atlas_drake.scenario import Scenario
 
 _LOST = "3 an output file could not be written (every other one is kept)"
 _EXIT_STATUS = (
@@ -58,7 +54,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         options = _parsed(given)
         options.arguments = own
         _check_files_read(options)
-        return options.run(options)
+        # Only the module of the command is loaded, and Drake with it.
+        module, _, name = options.run.partition(".")
+        run = getattr(import_module(f"atlas_drake.app.{module}"), name)
+        status: int = run(options)
+        return status
     except AtlasError as error:
         print(f"atlas-drake: error: {error}", file=sys.stderr)
         return exit_status.BAD_INPUT
@@ -101,106 +101,6 @@ def _check_files_read(options: argparse.Namespace) -> None:
             raise AtlasError(f"{path}: there is no such file")
 
 
-def _scenario(path: Path) -> Scenario:
-    """Reads a scenario, and says so if the file is a campaign.
-
-    Raises:
-        ScenarioError: If the file is not a valid scenario.
-    """
-    from atlas_drake.scenario import load_scenario
-
-    try:
-        return load_scenario(path)
-    except ScenarioError as error:
-        from atlas_drake.campaigns.reading import is_campaign
-
-        if error.field == "file" or not is_campaign(path):
-            raise
-        problem = f"{path} is a campaign: use `atlas-drake sweep {path}`"
-        raise ScenarioError(error.field, error.value, problem) from None
-
-
-def _demo(options: argparse.Namespace) -> int:
-    from atlas_drake.app.run import run_scenario
-    from atlas_drake.scenario import Scenario
-    from atlas_drake.simulation.tutorial import DURATION
-
-    scenario = Scenario(
-        name="demo",
-        programme="tutorial_literal" if options.literal else "tutorial",
-        duration=DURATION,
-    )
-    return run_scenario(scenario, options)
-
-
-def _run(options: argparse.Namespace) -> int:
-    from atlas_drake.app.run import run_scenario
-
-    return run_scenario(_scenario(options.scenario), options)
-
-
-def _script(options: argparse.Namespace) -> int:
-    from atlas_drake.app.script import run_script
-    from atlas_drake.scenario import Scenario
-
-    scenario = Scenario(name=options.file.stem)
-    if options.scenario is not None:
-        scenario = _scenario(options.scenario)
-    return run_script(scenario, options)
-
-
-def _plot(options: argparse.Namespace) -> int:
-    from atlas_drake.app.log import plot_log
-
-    return plot_log(options)
-
-
-def _replay(options: argparse.Namespace) -> int:
-    from atlas_drake.app.log import replay_log
-
-    return replay_log(options)
-
-
-def _teleop(options: argparse.Namespace) -> int:
-    from atlas_drake.app.teleop import run_teleop
-    from atlas_drake.scenario import Scenario
-
-    scenario = Scenario(name="teleop")
-    if options.scenario is not None:
-        scenario = _scenario(options.scenario)
-    return run_teleop(scenario, options)
-
-
-def _sweep(options: argparse.Namespace) -> int:
-    from atlas_drake.app.sweep import sweep
-
-    return sweep(options)
-
-
-def _results(options: argparse.Namespace) -> int:
-    from atlas_drake.app.sweep import show_results
-
-    return show_results(options)
-
-
-def _compare(options: argparse.Namespace) -> int:
-    from atlas_drake.app.sweep import show_comparison
-
-    return show_comparison(options)
-
-
-def _diagram(options: argparse.Namespace) -> int:
-    from atlas_drake.app.diagram_picture import write_diagram_picture
-
-    write_diagram_picture(options.file)
-    print(f"Wrote {options.file}.")
-    if not options.no_open and options.file.suffix != ".dot":
-        from atlas_drake.visualization.viewer import open_on_desktop
-
-        open_on_desktop(options.file.resolve().as_uri())
-    return exit_status.OK
-
-
 def _parser(
     given: Sequence[str],
 ) -> tuple[argparse.ArgumentParser, dict[str, argparse.ArgumentParser]]:
@@ -209,7 +109,13 @@ def _parser(
     if {"-h", "--help"} & set(given) and {"demo", "run", "script", "teleop"} & set(
         given
     ):
-        told = f". {behaviors_told(given)} {worlds_told()}"
+        # Drake loads only for those who ask.
+        from atlas_drake.scenario.world_file import available_worlds, load_world
+
+        worlds = [
+            f"{name} ({load_world(name).description})" for name in available_worlds()
+        ]
+        told = f". {behaviors_told(given)} Worlds: {', '.join(worlds)}."
     parser = argparse.ArgumentParser(
         prog="atlas-drake",
         description="Simulate the humanoid robot Atlas, under your own joint commands "
@@ -238,7 +144,7 @@ def _parser(
         "damping that its own comment means",
     )
     add_run_options(demo)
-    demo.set_defaults(run=_demo, reads=("parts",))
+    demo.set_defaults(run="run.run_demo", reads=("parts",))
 
     run = commands.add_parser(
         "run",
@@ -249,7 +155,7 @@ def _parser(
     )
     run.add_argument("scenario", metavar="SCENARIO.yaml", type=Path)
     add_run_options(run)
-    run.set_defaults(run=_run, reads=("scenario", "parts"))
+    run.set_defaults(run="run.run_file", reads=("scenario", "parts"))
 
     script = commands.add_parser(
         "script",
@@ -276,7 +182,7 @@ def _parser(
         "that has ended (default: as long as the program runs)",
     )
     add_run_options(script)
-    script.set_defaults(run=_script, reads=("file", "scenario", "parts"))
+    script.set_defaults(run="script.run_script", reads=("file", "scenario", "parts"))
 
     plot = commands.add_parser(
         "plot",
@@ -297,7 +203,7 @@ def _parser(
         "given more than once (default: both, beside the log: run.figures.png and "
         "run.figures.html for run.mcap)",
     )
-    plot.set_defaults(run=_plot, reads=("log",))
+    plot.set_defaults(run="log.plot_log", reads=("log",))
 
     replay = commands.add_parser(
         "replay",
@@ -314,7 +220,7 @@ def _parser(
     add_address_options(view)
     add_show_option(view, "none", LOGGED)
     add_record_option(replay.add_argument_group("what you keep"))
-    replay.set_defaults(run=_replay, reads=("log",))
+    replay.set_defaults(run="log.replay_log", reads=("log",))
 
     teleop = commands.add_parser(
         "teleop",
@@ -343,9 +249,9 @@ def _parser(
     view = teleop.add_argument_group("how you watch it")
     add_address_options(view)
     add_show_option(view, "com,dcm,cop,support,swing,flags,follow")
-    teleop.set_defaults(run=_teleop, reads=("scenario", "parts"))
+    teleop.set_defaults(run="teleop.run_teleop", reads=("scenario", "parts"))
 
-    add_sweep_commands(commands, _LOST, _sweep, _results, _compare)
+    add_sweep_commands(commands, _LOST)
 
     diagram = commands.add_parser(
         "diagram",
@@ -366,7 +272,7 @@ def _parser(
         action="store_true",
         help="do not open the picture where there is a desktop",
     )
-    diagram.set_defaults(run=_diagram, reads=())
+    diagram.set_defaults(run="diagram_picture.show_diagram_picture", reads=())
     return parser, commands.choices
 
 

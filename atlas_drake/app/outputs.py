@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable, Collection
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
@@ -19,6 +20,7 @@ from atlas_drake.visualization.viewer import await_viewer, start_meshcat
 from atlas_drake.whole_file import whole_file, why_not_writable
 
 if TYPE_CHECKING:
+    from atlas_drake.simulation import AtlasSimulation
     from atlas_drake.visualization.video_display import Video
 
 
@@ -97,15 +99,30 @@ def keep_text(path: Path, text: str, progress: Progress, use: str = ".") -> bool
     return keep(path, write, progress, lambda _written: use)
 
 
-def keep_video(path: Path, finish: Callable[[], int], progress: Progress) -> bool:
-    """Completes a video, as ``keep`` does.
+def keep_files(
+    sim: AtlasSimulation, options: argparse.Namespace, progress: Progress
+) -> bool:
+    """Completes the video and the log of a run; returns True on success."""
+    kept = True
+    for sink in reversed(sim.sinks):
+        path = sink.path
+        if path is None:
+            continue
+        complete, use = partial(sim.detach, sink), partial(_use, path)
+        if path == options.log and sim.time == 0.0:
+            complete()
+            progress.say(f"{path} is not written: nothing was simulated.")
+        else:
+            progress.say(f"Completing {path} ...")
+            kept = keep(path, complete, progress, use) and kept
+    return kept
 
-    Args:
-        path: Path of the video.
-        finish: Completes the video and returns its number of pictures.
-        progress: Prints to the user.
-    """
-    return keep(path, finish, progress, lambda pictures: f", {pictures} pictures.")
+
+def _use(path: Path, pictures: int | None) -> str:
+    """Ends the sentence about a video with its pictures, or about a log."""
+    if pictures is None:
+        return f"; draw it: atlas-drake plot {path}"
+    return f", {pictures} pictures."
 
 
 def check_writable(option: str, path: Path) -> None:

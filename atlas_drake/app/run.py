@@ -19,10 +19,9 @@ from atlas_drake.app.interrupts import ctrl_c, nothing_cut_off
 from atlas_drake.app.outputs import (
     check_outputs,
     invite_viewer,
-    keep,
+    keep_files,
     keep_recording,
     keep_text,
-    keep_video,
     open_view,
     realtime_rate,
     video_asked_for,
@@ -30,10 +29,12 @@ from atlas_drake.app.outputs import (
 from atlas_drake.app.parts import load_parts
 from atlas_drake.app.progress import Progress
 from atlas_drake.behaviors.footstep_event import is_elsewhere
+from atlas_drake.errors import ScenarioError
 from atlas_drake.logs.formats import check_format
 from atlas_drake.messages.event import STEPS_LEFT
-from atlas_drake.scenario import Scenario, with_settings
+from atlas_drake.scenario import Scenario, load_scenario, with_settings
 from atlas_drake.simulation import AtlasSimulation, SimulationError
+from atlas_drake.simulation.tutorial import DURATION
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.viewer import interactive, keep_serving
 
@@ -44,6 +45,45 @@ AFTER_FALL = 2.0
 
 Simulate = Callable[[AtlasSimulation, Progress], str | None]
 """Simulates a run; returns None, or why it ended early, other than by a fall."""
+
+
+def run_demo(options: argparse.Namespace) -> int:
+    """Runs the tutorial; returns the exit status."""
+    scenario = Scenario(
+        name="demo",
+        programme="tutorial_literal" if options.literal else "tutorial",
+        duration=DURATION,
+    )
+    return run_scenario(scenario, options)
+
+
+def run_file(options: argparse.Namespace) -> int:
+    """Runs the scenario of a file; returns the exit status."""
+    return run_scenario(scenario_of(options, "run"), options)
+
+
+def scenario_of(options: argparse.Namespace, name: str) -> Scenario:
+    """Reads the scenario of a command, and says so if the file is a campaign.
+
+    Args:
+        options: Options of the command line.
+        name: Name of the default scenario, for a command without a file.
+
+    Raises:
+        ScenarioError: If the file is not a valid scenario.
+    """
+    path = options.scenario
+    if path is None:
+        return Scenario(name=name)
+    try:
+        return load_scenario(path)
+    except ScenarioError as error:
+        from atlas_drake.campaigns.reading import is_campaign
+
+        if error.field == "file" or not is_campaign(path):
+            raise
+        problem = f"{path} is a campaign: use `atlas-drake sweep {path}`"
+        raise ScenarioError(error.field, error.value, problem) from None
 
 
 def run_scenario(
@@ -96,7 +136,7 @@ def run_scenario(
             stopped = (simulate or _simulate)(sim, progress)
         finally:
             # Also after a second Ctrl-C: unfinished files cannot be read.
-            kept = _keep_what_grew(sim, options, progress)
+            kept = keep_files(sim, options, progress)
         summary = sim.summary()
         summary["stopped"] = stopped
         if stopped is not None:
@@ -113,23 +153,6 @@ def run_scenario(
     if not options.headless and interactive():
         keep_serving(progress.say)
     return exit_status.OK if summary["success"] else exit_status.FAILED
-
-
-def _keep_what_grew(
-    sim: AtlasSimulation, options: argparse.Namespace, progress: Progress
-) -> bool:
-    """Completes video and log, which grow during the run; returns True on success."""
-    kept = True
-    if options.video is not None:
-        kept = keep_video(options.video, sim.close_video, progress)
-    if options.log is not None and sim.time == 0.0:
-        sim.close()
-        progress.say(f"{options.log} is not written: nothing was simulated.")
-    elif options.log is not None:
-        progress.say(f"Completing {options.log} ...")
-        draw = f"; draw it: atlas-drake plot {options.log}"
-        kept = keep(options.log, sim.close, progress, lambda _closed: draw) and kept
-    return kept
 
 
 def with_options(scenario: Scenario, options: argparse.Namespace) -> Scenario:

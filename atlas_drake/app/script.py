@@ -16,17 +16,21 @@ from typing import TextIO
 from atlas_drake.app import exit_status
 from atlas_drake.app.interrupts import ctrl_c
 from atlas_drake.app.progress import Progress
-from atlas_drake.app.run import INTERRUPTED, PIECE, end_after_fall, run_scenario
+from atlas_drake.app.run import (
+    INTERRUPTED,
+    PIECE,
+    end_after_fall,
+    run_scenario,
+    scenario_of,
+)
 from atlas_drake.ros_scripts.program import Program
-from atlas_drake.scenario import Scenario
 from atlas_drake.simulation import AtlasSimulation
 
 
-def run_script(scenario: Scenario, options: argparse.Namespace) -> int:
+def run_script(options: argparse.Namespace) -> int:
     """Runs a program on the robot of a scenario.
 
     Args:
-        scenario: The scenario as read; options override its fields.
         options: Options of ``atlas-drake script``.
 
     Returns:
@@ -36,6 +40,7 @@ def run_script(scenario: Scenario, options: argparse.Namespace) -> int:
         ScriptError: If the program is not valid Python.
         ScenarioError: If an option cannot be used; raised before the run.
     """
+    scenario = scenario_of(options, options.file.stem)
     program = Program(options.file, options.arguments)
     end = math.inf if options.duration is None else options.duration
 

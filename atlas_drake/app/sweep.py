@@ -17,8 +17,7 @@ from atlas_drake.app.interrupts import nothing_cut_off
 from atlas_drake.app.outputs import (
     check_outputs,
     invite_viewer,
-    keep,
-    keep_video,
+    keep_files,
     open_view,
     video_asked_for,
 )
@@ -208,15 +207,11 @@ def _one_trial(
     invite_viewer(meshcat, options, progress)
     if options.view:
         sim.set_realtime_rate(1.0)
-    kept = True
     try:
         judged = trial_runner.judged(sim, trial)
     finally:
         with nothing_cut_off():
-            if options.video is not None:
-                kept = keep_video(options.video, sim.close_video, progress)
-            if options.log is not None:
-                kept = keep(options.log, sim.close, progress) and kept
+            kept = keep_files(sim, options, progress)
     drawn = {"trial": trial.number, "seed": trial.seed, "values": trial.values}
     record = as_kept(drawn | judged)
     for name, value in record["figures"].items():

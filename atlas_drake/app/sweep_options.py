@@ -5,8 +5,6 @@ What the commands do is in ``sweep``.
 
 from __future__ import annotations
 
-import argparse
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -16,20 +14,13 @@ from atlas_drake.app.options import (
     add_show_option,
 )
 
-Command = Callable[[argparse.Namespace], int]
 
-
-def add_sweep_commands(
-    commands: Any, lost: str, sweep: Command, results: Command, compare: Command
-) -> None:
+def add_sweep_commands(commands: Any, lost: str) -> None:
     """Adds the commands.
 
     Args:
         commands: The sub-commands that there are.
         lost: What the help says of lost files.
-        sweep: Runs a campaign.
-        results: Shows its results.
-        compare: Compares two.
     """
     status = f"2 bad input, {lost}, 130 stopped by Ctrl-C"
     parser = commands.add_parser(
@@ -86,7 +77,7 @@ def add_sweep_commands(
     one.add_argument("--video", type=Path, metavar="FILE", help="as `run --video`")
     add_address_options(one)
     add_show_option(one, "none")
-    parser.set_defaults(run=sweep, reads=("campaign", "parts"))
+    parser.set_defaults(run="sweep.sweep", reads=("campaign", "parts"))
 
     parser = commands.add_parser(
         "results",
@@ -104,7 +95,7 @@ def add_sweep_commands(
         nargs="*",
         help="folders to merge into DIR",
     )
-    parser.set_defaults(run=results, reads=())
+    parser.set_defaults(run="sweep.show_results", reads=())
 
     parser = commands.add_parser(
         "compare",
@@ -115,4 +106,4 @@ def add_sweep_commands(
     )
     parser.add_argument("first", metavar="DIR_A", type=Path)
     parser.add_argument("second", metavar="DIR_B", type=Path)
-    parser.set_defaults(run=compare, reads=("first", "second"))
+    parser.set_defaults(run="sweep.show_comparison", reads=("first", "second"))

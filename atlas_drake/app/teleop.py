@@ -17,10 +17,10 @@ from atlas_drake.app.progress import Progress
 from atlas_drake.app.run import (
     INTERRUPTED,
     quiet_logs,
+    scenario_of,
     verdict,
     with_options,
 )
-from atlas_drake.scenario import Scenario
 from atlas_drake.simulation import AtlasSimulation, SimulationError
 from atlas_drake.teleop.controls import legend
 from atlas_drake.teleop.panel import Panel
@@ -29,11 +29,10 @@ from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.viewer import interactive, open_on_desktop, start_meshcat
 
 
-def run_teleop(scenario: Scenario, options: argparse.Namespace) -> int:
+def run_teleop(options: argparse.Namespace) -> int:
     """Runs teleoperation until Ctrl-C, or for ``options.duration`` [s].
 
     Args:
-        scenario: The scenario as read; options override its fields.
         options: Options of ``atlas-drake teleop``.
 
     Returns:
@@ -42,7 +41,7 @@ def run_teleop(scenario: Scenario, options: argparse.Namespace) -> int:
     Raises:
         ScenarioError: If an option cannot be used; raised before the run.
     """
-    scenario = with_options(scenario, options)
+    scenario = with_options(scenario_of(options, "teleop"), options)
     quiet_logs()
     overlays = Overlays(options.show)
     parts = load_parts(options.parts)

@@ -191,6 +191,10 @@ class Balance:
             self._contact(foot, patch, min(max_load, trusted)),
         )
 
+    def standing(self, observation: Observation) -> tuple[FootCommand, FootCommand]:
+        """Commands both feet to stay planted."""
+        return self.planted(observation, 0), self.planted(observation, 1)
+
     def hanging(self, observation: Observation, foot: int) -> FootCommand:
         """Commands a foot in the air to come to rest."""
         return FootCommand(self._resting(observation, foot, self._swing_weight))

@@ -53,6 +53,19 @@ class Observation:
         terms = self.terms.feet[foot]
         return FootPose(terms.p_WF.copy(), terms.R_WF.copy())
 
+    @property
+    def foot_poses(self) -> tuple[FootPose, FootPose]:
+        """Present poses of both soles in W."""
+        return self.foot_pose(0), self.foot_pose(1)
+
+    def has_slipped(self, feet: tuple[FootPose, FootPose], limit: float) -> bool:
+        """Returns True if a sole is farther than ``limit`` [m] from its pose."""
+        return any(
+            abs(x - latched) > limit
+            for pose, now in zip(feet, self.terms.feet, strict=True)
+            for x, latched in zip(now.p_WF.tolist(), pose.p_WF.tolist(), strict=True)
+        )
+
 
 @dataclass(frozen=True)
 class Outcome:
@@ -82,10 +95,7 @@ class BehaviorProtocol(Protocol):
     """
 
     def enter(
-        self,
-        observation: Observation,
-        body: BodyReference,
-        request: BehaviorRequest,
+        self, observation: Observation, body: BodyReference, request: BehaviorRequest
     ) -> Any:
         """Returns the state in which the behavior starts."""
 

@@ -14,6 +14,7 @@ from atlas_drake.behaviors.base import BehaviorProtocol, Observation
 from atlas_drake.behaviors.body_reference import BodyRates
 from atlas_drake.behaviors.entry_limits import EntryLimits
 from atlas_drake.behaviors.freeze import Freeze
+from atlas_drake.behaviors.stand.config import StandConfig
 from atlas_drake.behaviors.stand.stance_guard import StanceGuard
 from atlas_drake.behaviors.stand.stand import Pose, Stand
 from atlas_drake.checked import checked
@@ -52,7 +53,9 @@ class BehaviorTools:
         """Description of the robot."""
         return self.model.robot
 
-    def stand(self, pose: Pose | None = None) -> StanceGuard:
+    def stand(
+        self, pose: Pose | None = None, config: StandConfig | None = None
+    ) -> StanceGuard:
         """Returns STAND, whose target of trunk and posture ``pose`` changes.
 
         The stance guard holds the pose while the user controls both legs.
@@ -60,8 +63,9 @@ class BehaviorTools:
         Args:
             pose: Returns the target from (upright, observation, request, leaving), at
                 each tick.
+            config: Parameters; None for the defaults.
         """
-        stand = Stand(self.balance, self.nominal_height, self.rates, pose=pose)
+        stand = Stand(self.balance, self.nominal_height, self.rates, config, pose)
         return self.guarded(stand)
 
     def guarded(self, behavior: BehaviorProtocol) -> StanceGuard:

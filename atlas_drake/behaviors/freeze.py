@@ -49,10 +49,7 @@ class Freeze(BehaviorProtocol):
         self._weight = np.full(balance.robot.num_joints, config.stiffness_weight)
 
     def enter(
-        self,
-        observation: Observation,
-        body: BodyReference,
-        request: BehaviorRequest,
+        self, observation: Observation, body: BodyReference, request: BehaviorRequest
     ) -> FreezeState:
         """Stores the present joint positions."""
         return FreezeState(observation.terms.q.copy())

@@ -15,10 +15,7 @@ class Idle(BehaviorProtocol):
     """Commands no effort and has no state."""
 
     def enter(
-        self,
-        observation: Observation,
-        body: BodyReference,
-        request: BehaviorRequest,
+        self, observation: Observation, body: BodyReference, request: BehaviorRequest
     ) -> None:
         """Returns no state."""
 

@@ -7,18 +7,17 @@ from typing import Any
 
 import numpy as np
 
+from atlas_drake.behaviors.base import BehaviorProtocol
 from atlas_drake.behaviors.entry import BehaviorEntry, BehaviorTools, Transition
 from atlas_drake.behaviors.idle import Idle
 from atlas_drake.behaviors.manipulate.config import ManipulateConfig
 from atlas_drake.behaviors.manipulate.manipulate import Manipulate
 from atlas_drake.behaviors.stand.config import StandConfig
-from atlas_drake.behaviors.stand.stand import Stand
 from atlas_drake.behaviors.step.config import StepConfig
 from atlas_drake.behaviors.step.step import Step
 from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.behaviors.walk.walk import Walk
 from atlas_drake.control.balance import feedback
-from atlas_drake.control.pelvis.pelvis_reach import PelvisReach
 from atlas_drake.control.whole_body.model import mean_sole_height
 from atlas_drake.messages import Behavior, BehaviorStatus
 from atlas_drake.messages.behavior_catalog import SHIPPED
@@ -30,9 +29,7 @@ def at_rest_over_the_feet(asked: Transition) -> BehaviorStatus:
         return BehaviorStatus.OK
     observation, limits = asked.observation, asked.tools.entry_limits
     terms = observation.terms
-    support = asked.tools.balance.support(
-        observation.foot_pose(0), observation.foot_pose(1)
-    )
+    support = asked.tools.balance.support(*observation.foot_poses)
     if support.distance_outside(terms.com[:2]) > -limits.com_inside:
         return BehaviorStatus.FAILED_TRANS_COM_POS
     omega = feedback.pendulum_frequency(float(terms.com[2]) - mean_sole_height(terms))
@@ -47,25 +44,12 @@ def at_rest_over_the_feet(asked: Transition) -> BehaviorStatus:
     return BehaviorStatus.OK
 
 
-def _stand(tools: BehaviorTools, config: StandConfig) -> Any:
-    return tools.guarded(
-        Stand(tools.balance, tools.nominal_height, tools.rates, config)
-    )
+def _stand(tools: BehaviorTools, config: StandConfig) -> BehaviorProtocol:
+    return tools.stand(config=config)
 
 
-def _walk(tools: BehaviorTools, config: WalkConfig) -> Walk:
-    return Walk(tools.balance, tools.nominal_height, tools.rates, config, tools.gait)
-
-
-def _step(tools: BehaviorTools, config: StepConfig) -> Step:
-    return Step(tools.balance, tools.nominal_height, config, tools.gait)
-
-
-def _manipulate(tools: BehaviorTools, config: ManipulateConfig) -> Any:
-    reach = PelvisReach(tools.robot, config.range)
-    return tools.guarded(
-        Manipulate(tools.balance, reach, tools.nominal_height, tools.rates, config)
-    )
+def _manipulate(tools: BehaviorTools, config: ManipulateConfig) -> BehaviorProtocol:
+    return tools.guarded(Manipulate(tools, config))
 
 
 def _entry(behavior: Behavior, **how: Any) -> BehaviorEntry:
@@ -97,13 +81,13 @@ SHIPPED_ENTRIES = (
     ),
     _entry(
         Behavior.WALK,
-        make=_walk,
+        make=Walk,
         config=WalkConfig(),
         lifts_feet=True,
     ),
     _entry(
         Behavior.STEP,
-        make=_step,
+        make=Step,
         config=StepConfig(),
         lifts_feet=True,
     ),

@@ -52,7 +52,7 @@ class CampaignFolder:
     """A folder with a campaign and its results.
 
     Attributes:
-        path: Of the folder.
+        path: Path of the folder.
     """
 
     def __init__(self, path: Path) -> None:
@@ -63,7 +63,7 @@ class CampaignFolder:
         """Makes the folder, or checks that it belongs to the same campaign.
 
         Raises:
-            CampaignError: If it belongs to another one, or cannot be written.
+            CampaignError: If it belongs to another campaign, or cannot be written.
         """
         text = _description(campaign, sources)
         try:
@@ -88,10 +88,10 @@ class CampaignFolder:
             )
 
     def campaign(self) -> Campaign:
-        """Reads the campaign whose results are here.
+        """Reads the campaign of this folder.
 
         Raises:
-            CampaignError: If there are none.
+            CampaignError: If the folder holds no campaign.
         """
         fields = dict(self._read()["campaign"])
         campaign: Campaign = checked(Campaign, fields, from_text=True)
@@ -115,10 +115,10 @@ class CampaignFolder:
         return self.path / TRIALS / f"{number:06d}.json"
 
     def write(self, record: Mapping[str, Any]) -> None:
-        """Writes the record of a trial, of which one program runs at a time."""
+        """Writes the record of a trial; ``only_one`` keeps a second program away."""
         file = self.file_of(record["trial"])
-        # Each trial has one unfinished file, so that none stays behind after a program
-        # that was killed: the trial runs again, and writes to it again.
+        # Each trial has one unfinished file. After a kill the trial runs again and
+        # replaces the file, so that no unfinished file stays behind.
         unfinished = file.with_name(f".{file.name}.unfinished")
         with unfinished.open("wb") as written:
             written.write(_as_json(record))
@@ -153,7 +153,7 @@ class CampaignFolder:
 
     @contextmanager
     def only_one(self, shard: str) -> Iterator[None]:
-        """Locks a shard, so that no second program runs its trials meanwhile.
+        """Locks a shard against a second program.
 
         Raises:
             CampaignError: If another program has locked it.
@@ -171,10 +171,10 @@ def merge(target: CampaignFolder, sources: list[CampaignFolder]) -> int:
     """Copies the results of shards into one folder.
 
     Returns:
-        How many were copied.
+        Number of copied records.
 
     Raises:
-        CampaignError: If they are of different campaigns, or contradict each other.
+        CampaignError: If the campaigns differ, or two records of a trial do.
     """
     target.path.mkdir(parents=True, exist_ok=True)
     (target.path / TRIALS).mkdir(exist_ok=True)

@@ -41,8 +41,8 @@ class RayCluster:
             function: As for ``run_in_processes``; this package and the modules of the
                 function must be installed on all machines of the cluster.
             limit: Wall time after which a call is ended and fails [s]; 0 for no limit.
-            address: Of the cluster, as ``ray.init`` takes it: ``auto``, ``HOST:PORT``.
-            jobs: Calls at a time; None is as many as the cluster has processors.
+            address: Address for ``ray.init``, such as ``auto`` or ``HOST:PORT``.
+            jobs: Calls at a time; None for one per processor of the cluster.
 
         Raises:
             CampaignError: If ray is not installed, or there is no such cluster.

@@ -1,7 +1,7 @@
 """Campaigns from YAML files.
 
-A file's ``scenario`` is a path or the fields themselves; ``pushes``, ``duration`` and
-``programme`` may stand beside it, and distributions in place of a push's numbers.
+The key ``scenario`` holds a path or fields. ``pushes``, ``duration`` and ``programme``
+may stand beside it; numbers of a push may be distributions.
 """
 
 from __future__ import annotations
@@ -28,14 +28,14 @@ from atlas_drake.scenario import (
 from atlas_drake.scenario.scenario import with_full_paths
 
 BESIDE = ("pushes", "duration", "programme")
-"""Fields of the scenario that may stand beside it."""
+"""Fields of the scenario that may stand beside ``scenario``."""
 _CAMPAIGN, _SCENARIO = (
     {field.name for field in dataclasses.fields(kind)} for kind in (Campaign, Scenario)
 )
 ONLY_CAMPAIGN = _CAMPAIGN - _SCENARIO
 """Fields of a campaign that no scenario has."""
 ONLY_SCENARIO = _SCENARIO - _CAMPAIGN - set(BESIDE)
-"""Fields of a scenario that a campaign has below ``scenario``."""
+"""Fields of a scenario that must stand below ``scenario``."""
 
 
 def load_campaign(
@@ -43,13 +43,12 @@ def load_campaign(
     settings: Iterable[str] = (),
     overrides: Mapping[str, Any] | None = None,
 ) -> Campaign:
-    """Reads and validates one YAML file; fields left out have their defaults.
+    """Reads and validates one YAML file; omitted fields have their defaults.
 
     Args:
-        path: Of the file.
-        settings: Fields of the scenario, as ``--set`` has them, or parameters of the
-            trial function, such as ``parameters.direction=left``. What is set does not
-            vary, and has no cases.
+        path: Path of the file.
+        settings: Values as for ``--set``, also of parameters, such as
+            ``parameters.direction=left``. They replace distributions and cases.
         overrides: Fields of the scenario by path, as ``with_values`` takes them.
 
     Raises:
@@ -87,7 +86,7 @@ def campaign_from(
         raw: Fields as YAML reads them.
         folder: Folder that the paths in them are relative to.
         settings: As for ``load_campaign``.
-        overrides: Likewise.
+        overrides: As for ``load_campaign``.
 
     Raises:
         ScenarioError: Naming the first field that cannot be used.
@@ -121,7 +120,7 @@ def campaign_from(
             fields[name] = {path: item for path, item in varied if path not in fixed}
     base = Campaign(scenario=scenario)
     if not isinstance(fields.get("parameters", {}), Mapping):
-        own = []  # The check refuses the parameters themselves.
+        own = []  # The check refuses the parameters.
     for text in own:
         name, equals, value = text.removeprefix(PARAMETERS).partition("=")
         if not (name and equals):
@@ -139,7 +138,7 @@ def campaign_from(
 
 
 def _where_drawn(error: ScenarioError) -> str:
-    """Returns where a distribution belongs that is in place of a number."""
+    """Returns a hint if a distribution stands where a number belongs."""
     if not is_distribution(error.value):
         return ""
     path = error.field.removeprefix("scenario.")
@@ -165,7 +164,7 @@ def _scenario(given: object, folder: Path) -> Scenario:
 def _pushes(given: object, drawn: dict[str, Any]) -> object:
     """Returns the pushes without their distributions, and adds these to ``drawn``."""
     if not isinstance(given, list):
-        return given  # For the scenario to refuse.
+        return given  # The scenario refuses it.
     pushes = []
     for index, push in enumerate(given):
         plain = dict(push) if isinstance(push, Mapping) else push
@@ -184,7 +183,7 @@ def _joined(drawn: dict[str, Any], vary: object) -> object:
     if vary is None:
         return drawn
     if not isinstance(vary, Mapping):
-        return vary  # For the check to refuse.
+        return vary  # The check refuses it.
     twice = set(drawn) & set(vary)
     if twice:
         name = min(twice)

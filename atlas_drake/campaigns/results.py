@@ -22,7 +22,7 @@ TABLE = "results.parquet"
 VALUE = "set "
 """Prefix of the columns of values that were set or drawn."""
 FIGURE = "figure "
-"""Prefix of the columns of figures whose own name could be that of another column."""
+"""Prefix of a figure's column if another column has the figure's name."""
 SEED = "seed"
 
 Records = Mapping[int, Mapping[str, Any]]

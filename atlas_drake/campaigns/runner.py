@@ -27,11 +27,11 @@ Records = dict[int, dict[str, Any]]
 
 @dataclass(frozen=True)
 class Shard:
-    """One of several parts of a campaign, each run by itself.
+    """A part of a campaign's trials.
 
     Attributes:
-        index: From 1.
-        count: How many parts there are.
+        index: Number of the part, from 1.
+        count: Number of parts.
     """
 
     index: int = 1
@@ -76,25 +76,25 @@ def run_campaign(
     it: no trial runs twice.
 
     Args:
-        campaign: What to run.
+        campaign: The campaign.
         out: Folder of the results.
-        trials: How many, of each case; None is the campaign's number.
+        trials: Number of trials of each case; None for the campaign's number.
         jobs: Processes at a time; with ``ray``, calls at a time, and 0 for as many as
             the cluster has processors.
         ray: Address of a Ray cluster to run on; None runs on this machine.
-        shard: The part to run; None is the whole.
+        shard: Part to run; None for all trials.
         files: Python files with functions and parts, beside the campaign's ``code``.
         functions: Functions that the campaign names, from a module that other processes
             can import.
-        parts: Arguments of ``AtlasSimulation``, likewise.
-        on_trial: Called after each trial with its record, how many are done, and how
-            many there are as far as is known.
+        parts: Arguments of ``AtlasSimulation``, from such a module.
+        on_trial: Called after each trial with its record, the number of finished
+            trials, and the number of all trials known so far.
 
     Returns:
         Records by the number of their trial, with those of earlier calls.
 
     Raises:
-        ScenarioError: If the campaign cannot be run, or the folder holds another one.
+        ScenarioError: If the campaign cannot be run, or the folder holds another.
     """
     campaign = campaign.validate()
     if jobs < (0 if ray is not None else 1):

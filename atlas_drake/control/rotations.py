@@ -70,10 +70,7 @@ def orientation(yaw: float, tilt: np.ndarray) -> np.ndarray:
         yaw: [rad]
         tilt: Roll and pitch [rad], shape (2,).
     """
-    R = rotation_z(yaw)
-    if tilt[0] == 0.0 and tilt[1] == 0.0:
-        return R
-    return R @ rotation_y(tilt[1]) @ rotation_x(tilt[0])
+    return rotation_z(yaw) @ rotation_y(tilt[1]) @ rotation_x(tilt[0])
 
 
 def rotation_with_normal(yaw: float, normal: np.ndarray) -> np.ndarray:

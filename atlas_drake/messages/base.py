@@ -105,21 +105,17 @@ class Message:
         Args:
             number: Not 0, and not the number of the sender's previous message.
         """
-        twin = self._fixed((id(self),), anew=True)
+        twin = copy.copy(self.snapshot())
         object.__setattr__(twin, "_number", number)
         return twin
 
-    def _fixed(self, path: "_Path", *, anew: bool = False) -> "Self":
-        """Return a snapshot; ``path`` ends with this message itself.
-
-        With ``anew`` the result shares no message with this one, even if this one is a
-        snapshot.
-        """
-        if self._frozen and not anew:
+    def _fixed(self, path: "_Path") -> "Self":
+        """Return a snapshot; ``path`` ends with this message itself."""
+        if self._frozen:
             return self
         twin = type(self).__new__(type(self))
         for name in self.__dataclass_fields__:  # type: ignore[attr-defined]
-            value = frozen(getattr(self, name), path, anew=anew)
+            value = frozen(getattr(self, name), path)
             object.__setattr__(twin, name, value)
         object.__setattr__(twin, "_frozen", True)
         return twin
@@ -173,7 +169,7 @@ def _enters(value: object, path: _Path) -> bool:
     return len(path) < DEEPEST and id(value) not in path
 
 
-def frozen(value: Any, path: _Path = (), *, anew: bool = False) -> Any:
+def frozen(value: Any, path: _Path = ()) -> Any:
     """Return an immutable copy of a value of any type.
 
     Numbers become Python's own. A value that no valid message can hold, such as a
@@ -191,8 +187,8 @@ def frozen(value: Any, path: _Path = (), *, anew: bool = False) -> Any:
     if isinstance(value, (Message, list, tuple)) and _enters(value, path):
         within = (*path, id(value))
         if isinstance(value, Message):
-            return value._fixed(within, anew=anew)
-        return tuple(frozen(element, within, anew=anew) for element in value)
+            return value._fixed(within)
+        return tuple(frozen(element, within) for element in value)
     if is_record(value) and _enters(value, path):
         return _frozen_record(value, (*path, id(value)))
     if _is_collection(value) and _enters(value, path):

@@ -1,7 +1,6 @@
-"""Messages from plain data: what YAML or JSON has of them, by the names of the fields.
+"""Makes messages from plain data of YAML or JSON, by the names of the fields.
 
-The reverse, which takes whatever a refused message holds, is in ``logs.notes``. Values
-are for ``validation`` to check.
+``logs.notes`` converts messages to plain data. ``validation`` checks the values.
 """
 
 from __future__ import annotations
@@ -23,21 +22,21 @@ def message_from(
     path: str = "",
     strict: bool = True,
 ) -> Message:
-    """Make a message from its fields; those left out stay as in an empty message.
+    """Make a message from its fields; omitted fields stay as in an empty message.
 
     Args:
-        kind: Of the message.
-        plain: Values by field; of messages within it, likewise. A list of messages may
-            be shorter than in an empty message, as a step queue with fewer steps.
-        num_joints: Lets one number stand for as many in the place of a list; None
-            leaves it a number.
-        path: Of the message within another one, for errors.
-        strict: Raise an error for what fits no message; otherwise unknown fields are
-            left out, and other faults kept, as in the log of a refused message.
+        kind: Class of the message.
+        plain: Values by field; a message in a field is a mapping, too. A list of
+            messages may be shorter than in an empty message, such as a step queue.
+        num_joints: Length of the list that replaces a single number in a joint array;
+            None keeps the number.
+        path: Path of the message in the message around it, for errors.
+        strict: Raise an error for unknown fields and wrong types. Otherwise drop
+            unknown fields and keep wrong types, as in the log of a refused message.
 
     Raises:
-        InvalidMessageError: If there is no such field, or a message within is no
-            mapping.
+        InvalidMessageError: If there is no such field, or the value of a message's
+            field is not a mapping.
     """
     message = kind()
     known = [field.name for field in fields(message)]  # type: ignore[arg-type]
@@ -57,7 +56,7 @@ def message_from(
 def _like(
     default: Any, plain: Any, num_joints: int | None, path: str, strict: bool
 ) -> Any:
-    """The value of a field, made of plain data."""
+    """Convert the value of a field."""
     if isinstance(default, Message):
         if not isinstance(plain, Mapping) and not strict:
             return plain

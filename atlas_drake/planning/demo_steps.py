@@ -12,7 +12,7 @@ from atlas_drake.control.rotations import mean_yaw
 from atlas_drake.planning.footholds import Gait
 
 DEMO_STEPS = 25
-"""Index of the demonstration's last step."""
+"""Index of the demonstration's last step. No setting: other walks are commanded."""
 
 
 def demo_steps(

@@ -19,7 +19,8 @@ from atlas_drake.control.rotations import wrap_angle, yaw_of
 from atlas_drake.messages import AtlasBehaviorStepData, Pose
 
 BACKWARD_SHARE = 0.6
-"""Share of the stride when walking backward: the knees bend the other way."""
+"""Share of the stride when walking backward: the knees bend the other way. Geometry of
+the legs, like SIDEWAYS_SHARE; the stride is the setting."""
 SIDEWAYS_SHARE = 0.5
 """Share of the stride for each pair of steps to the side."""
 

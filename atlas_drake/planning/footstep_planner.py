@@ -1,10 +1,14 @@
 """Footstep plans: a distance ahead, a turn, an arc, or to a pose.
 
-Each function takes the robot's latest report and returns steps for
-``walk_params.step_queue``, from the present footholds to feet side by side, within the
-limits of the gait's robot: Atlas, unless another gait is given. ``step_stream``
-sends more steps than the queue holds. The ground is assumed to be level; obstacles are
-not detected.
+Each function takes the latest report of a standing robot and returns steps for
+``walk_params.step_queue``, in order and counted from 1, from the present footholds to
+feet side by side; none if there is nothing to do. They are within the limits of the
+gait's robot: Atlas, unless another gait is given. ``step_stream`` sends more steps than
+the queue holds. The ground is assumed to be level; obstacles are not detected.
+
+Each raises ``ValueError`` if a number is beyond FARTHEST or MOST_TURN or none, the
+report has no place for a foot, or the feet are not on one level. The constants are
+bounds of what is sensible and tolerances; the settings are in ``Gait``.
 """
 
 from __future__ import annotations
@@ -62,16 +66,9 @@ def steps_ahead(
     """Plans steps straight ahead.
 
     Args:
-        report: Latest report of a standing robot.
+        report: Latest report.
         distance: Way of the middle between the feet [m]; negative is backward.
         gait: Gait of the walk.
-
-    Returns:
-        Steps in order, counted from 1; none if there is nothing to do.
-
-    Raises:
-        ValueError: If ``distance`` is beyond FARTHEST or not a number, the report has
-            no place for a foot, or the feet are not on one level.
     """
     _check_range("distance", distance, FARTHEST)
     return steps_along_arc(report, distance, 0.0, gait)
@@ -83,16 +80,9 @@ def steps_turning(
     """Plans steps that turn on the spot.
 
     Args:
-        report: Latest report of a standing robot.
+        report: Latest report.
         angle: Turn of the robot [rad], positive to the left.
         gait: Gait of the walk.
-
-    Returns:
-        Steps in order, counted from 1; none if there is nothing to do.
-
-    Raises:
-        ValueError: If ``angle`` is beyond MOST_TURN or not a number, the report has no
-            place for a foot, or the feet are not on one level.
     """
     return steps_along_arc(report, 0.0, angle, gait)
 
@@ -106,18 +96,10 @@ def steps_along_arc(
     """Plans steps along an arc of a circle.
 
     Args:
-        report: Latest report of a standing robot.
+        report: Latest report.
         length: Length of the arc [m]; negative is backward.
         angle: Turn over the arc [rad], positive to the left.
         gait: Gait of the walk.
-
-    Returns:
-        Steps in order, counted from 1; none if there is nothing to do.
-
-    Raises:
-        ValueError: If ``length`` is beyond FARTHEST, ``angle`` beyond MOST_TURN or
-            either not a number, the report has no place for a foot, or the feet are
-            not on one level.
     """
     gait = gait or Gait()
     _check_range("length", length, FARTHEST)
@@ -135,19 +117,11 @@ def steps_to(
     """Plans steps to a pose in the world.
 
     Args:
-        report: Latest report of a standing robot.
-        x: Goal of the middle between the feet in W [m].
-        y: Goal of the middle between the feet in W [m].
+        report: Latest report.
+        x: Goal of the middle between the feet in W [m], within FARTHEST of the robot.
+        y: Likewise [m].
         yaw: Heading of the robot at the goal [rad].
         gait: Gait of the walk.
-
-    Returns:
-        Steps in order, counted from 1; none if the robot is at the goal.
-
-    Raises:
-        ValueError: If ``x`` or ``y`` is farther than FARTHEST from the robot, ``yaw``
-            beyond MOST_TURN or either not a number, the report has no place for a
-            foot, or the feet are not on one level.
     """
     gait = gait or Gait()
     here = _middle(report)

@@ -53,37 +53,18 @@ def _geometry() -> _Types:
 
 geometry_msgs = _geometry()
 
-_SHARED: dict[type[Message], type[RosMessage]] = {
+ROS_TYPES: dict[type[Message], type[RosMessage]] = {
     ours.Header: Header,
     **{
         kind: geometry_msgs[kind.__name__]
         for kind in (ours.Vector3, ours.Quaternion, ours.Pose, ours.Twist, ours.Wrench)
     },
 }
-_BEHAVIORS: tuple[type[Message], ...] = (
-    ours.AtlasBehaviorStepData,
-    ours.AtlasBehaviorFootData,
-    ours.AtlasBehaviorStepAction,
-    ours.AtlasBehaviorStepSpec,
-    ours.AtlasBehaviorWalkParams,
-    ours.AtlasBehaviorStepParams,
-    ours.AtlasBehaviorStandParams,
-    ours.AtlasBehaviorPelvisServoParams,
-    ours.AtlasBehaviorManipulateParams,
-    ours.AtlasBehaviorFeedback,
-    ours.AtlasBehaviorStandFeedback,
-    ours.AtlasBehaviorStepFeedback,
-    ours.AtlasBehaviorWalkFeedback,
-    ours.AtlasBehaviorManipulateFeedback,
-    ours.AtlasPositionData,
-)
-"""Parts of messages; each after the parts that it contains."""
-_TOP: tuple[type[Message], ...] = (
-    ours.AtlasCommand,
-    ours.AtlasState,
-    ours.AtlasSimInterfaceCommand,
-    ours.AtlasSimInterfaceState,
-)
+"""The ROS message for each message of this package; those of atlas_msgs join below."""
+_ATLAS: list[type[Message]] = [
+    getattr(ours, name) for name in ours.__all__ if name.startswith("Atlas")
+]
+"""The messages of ``atlas_msgs``."""
 
 
 def _constants(kind: type) -> dict[str, int]:
@@ -98,37 +79,35 @@ def _constants(kind: type) -> dict[str, int]:
     return found
 
 
-def _factory(name: str, value: Any, types: dict[type[Message], Factory]) -> Factory:
+def _factory(name: str, value: Any) -> Factory:
     """Return the maker of a field's initial value, from the value in this package."""
     if name == "position" and isinstance(value, ours.Vector3):
         return geometry_msgs["Point"]
     if isinstance(value, Message):
-        return types[type(value)]
+        return _ros_type(type(value))
     if isinstance(value, list) and value:
-        return array_of(types[type(value[0])], len(value))
+        return array_of(_ros_type(type(value[0])), len(value))
     if isinstance(value, list):
         return bytes if name in BYTES else list
     # Values of enumerations are numbers in ROS.
     return next(kind for kind in (bool, int, float, str) if isinstance(value, kind))
 
 
-def _atlas() -> _Types:
-    types: dict[type[Message], Any] = dict(_SHARED)
-    made: _Types = {}
-    for kind in (*_BEHAVIORS, *_TOP):
+def _ros_type(kind: type[Message]) -> type[RosMessage]:
+    """Return the ROS message for a message of this package."""
+    if kind not in ROS_TYPES:
         empty = kind()
         content = {
-            field.name: _factory(field.name, getattr(empty, field.name), types)
+            field.name: _factory(field.name, getattr(empty, field.name))
             for field in fields(kind)  # type: ignore[arg-type]
             if field.name not in NOT_IN_ROS
         }
-        name = kind.__name__
-        made[name] = message_type(f"atlas_msgs/{name}", content, _constants(kind))
-        types[kind] = made[name]
-    return made
+        name = f"atlas_msgs/{kind.__name__}"
+        ROS_TYPES[kind] = message_type(name, content, _constants(kind))
+    return ROS_TYPES[kind]
 
 
-atlas_msgs = _atlas()
+atlas_msgs: _Types = {kind.__name__: _ros_type(kind) for kind in _ATLAS}
 
 _NINE = array_of(float, 9)
 sensor_msgs: _Types = {
@@ -167,6 +146,8 @@ osrf_msgs: _Types = {
 }
 rosgraph_msgs: _Types = {"Clock": message_type("rosgraph_msgs/Clock", {"clock": Time})}
 
+ROS_TYPES[ours.Imu] = sensor_msgs["Imu"]
+
 PACKAGES: dict[str, _Types] = {
     "atlas_msgs": atlas_msgs,
     "geometry_msgs": geometry_msgs,
@@ -176,13 +157,6 @@ PACKAGES: dict[str, _Types] = {
     "std_msgs": std_msgs,
 }
 """Message packages, each with a module ``msg``."""
-
-ROS_TYPES: dict[type[Message], type[RosMessage]] = {
-    **_SHARED,
-    **{kind: atlas_msgs[kind.__name__] for kind in (*_BEHAVIORS, *_TOP)},
-    ours.Imu: sensor_msgs["Imu"],
-}
-"""The ROS message for each message of this package."""
 
 
 def with_joints_of(robot: Robot, types: _Types) -> _Types:

@@ -1,19 +1,18 @@
-"""The front door for Python: one robot, one diagram, one simulator.
+"""``AtlasSimulation``: builds one robot's diagram, publishes, advances, reads, resets.
 
-A thin facade: it passes messages in, advances time, reads messages out and notes what
-happens. The diagram is built and reset in ``stage``; no control law is here.
+The diagram and its runs are in ``run_diagram``, events in ``run_log``, logs, videos and
+listeners in ``sinks``.
 """
 
 from __future__ import annotations
 
-import functools
 import math
 import time
-import weakref
 from array import array
 from collections.abc import Callable, Iterable, Iterator, MutableSequence, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -29,11 +28,9 @@ from atlas_drake.checked import checked
 from atlas_drake.diagrams.control_mode_switch import Extend
 from atlas_drake.diagrams.controller_socket import ControllerSource
 from atlas_drake.errors import (
-    AtlasError,
     InvalidMessageError,
     ScenarioError,
     WaitTimeoutError,
-    did_you_mean,
     shown,
 )
 from atlas_drake.messages import (
@@ -58,19 +55,19 @@ from atlas_drake.scenario.world import (
     listed,
 )
 from atlas_drake.simulation.arguments import check_arguments
+from atlas_drake.simulation.fair_lock import FairLock
 from atlas_drake.simulation.pace import Pace
 from atlas_drake.simulation.programme import scheduled_programme
 from atlas_drake.simulation.restart import built_in_difference
+from atlas_drake.simulation.run_diagram import RunDiagram
 from atlas_drake.simulation.run_log import RunLog
-from atlas_drake.simulation.stage import Stage
+from atlas_drake.simulation.sinks import FileSink, Listener, Sink
 from atlas_drake.simulation.steady import steady_ticks
-from atlas_drake.simulation.summary import estimator_drift, make_summary
-from atlas_drake.simulation.turns import Turns
+from atlas_drake.simulation.summary import make_summary
 from atlas_drake.visualization.overlays import Overlays
 
 if TYPE_CHECKING:
-    from atlas_drake.logs.recorder import LogRecorder
-    from atlas_drake.visualization.video_display import Video, VideoDisplay
+    from atlas_drake.visualization.video_display import Video
 
 CHUNK = 0.02
 """Simulated time between looks at events and Ctrl-C [s]."""
@@ -136,11 +133,10 @@ class AtlasSimulation:
             recorded: True if Meshcat is recording already; then every picture is kept
                 for the recording. Otherwise pictures are left out while a viewer is too
                 slow for them, and a recording that runs then is lost.
-            video: Video that the run is filmed into, until ``close_video``; None films
-                nothing.
+            video: Attaches a video of the run; None films nothing.
             on_event: Called with each event as it is noticed.
-            log: File that records the run, see ``atlas_drake.logs``: .mcap, .npz or
-                .parquet. ``close`` completes it, and so does the end of the program.
+            log: Attaches a file that records the run, see ``atlas_drake.logs``: .mcap,
+                .npz or .parquet.
 
         Raises:
             TypeError: If an argument is of the wrong type; it names the argument.
@@ -153,7 +149,14 @@ class AtlasSimulation:
                 a model of it.
             BehaviorError: If a behavior cannot be registered.
         """
-        check_arguments(scenario, view, overlays, video, on_event, log)
+        check_arguments(
+            scenario=scenario,
+            view=view,
+            overlays=overlays,
+            video=video,
+            on_event=on_event,
+            log=log,
+        )
         self.scenario = (scenario or Scenario()).resolved()
         self.robot = load_robot(self.scenario.model)
         self._own_behaviors = configured(
@@ -165,14 +168,29 @@ class AtlasSimulation:
         self.scenario = replace(self.scenario, model=self.robot.model)
         self._programme = scheduled_programme(self.scenario, self.robot, self.behaviors)
         self._tick_seconds = array("d")
-        self._turns = Turns()
+        self._lock = FairLock()
         world = (*world_of(self.scenario.all_models()), *listed(world))
-        self._recorder = None if log is None else self._start_log(Path(log), world)
-        log_event = None if self._recorder is None else self._recorder.event
-        self._listeners = (log_event, on_event)
-        self.meshcat = self._open(view)
+        recorder = None
+        if log is not None:
+            # The modules for logs load only with a log.
+            from atlas_drake.logs.recorder import start_recorder
+
+            recorder = start_recorder(
+                Path(log),
+                self.scenario,
+                self.robot,
+                world,
+                self._tick_seconds,
+                self._own_behaviors,
+            )
         try:
-            self._stage = Stage(
+            if view is True:
+                from atlas_drake.visualization.viewer import start_meshcat
+
+                self.meshcat = start_meshcat()
+            else:
+                self.meshcat = view or None
+            self._run = RunDiagram(
                 self.robot,
                 self.scenario,
                 self._programme,
@@ -184,20 +202,25 @@ class AtlasSimulation:
                 meshcat=self.meshcat,
                 overlays=overlays,
                 recorded=recorded,
-                recorder=self._recorder,
+                recorder=recorder,
                 video=video,
                 view=self.scenario.surroundings().view,
             )
         except BaseException:
-            if self._recorder is not None:
-                self._finalizer()
+            if recorder is not None:
+                recorder.close()
             raise
-        self.diagram, self.station = self._stage.diagram, self._stage.station
-        self.plant, self.simulator = self._stage.plant, self._stage.simulator
-        self._film: VideoDisplay | None = None
-        if self.diagram.HasSubsystemNamed("video"):
-            self._film = self.diagram.GetSubsystemByName("video")
+        self.diagram, self.station = self._run.diagram, self._run.station
+        self.plant, self.simulator = self._run.plant, self._run.simulator
         self._pace = Pace(self.simulator)
+        self._sinks: list[Sink] = []
+        if recorder is not None:
+            self._sinks.append(FileSink(Path(str(log)), recorder))
+        if video is not None:
+            film: Any = self.diagram.GetSubsystemByName("video")
+            self._sinks.append(FileSink(video.path, film))
+        if on_event is not None:
+            self._sinks.append(Listener(on_event))
         self._note_begin()
         if self.meshcat is not None:
             # The modules for Meshcat load only with a 3D view.
@@ -211,65 +234,67 @@ class AtlasSimulation:
             if not self.realtime_rate:
                 self.set_realtime_rate(1.0)
 
-    @staticmethod
-    def _open(view: bool | Meshcat | None) -> Meshcat | None:
-        """Returns the Meshcat to draw in, a new one for True."""
-        if view is True:
-            from atlas_drake.visualization.viewer import start_meshcat
-
-            return start_meshcat()
-        return view or None
-
     def _note_begin(self) -> None:
         """Starts the records of a run that begins."""
         del self._tick_seconds[:]
-        self._log = RunLog(*self._listeners)
+        self._log = RunLog(self._sinks)
         self._error: str | None = None
-        self._faults: list[AtlasError] = []
         self._wall_time = 0.0
         self._pace.forget_all()
 
-    # ---- log -----------------------------------------------------------------
+    # ---- sinks ---------------------------------------------------------------
 
-    def _start_log(self, path: Path, world: Sequence[WorldMaker]) -> LogRecorder:
-        # What logs need loads only where there is one.
-        from atlas_drake.logs.recorder import start_recorder
+    @property
+    def sinks(self) -> tuple[Sink, ...]:
+        """The attached sinks: log, video, ``on_event`` and those of ``attach``."""
+        return tuple(self._sinks)
 
-        recorder = start_recorder(
-            path,
-            self.scenario,
-            self.robot,
-            world,
-            self._tick_seconds,
-            self._own_behaviors,
-        )
-        # Whoever forgets to close still gets a file that can be read.
-        self._finalizer = weakref.finalize(self, recorder.close)
-        return recorder
+    def attach(self, sink: Sink) -> None:
+        """Attaches a sink, which gets the events from now on.
 
-    def close(self) -> None:
-        """Completes the log, if there is one; the run may continue without it.
+        Args:
+            sink: See ``atlas_drake.simulation.sinks.Sink``.
+        """
+        with self._lock:
+            self._sinks.append(sink)
+
+    def detach(self, sink: Sink) -> Any:
+        """Collects the latest events, closes a sink and goes on without it.
+
+        Args:
+            sink: One of ``sinks``.
+
+        Returns:
+            The result of the sink's ``close``.
 
         Raises:
-            LogError: If the log cannot be written, now or earlier in the run, which
-                went on and has a warning among its ``events``.
+            ValueError: If the sink is not attached.
+            AtlasError: If the sink cannot be completed, now or earlier in the run.
         """
-        if self._recorder is not None:
-            with self._turns:
-                told = self._error
-                try:
-                    self._look()
-                except Exception:
-                    # What ended the run, a last look finds again.
-                    if told is None or self._error != told:
-                        raise
-                finally:  # Who listens may raise anything, and so may a port.
-                    try:
-                        self._recorder.flush(
-                            self._recorder.GetMyContextFromRoot(self.context)
-                        )
-                    finally:
-                        self._finalizer()
+        with self._lock:
+            self._sinks.index(sink)
+            reported = self._error
+            try:
+                self._look()
+            except Exception:
+                # An error that ended the run occurs again in this look.
+                if reported is None or self._error != reported:
+                    raise
+            finally:  # Listeners and ports may raise anything.
+                self._sinks.remove(sink)
+                result = sink.close(self.context)
+            return result
+
+    def close(self) -> None:
+        """Detaches all sinks, which completes their files; the run may continue.
+
+        Raises:
+            AtlasError: If a sink cannot be completed, now or earlier in the run, whose
+                ``events`` then hold a warning; the others are completed.
+        """
+        with ExitStack() as stack:
+            for sink in self._sinks:
+                stack.callback(self.detach, sink)
 
     def __enter__(self) -> AtlasSimulation:
         return self
@@ -287,12 +312,12 @@ class AtlasSimulation:
         that is sent again counts again.
 
         Any thread may call this. While another thread simulates, the message is checked
-        here, and taken in before that thread simulates another 20 ms. What contradicts
-        only what is in force then, such as a stamp before the last one, is not raised
-        but reported: by ``error_code``, and as an event.
+        here, and received before that thread simulates another 20 ms. A contradiction
+        to the commands in force then, such as a stamp before the last one, is not
+        raised but reported: by ``error_code``, and as an event.
 
         Args:
-            message: What is commanded.
+            message: The command.
 
         Raises:
             InvalidMessageError: If the message cannot be applied. The robot then
@@ -305,11 +330,11 @@ class AtlasSimulation:
                 f"{type(message).__name__}"
             )
         snapshot = message.snapshot()
-        if self._turns.leave(functools.partial(self._stage.receive, snapshot)):
+        if self._lock.leave(partial(self._run.receive, snapshot)):
             check_command(snapshot, self.robot.joint_names, self.behaviors)
             return
-        with self._turns:
-            refusal = self._stage.receive(snapshot)
+        with self._lock:
+            refusal = self._run.receive(snapshot)
             if refusal is not None:
                 self._look()
         if refusal is not None:
@@ -329,8 +354,8 @@ class AtlasSimulation:
         Raises:
             InvalidMessageError: If there is no such body or a value is not a number.
         """
-        with self._turns:
-            self._stage.push(body, force_W, duration)
+        with self._lock:
+            self._run.push(body, force_W, duration)
             self._look()
 
     # ---- time ----------------------------------------------------------------
@@ -370,24 +395,14 @@ class AtlasSimulation:
         try:
             with steady_ticks(), self._noted_error():
                 while self.time < end - 1e-9:
-                    with self._turns:
+                    with self._lock:
                         # Another thread may have had a turn meanwhile.
                         if self.time < end - 1e-9:
-                            self._advance_chunk(end)
+                            self._pace.forget_lost_time()
+                            self._run.advance_to(min(end, self.time + CHUNK))
+                            self._look()
         finally:
             self._wall_time += time.perf_counter() - begin
-
-    def _advance_chunk(self, t: float) -> None:
-        """Simulates until the next look at the events, at most until ``t``."""
-        self._pace.forget_lost_time()
-        try:
-            self.simulator.AdvanceTo(min(t, self.time + CHUNK))
-        except RuntimeError as error:
-            raise SimulationError(
-                f"the simulation stopped at {self.time:.3f} s: {error}"
-                f"{self._wrong_effort()}"
-            ) from error
-        self._look()
 
     def wait_until(
         self,
@@ -446,22 +461,8 @@ class AtlasSimulation:
             InvalidMessageError: If ``rate`` is negative or not a number.
         """
         checked = check_number(rate, "rate", 0.0)
-        with self._turns:
+        with self._lock:
             self._pace.set_rate(checked)
-
-    def close_video(self) -> int:
-        """Finishes the video, of which nothing can be seen before.
-
-        What is simulated later is not filmed.
-
-        Returns:
-            How many pictures it has; 0 if nothing was filmed.
-
-        Raises:
-            VideoError: If the video cannot be written, now or earlier in the run.
-        """
-        with self._turns:
-            return 0 if self._film is None else self._film.close()
 
     # ---- start ---------------------------------------------------------------
 
@@ -510,14 +511,14 @@ class AtlasSimulation:
         if seed is not None:
             new = replace(self.scenario, seed=check_seed(seed))
             if where is not None:
-                self._stage.check_reset(new, start, where)
+                self._run.check_reset(new, start, where)
             self._begin_anew(new)
             if behavior is None and pose is None:
                 return
-        with self._turns:
-            # What a run that an error stopped has not told yet came before the reset.
+        with self._lock:
+            # Collect events that precede the reset.
             self._look()
-            self._stage.reset(begin, start, where)
+            self._run.reset(begin, start, where)
             self._log.note(Event(self.time, "reset", f"reset, {begin.name} begins"))
             self.simulator.Initialize()
             self._look(anew=True)
@@ -548,16 +549,14 @@ class AtlasSimulation:
 
     def _begin_anew(self, scenario: Scenario) -> None:
         """Begins a run of a scenario that the diagram can take up."""
-        writing = self._recorder is not None and self._finalizer.alive
-        if writing or (self._film is not None and not self._film.closed):
-            last = "close" if writing else "close_video"
+        if any(sink.path is not None for sink in self._sinks):
             raise ScenarioError(
                 "seed",
                 scenario.seed,
-                f"a log or a video holds one run: {last}() completes it",
+                "a log or a video holds one run: close() completes it",
             )
-        with self._turns:
-            self._stage.begin(scenario)
+        with self._lock:
+            self._run.begin(scenario)
             self.scenario = scenario
             self._note_begin()
 
@@ -567,8 +566,8 @@ class AtlasSimulation:
         Raises:
             ScenarioError: If the scenario has no harness.
         """
-        with self._turns:
-            self._stage.release()
+        with self._lock:
+            self._run.release()
             self._look()
 
     # ---- state ---------------------------------------------------------------
@@ -577,9 +576,9 @@ class AtlasSimulation:
     def context(self) -> Context:
         """The root context of the diagram; not for use while another thread simulates.
 
-        The rest here may be called by any thread. What reads an output or changes
-        anything waits until the one that simulates pauses, as it does every 20 ms of
-        simulated time; ``time``, ``events`` and the like say what was last noticed.
+        Any thread may call all other members. Those that read an output or change
+        anything wait until the simulating thread pauses, every 20 ms of simulated time;
+        ``time``, ``events`` and the like give the state at the last pause.
         """
         return self.simulator.get_mutable_context()
 
@@ -615,7 +614,7 @@ class AtlasSimulation:
 
     @property
     def events(self) -> list[Event]:
-        """What happened so far."""
+        """All events so far."""
         return self._log.events
 
     @property
@@ -637,17 +636,8 @@ class AtlasSimulation:
         Raises:
             ValueError: If the robot has neither a body nor a frame of that name.
         """
-        own = self.robot.instance(self.plant)
-        if not (isinstance(name, str) and self.plant.HasFrameNamed(name, own)):
-            indices = self.plant.GetFrameIndices(own)
-            known = [self.plant.get_frame(index).name() for index in indices]
-            raise ValueError(
-                f"{self.robot.name} has no frame {name!r}."
-                f"{did_you_mean(str(name), known)} Known are {', '.join(known)}"
-            )
-        frame = self.plant.GetFrameByName(name, own)
-        with self._turns:
-            return frame.CalcPoseInWorld(self._stage.plant_context)
+        with self._lock:
+            return self._run.frame_pose(name)
 
     @property
     def tick_seconds(self) -> MutableSequence[float]:
@@ -655,7 +645,7 @@ class AtlasSimulation:
         return self._tick_seconds
 
     def output(self, name: str) -> Any:
-        """What an output port of the station says now.
+        """Reads an output port of the station.
 
         Args:
             name: Of the port, such as ``effort``: those of
@@ -667,68 +657,25 @@ class AtlasSimulation:
         Raises:
             ValueError: If there is no such port.
         """
-        with self._turns:
-            return self._stage.output(name)
+        with self._lock:
+            return self._run.output(name)
 
     def summary(self) -> dict[str, Any]:
-        """What happened so far, as plain numbers and text ready for JSON."""
-        extremes = self.output("extremes")
-        summary = make_summary(self, self._wall_time, extremes)
-        if self.scenario.state == "estimated":
-            summary["estimator_drift"] = estimator_drift(
-                self.output("estimation_error"),
-                self.output("largest_estimation_error"),
-            )
-        return summary
+        """Summarizes the run as plain numbers and text, ready for JSON."""
+        return make_summary(self, self._wall_time)
 
-    # ---- inside --------------------------------------------------------------
-
-    def _wrong_effort(self) -> str:
-        """Which joint the controller gave no number, if that stopped the physics."""
-        try:
-            wrong = np.flatnonzero(~np.isfinite(self.output("behavior_effort")))
-        except Exception:  # What stopped the physics may stop this, too.
-            return ""
-        if not wrong.size:
-            return ""
-        joint = self.robot.joint_names[wrong[0]]
-        return f" The controller's behavior_effort of {joint} is not finite."
+    # ---- events --------------------------------------------------------------
 
     def _look(self, *, anew: bool = False) -> None:
-        """Takes in what happened since the last look, which a reset may follow."""
+        """Collects events; ``anew`` if the controller was reset since the last look."""
         with self._noted_error():
-            self._take_notice(anew)
+            self._log.look(self._run, self._programme, anew=anew)
 
     @contextmanager
     def _noted_error(self) -> Iterator[None]:
-        """Keeps which error comes out, so that ``close`` does not tell it again."""
+        """Keeps the text of an error, so that ``detach`` does not raise it again."""
         try:
             yield
         except Exception as error:  # Not itself: its traceback holds the simulation.
             self._error = f"{type(error).__name__}: {error}"
             raise
-
-    def _take_notice(self, anew: bool) -> None:
-        status = self.output("controller_status")
-        self._log.collect(
-            self._programme,
-            self.output("sent") if self._programme else 0,
-            self.output("commands"),
-            status,
-            self.output("pushes"),
-            anew=anew,
-        )
-        harnessed = self.station.HasSubsystemNamed("harness")
-        released = self.output("harness").released if harnessed else None
-        self._log.watch_robot(self.time, self.output("fall"), released)
-        self._log.watch_solver(self.time, status)
-        for system in (self._recorder, self._film):
-            fault: AtlasError | None = None if system is None else system.fault
-            if fault is not None and fault not in self._faults:
-                self._faults.append(fault)
-                text = f"{fault}; the run continues without it"
-                self._log.note(Event(self.time, "warning", text))
-
-
-class SimulationError(AtlasError, RuntimeError):
-    """The physics could not be solved any further."""

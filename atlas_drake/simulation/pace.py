@@ -24,16 +24,12 @@ class Pace:
     def __init__(self, simulator: Simulator) -> None:
         """Starts now, as fast as possible."""
         self._simulator = simulator
-        self._begin()
+        self.forget_all()
 
     def set_rate(self, rate: float) -> None:
         """Keeps to ``rate`` simulated seconds per second; 0 is as fast as possible."""
         self._simulator.set_target_realtime_rate(rate)
-        self._begin()
-
-    def forget_all(self) -> None:
-        """Starts again, together with the simulated time."""
-        self._begin()
+        self.forget_all()
 
     def forget_lost_time(self) -> None:
         """Starts again if time was lost; called before each part of an advance."""
@@ -42,9 +38,10 @@ class Pace:
             return
         due = (self._sim_time() - self._began_sim) / rate
         if time.perf_counter() - self._began > due + SLACK:
-            self._begin()
+            self.forget_all()
 
-    def _begin(self) -> None:
+    def forget_all(self) -> None:
+        """Starts again, together with the simulated time."""
         self._simulator.ResetStatistics()
         self._began, self._began_sim = time.perf_counter(), self._sim_time()
 

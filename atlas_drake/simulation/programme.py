@@ -38,7 +38,7 @@ def scheduled_programme(
 def _kind(
     message: AtlasCommand | AtlasSimInterfaceCommand, catalog: BehaviorCatalog
 ) -> str:
-    """What the user is told of a message without a text of its own."""
+    """Returns the text of an event for a message without a text of its own."""
     if isinstance(message, AtlasCommand):
         return "joint command"
     return catalog.find(message.behavior, "behavior").name

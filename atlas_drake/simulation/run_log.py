@@ -5,14 +5,17 @@ The log only reads; ``summary`` evaluates the events.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Iterable
 from typing import Any
 
+from atlas_drake.errors import AtlasError
 from atlas_drake.frozen import NOTHING, replace
 from atlas_drake.messages.commands import CommandsInForce
 from atlas_drake.messages.controller_status import ControllerStatus
 from atlas_drake.messages.event import FOOTSTEP, Event
 from atlas_drake.messages.recent import items_since
+from atlas_drake.simulation.run_diagram import RunDiagram
+from atlas_drake.simulation.sinks import Sink
 from atlas_drake.systems.command_scheduler import ScheduledCommand
 from atlas_drake.systems.push_source import PushState
 
@@ -29,11 +32,12 @@ class RunLog:
         footsteps: Data of the events of landed feet.
     """
 
-    def __init__(self, *listeners: Callable[[Event], None] | None):
-        """Calls each listener that is not None with each event."""
+    def __init__(self, sinks: Iterable[Sink] = ()):
+        """Passes each event to every sink that ``sinks`` holds at that time."""
         self.events: list[Event] = []
         self.footsteps: list[dict[str, Any]] = []
-        self._listeners = [heard for heard in listeners if heard is not None]
+        self._sinks = sinks
+        self._faults: list[AtlasError] = []
         self._seen_events = 0
         self._seen_sent = 0
         self._seen_refusals = 0
@@ -41,6 +45,40 @@ class RunLog:
         self._seen_pushes = 0
         self._seen_release: float | None = None
         self._told_unsolved = False
+
+    def look(
+        self,
+        run: RunDiagram,
+        programme: tuple[ScheduledCommand, ...],
+        *,
+        anew: bool = False,
+    ) -> None:
+        """Adds all events since the last look.
+
+        Args:
+            run: The diagram of the run.
+            programme: The whole programme.
+            anew: True if the controller was reset since the last look.
+
+        Raises:
+            ValueError: If the event count of the controller's status decreased.
+        """
+        time = run.context.get_time()
+        status = run.output("controller_status")
+        sent = run.output("sent") if programme else 0
+        commands, pushes = run.output("commands"), run.output("pushes")
+        self.collect(programme, sent, commands, status, pushes, anew=anew)
+        released = None
+        if run.station.HasSubsystemNamed("harness"):
+            released = run.output("harness").released
+        self.watch_robot(time, run.output("fall"), released)
+        self.watch_solver(time, status)
+        for sink in self._sinks:
+            fault = sink.fault
+            if fault is not None and fault not in self._faults:
+                self._faults.append(fault)
+                text = f"{fault}; the run continues without it"
+                self.note(Event(time, "warning", text))
 
     def collect(
         self,
@@ -144,9 +182,9 @@ class RunLog:
             self.events.append(event)
             if event.kind == FOOTSTEP:
                 self.footsteps.append(event.data)
-        for heard in self._listeners:
+        for sink in tuple(self._sinks):  # A sink may detach itself.
             for event in kept:
-                heard(event)
+                sink.event(event)
 
     def fallen(self) -> bool:
         """Returns True if the robot fell since its last reset."""

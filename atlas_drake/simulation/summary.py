@@ -21,23 +21,21 @@ UPRIGHT_TILT = 0.4
 """Tilt of the pelvis below which the robot is upright [rad]."""
 
 
-def make_summary(
-    sim: AtlasSimulation, wall_time: float, extremes: np.ndarray
-) -> dict[str, Any]:
+def make_summary(sim: AtlasSimulation, wall_time: float) -> dict[str, Any]:
     """Makes the summary of a run.
 
     Args:
         sim: The simulation at the end of the run.
         wall_time: Wall time of the run [s].
-        extremes: Output of ``RunStatistics``, shape (n + 2,).
     """
     ticks = 1e3 * np.asarray(sim.tick_seconds)
+    extremes = sim.output("extremes")
     X_WP = sim.pelvis_pose
     tilt = float(np.arccos(np.clip(X_WP.rotation().matrix()[2, 2], -1.0, 1.0)))
     quaternion = X_WP.rotation().ToQuaternion().wxyz()
     fell = any(event.kind == "fall" for event in sim.events)
     upright = tilt < UPRIGHT_TILT
-    return {
+    summary = {
         "success": not fell and upright and _did_it_all(sim),
         "fell": fell,
         "upright": upright,
@@ -73,9 +71,14 @@ def make_summary(
             {"time": e.time, "kind": e.kind, "text": e.text} for e in sim.events
         ],
     }
+    if sim.scenario.state == "estimated":
+        summary["estimator_drift"] = _estimator_drift(
+            sim.output("estimation_error"), sim.output("largest_estimation_error")
+        )
+    return summary
 
 
-def estimator_drift(
+def _estimator_drift(
     error: np.ndarray, largest: np.ndarray
 ) -> dict[str, dict[str, float]]:
     """Names the final and the largest errors of the state estimator.

@@ -39,7 +39,7 @@ COVER = "_colored"
 
 
 def owner_colors(k_effort: np.ndarray) -> list[Color]:
-    """Colors joints by the user's share, 0 to 255, shape (n,), over shared joints."""
+    """Colors joints by the user's share, 0 to 255, shape (n,)."""
     colors = (BEHAVIOR, SHARED, USER)
     return [_between(colors, share / K_EFFORT_MAX) for share in k_effort]
 
@@ -52,12 +52,11 @@ def effort_colors(effort: np.ndarray, limit: np.ndarray) -> list[Color]:
 
 def _between(colors: Sequence[Color], share: float) -> Color:
     """Returns the color at a point of a scale, in discrete shades."""
-    place = round(SHADES * float(share)) / SHADES * (len(colors) - 1)
-    first = min(int(place), len(colors) - 2)
-    into = place - first
+    shade = round(SHADES * float(share)) / SHADES
+    places = np.linspace(0.0, 1.0, len(colors))
     r, g, b = (
-        round((1.0 - into) * x + into * y, 3)
-        for x, y in zip(colors[first], colors[first + 1], strict=True)
+        round(float(np.interp(shade, places, part)), 3)
+        for part in zip(*colors, strict=True)
     )
     return r, g, b
 

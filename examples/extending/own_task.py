@@ -42,7 +42,7 @@ def make(tools, config):
         hand = PositionTask.tracking(terms, "l_hand", p_WD, GAINS, WEIGHT, v_WD)
         return command.with_posture_scaled(arm, 0.01).plus(hand)
 
-    return Extended(WALK.make(tools, config), command=with_hand)
+    return Extended(WALK.make(tools, config), with_hand)
 
 
 WALK_WITH_HAND = replace(

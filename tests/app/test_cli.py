@@ -2,6 +2,7 @@
 
 import base64
 import json
+import math
 import os
 import re
 import shutil
@@ -111,22 +112,18 @@ def test_a_bad_scenario_is_named_by_field(text, field, scenario, capsys):
     assert field in capsys.readouterr().err
 
 
-def test_a_missing_scenario_is_bad_input(tmp_path, capsys):
-    assert main(["run", str(tmp_path / "none.yaml"), "--headless"]) == 2
-    assert "none.yaml" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize("verb", ["run", "teleop", "plot", "replay"])
-def test_a_missing_file_is_missed_before_drake_is_loaded(verb):
-    code = (
-        "import sys; from atlas_drake.app.main import main; "
-        f"status = main([{verb!r}, 'none.npz']); "
-        "sys.exit(99 if 'pydrake' in sys.modules else status)"
-    )
+def test_a_missing_file_is_missed_before_drake_is_loaded():
+    code = """
+import sys
+from atlas_drake.app.main import main
+for verb in ("run", "teleop", "plot", "replay"):
+    assert main([verb, "none.npz"]) == 2, verb
+assert "pydrake" not in sys.modules
+"""
     command = [sys.executable, "-c", code]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode == 2
-    assert "none.npz: there is no such file" in done.stderr
+    assert done.returncode == 0, done.stderr
+    assert done.stderr.count("none.npz: there is no such file") == 4
 
 
 def test_an_unknown_model_is_answered_with_the_known_ones(capsys):
@@ -170,7 +167,9 @@ def test_a_run_that_stays_upright_succeeds(scenario, tmp_path, capsys, summary_k
     log = tmp_path / "run.npz"
     arguments += ["--log", str(log)]
     assert main(["run", scenario(), *arguments]) == 0
-    assert "Success: the robot is upright after 0.1 s" in capsys.readouterr().out
+    out = capsys.readouterr().out
+    assert "Success: the robot is upright after 0.1 s" in out
+    assert f"atlas-drake plot {log}" in out
     summary = json.loads(file.read_text())
     assert summary.keys() >= summary_keys
     assert summary["success"] is True
@@ -178,7 +177,10 @@ def test_a_run_that_stays_upright_succeeds(scenario, tmp_path, capsys, summary_k
     assert (summary["model"], summary["seed"]) == ("atlas_v3", 8)
     assert summary["physics_step"] == 0.002
     assert summary["configuration"]["controller"]["gains"]["dcm_gain"] == 2.5
-    assert read_log(log).scenario.controller_config().gains.dcm_gain == 2.5
+    kept = read_log(log)
+    # A row at each control tick before the end.
+    assert len(kept) == math.ceil(0.1 / summary["control_period"])
+    assert kept.scenario.controller_config().gains.dcm_gain == 2.5
     assert summary["sim_time"] == pytest.approx(0.1)
     assert summary["controller_tick_ms"].keys() == {"median", "p99", "max"}
     assert len(summary["peak_effort_fraction"]) == 28
@@ -215,11 +217,6 @@ def test_ctrl_c_stops_cleanly_and_keeps_what_was_recorded(
     text = page.read_text()
     assert text.rstrip().endswith("</html>")
     assert "Stopped at 0.1 s" in capsys.readouterr().out
-
-
-def test_a_run_with_view_ends_by_itself_when_nobody_sits_there(scenario, capsys):
-    assert main(["run", scenario(), "--realtime-rate", "0"]) == 0
-    assert re.search(r"Watch at http://localhost:\d+", capsys.readouterr().out)
 
 
 @pytest.mark.parametrize("options", [["--headless"], ["--realtime-rate", "0"]])
@@ -444,29 +441,31 @@ def test_a_full_disk_takes_nothing_else_with_it(
         assert [told in e["text"] for e in events if e["kind"] == "warning"] == [True]
 
 
-@pytest.mark.parametrize("name", ["a.gif", "a.mp4"])
-def test_a_video_that_cannot_be_finished_is_deleted(name, tmp_path):
+def test_a_video_that_cannot_be_finished_is_deleted(tmp_path):
     code = """
 import resource, sys
 import numpy as np
 from pathlib import Path
 from atlas_drake.visualization.video_file import VideoError, VideoFile
 resource.setrlimit(resource.RLIMIT_FSIZE, (3000, 3000))
-file = VideoFile(Path(sys.argv[1]), 25, 64, 48)
 noise = np.random.default_rng(1)
-try:
-    for _ in range(100):
-        file.add(noise.integers(0, 255, (48, 64, 3), dtype=np.uint8))
-    file.close()
-except VideoError as error:
-    assert not file.is_open
-    file.close()
-    sys.exit(str(error))
+for name in sys.argv[1:]:
+    file = VideoFile(Path(name), 25, 64, 48)
+    try:
+        for _ in range(100):
+            file.add(noise.integers(0, 255, (48, 64, 3), dtype=np.uint8))
+        file.close()
+    except VideoError as error:
+        assert not file.is_open
+        file.close()
+        print(error)
 """
     pytest.importorskip("av", reason='needs pip install "atlas-drake[video]"')
-    command = [sys.executable, "-c", code, str(tmp_path / name)]
+    names = [str(tmp_path / name) for name in ("a.gif", "a.mp4")]
+    command = [sys.executable, "-c", code, *names]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.stderr.endswith(f"{name}: cannot be written: File too large\n")
+    for name, line in zip(names, done.stdout.splitlines(), strict=True):
+        assert line == f"{name}: cannot be written: File too large"
     assert [*tmp_path.iterdir()] == []
 
 
@@ -477,9 +476,11 @@ def test_a_second_ctrl_c_cuts_off_nothing_that_is_written(
         signal.raise_signal(signal.SIGINT)
 
     monkeypatch.setattr(run_command.Progress, "update", interrupt)
-    close = run_command.AtlasSimulation.close
+    detach = run_command.AtlasSimulation.detach
     monkeypatch.setattr(
-        run_command.AtlasSimulation, "close", lambda sim: (interrupt(), close(sim))
+        run_command.AtlasSimulation,
+        "detach",
+        lambda sim, sink: (interrupt(), detach(sim, sink)),
     )
     file, log = tmp_path / "out.json", tmp_path / "out.npz"
     keep = ["--json", str(file), "--log", str(log)]

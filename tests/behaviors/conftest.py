@@ -11,10 +11,17 @@ from atlas_drake import (
     AtlasSimulation,
     Scenario,
 )
+from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.base import Observation
+from atlas_drake.behaviors.body_reference import BodyRates
+from atlas_drake.behaviors.entry import BehaviorTools
+from atlas_drake.behaviors.entry_limits import EntryLimits
+from atlas_drake.behaviors.freeze import Freeze
+from atlas_drake.control.gains import ControlGains
 from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.frozen import replace
 from atlas_drake.messages import AtlasSimInterfaceState
+from atlas_drake.planning.footholds import Gait
 from atlas_drake.robot import load_robot
 
 LOOK = 0.02
@@ -31,6 +38,16 @@ def robot():
 def model(robot):
     """The controller's model of it."""
     return WholeBodyModel(robot)
+
+
+@pytest.fixture(scope="session")
+def make_tools(model):
+    """Makes what behaviors are built from, for a height of the center of mass [m]."""
+    balance = Balance(model.robot, ControlGains())
+    freeze = Freeze(balance)
+    return lambda height: BehaviorTools(
+        model, balance, height, BodyRates(), EntryLimits(), freeze, Gait()
+    )
 
 
 @pytest.fixture(scope="session")

@@ -14,16 +14,9 @@ from atlas_drake.behaviors.body_reference import (
     capture_body,
 )
 from atlas_drake.control.rotations import wrap_angle
-from atlas_drake.control.whole_body.model import WholeBodyModel
-from atlas_drake.robot import load_robot
 
 DT = 0.01
 RATES = BodyRates()
-
-
-@pytest.fixture(scope="module")
-def model():
-    return WholeBodyModel(load_robot())
 
 
 @pytest.fixture(scope="module")

@@ -95,7 +95,7 @@ def test_duration_is_the_sum_of_its_phases(feet, steps, cop, swinging, count):
 def test_starts_from_the_present_cop_and_never_jumps(feet, steps, cop, swinging):
     plan = plan_walk(cop, FIRST, feet, steps, swinging, TIMING, OMEGA)
     np.testing.assert_allclose(plan.evaluate(0.0).cop, cop, atol=1e-12)
-    times = np.linspace(0.0, plan.duration, 5000)
+    times = np.linspace(0.0, plan.duration, 1000)
     cops = np.array([plan.evaluate(time).cop for time in times])
     dcms = np.array([plan.evaluate(time).dcm for time in times])
     # A walker's CoP crosses from foot to foot in a tenth of a second or longer.
@@ -159,34 +159,6 @@ def test_planning_again_midway_goes_on_with_the_same_plan(feet, steps, cop):
             now = other.evaluate(start + time)
             np.testing.assert_allclose(now.dcm, expected.dcm, atol=1e-9)
             np.testing.assert_allclose(now.cop, expected.cop, atol=1e-9)
-
-
-def test_mirrored_walks_have_mirrored_plans(feet, steps, cop):
-    mirror = np.array([1.0, -1.0])
-
-    def mirrored_pose(pose):
-        return FootPose(pose.p_WF * [1.0, -1.0, 1.0], rotation_z(-pose.yaw))
-
-    other_feet = (mirrored_pose(feet[RIGHT]), mirrored_pose(feet[LEFT]))
-    other_steps = tuple(
-        Footstep(
-            s.index,
-            1 - s.foot,
-            s.p_WF * [1.0, -1.0, 1.0],
-            -s.yaw,
-            s.duration,
-            s.swing_height,
-        )
-        for s in steps
-    )
-    plan = plan_walk(cop, FIRST, feet, steps, False, TIMING, OMEGA)
-    other = plan_walk(
-        cop * mirror, FIRST, other_feet, other_steps, False, TIMING, OMEGA
-    )
-    for time in np.linspace(0.0, plan.duration, 40):
-        here, there = plan.evaluate(time), other.evaluate(time)
-        np.testing.assert_allclose(there.dcm, here.dcm * mirror, atol=1e-12)
-        np.testing.assert_allclose(there.cop, here.cop * mirror, atol=1e-12)
 
 
 @pytest.mark.parametrize("foot", [LEFT, RIGHT])

@@ -7,12 +7,10 @@ import numpy as np
 import pytest
 
 from atlas_drake import AtlasCommand, AtlasSimInterfaceCommand, AtlasState, Scenario
-from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.body_reference import BodyRates, capture_body
+from atlas_drake.behaviors.manipulate.config import ManipulateConfig
 from atlas_drake.behaviors.manipulate.manipulate import Manipulate
 from atlas_drake.behaviors.stand.stand import Stand
-from atlas_drake.control.gains import ControlGains
-from atlas_drake.control.pelvis.pelvis_reach import PelvisReach
 from atlas_drake.messages import Behavior, BehaviorStatus
 
 from .as_request import as_request
@@ -77,12 +75,12 @@ class Ticked:
 
 
 @pytest.fixture(scope="module")
-def parts(model, observe):
+def parts(make_tools, observe):
     terms = observe().terms
     height = float(terms.com[2] - terms.feet[0].p_WF[2])
-    balance = Balance(model.robot, ControlGains())
-    manipulate = Manipulate(balance, PelvisReach(model.robot), height, BodyRates())
-    return manipulate, Stand(balance, height, BodyRates())
+    tools = make_tools(height)
+    stand = Stand(tools.balance, height, tools.rates)
+    return Manipulate(tools, ManipulateConfig()), stand
 
 
 @pytest.fixture
@@ -98,13 +96,13 @@ def start(parts, observe):
     return make
 
 
-def test_without_a_wish_it_stays_as_it_began(start, observe):
+def test_without_a_desired_pose_the_pelvis_stays(start, observe):
     robot = start(asked(use_desired=False))
     began = numbers(robot.feedback.internal_desired)
     np.testing.assert_allclose(numbers(robot.feedback.clamped), began, atol=1e-9)
     np.testing.assert_allclose(began, numbers(robot.feedback.internal_sensed))
     request = asked(use_desired=False)
-    for _ in range(50):
+    for _ in range(5):
         robot.tick(observe(), request)
     now = numbers(robot.feedback.internal_desired)
     np.testing.assert_allclose(now, began, atol=1e-9)
@@ -159,7 +157,7 @@ def test_it_takes_over_from_stand_and_gives_back_without_a_jump(parts, observe, 
             )
 
 
-def test_the_goal_is_what_can_be_had_of_the_wish(start):
+def test_the_goal_is_the_desired_pose_clamped(start):
     feedback = start(asked(pelvis_height=0.85, pelvis_pitch=0.1)).feedback
     expected = [0.85, 0.0, 0.1, 0.0, 0.0, 0.0]
     np.testing.assert_allclose(numbers(feedback.clamped), expected)
@@ -175,11 +173,11 @@ def test_messages_change_the_goal_and_no_desired_keeps_it(start, observe):
     assert robot.feedback.clamped.pelvis_height == 0.83
 
 
-def test_the_demo_is_not_begun_anew_and_stops_where_it_is(start, observe):
+def test_a_repeated_demo_continues_and_stops_at_its_pose(start, observe):
     demo = asked(demo=True)
     robot = start(demo)
-    for _ in range(700):
-        robot.tick(observe(), demo)
+    robot.state = dataclasses.replace(robot.state, demo_time=1.4)
+    robot.tick(observe(), demo)
     moved = robot.feedback.clamped
     assert moved.pelvis_height < 0.9
     robot.tick(observe(), asked(demo=True))
@@ -202,7 +200,7 @@ def test_arms_stay_and_hands_are_taken_back_where_the_user_leaves_them(
         robot.body, joints=robot.body.joints + 0.3 * model.robot.limb("l_arm")
     )
     robot.body = raised
-    for _ in range(50):
+    for _ in range(5):
         robot.tick(observe(), quiet)
     assert robot.body.joints[arm] == raised.joints[arm]
     # The user's joints are where the user has them, and stay there afterwards.
@@ -213,7 +211,7 @@ def test_arms_stay_and_hands_are_taken_back_where_the_user_leaves_them(
     assert robot.body.joints[arm] == held.terms.q[arm]
 
 
-@pytest.mark.parametrize("bend", [-0.2, 0.2])
+@pytest.mark.parametrize("bend", [-0.02, 0.02])
 def test_the_back_is_straightened_at_its_rate(start, observe, model, bend):
     quiet = asked(use_desired=False)
     robot, back = start(quiet), model.robot.limb("back")
@@ -244,27 +242,6 @@ def test_the_pelvis_rests_while_the_user_controls_a_leg(start, observe):
     assert robot.outcome.finished
     robot.tick(observe(), request)
     assert robot.feedback.clamped.pelvis_height == 0.85
-
-
-@pytest.mark.slow
-def test_it_leaves_when_it_is_back_at_stands_pose(start, observe):
-    robot = start(asked(pelvis_height=0.85))
-    request = asked(pelvis_height=0.85)
-    for _ in range(300):
-        robot.tick(observe(), request)
-    assert robot.feedback.internal_desired.pelvis_height < 0.88
-    stand = AtlasSimInterfaceCommand(behavior="STAND")
-    ticks = 0
-    while not robot.outcome.finished:
-        robot.tick(observe(), stand, leaving=True)
-        ticks += 1
-        assert ticks < 1500
-    assert ticks > 100
-    home = robot.feedback.clamped.pelvis_height
-    assert robot.feedback.internal_desired.pelvis_height == pytest.approx(
-        home, abs=0.003
-    )
-    assert home > 0.9
 
 
 # ---- the simulated robot -----------------------------------------------------

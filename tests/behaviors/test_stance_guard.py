@@ -4,15 +4,11 @@ import numpy as np
 import pytest
 
 from atlas_drake import AtlasSimInterfaceCommand
-from atlas_drake.behaviors.balance import Balance
-from atlas_drake.behaviors.body_reference import BodyRates, capture_body
-from atlas_drake.behaviors.freeze import Freeze
+from atlas_drake.behaviors.body_reference import capture_body
+from atlas_drake.behaviors.manipulate.config import ManipulateConfig
 from atlas_drake.behaviors.manipulate.manipulate import Manipulate
 from atlas_drake.behaviors.stance import StanceConfig
-from atlas_drake.behaviors.stand.stance_guard import Holding, StanceGuard
-from atlas_drake.behaviors.stand.stand import Stand
-from atlas_drake.control.gains import ControlGains
-from atlas_drake.control.pelvis.pelvis_reach import PelvisReach
+from atlas_drake.behaviors.stand.stance_guard import Holding
 from atlas_drake.control.whole_body import ComTask
 
 from .as_request import as_request
@@ -22,19 +18,14 @@ HEIGHT = 0.9
 
 
 @pytest.fixture(scope="module")
-def balance(robot):
-    return Balance(robot, ControlGains())
+def stand(make_tools):
+    return make_tools(HEIGHT).stand()
 
 
 @pytest.fixture(scope="module")
-def stand(balance):
-    return StanceGuard(Stand(balance, HEIGHT, BodyRates()), Freeze(balance), balance)
-
-
-@pytest.fixture(scope="module")
-def manipulate(balance, model):
-    inner = Manipulate(balance, PelvisReach(model.robot), HEIGHT, BodyRates())
-    return StanceGuard(inner, Freeze(balance), balance)
+def manipulate(make_tools):
+    tools = make_tools(HEIGHT)
+    return tools.guarded(Manipulate(tools, ManipulateConfig()))
 
 
 BOTH_HIPS = {"l_leg_hpy": 1.0, "r_leg_hpy": 1.0}

@@ -10,6 +10,7 @@ from atlas_drake import AtlasSimInterfaceCommand
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.body_reference import capture_body
 from atlas_drake.behaviors.phases import TIME_STEP
+from atlas_drake.behaviors.step.config import StepConfig
 from atlas_drake.behaviors.step.phases import (
     Lower,
     Rest,
@@ -24,7 +25,7 @@ from atlas_drake.control.balance.weight_shift import WeightShift
 from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.frozen import replace
-from atlas_drake.messages import StepStatus, Vector3
+from atlas_drake.messages import NO_STEP, StepStatus, Vector3
 from atlas_drake.messages.event import FOOTSTEP, STEPS_LEFT
 
 from .as_request import as_request
@@ -51,10 +52,10 @@ def balance(robot):
 
 
 @pytest.fixture(scope="module")
-def step(balance, observe):
+def step(make_tools, balance, observe):
     terms = observe().terms
     height = float(terms.com[2] - terms.feet[LEFT].p_WF[2])
-    return Step(balance, height - balance.stance.com_drop)
+    return Step(make_tools(height - balance.stance.com_drop), StepConfig())
 
 
 def request(index=1, foot=LEFT, x=0.15, y=0.14, z=0.0):
@@ -131,7 +132,7 @@ def test_a_rise_at_the_limit_is_taken_whatever_the_ground_rounds_to(
 
 
 @pytest.mark.parametrize("speed", [0.45, -0.45])
-def test_no_weight_shift_begins_while_the_robot_is_about_to_tip(step, observe, speed):
+def test_no_weight_shift_begins_while_the_robot_tips(step, observe, speed):
     seen, command = observe(speed=speed), request()
     outcome = tick(step, entered(step, seen, command), seen, command)
     assert isinstance(outcome.state, Rest)
@@ -143,7 +144,7 @@ def test_no_weight_shift_begins_while_the_robot_is_about_to_tip(step, observe, s
 
 
 @pytest.mark.parametrize("speed", [0.45, -0.45])
-def test_a_weight_shift_is_given_up_when_the_robot_begins_to_tip(step, observe, speed):
+def test_a_weight_shift_is_abandoned_when_the_robot_tips(step, observe, speed):
     command = request()
     state = shifting(step, observe(), command)
     steady = tick(step, state, observe(), command)
@@ -164,7 +165,7 @@ def test_a_weight_shift_is_given_up_when_the_robot_begins_to_tip(step, observe, 
     assert begins.state.progress.index == 2
 
 
-def test_a_foot_that_stays_loaded_is_given_up_after_a_while(step, observe):
+def test_a_step_whose_foot_stays_loaded_is_abandoned(step, observe):
     command = request()
     state = shifting(step, observe(), command)
     end = state.shift.duration + RULES.longest_wait
@@ -306,7 +307,19 @@ def test_the_time_left_counts_to_the_end_of_the_step_in_every_phase(step, observ
         assert time_left(step, now) == pytest.approx(left), (phase, elapsed)
 
 
-def test_standing_leaves_no_step_unsaid(step, observe):
+def test_without_a_step_it_waits_in_double_support(step, observe):
+    command = as_request(AtlasSimInterfaceCommand(behavior="STEP"))
+    state = entered(step, observe(), command)
+    outcome = tick(step, replace(state, elapsed=9.0), observe(), command)
+    assert isinstance(outcome.state, Rest)
+    feedback = step.feedback(outcome.state, outcome.status_flags)
+    assert (feedback.current_step_index, feedback.next_step_index_needed) == (0, 1)
+    assert feedback.status_flags == StepStatus.SUBSTATE_SWAYING
+    assert feedback.desired_step_saturated.step_index == NO_STEP
+    assert tick(step, state, observe(), command, leaving=True).finished
+
+
+def test_stand_names_the_steps_left_out(step, observe):
     seen, command = observe(), request()
     state = shifting(step, seen, command)
     outcome = tick(step, state, seen, command, leaving=True)

@@ -79,7 +79,7 @@ def test_yaw_of_a_tilted_pose_is_the_heading_of_its_toes(scale):
 
 
 @pytest.mark.parametrize("yaw", [-2.0, 0.0, 1.2])
-def test_there_and_back_again(yaw):
+def test_a_footstep_survives_a_round_trip(yaw):
     footstep = footstep_from(data(4, RIGHT, yaw=yaw, x=0.3))
     again = footstep_from(step_data_from(footstep))
     np.testing.assert_array_equal(again.p_WF, footstep.p_WF)
@@ -93,7 +93,7 @@ def test_merge_sorts_and_leaves_out_empty_places():
     assert indices(merge((), sent, first_open=1)) == [1, 2]
 
 
-def test_later_news_replaces_what_has_not_begun():
+def test_a_message_replaces_steps_that_have_not_begun():
     pending = (step(3, x=0.3), step(4, x=0.4))
     merged = merge(pending, [data(4, x=9.0), data(5, x=0.5)], first_open=3)
     assert indices(merged) == [3, 4, 5]
@@ -129,7 +129,7 @@ def test_a_tilted_step_goes_to_a_message_and_back():
     assert again.yaw == pytest.approx(0.8)
 
 
-def test_a_step_sent_again_is_no_new_one_unless_it_says_something_else():
+def test_replaced_steps_are_those_with_another_content():
     before = merge((), [data(1), data(2)], 1)
     assert replaced(before, merge(before, [data(1), data(2)], 1)) == set()
     assert replaced(before, merge(before, [data(2, x=0.1), data(3)], 1)) == {2, 3}

@@ -6,20 +6,15 @@ import itertools
 import numpy as np
 import pytest
 
-from atlas_drake.behaviors.balance import Balance
-from atlas_drake.behaviors.body_reference import BodyRates
 from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.entry import (
-    BehaviorTools,
     Transition,
     legal_transitions,
     refusal,
 )
 from atlas_drake.behaviors.entry_limits import EntryLimits
-from atlas_drake.behaviors.freeze import Freeze
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.behaviors.supervisor import Supervisor
-from atlas_drake.control.gains import ControlGains
 from atlas_drake.errors import ErrorCode
 from atlas_drake.messages import (
     AtlasSimInterfaceCommand,
@@ -29,7 +24,6 @@ from atlas_drake.messages import (
 )
 from atlas_drake.messages.behavior_catalog import SHIPPED
 from atlas_drake.messages.commands import BehaviorRequest
-from atlas_drake.planning.footholds import Gait
 
 NONE, FREEZE, STAND_PREP, STAND, WALK, STEP, MANIPULATE, USER = Behavior
 
@@ -108,7 +102,7 @@ def assert_refused(robot, source, target, flags, code):
     assert target.name in text
 
 
-def test_the_table_is_what_is_promised():
+def test_the_legal_transitions_are_the_documented_ones():
     names = {s.name: frozenset(t.name for t in targets) for s, targets in LEGAL.items()}
     assert legal_transitions(SHIPPED_ENTRIES) == names
 
@@ -195,8 +189,8 @@ def test_stand_takes_over_only_a_robot_that_it_can_hold(
     assert robot.status.error_code is ErrorCode.NO_ERRORS
 
 
-def test_the_dcm_is_that_of_a_pendulum_between_both_soles(model, observe):
-    seen, balance = observe(speed=0.3), Balance(model.robot, ControlGains())
+def test_the_dcm_is_that_of_a_pendulum_between_both_soles(make_tools, observe):
+    seen, balance = observe(speed=0.3), make_tools(0.9).balance
     left, right = seen.terms.feet
     higher = right._replace(p_WF=right.p_WF + np.array([0.0, 0.0, 0.3]))
     terms = dataclasses.replace(seen.terms, feet=(left, higher))
@@ -211,9 +205,7 @@ def test_the_dcm_is_that_of_a_pendulum_between_both_soles(model, observe):
         (inside + 1e-4, BehaviorStatus.FAILED_TRANS_COM_VEL),
     ):
         limits = EntryLimits(com_inside=inside, dcm_inside=margin, joint_speed=10.0)
-        tools = BehaviorTools(
-            model, balance, height, BodyRates(), limits, Freeze(balance), Gait()
-        )
+        tools = dataclasses.replace(make_tools(height), entry_limits=limits)
         stand, freeze = (
             next(entry for entry in SHIPPED_ENTRIES if entry.behavior is behavior)
             for behavior in (STAND, FREEZE)
@@ -222,7 +214,7 @@ def test_the_dcm_is_that_of_a_pendulum_between_both_soles(model, observe):
         assert refusal(stand, asked) == (answer, "")
 
 
-def test_joints_that_stay_with_the_user_may_move_as_they_like(make, observe):
+def test_stand_ignores_the_speed_of_joints_under_user_control(make, observe):
     robot = make(USER)
     robot.ask(STAND)
     robot.tick(observe(joints={WRIST: 8.0}, users={WRIST: 1.0}))
@@ -238,7 +230,7 @@ def test_only_stand_has_conditions(make, observe, target):
 
 
 @pytest.mark.parametrize("source", [WALK, MANIPULATE])
-def test_some_take_their_time_to_stand(make, observe, source):
+def test_walk_and_manipulate_end_in_order_before_stand(make, observe, source):
     robot = make(source)
     robot.ask(STAND)
     robot.tick(observe())
@@ -252,7 +244,7 @@ def test_some_take_their_time_to_stand(make, observe, source):
     assert robot.status.desired_behavior is source
 
 
-def test_one_request_is_acted_upon_once(make, observe):
+def test_a_request_is_handled_once(make, observe):
     robot = make(STAND)
     robot.ask(FREEZE)
     for _ in range(5):
@@ -279,7 +271,7 @@ def test_freeze_stands_before_any_force_was_measured(make, observe):
 
 
 @pytest.mark.parametrize("behavior", LEGAL, ids=lambda behavior: behavior.name)
-def test_a_fall_is_noticed_once_and_ends_all_effort(make, observe, behavior):
+def test_a_fall_is_reported_once_and_ends_all_effort(make, observe, behavior):
     robot = make(behavior)
     assert not robot.state.falling
     for _ in range(3):
@@ -299,7 +291,7 @@ def test_a_fall_is_noticed_once_and_ends_all_effort(make, observe, behavior):
 
 
 @pytest.mark.parametrize("behavior", [USER, FREEZE], ids=lambda b: b.name)
-def test_a_robot_that_lies_stays_a_fallen_one_whoever_has_it(make, observe, behavior):
+def test_a_lying_robot_stays_flagged_in_user_and_freeze(make, observe, behavior):
     robot = make(STAND)
     lying = observe(pitch=1.5)
     robot.tick(lying)
@@ -316,7 +308,7 @@ def test_a_robot_that_lies_stays_a_fallen_one_whoever_has_it(make, observe, beha
     "target", [STAND, STAND_PREP, WALK, STEP, MANIPULATE], ids=lambda b: b.name
 )
 @pytest.mark.parametrize("source", LEGAL, ids=lambda b: b.name)
-def test_no_behavior_takes_a_robot_that_lies(make, observe, source, target):
+def test_behaviors_on_feet_refuse_a_lying_robot(make, observe, source, target):
     robot = make(source)
     lying = observe(pitch=1.5)
     robot.tick(lying)
@@ -330,9 +322,7 @@ def test_no_behavior_takes_a_robot_that_lies(make, observe, source, target):
     assert len(robot.texts("refusal")) == 1
 
 
-def test_a_robot_put_back_on_its_feet_is_given_to_the_same_behavior_again(
-    make, observe
-):
+def test_the_same_behavior_can_begin_again_after_a_fall(make, observe):
     robot = make(STAND_PREP)
     robot.tick(observe(pitch=1.0))
     robot.ask(STAND_PREP)
@@ -343,7 +333,7 @@ def test_a_robot_put_back_on_its_feet_is_given_to_the_same_behavior_again(
     assert robot.command is not None
 
 
-def test_a_limp_robot_has_to_stand_before_it_walks(make, observe):
+def test_in_damping_mode_stand_comes_before_walk(make, observe):
     robot = make(STAND)
     robot.tick(observe(pitch=1.0))
     robot.ask(WALK)
@@ -352,7 +342,7 @@ def test_a_limp_robot_has_to_stand_before_it_walks(make, observe):
     assert_refused(robot, STAND, WALK, status, code=ErrorCode.FAILED_TO_START_BEHAVIOR)
 
 
-def test_a_fall_says_what_gave_it_away(make, observe, model):
+def test_a_fall_event_names_its_sign(make, observe, model):
     robot = make(STAND)
     robot.tick(observe(pitch=1.0))
     assert "pelvis tilted by 1.00 rad" in robot.texts("fall")[0]

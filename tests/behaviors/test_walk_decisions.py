@@ -5,17 +5,17 @@ import math
 import numpy as np
 import pytest
 
-from atlas_drake.behaviors.balance import Balance
-from atlas_drake.behaviors.body_reference import BodyRates, capture_body
+from atlas_drake import AtlasSimInterfaceCommand
+from atlas_drake.behaviors.body_reference import capture_body
 from atlas_drake.behaviors.phases import TIME_STEP
 from atlas_drake.behaviors.stance import StanceConfig
 from atlas_drake.behaviors.walk.both_feet import steps_left_out
+from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.behaviors.walk.phases import Transfer, WalkSettle, WalkShift, WalkSwing
 from atlas_drake.behaviors.walk.rules import WalkRules
 from atlas_drake.behaviors.walk.walk import Walk
 from atlas_drake.control.balance.feedback import StepAdjustmentLimits
 from atlas_drake.control.feet.footstep import LEFT, RIGHT, FootPose, outward
-from atlas_drake.control.gains import ControlGains
 from atlas_drake.frozen import replace
 
 from .as_request import as_request
@@ -36,11 +36,10 @@ RULES = WalkRules(
 
 
 @pytest.fixture(scope="module")
-def walk(robot, observe):
+def walk(make_tools, observe):
     terms = observe().terms
-    balance = Balance(robot, ControlGains())
     height = float(terms.com[2] - terms.feet[0].p_WF[2]) - StanceConfig().com_drop
-    return Walk(balance, height, BodyRates())
+    return Walk(make_tools(height), WalkConfig())
 
 
 def raised(pose, height):
@@ -48,7 +47,7 @@ def raised(pose, height):
 
 
 @pytest.mark.parametrize("height", [0.0, 0.15], ids=["as planned", "lower"])
-def test_feet_that_lie_elsewhere_at_lift_off_may_end_the_walk(
+def test_a_step_too_high_from_the_feet_at_lift_off_ends_the_walk(
     walk, observe, walk_message, height
 ):
     seen, request = observe(), as_request(walk_message((1, 0, 0.2, 0.14)))
@@ -101,7 +100,7 @@ def shifting(walk, seen, request, elapsed):
         (0.0, False, RULES.straight_flexion - 0.01, True),
     ],
 )
-def test_a_foot_lifts_off_when_the_dcm_is_ready_or_waiting_is_in_vain(
+def test_lift_off_waits_for_the_dcm_but_not_with_a_straight_leg(
     walk, observe, robot, walk_message, foot, late, ready, flexion, lifts
 ):
     request = as_request(walk_message((1, foot, 0.2, 0.14 * outward(foot))))
@@ -166,7 +165,7 @@ def swinging(walk, observe, walk_message):
 @pytest.mark.parametrize("foot", [LEFT, RIGHT])
 @pytest.mark.parametrize("left", [0.45, 0.3, 0.1])
 @pytest.mark.parametrize("axis", [0, 1])
-def test_a_moved_step_leaves_the_ankles_what_they_can_hold_until_touchdown(
+def test_a_moved_step_leaves_the_error_that_the_ankles_can_hold(
     walk, observe, swinging, foot, left, axis
 ):
     phase = swinging(foot, 0.0)
@@ -340,3 +339,25 @@ def test_steps_that_come_while_the_robot_settles_are_taken(walk, observe, swingi
     done = replace(settle, progress=replace(settle.progress, pending=()))
     for phase in (blocked, done):
         assert walk._control(phase).advance(phase, seen, False) == (phase, ())
+
+
+@pytest.mark.parametrize("foot", [LEFT, RIGHT])
+def test_a_request_to_stand_drops_the_steps_that_have_not_begun(
+    walk, observe, swinging, foot
+):
+    swing, seen = swinging(foot, 0.1), observe()
+    quiet = as_request(AtlasSimInterfaceCommand(behavior="STAND"))
+
+    def leave(phase):
+        body = capture_body(seen.terms)
+        outcome = walk.update(phase, seen, body, quiet, leaving=True)
+        assert outcome.state.progress.pending == ()
+        assert not outcome.finished
+        return outcome.state
+
+    # A foot in the air lands first; with both feet down the robot settles.
+    assert isinstance(leave(swing), WalkSwing)
+    landed = walk._planner.land(swing.progress, swing.planned.cop, 0.0)
+    begun = walk._planner.shift(swing.progress, swing.planned.dcm, swing.planned.cop)
+    for phase in (landed, begun):
+        assert isinstance(leave(phase), WalkSettle)

@@ -160,12 +160,6 @@ def test_a_step_up_that_is_out_of_reach_is_an_obstacle():
     assert "another level and is out of reach" in step_preview.obstacle
 
 
-def test_a_height_that_is_not_meant_is_none():
-    step_preview = preview_of([step(1, 0.6, z=GROUND + 0.9)])
-    assert step_preview.obstacle == ""
-    assert step_preview.steps[0].p_WF[2] == pytest.approx(GROUND)
-
-
 def test_the_same_foot_again_is_an_obstacle():
     step_preview = preview_of([step(1, 0.2), step(2, 0.4, foot=LEFT), step(3, 0.4)])
     assert len(step_preview.steps) == 1

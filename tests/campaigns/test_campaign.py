@@ -19,7 +19,7 @@ from atlas_drake.campaigns.plan import (
 )
 
 
-def test_a_file_says_what_varies_and_how_far(campaign_file):
+def test_trials_draw_their_values_from_the_files_distributions(campaign_file):
     path = campaign_file(
         "vary:\n"
         "  jitter.joints: {normal: [0.01, 1e-3]}\n"
@@ -149,9 +149,7 @@ def test_a_scenario_is_a_file_or_its_fields(tmp_path):
         ("duration: {normal: [5, 1]}", "`vary`: `duration: "),
     ],
 )
-def test_what_stands_in_the_wrong_place_is_sent_to_the_right_one(
-    text, complaint, tmp_path
-):
+def test_a_misplaced_field_is_refused_with_its_place(text, complaint, tmp_path):
     path = tmp_path / "campaign.yaml"
     path.write_text(text)
     with pytest.raises(ScenarioError, match=complaint):
@@ -168,7 +166,7 @@ def test_conditions_hold_or_not():
     ]
 
 
-def test_what_is_set_does_not_vary(campaign_file):
+def test_a_setting_replaces_distribution_and_cases(campaign_file):
     path = campaign_file("cases: {model: [atlas, atlas_v3], parameters.side: [1, 2]}")
     settings = ["pushes[0].impulse=7", "parameters.side=left"]
     campaign = load_campaign(path, settings, {"model": "atlas_v3"})

@@ -18,7 +18,7 @@ from atlas_drake.campaigns.threshold import Search, level_of
 from .conftest import record
 
 
-def test_intervals_of_shares_are_the_books():
+def test_share_intervals_match_published_values():
     # R. G. Newcombe, Statistics in Medicine 17 (1998), table I, method 3.
     assert share_interval(81, 263) == pytest.approx((0.2553, 0.3662), abs=1e-4)
     assert share_interval(15, 148) == pytest.approx((0.0624, 0.1605), abs=1e-4)
@@ -105,7 +105,7 @@ def test_a_threshold_is_found_from_either_side(search, bears, borne, too_much):
     assert found[1].case == {"parameters.weak": True}
 
 
-def test_a_search_says_what_it_knows_so_far():
+def test_an_unfinished_search_asks_for_the_missing_trials():
     threshold = Threshold("jitter.mass", 0.0, 0.4, 0.1, 2, 2)
     search = Search(Campaign(threshold=threshold), 0)
     assert not search.found({}).ended

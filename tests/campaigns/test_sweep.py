@@ -156,7 +156,7 @@ def test_a_campaign_is_sent_to_its_own_command(verb, campaign_file, capsys):
     assert f"use `atlas-drake sweep {file}`" in capsys.readouterr().err
 
 
-def test_a_part_without_trials_has_nothing_to_do(campaign_file, tmp_path, capsys):
+def test_a_shard_without_trials_succeeds(campaign_file, tmp_path, capsys):
     out = ["--out", str(tmp_path / "out"), "--trials", "1", "--shard", "2/2"]
     assert main(["sweep", str(campaign_file("goal: 0.5")), *out]) == 0
     assert "0 trials" in capsys.readouterr().out

@@ -65,7 +65,7 @@ def test_every_trial_is_reproducible_alone(campaign):
     assert same_result(alone) == same_result(records[2])
 
 
-def test_functions_of_ones_own_drive_and_measure(campaign):
+def test_user_functions_run_and_measure_a_trial(campaign):
     campaign = campaign(LINES, OWN)
     trial_runner = runner_of(campaign)
     trials = [trial_runner(make_trial(campaign, number)) for number in range(3)]
@@ -136,7 +136,7 @@ def test_a_shard_that_is_none_is_refused(text):
         Shard(*text)
 
 
-def test_a_folder_is_of_one_campaign(campaign, campaign_file, tmp_path):
+def test_a_folder_holds_one_campaign(campaign, campaign_file, tmp_path):
     first = campaign("", "NUMBER = 1\n")
     sources = Sources(tuple(first.code))
     folder = CampaignFolder(tmp_path / "out")

@@ -112,24 +112,6 @@ def random_command(random):
     return JointCommand(**{name: random.uniform(0.5, 2.0, 10) for name in fields})
 
 
-def test_without_damping_the_law_holds_in_any_motion(random, random_command):
-    zero = np.zeros(10)
-    undamped = dataclasses.replace(random_command, kd_position=zero, kp_velocity=zero)
-    q, v, drift, others, integral = random.normal(size=(5, 10))
-    model = model_of(undamped, 0.01, 0.001)
-    effort = effort_of(undamped, integral, q, v, drift, model, others)
-    np.testing.assert_allclose(effort, written_law(undamped, integral, q, v))
-
-
-def test_the_law_holds_for_small_damping(random, random_command):
-    q, v, integral = random.normal(size=(3, 10))
-    model = model_of(random_command, 1e9, 0.001)
-    effort = effort_of(random_command, integral, q, v, np.zeros(10), model)
-    np.testing.assert_allclose(
-        effort, written_law(random_command, integral, q, v), rtol=1e-6
-    )
-
-
 @pytest.mark.parametrize("velocity", [0.0, 0.7, -3.0])
 @pytest.mark.parametrize("share", [0.3, 1.0])
 def test_at_steady_velocity_the_effort_settles_at_the_law(
@@ -203,30 +185,6 @@ def test_motors_at_their_limit_leave_the_others_to_their_law(seed, scale):
         np.clip(share * effort + others, -limit, limit), total, atol=1e-9
     )
     assert (np.abs(total) == limit).any() or scale < 1.0
-
-
-def test_the_limit_is_that_of_the_blend():
-    # A share of a large effort counts in full until the sum is at the limit.
-    share, limit = np.array([0.2]), np.array([100.0])
-    model = step_model(np.zeros(1), np.zeros(1), share, np.eye(1), 0.001)
-    for static, expected in ((-342.0, -43.04), (342.0, 93.76), (1e4, 100.0)):
-        others = 0.8 * np.array([31.7])
-        effort, total = user_effort(
-            np.array([static]), np.zeros(1), others, model, limit
-        )
-        assert effort[0] == pytest.approx(static)
-        assert total[0] == pytest.approx(expected)
-
-
-def test_a_damper_beyond_the_motor_gives_all_of_it():
-    # 50 N·m·s/rad at 10 rad/s on 1 kg·m²: far from rest after the step.
-    model = step_model(np.zeros(1), np.array([50.0]), np.ones(1), np.eye(1), 0.001)
-    for sign in (1.0, -1.0):
-        effort, total = user_effort(
-            np.zeros(1), np.array([-10.0 * sign]), np.zeros(1), model, np.array([60.0])
-        )
-        assert total[0] == sign * 60.0
-        assert effort[0] == pytest.approx(sign * 50.0 * (10.0 - 0.06))
 
 
 def test_the_behaviors_own_joints_are_not_the_laws_to_limit():
@@ -332,18 +290,6 @@ def test_integral_stays_within_its_clamps(errors, low, high):
         state = dataclasses.replace(state, integral=integral)
 
 
-def test_integral_does_not_wind_up_beyond_its_clamp():
-    command = command_of(ki_position=100.0, i_effort_min=-2.0, i_effort_max=2.0)
-    state, active = state_of(), np.array([True])
-    for _ in range(10_000):
-        grown = integrate(state, command, np.array([-1.0]), active, 0.001)
-        state = dataclasses.replace(state, integral=grown)
-    assert state.integral[0] == 2.0
-    # One step with the opposite error takes it off the clamp at once.
-    back = integrate(state, command, np.array([1.0]), active, 0.001)
-    assert back[0] == pytest.approx(2.0 - 100.0 * 0.001)
-
-
 def test_integral_holds_still_where_the_user_has_no_share():
     command = command_of(2, ki_position=100.0, i_effort_min=-9.0, i_effort_max=9.0)
     state = state_of(2, integral=1.5)
@@ -351,12 +297,6 @@ def test_integral_holds_still_where_the_user_has_no_share():
     after = integrate(state, command, np.full(2, -1.0), active, 0.001)
     assert after[0] == 1.5
     assert after[1] == pytest.approx(1.6)
-
-
-def test_a_gain_without_clamps_integrates_nothing():
-    command = command_of(ki_position=100.0)
-    after = integrate(state_of(), command, np.array([3.0]), np.array([True]), 0.001)
-    assert after[0] == 0.0
 
 
 def simulate(command, assumed, true, dt, duration, disturbance=0.0, share=1.0):

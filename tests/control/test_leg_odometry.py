@@ -38,6 +38,14 @@ def rest(q=UPRIGHT, bias=(0.0, 0.0, 0.0)):
     return (rotation_matrix(q).T @ [0.0, 0.0, GRAVITY] + np.array(bias)) * DT
 
 
+def stay(state, ticks, feet=FEET, load=BOTH, bias=(0.0, 0.0, 0.0)):
+    """The filter after some ticks of a robot at rest with its feet there."""
+    for _ in range(ticks):
+        state = predict(state, np.zeros(3), rest(bias=bias), DT, TUNING)
+        state = correct(state, feet - P_WI, REST, load, DT, TUNING)
+    return state
+
+
 @pytest.mark.slow
 def test_a_standing_robot_stays_and_learns_the_bias():
     random = np.random.default_rng(0)
@@ -63,10 +71,7 @@ def test_a_standing_robot_stays_and_learns_the_bias():
 
 def test_the_bias_is_known_in_the_pelvis_axes():
     q = turned(UPRIGHT, np.array([0.0, 0.0, 2.0]))
-    state = start(q=q)
-    for _ in range(1000):
-        state = predict(state, np.zeros(3), rest(bias=BIAS), DT, TUNING)
-        state = correct(state, FEET - P_WI, REST, BOTH, DT, TUNING)
+    state = stay(start(q=q), 1000, bias=BIAS)
     np.testing.assert_allclose(state.bias_P, BIAS, atol=3e-3)
 
 
@@ -101,9 +106,7 @@ def test_a_foot_is_anchored_anew_where_it_lands():
         (BOTH, FEET + swing),
         (1.0 - LEFT, FEET + swing),
     ):
-        for _ in range(50):
-            state = predict(state, np.zeros(3), rest(), DT, TUNING)
-            state = correct(state, feet - P_WI, REST, load, DT, TUNING)
+        state = stay(state, 50, feet, load)
         np.testing.assert_allclose(state.p_WI, P_WI, atol=1e-6)
         np.testing.assert_allclose(state.p_WF, feet, atol=1e-6)
     # Now it is the right foot that holds the pelvis.
@@ -127,11 +130,7 @@ def test_a_foot_that_lands_early_by_a_kick_does_not_push_the_pelvis():
 
 @pytest.mark.parametrize("speed", [0.15, 0.5])
 def test_a_foot_that_slides_does_not_take_the_pelvis_along(speed):
-    state = start()
-    for _ in range(500):
-        state = predict(state, np.zeros(3), rest(bias=BIAS), DT, TUNING)
-        state = correct(state, FEET - P_WI, REST, BOTH, DT, TUNING)
-    before = state
+    before = state = stay(start(), 500, bias=BIAS)
     # The stance foot slips by 15 mm, which the accelerometer does not feel.
     way, slide = 0.0, np.array([[0.0, speed, 0.0], [0.0, 0.0, 0.0]])
     while way < 0.015:
@@ -139,18 +138,13 @@ def test_a_foot_that_slides_does_not_take_the_pelvis_along(speed):
         feet = FEET + way / speed * slide
         state = predict(state, np.zeros(3), rest(bias=BIAS), DT, TUNING)
         state = correct(state, feet - P_WI, slide, LEFT, DT, TUNING)
-    for _ in range(300):
-        state = predict(state, np.zeros(3), rest(bias=BIAS), DT, TUNING)
-        state = correct(state, feet - P_WI, REST, LEFT, DT, TUNING)
+    state = stay(state, 300, feet, LEFT, BIAS)
     np.testing.assert_allclose(state.p_WI, before.p_WI, atol=2e-3)
     np.testing.assert_allclose(state.p_WF[0], feet[0], atol=2e-3)
 
 
 def test_a_hanging_robot_does_not_fly_away():
-    state = start()
-    for _ in range(2000):
-        state = predict(state, np.zeros(3), rest(bias=BIAS), DT, TUNING)
-        state = correct(state, FEET - P_WI, REST, NONE, DT, TUNING)
+    state = stay(start(), 2000, load=NONE, bias=BIAS)
     # The bias alone is 1.4 m in 4 s.
     assert np.linalg.norm(state.p_WI - P_WI) < 0.2
     np.testing.assert_allclose(state.v_WI, 0.0, atol=0.01)

@@ -134,7 +134,7 @@ def test_the_upper_body_leans_with_the_pelvis(model, case, standing):
     pose = HOME._replace(pitch=0.4)
     p_WP = case.reach.pelvis_position(pose, case.stance, case.upper)
     upright = case.reach.pelvis_position(HOME, case.stance, case.upper)
-    lever = case.upper.p_PU[2] * math.sin(0.4)
+    lever = case.upper[2] * math.sin(0.4)
     assert -lever < p_WP[0] - upright[0] < -0.3 * lever
 
 
@@ -160,4 +160,4 @@ def test_the_upper_body_is_what_is_left_without_the_legs(model, case, standing):
             total += mass
             moment += mass * (place @ body.CalcCenterOfMassInBodyFrame(context))
     # The legs are taken to be straight lines: only along x do bent knees show.
-    np.testing.assert_allclose(case.upper.p_PU[1:], (moment / total)[1:], atol=2e-3)
+    np.testing.assert_allclose(case.upper[1:], (moment / total)[1:], atol=2e-3)

@@ -25,19 +25,6 @@ DT, STEP = 0.006, 0.002
 """Control tick, and step of the user's law [s]."""
 
 
-def test_total_effort_is_within_the_bounds_whatever_the_behavior_does():
-    bounds = effort_bounds(SHARE, FORECAST, LIMIT)
-    for behavior in np.linspace(-1.0, 1.0, 5):
-        total = SHARE * FORECAST.effort + (1.0 - SHARE) * behavior * LIMIT
-        assert (total >= bounds.lower - 1e-12).all()
-        assert (total <= bounds.upper + 1e-12).all()
-    # And the bounds are reached.
-    np.testing.assert_allclose(
-        bounds.upper, SHARE * FORECAST.effort + (1.0 - SHARE) * LIMIT
-    )
-    np.testing.assert_allclose(bounds.added_inertia, SHARE * FORECAST.inertia)
-
-
 def test_only_joints_that_the_user_has_alone_are_held():
     bounds = effort_bounds(SHARE, FORECAST, LIMIT)
     np.testing.assert_array_equal(bounds.user_held, [False, False, False, True])

@@ -54,6 +54,39 @@ def bow(example):
     return example["BOW"]
 
 
+@pytest.fixture(scope="module")
+def adaptable(bow):
+    """A simulation with BOW, and a dict of what BOW does otherwise."""
+    changes = {}
+
+    class Adaptable(Idle):
+        def update(self, *arguments, **keywords):
+            outcome = super().update(*arguments, **keywords)
+            return changes["update"](outcome) if "update" in changes else outcome
+
+    def condition(asked):
+        return changes.get("condition", "")
+
+    entry = replace(
+        bow, make=lambda _tools, _config: Adaptable(), conditions=(condition,)
+    )
+    return AtlasSimulation(behaviors=[entry]), changes
+
+
+@pytest.fixture
+def changed(adaptable):
+    """A new run of it, in which BOW does nothing unusual yet."""
+    sim, changes = adaptable
+    changes.clear()
+    sim.reset(seed=0)
+    return sim, changes
+
+
+@pytest.fixture
+def sim(changed):
+    return changed[0]
+
+
 def asked(behavior, params=None):
     command = AtlasSimInterfaceCommand(behavior=behavior)
     command.params = params
@@ -101,8 +134,7 @@ def test_it_is_asked_for_by_name_runs_and_ends(example, bow, tmp_path):
         ({"depth": float("nan")}, r"params\.depth"),
     ],
 )
-def test_its_own_check_refuses(example, bow, params, words):
-    sim = AtlasSimulation(behaviors=[bow])
+def test_its_own_check_refuses(example, sim, params, words):
     with pytest.raises(InvalidMessageError, match=words):
         sim.publish(asked("BOW", example["BowParams"](**params)))
     sim.advance(0.02)
@@ -112,8 +144,7 @@ def test_its_own_check_refuses(example, bow, params, words):
     assert sim.current_behavior.name == "BOW"
 
 
-def test_parameters_of_another_kind_are_refused(bow):
-    sim = AtlasSimulation(behaviors=[bow])
+def test_parameters_of_another_kind_are_refused(bow, sim):
     with pytest.raises(InvalidMessageError, match="BowParams"):
         sim.publish(asked("BOW", {"depth": 0.1}))
     with pytest.raises(InvalidMessageError, match="WALK reads walk_params"):
@@ -132,8 +163,7 @@ def test_a_check_that_fails_itself_is_a_refusal(bow):
     sim.advance(0.02)
 
 
-def test_parameters_are_copied_when_they_are_sent(example, bow):
-    sim = AtlasSimulation(behaviors=[bow])
+def test_parameters_are_copied_when_they_are_sent(example, sim):
     params = example["BowParams"](depth=0.1)
     sim.publish(asked("BOW", params))
     params.depth = 5.0
@@ -185,9 +215,9 @@ def test_parameters_are_copied_at_every_depth(bow):
     assert len(sim.output("commands").messages) == 2
 
 
-def test_it_begins_only_where_its_conditions_are_met(bow):
-    picky = replace(bow, conditions=(lambda asked: "the audience is missing",))
-    sim = AtlasSimulation(behaviors=[picky])
+def test_it_begins_only_where_its_conditions_are_met(changed):
+    sim, changes = changed
+    changes["condition"] = "the audience is missing"
     sim.publish(asked("BOW"))
     sim.advance(0.02)
     assert sim.current_behavior is Behavior.STAND
@@ -196,8 +226,7 @@ def test_it_begins_only_where_its_conditions_are_met(bow):
     assert "the audience is missing" in sim.events[-1].text
 
 
-def test_it_may_follow_only_what_its_entry_says(bow):
-    sim = AtlasSimulation(behaviors=[bow])
+def test_it_may_follow_only_what_its_entry_says(sim):
     sim.publish(asked("MANIPULATE"))
     sim.advance(0.02)
     sim.publish(asked("BOW"))
@@ -255,16 +284,14 @@ def test_a_task_that_nothing_can_solve_is_told_of(bow):
     assert sim.summary()["unsolved_ticks"] > 30
 
 
-def test_nothing_begins_with_it(bow):
-    sim = AtlasSimulation(behaviors=[bow])
+def test_nothing_begins_with_it(sim):
     with pytest.raises(InvalidMessageError, match="'BOW'; must be one of STAND"):
         sim.reset("BOW")
 
 
-def test_without_registration_it_is_unknown(bow):
+def test_without_registration_it_is_unknown(sim):
     with pytest.raises(InvalidMessageError, match="no behavior 'BOW'"):
         AtlasSimulation().publish(asked("BOW"))
-    sim = AtlasSimulation(behaviors=[bow])
     with pytest.raises(InvalidMessageError, match=r"Did you mean 'BOW'.*BOW \(100\)"):
         sim.publish(asked("BOWW"))
 
@@ -363,29 +390,24 @@ def test_behaviors_that_are_none_are_refused(behaviors):
 
 
 @pytest.mark.parametrize("answer", [None, True, 0])
-def test_a_condition_that_gives_no_reason_is_told(bow, answer):
-    silent = replace(bow, conditions=(lambda asked: answer,))
-    sim = AtlasSimulation(behaviors=[silent])
+def test_a_condition_that_gives_no_reason_is_told(changed, answer):
+    sim, changes = changed
+    changes["condition"] = answer
     sim.publish(asked("BOW"))
     with pytest.raises(BehaviorError, match="a condition of BOW must return"):
         sim.advance(0.02)
 
 
-def test_an_update_without_outcome_is_told(bow):
-    class Mute(Idle):
-        def update(self, *arguments, **keywords):
-            return None
-
-    sim = AtlasSimulation(
-        Scenario(), behaviors=[replace(bow, make=lambda _tools, _config: Mute())]
-    )
+def test_an_update_without_outcome_is_told(changed):
+    sim, changes = changed
+    changes["update"] = lambda _outcome: None
     sim.publish(asked("BOW"))
     with pytest.raises(BehaviorError, match="update of BOW must return an Outcome"):
         sim.advance(0.02)
 
 
 @pytest.mark.parametrize(
-    ("changes", "words"),
+    ("fields", "words"),
     [
         ({"events": ("oh",)}, "events in the Outcome of BOW must be Event values"),
         ({"events": None}, "events in the Outcome of BOW must be tuple or list, is N"),
@@ -394,26 +416,21 @@ def test_an_update_without_outcome_is_told(bow):
         ({"status_flags": "x"}, "status_flags in the Outcome of BOW must be int"),
     ],
 )
-def test_an_outcome_with_a_field_that_cannot_be_used_is_told(bow, changes, words):
-    class Wrong(Idle):
-        def update(self, *arguments, **keywords):
-            return replace(super().update(*arguments, **keywords), **changes)
-
-    sim = AtlasSimulation(
-        Scenario(), behaviors=[replace(bow, make=lambda _tools, _config: Wrong())]
-    )
+def test_an_outcome_with_a_field_that_cannot_be_used_is_told(changed, fields, words):
+    sim, changes = changed
+    changes["update"] = lambda outcome: replace(outcome, **fields)
     sim.publish(asked("BOW"))
     with pytest.raises(BehaviorError, match=words):
         sim.advance(0.02)
 
 
 def test_a_plan_of_another_type_is_refused(bow):
-    class Planless(Extended):
-        def plan(self, state, com, omega):
-            return None
+    def make(tools, _config):
+        stand = tools.stand()
+        stand.plan = lambda state, com, omega: None
+        return stand
 
-    make = replace(bow, make=lambda tools, _config: Planless(tools.stand()))
-    sim = AtlasSimulation(behaviors=[make])
+    sim = AtlasSimulation(behaviors=[replace(bow, make=make)])
     sim.publish(asked("BOW"))
     with pytest.raises(BehaviorError, match="plan of BOW must return Plan, returned"):
         sim.advance(0.02)

@@ -29,7 +29,7 @@ from atlas_drake.messages.controller_status import (
 )
 from atlas_drake.messages.event import Event
 from atlas_drake.scenario.scenario import with_settings
-from atlas_drake.simulation.atlas_simulation import SimulationError
+from atlas_drake.simulation import SimulationError
 from atlas_drake.systems.whole_body_controller import WholeBodyController
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "extending" / "own_controller.py"
@@ -224,7 +224,7 @@ def test_planned_paths_of_another_type_are_refused():
 
 
 def told(robot, status):
-    """A controller without effort whose status is what a callable gives."""
+    """Makes a controller without effort whose status is what a callable gives."""
     system = sized(robot.num_joints)
     system.DeclareAbstractOutputPort(
         "controller_status",
@@ -232,6 +232,25 @@ def told(robot, status):
         lambda _context, out: out.set_value(status()),
     )
     return system
+
+
+@pytest.fixture(scope="module")
+def shared():
+    given = {"status": ControllerStatus}
+
+    def status():
+        return given["status"]()
+
+    return AtlasSimulation(controller=lambda robot, _: told(robot, status)), given
+
+
+@pytest.fixture
+def foreign(shared):
+    """A new run of a foreign controller, and a dict with what makes its status."""
+    sim, given = shared
+    given["status"] = ControllerStatus
+    sim.reset(seed=0)
+    return sim, given
 
 
 @pytest.mark.parametrize(
@@ -277,8 +296,9 @@ def told(robot, status):
         ),
     ],
 )
-def test_an_invalid_status_raises_an_error_that_names_the_field(status, words):
-    sim = AtlasSimulation(controller=lambda robot, _: told(robot, status))
+def test_an_invalid_status_raises_an_error_that_names_the_field(foreign, status, words):
+    sim, given = foreign
+    given["status"] = status
     with pytest.raises((TypeError, ValueError), match=words):
         sim.advance(0.01)
 
@@ -296,10 +316,11 @@ def test_one_fault_is_one_error_with_a_log_too(tmp_path, status):
         controller=lambda robot, _: told(robot, status),
         log=tmp_path / "run.npz",
     )
+    (sink,) = sim.sinks
     with pytest.raises((TypeError, ValueError)) as caught, sim:
         sim.advance(0.01)
     assert caught.value.__context__ is None
-    assert not sim._finalizer.alive
+    assert not sink._complete.alive
 
 
 class Counting(LeafSystem):

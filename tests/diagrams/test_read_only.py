@@ -58,16 +58,16 @@ def listening(behavior):
     class Own(Extended):
         def __init__(self, tools, config):
             look("tools", tools.robot, tools.balance)
-            super().__init__(shipped_entry(behavior).make(tools, config))
+            super().__init__(shipped_entry(behavior).make(tools, config), None)
 
         def enter(self, observation, body, request):
             look("enter", observation, body, request)
-            return super().enter(observation, body, request)
+            return self._behavior.enter(observation, body, request)
 
         def update(self, state, observation, body, request, leaving):
             _ = observation.user_held, observation.terms.frame("l_hand")
             look("update", state, observation, body, request)
-            outcome = super().update(state, observation, body, request, leaving)
+            outcome = self._behavior.update(state, observation, body, request, leaving)
             # Its targets are new in each tick; the weights are constants of all.
             command = outcome.command
             tasks = (command.posture, *command.tasks)
@@ -76,7 +76,7 @@ def listening(behavior):
 
         def plan(self, state, com, omega):
             look("plan", state, com)
-            return super().plan(state, com, omega)
+            return self._behavior.plan(state, com, omega)
 
     def condition(asked):
         look("condition", asked.observation, asked.command)
@@ -163,13 +163,14 @@ class InPlace(Extended):
 
     def update(self, state, observation, body, request, leaving):
         body.joints[3] += 0.002
-        return super().update(state, observation, body, request, leaving)
+        return self._behavior.update(state, observation, body, request, leaving)
 
 
 def test_a_behavior_that_writes_into_what_it_was_given_is_stopped():
-    entry = BehaviorEntry(
-        name="MINE", number=100, make=lambda tools, _config: InPlace(tools.stand())
-    )
+    def make(tools, _config):
+        return InPlace(tools.stand(), None)
+
+    entry = BehaviorEntry(name="MINE", number=100, make=make)
     sim = AtlasSimulation(behaviors=[entry])
     sim.publish(AtlasSimInterfaceCommand(behavior="MINE"))
     with pytest.raises(ValueError, match="read-only"):

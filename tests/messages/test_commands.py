@@ -339,7 +339,7 @@ def test_a_request_that_is_sent_again_has_another_number(robot, start):
     assert (first.number, again.number) == (1, 3)
 
 
-def test_a_message_that_is_handed_over_is_new_whatever_it_says(robot, start):
+def test_a_message_passed_directly_is_always_new(robot, start):
     message = AtlasSimInterfaceCommand(behavior=Behavior.WALK)
     force = latch(start, NOTHING, message, robot, 1.0)
     force = receive(force, message, robot, 1.0)
@@ -445,7 +445,7 @@ def test_two_streamed_faults_that_change_are_logged_once_each(robot, start, capl
 
 
 @pytest.mark.parametrize("thing", ["stand", 4, [1, 2]])
-def test_what_is_no_message_is_refused(robot, start, thing):
+def test_a_port_value_that_is_no_message_is_refused(robot, start, thing):
     for arguments in ((thing, NOTHING), (NOTHING, thing)):
         after = latch(start, *arguments, robot, 1.0)
         assert_only_the_error_is_new(after, start)

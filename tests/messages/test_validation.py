@@ -109,7 +109,7 @@ def test_a_bad_element_is_named_with_its_index_and_joint(kind, name):
 
 
 @pytest.mark.parametrize(("kind", "name"), ARRAYS)
-def test_what_is_no_list_of_numbers_is_refused(kind, name):
+def test_values_that_are_no_list_of_numbers_are_refused(kind, name):
     masked = np.ma.array([0.0] * 3, mask=[True, False, False])
     for values in (None, 1.0, "abc", {0: 1.0}, np.ones((3, 1)), np.array(1.0), masked):
         assert refusal(kind(**{name: values})).field == name

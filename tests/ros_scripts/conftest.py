@@ -2,6 +2,7 @@
 
 import math
 import sys
+import threading
 import time
 from collections import namedtuple
 
@@ -36,10 +37,14 @@ def run(sim, tmp_path, capsys):
         path.write_text(text)
         said, complained = [], []
         program = Program(path, arguments)
+        threads = set(threading.enumerate())
         before = dict(sys.modules), sys.argv, list(sys.path), time.time
         problem = program.run(on, ended, end, said.append, complained.append)
         assert (sys.argv, sys.path, time.time) == before[1:]
         assert "rospy" not in sys.modules
+        for thread in set(threading.enumerate()) - threads:
+            threading.Thread.join(thread, 1.0)  # In real time.
+        assert set(threading.enumerate()) <= threads
         assert sys.modules["__main__"] is before[0]["__main__"]
         return Ran(
             problem,

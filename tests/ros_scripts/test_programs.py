@@ -43,7 +43,7 @@ from std_msgs.msg import String
         ("rospy.init_node('test')", 0.004),
     ],
 )
-def test_what_waits_lets_simulated_time_pass(run, text, seconds):
+def test_waiting_calls_advance_simulated_time(run, text, seconds):
     ran = run(HEAD + text)
     assert ran.problem is None, ran.complained
     assert ran.sim.time == pytest.approx(seconds, abs=0.005)
@@ -405,7 +405,7 @@ def test_without_a_harness_the_mode_says_so_and_goes_on(run):
     assert "start.harnessed=true" in ran.said[0]
 
 
-def test_a_command_that_moves_nothing_is_told_once(run):
+def test_a_command_without_effect_is_noted_once(run):
     text = "p = rospy.Publisher('atlas/atlas_command', AtlasCommand)\n" + (
         "p.publish(AtlasCommand(position=[0.0] * 28))\n" * 2
     )
@@ -414,7 +414,7 @@ def test_a_command_that_moves_nothing_is_told_once(run):
     assert "initial_behavior=USER" in ran.said[0]
 
 
-def test_what_the_robot_refuses_is_an_event_and_the_program_goes_on(run):
+def test_a_refused_message_is_an_event_and_the_program_continues(run):
     ran = run(
         HEAD
         + """
@@ -473,7 +473,7 @@ print("on")
         ),
     ],
 )
-def test_what_is_not_known_is_named(run, text, words):
+def test_an_unknown_name_raises_with_the_known_names(run, text, words):
     ran = run(HEAD + text + "\n")
     assert ran.at_fault
     for word in words:
@@ -506,7 +506,7 @@ def test_a_message_of_another_type_is_a_type_error(run):
         ("[][0]", "program.py: IndexError: list index out of range"),
     ],
 )
-def test_how_it_ends_is_told(run, text, problem):
+def test_the_end_of_a_program_is_reported(run, text, problem):
     ran = run(HEAD + text)
     assert ran.problem == problem
     assert not ran.at_fault

@@ -61,7 +61,7 @@ LEAKED = [
 ]
 
 
-def test_words_mean_what_they_meant(run):
+def test_operators_and_builtins_have_their_python_2_meaning(run):
     ran = run(OLD)
     assert ran.problem is None, ran.complained
     assert ran.printed == MEANT
@@ -81,7 +81,7 @@ def test_variables_of_list_comprehensions_keep_their_last_values(run):
         ("__metaclass__ = type", "program.py:3: .*__metaclass__"),
     ],
 )
-def test_what_a_class_can_no_longer_say_is_refused(tmp_path, content, where):
+def test_class_attributes_without_effect_are_refused(tmp_path, content, where):
     path = tmp_path / "program.py"
     path.write_text(f"class Old:\n  x = 1\n  {content}\n")
     with pytest.raises(ScriptError, match=where):
@@ -91,14 +91,14 @@ def test_what_a_class_can_no_longer_say_is_refused(tmp_path, content, where):
     Program(path)
 
 
-def test_a_program_that_names_python3_is_taken_at_its_word(run):
+def test_a_program_that_names_python3_runs_as_python_3(run):
     text = "#!/usr/bin/env python3\nprint(1 / 2, round(2.5), range(2))\n"
     assert run(text).printed == ["0.5 2 range(0, 2)"]
     text = "from __future__ import division\nprint(1 / 2)\n"
     assert run(text).printed == ["0.5"]
 
 
-def test_yaml_could_do_without_a_loader(run):
+def test_yaml_load_needs_no_loader(run):
     pytest.importorskip("yaml")
     assert run("import yaml\nprint(yaml.load('[1, 2]'))\n").printed == ["[1, 2]"]
 
@@ -132,7 +132,7 @@ def test_packages_from_elsewhere_keep_their_world(run, tmp_path, monkeypatch):
         ("x = 1\nprint 'a'\nif x\n  pass\n", ":2: .*Python 2, .* invalid at line 3"),
     ],
 )
-def test_what_is_no_python_is_refused_with_its_line(tmp_path, text, where):
+def test_invalid_python_is_refused_with_its_line(tmp_path, text, where):
     path = tmp_path / "wrong.py"
     path.write_text(text)
     with pytest.raises(ScriptError, match=f"wrong.py{where}"):

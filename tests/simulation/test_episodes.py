@@ -34,6 +34,17 @@ def jittered(seed, **fields):
     )
 
 
+@pytest.fixture(scope="module")
+def shared():
+    return AtlasSimulation(jittered(1))
+
+
+@pytest.fixture
+def sim(shared):
+    shared.reset(seed=1)
+    return shared
+
+
 def disturb(sim):
     """A run with everything that a run remembers."""
     walk = AtlasSimInterfaceCommand(behavior=AtlasSimInterfaceCommand.MANIPULATE)
@@ -100,9 +111,7 @@ def test_a_run_with_another_seed_is_that_of_a_new_simulation(fields):
     same(record(sim), first)
 
 
-def test_friction_and_masses_are_drawn_anew():
-    sim = AtlasSimulation(jittered(1))
-
+def test_friction_and_masses_are_drawn_anew(sim):
     def drawn():
         context = sim.plant.GetMyContextFromRoot(sim.context)
         query = sim.plant.get_geometry_query_input_port().Eval(context)
@@ -123,7 +132,7 @@ def test_friction_and_masses_are_drawn_anew():
     assert before[1] != after[1]
     for name in ("ground", "terrain_0"):
         assert before[0][name] != after[0][name]
-        assert after[0][name] == sim._stage.variation.ground_friction
+        assert after[0][name] == sim._run.variation.ground_friction
     assert before[0]["terrain_1"] == after[0]["terrain_1"] == 0.3
     sim.reset(seed=1)
     assert drawn() == before
@@ -146,8 +155,7 @@ def test_a_run_begins_ten_times_faster_than_a_simulation():
     )
 
 
-def test_a_new_run_may_begin_elsewhere():
-    sim = AtlasSimulation(jittered(1))
+def test_a_new_run_may_begin_elsewhere(sim):
     sim.reset("USER", Start(position=[0.5, 0.0]), seed=4)
     assert sim.time == 0.0
     assert sim.current_behavior.name == "USER"
@@ -163,8 +171,7 @@ def test_a_new_run_may_begin_elsewhere():
         ({"seed": 2, "pose": Start(yaw=float("nan"))}, ScenarioError, "yaw"),
     ],
 )
-def test_a_run_that_cannot_begin_changes_nothing(asked, error, problem):
-    sim = AtlasSimulation(jittered(1))
+def test_a_run_that_cannot_begin_changes_nothing(sim, asked, error, problem):
     sim.advance(0.02)
     with pytest.raises(error, match=problem):
         sim.reset(**asked)

@@ -22,6 +22,11 @@ def make(model="atlas", terrain=()):
     return robot, station, Simulator(builder.Build())
 
 
+@pytest.fixture(scope="module")
+def station_at_rest():
+    return make()
+
+
 def sole_heights(robot, station, root):
     plant = station.GetSubsystemByName("plant")
     context = plant.GetMyContextFromRoot(root)
@@ -45,7 +50,7 @@ def test_by_default_the_robot_stands_at_rest_on_what_is_there(model, terrain):
 
 def test_a_station_simulates_from_its_default_context():
     _, station, simulator = make()
-    simulator.AdvanceTo(0.5)
+    simulator.AdvanceTo(0.2)
     context = station.GetMyContextFromRoot(simulator.get_context())
     report = station.GetOutputPort("atlas_sim_interface_state").Eval(context)
     assert report.current_behavior == report.desired_behavior == 3
@@ -80,8 +85,8 @@ def test_the_robot_is_placed_with_one_call():
         ("clearance", "x"),
     ],
 )
-def test_a_place_that_is_none_is_refused(field, value):
-    robot, station, simulator = make()
+def test_a_place_that_is_none_is_refused(station_at_rest, field, value):
+    robot, station, simulator = station_at_rest
     plant = station.GetSubsystemByName("plant")
     context = plant.GetMyMutableContextFromRoot(simulator.get_mutable_context())
     with pytest.raises(InvalidMessageError, match=field):

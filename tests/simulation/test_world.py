@@ -175,7 +175,7 @@ def test_what_the_feet_stand_on_counts_in_their_wrenches():
 
 def test_boxes_rest_where_they_lie():
     sim = AtlasSimulation(world=[boxes_at_rest])
-    sim.advance(0.5)
+    sim.advance(0.3)
     context = sim.plant.GetMyContextFromRoot(sim.context)
     for name, p_WB in REST.items():
         box = sim.plant.GetBodyByName(name)

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.base import BehaviorProtocol, Observation, Outcome
-from atlas_drake.behaviors.body_reference import BodyRates, BodyReference
+from atlas_drake.behaviors.body_reference import BodyReference
+from atlas_drake.behaviors.entry import BehaviorTools
 from atlas_drake.behaviors.manipulate.config import ManipulateConfig
 from atlas_drake.behaviors.manipulate.pelvis_demo import demo_amplitude, demo_pose
 from atlas_drake.control.balance import feedback
@@ -25,7 +25,7 @@ from atlas_drake.control.pelvis.pelvis_pose import (
     at_rest,
     make_stance,
 )
-from atlas_drake.control.pelvis.pelvis_reach import PelvisReach, UpperBody
+from atlas_drake.control.pelvis.pelvis_reach import PelvisReach
 from atlas_drake.control.rotations import tilt_of
 from atlas_drake.frozen import replace
 from atlas_drake.messages import (
@@ -59,7 +59,7 @@ class ManipulateState:
     goal: PelvisPose
     home: PelvisPose
     motion: PelvisMotion
-    upper: UpperBody
+    upper: np.ndarray
     sensed: PelvisPose
     request: BehaviorRequest | None = None
     demo_time: float | None = None
@@ -78,31 +78,20 @@ class ManipulateState:
 class Manipulate(BehaviorProtocol):
     """Balance on both feet with a servoed pelvis."""
 
-    def __init__(
-        self,
-        balance: Balance,
-        reach: PelvisReach,
-        nominal_height: float,
-        posture_rates: BodyRates,
-        config: ManipulateConfig | None = None,
-    ):
-        """In STAND the center of mass is ``nominal_height`` [m] above the soles."""
-        self._balance = balance
-        self._reach = reach
-        self._nominal_height = nominal_height
-        self._posture_rates = posture_rates
-        self._config = config = config or ManipulateConfig()
+    def __init__(self, tools: BehaviorTools, config: ManipulateConfig):
+        self._balance = tools.balance
+        self._reach = PelvisReach(tools.robot, config.range)
+        self._nominal_height = tools.nominal_height
+        self._posture_rates = tools.rates
+        self._config = config
         self._rates = config.rates
         self._lead = config.lead
-        robot = balance.robot
+        robot = tools.robot
         self._back = robot.limb("back")
         self._legs = robot.limb("l_leg", "r_leg")
 
     def enter(
-        self,
-        observation: Observation,
-        body: BodyReference,
-        request: BehaviorRequest,
+        self, observation: Observation, body: BodyReference, request: BehaviorRequest
     ) -> ManipulateState:
         """Starts from the present body reference and DCM."""
         return self._pursue(
@@ -128,7 +117,7 @@ class Manipulate(BehaviorProtocol):
             state = self._pursue(self._listen(state, observation, request), observation)
         elif (waited and not waits) or self._arms_moved(state, observation):
             state = self._pursue(state, observation)
-        if self._slipped(state.stance, observation):
+        if observation.has_slipped(state.stance.feet, self._config.foot_slip):
             state = replace(state, stance=self._note_feet(observation))
             state = state if leaving else self._pursue(state, observation)
         if waits:
@@ -153,10 +142,7 @@ class Manipulate(BehaviorProtocol):
             state.dcm_reference(omega),
             omega,
             state.stance.support,
-            (
-                self._balance.planted(observation, 0),
-                self._balance.planted(observation, 1),
-            ),
+            self._balance.standing(observation),
         )
         there = motion.pose(state.stance)
         remaining = max(abs(x - y) for x, y in zip(there, state.goal, strict=True))
@@ -266,7 +252,7 @@ class Manipulate(BehaviorProtocol):
 
     def _arms_moved(self, state: ManipulateState, observation: Observation) -> bool:
         upper = self._reach.upper_body(observation.terms, state.stance)
-        moved = upper.p_PU - state.upper.p_PU
+        moved = upper - state.upper
         return float(moved @ moved) > self._config.arms_moved**2
 
     # ---- references ----------------------------------------------------------
@@ -344,14 +330,8 @@ class Manipulate(BehaviorProtocol):
     # ---- feet ----------------------------------------------------------------
 
     def _note_feet(self, observation: Observation) -> Stance:
-        left, right = observation.foot_pose(0), observation.foot_pose(1)
+        left, right = observation.foot_poses
         return make_stance(left, right, self._balance.support(left, right))
-
-    def _slipped(self, stance: Stance, observation: Observation) -> bool:
-        return any(
-            float(np.abs(now.p_WF - noted.p_WF).max()) > self._config.foot_slip
-            for noted, now in zip(stance.feet, observation.terms.feet, strict=True)
-        )
 
 
 def _pose(params: AtlasBehaviorPelvisServoParams) -> PelvisPose:

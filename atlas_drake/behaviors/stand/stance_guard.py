@@ -67,10 +67,7 @@ class StanceGuard(BehaviorProtocol):
         self._limit = robot.effort_limit[self._pitch]
 
     def enter(
-        self,
-        observation: Observation,
-        body: BodyReference,
-        request: BehaviorRequest,
+        self, observation: Observation, body: BodyReference, request: BehaviorRequest
     ) -> Any:
         """Enters the behavior and returns its state."""
         return self.behavior.enter(observation, body, request)

@@ -91,10 +91,7 @@ class Stand(BehaviorProtocol):
         self._rates = rates
 
     def enter(
-        self,
-        observation: Observation,
-        body: BodyReference,
-        request: BehaviorRequest,
+        self, observation: Observation, body: BodyReference, request: BehaviorRequest
     ) -> StandState:
         """Starts from the present DCM, so that the reference does not jump."""
         state = self._note_feet(observation, com=np.zeros(2))
@@ -116,7 +113,7 @@ class Stand(BehaviorProtocol):
         the trunk is at its target.
         """
         com = _towards(state.com, state.middle, self._config.com_speed * observation.dt)
-        if self._slipped(state, observation):
+        if observation.has_slipped(state.feet, self._config.foot_slip):
             state = self._note_feet(observation, com)
         elif com is not state.com:
             state = replace(state, com=com)
@@ -145,10 +142,7 @@ class Stand(BehaviorProtocol):
             DcmReference(dcm=com, cop=com),
             _pendulum_frequency(observation, state),
             state.support,
-            (
-                self._balance.planted(observation, 0),
-                self._balance.planted(observation, 1),
-            ),
+            self._balance.standing(observation),
         )
         return Outcome(state=state, body=body, command=command, finished=finished)
 
@@ -163,7 +157,7 @@ class Stand(BehaviorProtocol):
         )
 
     def _note_feet(self, observation: Observation, com: np.ndarray) -> StandState:
-        left, right = observation.foot_pose(0), observation.foot_pose(1)
+        left, right = observation.foot_poses
         middle = 0.5 * (left.p_WF + right.p_WF)
         legs = self._balance.robot.legs
         # With one foot much higher, the other leg may be too short for the full height.
@@ -180,14 +174,6 @@ class Stand(BehaviorProtocol):
             height=min(float(middle[2]) + self._nominal_height, reach),
             yaw=mean_yaw(left.yaw, right.yaw),
             com=com,
-        )
-
-    def _slipped(self, state: StandState, observation: Observation) -> bool:
-        slip = self._config.foot_slip
-        return any(
-            abs(x - noted_x) > slip
-            for noted, now in zip(state.feet, observation.terms.feet, strict=True)
-            for x, noted_x in zip(now.p_WF.tolist(), noted.p_WF.tolist(), strict=True)
         )
 
 

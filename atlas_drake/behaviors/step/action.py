@@ -26,12 +26,13 @@ from atlas_drake.messages import (
 from atlas_drake.planning.demo_steps import demo_steps
 from atlas_drake.planning.footholds import Gait
 
-LEAST_SWAY_DURATION = 0.2
-"""A sway duration below this is ignored [s]."""
-LEAST_RISE = 0.1
-"""Swing and lift heights below this are ignored [m]."""
-LEAST_KNEE = 0.3
-"""A knee flexion below this is ignored [rad]."""
+LEAST = {
+    "sway_duration": 0.2,
+    "swing_height": 0.1,
+    "lift_height": 0.1,
+    "knee_nominal": 0.3,
+}
+"""A value below this is ignored [s], [m], [m], [rad]; all others below or at 0 are."""
 LARGEST_END_DISTANCE = 0.05
 """End distances beyond this are ignored [m]."""
 
@@ -99,32 +100,17 @@ class DesiredStep:
 
 def resolve_action(sent: AtlasBehaviorStepAction, default: StepAction) -> StepAction:
     """Returns the message's values, with ``default`` where a threshold ignores them."""
-
-    def end_distance(value: float, otherwise: float) -> float:
-        return value if abs(value) <= LARGEST_END_DISTANCE else otherwise
-
-    def unless_below(least: float, value: float, otherwise: float) -> float:
-        return value if value >= least else otherwise
-
-    wanted = StepAction(
-        step_duration=sent.step_duration
-        if sent.step_duration > 0.0
-        else default.step_duration,
-        sway_duration=unless_below(
-            LEAST_SWAY_DURATION, sent.sway_duration, default.sway_duration
-        ),
-        swing_height=unless_below(LEAST_RISE, sent.swing_height, default.swing_height),
-        lift_height=unless_below(LEAST_RISE, sent.lift_height, default.lift_height),
-        knee_nominal=unless_below(LEAST_KNEE, sent.knee_nominal, default.knee_nominal),
-        max_body_accel=sent.max_body_accel or default.max_body_accel,
-        max_foot_vel=sent.max_foot_vel or default.max_foot_vel,
-        sway_end_dist=end_distance(sent.sway_end_dist, default.sway_end_dist),
-        step_end_dist=end_distance(sent.step_end_dist, default.step_end_dist),
-    )
     bounded = {}
     for name, largest in vars(LARGEST_ACTION).items():
-        if name != "toe_off":
-            bounded[name] = min(max(getattr(wanted, name), -largest), largest)
+        if name == "toe_off":
+            continue
+        value = getattr(sent, name)
+        if name in ("sway_end_dist", "step_end_dist"):
+            counts = abs(value) <= LARGEST_END_DISTANCE
+        else:
+            counts = value > 0.0 and value >= LEAST.get(name, 0.0)
+        value = value if counts else getattr(default, name)
+        bounded[name] = min(max(value, -largest), largest)
     return StepAction(**bounded, toe_off=ToeOff(sent.toe_off))
 
 

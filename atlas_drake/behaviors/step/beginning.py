@@ -1,7 +1,7 @@
 """The weight shifts with which a step of STEP begins, and ends at rest.
 
-Each shift starts at the present DCM. ``both_feet`` and ``shift`` determine when a step
-begins or ends.
+Each shift starts at the present DCM. ``both_feet`` determines when a step begins or
+ends.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ class StepBeginning:
 
     def enter(self, observation: Observation) -> Rest:
         """Makes the rest with which STEP begins."""
-        feet = (observation.foot_pose(0), observation.foot_pose(1))
+        feet = observation.foot_poses
         return self._rest_on(feet, observation, StepProgress())
 
     def rest(
@@ -86,7 +86,7 @@ class StepBeginning:
         outside = self._balance.dcm_outside(phase, observation, phase.support)
         if outside > -self._rules.begin_inside:
             return phase, ()
-        feet = (observation.foot_pose(0), observation.foot_pose(1))
+        feet = observation.foot_poses
         plan = self._planner.plan(observation.terms, feet, wanted)
         if plan is None:
             text = f"step {wanted.step.index} is not taken: it is out of reach"

@@ -1,6 +1,6 @@
 """The state of STEP between ticks: one dataclass for each of its phases.
 
-Frozen data, and functions of these data alone. ``both_feet``, ``shift`` and
+Frozen data, and functions of these data alone. ``both_feet`` and
 ``single_support`` compute the ticks of each phase.
 """
 
@@ -103,11 +103,6 @@ class StepPhase(Phase):
         """The present or last step, if any."""
         return None
 
-    @property
-    def not_begun(self) -> tuple[int, ...]:
-        """Indices of started steps before the lift-off of their foot."""
-        return ()
-
     def dcm_reference(self, omega: float) -> DcmReference:
         """Evaluates the present references of DCM and CoP.
 
@@ -188,11 +183,6 @@ class StepShift(Stepping):
 
     heel: float
     fresh: int | None
-
-    @property
-    def not_begun(self) -> tuple[int, ...]:
-        """Index of the step."""
-        return (self.progress.index,)
 
     def heel_motion(self, begins_share: float) -> tuple[float, float, float]:
         """Evaluates the angle of the leaving foot's heel with its derivatives [rad].

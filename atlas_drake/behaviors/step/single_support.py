@@ -12,7 +12,6 @@ import numpy as np
 from atlas_drake.behaviors.balance import FootCommand
 from atlas_drake.behaviors.base import Observation
 from atlas_drake.behaviors.phases import with_foot
-from atlas_drake.behaviors.step.phase_control import StepPhaseControl
 from atlas_drake.behaviors.step.phases import (
     InAir,
     Lower,
@@ -20,7 +19,11 @@ from atlas_drake.behaviors.step.phases import (
     StepState,
     StepSwing,
 )
-from atlas_drake.behaviors.step.step_balance import Reach, StepBalance
+from atlas_drake.behaviors.step.step_balance import (
+    Reach,
+    StepBalance,
+    StepPhaseControl,
+)
 from atlas_drake.control.balance.weight_shift import WeightShift
 from atlas_drake.control.feet.step_swing import StepSwingProfile, plan_step_swing
 from atlas_drake.frozen import replace

@@ -12,14 +12,17 @@ from typing import Any
 
 import numpy as np
 
-from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.base import BehaviorProtocol, Observation, Outcome
 from atlas_drake.behaviors.body_reference import BodyReference, advance_body
+from atlas_drake.behaviors.entry import BehaviorTools
 from atlas_drake.behaviors.step.action import StepAction, step_spec_from
 from atlas_drake.behaviors.step.beginning import StepBeginning
-from atlas_drake.behaviors.step.both_feet import RestControl, SettleControl
+from atlas_drake.behaviors.step.both_feet import (
+    RestControl,
+    SettleControl,
+    ShiftControl,
+)
 from atlas_drake.behaviors.step.config import StepConfig
-from atlas_drake.behaviors.step.phase_control import StepPhaseControl
 from atlas_drake.behaviors.step.phases import (
     Lower,
     Rest,
@@ -29,9 +32,8 @@ from atlas_drake.behaviors.step.phases import (
     StepSwing,
 )
 from atlas_drake.behaviors.step.plan import StepPlanner
-from atlas_drake.behaviors.step.shift import ShiftControl
 from atlas_drake.behaviors.step.single_support import LowerControl, SwingControl
-from atlas_drake.behaviors.step.step_balance import StepBalance
+from atlas_drake.behaviors.step.step_balance import StepBalance, StepPhaseControl
 from atlas_drake.behaviors.step_queue import step_data_from
 from atlas_drake.frozen import replace
 from atlas_drake.messages import (
@@ -42,7 +44,6 @@ from atlas_drake.messages import (
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan, PlannedPaths
 from atlas_drake.messages.event import STEPS_LEFT, Event
-from atlas_drake.planning.footholds import Gait
 
 
 class Step(BehaviorProtocol):
@@ -52,21 +53,14 @@ class Step(BehaviorProtocol):
     ``ShiftControl``, ``SwingControl``, ``LowerControl`` or ``SettleControl``.
     """
 
-    def __init__(
-        self,
-        balance: Balance,
-        nominal_height: float,
-        config: StepConfig | None = None,
-        gait: Gait | None = None,
-    ):
-        """Stands with the center of mass ``nominal_height`` [m] above the soles."""
-        config = config or StepConfig()
+    def __init__(self, tools: BehaviorTools, config: StepConfig):
+        balance, height = tools.balance, tools.nominal_height
         self._rates = config.body
         self._rules = config.rules
-        planner = StepPlanner(balance, nominal_height, config.limits, config.posture)
+        planner = StepPlanner(balance, height, config.limits, config.posture)
         default = StepAction(knee_nominal=planner.nominal_knee)
-        stance = StepBalance(balance, nominal_height, planner, config.rules)
-        beginning = StepBeginning(stance, default, config.swing, gait or Gait())
+        stance = StepBalance(balance, height, planner, config.rules)
+        beginning = StepBeginning(stance, default, config.swing, tools.gait)
         self._balance = balance
         self._stance = stance
         self._beginning = beginning
@@ -79,10 +73,7 @@ class Step(BehaviorProtocol):
         }
 
     def enter(
-        self,
-        observation: Observation,
-        body: BodyReference,
-        request: BehaviorRequest,
+        self, observation: Observation, body: BodyReference, request: BehaviorRequest
     ) -> Rest:
         """Rests on both feet; the first step begins at the first tick."""
         return self._beginning.enter(observation)
@@ -213,7 +204,8 @@ class Step(BehaviorProtocol):
         observation: Observation,
     ) -> tuple[Event, ...]:
         """Names the steps that STAND leaves out: a started step and a coming step."""
-        left = list(phase.not_begun)
+        # A step whose foot is still down is left out, too.
+        left = [phase.progress.index] if isinstance(phase, StepShift) else []
         wanted, request = self._beginning.requested(phase), phase.progress.request
         demo = request is not None and request.command.step_params.use_demo_walk
         if wanted is not None and not demo:

@@ -1,23 +1,27 @@
 """Balance of STEP in all phases: references of body, CoM and loads.
 
-The parts of single phases are in ``both_feet``, ``shift`` and ``single_support``.
+``both_feet`` and ``single_support`` have the controls of the phases.
 """
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
 from atlas_drake.behaviors.balance import Balance, FootCommand
 from atlas_drake.behaviors.base import Observation
 from atlas_drake.behaviors.body_reference import BodyTarget
+from atlas_drake.behaviors.phases import PhaseControl
 from atlas_drake.behaviors.step.action import StepAction
 from atlas_drake.behaviors.step.phases import StepPhase, TakenStep
 from atlas_drake.behaviors.step.plan import StepPlanner
 from atlas_drake.behaviors.step.rules import StepRules
 from atlas_drake.control.balance import feedback
+from atlas_drake.control.balance.dcm_plan import DcmReference
 from atlas_drake.control.balance.support_polygon import SupportPolygon, load_share_range
 from atlas_drake.control.balance.weight_shift import (
     WeightShift,
@@ -135,16 +139,11 @@ class StepBalance:
         )
 
     def planted(
-        self,
-        observation: Observation,
-        foot: int = 0,
-        command: FootCommand | None = None,
+        self, observation: Observation, foot: int, command: FootCommand
     ) -> tuple[FootCommand, FootCommand]:
-        """Commands both feet to stay planted, except ``foot`` if it has a command."""
-        feet = [self.balance.planted(observation, other) for other in (0, 1)]
-        if command is not None:
-            feet[foot] = command
-        return feet[0], feet[1]
+        """Commands ``foot``, and the other foot to stay planted."""
+        other = self.balance.planted(observation, 1 - foot)
+        return (command, other) if foot == 0 else (other, command)
 
     def pressed(
         self,
@@ -159,3 +158,42 @@ class StepBalance:
         load = min(self.rules.settling_load, most)
         pressed = self.balance.pressed(observation, foot, load)
         return self.planted(observation, foot, pressed)
+
+
+P = TypeVar("P", bound=StepPhase)
+
+
+class StepPhaseControl(PhaseControl[P]):
+    """Computes the ticks of a phase of STEP and its end. Holds constants only.
+
+    Balance has priority over the loads of a phase: a foot with too large or too small a
+    load would keep the CoP away from its desired position.
+    """
+
+    def __init__(self, balance: StepBalance):
+        self._balance = balance
+
+    @abstractmethod
+    def reach(self, phase: P) -> Reach:
+        """Returns the sole poses that the legs have to reach, and the body's height."""
+
+    def reference(
+        self, phase: P, observation: Observation
+    ) -> tuple[DcmReference, float]:
+        """Computes the references of DCM and CoP, and the pendulum's frequency."""
+        omega = self._balance.omega(observation, phase.carrying)
+        return phase.dcm_reference(omega), omega
+
+    def cop(self, phase: P, observation: Observation) -> np.ndarray:
+        """Computes the desired CoP in W [m], shape (2,)."""
+        reference, omega = self.reference(phase, observation)
+        support = self.support(phase)
+        return self._balance.balance.wanted_cop(observation, reference, omega, support)
+
+    def support(self, phase: P) -> SupportPolygon:
+        """Returns the present region of the CoP."""
+        return phase.support
+
+    def are_both_flat(self, phase: P) -> bool:
+        """Returns True if both soles are flat on the ground."""
+        return True

@@ -49,7 +49,7 @@ class DoubleSupport(PhaseControl[WalkShift | Transfer]):
             # Hold the plan at the moment of lift-off until the DCM is near it.
             return replace(phase, plan_time=phase.plan_time - observation.dt), ()
         # Measure the feet again: since touchdown the load has turned the soles flat.
-        feet = (observation.foot_pose(0), observation.foot_pose(1))
+        feet = observation.foot_poses
         phase = replace(phase, progress=replace(phase.progress, feet=feet))
         phase, news = planner.warn(phase, observation.time)
         if not planner.coming(phase.progress):
@@ -114,9 +114,7 @@ class Settling(PhaseControl[WalkSettle]):
         self, phase: WalkSettle, observation: Observation
     ) -> tuple[WalkSettle, tuple[FootCommand, FootCommand]]:
         """Keeps both feet planted."""
-        left = self._balance.planted(observation, 0)
-        right = self._balance.planted(observation, 1)
-        return phase, (left, right)
+        return phase, self._balance.standing(observation)
 
     def is_over(self, phase: WalkSettle, observation: Observation) -> bool:
         """Returns True if the robot is at rest."""

@@ -113,7 +113,12 @@ class WalkPhase(Phase):
             coming: Steps that the walk will take, one in the air first.
             timing: Timing of the phases.
         """
-        return 0.0
+        if not coming:
+            return 0.0
+        left = max(self.duration - self.elapsed, 0.0)
+        if self.in_air is not None:
+            return left
+        return left + timing.swing(coming[0].duration)
 
     def status_flags(self, leaving: bool) -> int:
         """Returns the feedback flags of the phase.
@@ -137,15 +142,6 @@ class BothFeet(WalkPhase):
         """Evaluates the plan; while lift-off waits, the CoP reference is the DCM's."""
         planned = self.planned
         return replace(planned, cop=planned.dcm) if self.waiting else planned
-
-    def time_to_touchdown(
-        self, coming: Sequence[Footstep], timing: GaitTiming
-    ) -> float:
-        """Computes the time until the first of ``coming`` touches down [s]."""
-        if not coming:
-            return 0.0
-        left = max(self.duration - self.elapsed, 0.0)
-        return left + timing.swing(coming[0].duration)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -207,12 +203,6 @@ class WalkSwing(WalkPhase):
             points.append(reference.p_WF)
         return replace(super().paths(com, profile), swing=np.array(points))
 
-    def time_to_touchdown(
-        self, coming: Sequence[Footstep], timing: GaitTiming
-    ) -> float:
-        """Computes the time until the foot in the air touches down [s]."""
-        return max(self.duration - self.elapsed, 0.0)
-
 
 @dataclass(frozen=True, kw_only=True)
 class WalkSettle(WalkPhase):
@@ -223,6 +213,12 @@ class WalkSettle(WalkPhase):
     """
 
     obstacle: str
+
+    def time_to_touchdown(
+        self, coming: Sequence[Footstep], timing: GaitTiming
+    ) -> float:
+        """Returns 0: no foot lifts off."""
+        return 0.0
 
     def status_flags(self, leaving: bool) -> int:
         """Returns the feedback flags of settling with the reason for the walk's end."""

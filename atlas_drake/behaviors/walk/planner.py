@@ -189,12 +189,5 @@ class WalkPlanner:
         first_phase: float,
         swinging: bool = False,
     ) -> DcmPlan:
-        return plan_walk(
-            cop,
-            first_phase,
-            progress.feet,
-            coming,
-            swinging,
-            self._timing,
-            self._omega,
-        )
+        feet, timing = progress.feet, self._timing
+        return plan_walk(cop, first_phase, feet, coming, swinging, timing, self._omega)

@@ -11,14 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.base import BehaviorProtocol, Observation, Outcome
 from atlas_drake.behaviors.body_reference import (
-    BodyRates,
     BodyReference,
     BodyTarget,
     advance_body,
 )
+from atlas_drake.behaviors.entry import BehaviorTools
 from atlas_drake.behaviors.phases import PhaseControl
 from atlas_drake.behaviors.step_queue import replaced
 from atlas_drake.behaviors.walk.both_feet import (
@@ -45,7 +44,6 @@ from atlas_drake.messages import AtlasBehaviorWalkFeedback
 from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.messages.controller_status import Plan, PlannedPaths
 from atlas_drake.messages.event import Event
-from atlas_drake.planning.footholds import Gait
 
 _UPRIGHT = read_only(np.zeros(2))
 
@@ -57,32 +55,15 @@ class Walk(BehaviorProtocol):
     ``DoubleSupport``, ``SingleSupport`` or ``Settling``.
     """
 
-    def __init__(
-        self,
-        balance: Balance,
-        nominal_height: float,
-        rates: BodyRates,
-        config: WalkConfig | None = None,
-        gait: Gait | None = None,
-    ):
-        """Walks with the center of mass ``nominal_height`` [m] above the soles.
-
-        Args:
-            balance: Gains, support polygons and tasks.
-            nominal_height: Height of the center of mass above the soles [m].
-            rates: Speed limits of trunk and posture.
-            config: Parameters; None for the defaults.
-            gait: Gait of the demonstration; None for Atlas' usual one.
-        """
-        config = config or WalkConfig()
-        self._balance = balance
-        self._nominal_height = nominal_height
-        self._rates = rates
+    def __init__(self, tools: BehaviorTools, config: WalkConfig):
+        self._balance = balance = tools.balance
+        self._nominal_height = tools.nominal_height
+        self._rates = tools.rates
         self._timing = config.timing
         self._profile = config.swing
         self._rules = config.rules
-        self._gait = gait or Gait()
-        self._omega = feedback.pendulum_frequency(nominal_height)
+        self._gait = tools.gait
+        self._omega = feedback.pendulum_frequency(tools.nominal_height)
         self._planner = WalkPlanner(balance, self._omega, config)
         double_support = DoubleSupport(balance, self._planner, config.rules)
         self._settling = Settling(balance, self._planner, config)
@@ -94,13 +75,10 @@ class Walk(BehaviorProtocol):
         }
 
     def enter(
-        self,
-        observation: Observation,
-        body: BodyReference,
-        request: BehaviorRequest,
+        self, observation: Observation, body: BodyReference, request: BehaviorRequest
     ) -> WalkShift:
         """Begins to shift the weight to the first stance foot."""
-        feet = (observation.foot_pose(0), observation.foot_pose(1))
+        feet = observation.foot_poses
         params = request.command.walk_params
         pending = steps_asked_for((), params, feet, 1, self._gait)
         first = pending[0].index if pending else 1

@@ -43,7 +43,12 @@ class DcmReference:
 
 
 class DcmPlan(Frozen):
-    """A bounded DCM trajectory that ends at rest over the last segment's end."""
+    """A bounded DCM trajectory that ends at rest over the last segment's end.
+
+    Attributes:
+        omega: Natural frequency of the pendulum [1/s].
+        segments: Segments of the CoP, in order of time.
+    """
 
     def __init__(self, segments: Sequence[CopSegment], omega: float):
         """Solves the plan.
@@ -53,20 +58,12 @@ class DcmPlan(Frozen):
             omega: Natural frequency of the pendulum √(g/z) [1/s].
         """
         self.omega = omega
-        self._segments = tuple(segments)
+        self.segments = tuple(segments)
         self._ends = list(accumulate(segment.duration for segment in segments))
-        pieces = []
-        final = np.asarray(segments[-1].end, dtype=float)
-        for segment in reversed(self._segments):
-            piece = _Piece.before(final, segment, omega)
-            pieces.append(piece)
-            final = piece.evaluate(0.0).dcm
-        self._pieces = tuple(reversed(pieces))
-
-    @property
-    def segments(self) -> tuple[CopSegment, ...]:
-        """Segments of the plan, in order of time."""
-        return self._segments
+        finals = [np.asarray(segments[-1].end, dtype=float)]
+        for segment in reversed(self.segments):
+            finals.append(_evaluate(segment, finals[-1], omega, 0.0).dcm)
+        self._finals = tuple(reversed(finals[:-1]))
 
     @property
     def duration(self) -> float:
@@ -76,37 +73,21 @@ class DcmPlan(Frozen):
     def evaluate(self, time: float) -> DcmReference:
         """Computes the reference at ``time`` [s]; constant beyond the plan's ends."""
         time = min(max(time, 0.0), self.duration)
-        index = min(bisect_right(self._ends, time), len(self._pieces) - 1)
-        piece = self._pieces[index]
-        return piece.evaluate(time - (self._ends[index] - piece.duration))
+        index = min(bisect_right(self._ends, time), len(self.segments) - 1)
+        segment = self.segments[index]
+        into = time - (self._ends[index] - segment.duration)
+        return _evaluate(segment, self._finals[index], self.omega, into)
 
 
-@dataclass(frozen=True)
-class _Piece:
-    """Constants of the DCM's motion within one segment.
+def _evaluate(
+    segment: CopSegment, final: np.ndarray, omega: float, into: float
+) -> DcmReference:
+    """Computes the reference within a segment that ends with the DCM at ``final``.
 
     With the CoP at p = p₀ + ṗ·t the DCM is ξ = p + ṗ/ω + e^{ω(t-T)}·(ξ_T - p_T - ṗ/ω).
     """
-
-    duration: float
-    omega: float
-    start: np.ndarray
-    rate: np.ndarray
-    ahead: np.ndarray
-    """ṗ/ω: lead of the DCM over the CoP at which their distance stays constant."""
-    apart: np.ndarray
-    """Distance between the final DCM and that lead point."""
-
-    @classmethod
-    def before(cls, final: np.ndarray, segment: CopSegment, omega: float) -> _Piece:
-        """Makes the piece for a segment that ends with the DCM at ``final``."""
-        rate = (segment.end - segment.start) / segment.duration
-        ahead = rate / omega
-        apart = final - segment.end - ahead
-        return cls(segment.duration, omega, segment.start, rate, ahead, apart)
-
-    def evaluate(self, into: float) -> DcmReference:
-        """Computes the reference at the time ``into`` the segment [s]."""
-        cop = self.start + self.rate * into
-        decay = math.exp(self.omega * (into - self.duration))
-        return DcmReference(dcm=cop + self.ahead + decay * self.apart, cop=cop)
+    rate = (segment.end - segment.start) / segment.duration
+    ahead = rate / omega
+    cop = segment.start + rate * into
+    decay = math.exp(omega * (into - segment.duration))
+    return DcmReference(cop + ahead + decay * (final - segment.end - ahead), cop)

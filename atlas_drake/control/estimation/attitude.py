@@ -1,8 +1,9 @@
 """Orientation from a gyroscope, with the tilt corrected by gravity.
 
 A complementary filter: Mahony, Hamel, Pflimlin, "Nonlinear complementary filters on the
-special orthogonal group", TAC 2008. Unit quaternions [w, x, y, z], written out on
-floats because the code runs every control tick.
+special orthogonal group", TAC 2008. Orientations are unit quaternions [w, x, y, z],
+shape (4,), and turns are rotation vectors [rad], shape (3,). Written out on floats:
+Drake's quaternions take twice as long.
 """
 
 from __future__ import annotations
@@ -15,14 +16,7 @@ from atlas_drake.control.whole_body.model import GRAVITY
 
 
 def rotation_matrix(q_WB: np.ndarray) -> np.ndarray:
-    """Converts an orientation to a rotation matrix.
-
-    Args:
-        q_WB: Unit quaternion, shape (4,).
-
-    Returns:
-        R_WB, shape (3, 3).
-    """
+    """Converts an orientation to a rotation matrix R_WB, shape (3, 3)."""
     w, x, y, z = q_WB.tolist()
     return np.array(
         [
@@ -37,13 +31,6 @@ def turned(q_WB: np.ndarray, turn_B: np.ndarray) -> np.ndarray:
     """Rotates an orientation about an axis fixed in B.
 
     Exact for any angle: the exponential map of SO(3).
-
-    Args:
-        q_WB: Unit quaternion, shape (4,).
-        turn_B: Rotation vector in B [rad], shape (3,).
-
-    Returns:
-        Unit quaternion, shape (4,).
     """
     return _normalized(_product(q_WB.tolist(), _exponential(turn_B)))
 
@@ -54,15 +41,7 @@ def turned_in_world(q_WB: np.ndarray, turn_W: np.ndarray) -> np.ndarray:
 
 
 def turn_between(q_WA: np.ndarray, q_WB: np.ndarray) -> np.ndarray:
-    """Computes the shortest rotation from A to B, the inverse of ``turned``.
-
-    Args:
-        q_WA: Unit quaternion, shape (4,).
-        q_WB: Unit quaternion, shape (4,).
-
-    Returns:
-        Rotation vector [rad], the same in A and in B, shape (3,).
-    """
+    """Computes the shortest turn from A to B, the same in A and in B."""
     w, x, y, z = q_WA.tolist()
     w, x, y, z = _product((w, -x, -y, -z), q_WB.tolist())
     if w < 0.0:
@@ -73,15 +52,7 @@ def turn_between(q_WA: np.ndarray, q_WB: np.ndarray) -> np.ndarray:
 
 
 def composed(q_WA: np.ndarray, q_AB: np.ndarray) -> np.ndarray:
-    """Composes two orientations; w of the result is not negative.
-
-    Args:
-        q_WA: Unit quaternion, shape (4,).
-        q_AB: Unit quaternion, shape (4,).
-
-    Returns:
-        Unit quaternion q_WB, shape (4,).
-    """
+    """Composes two orientations to q_WB; w of the result is not negative."""
     q_WB = _normalized(_product(q_WA.tolist(), q_AB.tolist()))
     return -q_WB if q_WB[0] < 0.0 else q_WB
 
@@ -103,7 +74,7 @@ def upright_correction(force_W: np.ndarray, dt: float, settling: float) -> np.nd
         settling: Time constant [s].
 
     Returns:
-        Rotation vector in W [rad], shape (3,).
+        Turn in W.
     """
     x, y, _ = force_W.tolist()
     gain = dt / (settling * GRAVITY)

@@ -139,9 +139,7 @@ def ensure_clearance(step: Footstep, start: FootPose, limits: StepLimits) -> Foo
     climb = abs(float(step.p_WF[2] - start.p_WF[2]))
     least, greatest = limits.swing_height
     lowest = min(least + climb, greatest)
-    if step.swing_height >= lowest:
-        return step
-    return replace(step, swing_height=lowest)
+    return replace(step, swing_height=max(step.swing_height, lowest))
 
 
 def longest_duration(apart: float, limits: StepLimits) -> float:
@@ -173,9 +171,7 @@ def limit_duration(
         float(np.hypot(*(place - stance.p_WF)[:2])) for place in (start.p_WF, step.p_WF)
     )
     longest = longest_duration(apart, limits)
-    if step.duration <= longest:
-        return step
-    return replace(step, duration=longest)
+    return replace(step, duration=min(step.duration, longest))
 
 
 def _tilted_at_most(normal: np.ndarray, tilt: float) -> np.ndarray:
@@ -196,10 +192,7 @@ def clip(value: float, low: float, high: float) -> float:
 
 def landing_error(step: Footstep, landed: FootPose) -> float:
     """Computes the horizontal distance from the commanded to the actual landing [m]."""
-    return math.hypot(
-        landed.p_WF[0] - step.p_WF[0],
-        landed.p_WF[1] - step.p_WF[1],
-    )
+    return math.hypot(*(landed.p_WF - step.p_WF)[:2])
 
 
 def heading_error(step: Footstep, landed: FootPose) -> float:

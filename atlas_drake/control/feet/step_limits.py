@@ -20,7 +20,8 @@ from atlas_drake.frozen import replace
 from atlas_drake.numeric import is_number
 
 LONGEST = 3.0
-"""Longest duration of a step where only the shortest is given [s]."""
+"""Longest duration of a step where only the shortest is given [s]. A setting may
+give both."""
 
 
 def _shortest(value: Any) -> Any:

@@ -10,15 +10,16 @@ import numpy as np
 DAMPING_PER_EFFORT = 0.002
 """Damping of a joint in damping mode per unit of its effort limit [s/rad].
 
-A joint that turns at 10 rad/s is braked with a fiftieth of its effort limit: limbs do
+No setting: a falling robot protects itself, and only the order of magnitude counts. A
+joint that turns at 10 rad/s is braked with a fiftieth of its effort limit: limbs do
 not whip, and nothing is pushed hard against the ground.
 """
 DAMPING_PER_TICK = 8e-6
 """Largest damping per unit of the effort limit, times the control period [s²/rad].
 
-Damping that is constant over a control tick must stay well below twice the inertia
-per tick. The least inertia for an effort limit is that of the ankles in the air
-(0.009 kg·m², 700 N·m): 1.3e-5.
+A bound of stability: damping that is constant over a control tick must stay well below
+twice the inertia per tick. The least inertia for an effort limit is that of the ankles
+in the air (0.009 kg·m², 700 N·m): 1.3e-5.
 """
 
 

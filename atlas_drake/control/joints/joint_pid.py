@@ -248,8 +248,7 @@ def user_effort(
     """
     effort = model.gain @ (static - model.damping * coasting)
     total = others + model.share * effort
-    exceeds = np.abs(total) > effort_limit
-    if not (exceeds.any() and exceeds[model.share > 0.0].any()):
+    if not ((np.abs(total) > effort_limit) & (model.share > 0.0)).any():
         return effort, total
     return _saturated(static, coasting, others, model, effort_limit)
 

@@ -17,7 +17,8 @@ from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.robot import KNEE, Leg, Robot
 
 LEGS_COM = 0.5
-"""Position of the legs' center of mass on the line from ankles to pelvis [-]."""
+"""Position of the legs' center of mass on the line from ankles to pelvis [-]: geometry,
+nearly the same for all robots."""
 _BISECTIONS = 10
 """Halvings between a feasible and a commanded value: exact to 0.1 % of the distance."""
 _HEIGHT_SEARCH = 0.01
@@ -28,7 +29,8 @@ _HEIGHT_SEARCH = 0.01
 class PelvisReserves:
     """Reserves for balance within the limits of the legs, their motors and the feet.
 
-    Measured on both robots in simulation: docs/control.md.
+    Measured on both robots in simulation: docs/control.md. No settings: they
+    make up for what a static check leaves out.
     """
 
     com_margin: float = 0.04
@@ -39,17 +41,6 @@ class PelvisReserves:
     """Least flexion of the knees, from the straight leg [rad]."""
     effort_share: float = 0.8
     """Greatest share of a leg joint's effort limit for standing still [-]."""
-
-
-@dataclass(frozen=True)
-class UpperBody:
-    """Everything above the legs, in its present posture.
-
-    Attributes:
-        p_PU: Center of mass of the upper body in the pelvis frame [m], shape (3,).
-    """
-
-    p_PU: np.ndarray
 
 
 class PelvisReach:
@@ -80,20 +71,20 @@ class PelvisReach:
                 self.reserves.effort_share * robot.effort_limit[leg.joints]
             )
 
-    def upper_body(self, terms: WholeBodyTerms, stance: Stance) -> UpperBody:
-        """Computes the present posture of trunk and arms."""
+    def upper_body(self, terms: WholeBodyTerms, stance: Stance) -> np.ndarray:
+        """Computes the center of mass of trunk and arms, p_PU [m], shape (3,)."""
         share = self._legs_share
         p_WL = LEGS_COM * terms.p_WP + (1.0 - LEGS_COM) * self._ankles(stance)
         p_WU = (terms.com - share * p_WL) / (1.0 - share)
-        return UpperBody(terms.R_WP.T @ (p_WU - terms.p_WP))
+        return terms.R_WP.T @ (p_WU - terms.p_WP)
 
-    def allows(self, pose: PelvisPose, stance: Stance, upper: UpperBody) -> bool:
+    def allows(self, pose: PelvisPose, stance: Stance, p_PU: np.ndarray) -> bool:
         """Returns True if the robot can stand in the pose."""
         com = stance.com(pose)
         if stance.support.distance_outside(com) > -self.reserves.com_margin:
             return False
         R_WP = stance.R_WP(pose)
-        p_WP = self.pelvis_position(pose, stance, upper)
+        p_WP = self.pelvis_position(pose, stance, p_PU)
         loads = self._loads(pose, stance)
         # The CoP on each sole has the same relative position as the CoM between the
         # soles.
@@ -119,7 +110,7 @@ class PelvisReach:
         return True
 
     def clamp(
-        self, goal: PelvisPose, home: PelvisPose, stance: Stance, upper: UpperBody
+        self, goal: PelvisPose, home: PelvisPose, stance: Stance, p_PU: np.ndarray
     ) -> PelvisPose:
         """Returns the feasible pose nearest to ``goal``.
 
@@ -130,18 +121,18 @@ class PelvisReach:
             goal: Any finite pose.
             home: An ``attainable`` pose.
             stance: Poses of the feet.
-            upper: Posture of trunk and arms.
+            p_PU: Center of mass of trunk and arms, see ``upper_body``.
         """
         goal = self._boxed(goal)
-        if self.allows(goal, stance, upper):
+        if self.allows(goal, stance, p_PU):
             return goal
         granted = home
         for name in ("height", "com_v0", "com_v1", "yaw", "pitch", "roll"):
-            granted = self._grant(granted, name, getattr(goal, name), stance, upper)
+            granted = self._grant(granted, name, getattr(goal, name), stance, p_PU)
         return granted
 
     def attainable(
-        self, home: PelvisPose, stance: Stance, upper: UpperBody
+        self, home: PelvisPose, stance: Stance, p_PU: np.ndarray
     ) -> PelvisPose:
         """Lowers ``home`` until the legs allow it, as when the feet are far apart.
 
@@ -150,7 +141,7 @@ class PelvisReach:
         height = home.height
         while height >= self.range.height[0]:
             lowered = home._replace(height=height)
-            if self.allows(lowered, stance, upper):
+            if self.allows(lowered, stance, p_PU):
                 return lowered
             height -= _HEIGHT_SEARCH
         return home
@@ -178,7 +169,7 @@ class PelvisReach:
         name: str,
         goal: float,
         stance: Stance,
-        upper: UpperBody,
+        p_PU: np.ndarray,
     ) -> PelvisPose:
         """Moves one coordinate of ``granted`` toward ``goal`` as far as is feasible."""
         best = granted
@@ -187,7 +178,7 @@ class PelvisReach:
         share = 1.0
         for _ in range(_BISECTIONS):
             trial = granted._replace(**{name: begin + share * (goal - begin)})
-            if self.allows(trial, stance, upper):
+            if self.allows(trial, stance, p_PU):
                 best, low = trial, share
                 if share == 1.0:
                     break
@@ -197,11 +188,11 @@ class PelvisReach:
         return best
 
     def pelvis_position(
-        self, pose: PelvisPose, stance: Stance, upper: UpperBody
+        self, pose: PelvisPose, stance: Stance, p_PU: np.ndarray
     ) -> np.ndarray:
         """Computes the pelvis' position in W for the center of mass of ``pose`` [m]."""
         legs = self._legs_share
-        p_PU_W = stance.R_WP(pose) @ upper.p_PU
+        p_PU_W = stance.R_WP(pose) @ p_PU
         ankles = self._ankles(stance)
         known = (1.0 - legs) * p_PU_W + legs * (1.0 - LEGS_COM) * ankles
         place = (stance.com(pose) - known[:2]) / (1.0 - legs + legs * LEGS_COM)

@@ -165,7 +165,7 @@ class FrictionCones(NamedTuple):
             start, end = end, end + contact.patch.num_rows
             R_FW = dynamics.terms.frame(contact.frame).R_WF.T
             # Moment and force turn alike: six columns as two rows of three.
-            turned = contact.patch.cone_vectors @ R_FW
+            turned = contact.patch.cone.reshape(-1, 3) @ R_FW
             A[start:end, column : column + WRENCH] = turned.reshape(-1, WRENCH)
             column += WRENCH
             lower[end - 1] = contact.min_normal_force

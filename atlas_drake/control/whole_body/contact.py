@@ -20,7 +20,6 @@ from atlas_drake.robot import ContactEntry
 
 WRENCH = 6
 """Size of a wrench [moment; force]."""
-_MOMENT_X, _MOMENT_Y, _MOMENT_Z, _FORCE_X, _FORCE_Y, _NORMAL = range(WRENCH)
 
 
 @dataclass(frozen=True)
@@ -106,38 +105,29 @@ class ContactPatch:
         """
         pyramid = self.friction / np.sqrt(2.0)
         yaw = self.friction * self.yaw_moment_arm
-        rows = [
-            _row({axis: sign, _NORMAL: -bound})
-            for axis, bound in ((_FORCE_X, pyramid), (_FORCE_Y, pyramid))
-            for sign in (1.0, -1.0)
-        ]
+        # Columns: moment x, y, z, force x, y, normal force.
+        rows = []
+        for sign in (1.0, -1.0):
+            rows.append([0.0, 0.0, 0.0, sign, 0.0, -pyramid])
+        for sign in (1.0, -1.0):
+            rows.append([0.0, 0.0, 0.0, 0.0, sign, -pyramid])
         # Center of pressure (-m_y, m_x) / normal force, inside of every edge.
-        for corner, edge in zip(
-            self.corners, np.roll(self.corners, -1, axis=0) - self.corners, strict=True
-        ):
-            outward = np.array([edge[1], -edge[0]]) / np.hypot(*edge)
-            distance = float(outward @ corner)
-            rows.append(
-                _row(
-                    {_MOMENT_X: outward[1], _MOMENT_Y: -outward[0], _NORMAL: -distance}
-                )
-            )
-        rows += [_row({_MOMENT_Z: sign, _NORMAL: -yaw}) for sign in (1.0, -1.0)]
-        rows.append(_row({_NORMAL: 1.0}))
+        edges = np.roll(self.corners, -1, axis=0) - self.corners
+        for corner, edge in zip(self.corners, edges, strict=True):
+            x, y = outward = np.array([edge[1], -edge[0]]) / np.hypot(*edge)
+            rows.append([y, -x, 0.0, 0.0, 0.0, -float(outward @ corner)])
+        for sign in (1.0, -1.0):
+            rows.append([0.0, 0.0, sign, 0.0, 0.0, -yaw])
+        rows.append([0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
         to_patch = np.zeros((WRENCH, WRENCH))
         to_patch[:3, :3] = to_patch[3:, 3:] = self.R_FC.T
         to_patch[:3, 3:] = -self.R_FC.T @ VectorToSkewSymmetric(self.p_FC)
         return read_only(np.array(rows) @ to_patch)
 
-    @cached_property
+    @property
     def num_rows(self) -> int:
         """Number of rows r of the cone."""
         return len(self.cone)
-
-    @cached_property
-    def cone_vectors(self) -> np.ndarray:
-        """Moment and force part of each row of the cone in turn, shape (2 r, 3)."""
-        return self.cone.reshape(-1, 3)
 
 
 @dataclass(frozen=True)
@@ -168,10 +158,3 @@ class Contact:
     force_weight: float = 1e-6
     moment_weight: float = 1e-4
     support_share: float = 1.0
-
-
-def _row(entries: dict[int, float]) -> np.ndarray:
-    row = np.zeros(WRENCH)
-    for index, value in entries.items():
-        row[index] = value
-    return row

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
 
 import numpy as np
 
@@ -37,7 +36,8 @@ class ComTask(Task):
 
     def rows(self, terms: WholeBodyTerms, contacts: Sequence[Contact]) -> TaskRows:
         """Returns G ∈ R^{3 × 6 c} and the acceleration of gravity."""
-        return TaskRows(None, _FREE_FALL, _mean_force(len(contacts), terms.mass))
+        mean_force = np.eye(3, WRENCH, 3) / terms.mass
+        return TaskRows(None, _FREE_FALL, np.tile(mean_force, len(contacts)))
 
 
 @dataclass(frozen=True)
@@ -105,26 +105,10 @@ class InternalContactTask(Task):
 
     def rows(self, terms: WholeBodyTerms, contacts: Sequence[Contact]) -> TaskRows:
         """Returns G ∈ R^{3 × 6 c}, entries 1 and -1."""
-        found = tuple([contact.frame for contact in contacts])
-        return TaskRows(None, _ZERO, _difference(self.frames, found))
-
-
-# Cached, because the value is the same in most ticks.
-
-
-@lru_cache(maxsize=64)
-def _mean_force(contacts: int, mass: float) -> np.ndarray:
-    """Σ f / m, G ∈ R^{3 × 6 c}."""
-    force = np.eye(3, WRENCH, 3)
-    return np.tile(force / mass, contacts)
-
-
-@lru_cache(maxsize=64)
-def _difference(frames: tuple[str, str], found: tuple[str, ...]) -> np.ndarray:
-    """Yaw moment and horizontal forces of one contact less the other's, (3, 6 c)."""
-    G = np.zeros((3, WRENCH * len(found)))
-    if all(frame in found for frame in frames):
-        for frame, sign in zip(frames, (1.0, -1.0), strict=True):
-            start = WRENCH * found.index(frame)
-            G[0, start + 2] = G[1, start + 3] = G[2, start + 4] = sign
-    return G
+        found = [contact.frame for contact in contacts]
+        G = np.zeros((3, WRENCH * len(found)))
+        if all(frame in found for frame in self.frames):
+            for frame, sign in zip(self.frames, (1.0, -1.0), strict=True):
+                start = WRENCH * found.index(frame)
+                G[0, start + 2] = G[1, start + 3] = G[2, start + 4] = sign
+        return TaskRows(None, _ZERO, G)

@@ -21,7 +21,7 @@ LARGEST_WEIGHT = 1e7
 LARGEST_TARGET = 1e9
 """Likewise of targets, whatever their unit."""
 MOST_REASONS = 3
-"""Number of reasons that are told: one fault often has several traces."""
+"""Number of reasons that are given: one fault often has several traces."""
 
 
 def why_unsolved(

@@ -53,7 +53,10 @@ class TaskStack:
         others: list[Task] = []
         for task in tasks:
             A, b, G = rows_of(task, terms, contacts)
-            _check_shapes(task, len(b))
+            shaped(task.target, b.shape, "target", task)
+            if not isinstance(task.weight, float):
+                shape = b.shape if np.ndim(task.weight) else ()
+                shaped(task.weight, shape, "weight", task)
             if A is not None:
                 if G is not None:
                     self.mixed.append((sum(map(len, self.b)), G))
@@ -66,7 +69,9 @@ class TaskStack:
                 self.g.append(b)
         ordered = moving + others
         self.target = np.concatenate([_NONE, *[task.target for task in ordered]])
-        self.weight = np.concatenate([_NONE, *[row_weights(task) for task in ordered]])
+        self.weight = np.concatenate(
+            [_NONE, *[np.full(len(task.target), task.weight) for task in ordered]]
+        )
 
 
 def rows_of(task: Task, terms: WholeBodyTerms, contacts: Sequence[Contact]) -> TaskRows:
@@ -89,37 +94,11 @@ def rows_of(task: Task, terms: WholeBodyTerms, contacts: Sequence[Contact]) -> T
         )
     A, b, G = rows
     k = np.size(b)
-    motion, wrenches = (k, len(terms.h)), (k, WRENCH * len(contacts))
-    # Quick where all is well: this runs for every task of every tick.
-    if (
-        type(b) is np.ndarray
-        and b.ndim == 1
-        and (A is None or (type(A) is np.ndarray and A.shape == motion))
-        and (G is None or (type(G) is np.ndarray and G.shape == wrenches))
-    ):
-        return TaskRows(A, b, G)
-    name = task_name(task)
+    wrenches = WRENCH * len(contacts)
     return TaskRows(
-        None if A is None else shaped(A, motion, "A", name),
-        shaped(b, (k,), "b", name),
-        None if G is None else shaped(G, wrenches, "G", name),
-    )
-
-
-def _check_shapes(task: Task, k: int) -> None:
-    """Raises ValueError unless a task has one target and weight per row."""
-    shape, weight = (k,), task.weight
-    if getattr(task.target, "shape", None) != shape:
-        shaped(task.target, shape, "target", task_name(task))
-    if not isinstance(weight, float) and getattr(weight, "shape", None) != shape:
-        shaped(weight, shape if np.ndim(weight) else (), "weight", task_name(task))
-
-
-def row_weights(task: Task) -> np.ndarray:
-    """Returns the weight of each row of a task, shape (k,)."""
-    weight = task.weight
-    return (
-        weight if isinstance(weight, np.ndarray) else np.full(len(task.target), weight)
+        None if A is None else shaped(A, (k, len(terms.h)), "A", task),
+        shaped(b, (k,), "b", task),
+        None if G is None else shaped(G, (k, wrenches), "G", task),
     )
 
 

@@ -19,7 +19,8 @@ from atlas_drake.frozen import read_only
 from atlas_drake.robot import Robot
 
 GRAVITY = 9.81
-"""Magnitude of the gravitational acceleration [m/s²]."""
+"""Magnitude of the gravitational acceleration [m/s²]. No setting: Drake's
+plants have the same."""
 
 _ORIGIN = np.zeros(3)
 _NO_BIAS = read_only(np.zeros(6))

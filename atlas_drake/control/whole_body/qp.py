@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 
 import numpy as np
 
@@ -133,30 +132,20 @@ class WholeBodyQp:
         """Stacks the blocks of the constraints."""
         n, size = dynamics.num_joints, dynamics.size
         num_rows = [constraint.num_rows for constraint in constraints]
-        preset = _layout(n, size, sum(num_rows))
-        A, kind = preset.A.copy(), preset.kind.copy()
-        lower, upper = preset.lower.copy(), preset.upper.copy()
+        rows = sum(num_rows)
+        A = np.zeros((rows, size))
+        lower = np.full(size + rows, -INFINITE)
+        upper = np.full(size + rows, INFINITE)
+        kind = np.full(size + rows, INEQUALITY, dtype=np.int32)
+        kind[:n] = SOFT
         self._joint_limits.write(dynamics, bounds, lower[:n], upper[:n])
         end = 0
-        for constraint, rows in zip(constraints, num_rows, strict=True):
-            start, end = end, end + rows
+        for constraint, k in zip(constraints, num_rows, strict=True):
+            start, end = end, end + k
             part = slice(size + start, size + end)
             block = Block(A[start:end], lower[part], upper[part], kind[part])
             constraint.write(dynamics, block)
         return QuadraticProgram(H, f, A, lower, upper, kind)
-
-
-@lru_cache(maxsize=64)
-def _layout(n: int, size: int, rows: int) -> Block:
-    """Preset constraints of the program, before any of them is written."""
-    kind = np.full(size + rows, INEQUALITY, dtype=np.int32)
-    kind[:n] = SOFT
-    return Block(
-        A=np.zeros((rows, size)),
-        lower=np.full(size + rows, -INFINITE),
-        upper=np.full(size + rows, INFINITE),
-        kind=kind,
-    )
 
 
 def _gravity_compensation(

@@ -232,14 +232,14 @@ def task_name(task: object) -> str:
     return name if frame is None else f"{name} on {frame!r}"
 
 
-def shaped(value: Any, shape: tuple[int, ...], name: str, owner: str) -> np.ndarray:
-    """Return a value as an array.
+def shaped(value: Any, shape: tuple[int, ...], name: str, owner: object) -> np.ndarray:
+    """Return a value as an array; quick where all is well, for use in every tick.
 
     Args:
         value: An array, or a list of numbers.
         shape: That it must have.
         name: Of the value.
-        owner: Whose it is, see ``task_name``.
+        owner: Whose it is: a task, or what to call it.
 
     Raises:
         ValueError: If it has another shape, or is made of anything but numbers; it
@@ -247,16 +247,12 @@ def shaped(value: Any, shape: tuple[int, ...], name: str, owner: str) -> np.ndar
     """
     if type(value) is np.ndarray and value.shape == shape:
         return value
+    named = f"{name} of {owner if isinstance(owner, str) else task_name(owner)} must"
     try:
         array = np.asarray(value, dtype=float)
     except (TypeError, ValueError):
-        array = np.array(None)
-    if array.dtype == object:
-        raise ValueError(
-            f"{name} of {owner} must be numbers of shape {shape}, is {shown(value)}"
-        )
+        text = f"{named} be numbers of shape {shape}, is {shown(value)}"
+        raise ValueError(text) from None
     if array.shape != shape:
-        raise ValueError(
-            f"{name} of {owner} must have shape {shape}, has {array.shape}"
-        )
+        raise ValueError(f"{named} have shape {shape}, has {array.shape}")
     return array

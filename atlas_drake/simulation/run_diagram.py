@@ -1,6 +1,6 @@
 """The diagram of a scenario with its simulator, and the begin of runs in it.
 
-What happens in a run is noted by ``atlas_simulation``.
+Events are collected in ``run_log``.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from collections.abc import Iterable, MutableSequence, Sequence
 from typing import Any, TypeAlias
 
 import numpy as np
+from pydrake.math import RigidTransform
 from pydrake.systems.analysis import ApplySimulatorConfig, Simulator
 from pydrake.systems.framework import Context
 
@@ -18,7 +19,7 @@ from atlas_drake.diagrams.control_mode_switch import Extend, make_control_mode_s
 from atlas_drake.diagrams.controller_socket import CONTROLLER, ControllerSource
 from atlas_drake.diagrams.standing import place_robot
 from atlas_drake.diagrams.station_reset import begin_run, reset_station
-from atlas_drake.errors import ScenarioError, did_you_mean
+from atlas_drake.errors import AtlasError, ScenarioError, did_you_mean
 from atlas_drake.frozen import replace
 from atlas_drake.messages import Behavior
 from atlas_drake.messages.commands import Command, Refusal
@@ -36,8 +37,12 @@ Pose: TypeAlias = tuple[Sequence[float], float]
 """Position of the pelvis, horizontal in W [m], and its yaw [rad]."""
 
 
-class Stage:
-    """A robot in its diagram, at the beginning of a run or in one.
+class SimulationError(AtlasError, RuntimeError):
+    """The physics could not be solved any further."""
+
+
+class RunDiagram:
+    """The diagram of a scenario, its simulator and the context of the present run.
 
     Attributes:
         robot: Description of the robot.
@@ -45,7 +50,7 @@ class Stage:
         station: The ``AtlasStation`` in it.
         plant: The ``MultibodyPlant`` of the station.
         simulator: Drake's simulator of the diagram.
-        variation: What the present run drew from its seed.
+        variation: Random variation of the present run.
     """
 
     def __init__(
@@ -123,8 +128,7 @@ class Stage:
         """Begins a run at time 0, with what is drawn from the scenario's seed.
 
         Args:
-            scenario: Scenario with which the stage was built, but for its seed and the
-                start of the robot.
+            scenario: That of the diagram, but for its seed and the robot's start.
 
         Raises:
             ScenarioError: If the robot lacks a body that is to be pushed, and
@@ -179,6 +183,31 @@ class Stage:
         variation = draw_variation(scenario, self.robot)
         self._check_place(_moved(variation, pose), start)
 
+    def advance_to(self, t: float) -> None:
+        """Simulates until a time [s].
+
+        Raises:
+            SimulationError: If the physics could not be solved.
+        """
+        try:
+            self.simulator.AdvanceTo(t)
+        except RuntimeError as error:
+            raise SimulationError(
+                f"the simulation stopped at {self.context.get_time():.3f} s: {error}"
+                f"{self._wrong_effort()}"
+            ) from error
+
+    def _wrong_effort(self) -> str:
+        """Names the joint whose effort from the controller is not finite, if any."""
+        try:
+            wrong = np.flatnonzero(~np.isfinite(self.output("behavior_effort")))
+        except Exception:  # What stopped the physics may stop this, too.
+            return ""
+        if not wrong.size:
+            return ""
+        joint = self.robot.joint_names[wrong[0]]
+        return f" The controller's behavior_effort of {joint} is not finite."
+
     def receive(self, message: Command) -> Refusal | None:
         """Hands a message to the command interface; returns why it is refused."""
         context = self._interface.GetMyMutableContextFromRoot(self.context)
@@ -214,6 +243,23 @@ class Stage:
                 f"Known are {', '.join(self._outputs)}"
             )
         return self.diagram.get_output_port(index).Eval(self.context)
+
+    def frame_pose(self, name: str) -> RigidTransform:
+        """Returns the pose in W of a body or frame of the robot.
+
+        Raises:
+            ValueError: If the robot has neither a body nor a frame of that name.
+        """
+        own = self.robot.instance(self.plant)
+        if not (isinstance(name, str) and self.plant.HasFrameNamed(name, own)):
+            indices = self.plant.GetFrameIndices(own)
+            known = [self.plant.get_frame(index).name() for index in indices]
+            raise ValueError(
+                f"{self.robot.name} has no frame {name!r}."
+                f"{did_you_mean(str(name), known)} Known are {', '.join(known)}"
+            )
+        frame = self.plant.GetFrameByName(name, own)
+        return frame.CalcPoseInWorld(self.plant_context)
 
     def _check_place(self, variation: Variation, start: Start) -> None:
         """Tries a place apart from the run; only a model of the world can be there.

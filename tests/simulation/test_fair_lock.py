@@ -4,7 +4,7 @@ import threading
 
 import pytest
 
-from atlas_drake.simulation.turns import Turns
+from atlas_drake.simulation.fair_lock import FairLock
 
 
 def from_another_thread(call):
@@ -17,48 +17,48 @@ def from_another_thread(call):
 
 
 def test_what_is_left_is_done_in_order_before_the_lock_is_let_go():
-    turns, done = Turns(), []
-    with turns:
+    lock, done = FairLock(), []
+    with lock:
         for number in range(3):
             assert from_another_thread(
-                lambda n=number: turns.leave(lambda: done.append(n))
+                lambda n=number: lock.leave(lambda: done.append(n))
             )
         assert done == []
     assert done == [0, 1, 2]
-    assert not turns.leave(done.clear)
+    assert not lock.leave(done.clear)
 
 
 def test_who_leaves_task_after_task_keeps_nobody_from_going_on():
     """Each task is followed by another, as from a thread that publishes in a loop."""
-    turns, done = Turns(), []
+    lock, done = FairLock(), []
 
     def task():
-        done.append(from_another_thread(lambda: turns.leave(task)))
+        done.append(from_another_thread(lambda: lock.leave(task)))
 
-    with turns:
-        assert from_another_thread(lambda: turns.leave(task))
+    with lock:
+        assert from_another_thread(lambda: lock.leave(task))
     assert done == [False]
 
 
 @pytest.mark.parametrize("error", [KeyboardInterrupt, ValueError])
 def test_an_interrupted_task_takes_neither_the_lock_nor_the_other_tasks(error):
-    turns, done = Turns(), []
+    lock, done = FairLock(), []
 
     def interrupted():
         raise error
 
     def leave(task):
-        assert from_another_thread(lambda: turns.leave(task))
+        assert from_another_thread(lambda: lock.leave(task))
 
-    turns.__enter__()
+    lock.__enter__()
     leave(interrupted)
     leave(lambda: done.append("after"))
     with pytest.raises(error):
-        turns.__exit__()
+        lock.__exit__()
     assert done == []
 
     def take():
-        with turns:
+        with lock:
             return True
 
     assert from_another_thread(take)

@@ -10,7 +10,7 @@ from collections import deque
 from collections.abc import Callable
 
 
-class Turns:
+class FairLock:
     """A fair reentrant lock, with a queue of tasks that do not wait for the lock.
 
     The lock is granted to waiting threads in their order, so that a thread that takes
