@@ -30,7 +30,7 @@ sim.advance(1.0)
 
 print(f"{sim.time:5.2f} s  waving")
 elbow, neck = AtlasState.r_arm_elx, AtlasState.neck_ry
-for _ in range(40):
+for _ in range(20):
     phase = 2.0 * math.pi * 0.5 * (sim.time - 1.0)  # [rad], at half a hertz
     command.position[elbow] = sim.robot.stand_prep[elbow] - 0.5 + 0.5 * math.cos(phase)
     command.position[neck] = 0.1 * math.sin(phase)

@@ -2,6 +2,9 @@
 
 import logging
 import os
+import runpy
+import signal
+import sys
 
 # Small matrices: threads of the linear algebra only wait for each other. Before numpy.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -58,6 +61,25 @@ def restored_loggers():
     for log, (propagate, level, filters) in zip(loggers, before, strict=True):
         log.propagate, log.filters = propagate, filters
         log.setLevel(level)
+
+
+@pytest.fixture
+def run_program(monkeypatch, capsys):
+    """Runs a program in this process; gives its exit status and what it printed."""
+    handler = signal.getsignal(signal.SIGINT)
+
+    def run(path, *arguments):
+        monkeypatch.setattr(sys, "argv", [str(path), *arguments])
+        monkeypatch.setattr(sys, "stdin", None)  # Nobody answers, should it ask.
+        status = 0
+        try:
+            runpy.run_path(str(path), run_name="__main__")
+        except SystemExit as ended:
+            status = ended.code or 0
+        return int(status), capsys.readouterr().out
+
+    yield run
+    signal.signal(signal.SIGINT, handler)
 
 
 @pytest.fixture

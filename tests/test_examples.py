@@ -1,6 +1,5 @@
 """The examples: each has a docstring, runs without a view and ends with success."""
 
-import runpy
 import signal
 import subprocess
 import sys
@@ -24,37 +23,18 @@ EXPECTED = {
 """What each prints last when all is well."""
 
 
-def run(name, *arguments):
-    command = [sys.executable, str(FOLDER / f"{name}.py"), *arguments]
-    return subprocess.run(
-        command,
-        capture_output=True,
-        text=True,
-        stdin=subprocess.DEVNULL,  # Nobody answers, should it ask.
-        check=False,
-    )
-
-
 def test_every_example_is_expected_here():
     assert {path.stem for path in FOLDER.glob("*.py")} == set(EXPECTED)
 
 
 @pytest.mark.parametrize("name", EXPECTED)
-def test_examples_explain_themselves(name, monkeypatch, capsys):
-    path = str(FOLDER / f"{name}.py")
-    monkeypatch.setattr(sys, "argv", [path, "--help"])
-    with pytest.raises(SystemExit) as ended:
-        runpy.run_path(path, run_name="__main__")
-    assert ended.value.code == 0
-    assert "--headless" in capsys.readouterr().out
-
-
-@pytest.mark.parametrize("name", EXPECTED)
-def test_examples_are_watched_from_this_computer_alone(name):
+def test_examples_explain_themselves_and_are_watched_from_here_alone(run_program, name):
+    status, out = run_program(FOLDER / f"{name}.py", "--help")
+    assert status == 0
+    assert "--headless" in out
     text = (FOLDER / f"{name}.py").read_text()
     assert "view=" in text
     assert "eshcat(" not in text
-    assert "input(" not in text  # It fails where there is nobody to press Enter.
 
 
 @pytest.mark.slow
@@ -77,7 +57,7 @@ def test_ctrl_c_ends_an_example_without_a_traceback(name, status):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "last"), EXPECTED.items(), ids=EXPECTED)
-def test_examples_run_to_a_good_end(name, last):
-    done = run(name, "--headless")
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert last in done.stdout.splitlines()[-1]
+def test_examples_run_to_a_good_end(run_program, name, last):
+    status, out = run_program(FOLDER / f"{name}.py", "--headless")
+    assert status == 0, out
+    assert last in out.splitlines()[-1]

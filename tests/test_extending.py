@@ -1,8 +1,6 @@
 """The page on extending: its programs run, and its pictures exist."""
 
 import re
-import subprocess
-import sys
 from dataclasses import dataclass, replace
 from math import pi, sin
 from pathlib import Path
@@ -26,10 +24,8 @@ ROOT = Path(__file__).parents[1]
 FOLDER, PAGE = ROOT / "examples" / "extending", ROOT / "docs" / "extending.md"
 LARGEST, LONGEST = 60_000, 80
 """A picture [byte] and a program [lines] are at most so long."""
-QUICK = {
+PROGRAMS = {
     "own_diagram": ((), r"3 pictures are in \S+\."),
-}
-SLOW = {
     "falls_on_purpose": ((), r"It fell, by 0\.7\d m, at \d\.\d m/s\."),
     "limp_arms": ((), r"It stands\."),
     "message_source": ((), r"STAND after 0\.\d\d m\."),
@@ -42,18 +38,11 @@ SLOW = {
 """Arguments of each program, and what it prints last when all is well."""
 
 
-def last_line(name, arguments):
-    command = [sys.executable, str(FOLDER / f"{name}.py"), *arguments]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stdout + done.stderr
-    return done.stdout.splitlines()[-1]
-
-
 def test_the_page_shows_every_program_and_its_picture():
     text = PAGE.read_text("utf-8")
     assert "(docs/extending.md)" in (ROOT / "README.md").read_text("utf-8")[:3000]
     programs = {path.stem for path in FOLDER.glob("*.py")}
-    assert programs == {*QUICK, *SLOW}
+    assert programs == set(PROGRAMS)
     for name in programs:
         assert f"(../examples/extending/{name}.py)" in text
         assert f"(images/extending_{name}.png)" in text
@@ -88,19 +77,14 @@ def test_the_programs_bring_their_parts_on_the_command_line(name, parts):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", QUICK)
-def test_quick_programs_come_to_a_good_end(name, tmp_path):
-    arguments, last = QUICK[name]
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_programs_come_to_a_good_end(name, run_program, tmp_path):
+    arguments, last = PROGRAMS[name]
     if name == "own_diagram":
         arguments = ("--folder", str(tmp_path))
-    assert re.fullmatch(last, last_line(name, arguments))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", SLOW)
-def test_slow_programs_come_to_a_good_end(name):
-    arguments, last = SLOW[name]
-    assert re.fullmatch(last, last_line(name, arguments))
+    status, out = run_program(FOLDER / f"{name}.py", *arguments)
+    assert status == 0, out
+    assert re.fullmatch(last, out.splitlines()[-1])
 
 
 def test_a_frame_of_the_robot_has_a_pose():

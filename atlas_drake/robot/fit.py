@@ -6,7 +6,6 @@ alone is checked in ``file``, the layout of the legs in ``leg``.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
@@ -27,41 +26,36 @@ other apart with some 50 N."""
 
 def check_names(plant: Any, instance: Any, file: RobotFile) -> None:
     """Checks that the URDF has every body and frame that the file names."""
-    named: list[tuple[str, str]] = [("pelvis", file.pelvis)]
-    for index, foot in enumerate(file.feet):
-        named.append((f"feet[{index}].body", foot.body))
-    named += [(f"hands[{index}]", hand) for index, hand in enumerate(file.hands)]
-    named += [(f"pushed[{index}]", body) for index, body in enumerate(file.pushed)]
-    for index, pair in enumerate(file.no_collisions):
-        named += [(f"no_collisions[{index}]", body) for body in pair]
-    for field, name in named:
-        if not plant.HasBodyNamed(name):
-            known = [
-                plant.get_body(index).name() for index in plant.GetBodyIndices(instance)
-            ]
-            raise _missing(field, name, "body", known)
-    frames = [("chest", file.chest), ("imu_frame", file.imu_frame)]
-    for index, foot in enumerate(file.feet):
-        frames.append((f"feet[{index}].sole_frame", foot.sole_frame))
-    for index, contact in enumerate(file.contacts):
-        frames.append((f"contacts[{index}].frame", contact.frame))
-    for field, name in frames:
-        if not plant.HasFrameNamed(name):
-            known = [
-                plant.get_frame(index).name()
-                for index in plant.GetFrameIndices(instance)
-            ]
-            raise _missing(field, name, "frame", known)
-
-
-def _missing(
-    field: str, name: str, kind: str, known: Iterable[str]
-) -> RobotDescriptionError:
-    known = [word for word in known if word]
-    hint = did_you_mean(name, known) or f" It has {', '.join(known)}."
-    return RobotDescriptionError(
-        field, name, f"the URDF has no {kind} {shown(name)}.{hint}"
-    )
+    known = {
+        "body": [plant.get_body(k).name() for k in plant.GetBodyIndices(instance)],
+        "frame": [plant.get_frame(k).name() for k in plant.GetFrameIndices(instance)],
+    }
+    for kind, field, name in (
+        ("body", "pelvis", file.pelvis),
+        *(("body", f"feet[{i}].body", foot.body) for i, foot in enumerate(file.feet)),
+        *(("body", f"hands[{i}]", hand) for i, hand in enumerate(file.hands)),
+        *(("body", f"pushed[{i}]", body) for i, body in enumerate(file.pushed)),
+        *(
+            ("body", f"no_collisions[{i}]", body)
+            for i, pair in enumerate(file.no_collisions)
+            for body in pair
+        ),
+        ("frame", "chest", file.chest),
+        ("frame", "imu_frame", file.imu_frame),
+        *(
+            ("frame", f"feet[{i}].sole_frame", foot.sole_frame)
+            for i, foot in enumerate(file.feet)
+        ),
+        *(
+            ("frame", f"contacts[{i}].frame", contact.frame)
+            for i, contact in enumerate(file.contacts)
+        ),
+    ):
+        if name not in known[kind]:
+            words = [word for word in known[kind] if word]
+            hint = did_you_mean(name, words) or f" It has {', '.join(words)}."
+            problem = f"the URDF has no {kind} {shown(name)}.{hint}"
+            raise RobotDescriptionError(field, name, problem)
 
 
 def check_base(plant: Any, instance: Any, file: RobotFile) -> Any:
@@ -185,8 +179,12 @@ def _take_stand_prep(plant: Any, context: Any, file: RobotFile) -> None:
         plant.GetJointByName(joint.name).set_angle(context, joint.stand_prep)
 
 
-def check_stance(plant: Any, instance: Any, file: RobotFile) -> None:
-    """Checks that the robot can stand on both feet in its stand-prep pose."""
+def check_stance(plant: Any, instance: Any, file: RobotFile) -> float:
+    """Checks that the robot can stand on both feet in its stand-prep pose.
+
+    Returns:
+        Height of the center of mass above the soles in this pose [m].
+    """
     context = plant.CreateDefaultContext()
     _take_stand_prep(plant, context, file)
     soles = [
@@ -222,3 +220,4 @@ def check_stance(plant: Any, instance: Any, file: RobotFile) -> None:
     if height < LEAST_COM_HEIGHT:
         found = f"the center of mass is {height:.2f} m above the soles"
         raise wrong(found, f"the controller needs {LEAST_COM_HEIGHT} m", height)
+    return height

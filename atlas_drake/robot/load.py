@@ -19,10 +19,7 @@ from pydrake.multibody.tree import ModelInstanceIndex
 from pydrake.systems.framework import DiagramBuilder
 
 from atlas_drake.checked import checked
-from atlas_drake.errors import (
-    RobotDescriptionError,
-    ScenarioError,
-)
+from atlas_drake.errors import RobotDescriptionError, ScenarioError
 from atlas_drake.robot.data_file import file_beside, find_data_file
 from atlas_drake.robot.file import RobotFile
 from atlas_drake.robot.fit import (
@@ -113,7 +110,7 @@ def _load(path: Path, name: str | None, file: RobotFile) -> Robot:
     check_limits(names, lower, upper, velocity, effort)
     check_pose(file, lower, upper)
     legs = read_legs(plant, pelvis, file)
-    check_stance(plant, instance, file)
+    com_height = check_stance(plant, instance, file)
     root = diagram.CreateDefaultContext()
     check_overlaps(plant, plant.GetMyMutableContextFromRoot(root), file)
     return Robot(
@@ -127,6 +124,7 @@ def _load(path: Path, name: str | None, file: RobotFile) -> Robot:
         velocity_limit=velocity,
         effort_limit=effort,
         mass=plant.CalcTotalMass(plant.CreateDefaultContext()),
+        com_height=com_height,
         body_names=tuple(
             plant.get_body(index).name() for index in plant.GetBodyIndices(instance)
         ),

@@ -83,6 +83,8 @@ class Robot:
         velocity_limit: Velocity limits [rad/s].
         effort_limit: Effort limits [N·m].
         mass: Total mass [kg].
+        com_height: Height of the center of mass above the soles in the stand-prep pose
+            [m].
         body_names: Names of all links.
         moved_links: For each joint the names of the link that it moves and of all links
             that are fixed to that one.
@@ -99,6 +101,7 @@ class Robot:
     velocity_limit: np.ndarray
     effort_limit: np.ndarray
     mass: float
+    com_height: float
     body_names: tuple[str, ...]
     moved_links: tuple[tuple[str, ...], ...]
     legs: tuple[Leg, Leg]

@@ -9,12 +9,14 @@ import weakref
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
+from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import (
     CacheEntry,
     Context,
     DependencyTicket,
     LeafSystem,
     OutputPort,
+    ValueProducer,
 )
 
 
@@ -100,6 +102,27 @@ class CollectableSystem(LeafSystem):
         ``ValueProducer`` cannot be replaced later.
         """
         return CachedValue(self, super().DeclareCacheEntry(*args, **kwargs))
+
+    def declare_scratch_context(self, create: Callable[[], Context]) -> CachedValue:
+        """Declares a plant's context for calculations, as an entry never calculated.
+
+        It is part of this system's Context, so that every Context has its own.
+
+        Args:
+            create: Function that makes it, such as a plant's ``CreateDefaultContext``.
+
+        Returns:
+            The entry, whose ``Eval`` returns the plant's context. Set the plant's state
+            before each use.
+        """
+        return self.DeclareCacheEntry(
+            "scratch context",
+            ValueProducer(
+                allocate=self.callback(lambda: AbstractValue.Make(create())),
+                calc=ValueProducer.NoopCalc,
+            ),
+            {self.nothing_ticket()},
+        )
 
     def _callbacks_in(
         self, args: tuple[Any, ...], kwargs: dict[str, Any]

@@ -13,12 +13,7 @@ from pydrake.common.value import AbstractValue
 from pydrake.systems.framework import Context, State
 
 from atlas_drake.frozen import NOTHING
-from atlas_drake.messages import (
-    AtlasCommand,
-    AtlasSimInterfaceState,
-    AtlasState,
-    Imu,
-)
+from atlas_drake.messages import AtlasCommand, AtlasSimInterfaceState, AtlasState, Imu
 from atlas_drake.messages.commands import Command
 from atlas_drake.systems.collectable_system import CollectableSystem
 

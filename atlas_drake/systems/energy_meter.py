@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
-from pydrake.systems.framework import BasicVector, Context, DiscreteValues
+from pydrake.systems.framework import Context, DiscreteValues
 
 from atlas_drake.systems.collectable_system import CollectableSystem
 
@@ -36,13 +36,8 @@ class EnergyMeter(CollectableSystem):
         self._effort = self.DeclareVectorInputPort("effort", len(velocities))
         self._state = self.DeclareVectorInputPort("state", num_states)
         self._work = self.DeclareDiscreteState(2)
-        self.DeclareVectorOutputPort(
-            "work", 2, self._calc_work, prerequisites_of_calc={self.xd_ticket()}
-        )
+        self.DeclareStateOutputPort("work", self._work)
         self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._update)
-
-    def _calc_work(self, context: Context, output: BasicVector) -> None:
-        output.SetFromVector(context.get_discrete_state(self._work).value())
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
         velocity = self._state.Eval(context)[self._velocities]

@@ -7,11 +7,7 @@ import math
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.systems.framework import (
-    BasicVector,
-    Context,
-    DiscreteValues,
-)
+from pydrake.systems.framework import BasicVector, Context, DiscreteValues
 
 from atlas_drake.control.estimation.attitude import rotation_matrix, turn_between
 from atlas_drake.robot import Robot
@@ -43,16 +39,10 @@ class EstimationError(CollectableSystem):
         self._true = self.DeclareVectorInputPort("state", size)
         self._estimated = self.DeclareVectorInputPort("estimated_state", size)
         self._largest = self.DeclareDiscreteState(4)
-        error = self.DeclareVectorOutputPort("estimation_error", 9, self._calc_error)
-        self._error = error
-        self.DeclareVectorOutputPort(
-            "largest_estimation_error",
-            4,
-            lambda context, output: output.SetFromVector(
-                context.get_discrete_state(self._largest).value()
-            ),
-            prerequisites_of_calc={self.xd_ticket()},
+        self._error = self.DeclareVectorOutputPort(
+            "estimation_error", 9, self._calc_error
         )
+        self.DeclareStateOutputPort("largest_estimation_error", self._largest)
         self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._update)
 
     def _calc_error(self, context: Context, output: BasicVector) -> None:

@@ -17,7 +17,6 @@ from atlas_drake.behaviors.fall import Posture, sign_of_fall
 from atlas_drake.frozen import NOTHING, Frozen
 from atlas_drake.robot import Robot
 from atlas_drake.systems.collectable_system import CollectableSystem
-from atlas_drake.systems.scratch import declare_scratch_context
 
 TICKS = 2
 """Interval between two looks at the posture [control periods]."""
@@ -73,11 +72,11 @@ class FallMonitor(CollectableSystem):
         self._soles = [
             plant.GetFrameByName(f.sole_frame, own).index() for f in robot.file.feet
         ]
-        self._nominal_height = self._standing_height(robot) - config.stance.com_drop
+        self._nominal_height = robot.com_height - config.stance.com_drop
         self._state_input = self.DeclareVectorInputPort(
             "state", plant.num_multibody_states(own)
         )
-        self._scratch = declare_scratch_context(self, plant.CreateDefaultContext)
+        self._scratch = self.declare_scratch_context(plant.CreateDefaultContext)
         self._fall = self.DeclareAbstractState(AbstractValue.Make(NOTHING))
         self.DeclareStateOutputPort("fall", self._fall)
         self.DeclarePeriodicUnrestrictedUpdateEvent(TICKS * period, 0.0, self._update)
@@ -109,11 +108,3 @@ class FallMonitor(CollectableSystem):
             for sole in self._soles
         ]
         return float(com[2] - min(soles))
-
-    def _standing_height(self, robot: Robot) -> float:
-        """Computes the height of the center of mass in the stand-prep pose [m]."""
-        context = self._plant.CreateDefaultContext()
-        q = self._plant.GetPositions(context, self._instance)
-        q[robot.indices(self._plant).q] = robot.stand_prep
-        self._plant.SetPositions(context, self._instance, q)
-        return self._com_height(context)

@@ -22,7 +22,6 @@ from atlas_drake.frozen import Frozen, replace
 from atlas_drake.robot import Robot
 from atlas_drake.scenario.harness import HarnessGains
 from atlas_drake.systems.collectable_system import CollectableSystem
-from atlas_drake.systems.scratch import declare_scratch_context
 
 
 @dataclass(frozen=True)
@@ -92,7 +91,7 @@ class Harness(CollectableSystem):
         self._wrench_input = self.DeclareVectorInputPort("foot_wrenches", 12)
         no_forces = AbstractValue.Make([ExternallyAppliedSpatialForce()])
         self._others = self.DeclareAbstractInputPort("other_spatial_force", no_forces)
-        self._scratch = declare_scratch_context(self, plant.CreateDefaultContext)
+        self._scratch = self.declare_scratch_context(plant.CreateDefaultContext)
         self._memory = self.DeclareAbstractState(AbstractValue.Make(HarnessState()))
         self.DeclareAbstractOutputPort(
             "applied_spatial_force", no_forces.Clone, self._calc_forces

@@ -6,11 +6,7 @@ message with the values of an instant.
 
 import numpy as np
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.systems.framework import (
-    BasicVector,
-    Context,
-    DiscreteValues,
-)
+from pydrake.systems.framework import BasicVector, Context, DiscreteValues
 
 from atlas_drake.control.estimation.attitude import (
     rotation_matrix,
@@ -21,7 +17,6 @@ from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.robot import Robot
 from atlas_drake.scenario.noise import NoiseModel, SensorNoise
 from atlas_drake.systems.noisy_system import NoisySystem
-from atlas_drake.systems.scratch import declare_scratch_context
 
 _UNSET = -1.0
 """Time of the last tick before the first tick."""
@@ -71,7 +66,7 @@ class InertialSensor(NoisySystem):
         self._state = self.DeclareVectorInputPort(
             "state", plant.num_multibody_states(own)
         )
-        self._scratch = declare_scratch_context(self, plant.CreateDefaultContext)
+        self._scratch = self.declare_scratch_context(plant.CreateDefaultContext)
         # At the last tick: its time, the pelvis' quaternion, the IMU's velocity in W.
         self._last = self.DeclareDiscreteState(_nothing())
         self.DeclareVectorOutputPort("inertial", 9, self._calc_inertial)

@@ -7,7 +7,6 @@ ports.
 from dataclasses import fields
 from typing import Any
 
-import numpy as np
 from pydrake.common.value import AbstractValue
 from pydrake.math import RigidTransform
 from pydrake.systems.framework import Context
@@ -32,7 +31,6 @@ from atlas_drake.messages.commands import CommandsInForce
 from atlas_drake.messages.controller_status import ControllerStatus
 from atlas_drake.robot import Robot
 from atlas_drake.systems.collectable_system import CollectableSystem
-from atlas_drake.systems.scratch import declare_scratch_context
 
 _BLANK = AtlasSimInterfaceState().snapshot()
 _PARTS = {field.name: getattr(_BLANK, field.name) for field in fields(_BLANK)}
@@ -110,7 +108,7 @@ class InterfaceReporter(CollectableSystem):
             self.DeclareAbstractInputPort(name, AbstractValue.Make(NOTHING))
             for name in ("controller_status", "commands")
         )
-        self._scratch = declare_scratch_context(self, self._plant.CreateDefaultContext)
+        self._scratch = self.declare_scratch_context(self._plant.CreateDefaultContext)
         self.DeclareAbstractOutputPort(
             "atlas_sim_interface_state",
             lambda: AbstractValue.Make(AtlasSimInterfaceState()),
@@ -127,17 +125,14 @@ class InterfaceReporter(CollectableSystem):
             Vector3.from_array(state[self._pelvis.position]),
             Vector3.from_array(state[self._pelvis.velocity]),
         )
-        report.foot_pos_est = self._sole_poses(context, state)
-        report.k_effort = commands.k_effort.astype(int).tolist()
-        output.set_value(report)
-
-    def _sole_poses(self, context: Context, state: np.ndarray) -> list[Pose]:
         scratch = self._scratch.Eval(context)
         self._plant.SetPositions(scratch, state[: self._plant.num_positions()])
-        return [
+        report.foot_pos_est = [
             _pose(self._plant.get_frame(index).CalcPoseInWorld(scratch))
             for index in self._soles
         ]
+        report.k_effort = commands.k_effort.astype(int).tolist()
+        output.set_value(report)
 
 
 def _pose(X_WF: RigidTransform) -> Pose:

@@ -32,7 +32,6 @@ from atlas_drake.frozen import NOTHING, Frozen, read_only, replace
 from atlas_drake.messages.joint_command import JointCommand
 from atlas_drake.robot import PlantIndices, Robot
 from atlas_drake.systems.collectable_system import CollectableSystem
-from atlas_drake.systems.scratch import declare_scratch_context
 
 MOVED = 0.1
 """Refresh the model when a joint has moved farther than this [rad]."""
@@ -155,7 +154,7 @@ class JointPidBank(CollectableSystem):
             self._calc_effort,
             prerequisites_of_calc={self._step.ticket()},
         )
-        self._scratch = declare_scratch_context(self, self._inverse_mass.create_context)
+        self._scratch = self.declare_scratch_context(self._inverse_mass.create_context)
         self._prepared = self.DeclareAbstractState(AbstractValue.Make(NOTHING))
         self._carried = self.DeclareDiscreteState(n)
         self.DeclarePeriodicDiscreteUpdateEvent(physics_step, 0.0, self._update)
@@ -185,7 +184,12 @@ class JointPidBank(CollectableSystem):
         others = law.rest * self._behavior_input.Eval(context)
         static = law.static_effort(integral, q)
         if math.isnan(last.velocity[0]):
-            last = self._before_first_step(context, last, v, static)
+            # Joints that the behavior moved, at a steady velocity. The law knows what
+            # their motors carried: weight and ground forces that balanced the
+            # behavior's efforts will balance those of the user.
+            carried = context.get_discrete_state(self._carried).value()
+            applied = np.clip(carried, -self._limit, self._limit)
+            last = replace(last, velocity=v, applied=applied, static=static)
         idle = change_without_user(last, static, v, others, law.model)
         effort, total = user_effort(static, v + idle, others, law.model, self._limit)
         expected = idle + law.model.response @ (total - others)
@@ -204,47 +208,28 @@ class JointPidBank(CollectableSystem):
         return not source.has_user
 
     def _update(self, context: Context, discrete: DiscreteValues) -> None:
-        if self._is_idle(context):
-            self._update_idle(context, discrete)
+        if not self._is_idle(context):
+            after = self._step.Eval(context).after
+            values = [getattr(after, name) for name in _PID_FIELDS]
+            discrete.set_value(self._memory, np.concatenate(values))
             return
-        after = self._step.Eval(context).after
-        discrete.set_value(
-            self._memory,
-            np.concatenate([getattr(after, name) for name in _PID_FIELDS]),
-        )
+        before = context.get_discrete_state(self._memory).value()
+        n = len(self._nothing)
+        # Without a share the state is set once: this runs at every physics step.
+        if not math.isnan(before[n]):
+            # Velocity and efforts of the last step are not kept.
+            after = self._at_start.copy()
+            after[:n] = before[:n]
+            discrete.set_value(self._memory, after)
 
     def _update_carried(self, context: Context, discrete: DiscreteValues) -> None:
         """Keeps the efforts that the behavior gives until the next control tick."""
         discrete.set_value(self._carried, self._behavior_input.Eval(context))
 
-    def _update_idle(self, context: Context, discrete: DiscreteValues) -> None:
-        """Updates the state while the user has no joint, without a step of the law."""
-        before = context.get_discrete_state(self._memory).value()
-        n = len(self._nothing)
-        if math.isnan(before[n]):
-            return
-        # Velocity and efforts of the last step are not kept: this runs at every step.
-        after = np.zeros(len(_PID_FIELDS) * n)
-        after[:n] = before[:n]
-        after[n : 2 * n] = np.nan
-        discrete.set_value(self._memory, after)
-
     def _remembered(self, context: Context) -> PidState:
         """Returns the state, with NaN for velocities before the first step."""
         values = context.get_discrete_state(self._memory).value()
         return PidState(*values.reshape(len(_PID_FIELDS), -1))
-
-    def _before_first_step(
-        self, context: Context, start: PidState, v: np.ndarray, static: np.ndarray
-    ) -> PidState:
-        """Returns the state of joints at a steady velocity that the behavior moved.
-
-        The law knows what their motors carried: weight and ground forces that balanced
-        the behavior's efforts will balance those of the user.
-        """
-        carried = context.get_discrete_state(self._carried).value()
-        applied = np.clip(carried, -self._limit, self._limit)
-        return replace(start, velocity=v, applied=applied, static=static)
 
     def _calc_forecast(self, context: Context, output: AbstractValue) -> None:
         if self._is_idle(context):
@@ -256,33 +241,24 @@ class JointPidBank(CollectableSystem):
         v = state.take(self._v)
         integral = self._remembered(context).integral
         static = law.static_effort(integral, state.take(self._q))
+        damping, limit, excess = law.model.damping, self._limit, self._nothing
+        # Solve the implicit law only if the static or the explicit one exceeds the
+        # limit of a joint of which the user has a share.
+        explicit = static - damping * v
+        if any((np.abs(e) > limit)[law.active].any() for e in (static, explicit)):
+            effort = self._step.Eval(context).effort
+            excess = effort - np.clip(effort, -limit, limit)
         output.set_value(
             forecast_user_effort(
                 static,
                 law.command.kp_position,
-                law.model.damping,
+                damping,
                 v,
-                self._beyond_limit(
-                    context, law, static, static - law.model.damping * v
-                ),
+                excess,
                 self._control_period,
                 self._dt,
             )
         )
-
-    def _beyond_limit(
-        self, context: Context, law: PreparedLaw, *efforts: np.ndarray
-    ) -> np.ndarray:
-        """Computes the user's effort beyond the motors' limits [N·m], shape (n,).
-
-        The implicit law is solved only if the static or the explicit one of ``efforts``
-        exceeds the limit of a joint of which the user has a share.
-        """
-        limit = self._limit
-        if not any((np.abs(effort) > limit)[law.active].any() for effort in efforts):
-            return self._nothing
-        effort = self._step.Eval(context).effort
-        return effort - np.clip(effort, -limit, limit)
 
     def _law(self, context: Context, source: JointCommand) -> PreparedLaw:
         """Returns the prepared law, computed again if the command has changed."""
@@ -319,18 +295,11 @@ class JointPidBank(CollectableSystem):
             return
         source: JointCommand = self._command_input.Eval(context)
         known = context.get_abstract_state(self._prepared).get_value()
-        if (
-            known is NOTHING
-            or known.source is not source
-            or self._is_old(context, known)
-        ):
-            state.get_mutable_abstract_state(self._prepared).set_value(
-                self._prepare(context, source)
-            )
-
-    def _is_old(self, context: Context, law: PreparedLaw) -> bool:
-        """Returns True if the pose has left that of the law's model."""
-        if context.get_time() < law.time + REFRESH_PERIOD - 1e-9:
-            return False
-        q = self._state_input.Eval(context)[self._q]
-        return bool(np.abs(q - law.q).max() > MOVED)
+        if known is not NOTHING and known.source is source:
+            q = self._state_input.Eval(context)[self._q]
+            is_due = context.get_time() >= known.time + REFRESH_PERIOD - 1e-9
+            if not (is_due and np.abs(q - known.q).max() > MOVED):
+                return
+        state.get_mutable_abstract_state(self._prepared).set_value(
+            self._prepare(context, source)
+        )

@@ -4,35 +4,24 @@ Messages are made only when their ports are read; the controller reads plain vec
 """
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
 from pydrake.common.value import AbstractValue
 from pydrake.multibody.plant import ContactResults, MultibodyPlant
 from pydrake.multibody.tree import BodyIndex, FrameIndex
-from pydrake.systems.framework import (
-    BasicVector,
-    Context,
-    DiscreteValues,
-)
+from pydrake.systems.framework import BasicVector, Context, DiscreteValues
 
 from atlas_drake.control.estimation.attitude import composed, rotation_matrix
 from atlas_drake.control.rotations import cross
 from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.control.wrenches import shift_to_frames
 from atlas_drake.frozen import NOTHING
-from atlas_drake.messages import (
-    AtlasState,
-    Header,
-    Imu,
-    Quaternion,
-    Vector3,
-    Wrench,
-)
+from atlas_drake.messages import AtlasState, Header, Imu, Quaternion, Vector3, Wrench
 from atlas_drake.robot import Robot
 from atlas_drake.scenario.noise import NoiseModel, SensorNoise
 from atlas_drake.systems.noisy_system import NoisySystem
-from atlas_drake.systems.scratch import declare_scratch_context
 
 _UPWARD = np.array([0.0, 0.0, GRAVITY])
 """Specific force of a body at rest, in W [m/s²]."""
@@ -88,13 +77,13 @@ class RobotSensors(NoisySystem):
         self._q_PI = X_PI.rotation().ToQuaternion().wxyz()
         self._R_PI = X_PI.rotation().matrix()
         self._p_PI_I = self._R_PI.T @ X_PI.translation()
-        self._soles = [
+        soles = [
             plant.GetFrameByName(foot.sole_frame, own).index()
             for foot in robot.file.feet
         ]
         feet = [plant.GetBodyByName(foot.body, own) for foot in robot.file.feet]
         self._bodies = {int(body.index()): i for i, body in enumerate(feet)}
-        self._hands = [
+        hands = [
             plant.GetBodyByName(name, own).body_frame().index()
             for name in robot.file.hands
         ]
@@ -116,7 +105,7 @@ class RobotSensors(NoisySystem):
         self._commands = self.DeclareAbstractInputPort(
             "commands", AbstractValue.Make(NOTHING)
         )
-        self._scratch = declare_scratch_context(self, plant.CreateDefaultContext)
+        self._scratch = self.declare_scratch_context(plant.CreateDefaultContext)
         state_ticket = self.input_port_ticket(self._state.get_index())
         self.DeclareVectorOutputPort(
             "measured_state",
@@ -139,18 +128,16 @@ class RobotSensors(NoisySystem):
             ),
             prerequisites_of_calc={self.xd_ticket()},
         )
-        self.DeclareVectorOutputPort(
-            "foot_wrenches",
-            12,
-            self._calc_foot_wrenches,
-            prerequisites_of_calc={self.xd_ticket(), state_ticket},
-        )
-        self.DeclareVectorOutputPort(
-            "hand_wrenches",
-            12,
-            self._calc_hand_wrenches,
-            prerequisites_of_calc={self.xd_ticket(), state_ticket},
-        )
+        for name, part, frames in (
+            ("foot_wrenches", slice(0, 12), soles),
+            ("hand_wrenches", slice(12, 24), hands),
+        ):
+            self.DeclareVectorOutputPort(
+                name,
+                12,
+                partial(self._calc_wrenches, part, frames),
+                prerequisites_of_calc={self.xd_ticket(), state_ticket},
+            )
         self.DeclarePeriodicDiscreteUpdateEvent(
             control_period, 0.0, self._sample_wrenches
         )
@@ -195,16 +182,14 @@ class RobotSensors(NoisySystem):
         """Returns the wrenches on feet and hands about W's origin, shape (24,)."""
         return context.get_discrete_state(self._wrenches).value()
 
-    def _calc_foot_wrenches(self, context: Context, output: BasicVector) -> None:
-        output.SetFromVector(self._shifted(context, slice(0, 12), self._soles))
-
-    def _calc_hand_wrenches(self, context: Context, output: BasicVector) -> None:
-        output.SetFromVector(self._shifted(context, slice(12, 24), self._hands))
-
-    def _shifted(
-        self, context: Context, part: slice, frames: Sequence[FrameIndex]
-    ) -> np.ndarray:
-        """Returns a part of the wrenches, each about the origin of its frame."""
+    def _calc_wrenches(
+        self,
+        part: slice,
+        frames: Sequence[FrameIndex],
+        context: Context,
+        output: BasicVector,
+    ) -> None:
+        """Calculates a part of the wrenches, each about the origin of its frame."""
         wrenches = self._sampled(context)[part].copy()
         if wrenches.any():
             scratch = self._scratch.Eval(context)
@@ -214,7 +199,7 @@ class RobotSensors(NoisySystem):
             shift_to_frames(
                 wrenches.reshape(-1, 6), map(self._plant.get_frame, frames), scratch
             )
-        return wrenches
+        output.SetFromVector(wrenches)
 
     def _calc_imu(self, context: Context, output: AbstractValue) -> None:
         state = self._state.Eval(context)

@@ -6,11 +6,7 @@ For the summary only; no controller reads them.
 import math
 
 import numpy as np
-from pydrake.systems.framework import (
-    BasicVector,
-    Context,
-    DiscreteValues,
-)
+from pydrake.systems.framework import BasicVector, Context, DiscreteValues
 
 from atlas_drake.robot import PlantIndices, Robot
 from atlas_drake.systems.collectable_system import CollectableSystem

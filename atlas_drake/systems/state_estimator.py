@@ -7,12 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from pydrake.common.value import AbstractValue
-from pydrake.systems.framework import (
-    BasicVector,
-    Context,
-    State,
-    ValueProducer,
-)
+from pydrake.systems.framework import BasicVector, Context, State, ValueProducer
 
 from atlas_drake.control.estimation.attitude import rotation_matrix
 from atlas_drake.control.estimation.leg_odometry import (
@@ -27,7 +22,6 @@ from atlas_drake.control.whole_body.model import GRAVITY, WholeBodyModel
 from atlas_drake.frozen import NOTHING, Frozen
 from atlas_drake.robot import Robot
 from atlas_drake.systems.collectable_system import CollectableSystem
-from atlas_drake.systems.scratch import declare_scratch_context
 
 
 @dataclass(frozen=True)
@@ -83,7 +77,7 @@ class StateEstimator(CollectableSystem):
         self._inertial = self.DeclareVectorInputPort("inertial", 9)
         self._loads = self.DeclareVectorInputPort("foot_loads", 2)
         self._start = self.DeclareVectorInputPort("start_state", size)
-        self._scratch = declare_scratch_context(self, plant.CreateDefaultContext)
+        self._scratch = self.declare_scratch_context(plant.CreateDefaultContext)
         self._state = self.DeclareAbstractState(AbstractValue.Make(EstimatorState()))
         self._odometry = self.DeclareCacheEntry(
             "odometry",

@@ -13,11 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from pydrake.common.value import AbstractValue
-from pydrake.systems.framework import (
-    BasicVector,
-    Context,
-    State,
-)
+from pydrake.systems.framework import BasicVector, Context, State
 
 from atlas_drake.behaviors.base import Observation
 from atlas_drake.behaviors.config import ControllerConfig
@@ -28,22 +24,15 @@ from atlas_drake.behaviors.supervisor_state import SupervisorState
 from atlas_drake.control.balance.feedback import pendulum_frequency
 from atlas_drake.control.joints.blend import behavior_share, effort_bounds
 from atlas_drake.control.joints.damping import damping_effort
-from atlas_drake.control.whole_body.command import WholeBodyCommand
 from atlas_drake.control.whole_body.constraints import EffortBounds
-from atlas_drake.control.whole_body.model import (
-    WholeBodyModel,
-    mean_sole_height,
-    nominal_com_height,
-)
+from atlas_drake.control.whole_body.model import WholeBodyModel, mean_sole_height
 from atlas_drake.control.whole_body.qp import WholeBodyQp, WholeBodySolution
-from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.frozen import NOTHING, Frozen, read_only, replace
 from atlas_drake.messages import Behavior
 from atlas_drake.messages.commands import CommandsInForce
 from atlas_drake.messages.controller_status import ControllerStatus, PlannedPaths
 from atlas_drake.robot import Robot
 from atlas_drake.systems.collectable_system import CollectableSystem
-from atlas_drake.systems.scratch import declare_scratch_context
 
 _UNKNOWN = read_only(np.full(2, np.nan))
 
@@ -111,7 +100,7 @@ class WholeBodyController(CollectableSystem):
         self._own_bounds = EffortBounds(-limit, limit, np.zeros(n, dtype=bool))
         self._model = WholeBodyModel(robot)
         self._qp = WholeBodyQp(robot, config.gains)
-        height = nominal_com_height(self._model) - config.stance.com_drop
+        height = robot.com_height - config.stance.com_drop
         self._supervisor = Supervisor(self._model, config, height, entries)
         self.tick_seconds: MutableSequence[float] | None = None
         """Wall-clock time of each tick [s], kept only when set to a list; it depends on
@@ -130,7 +119,7 @@ class WholeBodyController(CollectableSystem):
         self._command_input = self.DeclareAbstractInputPort(
             "commands", AbstractValue.Make(NOTHING)
         )
-        self._scratch = declare_scratch_context(self, self._model.create_context)
+        self._scratch = self.declare_scratch_context(self._model.create_context)
         self._state = self.DeclareAbstractState(AbstractValue.Make(start))
         self.DeclareVectorOutputPort(
             "behavior_effort",
@@ -200,29 +189,17 @@ class WholeBodyController(CollectableSystem):
                 supervisor, effort, com, omega, unsolved=before.unsolved
             )
         if commands.joints.has_user:
-            solution, effort = self._solve_shared(context, terms, command, share)
+            user, limit = self._user_input.Eval(context), self._limit
+            bounds = effort_bounds(share, user, limit)
+            solution = self._qp.solve(terms, command, bounds)
+            effort = behavior_share(
+                solution.effort, solution.joint_acceleration, share, user, limit
+            )
         else:
             solution = self._qp.solve(terms, command, self._own_bounds)
             effort = solution.effort
         unsolved = before.unsolved + (not solution.found)
         return ControllerState(supervisor, effort, com, omega, solution, unsolved)
-
-    def _solve_shared(
-        self,
-        context: Context,
-        terms: WholeBodyTerms,
-        command: WholeBodyCommand,
-        share: np.ndarray,
-    ) -> tuple[WholeBodySolution, np.ndarray]:
-        """Solves the QP with user shares, and computes the behavior's efforts."""
-        user = self._user_input.Eval(context)
-        solution = self._qp.solve(
-            terms, command, effort_bounds(share, user, self._limit)
-        )
-        own = behavior_share(
-            solution.effort, solution.joint_acceleration, share, user, self._limit
-        )
-        return solution, own
 
     def _calc_effort(self, context: Context, output: BasicVector) -> None:
         output.SetFromVector(self._present(context).effort)

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from atlas_drake.behaviors.fall import FallLimits, posture_of, sign_of_fall
-from atlas_drake.control.whole_body.model import nominal_com_height
 
 LIMITS = FallLimits(tilt=0.8, height=0.6)
 
@@ -18,7 +17,7 @@ def terms(observe):
 
 @pytest.fixture
 def nominal(model):
-    return nominal_com_height(model)
+    return model.robot.com_height
 
 
 def tilted(terms, angle):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from pydrake.multibody.tree import MultibodyForces
 
-from atlas_drake.control.whole_body.model import GRAVITY, nominal_com_height
+from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.errors import RobotDescriptionError
 
 SEEDS = range(2)
@@ -207,5 +207,5 @@ def test_terms_do_not_depend_on_what_a_context_was_used_for(model, random_state)
 
 
 def test_the_nominal_height_counts_from_the_soles(model, standing):
-    assert nominal_com_height(model) == pytest.approx(standing.com[2])
+    assert model.robot.com_height == pytest.approx(standing.com[2])
     assert standing.com[2] > 0.5

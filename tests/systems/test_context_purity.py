@@ -14,7 +14,7 @@ from atlas_drake.systems.command_scheduler import ScheduledCommand
 
 WALK_AT = 0.05
 """When the robot is told to walk [s]."""
-END = 0.3005
+END = 0.1505
 """Of short runs [s], between two updates: at an update's own instant a simulator may
 or may not have done it yet."""
 STEPPING = 1.1005

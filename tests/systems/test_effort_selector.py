@@ -2,22 +2,8 @@
 
 import numpy as np
 import pytest
-from pydrake.multibody.plant import MultibodyPlant
 
 from atlas_drake.systems.effort_selector import EffortSelector, blend
-
-
-def test_the_blend_is_the_formula_within_the_limits():
-    random = np.random.default_rng(2)
-    user, behavior = random.normal(0.0, 100.0, size=(2, 500))
-    share = random.integers(0, 256, 500) / 255.0
-    limit = random.uniform(1.0, 100.0, 500)
-    expected = np.clip(share * user + (1.0 - share) * behavior, -limit, limit)
-    np.testing.assert_allclose(blend(user, behavior, share, limit), expected)
-    # The draw has joints on both limits, and joints on none.
-    assert (expected == limit).any()
-    assert (expected == -limit).any()
-    assert (np.abs(expected) < limit).any()
 
 
 @pytest.mark.parametrize(("k", "owner"), [(0, "behavior"), (255, "user")])
@@ -27,15 +13,8 @@ def test_at_the_ends_one_side_has_the_joint_alone(k, owner):
     np.testing.assert_array_equal(blended, efforts[owner])
 
 
-@pytest.fixture
-def plant(robot):
-    plant = MultibodyPlant(time_step=0.0)
-    robot.add_to(plant)
-    plant.Finalize()
-    return plant
-
-
-def test_the_system_blends_per_joint_and_in_the_plants_order(robot, plant):
+def test_the_system_blends_per_joint_and_in_the_plants_order(robot):
+    plant = robot.make_plant()
     selector = EffortSelector(robot, robot.indices(plant))
     context = selector.CreateDefaultContext()
     random = np.random.default_rng(3)
@@ -51,6 +30,7 @@ def test_the_system_blends_per_joint_and_in_the_plants_order(robot, plant):
     effort = selector.GetOutputPort("effort").Eval(context)
     expected = np.clip(k / 255 * user + (1 - k / 255) * behavior, -limit, limit)
     np.testing.assert_allclose(effort, expected)
+    assert (np.abs(expected) == limit).any()
     actuation = selector.GetOutputPort("actuation").Eval(context)
     for joint, name in enumerate(robot.joint_names):
         actuator = next(

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from pydrake.systems.analysis import Simulator
 
-from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.systems.run_statistics import RunStatistics
 
 TICK = 0.01
@@ -12,7 +11,7 @@ TICK = 0.01
 
 
 def test_it_keeps_the_peaks_in_message_order(robot):
-    plant = WholeBodyModel(robot).plant
+    plant = robot.make_plant()
     indices = robot.indices(plant)
     system = RunStatistics(robot, indices, plant.num_multibody_states(), TICK)
     simulator = Simulator(system)

@@ -1,7 +1,6 @@
 """The controller's own constants; its ticks are tested in whole simulations."""
 
 from atlas_drake.behaviors.config import ControllerConfig
-from atlas_drake.control.whole_body.model import WholeBodyModel, nominal_com_height
 from atlas_drake.messages import Behavior
 from atlas_drake.systems.whole_body_controller import WholeBodyController
 
@@ -9,5 +8,5 @@ from atlas_drake.systems.whole_body_controller import WholeBodyController
 def test_the_robot_stands_lower_than_in_its_stand_prep_pose(robot):
     controller = WholeBodyController(robot, ControllerConfig(), 0.009, Behavior.STAND)
     height = controller._supervisor._tools.nominal_height
-    drop = nominal_com_height(WholeBodyModel(robot)) - height
+    drop = robot.com_height - height
     assert 0.0 < drop < 0.1

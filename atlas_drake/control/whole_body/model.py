@@ -182,12 +182,3 @@ class WholeBodyModel:
 def mean_sole_height(terms: WholeBodyTerms) -> float:
     """Height of the middle between both soles in W [m]."""
     return 0.5 * float(terms.feet[0].p_WF[2] + terms.feet[1].p_WF[2])
-
-
-def nominal_com_height(model: WholeBodyModel) -> float:
-    """Height of the CoM above the soles in the stand-prep pose [m]."""
-    context = model.create_context()
-    state: Any = model.plant.GetPositionsAndVelocities(context)
-    state[model.robot.indices(model.plant).q] = model.robot.stand_prep
-    terms = model.evaluate(context, state)
-    return float(terms.com[2]) - mean_sole_height(terms)
