@@ -93,7 +93,7 @@ def _controller(own: dict[str, Any], meshcat: Meshcat) -> np.ndarray:
     return _ground_below(sim)
 
 
-def _limp_arms(own: dict[str, Any], meshcat: Meshcat) -> np.ndarray:
+def _torque_free_arms(own: dict[str, Any], meshcat: Meshcat) -> np.ndarray:
     """The arms hang as they fall."""
     sim = AtlasSimulation(controller=own["make_controller"], view=meshcat)
     sim.advance(1.5)
@@ -160,7 +160,7 @@ def _source(own: dict[str, Any], meshcat: Meshcat) -> np.ndarray:
 
 VIEWS = {
     "own_controller": _controller,
-    "limp_arms": _limp_arms,
+    "torque_free_arms": _torque_free_arms,
     "own_behavior": _behavior,
     "own_task": _task,
     "own_world": _world,

@@ -27,7 +27,7 @@ LARGEST, LONGEST = 60_000, 80
 PROGRAMS = {
     "own_diagram": ((), r"3 pictures are in \S+\."),
     "falls_on_purpose": ((), r"It fell, by 0\.7\d m, at \d\.\d m/s\."),
-    "limp_arms": ((), r"It stands\."),
+    "torque_free_arms": ((), r"It stands\."),
     "message_source": ((), r"STAND after 0\.\d\d m\."),
     "own_behavior": ((), r"It stands\."),
     "own_controller": ((), r"It fell\."),
@@ -64,7 +64,7 @@ def test_the_table_leads_to_every_section():
     ("name", "parts"),
     [
         ("falls_on_purpose", ["controller"]),
-        ("limp_arms", ["controller"]),
+        ("torque_free_arms", ["controller"]),
         ("own_behavior", ["behaviors"]),
         ("own_controller", ["controller"]),
         ("own_diagram", ["world", "extend"]),

@@ -134,8 +134,8 @@ def test_efforts_are_blended_as_those_of_ours(gravity_pd):
 
 @pytest.mark.slow
 def test_a_fall_is_noticed_from_outside_and_ends_with_a_reset():
-    limp = Scenario()
-    sim = AtlasSimulation(limp, controller=lambda robot, _: sized(robot.num_joints))
+    scenario = Scenario()
+    sim = AtlasSimulation(scenario, controller=lambda robot, _: sized(robot.num_joints))
     sim.advance(1.5)
     assert sim.has_fallen
     assert [e.kind for e in sim.events] == ["fall"]

@@ -248,7 +248,9 @@ def test_hand_collides_with_what_it_can_reach(robot, pair, arm):
     [(0.0, 0.0), (0.0, 0.3), (0.0, -0.3), (0.3, 0.0), (-0.3, 0.0)],
     ids=["straight", "forward", "backward", "right", "left"],
 )
-def test_limp_robot_comes_to_lie_on_the_ground(grounded_robot, stand_prep, roll, pitch):
+def test_a_robot_without_torque_comes_to_lie_on_the_ground(
+    grounded_robot, stand_prep, roll, pitch
+):
     robot = grounded_robot
     tilt = RollPitchYaw(roll, pitch, 0.0).ToRotationMatrix()
     robot.set_pose(stand_prep, RigidTransform(tilt, [0.0, 0.0, 0.0]))

@@ -67,7 +67,7 @@ def touching(sim, but):
     return names - set(but) - {world}
 
 
-def test_limp_joints_are_only_braked():
+def test_joints_in_damping_mode_are_only_braked():
     v, limit = np.array([1.0, -2.0, 0.0, 1e6]), np.array([10.0, 20.0, 30.0, 40.0])
     effort = damping_effort(v, limit, 0.006)
     assert (effort * v <= 0.0).all()
@@ -95,7 +95,7 @@ def test_damping_mode_gain_is_too_weak_to_shake_a_joint(name, period):
 
 
 @pytest.mark.slow
-def test_a_fall_is_noticed_before_the_ground_and_leaves_the_robot_limp():
+def test_a_fall_is_noticed_before_the_ground_and_turns_on_damping_mode():
     sim = AtlasSimulation()
     feet = [foot.body for foot in sim.robot.file.feet]
     sim.advance(0.2)
@@ -104,7 +104,7 @@ def test_a_fall_is_noticed_before_the_ground_and_leaves_the_robot_limp():
         assert sim.time < 3.0
         assert not touching(sim, feet)
         sim.advance(0.02)
-    # It lies on the ground some time later, limp, and the simulation goes on.
+    # It lies on the ground some time later, and the simulation goes on.
     sim.advance(4.0)
     assert touching(sim, feet)
     assert flags(sim) & BehaviorStatus.ERROR_FALLING

@@ -1,6 +1,6 @@
 """The shipped controller, changed: its efforts pass through your own system.
 
-    python examples/extending/limp_arms.py
+    python examples/extending/torque_free_arms.py
 
 The arms get no torque; balance, QP and behaviors are the shipped ones. A diagram is a
 System, too, and so fits the socket if its ports have the right names.
@@ -13,7 +13,7 @@ from atlas_drake import AtlasSimulation
 from atlas_drake.diagrams.atlas_station import make_whole_body_controller
 
 
-class LimpArms(LeafSystem):
+class TorqueFreeArms(LeafSystem):
     """Passes efforts on [N·m], but none to the arms."""
 
     def __init__(self, robot):
@@ -31,12 +31,12 @@ def make_controller(robot, config):
     """Wires the shipped controller and the system behind it; the station calls it."""
     builder = DiagramBuilder()
     ours = builder.AddNamedSystem("ours", make_whole_body_controller(robot, config))
-    limp = builder.AddNamedSystem("limp", LimpArms(robot))
-    builder.Connect(ours.GetOutputPort("behavior_effort"), limp.GetInputPort("ours"))
+    free = builder.AddNamedSystem("torque_free_arms", TorqueFreeArms(robot))
+    builder.Connect(ours.GetOutputPort("behavior_effort"), free.GetInputPort("ours"))
     for index in range(ours.num_input_ports()):
         port = ours.get_input_port(index)
         builder.ExportInput(port, port.get_name())
-    builder.ExportOutput(limp.GetOutputPort("effort"), "behavior_effort")
+    builder.ExportOutput(free.GetOutputPort("effort"), "behavior_effort")
     for name in ("controller_status", "planned_paths"):
         builder.ExportOutput(ours.GetOutputPort(name), name)
     return builder.Build()
