@@ -361,3 +361,19 @@ def test_a_request_to_stand_drops_the_steps_that_have_not_begun(
     begun = walk._planner.shift(swing.progress, swing.planned.dcm, swing.planned.cop)
     for phase in (landed, begun):
         assert isinstance(leave(phase), WalkSettle)
+
+
+def test_steps_of_a_message_end_the_demonstration(walk, observe, walk_message):
+    seen = observe()
+    demo = walk_message()
+    demo.walk_params.use_demo_walk = True
+    first = as_request(demo)
+    phase = walk.enter(seen, capture_body(seen.terms), first)
+    assert len(phase.progress.pending) > 2
+    again = as_request(demo)
+    body = capture_body(seen.terms)
+    kept = walk.update(phase, seen, body, again, leaving=False).state
+    assert kept.progress.pending == phase.progress.pending
+    own = as_request(walk_message((1, 0, 0.1, 0.14)))
+    read = walk.update(phase, seen, body, own, leaving=False).state
+    assert [step.index for step in read.progress.pending] == [1]

@@ -4,7 +4,12 @@ import numpy as np
 import pytest
 
 from atlas_drake.control.feet.footstep import FootPose
-from atlas_drake.control.feet.step_swing import StepSwingProfile, plan_step_swing
+from atlas_drake.control.feet.step_swing import (
+    PEAK_SPEED,
+    TURN_RADIUS,
+    StepSwingProfile,
+    plan_step_swing,
+)
 from atlas_drake.control.rotations import (
     rotation_vector,
     rotation_with_normal,
@@ -129,3 +134,11 @@ def test_it_looks_for_ground_down_to_a_bound(swing):
 def test_a_step_on_the_spot_still_takes_its_time():
     swing = plan(x=0.0)
     assert min(swing.lift, swing.move, swing.lower) >= PROFILE.shortest_part
+
+
+@pytest.mark.parametrize("angle", [0.5, -1.0])
+def test_a_turn_on_the_spot_takes_the_time_of_its_arc(angle):
+    slow = 0.1
+    goal = FootPose(HOME.p_WF, rotation_z(0.4 + angle))
+    swing = plan_step_swing(HOME, HOME, goal, LIFT, 0.0, 0.1, slow, PROFILE)
+    assert swing.move == pytest.approx(PEAK_SPEED * TURN_RADIUS * abs(angle) / slow)

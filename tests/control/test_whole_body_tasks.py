@@ -27,6 +27,7 @@ from atlas_drake.control.whole_body import (
 )
 from atlas_drake.control.whole_body.elimination import TaskStack
 from atlas_drake.control.whole_body.model import GRAVITY
+from atlas_drake.robot import ContactEntry
 
 HAND = "l_hand"
 GAINS = PdGains(kp=100.0, kd=20.0)
@@ -481,3 +482,9 @@ def test_rows_and_bounds_without_which_there_were_a_solution_are_named(
     answer = qp.solve(terms, command.plus(constraints=[beyond]), bounds)
     assert not answer.found
     assert answer.why == "the hard bounds of the command may contradict others"
+
+
+def test_the_patch_of_a_hand_has_the_size_in_the_robots_file():
+    entry = ContactEntry(name="palm", frame="l_hand", length=0.04, width=0.10)
+    patch = ContactPatch.of_entry(entry, ContactModel())
+    np.testing.assert_allclose(np.abs(patch.corners), [[0.02, 0.05]] * 4)

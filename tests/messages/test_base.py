@@ -20,6 +20,7 @@ from atlas_drake.messages import (
     Vector3,
 )
 from atlas_drake.messages.base import frozen, same_content
+from atlas_drake.messages.plain import message_from
 
 KINDS = [
     kind
@@ -221,3 +222,9 @@ def test_state_messages_list_both_feet():
     left, right = AtlasSimInterfaceState().foot_pos_est
     left.position.x = 1.0
     assert right.position.x == 0.0
+
+
+def test_of_a_refused_message_all_known_fields_are_kept():
+    plain = {"unheard_of": 3, "behavior": "WALK", "k_effort": [1, 2]}
+    kept = message_from(AtlasSimInterfaceCommand, plain, strict=False)
+    assert (kept.behavior, list(kept.k_effort)) == ("WALK", [1, 2])

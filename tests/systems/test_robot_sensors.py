@@ -62,3 +62,18 @@ def test_the_soles_are_pressed_within_their_edges_wherever_the_robot_stands():
         assert reach < 0.5 * np.hypot(sole.length, sole.width)
     for wrench in (report.l_hand, report.r_hand):
         assert not wrench.force.to_array().any()
+
+
+@pytest.mark.parametrize("noise", ["none", "rough"])
+def test_joints_are_measured_with_the_noise_of_their_encoders(noise):
+    sim = AtlasSimulation(Scenario(noise=noise, seed=3))
+    sim.advance(0.03)
+    sensors = sim.station.GetSubsystemByName("robot_sensors")
+    context = sensors.GetMyContextFromRoot(sim.context)
+    measured = sensors.GetOutputPort("measured_state").Eval(context)
+    truth = sensors.GetInputPort("state").Eval(context)
+    drawn = sensors.noise(context).sample(sim.time)
+    indices = sim.robot.indices(sim.plant)
+    joints = measured[indices.q] - truth[indices.q]
+    np.testing.assert_allclose(joints, drawn.joint_position, atol=1e-12)
+    assert drawn.joint_position.any() == (noise == "rough")
