@@ -49,7 +49,7 @@ def _resolved(path: Path) -> Path:
 
 
 @contextmanager
-def whole_file(path: Path) -> Iterator[Path]:
+def whole_file(path: Path, unfinished_as: str = "") -> Iterator[Path]:
     """Yields a path to write to, whose file becomes ``path`` if no error is raised.
 
     The content is on the disk before the file gets its name.
@@ -57,6 +57,13 @@ def whole_file(path: Path) -> Iterator[Path]:
     Every call has its own unfinished file: when two programs write one ``path``, the
     last one to finish replaces the file. A ``path`` that is a device or a pipe is
     written to directly.
+
+    Args:
+        path: The file.
+        unfinished_as: Part of the unfinished file's name, for a ``path`` that only one
+            program writes at a time: after a program that was killed, the next call
+            writes to the same unfinished file, and none stays behind. Empty for a name
+            that no other call has.
 
     Raises:
         OSError: If the file cannot be made.
@@ -68,11 +75,12 @@ def whole_file(path: Path) -> Iterator[Path]:
     if path.exists() and not path.is_file():
         yield path
         return
-    token = secrets.token_hex(4)
     # Without the stem of the path, because the length of names is limited.
+    token = unfinished_as or secrets.token_hex(4)
     unfinished = path.with_name(f".{token}.unfinished{path.suffix}")
-    # Fails if the name exists, even as a link.
-    os.close(os.open(unfinished, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666))
+    # Fails for a link, and unless the name is given, if it exists.
+    kind = os.O_NOFOLLOW | os.O_TRUNC if unfinished_as else os.O_EXCL
+    os.close(os.open(unfinished, os.O_WRONLY | os.O_CREAT | kind, 0o666))
     try:
         yield unfinished
         # Otherwise a power failure can leave the name with an empty file.

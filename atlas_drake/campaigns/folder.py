@@ -117,14 +117,8 @@ class CampaignFolder:
     def write(self, record: Mapping[str, Any]) -> None:
         """Writes the record of a trial; ``only_one`` keeps a second program away."""
         file = self.file_of(record["trial"])
-        # Each trial has one unfinished file. After a kill the trial runs again and
-        # replaces the file, so that no unfinished file stays behind.
-        unfinished = file.with_name(f".{file.name}.unfinished")
-        with unfinished.open("wb") as written:
-            written.write(_as_json(record))
-            written.flush()
-            os.fsync(written.fileno())
-        os.replace(unfinished, file)
+        with whole_file(file, unfinished_as=file.stem) as unfinished:
+            unfinished.write_bytes(_as_json(record))
 
     def records(self) -> dict[int, dict[str, Any]]:
         """Reads every record, by the number of its trial.

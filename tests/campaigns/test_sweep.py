@@ -73,7 +73,7 @@ def test_a_sweep_goes_on_where_it_was_killed(campaign_file, tmp_path, capsys):
     folder = CampaignFolder(out)
     before = folder.records()
     # As if it had been killed while it wrote the last record.
-    (out / "trials/.000004.json.unfinished").write_text("{")
+    (out / "trials/.000004.unfinished.json").write_text("{")
     times = {n: (out / f"trials/{n:06d}.json").stat().st_mtime_ns for n in before}
     assert 0 in before
     assert main([*command, "--jobs", "1"]) == 1
