@@ -247,7 +247,7 @@ def _first(error: ValidationError, kind: Any, path: str) -> ScenarioError:
     said = fault["msg"].replace(" after validation", "")
     if said.startswith(_SHOULD_BE):
         return _wrong(where, value, said.removeprefix(_SHOULD_BE))
-    return ScenarioError(where, value, f"is {shown(value)}; {said}")
+    return ScenarioError.about(where, value, said)
 
 
 def _structure(kind: Any) -> Any:
@@ -291,6 +291,4 @@ def joined(path: str, name: object) -> str:
 
 
 def _wrong(path: str, value: object, wanted: str) -> ScenarioError:
-    return ScenarioError(
-        path or "scenario", value, f"is {shown(value)}; must be {wanted}"
-    )
+    return ScenarioError.about(path or "scenario", value, f"must be {wanted}")

@@ -6,6 +6,7 @@ The checks that raise them are beside the values that they check.
 import difflib
 from collections.abc import Iterable
 from enum import IntEnum
+from typing import Self
 
 
 class ErrorCode(IntEnum):
@@ -79,6 +80,25 @@ class _FileError(AtlasError, ValueError):
         self.field = field
         self.value = value
         self.problem = problem
+
+    @classmethod
+    def about(cls, field: str, value: object, problem: str) -> Self:
+        """Returns the error of a value that its message shows.
+
+        Args:
+            field: Where the value stands.
+            value: The value.
+            problem: What is wrong with it.
+        """
+        return cls(field, value, f"is {shown(value)}; {problem}")
+
+    def within(self, file: object) -> Self:
+        """Returns the same error, whose message names the file, too.
+
+        Args:
+            file: The file's path.
+        """
+        return type(self)(self.field, self.value, f"{self.problem} (in {file})")
 
     def __str__(self) -> str:
         """Names the field and the problem."""

@@ -19,7 +19,7 @@ from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.checked import checked
 from atlas_drake.configuration import Configuration
 from atlas_drake.control.gains import ControlGains
-from atlas_drake.errors import ScenarioError, shown
+from atlas_drake.errors import ScenarioError
 from atlas_drake.planning.footholds import Gait
 from atlas_drake.robot import RobotFile
 
@@ -79,10 +79,8 @@ class ControllerConfig(Configuration):
         least, greatest = self.walk.limits.width
         if not least <= self.stance.width <= greatest:
             width = self.stance.width
-            problem = (
-                f"is {shown(width)}; walk.limits.width is {least:g} to {greatest:g}"
-            )
-            raise ScenarioError("stance.width", width, problem)
+            problem = f"walk.limits.width is {least:g} to {greatest:g}"
+            raise ScenarioError.about("stance.width", width, problem)
 
     @property
     def of_behaviors(self) -> dict[str, Any]:

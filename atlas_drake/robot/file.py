@@ -12,7 +12,7 @@ from typing import Annotated, Any, Literal
 from annotated_types import Len, MinLen
 
 from atlas_drake.configuration import Configuration, NotNegative, Positive, Vector
-from atlas_drake.errors import ScenarioError, shown
+from atlas_drake.errors import ScenarioError
 
 LEGS = ("l_leg", "r_leg")
 """Limbs in the order of foot indices."""
@@ -122,21 +122,19 @@ class RobotFile(Configuration):
         """Checks what the fields' types do not express."""
         if len(self.hands) not in (0, 2):
             wanted = "must be the left and the right hand, or []"
-            raise _wrong("hands", self.hands, wanted)
+            raise ScenarioError.about("hands", self.hands, wanted)
         if len(self.feet) != 2:
             wanted = "must be two: the left and the right foot"
-            raise _wrong("feet", self.feet, wanted)
+            raise ScenarioError.about("feet", self.feet, wanted)
         _check_once("joints", [[one.name, one.alias] for one in self.joints])
         _check_once("contacts", [[one.name] for one in self.contacts])
         if self.most_knee_flexion < self.least_knee_flexion:
             wanted = (
                 f"must be at least least_knee_flexion ({self.least_knee_flexion:g})"
             )
-            raise _wrong("most_knee_flexion", self.most_knee_flexion, wanted)
-
-
-def _wrong(name: str, value: object, problem: str) -> ScenarioError:
-    return ScenarioError(name, value, f"is {shown(value)}; {problem}")
+            raise ScenarioError.about(
+                "most_knee_flexion", self.most_knee_flexion, wanted
+            )
 
 
 def _check_once(path: str, entries: Iterable[Sequence[str]]) -> None:
@@ -146,5 +144,5 @@ def _check_once(path: str, entries: Iterable[Sequence[str]]) -> None:
         for name in filter(None, names):
             if name in known:
                 wanted = "an earlier one has that name"
-                raise _wrong(f"{path}[{index}].name", name, wanted)
+                raise ScenarioError.about(f"{path}[{index}].name", name, wanted)
             known.add(name)

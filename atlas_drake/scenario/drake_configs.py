@@ -16,7 +16,7 @@ from pydrake.systems.analysis import (
 from pydrake.systems.framework import DiagramBuilder
 from pydrake.systems.primitives import ConstantVectorSource
 
-from atlas_drake.errors import ScenarioError, shown
+from atlas_drake.errors import ScenarioError
 
 
 def plant_config(**fields: Any) -> MultibodyPlantConfig:
@@ -87,5 +87,5 @@ def _decide(config: object, path: str, name: str, own: float, problem: str) -> N
     default = getattr(type(config)(), name)
     # A physics step on the common grid differs from the given one by rounding.
     if value != default and not math.isclose(value, own, rel_tol=1e-9):
-        raise ScenarioError(f"{path}.{name}", value, f"is {shown(value)}; {problem}")
+        raise ScenarioError.about(f"{path}.{name}", value, problem)
     setattr(config, name, own)

@@ -12,7 +12,7 @@ from typing import Annotated, Literal
 from annotated_types import Ge
 
 from atlas_drake.configuration import Configuration, NotNegative, Positive
-from atlas_drake.errors import ScenarioError, shown
+from atlas_drake.errors import ScenarioError
 
 LIFT_OFF, TOUCHDOWN = "lift_off", "touchdown"
 LARGEST_FORCE = 1e5
@@ -56,7 +56,7 @@ class PlannedPush(Configuration):
 
         def refuse(name: str, wanted: str) -> ScenarioError:
             value = getattr(self, name)
-            return ScenarioError(name, value, f"is {shown(value)}; must be {wanted}")
+            return ScenarioError.about(name, value, f"must be {wanted}")
 
         if self.impulse / self.duration > LARGEST_FORCE:
             most = LARGEST_FORCE * self.duration

@@ -252,7 +252,7 @@ class Scenario(Configuration):
 
     def _refusal(self, name: str, wanted: str) -> ScenarioError:
         value = getattr(self, name)
-        return ScenarioError(name, value, f"is {shown(value)}; must be {wanted}")
+        return ScenarioError.about(name, value, f"must be {wanted}")
 
     def controller_config(self) -> ControllerConfig:
         """Returns the parameters of the controller for the scenario's robot.
@@ -269,8 +269,7 @@ class Scenario(Configuration):
         try:
             robots = ControllerConfig.of(file)
         except ScenarioError as error:
-            problem = f"{error.problem} (in {find_robot(self.model)})"
-            raise ScenarioError(error.field, error.value, problem) from None
+            raise error.within(find_robot(self.model)) from None
         if not self.controller:
             return robots
         made: ControllerConfig = checked(
@@ -383,9 +382,7 @@ def load_scenario(path: str | Path) -> Scenario:
             )
         return scenario_from(with_full_paths(raw, Path(path).parent))
     except ScenarioError as error:
-        raise ScenarioError(
-            error.field, error.value, f"{error.problem} (in {path})"
-        ) from None
+        raise error.within(path) from None
 
 
 def with_full_paths(raw: Mapping[str, Any], folder: Path) -> Mapping[str, Any]:
@@ -444,14 +441,12 @@ def with_settings(scenario: Scenario, settings: Iterable[str]) -> Scenario:
     for setting in settings:
         path, equals, text = setting.partition("=")
         if not (equals and is_path(path)):
-            raise ScenarioError(
-                "--set", setting, f"is {shown(setting)}; must be KEY.PATH=VALUE"
-            )
+            raise ScenarioError.about("--set", setting, "must be KEY.PATH=VALUE")
         try:
             value = yaml_load(data=text)
         except Exception as error:  # The parser raises many kinds of exception.
-            problem = f"is {shown(text)}; must be a value as in YAML: {error}"
-            raise ScenarioError(path, text, problem) from error
+            problem = f"must be a value as in YAML: {error}"
+            raise ScenarioError.about(path, text, problem) from error
         values.pop(path, None)
         values[path] = value
     return with_values(scenario, values)

@@ -13,7 +13,7 @@ from annotated_types import Interval, Len
 from pydrake.math import RigidTransform, RollPitchYaw
 
 from atlas_drake.configuration import Configuration, Positive, Share, Vector
-from atlas_drake.errors import ScenarioError, shown
+from atlas_drake.errors import ScenarioError
 
 GROUND_SIZE, GROUND_THICKNESS = 2e4, 100.0
 """Side and thickness of the ground [m]. The narrow phase tilts the normals of cylinders
@@ -49,9 +49,7 @@ class Block(Configuration):
     def check(self) -> None:
         """Checks that the box has a volume."""
         if min(self.size) <= 0.0:
-            raise ScenarioError(
-                "size", self.size, f"is {shown(self.size)}; must be positive"
-            )
+            raise ScenarioError.about("size", self.size, "must be positive")
 
     @property
     def rgba(self) -> np.ndarray:

@@ -141,9 +141,7 @@ def load_world(name: str | Path = DEFAULT_WORLD) -> World:
     try:
         return _load(path, str(name) if str(name) in available_worlds() else str(path))
     except ScenarioError as error:
-        raise ScenarioError(
-            error.field, error.value, f"{error.problem} (in {path})"
-        ) from None
+        raise error.within(path) from None
 
 
 def world_from(given: Any, present: World | None = None) -> World:

@@ -8,7 +8,7 @@ from atlas_drake.configuration import Configuration
 from atlas_drake.control.balance.feedback import StepAdjustmentLimits
 from atlas_drake.control.feet.step_limits import StepLimits, StepSlack
 from atlas_drake.control.feet.swing_foot import SwingProfile
-from atlas_drake.errors import ScenarioError, shown
+from atlas_drake.errors import ScenarioError
 from atlas_drake.planning.footholds import UsualSteps
 
 
@@ -41,5 +41,5 @@ class WalkConfig(Configuration):
             ("swing.height", self.swing.height, limits.swing_height.greatest),
         ):
             if value > most:
-                problem = f"is {shown(value)}; the limits allow {most:g} at most"
-                raise ScenarioError(name, value, problem)
+                problem = f"the limits allow {most:g} at most"
+                raise ScenarioError.about(name, value, problem)

@@ -15,7 +15,7 @@ from atlas_drake.configuration import (
     Positive,
     Range,
 )
-from atlas_drake.errors import ScenarioError, shown
+from atlas_drake.errors import ScenarioError
 from atlas_drake.frozen import replace
 from atlas_drake.numeric import is_number
 
@@ -72,13 +72,17 @@ class StepLimits(Configuration):
         for name, least in (("width", 0.0), ("duration", 1e-3), ("swing_height", 0.0)):
             given = getattr(self, name)
             if given.least < least:
-                raise _wrong(name, list(given), f"must be {least:g} or more")
+                raise ScenarioError.about(
+                    name, list(given), f"must be {least:g} or more"
+                )
         shortest, longest = self.duration
         if not shortest <= self.far_duration <= longest:
             wanted = f"must be within duration ({shortest:g} to {longest:g})"
-            raise _wrong("far_duration", self.far_duration, wanted)
+            raise ScenarioError.about("far_duration", self.far_duration, wanted)
         if self.far <= self.near:
-            raise _wrong("far", self.far, f"must be more than near ({self.near:g})")
+            raise ScenarioError.about(
+                "far", self.far, f"must be more than near ({self.near:g})"
+            )
 
 
 def quasi_static_limits() -> StepLimits:
@@ -121,7 +125,3 @@ class StepSlack(Configuration):
             toe_out=limits.toe_out + self.turn,
             toe_in=limits.toe_in + self.turn,
         )
-
-
-def _wrong(name: str, value: object, problem: str) -> ScenarioError:
-    return ScenarioError(name, value, f"is {shown(value)}; {problem}")
