@@ -27,7 +27,7 @@ from atlas_drake.messages import (
     WalkStatus,
 )
 from atlas_drake.messages.behavior_catalog import SHIPPED, BehaviorCatalog
-from atlas_drake.visualization.display import Display
+from atlas_drake.visualization.display import Display, declare_values
 from atlas_drake.visualization.marks import Marks
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.scene import CAMERA, FIELD_OF_VIEW
@@ -151,8 +151,8 @@ class CaptionDisplay(Display):
         super().__init__(period)
         self._overlays = overlays
         self._meshcat = meshcat
-        self._report, self._commands = self.declare_values(
-            "atlas_sim_interface_state", "commands"
+        self._report, self._commands = declare_values(
+            self, "atlas_sim_interface_state", "commands"
         )
         self._marks = Marks(meshcat, f"{CAMERA}/caption", self._draw, recorded)
 

@@ -25,7 +25,7 @@ from pydrake.systems.framework import Context
 from atlas_drake.messages import K_EFFORT_MAX
 from atlas_drake.palette import BEHAVIOR, BUSY, IDLE, SHARED, SPENT, USER, Color
 from atlas_drake.robot import Robot
-from atlas_drake.visualization.display import Display
+from atlas_drake.visualization.display import Display, declare_values
 from atlas_drake.visualization.gltf_triangles import gltf_triangles
 from atlas_drake.visualization.marks import Timeline
 from atlas_drake.visualization.overlays import Overlays
@@ -36,6 +36,15 @@ GAMMA = 2.2
 """Exponent of the conversion to light intensities, in which Meshcat takes colors."""
 COVER = "_colored"
 """Suffix of the path of a link's copy."""
+
+
+def joint_colors(
+    overlays: Overlays, k_effort: np.ndarray, effort: np.ndarray, limit: np.ndarray
+) -> list[Color] | None:
+    """Colors joints by the coloring that is switched on; None without one."""
+    if overlays.is_on("owner"):
+        return owner_colors(k_effort)
+    return effort_colors(effort, limit) if overlays.is_on("effort") else None
 
 
 def owner_colors(k_effort: np.ndarray) -> list[Color]:
@@ -99,7 +108,7 @@ class ControlColors(Display):
         self._query = self.DeclareAbstractInputPort(
             "query_object", AbstractValue.Make(QueryObject())
         )
-        (self._commands,) = self.declare_values("commands")
+        (self._commands,) = declare_values(self, "commands")
         self._effort = self.DeclareVectorInputPort("effort", robot.num_joints)
         self._begin()
         # Drake's visualiser then draws everything anew, which also deletes the copies.
@@ -111,12 +120,11 @@ class ControlColors(Display):
 
     def _publish(self, context: Context) -> None:
         time = context.get_time()
-        if self._overlays.is_on("owner"):
-            commands: Any = self._commands.Eval(context)
-            colors = owner_colors(commands.k_effort)
-        elif self._overlays.is_on("effort"):
-            colors = effort_colors(self._effort.Eval(context), self._limit)
-        else:
+        commands: Any = self._commands.Eval(context)
+        colors = joint_colors(
+            self._overlays, commands.k_effort, self._effort.Eval(context), self._limit
+        )
+        if colors is None:
             self._cover(False, time)
             return
         if not self._links:

@@ -12,7 +12,7 @@ import numpy as np
 from pydrake.geometry import Meshcat
 from pydrake.systems.framework import Context
 
-from atlas_drake.visualization.display import Display
+from atlas_drake.visualization.display import Display, declare_values
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.scene import center_at, look_at
 
@@ -42,7 +42,7 @@ class Following(Display):
         self._meshcat = meshcat
         self._overlays = overlays
         self._recorded = recorded
-        (self._report,) = self.declare_values("atlas_sim_interface_state")
+        (self._report,) = declare_values(self, "atlas_sim_interface_state")
         self._share = 1.0 - math.exp(-period / LAG)
         self._scene: tuple[float, float] | None = None
         self._target: np.ndarray | None = None

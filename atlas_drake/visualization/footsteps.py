@@ -27,7 +27,7 @@ from atlas_drake.messages.controller_status import Plan
 from atlas_drake.messages.event import Event
 from atlas_drake.palette import FEET
 from atlas_drake.robot import SoleSize
-from atlas_drake.visualization.display import Display
+from atlas_drake.visualization.display import Display, declare_values
 from atlas_drake.visualization.marks import Marks
 from atlas_drake.visualization.shapes import draw_flat, ribbons
 
@@ -214,8 +214,8 @@ class FootstepDisplay(Display):
         super().__init__(period)
         self._meshcat = meshcat
         self._outline = sole_outline(sole)
-        self._commands, self._status, self._report = self.declare_values(
-            "commands", "controller_status", "atlas_sim_interface_state"
+        self._commands, self._status, self._report = declare_values(
+            self, "commands", "controller_status", "atlas_sim_interface_state"
         )
         self._marks = Marks(meshcat, "/atlas_drake/footsteps", self._draw, recorded)
 

@@ -10,13 +10,12 @@ from pydrake.systems.framework import DiagramBuilder, System
 
 from atlas_drake.robot import Robot
 from atlas_drake.visualization import FRAME_RATE
-from atlas_drake.visualization.balance_marks import BalanceMarks
 from atlas_drake.visualization.caption import CaptionDisplay
-from atlas_drake.visualization.contact_forces import ContactForces
 from atlas_drake.visualization.control_colors import ControlColors
-from atlas_drake.visualization.display import Display
+from atlas_drake.visualization.display import add_display
 from atlas_drake.visualization.following import Following
 from atlas_drake.visualization.footsteps import FootstepDisplay
+from atlas_drake.visualization.overlay_marks import OverlayMarks
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.scene import prepare_scene
 
@@ -36,7 +35,7 @@ def add_meshcat_view(
 
     Args:
         builder: Builder of the diagram that holds the station.
-        station: An AtlasStation, or a diagram with some of its output ports.
+        station: An AtlasStation, or the replay of one.
         robot: Robot of the station.
         meshcat: Meshcat instance to draw in.
         overlays: Switches of the overlays, which may change later.
@@ -53,24 +52,12 @@ def add_meshcat_view(
             publish_period=period, enable_alpha_slider=False, prefix=VISUALIZER
         ),
     )
-    displays: list[tuple[str, Display]] = [
-        (
-            "footstep_display",
-            FootstepDisplay(meshcat, robot.file.sole, period, recorded),
-        ),
+    sole = robot.file.sole
+    for name, display in (
+        ("footstep_display", FootstepDisplay(meshcat, sole, period, recorded)),
         ("caption_display", CaptionDisplay(meshcat, overlays, period, recorded)),
         ("following", Following(meshcat, overlays, period, recorded)),
-        ("balance_marks", BalanceMarks(meshcat, robot, overlays, period, recorded)),
-        ("contact_force_display", ContactForces(meshcat, overlays, period)),
-        (
-            "control_colors",
-            ControlColors(meshcat, VISUALIZER, robot, overlays, period),
-        ),
-    ]
-    for name, display in displays:
-        ports = [display.get_input_port(i) for i in range(display.num_input_ports())]
-        # A replay has no contact results.
-        if all(station.HasOutputPort(port.get_name()) for port in ports):
-            builder.AddNamedSystem(name, display)
-            for port in ports:
-                builder.Connect(station.GetOutputPort(port.get_name()), port)
+        ("overlay_marks", OverlayMarks(meshcat, robot, overlays, period, recorded)),
+        ("control_colors", ControlColors(meshcat, VISUALIZER, robot, overlays, period)),
+    ):
+        add_display(builder, station, name, display)
