@@ -16,10 +16,10 @@ from atlas_drake.logs.balance_figures import (
     pelvis_velocity,
     view_from_above,
 )
+from atlas_drake.logs.channels import NO_QP
 from atlas_drake.logs.joint_figures import effort_panel, position_panels, share_panel
 from atlas_drake.logs.log import Log
 from atlas_drake.logs.panels import Line, Marker, Page, Panel, Span
-from atlas_drake.logs.samples import NO_QP
 from atlas_drake.logs.support import feet_of, runs
 
 ALARM = "#d50000"
