@@ -30,8 +30,7 @@ from atlas_drake.ros_scripts.source_file import (
     read_source,
 )
 from atlas_drake.ros_scripts.stand_ins import StandIn
-from atlas_drake.ros_scripts.threads import threading_names
-from atlas_drake.ros_scripts.time_module import simulated_time
+from atlas_drake.ros_scripts.threads import simulated_time, threading_names
 from atlas_drake.ros_scripts.unknown import ScriptError
 
 REAL_TIME = {"_thread", "asyncio", "concurrent", "multiprocessing", "queue", "sched"}

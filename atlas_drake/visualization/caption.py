@@ -27,8 +27,7 @@ from atlas_drake.messages import (
     WalkStatus,
 )
 from atlas_drake.messages.behavior_catalog import SHIPPED, BehaviorCatalog
-from atlas_drake.visualization.display import Display, declare_values
-from atlas_drake.visualization.marks import Marks
+from atlas_drake.visualization.marks import Display, Marks, declare_values
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.scene import CAMERA, FIELD_OF_VIEW
 from atlas_drake.visualization.shapes import draw_flat, ribbons

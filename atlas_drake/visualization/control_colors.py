@@ -1,16 +1,21 @@
 """Links colored by the user's share, or by the effort, of the joint that moves them.
 
-The pelvis, which no joint moves, keeps its own colors.
+The pelvis, which no joint moves, keeps its own colors. Browsers read the robot's meshes
+too late to color them, so that their triangles are read here.
 """
 
 from __future__ import annotations
 
+import base64
+import json
 from collections.abc import Sequence
 from itertools import chain
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote
 
 import numpy as np
+from numpy.typing import NDArray
 from pydrake.common.value import AbstractValue
 from pydrake.geometry import (
     FrameId,
@@ -25,10 +30,60 @@ from pydrake.systems.framework import Context
 from atlas_drake.messages import K_EFFORT_MAX
 from atlas_drake.palette import BEHAVIOR, BUSY, IDLE, SHARED, SPENT, USER, Color
 from atlas_drake.robot import Robot
-from atlas_drake.visualization.display import Display, declare_values
-from atlas_drake.visualization.gltf_triangles import gltf_triangles
-from atlas_drake.visualization.marks import Timeline
+from atlas_drake.visualization.marks import Display, Timeline, declare_values
 from atlas_drake.visualization.overlays import Overlays
+
+_TYPES = {5121: "u1", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
+"""Types of numbers by the codes of glTF."""
+_WIDTHS = {"SCALAR": 1, "VEC3": 3}
+
+
+def gltf_triangles(file: Path) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+    """Reads all parts of a mesh in glTF 2.0 as one.
+
+    Files are as ``tools/robot_models`` writes them, or those of Drake: one node
+    at the origin, data in the file or in another file beside it.
+
+    Returns:
+        Vertices with z up [m], shape (3, any), and triangles, shape (3, any).
+    """
+    document = json.loads(file.read_text())
+    buffers = [_data(buffer["uri"], file.parent) for buffer in document["buffers"]]
+    vertices: list[NDArray[np.float64]] = []
+    faces: list[NDArray[np.int32]] = []
+    count = 0
+    for mesh in document["meshes"]:
+        for part in mesh["primitives"]:
+            x, y, z = _values(document, buffers, part["attributes"]["POSITION"]).T
+            corners = _values(document, buffers, part["indices"]).reshape(-1, 3).T
+            # In glTF the y axis points up.
+            vertices.append(np.array([x, -z, y], dtype=float))
+            faces.append(corners.astype(np.int32) + np.int32(count))
+            count += len(x)
+    return np.hstack(vertices), np.hstack(faces)
+
+
+def _data(uri: str, folder: Path) -> bytes:
+    """Returns the data of a buffer, from the text itself or from a file beside it."""
+    if uri.startswith("data:"):
+        return base64.b64decode(uri.split(",", 1)[1])
+    return (folder / unquote(uri)).read_bytes()
+
+
+def _values(document: Any, buffers: list[bytes], number: int) -> NDArray[Any]:
+    """Reads the data of an accessor, one row per element."""
+    accessor = document["accessors"][number]
+    view = document["bufferViews"][accessor["bufferView"]]
+    kind = np.dtype(_TYPES[accessor["componentType"]])
+    width = _WIDTHS[accessor["type"]]
+    return np.ndarray(
+        shape=(accessor["count"], width),
+        dtype=kind,
+        buffer=buffers[view["buffer"]],
+        offset=view.get("byteOffset", 0) + accessor.get("byteOffset", 0),
+        strides=(view.get("byteStride", width * kind.itemsize), kind.itemsize),
+    )
+
 
 SHADES = 20
 """Steps of a color scale: equal colors are not sent again."""

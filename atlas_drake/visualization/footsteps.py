@@ -27,8 +27,7 @@ from atlas_drake.messages.controller_status import Plan
 from atlas_drake.messages.event import Event
 from atlas_drake.palette import FEET
 from atlas_drake.robot import SoleSize
-from atlas_drake.visualization.display import Display, declare_values
-from atlas_drake.visualization.marks import Marks
+from atlas_drake.visualization.marks import Display, Marks, declare_values
 from atlas_drake.visualization.shapes import draw_flat, ribbons
 
 LANDED_OPACITY = 0.45

@@ -12,12 +12,11 @@ from atlas_drake.robot import Robot
 from atlas_drake.visualization import FRAME_RATE
 from atlas_drake.visualization.caption import CaptionDisplay
 from atlas_drake.visualization.control_colors import ControlColors
-from atlas_drake.visualization.display import add_display
-from atlas_drake.visualization.following import Following
 from atlas_drake.visualization.footsteps import FootstepDisplay
+from atlas_drake.visualization.marks import add_display
 from atlas_drake.visualization.overlay_marks import OverlayMarks
 from atlas_drake.visualization.overlays import Overlays
-from atlas_drake.visualization.scene import prepare_scene
+from atlas_drake.visualization.scene import Following, prepare_scene
 
 VISUALIZER = "/drake/visualizer"
 """Where Drake's own visualiser draws the links."""

@@ -11,8 +11,7 @@ from pydrake.math import RigidTransform, RotationMatrix
 from pydrake.systems.framework import Context
 
 from atlas_drake.robot import Robot
-from atlas_drake.visualization.display import Display
-from atlas_drake.visualization.marks import Marks, Timeline
+from atlas_drake.visualization.marks import Display, Marks, Timeline
 from atlas_drake.visualization.overlay_shapes import (
     SEEN_THROUGH,
     OverlayPorts,

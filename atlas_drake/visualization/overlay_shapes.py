@@ -13,8 +13,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 from pydrake.common.value import AbstractValue
-from pydrake.geometry import QueryObject
+from pydrake.geometry import QueryObject, SceneGraphInspector
 from pydrake.multibody.plant import ContactResults
+from pydrake.multibody.tree import world_index
 from pydrake.systems.framework import Context, LeafSystem
 
 from atlas_drake.control.balance.feedback import dcm, pendulum_frequency
@@ -24,9 +25,53 @@ from atlas_drake.control.wrenches import center_of_pressure
 from atlas_drake.messages.controller_status import Plan, PlannedPaths
 from atlas_drake.palette import COM, COP, DCM, FORCE, SUPPORT, SWING, Color
 from atlas_drake.robot import Robot
-from atlas_drake.visualization.contact_forces import ContactForce, contact_forces_of
-from atlas_drake.visualization.display import declare_values
+from atlas_drake.visualization.marks import declare_values
 from atlas_drake.visualization.overlays import Overlays
+
+LEAST_FORCE = 5.0
+"""Force below which a contact is left out [N]."""
+
+
+class ContactForce(NamedTuple):
+    """Force on the robot at a point, both in W [m], [N], shape (3,)."""
+
+    p_WC: np.ndarray
+    force_W: np.ndarray
+
+
+def contact_forces_of(
+    results: ContactResults, inspector: SceneGraphInspector
+) -> list[ContactForce]:
+    """Returns the forces on the robot, from contacts at points and on surfaces.
+
+    Two touching links push each other: the returned force is the one that points up.
+    """
+    world = world_index()
+    forces = []
+    for index in range(results.num_point_pair_contacts()):
+        pair = results.point_pair_contact_info(index)
+        bodies = pair.bodyA_index() == world, pair.bodyB_index() == world
+        # Drake gives the force on body B.
+        forces.append(_on_robot(pair.contact_point(), pair.contact_force(), *bodies))
+    for index in range(results.num_hydroelastic_contacts()):
+        info = results.hydroelastic_contact_info(index)
+        surface = info.contact_surface()
+        are_world = (
+            inspector.GetFrameId(shape) == inspector.world_frame_id()
+            for shape in (surface.id_M(), surface.id_N())
+        )
+        force = -info.F_Ac_W().translational()
+        forces.append(_on_robot(surface.centroid(), force, *are_world))
+    return [one for one in forces if np.linalg.norm(one.force_W) > LEAST_FORCE]
+
+
+def _on_robot(
+    p_WC: np.ndarray, force_B: np.ndarray, a_is_world: bool, b_is_world: bool
+) -> ContactForce:
+    """Chooses between the force on body B, which may be the ground, and on A."""
+    is_reaction = b_is_world or (not a_is_world and force_B[2] < 0.0)
+    return ContactForce(np.array(p_WC), np.array(-force_B if is_reaction else force_B))
+
 
 Points = NDArray[np.float64]
 

@@ -27,8 +27,8 @@ from atlas_drake.scenario.world_file import View
 from atlas_drake.systems.collectable_system import CollectableSystem
 from atlas_drake.visualization.caption import caption_of, feedback_words
 from atlas_drake.visualization.control_colors import joint_colors
-from atlas_drake.visualization.display import add_display, declare_values
 from atlas_drake.visualization.footsteps import footstep_marks
+from atlas_drake.visualization.marks import add_display, declare_values
 from atlas_drake.visualization.overlay_shapes import OverlayPorts
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.video_camera import camera_pose, follow, looking_at

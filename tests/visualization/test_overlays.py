@@ -33,7 +33,6 @@ from atlas_drake.palette import (
     hex_color,
 )
 from atlas_drake.visualization.caption import feedback_words
-from atlas_drake.visualization.contact_forces import ContactForce, contact_forces_of
 from atlas_drake.visualization.control_colors import (
     COVER,
     effort_colors,
@@ -43,7 +42,9 @@ from atlas_drake.visualization.overlay_marks import PATH, pose_and_length
 from atlas_drake.visualization.overlay_shapes import (
     DRAWN,
     FORCE_SCALE,
+    ContactForce,
     ShapeKind,
+    contact_forces_of,
     overlay_shapes,
 )
 from atlas_drake.visualization.overlays import LOGGED, OVERLAYS, Overlays, overlays_from

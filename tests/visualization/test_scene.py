@@ -10,7 +10,6 @@ from pydrake.geometry import Meshcat
 from atlas_drake import AtlasSimulation, Scenario, Start
 from atlas_drake.messages import AtlasSimInterfaceState
 from atlas_drake.scenario.world_file import load_world
-from atlas_drake.visualization.following import Following
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.scene import (
     CAMERA_POSITION,
@@ -18,6 +17,7 @@ from atlas_drake.visualization.scene import (
     GROUND,
     SUN,
     SUN_POSITION,
+    Following,
     show_start,
 )
 

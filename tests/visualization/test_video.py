@@ -13,10 +13,13 @@ from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.palette import COM, FORCE
 from atlas_drake.robot import load_robot
 from atlas_drake.scenario.world_file import load_world
-from atlas_drake.visualization.contact_forces import contact_forces_of
 from atlas_drake.visualization.control_colors import owner_colors
 from atlas_drake.visualization.footsteps import FootstepMark, Kind
-from atlas_drake.visualization.overlay_shapes import DRAWN, overlay_shapes
+from atlas_drake.visualization.overlay_shapes import (
+    DRAWN,
+    contact_forces_of,
+    overlay_shapes,
+)
 from atlas_drake.visualization.overlays import OVERLAYS, Overlays
 from atlas_drake.visualization.video_camera import LAG, camera_pose, follow
 from atlas_drake.visualization.video_display import (
