@@ -124,22 +124,18 @@ def make_page(log: Log) -> Page:
         [foot_heights(log), foot_forces(log)],
         [pelvis_angles(log), pelvis_velocity(log)],
     ]
-    panels = [
-        replace(panel, row=row, column=column)
-        for row, pair in enumerate(rows)
-        for column, panel in enumerate(pair)
-        if panel is not None
-    ]
     falls = [
         Marker(event.time, ALARM, "fall")
         for event in log.events
         if event.kind == "fall"
     ]
-    if falls:
-        panels = [
-            replace(panel, items=(*panel.items, *falls)) if panel.over_time else panel
-            for panel in panels
-        ]
+    panels = []
+    for row, pair in enumerate(rows):
+        for column, panel in enumerate(pair):
+            if panel is not None:
+                marks = falls if panel.over_time else []
+                items = (*panel.items, *marks)
+                panels.append(replace(panel, row=row, column=column, items=items))
     return Page(
         title=f"{log.path.name}: {log.header.model}, scenario {_scenario_name(log)}",
         subtitle=f"{time[0]:.1f} s to {time[-1]:.1f} s, {len(log)} control ticks of "

@@ -27,7 +27,6 @@ from atlas_drake.ros_scripts.ros_time import Duration
 from atlas_drake.ros_scripts.ros_time import Time as RosTime
 from atlas_drake.ros_scripts.topics import joint_name
 from atlas_drake.ros_scripts.unknown import UnknownNameError, unknown
-from atlas_drake.simulation import AtlasSimulation
 
 GAINS = "atlas_controller/gains"
 """Path of the joint controllers' default gains: .../JOINT/p, i, d, i_clamp."""
@@ -45,15 +44,16 @@ class NoParameterError(UnknownNameError, KeyError):
 class Parameters:
     """The parameters of one run."""
 
-    def __init__(self, sim: AtlasSimulation, resolve: Callable[[str], str]) -> None:
+    def __init__(self, clock: Clock, resolve: Callable[[str], str]) -> None:
         """Reads the robot's gains, by the v3 and the v1 names of the joints.
 
         Args:
-            sim: The simulation.
+            clock: Clock of the run.
             resolve: Returns the full name of a parameter, such as ``/node/x`` of
                 ``~x``.
         """
-        robot = sim.robot
+        self._clock = clock
+        robot = clock.sim.robot
         gains: dict[str, Any] = {}
         for joint, kp, kd in zip(
             robot.file.joints, robot.default_kp, robot.default_kd, strict=True
@@ -71,6 +71,7 @@ class Parameters:
         Raises:
             NoParameterError: If it does not exist and no default is given.
         """
+        self._clock.glance()
         value: Any = self._tree
         for part in self._path(name):
             if not isinstance(value, dict) or part not in value:
@@ -125,7 +126,7 @@ class RosNode:
         self._clock, self._say = clock, say
         self._name = "unnamed"
         self._at_end: list[Callable[..., object]] = []
-        self._parameters = Parameters(clock.sim, self._resolve)
+        self._parameters = Parameters(clock, self._resolve)
 
     def init_node(self, name: str, *_arguments: object, **_options: object) -> None:
         """Sets the name; the registration takes one control period."""
@@ -157,7 +158,7 @@ class RosNode:
             "signal_shutdown": self._shut_down,
             "ROSException": RosError,
             "ROSInterruptException": RosInterruptError,
-            "get_param": self._get_param,
+            "get_param": parameters.get,
             "has_param": parameters.has,
             "set_param": parameters.set,
             **{
@@ -198,10 +199,6 @@ class RosNode:
     def _shut_down(self, reason: object = "") -> None:
         self._clock.shut_down()
         self.end()
-
-    def _get_param(self, name: str, *default: Any, **named: Any) -> Any:
-        self._clock.glance()
-        return self._parameters.get(name, *default, **named)
 
     def _log(self, level: str, text: object, *arguments: object, **_: object) -> None:
         if level != "DEBUG":
