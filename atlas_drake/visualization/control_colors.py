@@ -16,21 +16,18 @@ from urllib.parse import unquote
 
 import numpy as np
 from numpy.typing import NDArray
-from pydrake.common.value import AbstractValue
 from pydrake.geometry import (
     FrameId,
     Mesh,
     Meshcat,
-    QueryObject,
     Role,
     SceneGraphInspector,
 )
-from pydrake.systems.framework import Context
 
 from atlas_drake.messages import K_EFFORT_MAX
 from atlas_drake.palette import BEHAVIOR, BUSY, IDLE, SHARED, SPENT, USER, Color
 from atlas_drake.robot import Robot
-from atlas_drake.visualization.marks import Display, Timeline, declare_values
+from atlas_drake.visualization.marks import Timeline
 from atlas_drake.visualization.overlays import Overlays
 
 _TYPES = {5121: "u1", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
@@ -125,66 +122,39 @@ def _between(colors: Sequence[Color], share: float) -> Color:
     return r, g, b
 
 
-class ControlColors(Display):
-    """Colors the links while one of the two colorings is switched on.
+class ControlColors:
+    """Colors the links.
 
     A colored link is hidden behind a copy with one material. Browsers load the link
     itself too late for a recording to reach its materials; without the copy the link
     shows its own colors again.
-
-    Input ports:
-        query_object: Query object of the scene graph.
-        commands: ``CommandsInForce``
-        effort: Efforts of the motors [N·m], shape (n,).
     """
 
-    __slots__ = ()
-
-    def __init__(
-        self,
-        meshcat: Meshcat,
-        prefix: str,
-        robot: Robot,
-        overlays: Overlays,
-        period: float,
-    ) -> None:
-        """Updates the colors every ``period`` [s].
-
-        Drake's visualiser draws the links under ``prefix``.
-        """
-        super().__init__(period)
+    def __init__(self, meshcat: Meshcat, prefix: str, robot: Robot) -> None:
+        """Colors in ``meshcat``, where Drake draws the links under ``prefix``."""
         self._meshcat = meshcat
         self._prefix = prefix
-        self._limit = robot.effort_limit
         self._frame_names = [
             [f"{robot.name}::{link}" for link in links] for links in robot.moved_links
         ]
-        self._overlays = overlays
-        self._query = self.DeclareAbstractInputPort(
-            "query_object", AbstractValue.Make(QueryObject())
-        )
-        (self._commands,) = declare_values(self, "commands")
-        self._effort = self.DeclareVectorInputPort("effort", robot.num_joints)
-        self._begin()
-        # Drake's visualiser then draws everything anew, which also deletes the copies.
-        self.DeclareInitializationPublishEvent(lambda _context: self._begin())
+        self.begin()
 
-    def _begin(self) -> None:
+    def begin(self) -> None:
+        """Begins anew after Drake's visualiser, which also deletes the copies."""
         self._timeline = Timeline(self._meshcat)
         self._links: list[list[str]] = []
 
-    def _publish(self, context: Context) -> None:
-        time = context.get_time()
-        commands: Any = self._commands.Eval(context)
-        colors = joint_colors(
-            self._overlays, commands.k_effort, self._effort.Eval(context), self._limit
-        )
+    def show(
+        self,
+        colors: Sequence[Color] | None,
+        inspector: SceneGraphInspector,
+        time: float,
+    ) -> None:
+        """Shows colors of the joints' links, or their own, from ``time`` [s] on."""
         if colors is None:
             self._cover(False, time)
             return
         if not self._links:
-            query: Any = self._query.Eval(context)
-            inspector = query.inspector()
             frames = {inspector.GetName(f): f for f in inspector.GetAllFrameIds()}
             self._links = [
                 [path for name in names for path in self._draw(inspector, frames[name])]

@@ -1,25 +1,64 @@
-"""Adds all displays of a station in Meshcat to a diagram in one call.
-
-Wiring only; the displays are in the files beside this one.
-"""
+"""The 3D view of a station in Meshcat: its parts are in the files beside this one."""
 
 from __future__ import annotations
 
+from functools import partial
+
 from pydrake.geometry import Meshcat, MeshcatVisualizer, MeshcatVisualizerParams
-from pydrake.systems.framework import DiagramBuilder, System
+from pydrake.systems.framework import Context, DiagramBuilder, System
 
 from atlas_drake.robot import Robot
-from atlas_drake.visualization import FRAME_RATE
-from atlas_drake.visualization.caption import CaptionDisplay
+from atlas_drake.systems.collectable_system import CollectableSystem
+from atlas_drake.visualization.caption import caption_lines, draw_line
 from atlas_drake.visualization.control_colors import ControlColors
-from atlas_drake.visualization.footsteps import FootstepDisplay
-from atlas_drake.visualization.marks import add_display
+from atlas_drake.visualization.footsteps import draw_footstep, sole_outline
+from atlas_drake.visualization.marks import PERIOD, Marks
 from atlas_drake.visualization.overlay_marks import OverlayMarks
 from atlas_drake.visualization.overlays import Overlays
-from atlas_drake.visualization.scene import Following, prepare_scene
+from atlas_drake.visualization.scene import CAMERA, Following, prepare_scene
+from atlas_drake.visualization.seen import ViewPorts, add_view
 
 VISUALIZER = "/drake/visualizer"
 """Where Drake's own visualiser draws the links."""
+PATHS_EVERY = 4
+"""Pictures between updates of planned paths."""
+
+
+class MeshcatView(CollectableSystem):
+    """Draws beside Drake's visualiser: footsteps, overlays, caption, colors of links.
+
+    Draws at a fixed rate, and whenever its diagram publishes. Input ports are those of
+    ``ViewPorts``.
+    """
+
+    __slots__ = ()
+
+    def __init__(
+        self, meshcat: Meshcat, robot: Robot, overlays: Overlays, recorded: bool
+    ) -> None:
+        """Draws in ``meshcat`` what is switched on; ``recorded`` as in ``Marks``."""
+        super().__init__()
+        self._ports = ViewPorts(self, robot, overlays, PATHS_EVERY)
+        footstep = partial(draw_footstep, meshcat, sole_outline(robot.file.sole))
+        line = partial(draw_line, meshcat)
+        self._footsteps = Marks(meshcat, "/atlas_drake/footsteps", footstep, recorded)
+        self._caption = Marks(meshcat, f"{CAMERA}/caption", line, recorded)
+        self._following = Following(meshcat, overlays, recorded)
+        self._shapes = OverlayMarks(meshcat, recorded)
+        self._colors = ControlColors(meshcat, VISUALIZER, robot)
+        self.DeclarePeriodicPublishEvent(PERIOD, 0.0, self._publish)
+        self.DeclareForcedPublishEvent(self._publish)
+        # Drake's visualiser then draws everything anew.
+        self.DeclareInitializationPublishEvent(lambda _context: self._colors.begin())
+
+    def _publish(self, context: Context) -> None:
+        """Draws the present state completely, independent of earlier pictures."""
+        seen, time = self._ports.see(context), context.get_time()
+        self._footsteps.show(seen.footsteps, time)
+        self._caption.show(caption_lines(seen.title, seen.notes), time)
+        self._following.show(seen.report)
+        self._shapes.show(seen.shapes, time)
+        self._colors.show(seen.joint_colors, seen.inspector, time)
 
 
 def add_meshcat_view(
@@ -40,23 +79,14 @@ def add_meshcat_view(
         overlays: Switches of the overlays, which may change later.
         recorded: See ``Marks``.
     """
-    overlays = overlays or Overlays()
-    period = 1.0 / FRAME_RATE
     prepare_scene(meshcat)
     MeshcatVisualizer.AddToBuilder(
         builder,
         station.GetOutputPort("query_object"),
         meshcat,
         MeshcatVisualizerParams(
-            publish_period=period, enable_alpha_slider=False, prefix=VISUALIZER
+            publish_period=PERIOD, enable_alpha_slider=False, prefix=VISUALIZER
         ),
     )
-    sole = robot.file.sole
-    for name, display in (
-        ("footstep_display", FootstepDisplay(meshcat, sole, period, recorded)),
-        ("caption_display", CaptionDisplay(meshcat, overlays, period, recorded)),
-        ("following", Following(meshcat, overlays, period, recorded)),
-        ("overlay_marks", OverlayMarks(meshcat, robot, overlays, period, recorded)),
-        ("control_colors", ControlColors(meshcat, VISUALIZER, robot, overlays, period)),
-    ):
-        add_display(builder, station, name, display)
+    view = MeshcatView(meshcat, robot, overlays or Overlays(), recorded)
+    add_view(builder, station, "meshcat_view", view)

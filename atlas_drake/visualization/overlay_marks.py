@@ -1,30 +1,25 @@
-"""Draws the shapes of overlays in Meshcat, while they are switched on."""
+"""Draws the shapes of overlays in Meshcat."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from pydrake.geometry import Cylinder, Meshcat, Rgba, Sphere
 from pydrake.math import RigidTransform, RotationMatrix
-from pydrake.systems.framework import Context
 
-from atlas_drake.robot import Robot
-from atlas_drake.visualization.marks import Display, Marks, Timeline
+from atlas_drake.visualization.marks import Marks, Timeline
 from atlas_drake.visualization.overlay_shapes import (
     SEEN_THROUGH,
-    OverlayPorts,
     Shape,
     ShapeKind,
 )
-from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.shapes import draw_flat, thinned, tube
 
 PATH = "/atlas_drake/overlays"
 DISC_HEIGHT = 0.004
-PATHS_EVERY = 4
-"""Pictures between updates of planned paths."""
 AREA_GRID, CURVE_GRID, BEND = 0.002, 0.001, 0.002
 """Corners and points are rounded to a grid [m]; points are left out where a curve bends
 by less [m], because a recording keeps every shape."""
@@ -32,42 +27,21 @@ HEAD_WIDTH, HEAD_LENGTH = 3.0, 0.15
 """Radius of an arrow's head over that of its shaft; the head's share of the length."""
 
 
-class OverlayMarks(Display):
-    """Draws overlays: shapes that change are drawn anew, the others are moved.
+class OverlayMarks:
+    """Draws shapes: those that change are drawn anew, the others are moved."""
 
-    Input ports:
-        state: State of the robot.
-        foot_wrenches: Contact wrenches on both soles, see ``RobotSensors``.
-        controller_status: ``ControllerStatus``
-        planned_paths: ``PlannedPaths``
-        contact_results: Contact results of the plant; left out in a replay.
-        query_object: Of the scene graph.
-    """
-
-    __slots__ = ()
-
-    def __init__(
-        self,
-        meshcat: Meshcat,
-        robot: Robot,
-        overlays: Overlays,
-        period: float,
-        recorded: bool,
-    ) -> None:
-        """Draws what is on every ``period`` [s]; ``recorded`` as in ``Marks``."""
-        super().__init__(period)
+    def __init__(self, meshcat: Meshcat, recorded: bool) -> None:
+        """Draws in ``meshcat``; ``recorded`` as in ``Marks``."""
         self._meshcat = meshcat
-        self._overlays = overlays
         self._recorded = recorded
-        self._ports = OverlayPorts(self, robot, PATHS_EVERY)
         self._timeline = Timeline(meshcat)
         self._changing: dict[str, Marks] = {}
         self._moving: set[str] = set()
         meshcat.Delete(PATH)
 
-    def _publish(self, context: Context) -> None:
-        time = context.get_time()
-        shapes = {s.name: s for s in self._ports.shapes(context, self._overlays)}
+    def show(self, overlay_shapes: Iterable[Shape], time: float) -> None:
+        """Shows exactly these shapes from ``time`` [s] on."""
+        shapes = {shape.name: shape for shape in overlay_shapes}
         for name, shape in shapes.items():
             if shape.kind not in (ShapeKind.AREA, ShapeKind.CURVE):
                 self._move(shape, time)

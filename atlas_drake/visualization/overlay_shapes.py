@@ -8,25 +8,19 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable
 from enum import Enum, auto
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from pydrake.common.value import AbstractValue
-from pydrake.geometry import QueryObject, SceneGraphInspector
+from pydrake.geometry import SceneGraphInspector
 from pydrake.multibody.plant import ContactResults
 from pydrake.multibody.tree import world_index
-from pydrake.systems.framework import Context, LeafSystem
 
 from atlas_drake.control.balance.feedback import dcm, pendulum_frequency
-from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
 from atlas_drake.control.wrenches import center_of_pressure
 from atlas_drake.messages.controller_status import Plan, PlannedPaths
 from atlas_drake.palette import COM, COP, DCM, FORCE, SUPPORT, SWING, Color
-from atlas_drake.robot import Robot
-from atlas_drake.visualization.marks import declare_values
-from atlas_drake.visualization.overlays import Overlays
 
 LEAST_FORCE = 5.0
 """Force below which a contact is left out [N]."""
@@ -91,8 +85,6 @@ SEEN_THROUGH = 0.5
 """Opacity of areas."""
 DRAWN = frozenset({"com", "dcm", "cop", "support", "plan", "swing", "forces"})
 """The overlays that are shapes."""
-PATHS = frozenset({"plan", "swing"})
-"""The overlays that show planned paths."""
 
 
 class ShapeKind(Enum):
@@ -192,64 +184,3 @@ def overlay_shapes(
 def _at(flat: Points, height: float) -> Points:
     """Adds a height [m] to points in the plane, shape (k, 2)."""
     return np.column_stack([flat, np.full(len(flat), height)])
-
-
-class OverlayPorts:
-    """The input ports of a display from which the shapes of overlays are computed.
-
-    Attributes:
-        state: Port with the state of the robot.
-        status: Port with the ``ControllerStatus``.
-    """
-
-    def __init__(self, display: LeafSystem, robot: Robot, paths_every: int = 1) -> None:
-        """Declares the ports.
-
-        Args:
-            display: The display.
-            robot: Robot in its picture.
-            paths_every: Pictures between updates of the paths, which are slow to
-                compute and change slowly.
-        """
-        self._model = WholeBodyModel(robot)
-        self._scratch = self._model.create_context()
-        self.state = display.DeclareVectorInputPort("state", self._model.num_states)
-        self._wrenches = display.DeclareVectorInputPort("foot_wrenches", 12)
-        self.status, self._paths = declare_values(
-            display, "controller_status", "planned_paths"
-        )
-        self._contacts, self._query = (
-            display.DeclareAbstractInputPort(name, AbstractValue.Make(value))
-            for name, value in (
-                ("contact_results", ContactResults()),
-                ("query_object", QueryObject()),
-            )
-        )
-        self._paths_every = paths_every
-        self._pictures = 0
-        self._latest_paths = PlannedPaths()
-
-    def shapes(self, context: Context, overlays: Overlays) -> list[Shape]:
-        """Computes the shapes of the overlays that are switched on."""
-        on = {name for name in DRAWN if overlays.is_on(name)}
-        if not on & PATHS:
-            self._pictures = 0
-        elif self._pictures % self._paths_every == 0:
-            self._latest_paths = self._paths.Eval(context)
-        if on & PATHS:
-            self._pictures += 1
-        if not on:
-            return []
-        forces: list[ContactForce] = []
-        # A replay has no contact results.
-        if "forces" in on and self._contacts.HasValue(context):
-            query: Any = self._query.Eval(context)
-            forces = contact_forces_of(self._contacts.Eval(context), query.inspector())
-        return overlay_shapes(
-            on,
-            self._model.evaluate(self._scratch, self.state.Eval(context)),
-            self.status.Eval(context).plan,
-            self._latest_paths,
-            self._wrenches.Eval(context),
-            forces,
-        )

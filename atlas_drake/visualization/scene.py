@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 from pydrake.geometry import Box, Meshcat, Rgba
 from pydrake.math import RigidTransform
-from pydrake.systems.framework import Context
 
+from atlas_drake.messages import AtlasSimInterfaceState
 from atlas_drake.scenario import Scenario
 from atlas_drake.scenario.terrain import surface_height
-from atlas_drake.visualization.marks import Display, declare_values
+from atlas_drake.visualization import FRAME_RATE
 from atlas_drake.visualization.overlays import Overlays
 
 Array = Any
@@ -141,33 +141,23 @@ LEAST_MOVE = 0.05
 """Distance of the pelvis over the ground after which the scene moves [m]."""
 
 
-class Following(Display):
+class Following:
     """Moves the scene with the pelvis over the ground, and the camera if asked to.
 
     While the camera follows, the mouse cannot turn the view. In a recording, which
     cannot hold the motion of the light, the scene stays where the robot begins.
-
-    Input ports:
-        atlas_sim_interface_state: ``AtlasSimInterfaceState``
     """
 
-    __slots__ = ()
-
-    def __init__(
-        self, meshcat: Meshcat, overlays: Overlays, period: float, recorded: bool
-    ) -> None:
-        """Looks at the robot every ``period`` [s]; ``recorded`` as in ``Marks``."""
-        super().__init__(period)
+    def __init__(self, meshcat: Meshcat, overlays: Overlays, recorded: bool) -> None:
+        """Follows in ``meshcat``; ``recorded`` as in ``Marks``."""
         self._meshcat = meshcat
         self._overlays = overlays
         self._recorded = recorded
-        (self._report,) = declare_values(self, "atlas_sim_interface_state")
-        self._share = 1.0 - math.exp(-period / LAG)
         self._scene: tuple[float, float] | None = None
         self._target: np.ndarray | None = None
 
-    def _publish(self, context: Context) -> None:
-        report: Any = self._report.Eval(context)
+    def show(self, report: AtlasSimInterfaceState) -> None:
+        """Looks at the robot, once per picture."""
         x, y, _ = map(float, report.pos_est.position.to_array())
         if self._scene is None or (
             not self._recorded and math.dist((x, y), self._scene) > LEAST_MOVE
@@ -178,5 +168,6 @@ class Following(Display):
             ground = min(foot.position.z for foot in report.foot_pos_est)
             goal = np.array([x, y, ground])
             target = goal if self._target is None else self._target
-            self._target = target + self._share * (goal - target)
+            share = 1.0 - math.exp(-1.0 / (FRAME_RATE * LAG))
+            self._target = target + share * (goal - target)
             look_at(self._meshcat, self._target)

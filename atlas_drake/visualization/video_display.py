@@ -25,12 +25,8 @@ from atlas_drake.scenario.terrain import Block
 from atlas_drake.scenario.world import WorldMaker
 from atlas_drake.scenario.world_file import View
 from atlas_drake.systems.collectable_system import CollectableSystem
-from atlas_drake.visualization.caption import caption_of, feedback_words
-from atlas_drake.visualization.control_colors import joint_colors
-from atlas_drake.visualization.footsteps import footstep_marks
-from atlas_drake.visualization.marks import add_display, declare_values
-from atlas_drake.visualization.overlay_shapes import OverlayPorts
 from atlas_drake.visualization.overlays import Overlays
+from atlas_drake.visualization.seen import ViewPorts, add_view
 from atlas_drake.visualization.video_camera import camera_pose, follow, looking_at
 from atlas_drake.visualization.video_file import VideoError, VideoFile
 from atlas_drake.visualization.video_overlays import VideoOverlays
@@ -79,17 +75,8 @@ class VideoDisplay(CollectableSystem):
     Past pictures and the camera's target belong to the file, as with Drake's own video
     writers, and not to the state of the simulation.
 
-    Input ports:
-        state: State of the robot, the pelvis' orientation and position first.
-        plant_state: State of robot and world, configuration first.
-        commands: ``CommandsInForce``
-        controller_status: ``ControllerStatus``
-        planned_paths: ``PlannedPaths``
-        atlas_sim_interface_state: ``AtlasSimInterfaceState``
-        foot_wrenches: Contact wrenches on both soles, see ``RobotSensors``.
-        effort: Efforts of the motors [N·m], shape (n,).
-        contact_results: Contact results of the plant; left out in a replay.
-        query_object: Of the scene graph.
+    Input ports are those of ``ViewPorts``, and the state of robot and world:
+        plant_state: Configuration first.
 
     Attributes:
         fault: Error that ended the filming; None if there was none.
@@ -131,16 +118,10 @@ class VideoDisplay(CollectableSystem):
             X_TC = RigidTransform(self._fixed.rotation(), lens - target)
         size = video.width, video.height
         self._stage = VideoStage(robot, terrain, *size, world, X_TC)
-        self._overlays = overlays
         self._drawing = VideoOverlays(robot, self._stage)
-        self._limit = robot.effort_limit
-        self._ports = OverlayPorts(self, robot)
+        self._ports = ViewPorts(self, robot, overlays)
         self._plant_state = self.DeclareVectorInputPort(
             "plant_state", self._stage.num_states
-        )
-        self._effort = self.DeclareVectorInputPort("effort", robot.num_joints)
-        self._commands, self._report = declare_values(
-            self, "commands", "atlas_sim_interface_state"
         )
         self._target: NDArray[np.float64] | None = None
         self._yaw = 0.0
@@ -170,24 +151,14 @@ class VideoDisplay(CollectableSystem):
     def _publish(self, context: Context) -> None:
         if not self._file.is_open:
             return
-        commands: Any = self._commands.Eval(context)
-        report: Any = self._report.Eval(context)
-        status: Any = self._ports.status.Eval(context)
-        marks = footstep_marks(commands.request, report, status.events, status.plan)
-        pose = self._fixed or self._following(self._ports.state.Eval(context))
-        shown = self._plant_state.Eval(context)[: self._stage.num_positions]
-        picture = self._stage.picture(shown, marks, pose)
-        colors = joint_colors(
-            self._overlays, commands.k_effort, self._effort.Eval(context), self._limit
-        )
-        shapes = self._ports.shapes(context, self._overlays)
-        title, *notes = caption_of(report, commands.catalog)
-        if self._overlays.is_on("flags"):
-            notes.append(feedback_words(report))
+        seen = self._ports.see(context)
+        pose = self._fixed or self._following(seen.state)
+        q = self._plant_state.Eval(context)[: self._stage.num_positions]
+        picture = self._stage.picture(q, seen.footsteps, pose)
         captioned = with_caption(
-            self._drawing.onto(picture, shapes, colors, pose),
-            title,
-            "\n".join(notes),
+            self._drawing.onto(picture, seen.shapes, seen.joint_colors, pose),
+            seen.title,
+            "\n".join(seen.notes),
             context.get_time(),
         )
         try:
@@ -251,4 +222,4 @@ def add_video(
     """
     overlays = overlays or Overlays()
     display = VideoDisplay(video, robot, terrain, world, overlays, view)
-    add_display(builder, station, "video", display)
+    add_view(builder, station, "video", display)
