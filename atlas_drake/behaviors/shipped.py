@@ -70,7 +70,13 @@ _ANY_TIME = {**_UNBALANCED, "at_any_time": True, "upright": False}
 SHIPPED_ENTRIES = (
     _entry(Behavior.NONE, make=lambda _tools, _config: Idle(), **_ANY_TIME),
     _entry(Behavior.FREEZE, make=lambda tools, _config: tools.freeze, **_ANY_TIME),
-    _entry(Behavior.STAND_PREP, make=_stand, config=StandConfig(), **_UNBALANCED),
+    _entry(
+        Behavior.STAND_PREP,
+        make=_stand,
+        config=StandConfig(),
+        config_field="stand",
+        **_UNBALANCED,
+    ),
     _entry(
         Behavior.STAND,
         make=_stand,

@@ -7,7 +7,7 @@ The objects here hold constants only; ``supervisor_state`` has the frozen state,
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
@@ -85,9 +85,8 @@ class Supervisor:
         self._fall_limits = config.fall
         self._legs = np.flatnonzero(robot.limb("l_leg", "r_leg"))
         self._entries = {entry.behavior: entry for entry in entries}
-        shipped = config.of_behaviors
         self.behaviors: dict[Behavior, BehaviorProtocol] = {
-            behavior: _made(entry, self._tools, shipped.get(entry.name, entry.config))
+            behavior: _made(entry, self._tools, config)
             for behavior, entry in self._entries.items()
         }
 
@@ -334,13 +333,18 @@ class Supervisor:
         )
 
 
-def _made(entry: BehaviorEntry, tools: BehaviorTools, config: Any) -> BehaviorProtocol:
+def _made(
+    entry: BehaviorEntry, tools: BehaviorTools, config: ControllerConfig
+) -> BehaviorProtocol:
     """Makes the behavior of an entry.
 
     Raises:
         BehaviorError: If the result is not a behavior.
     """
-    behavior = entry.make(tools, config)
+    own = entry.config
+    if own is not None:
+        own = getattr(config, entry.configured_at, own)
+    behavior = entry.make(tools, own)
     for name in ("enter", "update", "feedback", "plan", "paths"):
         if not callable(getattr(behavior, name, None)):
             raise BehaviorError(
