@@ -80,7 +80,7 @@ class Manipulate(BehaviorProtocol):
 
     def __init__(self, tools: BehaviorTools, config: ManipulateConfig):
         self._balance = tools.balance
-        self._reach = PelvisReach(tools.robot, config.range)
+        self._reach = PelvisReach(tools.robot, config.range, config.reserves)
         self._nominal_height = tools.nominal_height
         self._posture_rates = tools.rates
         self._config = config
