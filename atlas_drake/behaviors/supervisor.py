@@ -122,9 +122,10 @@ class Supervisor:
         if isinstance(active, Starting):
             body = read_only(capture_body(observation.terms))
             active = Waiting(active.behavior, requests[0], body)
+            state = replace(state, request=requests[0])
         state = self._watch_for_fall(state, observation)
         for new in requests:
-            if new.number > state.request_number:
+            if new.is_newer(state.request):
                 state, active = self._take_request(state, active, observation, new)
         if state.in_damping_mode:
             # No behavior acts or reports while the joints are only damped.
@@ -238,7 +239,7 @@ class Supervisor:
         state = replace(
             state,
             active=active,
-            request_number=request.number,
+            request=request,
             error_code=ErrorCode.NO_ERRORS,
         )
         target, last = request.behavior, state.last

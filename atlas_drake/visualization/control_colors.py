@@ -22,7 +22,7 @@ from pydrake.geometry import (
 )
 from pydrake.systems.framework import Context
 
-from atlas_drake.messages import K_EFFORT_MAX
+from atlas_drake.messages.joint_command import share_of
 from atlas_drake.palette import BEHAVIOR, BUSY, IDLE, SHARED, SPENT, USER, Color
 from atlas_drake.robot import Robot
 from atlas_drake.visualization.display import Display
@@ -41,7 +41,7 @@ COVER = "_colored"
 def owner_colors(k_effort: np.ndarray) -> list[Color]:
     """Colors joints by the user's share, 0 to 255, shape (n,)."""
     colors = (BEHAVIOR, SHARED, USER)
-    return [_between(colors, share / K_EFFORT_MAX) for share in k_effort]
+    return [_between(colors, share) for share in share_of(k_effort)]
 
 
 def effort_colors(effort: np.ndarray, limit: np.ndarray) -> list[Color]:
