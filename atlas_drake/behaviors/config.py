@@ -10,13 +10,12 @@ from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field, fields, is_dataclass, make_dataclass
 from typing import Any
 
+from atlas_drake.behaviors.balance import StanceConfig
 from atlas_drake.behaviors.body_reference import BodyRates
-from atlas_drake.behaviors.entry import BehaviorEntry
-from atlas_drake.behaviors.entry_limits import EntryLimits
+from atlas_drake.behaviors.entry import BehaviorEntry, EntryLimits
 from atlas_drake.behaviors.fall import FallLimits
 from atlas_drake.behaviors.freeze import FreezeConfig
 from atlas_drake.behaviors.manipulate.config import ManipulateConfig
-from atlas_drake.behaviors.stance import StanceConfig
 from atlas_drake.behaviors.stand.config import StandConfig
 from atlas_drake.behaviors.step.config import StepConfig
 from atlas_drake.behaviors.walk.config import WalkConfig

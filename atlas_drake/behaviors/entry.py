@@ -12,17 +12,29 @@ from typing import Any, TypeAlias
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.base import BehaviorProtocol, Observation
 from atlas_drake.behaviors.body_reference import BodyRates
-from atlas_drake.behaviors.entry_limits import EntryLimits
 from atlas_drake.behaviors.freeze import Freeze
 from atlas_drake.behaviors.stand.config import StandConfig
 from atlas_drake.behaviors.stand.stance_guard import StanceGuard
 from atlas_drake.behaviors.stand.stand import Pose, Stand
+from atlas_drake.configuration import Configuration, NotNegative
 from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.errors import shown
 from atlas_drake.messages import AtlasSimInterfaceCommand, BehaviorStatus
 from atlas_drake.messages.behavior_catalog import BehaviorError, BehaviorInterface
 from atlas_drake.planning.footholds import Gait
 from atlas_drake.robot import Robot
+
+
+@dataclass(frozen=True)
+class EntryLimits(Configuration):
+    """Limits within which STAND can take over."""
+
+    com_inside: NotNegative = 0.01
+    """Least distance of the CoM from the edge of the support polygon, inside it [m]."""
+    dcm_inside: NotNegative = 0.03
+    """Least distance of the DCM from the edge of the support polygon, inside it [m]."""
+    joint_speed: NotNegative = 4.0
+    """Largest speed of any joint that STAND takes over [rad/s]."""
 
 
 @dataclass(frozen=True)
