@@ -96,8 +96,6 @@ def check_number(
         requirement = "finite"
     elif abs(number) > LARGEST:
         requirement = f"within ±{LARGEST:g}"
-    elif not lower <= number <= upper and math.isfinite(upper - lower):
-        requirement = f"{lower:g} to {upper:g}"
     elif number < lower or (strictly and number == lower):
         requirement = f"{'greater than' if strictly else 'at least'} {lower:g}"
     elif number > upper:
