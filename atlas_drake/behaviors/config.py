@@ -90,13 +90,19 @@ class ControllerConfig(Configuration):
         }
         kind = _with_fields(tuple((name, type(one)) for name, one in own.items()))
         base = {name: getattr(self, name, own.get(name)) for name in (*shared, *own)}
+        registered = f"of registered behaviors: {', '.join(own) or 'none'}"
+        if behaviors is None:
+            registered = "the field of a behavior of your own holds fields"
         for name, value in values.items():
             is_fields = isinstance(value, Mapping) or is_dataclass(value)
             if name not in base and not (behaviors is None and is_fields):
-                raise _unknown(name, value, shared, own)
-        known = {name: value for name, value in values.items() if name in base}
+                hint = did_you_mean(name.lower(), base)
+                known = f"There are {', '.join(shared)}; {registered}"
+                problem = f"there is no such field.{hint} {known}"
+                raise ScenarioError(f"controller.{name}", value, problem)
+        given = {name: value for name, value in values.items() if name in base}
         made: ControllerConfig = checked(
-            kind, known, "controller", base=base, from_text=True
+            kind, given, "controller", base=base, from_text=True
         )
         return made
 
@@ -138,14 +144,3 @@ def _with_fields(own: tuple[tuple[str, type], ...]) -> type[ControllerConfig]:
         frozen=True,
         kw_only=True,
     )
-
-
-def _unknown(
-    name: str, value: object, shared: Iterable[str], own: Iterable[str]
-) -> ScenarioError:
-    hint = did_you_mean(name.lower(), [*shared, *own])
-    problem = (
-        f"there is no such field.{hint} There are {', '.join(shared)}; fields of "
-        f"registered behaviors: {', '.join(own) or 'none'}"
-    )
-    return ScenarioError(f"controller.{name}", value, problem)

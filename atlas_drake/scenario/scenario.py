@@ -280,7 +280,9 @@ class Scenario(Configuration):
         try:
             robots = ControllerConfig.of(file, behaviors)
         except ScenarioError as error:
-            raise error.within(find_robot(self.model)) from None
+            # Without values in the file, a default of a user's behavior is at fault.
+            named = error.within(find_robot(self.model)) if file.controller else error
+            raise named from None
         if not self.controller:
             return robots
         return robots.with_values(self.controller, behaviors)
