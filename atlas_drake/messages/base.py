@@ -6,6 +6,9 @@ Each message has a file of its own; validation is in ``validation``.
 """
 
 import copy
+import functools
+import operator
+from collections.abc import Callable
 from dataclasses import fields, is_dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -226,61 +229,98 @@ _NUMBERS = {float, int}
 """Types of the elements of nearly every list."""
 
 
-def same_content(value: Any, seen: Any) -> bool:
+def same_content(value: Any, seen: Any, path: _Path = ()) -> bool:
     """Return True if a value has the content of a frozen value seen earlier.
 
     Never raises. NaN equals NaN. Two values of one type that no valid message can hold
     count as equal. True differs from 1, because one may be refused where the other is
-    accepted.
+    accepted. Fast if nothing changed.
 
     Args:
         value: A message, or any value in its place; it may have changed since.
         seen: Result of ``frozen`` for the earlier value.
+        path: Identities of the containers around ``value``.
     """
-    return value is seen or _same(frozen(value), seen)
-
-
-def _same(now: Any, before: Any, depth: int = 0) -> bool:
-    """Compare two results of ``frozen``."""
-    # Unchanged parts are often the same immutable objects.
-    if now is before:
+    # Unchanged fields are the same immutable objects.
+    if value is seen:
         return True
-    if isinstance(now, _IMMUTABLE):
-        return (
-            isinstance(before, _IMMUTABLE)
-            and isinstance(now, bool) == isinstance(before, bool)
-            and (bool(now == before) or (now != now and before != before))
-        )
-    # Beyond ``DEEPEST`` there are only values that no valid message can hold.
-    if type(now) is not type(before) or depth > DEEPEST:
-        return type(now) is type(before)
-    if isinstance(now, np.ndarray):
-        return _same_array(now, before, depth)
-    if isinstance(now, tuple):
-        return len(now) == len(before) and (
-            ({*map(type, now), *map(type, before)} <= _NUMBERS and now == before)
-            or all(map(_same, now, before, [depth + 1] * len(now)))
-        )
-    if isinstance(now, Message) or is_record(now):
+    if isinstance(value, Message) and _enters(value, path):
+        if type(value) is not type(seen):
+            return False
+        within = (*path, id(value))
+        get = _fields_getter(type(value))  # type: ignore[arg-type]
         return all(
-            _same(getattr(now, name), getattr(before, name), depth + 1)
-            for name in now.__dataclass_fields__
+            now is before or same_content(now, before, within)
+            for now, before in zip(get(value), get(seen), strict=True)
         )
-    if not (_is_collection(now) and _is_collection(before)):
+    if isinstance(value, (list, tuple)) and _enters(value, path):
+        return _same_elements(value, seen, (*path, id(value)))
+    if isinstance(value, _IMMUTABLE):
+        return (
+            isinstance(seen, _IMMUTABLE)
+            and isinstance(value, bool) == isinstance(seen, bool)
+            and (bool(value == seen) or (value != value and seen != seen))
+        )
+    if isinstance(value, np.ndarray):
+        return _same_array(value, seen, path)
+    if is_record(value) and _enters(value, path):
+        return type(value) is type(seen) and all(
+            same_content(
+                getattr(value, item.name), getattr(seen, item.name), (*path, id(value))
+            )
+            for item in fields(value)
+        )
+    if _is_collection(value) and _enters(value, path):
+        return _same_collection(value, seen, (*path, id(value)))
+    number = plain_number(value)
+    if number is not value:
+        return same_content(number, seen)
+    return type(value) is type(seen)
+
+
+@functools.cache
+def _fields_getter(kind: type[Message]) -> Callable[[Any], tuple[Any, ...]]:
+    """Return a function that reads all fields of a message of that kind at once."""
+    names = list(kind.__dataclass_fields__)  # type: ignore[attr-defined]
+    if len(names) > 1:
+        return operator.attrgetter(*names)
+    return lambda message: tuple(getattr(message, name) for name in names)
+
+
+def _same_elements(value: Any, seen: Any, path: _Path) -> bool:
+    """Compare a sequence; ``path`` ends with it."""
+    if not isinstance(seen, (list, tuple)) or len(value) != len(seen):
+        return False
+    types = {*map(type, value), *map(type, seen)}
+    if types <= _NUMBERS and tuple(value) == tuple(seen):
         return True
-    if isinstance(now, set):
-        return now == before
-    return now.keys() == before.keys() and all(
-        _same(item, before[key], depth + 1) for key, item in now.items()
+    return all(
+        now is before or same_content(now, before, path)
+        for now, before in zip(value, seen, strict=True)
     )
 
 
-def _same_array(now: np.ndarray, before: np.ndarray, depth: int) -> bool:
-    if now.dtype != before.dtype or now.shape != before.shape:
+def _same_collection(value: Any, seen: Any, path: _Path) -> bool:
+    """Compare a mapping or set; ``path`` ends with it."""
+    if type(value) is not type(seen) or not _is_collection(seen):
         return False
-    if now.dtype.hasobject:
-        return _same(frozen(now.tolist()), frozen(before.tolist()), depth + 1)
-    return now.tobytes() == before.tobytes()
+    if isinstance(value, set):
+        return bool(value == seen)
+    return value.keys() == seen.keys() and all(
+        same_content(item, seen[key], path) for key, item in value.items()
+    )
+
+
+def _same_array(value: np.ndarray, seen: Any, path: _Path) -> bool:
+    if (
+        type(value) is not type(seen)
+        or value.dtype != seen.dtype
+        or value.shape != seen.shape
+    ):
+        return False
+    if value.dtype.hasobject:
+        return same_content(value.tolist(), seen.tolist(), path)
+    return value.tobytes() == seen.tobytes()
 
 
 def is_new(value: Any, seen: Any) -> bool:
