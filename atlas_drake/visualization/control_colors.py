@@ -24,7 +24,7 @@ from pydrake.geometry import (
     SceneGraphInspector,
 )
 
-from atlas_drake.messages import K_EFFORT_MAX
+from atlas_drake.messages.joint_command import share_of
 from atlas_drake.palette import BEHAVIOR, BUSY, IDLE, SHARED, SPENT, USER, Color
 from atlas_drake.robot import Robot
 from atlas_drake.visualization.marks import Timeline
@@ -102,7 +102,7 @@ def joint_colors(
 def owner_colors(k_effort: np.ndarray) -> list[Color]:
     """Colors joints by the user's share, 0 to 255, shape (n,)."""
     colors = (BEHAVIOR, SHARED, USER)
-    return [_between(colors, share / K_EFFORT_MAX) for share in k_effort]
+    return [_between(colors, share) for share in share_of(k_effort)]
 
 
 def effort_colors(effort: np.ndarray, limit: np.ndarray) -> list[Color]:
