@@ -1,6 +1,5 @@
 """Any message is either valid, or refused with one error that names the field."""
 
-import copy
 import math
 
 import numpy as np
@@ -12,7 +11,6 @@ from atlas_drake.messages import (
     AtlasBehaviorStepData,
     AtlasCommand,
     AtlasSimInterfaceCommand,
-    Header,
     Pose,
     Quaternion,
     Vector3,
@@ -24,8 +22,6 @@ JOINTS = ["neck", "knee", "wrist"]
 SETPOINTS = ["position", "velocity", "effort", "i_effort_min", "i_effort_max"]
 GAINS = ["kp_position", "ki_position", "kd_position", "kp_velocity"]
 
-finite = st.floats(-LARGEST, LARGEST)
-not_negative = st.floats(0.0, LARGEST)
 anything = st.one_of(
     st.none(),
     st.booleans(),
@@ -38,42 +34,19 @@ anything = st.one_of(
 )
 
 
-def maybe(elements):
-    """Return lists of one element per joint, or of none."""
-    full = st.lists(elements, min_size=len(JOINTS), max_size=len(JOINTS))
-    return st.one_of(st.just([]), full, full.map(np.array))
-
-
-def outcome(validate, message):
+def outcome(message):
     """Return the error that a message raises, or None."""
     try:
-        validate(message, JOINTS)
+        check_command(message, JOINTS)
     except InvalidMessageError as error:
         return error
     return None
 
 
 @settings(max_examples=50)
-@given(
-    arrays=st.fixed_dictionaries(
-        {name: maybe(finite) for name in SETPOINTS[:3]}
-        | {name: maybe(not_negative) for name in GAINS}
-        | {"k_effort": maybe(st.integers(0, 255))}
-    ),
-    stamp=st.one_of(st.none(), not_negative),
-)
-def test_good_commands_are_accepted_unchanged(arrays, stamp):
-    command = AtlasCommand(header=Header(stamp=stamp), **arrays)
-    before = copy.deepcopy(command)
-    check_command(command, JOINTS)
-    check_command(command.snapshot(), JOINTS)
-    assert command == before
-
-
-@settings(max_examples=50)
 @given(name=st.sampled_from(SETPOINTS + GAINS + ["k_effort"]), value=anything)
 def test_any_value_of_an_array_gives_an_error_of_that_array_or_none(name, value):
-    error = outcome(check_command, AtlasCommand(**{name: value}))
+    error = outcome(AtlasCommand(**{name: value}))
     good = isinstance(value, list) and (
         not value
         or (
@@ -89,6 +62,7 @@ def test_any_value_of_an_array_gives_an_error_of_that_array_or_none(name, value)
         assert error.field.split("[")[0] == name
 
 
+finite = st.floats(-LARGEST, LARGEST)
 fields_of_steps = st.one_of(anything, st.sampled_from([0, 1, -1, 2, 0.63]))
 
 
@@ -111,7 +85,7 @@ fields_of_steps = st.one_of(anything, st.sampled_from([0, 1, -1, 2, 0.63]))
 def test_any_step_is_usable_or_refused_by_its_place(step, place):
     command = AtlasSimInterfaceCommand(behavior="walk")
     command.walk_params.step_queue[place] = step
-    error = outcome(check_command, command)
+    error = outcome(command)
     if error is not None:
         assert error.field.startswith(f"walk_params.step_queue[{place}].")
     elif step.step_index != -1:

@@ -21,6 +21,8 @@ from robot_models.skeleton import LINKS, SOLE_CENTER
 from robot_models.surfaces import Panel, Tube
 from robot_models.triangles import Triangles, merge
 
+from .conftest import MODELS
+
 LARGEST_MESH = 250_000
 """Size that no mesh file may exceed [bytes]."""
 
@@ -30,19 +32,14 @@ def _volume(mesh: Triangles) -> float:
     return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
 
 
-def test_files_are_what_the_generator_writes(models_folder):
-    for path, text in build().items():
-        written = (models_folder / path).read_text(encoding="utf-8")
+def test_files_are_what_the_generator_writes_and_no_mesh_is_left_over():
+    files = build()
+    for path, text in files.items():
+        written = (MODELS / path).read_text(encoding="utf-8")
         assert written == text, f"{path} is out of date: run tools/build_models.py"
-
-
-def test_no_mesh_is_left_over(models_folder):
-    present = {f"meshes/{path.name}" for path in (models_folder / "meshes").iterdir()}
-    assert present == {path for path in build() if path.startswith("meshes/")}
-
-
-def test_meshes_are_small():
-    assert max(len(text) for text in build().values()) < LARGEST_MESH
+        assert len(text) < LARGEST_MESH
+    present = {f"meshes/{path.name}" for path in (MODELS / "meshes").iterdir()}
+    assert present == {path for path in files if path.startswith("meshes/")}
 
 
 def test_every_link_is_in_one_filter_group():

@@ -185,16 +185,6 @@ def test_few_pairs_of_shapes_can_collide(robot):
     assert 0 < len(candidates) <= MOST_COLLISION_CANDIDATES
 
 
-def test_no_self_collision_in_zero_pose(robot):
-    robot.set_pose(np.zeros(28), RigidTransform())
-    assert robot.colliding() == []
-
-
-def test_no_self_collision_in_stand_prep_pose(robot, stand_prep):
-    robot.set_pose(stand_prep, RigidTransform())
-    assert robot.colliding() == []
-
-
 def test_no_self_collision_between_zero_and_stand_prep_pose(robot, stand_prep):
     for share in np.linspace(0.0, 1.0, 21):
         robot.set_pose(share * stand_prep, RigidTransform())
