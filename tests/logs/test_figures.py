@@ -112,7 +112,7 @@ def test_references_are_dashed_where_there_are_any(log):
     balance_over_time(changed(log, arrays), feet, 0)
 
 
-def test_a_qp_that_is_not_told_of_is_not_shown_as_solved(log):
+def test_ticks_without_a_qp_are_not_shown_as_solved(log):
     rows = len(log)
     solved = np.ones(rows, dtype=int)
     solved[: rows // 2] = -1

@@ -8,10 +8,8 @@ import pytest
 
 from atlas_drake import AtlasCommand, AtlasSimulation, Scenario, read_log
 from atlas_drake.diagrams.atlas_station import StationConfig
+from atlas_drake.logs import recorder
 from atlas_drake.logs.channels import GAINS
-from atlas_drake.logs.figures import make_page
-from atlas_drake.logs.png_page import draw_figure
-from atlas_drake.logs.recorder import BLOCK
 from atlas_drake.logs.rows import RowMaker
 from atlas_drake.scenario import Jitter
 
@@ -26,7 +24,7 @@ def test_rows_are_the_control_ticks(log):
     assert log.header.control_period == pytest.approx(PERIOD)
 
 
-def test_recording_changes_not_a_bit(run, scenario):
+def test_recording_does_not_change_the_motion(run, scenario):
     recorded, _ = run
     plain = AtlasSimulation(scenario)
     drive(plain)
@@ -134,7 +132,7 @@ def test_events_are_kept(run):
     assert {"push", "refusal", "behavior"} <= {event.kind for event in log.events}
 
 
-def test_no_field_of_the_joints_state_and_no_command_is_left_out(tmp_path, scenario):
+def test_every_field_of_atlas_state_and_every_command_is_recorded(tmp_path, scenario):
     gains = AtlasCommand(kp_position=[7.0] * 28)
     messages = [gains, arm_command(), walk_command()]
     with AtlasSimulation(scenario, log=tmp_path / "run.npz") as sim:
@@ -177,7 +175,7 @@ def test_no_field_of_the_joints_state_and_no_command_is_left_out(tmp_path, scena
         assert np.isfinite(log[channel]).all()
 
 
-def test_a_reset_goes_on_in_the_same_log_and_the_run_without_it(tmp_path):
+def test_a_log_continues_after_a_reset_and_ends_when_closed(tmp_path):
     file = tmp_path / "run.npz"
     with AtlasSimulation(log=file) as sim:
         sim.advance_to(5 * PERIOD)
@@ -198,7 +196,7 @@ def test_a_forgotten_log_is_completed_with_its_simulation(tmp_path):
     assert len(read_log(tmp_path / "run.npz")) == 5
 
 
-def test_what_interrupts_the_computation_of_rows_takes_none(tmp_path, monkeypatch):
+def test_an_interrupt_while_rows_are_computed_loses_none(tmp_path, monkeypatch):
     compute, calls = RowMaker.rows, []
 
     def interrupted(maker, samples):
@@ -207,21 +205,23 @@ def test_what_interrupts_the_computation_of_rows_takes_none(tmp_path, monkeypatc
             raise KeyboardInterrupt
         return compute(maker, samples)
 
+    monkeypatch.setattr(recorder, "BLOCK", 10)
     monkeypatch.setattr(RowMaker, "rows", interrupted)
     # Drake may pass it on as an error of its own.
     with (
         pytest.raises((KeyboardInterrupt, RuntimeError, SystemError)),
         AtlasSimulation(log=tmp_path / "run.npz") as sim,
     ):
-        sim.advance_to(3 * BLOCK * PERIOD)
+        sim.advance_to(30 * PERIOD)
     times = read_log(tmp_path / "run.npz").time
-    assert len(times) >= 2 * BLOCK
+    assert len(times) >= 20
     np.testing.assert_allclose(times, PERIOD * np.arange(len(times)), atol=1e-9)
 
 
-def test_rows_that_cannot_be_computed_take_no_other(tmp_path, monkeypatch):
+def test_rows_that_cannot_be_computed_leave_the_earlier_ones(tmp_path, monkeypatch):
+    monkeypatch.setattr(recorder, "BLOCK", 10)
     sim = AtlasSimulation(log=tmp_path / "run.npz")
-    sim.advance_to((BLOCK + 5) * PERIOD)
+    sim.advance_to(15 * PERIOD)
 
     def fail(*_arguments):
         raise MemoryError
@@ -229,7 +229,7 @@ def test_rows_that_cannot_be_computed_take_no_other(tmp_path, monkeypatch):
     monkeypatch.setattr(RowMaker, "rows", fail)
     with pytest.raises(MemoryError):
         sim.close()
-    assert len(read_log(tmp_path / "run.npz")) == BLOCK
+    assert len(read_log(tmp_path / "run.npz")) == 10
 
 
 @pytest.mark.slow
@@ -253,7 +253,3 @@ def test_hands_of_a_fallen_robot_bear_load(tmp_path):
         np.testing.assert_allclose(torque[-1], wrench.torque.to_array(), atol=1e-6)
         loads.append(np.abs(force).max())
     assert max(loads) > 20.0
-    # Such a log can be drawn too.
-    titles = [panel.title for panel in make_page(log).panels]
-    assert "Foot forces" in titles
-    draw_figure(make_page(log)).draw_without_rendering()
