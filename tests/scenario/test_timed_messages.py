@@ -17,6 +17,8 @@ from atlas_drake.messages.checks import check_number
 from atlas_drake.scenario import scenario_from
 from atlas_drake.scenario.timed_message import TimedMessage
 
+SIM = ".atlas_sim_interface_command"
+
 
 def sim_message(**fields):
     return {"time": 0.1, "atlas_sim_interface_command": fields}
@@ -118,21 +120,9 @@ def test_parameters_that_cannot_be_used_are_named(fields, field, told):
             ".atlas_sim_interface_command.walk_params.step_queue[0].foot_indx",
             "'foot_index'",
         ),
-        (
-            sim_message(walk_params=3),
-            ".atlas_sim_interface_command.walk_params",
-            "is 3; must be fields of",
-        ),
-        (
-            sim_message(behavior="RUN"),
-            ".atlas_sim_interface_command.behavior",
-            "'RUN'",
-        ),
-        (
-            {"atlas_command": {"position": [0.0, 1.0]}},
-            ".atlas_command.position",
-            "28",
-        ),
+        (sim_message(walk_params=3), f"{SIM}.walk_params", "is 3; must be fields of"),
+        (sim_message(behavior="RUN"), f"{SIM}.behavior", "'RUN'"),
+        ({"atlas_command": {"position": [0.0]}}, ".atlas_command.position", "28"),
         ({"atlas_command": {"k_effort": 300}}, ".atlas_command.k_effort[0]", "300"),
         ({"atlas_command": 3}, ".atlas_command", "is 3; must be a valid dictionary"),
     ],
