@@ -48,7 +48,7 @@ def test_every_field_survives_the_way_there_and_back(kind):
 
 
 @pytest.mark.parametrize("kind", ROS_TYPES, ids=lambda kind: kind.__name__)
-def test_a_message_left_as_it_was_made_says_what_ours_says(kind):
+def test_an_empty_ros_message_becomes_our_empty_message(kind):
     ros = ROS_TYPES[kind]()
     if kind in (ours.AtlasCommand, ours.AtlasSimInterfaceCommand):
         assert to_ours(ros, kind) == kind()
