@@ -74,7 +74,7 @@ def look(panel, robot, standing, state):
     return once
 
 
-def test_nothing_touched_nothing_sent(look):
+def test_an_untouched_panel_sends_nothing(look):
     orders = look()
     assert orders.atlas_command is None
     assert orders.sim_command is None
@@ -85,7 +85,7 @@ def test_nothing_touched_nothing_sent(look):
 
 
 @pytest.mark.parametrize(("action", "behavior"), BEHAVIORS.items())
-def test_a_key_per_behavior(look, panel, action, behavior):
+def test_each_button_asks_for_its_behavior(look, panel, action, behavior):
     panel.press(action)
     assert look().sim_command.behavior == behavior
 
@@ -118,7 +118,7 @@ def test_stopping_sends_a_closing_step_and_then_stand(look, panel, standing):
     assert look().sim_command is None
 
 
-def test_a_refused_walk_is_not_asked_for_for_ever(look, panel, standing):
+def test_a_refused_walk_is_asked_for_once(look, panel, standing):
     sent = 0
     panel.press(Action.FORWARD)
     for _ in range(100):

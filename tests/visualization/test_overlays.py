@@ -16,21 +16,11 @@ from atlas_drake.messages import (
     WalkStatus,
 )
 from atlas_drake.messages.controller_status import PlannedPaths
-from atlas_drake.palette import (
-    BEHAVIOR,
-    BUSY,
-    IDLE,
-    SHARED,
-    SPENT,
-    USER,
-    hex_color,
-)
+from atlas_drake.palette import BEHAVIOR, BUSY, IDLE, SHARED, SPENT, USER, hex_color
 from atlas_drake.visualization.balance_marks import _COLORS
 from atlas_drake.visualization.balance_marks import PATH as BALANCE
 from atlas_drake.visualization.caption import feedback_words
-from atlas_drake.visualization.contact_forces import (
-    PATH as FORCES,
-)
+from atlas_drake.visualization.contact_forces import PATH as FORCES
 from atlas_drake.visualization.contact_forces import (
     ContactForce,
     arrow_pose,
@@ -107,9 +97,6 @@ def test_a_tube_has_its_radius_everywhere():
     assert faces.shape == (3, 2 * SIDES * (len(points) - 1))
     assert faces.min() == 0
     assert faces.max() == vertices.shape[1] - 1
-
-
-def test_a_tube_may_run_straight_up():
     vertices, _ = tube(np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]]), 0.1)
     np.testing.assert_allclose(np.hypot(*vertices[:2]), 0.1)
 
@@ -187,10 +174,7 @@ def report(behavior=Behavior.STAND, transition=0, walk=0, step=0, error=0):
             report(transition=BehaviorStatus.FAILED_TRANS_ILLEGAL_BEHAVIOR),
             "illegal transition",
         ),
-        (
-            report(Behavior.WALK, walk=WalkStatus.SUBSTATE_SWAYING),
-            "swaying",
-        ),
+        (report(Behavior.WALK, walk=WalkStatus.SUBSTATE_SWAYING), "swaying"),
         (
             report(
                 Behavior.WALK,
@@ -203,10 +187,7 @@ def report(behavior=Behavior.STAND, transition=0, walk=0, step=0, error=0):
         (report(Behavior.STEP, step=StepStatus.SUBSTATE_STEPPING), "stepping"),
         # A behavior of one's own that is derived from WALK has its flags, too.
         (report(MY_WALK, walk=WalkStatus.SUBSTATE_STEPPING), "stepping"),
-        (
-            report(error=ErrorCode.VALUE_OUT_OF_RANGE),
-            "error: VALUE OUT OF RANGE",
-        ),
+        (report(error=ErrorCode.VALUE_OUT_OF_RANGE), "error: VALUE OUT OF RANGE"),
     ],
 )
 def test_flags_in_words(message, words):
@@ -274,9 +255,6 @@ def test_overlays_reach_the_scene_and_can_be_switched_while_running():
 
 def test_figures_have_the_colors_of_the_view():
     in_figures = {label: color for _, color, label, _ in _TRACKS if label}
-    for name in ("com", "dcm", "cop"):
+    for name, label in (("com", "CoM"), ("dcm", "DCM"), ("cop", "CoP")):
         color = _COLORS[name]
-        rgb = color.r(), color.g(), color.b()
-        assert in_figures[{"com": "CoM", "dcm": "DCM", "cop": "CoP"}[name]] == (
-            hex_color(rgb)
-        )
+        assert in_figures[label] == hex_color((color.r(), color.g(), color.b()))

@@ -4,7 +4,7 @@ import importlib
 
 import numpy as np
 import pytest
-from pydrake.geometry import Mesh
+from pydrake.geometry import Mesh, Meshcat
 from pydrake.math import RigidTransform
 
 from atlas_drake import AtlasSimulation, Scenario
@@ -64,11 +64,7 @@ def test_a_file_holds_the_pictures_that_were_added(ending, tmp_path):
         assert video.streams.video[0].average_rate == 25
 
 
-def test_a_file_without_pictures_is_closed_quietly(tmp_path):
-    VideoFile(tmp_path / "video.mp4", 25, 64, 48).close()
-
-
-def test_what_cannot_be_made_is_said(tmp_path, monkeypatch):
+def test_options_of_a_video_that_cannot_be_used_are_refused(tmp_path, monkeypatch):
     with pytest.raises(VideoError, match=r"\.mp4 or \.gif"):
         check_video(tmp_path / "video.avi", 64, 48)
     with pytest.raises(VideoError, match="even"):
@@ -76,6 +72,7 @@ def test_what_cannot_be_made_is_said(tmp_path, monkeypatch):
     with pytest.raises(VideoError, match="there is no folder"):
         check_video(tmp_path / "none" / "video.mp4", 64, 48)
     check_video(tmp_path / "video.gif", 65, 47)
+    VideoFile(tmp_path / "empty.mp4", 25, 64, 48).close()
 
     def missing(name):
         raise ImportError(name)
@@ -244,11 +241,12 @@ def test_the_caption_is_in_the_corner():
 
 
 @pytest.mark.slow
-def test_filming_changes_nothing(tmp_path):
+def test_view_and_video_do_not_change_the_motion(tmp_path):
     path = tmp_path / "video.mp4"
     video, overlays = Video(path, WIDTH, HEIGHT), Overlays(OVERLAYS)
-    filmed = AtlasSimulation(video=video, overlays=overlays)
-    plain = AtlasSimulation()
+    scenario = Scenario(noise="reference", seed=3)
+    filmed = AtlasSimulation(scenario, view=Meshcat(), video=video, overlays=overlays)
+    plain = AtlasSimulation(scenario)
     for sim in (filmed, plain):
         sim.advance_to(0.1)
     states = [s.diagram.GetOutputPort("state").Eval(s.context) for s in (filmed, plain)]
