@@ -187,7 +187,7 @@ def test_an_unknown_behavior_is_refused():
         ("swing_height", [-0.1, NAN], VALUE),
         ("pose", [None], VALUE),
         ("pose.position", [[0.0, 0.0, 0.0]], VALUE),
-        ("pose.position.y", [NAN], VALUE),
+        ("pose.position.y", [NAN, -1e13, 1e13], VALUE),
         ("pose.orientation", [None], VALUE),
         ("pose.orientation.z", [INFINITY], VALUE),
         ("pose.orientation.w", ["1"], VALUE),
