@@ -1,7 +1,9 @@
 """Fixtures and hooks that several test files share."""
 
+import contextlib
 import logging
 import os
+import resource
 import runpy
 import signal
 import sys
@@ -116,6 +118,22 @@ def scenario(tmp_path):
         return str(path)
 
     return write
+
+
+@pytest.fixture
+def largest_file():
+    """Lets files of this process get no larger than a size [byte], in a `with`."""
+
+    @contextlib.contextmanager
+    def limit(size):
+        before = resource.getrlimit(resource.RLIMIT_FSIZE)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+        try:
+            yield
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+    return limit
 
 
 @pytest.fixture

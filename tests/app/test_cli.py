@@ -12,6 +12,7 @@ import webbrowser
 from functools import partialmethod
 from pathlib import Path
 
+import numpy as np
 import pytest
 from pydrake.geometry import Meshcat, MeshcatParams
 
@@ -54,7 +55,7 @@ FALL = "initial_behavior: USER\nduration: 30.0\njitter: {joints: 0.6}\n"
         (["replay", "--help"], ["--video", "--show", "forces: not in a log"]),
     ],
 )
-def test_help_names_what_there_is(arguments, words, capsys):
+def test_help_names_commands_and_options(arguments, words, capsys):
     with pytest.raises(SystemExit) as stop:
         main(arguments)
     assert stop.value.code == 0
@@ -197,7 +198,7 @@ def test_a_fall_fails_and_ends_the_run(scenario, tmp_path, capsys):
 
 
 @pytest.mark.usefixtures("ctrl_c")
-def test_ctrl_c_stops_cleanly_and_keeps_what_was_recorded(scenario, tmp_path, capsys):
+def test_ctrl_c_ends_a_run_and_its_files_are_complete(scenario, tmp_path, capsys):
     pytest.importorskip("mcap")
     before = signal.getsignal(signal.SIGINT)
     file, page, log = (tmp_path / f"out.{end}" for end in ("json", "html", "mcap"))
@@ -241,7 +242,9 @@ def test_instead_of_a_port_in_use_the_next_free_one_is_taken(scenario, capsys):
     assert f"Watch at http://localhost:{found[1]}" in out
 
 
-def test_the_view_is_for_this_computer_only_unless_told_otherwise(scenario, capsys):
+def test_the_view_listens_on_this_computer_alone_unless_a_host_is_given(
+    scenario, capsys
+):
     def listening(port):
         """Addresses, as the kernel writes them: 127.0.0.1 is 0100007F."""
         rows = [
@@ -394,7 +397,7 @@ def write_until_full(writer, write, table):
 @pytest.mark.slow
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no full disk here")
 @pytest.mark.parametrize("full", ["--json", "--video", "--log"])
-def test_a_full_disk_takes_nothing_else_with_it(
+def test_a_full_disk_loses_one_file_and_no_other(
     full, scenario, tmp_path, capsys, monkeypatch
 ):
     pytest.importorskip("av", reason='needs pip install "atlas-drake[video]"')
@@ -422,31 +425,25 @@ def test_a_full_disk_takes_nothing_else_with_it(
         assert [told in e["text"] for e in events if e["kind"] == "warning"] == [True]
 
 
-def test_a_video_that_cannot_be_finished_is_deleted(tmp_path):
-    code = """
-import resource, sys
-import numpy as np
-from pathlib import Path
-from atlas_drake.visualization.video_file import VideoError, VideoFile
-resource.setrlimit(resource.RLIMIT_FSIZE, (3000, 3000))
-noise = np.random.default_rng(1)
-for name in sys.argv[1:]:
-    file = VideoFile(Path(name), 25, 64, 48)
-    try:
+def test_a_video_that_cannot_be_finished_is_deleted(tmp_path, largest_file):
+    pytest.importorskip("av", reason='needs pip install "atlas-drake[video]"')
+    from atlas_drake.visualization.video_file import VideoError, VideoFile
+
+    def film_noise(file):
+        noise = np.random.default_rng(1)
         for _ in range(100):
             file.add(noise.integers(0, 255, (48, 64, 3), dtype=np.uint8))
         file.close()
-    except VideoError as error:
+
+    for name in ("a.gif", "a.mp4"):
+        file = VideoFile(tmp_path / name, 25, 64, 48)
+        with (
+            largest_file(3000),
+            pytest.raises(VideoError, match=f"{name}: cannot be written: File too la"),
+        ):
+            film_noise(file)
         assert not file.is_open
         file.close()
-        print(error)
-"""
-    pytest.importorskip("av", reason='needs pip install "atlas-drake[video]"')
-    names = [str(tmp_path / name) for name in ("a.gif", "a.mp4")]
-    command = [sys.executable, "-c", code, *names]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    for name, line in zip(names, done.stdout.splitlines(), strict=True):
-        assert line == f"{name}: cannot be written: File too large"
     assert [*tmp_path.iterdir()] == []
 
 
@@ -553,7 +550,7 @@ def test_the_diagram_is_drawn_as_it_is_wired(tmp_path, capsys):
 
 
 @pytest.mark.skipif(shutil.which("dot") is None, reason="Graphviz is not installed")
-def test_the_diagrams_picture_opens_where_there_is_a_desktop(tmp_path, monkeypatch):
+def test_the_diagrams_picture_opens_on_a_desktop(tmp_path, monkeypatch):
     opened = []
     monkeypatch.setattr(webbrowser, "open", lambda address: not opened.append(address))
     monkeypatch.setattr(sys, "platform", "linux")

@@ -25,7 +25,7 @@ def log_file(tmp_path_factory):
 # ---- recording ---------------------------------------------------------------
 
 
-def test_a_failure_keeps_what_was_logged(scenario, tmp_path, monkeypatch):
+def test_a_log_is_complete_up_to_a_failure(scenario, tmp_path, monkeypatch):
     advance = Simulator.AdvanceTo
 
     def fail(simulator, t):

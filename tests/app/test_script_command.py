@@ -37,7 +37,7 @@ def program(tmp_path):
     return write
 
 
-def test_a_run_is_kept_and_judged_as_others_are(program, tmp_path, capsys):
+def test_a_program_has_summary_log_and_verdict(program, tmp_path, capsys):
     path = program(
         "import rospy, sys\n"
         "rospy.init_node('test')\n"
@@ -71,7 +71,9 @@ def test_a_run_is_kept_and_judged_as_others_are(program, tmp_path, capsys):
         ("raise SystemExit\n", 0, ["Success"]),
     ],
 )
-def test_the_exit_status_says_whose_fault_it_is(program, text, status, words, capsys):
+def test_the_exit_status_tells_a_faulty_program_from_an_unsupported_one(
+    program, text, status, words, capsys
+):
     assert main(["script", program(text), "--headless"]) == status
     told = "".join(capsys.readouterr())
     for word in words:
@@ -79,7 +81,7 @@ def test_the_exit_status_says_whose_fault_it_is(program, text, status, words, ca
 
 
 @pytest.mark.parametrize("text", ["import rospy\nrospy.spin()\n", "x = 1\n"])
-def test_the_duration_holds_whatever_the_program_does(program, text, capsys):
+def test_a_run_lasts_for_its_duration_with_any_program(program, text, capsys):
     path = program(text)
     assert main(["script", path, "--headless", "--duration", "0.3"]) == 0
     assert "upright after 0.3 s" in capsys.readouterr().out
@@ -140,7 +142,9 @@ def test_a_missing_program_is_named(tmp_path, capsys):
         ),
     ],
 )
-def test_ctrl_c_ends_it_and_keeps_what_was_recorded(program, tmp_path, text, printed):
+def test_ctrl_c_ends_a_program_and_its_summary_is_written(
+    program, tmp_path, text, printed
+):
     path = program("import rospy, sys\nrospy.init_node('test')\n" + text)
     summary = tmp_path / "run.json"
     process = subprocess.Popen(

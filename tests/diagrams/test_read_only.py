@@ -166,7 +166,7 @@ class InPlace(Extended):
         return self._behavior.update(state, observation, body, request, leaving)
 
 
-def test_a_behavior_that_writes_into_what_it_was_given_is_stopped():
+def test_a_behavior_that_writes_into_its_arguments_is_an_error():
     def make(tools, _config):
         return InPlace(tools.stand(), None)
 

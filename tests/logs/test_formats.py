@@ -2,7 +2,6 @@
 
 import contextlib
 import json
-import resource
 import secrets
 import shutil
 import sys
@@ -32,7 +31,7 @@ def write(log, path, rows=None):
     return path
 
 
-def test_every_format_gives_back_the_same(log, suffix, tmp_path):
+def test_every_format_gives_back_the_same_log(log, suffix, tmp_path):
     table = table_of(log)
     table[:5, log.header.layout.places["balance.cop"]] = np.nan
     file = LogFile(tmp_path / f"again{suffix}", log.header)
@@ -266,7 +265,7 @@ def test_a_log_that_contradicts_itself_is_refused(change, complaint, log, tmp_pa
         _ = read_log(path).robot
 
 
-def test_a_missing_file_is_said_to_be_missing(suffix, tmp_path):
+def test_a_missing_log_is_named(suffix, tmp_path):
     with pytest.raises(LogError, match="there is no such file"):
         read_log(tmp_path / f"none{suffix}")
 
@@ -303,20 +302,11 @@ def write_rows(file, rows):
         file.rows(row[None])
 
 
-@contextlib.contextmanager
-def largest_file(size):
-    """Files of this process get no larger [byte]."""
-    before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, before)
-
-
 @pytest.mark.usefixtures("small_chunks")
 @pytest.mark.parametrize("size", [100, 60_000])
-def test_an_mcap_that_finds_no_room_ends_with_what_can_be_read(size, log, tmp_path):
+def test_an_mcap_on_a_full_disk_is_readable_up_to_its_last_chunk(
+    size, log, tmp_path, largest_file
+):
     """It is cut back, which leaves room for what is written after it."""
     file = LogFile(tmp_path / "run.mcap", log.header)
     with (

@@ -146,7 +146,7 @@ def test_footsteps_and_caption_are_those_of_the_run(run):
     assert again[0].request.command == walk_command()
 
 
-def test_a_replay_shows_the_robot_and_what_the_log_is_enough_for(log):
+def test_a_replay_shows_robot_footsteps_caption_and_balance(log):
     meshcat, overlays = Meshcat(), Overlays(LOGGED)
     simulator = Simulator(make_replay(log, meshcat, overlays))
     for name in ("owner", "effort"):
@@ -162,7 +162,7 @@ def test_a_replay_shows_the_robot_and_what_the_log_is_enough_for(log):
     assert shown == set(DISPLAYS) - {"contact_force_display"}
 
 
-def test_displays_read_what_they_read_in_the_run(run):
+def test_displays_read_the_same_in_replay_and_run(run):
     sim, log = run
     player = LogPlayer(log)
     context = player.CreateDefaultContext()
@@ -257,7 +257,7 @@ class Waiting(BehaviorProtocol):
 
 
 @pytest.mark.parametrize("ending", ["npz", "mcap"])
-def test_feedback_of_ones_own_behavior_is_logged_and_replayed(tmp_path, ending):
+def test_feedback_of_a_users_behavior_is_logged_and_replayed(tmp_path, ending):
     entry = BehaviorEntry(name="WAIT", number=100, make=Waiting)
     path = tmp_path / f"run.{ending}"
     with AtlasSimulation(behaviors=[entry], log=path) as sim:

@@ -53,7 +53,7 @@ def by_channel(report, dtype=None):
     }
 
 
-def test_no_field_of_a_report_is_left_out():
+def test_every_field_of_a_report_is_recorded():
     report, count = filled_report()
     assert report != AtlasSimInterfaceState()
     assert report_from(by_channel(report)) == report

@@ -101,7 +101,7 @@ def test_comparison_reaches_into_nested_messages():
 @pytest.mark.parametrize(
     "value", [np.array(2.0), None, "text", [[1.0], [2.0, 3.0]], np.ones((2, 2))]
 )
-def test_comparison_gives_one_truth_value_whatever_a_field_holds(value):
+def test_comparison_is_true_or_false_for_any_value_of_a_field(value):
     odd = AtlasCommand(position=value)
     assert (odd == AtlasCommand(position=value)) is True
     assert (odd == AtlasCommand(position=np.array([1.0, 2.0]))) is False

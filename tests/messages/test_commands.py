@@ -218,13 +218,13 @@ def test_a_bad_behavior_or_step_refuses_the_whole_command(robot, start):
 
 
 @pytest.mark.parametrize("shares", [[], [0] * 28])
-def test_user_returns_every_joint_whatever_the_message_says(robot, start, shares):
+def test_user_gives_every_joint_to_the_user_with_any_k_effort(robot, start, shares):
     command = AtlasSimInterfaceCommand(behavior=Behavior.USER, k_effort=shares)
     after = sent(start, robot, sim=command)
     np.testing.assert_array_equal(after.k_effort, np.full(28, 255.0))
 
 
-def test_the_request_holds_what_was_sent_and_nobody_can_change_it(robot, start):
+def test_the_request_is_an_immutable_copy_of_the_command(robot, start):
     command = AtlasSimInterfaceCommand(behavior=Behavior.MANIPULATE)
     command.manipulate_params.desired.pelvis_height = 0.77
     after = sent(start, robot, sim=command)

@@ -102,7 +102,7 @@ def test_a_stamp_is_seconds_in_ours():
     assert to_ours(message, ours.AtlasCommand).header.stamp == 3.5
 
 
-def test_a_part_that_does_not_belong_there_is_named():
+def test_a_nested_message_of_another_type_is_named():
     message = Walk()
     message.walk_params.step_queue[2] = geometry_msgs["Pose"]()
     with pytest.raises(ScriptError, match=r"walk_params.step_queue\[2\] must be"):

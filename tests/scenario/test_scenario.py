@@ -155,7 +155,7 @@ def test_mappings_stand_for_drakes_configurations_and_for_ours():
     )
 
 
-def test_numbers_of_every_kind_mean_the_same():
+def test_numbers_of_other_types_become_floats():
     odd = Scenario(
         duration=Fraction(1, 2),
         seed=np.int64(3),

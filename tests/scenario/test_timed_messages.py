@@ -80,7 +80,7 @@ def bow(behavior="BOW", **params):
     return entry.message(["joint"], "messages[0]", CATALOG)
 
 
-def test_parameters_of_ones_own_behavior_are_made_from_their_fields():
+def test_parameters_of_a_users_behavior_are_made_from_their_fields():
     assert bow(depth=0.3).params == BowParams(depth=0.3)
     # YAML reads 1e-1 as a word.
     assert bow(depth="1e-1", sides=[0, 1]).params == BowParams(0.1, (0.0, 1.0))

@@ -127,7 +127,7 @@ def test_a_refused_walk_is_asked_for_once(look, panel, standing):
     assert sent == 1
 
 
-def test_a_fallen_robot_is_not_told_to_walk(look, panel, standing):
+def test_a_fallen_robot_gets_no_walk_command(look, panel, standing):
     standing.behavior_feedback.status_flags = BehaviorStatus.ERROR_FALLING
     panel.press(Action.FORWARD)
     assert look().sim_command is None
@@ -169,7 +169,9 @@ def test_a_joint_follows_its_slider_at_a_bounded_speed(look, panel, robot):
     assert look().atlas_command is None
 
 
-def test_user_takes_all_and_the_next_behavior_gives_back(look, panel, standing):
+def test_user_takes_all_joints_and_the_next_behavior_restores_the_shares(
+    look, panel, standing
+):
     panel.set(SHARES["left arm"], 255)
     look()
     panel.press(Action.USER)
@@ -187,7 +189,7 @@ def test_user_takes_all_and_the_next_behavior_gives_back(look, panel, standing):
     assert look().atlas_command is None
 
 
-def test_the_sliders_follow_what_somebody_else_commands(look, panel, standing):
+def test_the_sliders_follow_commands_of_others(look, panel, standing):
     standing.k_effort = [255] * 28
     look()
     assert panel.sliders[SHARES["back"].label] == 255
@@ -229,7 +231,7 @@ def test_a_reset_forgets_everything(look, panel, robot, standing):
     assert commander.restart(standing).sliders[SHARES["legs"]] == 0
 
 
-def test_a_behavior_of_ones_own_has_a_button_and_a_page(robot, standing, state):
+def test_a_users_behavior_has_a_button_and_a_page(robot, standing, state):
     entries = [
         BehaviorInterface(name=f"TRICK_{number}", number=100 + number)
         for number in range(4)

@@ -87,7 +87,7 @@ def test_every_button_has_its_key_on_every_page(panel, meshcat, robot):
         panel.read()
 
 
-def test_a_button_is_heard_once_whatever_page_is_open(panel, meshcat):
+def test_a_click_is_read_once_on_any_page(panel, meshcat):
     click(meshcat, Action.NEXT_PAGE)
     assert panel.read().clicks == ()
     click(meshcat, Action.RESET)
@@ -124,7 +124,7 @@ def test_pages_turn_both_ways_and_in_a_circle(panel, meshcat):
     assert meshcat.GetSliderNames() == walking
 
 
-def test_what_was_set_stays_in_force_when_the_page_turns(panel, meshcat):
+def test_values_of_sliders_stay_when_the_page_turns(panel, meshcat):
     open_page(panel, meshcat, STRIDE)
     meshcat.SetSliderValue(STRIDE.label, 0.27)
     assert panel.read().value(STRIDE) == pytest.approx(0.27)
@@ -190,7 +190,7 @@ def test_a_browser_may_round_to_a_step_beyond_the_end(panel, meshcat, said):
     assert said == []
 
 
-def test_the_view_says_that_time_stands_still(panel, meshcat):
+def test_the_view_shows_that_the_simulation_is_paused(panel, meshcat):
     panel.show_paused(True)
     assert meshcat.HasPath(f"{CAMERA}/paused")
     panel.show_paused(False)

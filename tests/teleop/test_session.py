@@ -45,7 +45,7 @@ def steered(shared_sim, panel):
     return Steered(shared_sim, panel)
 
 
-def test_a_click_acts_at_once(steered, panel):
+def test_a_click_acts_within_a_tenth_of_a_second(steered, panel):
     steered.go(SLICE)
     panel.press(Action.WALK)
     steered.go(ACTS_WITHIN)

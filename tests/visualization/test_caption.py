@@ -64,7 +64,7 @@ def test_captions(state, title, note):
     assert caption_of(state) == (title, note)
 
 
-def test_a_behavior_derived_from_walk_says_its_step():
+def test_the_caption_of_a_behavior_derived_from_walk_has_its_step():
     own = replace(SHIPPED.entry(Behavior.WALK), name="MY_WALK", number=160)
     state = report(own.behavior, [0], walk_flags=WalkStatus.SUBSTATE_STEPPING, step=2)
     title, _ = caption_of(state, BehaviorCatalog((*SHIPPED, own)))

@@ -112,7 +112,7 @@ def test_marks_are_drawn_once_and_then_shown_or_hidden():
     ]
 
 
-def test_a_new_run_begins_with_nothing():
+def test_a_new_run_deletes_the_marks():
     recorder, drawn = Recorder(), []
     marks = Marks(recorder, "/marks", lambda path, _mark: drawn.append(path), True)
     marks.show(["a"], 5.0)
@@ -123,7 +123,7 @@ def test_a_new_run_begins_with_nothing():
 
 
 @pytest.mark.parametrize("recorded", [False, True])
-def test_only_what_is_recorded_grows(recorded):
+def test_marks_are_reused_unless_recorded(recorded):
     recorder, drawn = Recorder(), {}
     marks = Marks(recorder, "/marks", drawn.__setitem__, recorded)
     seen = {}
@@ -137,7 +137,7 @@ def test_only_what_is_recorded_grows(recorded):
     assert len(drawn) == (101 if recorded else SPARE + 2)
 
 
-def test_an_object_that_is_used_again_may_come_back():
+def test_a_reused_mark_may_be_drawn_again():
     recorder, drawn = Recorder(), {}
     marks = Marks(recorder, "/marks", drawn.__setitem__, False)
     for time, number in enumerate([*range(50), 0, 49]):

@@ -101,7 +101,7 @@ def test_a_tube_has_its_radius_everywhere():
     np.testing.assert_allclose(np.hypot(*vertices[:2]), 0.1)
 
 
-def test_a_thinned_curve_looks_the_same():
+def test_a_thinned_curve_stays_within_its_tolerance():
     along = np.linspace(0.0, 1.0, 200)
     curve = np.column_stack([along, 0.2 * np.sin(6.0 * along), 0.0 * along])
     fewer = thinned(curve, 0.002)
@@ -194,7 +194,7 @@ def test_flags_in_words(message, words):
     assert feedback_words(message) == words
 
 
-def test_manipulate_says_whether_the_pelvis_has_arrived():
+def test_feedback_of_manipulate_tells_whether_the_pelvis_moves():
     message = report(Behavior.MANIPULATE)
     assert feedback_words(message) == "ok"
     message.manipulate_feedback.clamped.pelvis_yaw = 0.1
