@@ -57,15 +57,6 @@ def test_both_figures_are_drawn_beside_the_log(log_file, capsys, monkeypatch):
         assert text in out
 
 
-@pytest.mark.slow
-def test_figures_are_drawn_where_they_are_wanted(log_file, tmp_path, monkeypatch):
-    monkeypatch.setattr(png_page, "DPI", 40)
-    before = {*log_file.parent.iterdir()}
-    assert main(["plot", str(log_file), "--output", str(tmp_path / "a.png")]) == 0
-    assert [file.name for file in tmp_path.iterdir()] == ["a.png"]
-    assert {*log_file.parent.iterdir()} == before
-
-
 @pytest.mark.parametrize(
     ("arguments", "complaint"),
     [
@@ -101,11 +92,13 @@ def test_a_page_that_a_full_disk_stops_leaves_the_others(
         path.write_text("whole")
 
     monkeypatch.setattr(log_command, "_drawing", lambda _file: draw)
+    before = {*log_file.parent.iterdir()}
     full, page = tmp_path / "full.png", tmp_path / "a.html"
     options = ["--output", str(full), "--output", str(page)]
     assert main(["plot", str(log_file), *options]) == 3
     assert f"{full} is lost: No space left on device" in capsys.readouterr().out
     assert [*tmp_path.iterdir()] == [page]
+    assert {*log_file.parent.iterdir()} == before
 
 
 def test_a_page_that_cannot_be_drawn_leaves_nothing(log_file, tmp_path, monkeypatch):

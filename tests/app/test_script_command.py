@@ -200,17 +200,6 @@ def test_the_examples_run_to_a_good_end(name, arguments, keys, words):
         assert word in done.stdout
 
 
-@pytest.mark.slow
-@pytest.mark.skipif(TUTORIAL.exists(), reason="the tutorial's own program is run")
-def test_control_is_handed_over_and_back_as_in_the_tutorial(capsys):
-    path = Path(__file__).parents[1] / "ros_scripts" / "control_modes.py"
-    assert main(["script", str(path), "--headless"]) == 0
-    out = capsys.readouterr().out
-    assert "elbow at 2.1" in out
-    assert "walked 0.4 m" in out
-    assert "4 steps taken" in out
-
-
 def with_indentation(page):
     """The tutorial's program as it was before the page lost its indentation."""
     lines = page.splitlines()

@@ -70,19 +70,6 @@ def reference(robot) -> ET.Element:
     return ET.parse(REFERENCE / FILES[robot.name]).getroot()
 
 
-def test_links_are_those_of_the_reference(robot, reference):
-    cameras = {
-        link.get("name")
-        for link in reference.iter("link")
-        if "camera" in link.get("name")
-    }
-    expected = {link.get("name") for link in reference.iter("link")} - cameras | {
-        "head"
-    }
-    bodies = robot.plant.GetBodyIndices(robot.instance)
-    assert {robot.plant.get_body(index).name() for index in bodies} == expected
-
-
 def test_spatial_inertias(robot, reference):
     expected = {
         link.get("name"): _spatial_inertia(link)

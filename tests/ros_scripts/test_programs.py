@@ -499,6 +499,30 @@ except Exception:
     assert ran.sim.time == pytest.approx(0.1)
 
 
+def test_steps_are_made_with_pykdl_and_posemath(run):
+    ran = run("""
+import PyKDL
+from tf_conversions import posemath
+walk = AtlasSimInterfaceCommand(behavior=AtlasSimInterfaceCommand.WALK)
+q = rospy.wait_for_message("/atlas/imu", Imu).orientation
+robot = PyKDL.Frame(PyKDL.Rotation.Quaternion(q.x, q.y, q.z, q.w), PyKDL.Vector())
+for i in range(4):
+    step = AtlasBehaviorStepData(step_index=i + 1, foot_index=i % 2, duration=0.63)
+    # Both feet of a pair go as far: in Python 2 these are whole numbers.
+    ahead = PyKDL.Vector((1 + i / 2) * 0.2, 0.12 - i % 2 * 0.24, 0.0)
+    step.pose = posemath.toMsg(robot * PyKDL.Frame(ahead))
+    walk.walk_params.step_queue[i] = step
+walk.k_effort = "".join(chr(0) for _ in range(28))
+rospy.Publisher("/atlas/atlas_sim_interface_command", type(walk)).publish(walk)
+rospy.sleep(0.02)
+""")
+    assert ran.problem is None, ran.complained
+    assert ran.sim.current_behavior is Behavior.WALK
+    queue = ran.sim.output("commands").request.command.walk_params.step_queue
+    x = [step.pose.position.x for step in queue]
+    assert x == pytest.approx([0.2, 0.2, 0.4, 0.4], abs=0.01)
+
+
 def test_a_program_has_its_own_arguments(run):
     text = "import sys\nprint(sys.argv[1:], rospy.myargv()[1:])\n"
     ran = run(text, "-a", "x:=y")
