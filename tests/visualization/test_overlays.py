@@ -5,21 +5,16 @@ import pytest
 from pydrake.geometry import Meshcat
 
 from atlas_drake import AtlasSimulation
-from atlas_drake.errors import ErrorCode, ScenarioError
+from atlas_drake.errors import ScenarioError
 from atlas_drake.logs.balance_figures import _TRACKS
 from atlas_drake.messages import (
     AtlasSimInterfaceCommand,
-    AtlasSimInterfaceState,
     Behavior,
-    BehaviorStatus,
-    StepStatus,
-    WalkStatus,
 )
 from atlas_drake.messages.controller_status import PlannedPaths
 from atlas_drake.palette import BEHAVIOR, BUSY, IDLE, SHARED, SPENT, USER, hex_color
 from atlas_drake.visualization.balance_marks import _COLORS
 from atlas_drake.visualization.balance_marks import PATH as BALANCE
-from atlas_drake.visualization.caption import feedback_words
 from atlas_drake.visualization.contact_forces import PATH as FORCES
 from atlas_drake.visualization.contact_forces import (
     ContactForce,
@@ -33,7 +28,6 @@ from atlas_drake.visualization.control_colors import (
 )
 from atlas_drake.visualization.overlays import LOGGED, OVERLAYS, Overlays, overlays_from
 from atlas_drake.visualization.shapes import SIDES, thinned, tube
-from atlas_drake.visualization.stroke_font import _GLYPHS
 
 BALANCE_MARKS = {
     "com": ["com", "com_ball", "com_line"],
@@ -136,7 +130,7 @@ def test_the_ground_carries_a_standing_robot_without_a_path(standing):
     np.testing.assert_array_equal(plan.dcm_reference, plan.cop_reference)
 
 
-# ---- colors and words -------------------------------------------------------
+# ---- colors -----------------------------------------------------------------
 
 
 def test_owners_have_colors():
@@ -150,67 +144,6 @@ def test_effort_has_colors():
     effort, limit = np.array([0.0, -50.0, 100.0, 900.0]), np.full(4, 100.0)
     colors = effort_colors(effort, limit)
     assert colors == [IDLE, BUSY, SPENT, SPENT]
-
-
-MY_WALK = Behavior.named(160, "MY_WALK")
-
-
-def report(behavior=Behavior.STAND, transition=0, walk=0, step=0, error=0):
-    message = AtlasSimInterfaceState()
-    message.current_behavior = behavior
-    message.behavior_feedback.status_flags = transition
-    message.walk_feedback.status_flags = walk
-    message.step_feedback.status_flags = step
-    message.error_code = error
-    return message
-
-
-@pytest.mark.parametrize(
-    ("message", "words"),
-    [
-        (report(), "ok"),
-        (report(transition=BehaviorStatus.TRANSITION_SUCCESS), "ok"),
-        (
-            report(transition=BehaviorStatus.FAILED_TRANS_ILLEGAL_BEHAVIOR),
-            "illegal transition",
-        ),
-        (report(Behavior.WALK, walk=WalkStatus.SUBSTATE_SWAYING), "swaying"),
-        (
-            report(
-                Behavior.WALK,
-                BehaviorStatus.TRANSITION_IN_PROGRESS,
-                WalkStatus.SUBSTATE_CATCHING
-                | WalkStatus.WARNING_INSUFFICIENT_STEP_DATA,
-            ),
-            "catching, out of steps, transition in progress",
-        ),
-        (report(Behavior.STEP, step=StepStatus.SUBSTATE_STEPPING), "stepping"),
-        # A behavior of one's own that is derived from WALK has its flags, too.
-        (report(MY_WALK, walk=WalkStatus.SUBSTATE_STEPPING), "stepping"),
-        (report(error=ErrorCode.VALUE_OUT_OF_RANGE), "error: VALUE OUT OF RANGE"),
-    ],
-)
-def test_flags_in_words(message, words):
-    assert feedback_words(message) == words
-
-
-def test_feedback_of_manipulate_tells_whether_the_pelvis_moves():
-    message = report(Behavior.MANIPULATE)
-    assert feedback_words(message) == "ok"
-    message.manipulate_feedback.clamped.pelvis_yaw = 0.1
-    assert feedback_words(message) == "pelvis moves"
-    assert set("PELVIS MOVES") <= set(_GLYPHS)
-    message.manipulate_feedback.internal_desired.pelvis_yaw = 0.1
-    assert feedback_words(message) == "ok"
-
-
-def test_the_font_has_every_letter_of_every_word():
-    everything = [
-        report(Behavior.WALK, sum(BehaviorStatus), sum(WalkStatus), sum(StepStatus), e)
-        for e in ErrorCode
-    ]
-    for message in everything:
-        assert set(feedback_words(message).upper()) <= set(_GLYPHS)
 
 
 # ---- plans and the scene -----------------------------------------------------
