@@ -1,4 +1,4 @@
-"""Captions and feedback in words agree with the report, in letters of the stroke font."""
+"""Captions and feedback in words: what they say, in letters of the stroke font."""
 
 from dataclasses import replace
 from itertools import product
