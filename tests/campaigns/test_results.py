@@ -106,7 +106,8 @@ def test_figures_of_any_size_are_drawn(tmp_path, monkeypatch):
     assert written.name == "distributions.png"
 
 
-def test_text_that_is_no_unicode_is_kept_readable(folder, capsys):
+def test_text_that_is_no_unicode_is_kept_readable(folder, capsys, monkeypatch):
+    monkeypatch.setattr(figures, "DPI", 20)
     trial = record(0, **{"wo\udcffrd": "na\udcffme"})
     trial |= {"error": "lost \udcff", "values": {"parameters.x": "\ud800"}}
     folder.write(trial)

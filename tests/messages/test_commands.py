@@ -196,14 +196,6 @@ def test_both_integral_bounds_may_pass_the_ones_in_force(robot, start):
 # Behavior commands.
 
 
-def test_a_behavior_request_is_numbered(robot, start):
-    force = start
-    for number, behavior in enumerate((Behavior.STAND, Behavior.STAND, "walk", 6), 1):
-        force = sent(force, robot, sim=AtlasSimInterfaceCommand(behavior=behavior))
-        assert force.request.number == number
-    assert force.request.behavior is Behavior.MANIPULATE
-
-
 def test_a_bad_behavior_or_step_refuses_the_whole_command(robot, start):
     unknown = AtlasSimInterfaceCommand(behavior="moonwalk", k_effort=[255] * 28)
     walk = AtlasSimInterfaceCommand(behavior=Behavior.WALK, k_effort=[3] * 28)

@@ -5,36 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from atlas_drake import AtlasSimulation, Scenario, load_scenario
+from atlas_drake import AtlasSimulation, Scenario
 from atlas_drake.scenario import Start
 from atlas_drake.scenario.terrain import Block, surface_height
-
-FILE = """
-terrain:
-- {size: [3.0, 2.0, 0.1], position: [0.5, 0.0, 0.1]}
-- size: [1.0, 1.0, 0.2]
-  position: [3.0, 0.0, 0.15]
-  rpy: [0.0, -0.1, 0.5]
-  friction: 0.7
-start: {position: [0.4, -0.2], yaw: 0.3}
-"""
-
-
-def test_terrain_and_start_are_read_from_a_file(tmp_path):
-    path = tmp_path / "scenario.yaml"
-    path.write_text(FILE)
-    scenario = load_scenario(path)
-    assert scenario.terrain == [
-        Block(size=[3.0, 2.0, 0.1], position=[0.5, 0.0, 0.1]),
-        Block(
-            size=[1.0, 1.0, 0.2],
-            position=[3.0, 0.0, 0.15],
-            rpy=[0.0, -0.1, 0.5],
-            friction=0.7,
-        ),
-    ]
-    assert scenario.start == Start(position=[0.4, -0.2], yaw=0.3)
-    assert Scenario().terrain == []
 
 
 def test_the_surface_is_the_highest_top_face_or_the_ground():

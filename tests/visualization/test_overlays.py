@@ -42,7 +42,7 @@ SWINGING = 1.5
 """When a foot is in the air if WALK is asked for at the start [s]."""
 
 
-def walking(meshcat=None, overlays=None):
+def walking(meshcat, overlays):
     sim = AtlasSimulation(view=meshcat, overlays=overlays)
     command = AtlasSimInterfaceCommand()
     command.behavior = Behavior.WALK
@@ -150,28 +150,22 @@ def test_effort_has_colors():
 
 
 @pytest.mark.slow
-def test_a_walk_has_a_plan_and_a_swing():
-    sim = walking()
-    sim.advance_to(SWINGING)
-    plan = sim.output("controller_status").plan
-    paths = sim.output("planned_paths")
-    assert len(paths.com) == len(paths.dcm) == len(paths.cop) > 10
-    np.testing.assert_allclose(paths.dcm[0], plan.dcm_reference, atol=0.01)
-    # Both come to rest over the same point.
-    np.testing.assert_allclose(paths.com[-1], paths.dcm[-1], atol=0.05)
-    step = plan.footsteps[0]
-    foot = sim.atlas_sim_interface_state.foot_pos_est[step.foot].position.to_array()
-    assert np.linalg.norm(paths.swing - foot, axis=1).min() < 0.03
-    np.testing.assert_allclose(paths.swing[-1][:2], step.p_WF[:2], atol=0.005)
-    assert paths.swing[:, 2].max() > 0.05
-    assert plan.support.shape[1] == 2
-
-
-@pytest.mark.slow
-def test_overlays_reach_the_scene_and_can_be_switched_while_running():
+def test_a_walk_has_a_plan_and_a_swing_that_overlays_show_once_switched_on():
     meshcat, overlays = Meshcat(), Overlays()
     sim = walking(meshcat, overlays)
     sim.advance_to(SWINGING)
+    plan = sim.output("controller_status").plan
+    planned = sim.output("planned_paths")
+    assert len(planned.com) == len(planned.dcm) == len(planned.cop) > 10
+    np.testing.assert_allclose(planned.dcm[0], plan.dcm_reference, atol=0.01)
+    # Both come to rest over the same point.
+    np.testing.assert_allclose(planned.com[-1], planned.dcm[-1], atol=0.05)
+    step = plan.footsteps[0]
+    foot = sim.atlas_sim_interface_state.foot_pos_est[step.foot].position.to_array()
+    assert np.linalg.norm(planned.swing - foot, axis=1).min() < 0.03
+    np.testing.assert_allclose(planned.swing[-1][:2], step.p_WF[:2], atol=0.005)
+    assert planned.swing[:, 2].max() > 0.05
+    assert plan.support.shape[1] == 2
     paths = [f"{BALANCE}/{mark}" for marks in BALANCE_MARKS.values() for mark in marks]
     paths.append(f"{FORCES}/0")
     assert not [path for path in paths if meshcat.HasPath(path)]

@@ -260,7 +260,7 @@ def test_view_and_video_do_not_change_the_motion(tmp_path):
 @pytest.mark.slow
 def test_a_run_becomes_a_film_of_the_robot(tmp_path, capsys):
     scenario, path = tmp_path / "scenario.yaml", tmp_path / "video.mp4"
-    seconds = 1.0
+    seconds = 0.2
     scenario.write_text(f"duration: {seconds}\n")
     options = ["--headless", "--video", str(path), "--video-size", f"{WIDTH}x{HEIGHT}"]
     assert main(["run", str(scenario), *options]) == 0
