@@ -108,10 +108,6 @@ def test_python_m_is_the_same_command():
     ("text", "field"),
     [
         ("durration: 1.0\n", "durration"),
-        ("duration: -1.0\n", "duration"),
-        ("physics_step: 0.004\n", "physics_step"),
-        ("initial_behavior: DANCE\n", "initial_behavior"),
-        ("model: spot\n", "model"),
         ("jitter: {mass: -0.1}\n", "jitter.mass"),
         ("duration: [\n", "file"),
     ],

@@ -199,7 +199,7 @@ def test_a_scenario_that_this_version_cannot_read_is_named(log, meshcat):
         make_replay(Log(log.path, header, log.arrays, log.notes), meshcat)
 
 
-def test_a_log_that_kept_less_is_refused(log):
+def test_a_log_without_a_channel_of_the_report_is_refused(log):
     arrays = {n: a for n, a in log.arrays.items() if n != "manipulate.clamped"}
     with pytest.raises(LogError, match=r"without manipulate\.clamped"):
         LogPlayer(Log(log.path, log.header, arrays, log.notes))

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
 from build_models import build
-from pydrake.multibody.tree import SpatialInertia, UnitInertia
 from robot_models.appearance_limbs import LEG
 from robot_models.collisions import FILTER_GROUPS
-from robot_models.inertias import combine
-from robot_models.parts import Inertial
 from robot_models.skeleton import LINKS, SOLE_CENTER
 from robot_models.triangles import merge
 
@@ -38,23 +34,3 @@ def test_drawn_sole_ends_where_the_foot_touches_the_ground():
     parts = [s.triangles() for surfaces in LEG["foot"].values() for s in surfaces]
     lowest = merge(*parts).vertices[:, 2].min()
     assert lowest == pytest.approx(SOLE_CENTER[2], abs=1e-9)
-
-
-def test_combined_inertia_is_that_of_the_parts():
-    parts = [
-        Inertial(2.0, (0.1, 0.2, 0.3), (0.05, 0.06, 0.07), (0.001, -0.002, 0.003)),
-        Inertial(0.5, (-0.4, 0.0, 0.2), (0.01, 0.02, 0.02), (0.0, 0.004, 0.0)),
-    ]
-
-    def spatial(part: Inertial) -> SpatialInertia:
-        unit = np.array([*part.moments, *part.products]) / part.mass
-        about_center = SpatialInertia(part.mass, np.zeros(3), UnitInertia(*unit))
-        return about_center.Shift(-np.array(part.center_of_mass))
-
-    expected = spatial(parts[0])
-    expected += spatial(parts[1])
-    np.testing.assert_allclose(
-        spatial(combine(parts)).CopyToFullMatrix6(),
-        expected.CopyToFullMatrix6(),
-        atol=1e-12,
-    )
