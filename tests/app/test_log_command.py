@@ -22,9 +22,6 @@ def log_file(tmp_path_factory):
     return path
 
 
-# ---- recording ---------------------------------------------------------------
-
-
 def test_a_log_is_complete_up_to_a_failure(scenario, tmp_path, monkeypatch):
     advance = Simulator.AdvanceTo
 
@@ -39,9 +36,6 @@ def test_a_log_is_complete_up_to_a_failure(scenario, tmp_path, monkeypatch):
     assert read_log(file).time[-1] == pytest.approx(
         0.06, abs=Scenario().resolved().control_period
     )
-
-
-# ---- figures -----------------------------------------------------------------
 
 
 @pytest.mark.slow
@@ -139,9 +133,6 @@ def test_plot_without_any_package_names_what_to_install(log_file, capsys, hide_p
         assert f"pip install {package}" in out
     assert "pip install matplotlib" in error
     assert {*log_file.parent.iterdir()} == before
-
-
-# ---- replay ------------------------------------------------------------------
 
 
 def test_a_replay_with_view_ends_by_itself_without_a_terminal(log_file, capsys):

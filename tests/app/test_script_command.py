@@ -167,9 +167,6 @@ def test_ctrl_c_ends_a_program_and_its_summary_is_written(
     assert json.loads(summary.read_text())["stopped"] == "interrupted"
 
 
-# ---- examples and the tutorial -----------------------------------------------
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "arguments", "keys", "words"),

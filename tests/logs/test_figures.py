@@ -143,9 +143,6 @@ def test_a_fall_is_marked_in_all_figures_over_time(log):
         assert marked == p.over_time, p.title
 
 
-# ---- geometry ----------------------------------------------------------------
-
-
 def test_standing_has_one_print_of_each_foot_and_one_polygon(log):
     feet = feet_of(log)
     assert [len(footprints(log, feet, foot)) for foot in (0, 1)] == [1, 1]
@@ -186,9 +183,6 @@ def test_a_thinned_map_keeps_the_highest_values():
     assert thin[1].max() == 0.7
     assert thin[0].max() == 0.0
     assert abs(x[thin[1].argmax()] - 333) < 10
-
-
-# ---- drawing -----------------------------------------------------------------
 
 
 def test_the_picture_has_every_figure_with_its_labels(page):

@@ -85,9 +85,6 @@ def assert_only_the_error_is_new(after, before):
     )
 
 
-# Before any command.
-
-
 def test_at_start_the_stand_prep_pose_and_default_gains_are_in_force(robot, start):
     joints = start.joints
     np.testing.assert_array_equal(joints.position, robot.stand_prep)
@@ -105,9 +102,6 @@ def test_at_start_joints_are_the_users_only_without_behavior(robot, behavior):
     np.testing.assert_array_equal(start.k_effort, np.full(28, 255.0 * users))
     assert start.request.behavior is behavior
     assert start.request.number == 0
-
-
-# Joint commands.
 
 
 @pytest.mark.parametrize("kind", [AtlasCommand, AtlasSimInterfaceCommand])
@@ -193,9 +187,6 @@ def test_both_integral_bounds_may_pass_the_ones_in_force(robot, start):
     np.testing.assert_array_equal(after.joints.i_effort_min, np.full(28, 4.0))
 
 
-# Behavior commands.
-
-
 def test_a_bad_behavior_or_step_refuses_the_whole_command(robot, start):
     unknown = AtlasSimInterfaceCommand(behavior="moonwalk", k_effort=[255] * 28)
     walk = AtlasSimInterfaceCommand(behavior=Behavior.WALK, k_effort=[3] * 28)
@@ -225,9 +216,6 @@ def test_the_request_is_an_immutable_copy_of_the_command(robot, start):
     assert kept.pelvis_height == 0.77
     with pytest.raises(AttributeError):
         kept.pelvis_height = 0.2
-
-
-# Both kinds.
 
 
 def test_the_later_message_wins_the_shares(robot, start):
@@ -405,9 +393,6 @@ def test_a_port_value_that_is_no_message_is_refused(robot, start, thing):
         after = latch(start, *arguments, robot, 1.0)
         assert_only_the_error_is_new(after, start)
         assert after.refused == 1
-
-
-# Values.
 
 
 def test_arrays_in_force_are_not_the_senders(robot, start):

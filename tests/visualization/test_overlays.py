@@ -51,9 +51,6 @@ def walking(meshcat, overlays):
     return sim
 
 
-# ---- switches ----------------------------------------------------------------
-
-
 def test_overlays_are_known_by_name():
     assert overlays_from("com, dcm") == ["com", "dcm"]
     assert overlays_from("none") == []
@@ -76,9 +73,6 @@ def standing():
     sim = AtlasSimulation()
     sim.advance(0.2)
     return sim
-
-
-# ---- geometry ----------------------------------------------------------------
 
 
 def test_a_tube_has_its_radius_everywhere():
@@ -130,9 +124,6 @@ def test_the_ground_carries_a_standing_robot_without_a_path(standing):
     np.testing.assert_array_equal(plan.dcm_reference, plan.cop_reference)
 
 
-# ---- colors -----------------------------------------------------------------
-
-
 def test_owners_have_colors():
     behavior, shared, user = owner_colors(np.array([0.0, 128.0, 255.0]))
     assert behavior == BEHAVIOR
@@ -144,9 +135,6 @@ def test_effort_has_colors():
     effort, limit = np.array([0.0, -50.0, 100.0, 900.0]), np.full(4, 100.0)
     colors = effort_colors(effort, limit)
     assert colors == [IDLE, BUSY, SPENT, SPENT]
-
-
-# ---- plans and the scene -----------------------------------------------------
 
 
 @pytest.mark.slow

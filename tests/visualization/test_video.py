@@ -44,9 +44,6 @@ def differing(a, b, by=25):
     return np.abs(a.astype(int) - b.astype(int)).max(axis=2) > by
 
 
-# ---- the file ----------------------------------------------------------------
-
-
 @pytest.mark.parametrize("ending", [".mp4", ".gif"])
 def test_a_file_holds_the_pictures_that_were_added(ending, tmp_path):
     path = tmp_path / f"video{ending}"
@@ -82,9 +79,6 @@ def test_options_of_a_video_that_cannot_be_used_are_refused(tmp_path, monkeypatc
         check_video(tmp_path / "video.mp4", 64, 48)
 
 
-# ---- the camera --------------------------------------------------------------
-
-
 def test_the_camera_looks_at_its_target_from_the_front_and_upright():
     target = np.array([1.0, 2.0, 0.9])
     X_WC = camera_pose(target, 0.5)
@@ -105,9 +99,6 @@ def test_the_camera_follows_smoothly():
     for _ in range(25):
         target = follow(target, moved, LAG / 25)
     assert target[0] == pytest.approx(1.0 - np.exp(-1.0))
-
-
-# ---- the picture -------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
@@ -235,9 +226,6 @@ def test_the_caption_is_in_the_corner():
     assert columns.min() < 0.1 * 960
     other = with_caption(plain, "stand", "x", 1.0)
     assert differing(other, with_caption(plain, "walk", "x", 1.0)).any()
-
-
-# ---- runs --------------------------------------------------------------------
 
 
 @pytest.mark.slow
