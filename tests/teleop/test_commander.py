@@ -6,18 +6,14 @@ import numpy as np
 import pytest
 
 from atlas_drake.behaviors.config import ControllerConfig
-from atlas_drake.messages import (
-    Behavior,
-    BehaviorStatus,
-    check_command,
-)
+from atlas_drake.messages import Behavior, BehaviorStatus, check_command
 from atlas_drake.messages.behavior_catalog import (
     SHIPPED,
     BehaviorCatalog,
     BehaviorInterface,
 )
 from atlas_drake.robot import load_robot
-from atlas_drake.teleop.commander import PUSH_DURATION, Commander
+from atlas_drake.teleop.commander import PUSH_DURATION, Commander, Orders
 from atlas_drake.teleop.controls import (
     PELVIS_HEIGHT,
     PUSH_BODY,
@@ -75,13 +71,7 @@ def look(panel, robot, standing, state):
 
 
 def test_an_untouched_panel_sends_nothing(look):
-    orders = look()
-    assert orders.atlas_command is None
-    assert orders.sim_command is None
-    assert orders.push is None
-    assert not orders.reset
-    assert not orders.sliders
-    assert not orders.joints
+    assert look() == Orders()
 
 
 @pytest.mark.parametrize(("action", "behavior"), BEHAVIORS.items())
@@ -238,12 +228,8 @@ def test_a_users_behavior_has_a_button_and_a_page(robot, standing, state):
     ]
     catalog = BehaviorCatalog((*SHIPPED, *entries))
     buttons = behavior_buttons(catalog)
-    assert [button.label for button in buttons] == [
-        "TRICK_0 (8)",
-        "TRICK_1 (9)",
-        "TRICK_2 (0)",
-        "TRICK_3",
-    ]
+    labels = ["TRICK_0 (8)", "TRICK_1 (9)", "TRICK_2 (0)", "TRICK_3"]
+    assert [button.label for button in buttons] == labels
     titles = [page.title for page in pages_with(robot, OWN, (), buttons)]
     assert titles[1] == "behaviors"
     assert "behaviors" not in [page.title for page in pages_with(robot, OWN, ())]

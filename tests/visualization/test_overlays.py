@@ -26,7 +26,7 @@ from atlas_drake.visualization.control_colors import (
     effort_colors,
     owner_colors,
 )
-from atlas_drake.visualization.overlays import LOGGED, OVERLAYS, Overlays, overlays_from
+from atlas_drake.visualization.overlays import LOGGED, Overlays, overlays_from
 from atlas_drake.visualization.shapes import SIDES, thinned, tube
 
 BALANCE_MARKS = {
@@ -60,12 +60,6 @@ def test_overlays_are_known_by_name():
     assert "effort" not in overlays_from("all", LOGGED)
     with pytest.raises(ScenarioError, match="not in a log"):
         overlays_from("com,forces", LOGGED)
-
-
-def test_of_the_colorings_the_later_one_counts():
-    overlays = Overlays(["owner", "com"])
-    overlays.switch("effort", True)
-    assert [name for name in OVERLAYS if overlays.is_on(name)] == ["com", "effort"]
 
 
 @pytest.fixture(scope="module")
