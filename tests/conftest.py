@@ -18,6 +18,7 @@ from pydrake.common.value import AbstractValue, Value
 from atlas_drake import AtlasCommand
 from atlas_drake.robot import LOCAL_MODELS, load_robot, models_at_hand
 
+from .filled import filled
 from .poison import POISON
 
 SHORT = "duration: 0.1\n"
@@ -100,6 +101,12 @@ def take():
         sim.publish(command)
 
     return take
+
+
+@pytest.fixture(name="filled", scope="session")
+def _filled():
+    """Makes a message with another number in each field."""
+    return filled
 
 
 @pytest.fixture(params=POISON.values(), ids=POISON)

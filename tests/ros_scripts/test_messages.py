@@ -19,30 +19,8 @@ from atlas_drake.ros_scripts.unknown import ScriptError, UnknownNameError
 Command, Walk = atlas_msgs["AtlasCommand"], atlas_msgs["AtlasSimInterfaceCommand"]
 
 
-def filled(kind):
-    """A message of ours with another number in each field."""
-    numbers = iter(range(1, 10_000))
-
-    def fill(message):
-        for name in message.__dataclass_fields__:
-            value = getattr(message, name)
-            if isinstance(value, ours.Message):
-                fill(value)
-            elif isinstance(value, list) and value:
-                [fill(part) for part in value]
-            elif isinstance(value, list):
-                setattr(message, name, [next(numbers) % 256 for _ in range(28)])
-            elif isinstance(value, bool):
-                setattr(message, name, True)
-            elif isinstance(value, (int, float)):
-                setattr(message, name, type(value + 0)(next(numbers)))
-        return message
-
-    return fill(kind())
-
-
 @pytest.mark.parametrize("kind", ROS_TYPES, ids=lambda kind: kind.__name__)
-def test_every_field_survives_the_way_there_and_back(kind):
+def test_every_field_survives_the_way_there_and_back(kind, filled):
     message = filled(kind)
     assert to_ours(from_ours(message), kind) == message
 
