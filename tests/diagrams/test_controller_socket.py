@@ -54,7 +54,7 @@ def sized(size, name="behavior_effort", calc=zero):
     return system
 
 
-def told(robot, status, calc=zero, port="controller_status"):
+def controller_with_status(robot, status, calc=zero, port="controller_status"):
     """A controller whose status is what a callable gives of the Context."""
     system = sized(robot.num_joints, calc=calc)
     system.DeclareAbstractOutputPort(
@@ -235,7 +235,9 @@ def shared():
     def status(_context):
         return given["status"]()
 
-    return AtlasSimulation(controller=lambda robot, _: told(robot, status)), given
+    return AtlasSimulation(
+        controller=lambda robot, _: controller_with_status(robot, status)
+    ), given
 
 
 @pytest.fixture
@@ -293,7 +295,9 @@ def test_an_invalid_status_raises_an_error_that_names_the_field(foreign, status,
 )
 def test_a_faulty_status_is_one_error_and_stops_the_log(tmp_path, status):
     sim = AtlasSimulation(
-        controller=lambda robot, _: told(robot, lambda _context: status()),
+        controller=lambda robot, _: controller_with_status(
+            robot, lambda _context: status()
+        ),
         log=tmp_path / "run.npz",
     )
     (sink,) = sim.sinks
@@ -353,7 +357,9 @@ def test_a_fall_just_before_an_error_of_the_controller_is_an_event_before_the_re
             failed.append(True)
             raise ZeroDivisionError("of the user's")
 
-    sim = AtlasSimulation(controller=lambda robot, _: told(robot, status, give))
+    sim = AtlasSimulation(
+        controller=lambda robot, _: controller_with_status(robot, status, give)
+    )
     with pytest.raises(ZeroDivisionError):
         sim.advance(0.1)
     sim.reset()
@@ -363,7 +369,7 @@ def test_a_fall_just_before_an_error_of_the_controller_is_an_event_before_the_re
 
 def test_planned_paths_of_another_type_are_refused():
     sim = AtlasSimulation(
-        controller=lambda robot, _: told(
+        controller=lambda robot, _: controller_with_status(
             robot, lambda _context: "straight on", port="planned_paths"
         )
     )
@@ -399,7 +405,7 @@ def with_input(name, size):
     return system
 
 
-def with_status(size):
+def with_vector_status(size):
     system = sized(28)
     system.DeclareVectorOutputPort("controller_status", size, zero)
     return system
@@ -418,7 +424,7 @@ def with_message(name):
         (lambda robot, config: None, "must return a System, returned None"),
         (sized(28, "torque"), "no output port 'behavior_effort'"),
         (sized(3), "a vector of size 3; atlas needs a vector of size 28"),
-        (with_status(3), "must hold a ControllerStatus"),
+        (with_vector_status(3), "must hold a ControllerStatus"),
         (with_input("stat", 69), "input port 'stat'.* Did you mean 'state'"),
         (with_input("state", 7), "input port 'state' that is a vector of size 7"),
         (with_input("commands", 7), "the station's is abstract-valued"),
