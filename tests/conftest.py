@@ -1,7 +1,9 @@
 """Fixtures and hooks that several test files share."""
 
+import contextlib
 import logging
 import os
+import resource
 import runpy
 import signal
 import sys
@@ -16,6 +18,7 @@ from pydrake.common.value import AbstractValue, Value
 from atlas_drake import AtlasCommand
 from atlas_drake.robot import LOCAL_MODELS, load_robot, models_at_hand
 
+from .filled import filled
 from .poison import POISON
 
 SHORT = "duration: 0.1\n"
@@ -100,6 +103,12 @@ def take():
     return take
 
 
+@pytest.fixture(name="filled", scope="session")
+def _filled():
+    """Makes a message with another number in each field."""
+    return filled
+
+
 @pytest.fixture(params=POISON.values(), ids=POISON)
 def poison(request):
     """Makes what no field of a message can hold."""
@@ -116,6 +125,22 @@ def scenario(tmp_path):
         return str(path)
 
     return write
+
+
+@pytest.fixture
+def largest_file():
+    """Lets files of this process get no larger than a size [byte], in a `with`."""
+
+    @contextlib.contextmanager
+    def limit(size):
+        before = resource.getrlimit(resource.RLIMIT_FSIZE)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+        try:
+            yield
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+    return limit
 
 
 @pytest.fixture

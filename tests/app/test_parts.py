@@ -105,6 +105,6 @@ def test_a_file_that_cannot_be_used_is_named(text, words, parts, scenario, capsy
         assert words in capsys.readouterr().err
 
 
-def test_a_file_that_is_not_there_is_missed_at_once(scenario, capsys):
+def test_a_missing_file_of_with_is_named(scenario, capsys):
     assert main(["run", scenario(), *SHORT, "--with", "nowhere.py"]) == 2
     assert "nowhere.py: there is no such file" in capsys.readouterr().err

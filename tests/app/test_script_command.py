@@ -4,7 +4,6 @@ import json
 import os
 import signal
 import subprocess
-import sys
 import time
 from pathlib import Path
 
@@ -13,6 +12,8 @@ import pytest
 from atlas_drake import read_log
 from atlas_drake.app import run as run_command
 from atlas_drake.app.main import main
+
+from .conftest import COMMAND
 
 pytestmark = pytest.mark.usefixtures("restored_loggers")
 
@@ -36,7 +37,7 @@ def program(tmp_path):
     return write
 
 
-def test_a_run_is_kept_and_judged_as_others_are(program, tmp_path, capsys):
+def test_a_program_has_summary_log_and_verdict(program, tmp_path, capsys):
     path = program(
         "import rospy, sys\n"
         "rospy.init_node('test')\n"
@@ -70,7 +71,9 @@ def test_a_run_is_kept_and_judged_as_others_are(program, tmp_path, capsys):
         ("raise SystemExit\n", 0, ["Success"]),
     ],
 )
-def test_the_exit_status_says_whose_fault_it_is(program, text, status, words, capsys):
+def test_the_exit_status_tells_a_faulty_program_from_an_unsupported_one(
+    program, text, status, words, capsys
+):
     assert main(["script", program(text), "--headless"]) == status
     told = "".join(capsys.readouterr())
     for word in words:
@@ -78,13 +81,15 @@ def test_the_exit_status_says_whose_fault_it_is(program, text, status, words, ca
 
 
 @pytest.mark.parametrize("text", ["import rospy\nrospy.spin()\n", "x = 1\n"])
-def test_the_duration_holds_whatever_the_program_does(program, text, capsys):
+def test_a_run_lasts_for_its_duration_with_any_program(program, text, capsys):
     path = program(text)
     assert main(["script", path, "--headless", "--duration", "0.3"]) == 0
     assert "upright after 0.3 s" in capsys.readouterr().out
 
 
-def test_a_program_that_ends_with_a_command_is_told_how_to_see_it_done(program, capsys):
+def test_a_program_that_ends_with_a_command_gets_the_hint_to_give_a_duration(
+    program, capsys
+):
     path = program(
         "import rospy\nfrom std_msgs.msg import String\n"
         "rospy.Publisher('atlas/control_mode', String).publish('Manip')\n"
@@ -118,22 +123,7 @@ def test_a_fall_ends_the_program_soon_after(program, capsys, monkeypatch):
     assert "the robot fell" in out
 
 
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (["script", "--help"], ["FILE.py", "--scenario", "-- ARGUMENT", "--log"]),
-        (["--help"], ["script", "DRCSim"]),
-    ],
-)
-def test_help_tells_of_it(arguments, words, capsys):
-    with pytest.raises(SystemExit):
-        main(arguments)
-    out = " ".join(capsys.readouterr().out.split())
-    for word in words:
-        assert word in out
-
-
-def test_a_program_that_is_not_there_is_missed_at_once(tmp_path, capsys):
+def test_a_missing_program_is_named(tmp_path, capsys):
     assert main(["script", str(tmp_path / "no.py"), "--headless"]) == 2
     assert "no.py: there is no such file" in capsys.readouterr().err
     assert main(["script", str(tmp_path), "--headless"]) == 2
@@ -152,20 +142,14 @@ def test_a_program_that_is_not_there_is_missed_at_once(tmp_path, capsys):
         ),
     ],
 )
-def test_ctrl_c_ends_it_and_keeps_what_was_recorded(program, tmp_path, text, printed):
+def test_ctrl_c_ends_a_program_and_its_summary_is_written(
+    program, tmp_path, text, printed
+):
     path = program("import rospy, sys\nrospy.init_node('test')\n" + text)
     summary = tmp_path / "run.json"
-    command = [
-        "-m",
-        "atlas_drake",
-        "script",
-        path,
-        "--headless",
-        "--json",
-        str(summary),
-    ]
     process = subprocess.Popen(
-        [sys.executable, "-u", *command],
+        [*COMMAND, "script", path, "--headless", "--json", str(summary)],
+        env=os.environ | {"PYTHONUNBUFFERED": "1"},
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -181,9 +165,6 @@ def test_ctrl_c_ends_it_and_keeps_what_was_recorded(program, tmp_path, text, pri
     for word in printed:
         assert word in out
     assert json.loads(summary.read_text())["stopped"] == "interrupted"
-
-
-# ---- examples and the tutorial -----------------------------------------------
 
 
 @pytest.mark.slow
@@ -206,34 +187,14 @@ def test_ctrl_c_ends_it_and_keeps_what_was_recorded(program, tmp_path, text, pri
     ],
 )
 def test_the_examples_run_to_a_good_end(name, arguments, keys, words):
-    path = str(EXAMPLES / f"{name}.py")
-    command = [
-        sys.executable,
-        "-m",
-        "atlas_drake",
-        "script",
-        path,
-        "--headless",
-        *arguments,
-    ]
+    command = [*COMMAND, "script", str(EXAMPLES / f"{name}.py"), "--headless"]
     done = subprocess.run(
-        command, input=keys, capture_output=True, text=True, check=False
+        [*command, *arguments], input=keys, capture_output=True, text=True, check=False
     )
     assert done.returncode == 0, done.stdout + done.stderr
     assert "not up there" not in done.stdout
     for word in words:
         assert word in done.stdout
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(TUTORIAL.exists(), reason="the tutorial's own program is run")
-def test_control_is_handed_over_and_back_as_in_the_tutorial(capsys):
-    path = Path(__file__).parents[1] / "ros_scripts" / "control_modes.py"
-    assert main(["script", str(path), "--headless"]) == 0
-    out = capsys.readouterr().out
-    assert "elbow at 2.1" in out
-    assert "walked 0.4 m" in out
-    assert "4 steps taken" in out
 
 
 def with_indentation(page):

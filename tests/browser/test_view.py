@@ -220,7 +220,7 @@ def color_of(page, path):
     return page.evaluate(f"{node(link)}.object.material.color.toArray()")
 
 
-def test_a_recording_plays_without_a_network_and_shows_what_the_controller_thinks(
+def test_a_recording_plays_without_a_network_and_shows_plan_and_forces(
     open_page, tmp_path
 ):
     page = open_page(record_thoughts(tmp_path).as_uri(), offline=True)

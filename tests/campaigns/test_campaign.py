@@ -19,7 +19,7 @@ from atlas_drake.campaigns.plan import (
 )
 
 
-def test_trials_draw_their_values_from_the_files_distributions(campaign_file):
+def test_trials_draw_their_values_from_the_distributions_of_the_file(campaign_file):
     path = campaign_file(
         "vary:\n"
         "  jitter.joints: {normal: [0.01, 1e-3]}\n"
@@ -30,6 +30,9 @@ def test_trials_draw_their_values_from_the_files_distributions(campaign_file):
         "parameters: {length: 2.0}\n"
     )
     campaign = load_campaign(path, ["ground_friction=0.8"])
+    assert case_list(campaign) == [{"model": "atlas"}, {"model": "atlas_v3"}]
+    two = Campaign(cases={"model": ["atlas", "atlas_v3"], "parameters.a": [1, 2]})
+    assert len(case_list(two)) == 4
     assert campaign.scenario.ground_friction == 0.8
     assert campaign.scenario.duration == 0.1
     trials = [make_trial(campaign, number) for number in range(60)]
@@ -52,7 +55,7 @@ def test_trials_draw_their_values_from_the_files_distributions(campaign_file):
         assert one.values["start.yaw"] == other.values["start.yaw"]
 
 
-def test_a_trial_is_the_same_whatever_else_varies(campaign):
+def test_another_varied_field_does_not_change_a_trials_seed_and_draws(campaign):
     plain, more = campaign(), campaign("vary: {start.yaw: {sign: 0.5}}")
     path = "pushes[0].impulse"
     for number in (0, 7):
@@ -66,12 +69,6 @@ def test_seeds_are_spread_or_counted():
     spread = {trial_seed(Campaign(seed=5), k) for k in range(1000)}
     assert len(spread) == 1000
     assert trial_seed(Campaign(seed=6), 0) not in spread
-
-
-def test_cases_are_all_combinations():
-    campaign = Campaign(cases={"model": ["atlas", "atlas_v3"], "parameters.a": [1, 2]})
-    assert len(case_list(campaign)) == 4
-    assert case_list(Campaign()) == [{}]
 
 
 @pytest.mark.parametrize("kind", ["uniform", "log_uniform", "normal"])
@@ -156,7 +153,7 @@ def test_a_misplaced_field_is_refused_with_its_place(text, complaint, tmp_path):
         load_campaign(path)
 
 
-def test_conditions_hold_or_not():
+def test_unmet_conditions_are_listed():
     figures = {"success": True, "error": 0.01, "steps": 4, "none": None}
     assert unmet(["success", "error <= 0.02", "steps == 4"], figures) == []
     assert unmet(["error > 0.02", "none < 1", "missing"], figures) == [

@@ -34,7 +34,7 @@ def table_of(records, tmp_path):
     return pq.read_table(path, page_checksum_verification=True).to_pydict()
 
 
-def test_no_figure_takes_the_column_of_another(tmp_path):
+def test_each_figure_has_a_column_of_its_own(tmp_path):
     names = ["trial", "seed", "error", "missed", "success", "wall_time_s", "built_anew"]
     names += ["set model", "figure error", "tilt"]
     places = {name: place for place, name in enumerate(names)}
@@ -106,7 +106,8 @@ def test_figures_of_any_size_are_drawn(tmp_path, monkeypatch):
     assert written.name == "distributions.png"
 
 
-def test_text_that_no_file_can_hold_is_kept_readable(folder, capsys):
+def test_text_that_is_no_unicode_is_kept_readable(folder, capsys, monkeypatch):
+    monkeypatch.setattr(figures, "DPI", 20)
     trial = record(0, **{"wo\udcffrd": "na\udcffme"})
     trial |= {"error": "lost \udcff", "values": {"parameters.x": "\ud800"}}
     folder.write(trial)

@@ -43,7 +43,7 @@ def test_mcnemars_test_is_exact():
     assert mcnemar(1100, 900) == pytest.approx(2 * tail / 2**2000)
 
 
-def test_a_report_says_which_conditions_were_missed():
+def test_a_report_counts_the_missed_conditions():
     campaign = Campaign(success=("walk_ended", "tilt <= 0.3", "awy_m <= 0.05"))
     missed = record(0, success=False, walk_ended=True, tilt=0.4)
     missed["missed"] = ["tilt <= 0.3", "awy_m <= 0.05"]

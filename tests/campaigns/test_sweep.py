@@ -31,7 +31,7 @@ def deadly(item):
 
 
 @pytest.mark.slow
-def test_a_process_that_dies_takes_no_other_item_with_it():
+def test_the_other_items_are_done_when_a_process_dies():
     items = ["die", "exit", "hang", "raise", 1, 2, 3]
     outcomes = {o.item: o for o in run_in_processes(deadly, items, 1, limit=0.5)}
     assert set(outcomes) == set(items)
@@ -59,7 +59,7 @@ goal: 0.9
 
 
 @pytest.mark.slow
-def test_a_sweep_goes_on_where_it_was_killed(campaign_file, tmp_path, capsys):
+def test_a_killed_sweep_resumes_where_it_stopped(campaign_file, tmp_path, capsys):
     out = tmp_path / "out"
     campaign = str(campaign_file(LINES, OWN))
     command = ["sweep", campaign, "--trials", "5", "--out", str(out)]
@@ -140,7 +140,7 @@ def test_a_sweep_goes_on_where_it_was_killed(campaign_file, tmp_path, capsys):
         (["--with", "nothing.py"], "nothing.py: there is no such file"),
     ],
 )
-def test_bad_input_ends_with_status_2(
+def test_arguments_of_sweep_that_cannot_be_used_exit_with_2(
     arguments, complaint, campaign_file, tmp_path, capsys
 ):
     out = ["--out", str(tmp_path / "out")]
@@ -186,7 +186,7 @@ def test_trials_that_raise_are_counted_and_end_with_status_1(
                 sys.exit(3)
             time.sleep(600.0)
     """
-    file = campaign_file("trial: fail\nseeds: counted\ntrial_timeout: 8", code)
+    file = campaign_file("trial: fail\nseeds: counted\ntrial_timeout: 5", code)
     out = tmp_path / "out"
     arguments = ["--out", str(out), "--trials", "3", "--jobs", "2"]
     assert main(["sweep", str(file), *arguments]) == 1
@@ -194,6 +194,6 @@ def test_trials_that_raise_are_counted_and_end_with_status_1(
     assert f"! 3 of 3 trials ended with an error; that of trial 0 is in {out}" in said
     records = CampaignFolder(out).records()
     for number, end in enumerate(
-        ("ValueError: no such luck\n", "SystemExit: 3\n", "took longer than 8 s")
+        ("ValueError: no such luck\n", "SystemExit: 3\n", "took longer than 5 s")
     ):
         assert records[number]["error"].endswith(end)

@@ -96,7 +96,7 @@ def test_user_functions_run_and_measure_a_trial(campaign):
         ("code: nothing.py", "code"),
     ],
 )
-def test_a_function_that_is_not_there_is_named(more, field, campaign):
+def test_an_unknown_function_is_named_with_its_field(more, field, campaign):
     lines = more if "metrics" not in more else f"trial: run\n{more}"
     with pytest.raises(ScenarioError) as caught:
         runner_of(campaign(lines.replace("metrics", "success: []\nmetrics")))
@@ -146,6 +146,9 @@ def test_shards_merge_to_the_same_results(campaign, tmp_path):
     assert merge(target, parts) == 0
     assert target.records() == whole
     assert missing_trials(campaign, target.records(), Shard()) == []
+    for index in (0, 3):
+        with pytest.raises(ScenarioError, match="--shard"):
+            Shard(index, 2)
     parts[1].write({**fake(make_trial(campaign, 1)), "success": False})
     with pytest.raises(ScenarioError, match=r"trial 1 of .* contradicts"):
         merge(target, parts)
@@ -158,12 +161,6 @@ def test_shards_merge_to_the_same_results(campaign, tmp_path):
 
 def fake(trial):
     return record(trial.number, seed=trial.seed, tilt=0.1) | {"values": trial.values}
-
-
-@pytest.mark.parametrize("text", [(0, 2), (3, 2)])
-def test_a_shard_that_is_none_is_refused(text):
-    with pytest.raises(ScenarioError, match="--shard"):
-        Shard(*text)
 
 
 def test_a_folder_holds_one_campaign(campaign, campaign_file, tmp_path):

@@ -97,7 +97,7 @@ def asked(behavior, params=None):
 
 
 @pytest.mark.slow
-def test_it_is_asked_for_by_name_runs_and_ends(example, bow, tmp_path):
+def test_a_behavior_is_asked_for_by_name_runs_and_ends(example, bow, tmp_path):
     path = tmp_path / "run.npz"
     back = None
     with AtlasSimulation(behaviors=[bow], log=path) as sim:
@@ -137,7 +137,7 @@ def test_it_is_asked_for_by_name_runs_and_ends(example, bow, tmp_path):
         ({"depth": float("nan")}, r"params\.depth"),
     ],
 )
-def test_its_own_check_refuses(example, sim, params, words):
+def test_the_behaviors_own_check_refuses(example, sim, params, words):
     with pytest.raises(InvalidMessageError, match=words):
         sim.publish(asked("BOW", example["BowParams"](**params)))
     sim.advance(0.02)
@@ -156,7 +156,7 @@ def test_parameters_of_another_kind_are_refused(bow, sim):
         sim.publish(asked("USER", bow.params()))
 
 
-def test_a_check_that_fails_itself_is_a_refusal(bow):
+def test_an_exception_in_a_check_is_a_refusal(bow):
     def broken(params, field):
         raise ZeroDivisionError("oh")
 
@@ -164,16 +164,6 @@ def test_a_check_that_fails_itself_is_a_refusal(bow):
     with pytest.raises(InvalidMessageError, match="check of BOW failed with ZeroDiv"):
         sim.publish(asked("BOW", bow.params()))
     sim.advance(0.02)
-
-
-def test_parameters_are_copied_when_they_are_sent(example, sim):
-    params = example["BowParams"](depth=0.1)
-    sim.publish(asked("BOW", params))
-    params.depth = 5.0
-    assert sim.output("commands").request.command.params.depth == 0.1
-    params.depth = 0.2
-    sim.publish(asked("BOW", params))
-    assert sim.output("commands").request.command.params.depth == 0.2
 
 
 @dataclass
@@ -216,9 +206,12 @@ def test_parameters_are_copied_at_every_depth(bow):
     sim.publish(command)
     sim.publish(asked("BOW", params))
     assert len(sim.output("commands").messages) == 2
+    params.inner[0].depth = 5.0
+    request = sim.output("commands").request.command
+    assert request.params.inner[0].depth == 9.0
 
 
-def test_it_begins_only_where_its_conditions_are_met(changed):
+def test_a_behavior_begins_only_if_its_conditions_are_met(changed):
     sim, changes = changed
     changes["condition"] = "the audience is missing"
     sim.publish(asked("BOW"))
@@ -229,7 +222,7 @@ def test_it_begins_only_where_its_conditions_are_met(changed):
     assert "the audience is missing" in sim.events[-1].text
 
 
-def test_it_may_follow_only_what_its_entry_says(sim):
+def test_a_behavior_follows_only_those_that_its_entry_names(sim):
     sim.publish(asked("MANIPULATE"))
     sim.advance(0.02)
     sim.publish(asked("BOW"))
@@ -238,7 +231,7 @@ def test_it_may_follow_only_what_its_entry_says(sim):
     assert "MANIPULATE -> BOW refused" in sim.events[-1].text
 
 
-def test_its_configuration_reaches_our_controller_made_by_hand(bow):
+def test_the_behaviors_configuration_reaches_our_controller_made_by_hand(bow):
     made = []
     entry = replace(
         bow,
@@ -259,7 +252,7 @@ def test_its_configuration_reaches_our_controller_made_by_hand(bow):
         )
 
 
-def test_a_controller_that_lacks_it_refuses_it(bow):
+def test_a_controller_refuses_a_behavior_that_it_lacks(bow):
     sim = AtlasSimulation(
         Scenario(), controller=make_whole_body_controller, behaviors=[bow]
     )
@@ -271,7 +264,7 @@ def test_a_controller_that_lacks_it_refuses_it(bow):
     assert code is ErrorCode.BEHAVIOR_NOT_IMPLEMENTED
 
 
-def test_a_task_that_nothing_can_solve_is_told_of(bow):
+def test_an_unsolvable_task_is_one_warning_that_names_the_task(bow):
     task = PositionTask("l_hand", np.full(3, np.nan), 1.0)
 
     def make(tools, config):
@@ -287,39 +280,16 @@ def test_a_task_that_nothing_can_solve_is_told_of(bow):
     assert sim.summary()["unsolved_ticks"] > 30
 
 
-def test_nothing_begins_with_it(sim):
+def test_no_run_begins_with_a_users_behavior(sim):
     with pytest.raises(InvalidMessageError, match="'BOW'; must be one of STAND"):
         sim.reset("BOW")
 
 
-def test_without_registration_it_is_unknown(sim):
+def test_a_behavior_that_is_not_registered_is_unknown(sim):
     with pytest.raises(InvalidMessageError, match="no behavior 'BOW'"):
         AtlasSimulation().publish(asked("BOW"))
     with pytest.raises(InvalidMessageError, match=r"Did you mean 'BOW'.*BOW \(100\)"):
         sim.publish(asked("BOWW"))
-
-
-def idle(**changes):
-    made = {"name": "REST", "number": 101, "make": lambda _tools, _config: Idle()}
-    return BehaviorEntry(**{**made, **changes})
-
-
-@pytest.mark.parametrize(
-    ("entry", "words"),
-    [
-        (idle(name="rest"), "a name has capitals"),
-        (idle(number=8), "from 100 to 2147483647, is 8"),
-        (idle(name="WALK"), "is one of the original interface"),
-        (idle(name="WALK", number=4), "registered already"),
-        (idle(number=100), r"REST \(100\): BOW \(100\) is registered already"),
-        (idle(color="red"), "its color must be a hexadecimal color"),
-        (idle(params=3), "params must be a dataclass"),
-        (Idle, "must be BehaviorEntry values"),
-    ],
-)
-def test_an_entry_that_cannot_be_used_is_refused(bow, entry, words):
-    with pytest.raises(BehaviorError, match=words):
-        AtlasSimulation(behaviors=[bow, entry])
 
 
 @dataclass(frozen=True)
@@ -328,10 +298,19 @@ class RestConfig:
     name: str = "rest"
 
 
-def test_its_configuration_comes_from_the_scenario():
+def resting(told):
+    """A behavior that notes the configuration with which it is made."""
+    return BehaviorEntry(
+        name="REST",
+        number=101,
+        make=lambda _tools, config: told.append(config) or Idle(),
+        config=RestConfig(),
+    )
+
+
+def test_the_behaviors_configuration_comes_from_the_scenario():
     told = []
-    entry = idle(make=lambda _tools, config: told.append(config) or Idle())
-    entry = replace(entry, config=RestConfig())
+    entry = resting(told)
     scenario = with_settings(Scenario(), ["controller.rest.depth=0.4"])
     AtlasSimulation(scenario, behaviors=[entry])
     assert told == [RestConfig(depth=0.4)]
@@ -354,8 +333,7 @@ def test_its_configuration_comes_from_the_scenario():
 
 def test_its_configuration_is_where_those_of_shipped_behaviors_are(tmp_path):
     told = []
-    entry = idle(make=lambda _tools, config: told.append(config) or Idle())
-    entry = replace(entry, config=RestConfig())
+    entry = resting(told)
     file = tmp_path / "short.yaml"
     text = (MODELS_FOLDER / "atlas.yaml").read_text()
     text = text.replace("urdf: ", f"urdf: {MODELS_FOLDER}/")
@@ -388,7 +366,7 @@ def test_two_behaviors_can_share_a_configuration():
     assert told[1].swing.height == WalkConfig().swing.height
 
 
-def test_a_behavior_beside_the_members_is_one_all_the_same():
+def test_a_users_behavior_is_one_object_and_no_member_of_the_enum():
     bow = Behavior.named(100, "BOW")
     for twin in (copy.deepcopy(bow), pickle.loads(pickle.dumps(bow)), Behavior(bow)):
         assert twin is bow
@@ -407,7 +385,14 @@ def test_a_behavior_beside_the_members_is_one_all_the_same():
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"make": None}, "'BOW': make must be callable"),
+        ({"name": "rest"}, "a name has capitals"),
+        ({"number": 8}, "from 100 to 2147483647, is 8"),
+        ({"name": "WALK"}, "is one of the original interface"),
+        ({"name": "WALK", "number": 4}, "registered already"),
+        ({"number": 100}, r"REST \(100\): BOW \(100\) is registered already"),
+        ({"color": "red"}, "its color must be a hexadecimal color"),
+        ({"params": 3}, "params must be a dataclass"),
+        ({"make": None}, "'REST': make must be callable"),
         ({"check": 3}, "check must be callable"),
         ({"conditions": len}, "conditions must be a tuple of callables"),
         ({"follows": "STAND"}, "follows must be a tuple of names"),
@@ -426,12 +411,13 @@ def test_a_behavior_beside_the_members_is_one_all_the_same():
     ],
 )
 def test_an_entry_with_a_field_that_cannot_be_used_is_refused(bow, changes, words):
+    entry = replace(bow, **({"name": "REST", "number": 101} | changes))
     with pytest.raises(BehaviorError, match=words):
-        AtlasSimulation(behaviors=[replace(bow, **changes)])
+        AtlasSimulation(behaviors=[bow, entry])
 
 
 @pytest.mark.parametrize("behaviors", [None, 42, [42], [BehaviorEntry]])
-def test_behaviors_that_are_none_are_refused(behaviors):
+def test_behaviors_must_be_a_list_of_entries(behaviors):
     scenario = with_settings(Scenario(), ["controller.bow={}"])
     with pytest.raises(BehaviorError, match="behaviors must be"):
         AtlasSimulation(scenario, behaviors=behaviors)
@@ -439,36 +425,32 @@ def test_behaviors_that_are_none_are_refused(behaviors):
         make_atlas_station(behaviors=behaviors)
 
 
-@pytest.mark.parametrize("answer", [None, True, 0])
-def test_a_condition_that_gives_no_reason_is_told(changed, answer):
-    sim, changes = changed
-    changes["condition"] = answer
-    sim.publish(asked("BOW"))
-    with pytest.raises(BehaviorError, match="a condition of BOW must return"):
-        sim.advance(0.02)
-
-
-def test_an_update_without_outcome_is_told(changed):
-    sim, changes = changed
-    changes["update"] = lambda _outcome: None
-    sim.publish(asked("BOW"))
-    with pytest.raises(BehaviorError, match="update of BOW must return an Outcome"):
-        sim.advance(0.02)
-
-
 @pytest.mark.parametrize(
-    ("fields", "words"),
+    ("method", "answer", "words"),
     [
-        ({"events": ("oh",)}, "events in the Outcome of BOW must be Event values"),
-        ({"events": None}, "events in the Outcome of BOW must be tuple or list, is N"),
-        ({"body": None}, "body in the Outcome of BOW must be BodyReference, is None"),
-        ({"command": 3}, "command in the Outcome of BOW must be WholeBodyCommand or"),
-        ({"status_flags": "x"}, "status_flags in the Outcome of BOW must be int"),
+        *(("condition", x, "a condition of BOW must return") for x in (None, True, 0)),
+        ("update", None, "update of BOW must return an Outcome"),
+        *(
+            (
+                "update",
+                fields,
+                f"{next(iter(fields))} in the Outcome of BOW must be {kind}",
+            )
+            for fields, kind in (
+                ({"events": ("oh",)}, "Event values"),
+                ({"events": None}, "tuple or list, is N"),
+                ({"body": None}, "BodyReference, is None"),
+                ({"command": 3}, "WholeBodyCommand or"),
+                ({"status_flags": "x"}, "int"),
+            )
+        ),
     ],
 )
-def test_an_outcome_with_a_field_that_cannot_be_used_is_told(changed, fields, words):
+def test_an_answer_of_another_type_is_refused(changed, method, answer, words):
     sim, changes = changed
-    changes["update"] = lambda outcome: replace(outcome, **fields)
+    changes[method] = answer
+    if method == "update":
+        changes[method] = lambda outcome: answer and replace(outcome, **answer)
     sim.publish(asked("BOW"))
     with pytest.raises(BehaviorError, match=words):
         sim.advance(0.02)

@@ -34,6 +34,7 @@ from atlas_drake.systems.whole_body_controller import WholeBodyController
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "extending" / "own_controller.py"
 SQUARE = np.array([[0.1, 0.1], [-0.1, 0.1], [-0.1, -0.1], [0.1, -0.1]])
+EVENT = Event(0.0, "x", "y")
 PATHS = PlannedPaths(com=np.array([[0.0, 0.0], [0.3, 0.1]]))
 
 
@@ -42,10 +43,25 @@ def gravity_pd():
     return runpy.run_path(str(EXAMPLE))["GravityCompensatedPd"]
 
 
-def sized(size, name="behavior_effort"):
+def zero(_context, out):
+    out.SetZero()
+
+
+def sized(size, name="behavior_effort", calc=zero):
     """A System with one output port."""
     system = LeafSystem()
-    system.DeclareVectorOutputPort(name, size, lambda _context, out: out.SetZero())
+    system.DeclareVectorOutputPort(name, size, calc)
+    return system
+
+
+def controller_with_status(robot, status, calc=zero, port="controller_status"):
+    """A controller whose status is what a callable gives of the Context."""
+    system = sized(robot.num_joints, calc=calc)
+    system.DeclareAbstractOutputPort(
+        port,
+        lambda: AbstractValue.Make(NOTHING),
+        lambda context, out: out.set_value(status(context)),
+    )
     return system
 
 
@@ -59,9 +75,7 @@ class Talkative(LeafSystem):
         self._period = config.control_period
         self._ticks = self.DeclareDiscreteState(1)
         self.DeclarePeriodicDiscreteUpdateEvent(config.control_period, 0.0, self._tick)
-        self.DeclareVectorOutputPort(
-            "behavior_effort", robot.num_joints, lambda _context, out: out.SetZero()
-        )
+        self.DeclareVectorOutputPort("behavior_effort", robot.num_joints, zero)
         self.DeclareAbstractOutputPort(
             "controller_status",
             lambda: AbstractValue.Make(ControllerStatus()),
@@ -91,11 +105,31 @@ class Talkative(LeafSystem):
                 solved=True,
                 unsolved=ticks,
                 plan=Plan(
-                    support=SQUARE,
+                    support=SQUARE.tolist(),  # Lists of points count as arrays.
                     footsteps=(PlannedStep(0, np.array([0.3, 0.1, 0.0]), 0.2),),
                 ),
             )
         )
+
+
+class WithoutReset(Talkative):
+    """Has no method `reset`."""
+
+    def __getattribute__(self, name):
+        if name == "reset":
+            raise AttributeError(name)
+        return super().__getattribute__(name)
+
+
+class Counting(WithoutReset):
+    """Tells an event in each tick, and two from the start."""
+
+    def _tell(self, context, out):
+        count = 2 + int(context.get_discrete_state_vector().value()[0])
+        if context.get_time() > 0.15:
+            count = max(count - 9, 0)
+        events = tuple(Event(0.0, "note", f"{i}") for i in range(count))
+        out.set_value(ControllerStatus(events=events, event_count=count))
 
 
 @pytest.mark.slow
@@ -119,7 +153,7 @@ def test_a_controller_without_status_holds_the_robot(gravity_pd, tmp_path):
     assert np.isfinite(log["balance.dcm"]).all()
 
 
-def test_efforts_are_blended_as_those_of_ours(gravity_pd):
+def test_efforts_of_a_foreign_controller_are_blended(gravity_pd):
     sim = AtlasSimulation(controller=gravity_pd)
     command = AtlasCommand()
     command.position = sim.robot.stand_prep
@@ -130,19 +164,6 @@ def test_efforts_are_blended_as_those_of_ours(gravity_pd):
     sim.advance(0.1)
     blend = 0.2 * sim.output("user_effort") + 0.8 * sim.output("behavior_effort")
     np.testing.assert_allclose(sim.output("effort"), blend, atol=1e-9)
-
-
-@pytest.mark.slow
-def test_a_fall_is_noticed_from_outside_and_ends_with_a_reset():
-    scenario = Scenario()
-    sim = AtlasSimulation(scenario, controller=lambda robot, _: sized(robot.num_joints))
-    sim.advance(1.5)
-    assert sim.has_fallen
-    assert [e.kind for e in sim.events] == ["fall"]
-    assert sim.summary()["fell"]
-    sim.reset()
-    assert not sim.has_fallen
-    assert sim.events[-1].kind == "reset"
 
 
 def test_a_behavior_in_the_status_must_be_registered(tmp_path):
@@ -162,21 +183,20 @@ def test_a_behavior_in_the_status_must_be_registered(tmp_path):
     assert log.behavior(int(log["behavior.current"][-1])) is hold.behavior
 
 
-def test_a_plan_is_no_larger_than_its_log():
-    with pytest.raises(ValueError, match="support must have at most 8 corners, has 9"):
-        Plan(support=np.zeros((9, 2)))
-
-
-def test_a_fall_is_what_the_scenario_says_it_is():
-    """The watch from outside goes by the limits that the controller goes by."""
-
+def test_a_fall_under_a_foreign_controller_goes_by_the_scenarios_limits():
     def first_tilt(limit):
         scenario = with_settings(Scenario(), [f"controller.fall.tilt={limit}"])
         sim = AtlasSimulation(
             scenario, controller=lambda robot, _: sized(robot.num_joints)
         )
         sim.wait_until(lambda sim: sim.has_fallen, 3.0)
-        return sim.events[-1].text
+        (fall,) = sim.events
+        assert fall.kind == "fall"
+        assert sim.summary()["fell"]
+        sim.reset()
+        assert not sim.has_fallen
+        assert sim.events[-1].kind == "reset"
+        return fall.text
 
     assert first_tilt(0.2).startswith("falling (pelvis tilted by 0.2")
     assert not first_tilt(1.5).startswith("falling (pelvis tilted by 0.")
@@ -208,40 +228,16 @@ def test_the_status_of_a_controller_is_reported_and_logged(tmp_path):
     np.testing.assert_allclose(paths.com, PATHS.com, atol=1e-3)
 
 
-def test_planned_paths_of_another_type_are_refused():
-    def controller(robot, _config):
-        system = sized(robot.num_joints)
-        system.DeclareAbstractOutputPort(
-            "planned_paths",
-            lambda: AbstractValue.Make(NOTHING),
-            lambda _context, out: out.set_value("straight on"),
-        )
-        return system
-
-    sim = AtlasSimulation(controller=controller)
-    with pytest.raises(TypeError, match="'planned_paths' must hold PlannedPaths"):
-        sim.output("planned_paths")
-
-
-def told(robot, status):
-    """Makes a controller without effort whose status is what a callable gives."""
-    system = sized(robot.num_joints)
-    system.DeclareAbstractOutputPort(
-        "controller_status",
-        lambda: AbstractValue.Make(NOTHING),
-        lambda _context, out: out.set_value(status()),
-    )
-    return system
-
-
 @pytest.fixture(scope="module")
 def shared():
     given = {"status": ControllerStatus}
 
-    def status():
+    def status(_context):
         return given["status"]()
 
-    return AtlasSimulation(controller=lambda robot, _: told(robot, status)), given
+    return AtlasSimulation(
+        controller=lambda robot, _: controller_with_status(robot, status)
+    ), given
 
 
 @pytest.fixture
@@ -260,22 +256,14 @@ def foreign(shared):
         (lambda: "hello", "'controller_status' must hold a ControllerStatus"),
         (lambda: NOTHING, "'controller_status' must hold a ControllerStatus"),
         (lambda: ControllerStatus(current_behavior=3), "current_behavior must be Be"),
-        (
-            lambda: ControllerStatus(events=(Event(0.0, "x", "y"),)),
-            "event_count must count all events, is 0 with 1",
-        ),
+        (lambda: ControllerStatus(events=(EVENT,)), "must count all events, is 0 with"),
+        (lambda: Plan(support=np.zeros((9, 2))), "must have at most 8 corners, has 9"),
         (lambda: Plan(support=np.zeros((4, 3))), r"support must have shape \(k, 2\)"),
         (lambda: Plan(com_reference=[0.0] * 3), r"com_reference must have shape \(2,"),
         (lambda: PlannedPaths(swing=["up"]), r"swing must have shape \(k, 3\)"),
-        (
-            lambda: ControllerStatus(events=("hello",), event_count=1),
-            "events must be a t",
-        ),
+        (lambda: ControllerStatus(events=("oh",), event_count=1), "events must be a t"),
         (lambda: ControllerStatus(events=None), "events must be a tuple of Event"),
-        (
-            lambda: ControllerStatus(event_count="1"),
-            "event_count must be a whole number",
-        ),
+        (lambda: ControllerStatus(event_count="1"), "event_count must be a whole numb"),
         (lambda: ControllerStatus(unsolved=0.5), "unsolved must be a whole number"),
         (lambda: ControllerStatus(solved="yes"), "solved must be True, False or None"),
         (lambda: Event("now", "x", "y"), "time of an Event must be a number, is 'now'"),
@@ -285,15 +273,9 @@ def foreign(shared):
         (lambda: Event(0.0, "footstep", "y", {"foot": 0}), "it lacks commanded, satur"),
         (lambda: Plan(footsteps=("a",)), "footsteps must be a tuple of PlannedStep"),
         (lambda: Plan(omega=-1.0), "omega must be a positive number or None, is -1.0"),
-        (
-            lambda: PlannedStep(2, np.zeros(3), 0.0),
-            "foot of a PlannedStep must be 0 or",
-        ),
+        (lambda: PlannedStep(2, [0.0] * 3, 0.0), "foot of a PlannedStep must be 0 or"),
         (lambda: PlannedStep(0, None, 0.0), r"p_WF must have shape \(3,\), is None"),
-        (
-            lambda: PlannedStep(0, np.zeros(3), None),
-            "yaw of a PlannedStep must be a num",
-        ),
+        (lambda: PlannedStep(0, [0.0] * 3, None), "yaw of a PlannedStep must be a num"),
     ],
 )
 def test_an_invalid_status_raises_an_error_that_names_the_field(foreign, status, words):
@@ -311,9 +293,11 @@ def test_an_invalid_status_raises_an_error_that_names_the_field(foreign, status,
         lambda: ControllerStatus(current_behavior=Behavior.named(200, "HOLD")),
     ],
 )
-def test_one_fault_is_one_error_with_a_log_too(tmp_path, status):
+def test_a_faulty_status_is_one_error_and_stops_the_log(tmp_path, status):
     sim = AtlasSimulation(
-        controller=lambda robot, _: told(robot, status),
+        controller=lambda robot, _: controller_with_status(
+            robot, lambda _context: status()
+        ),
         log=tmp_path / "run.npz",
     )
     (sink,) = sim.sinks
@@ -323,35 +307,7 @@ def test_one_fault_is_one_error_with_a_log_too(tmp_path, status):
     assert not sink._complete.alive
 
 
-class Counting(LeafSystem):
-    """Tells an event in each tick, and two from the start; it knows of no resets."""
-
-    def __init__(self, robot, config):
-        super().__init__()
-        period = config.control_period
-        self._count = self.DeclareDiscreteState([2.0])
-        self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._tick)
-        self.DeclareVectorOutputPort(
-            "behavior_effort", robot.num_joints, lambda _context, out: out.SetZero()
-        )
-        self.DeclareAbstractOutputPort(
-            "controller_status",
-            lambda: AbstractValue.Make(ControllerStatus()),
-            self._tell,
-        )
-
-    def _tick(self, context, discrete):
-        discrete.set_value(context.get_discrete_state_vector().value() + 1)
-
-    def _tell(self, context, out):
-        count = int(context.get_discrete_state_vector().value()[0])
-        if context.get_time() > 0.15:
-            count = max(count - 9, 0)
-        events = tuple(Event(0.0, "note", f"{i}") for i in range(count))
-        out.set_value(ControllerStatus(events=events, event_count=count))
-
-
-def test_events_that_are_counted_anew_after_a_reset_are_all_told():
+def test_events_counted_from_zero_after_a_reset_are_all_collected():
     steps = Scenario(physics_step=0.002, control_period=0.004)  # The counts are of it.
     sim = AtlasSimulation(steps, controller=Counting)
     sim.advance(0.04)
@@ -367,34 +323,14 @@ def test_events_that_are_counted_anew_after_a_reset_are_all_told():
     assert sim.events[-1].kind == "reset"
 
 
-def test_lists_of_points_count_as_arrays(tmp_path):
-    def status():
-        return ControllerStatus(plan=Plan(support=SQUARE.tolist()))
-
-    with AtlasSimulation(
-        controller=lambda robot, _: told(robot, status),
-        log=tmp_path / "run.npz",
-    ) as sim:
-        sim.advance(0.02)
-    log = read_log(tmp_path / "run.npz")
-    np.testing.assert_allclose(log["balance.support"][-1][:8], SQUARE.ravel())
-
-
 @pytest.mark.filterwarnings("ignore:invalid value")
 @pytest.mark.parametrize("value", [np.nan, np.inf])
-def test_an_effort_that_is_no_number_is_told(value):
-    def broken(robot, _config):
-        system = LeafSystem()
-        effort = np.zeros(robot.num_joints)
-        effort[2] = value
-        system.DeclareVectorOutputPort(
-            "behavior_effort",
-            robot.num_joints,
-            lambda _context, out: out.SetFromVector(effort),
-        )
-        return system
+def test_an_effort_that_is_not_finite_is_an_error(value):
+    def broken(_context, out):
+        out.SetZero()
+        out.SetAtIndex(2, value)
 
-    sim = AtlasSimulation(controller=broken)
+    sim = AtlasSimulation(controller=sized(28, calc=broken))
     with pytest.raises(SimulationError, match="behavior_effort of back_bkx is not fin"):
         sim.advance(0.01)
 
@@ -408,29 +344,22 @@ def test_a_controller_that_is_in_a_diagram_already_is_refused():
         make_atlas_station(controller=())
 
 
-def test_a_fall_that_an_error_kept_untold_ends_with_a_reset():
-    """The controller notes a fall, and fails before anybody looks."""
+def test_a_fall_just_before_an_error_of_the_controller_is_an_event_before_the_reset():
     failed = []
 
-    def controller(robot, _config):
-        def tell(context, out):
-            fall = (Event(0.024, "fall", "oh"),) if context.get_time() > 0.02 else ()
-            out.set_value(ControllerStatus(events=fall, event_count=len(fall)))
+    def status(context):
+        fall = (Event(0.024, "fall", "oh"),) if context.get_time() > 0.02 else ()
+        return ControllerStatus(events=fall, event_count=len(fall))
 
-        def give(context, out):
-            out.SetZero()
-            if context.get_time() > 0.03 and not failed:
-                failed.append(True)
-                raise ZeroDivisionError("of the user's")
+    def give(context, out):
+        out.SetZero()
+        if context.get_time() > 0.03 and not failed:
+            failed.append(True)
+            raise ZeroDivisionError("of the user's")
 
-        system = LeafSystem()
-        system.DeclareVectorOutputPort("behavior_effort", robot.num_joints, give)
-        system.DeclareAbstractOutputPort(
-            "controller_status", lambda: AbstractValue.Make(ControllerStatus()), tell
-        )
-        return system
-
-    sim = AtlasSimulation(controller=controller)
+    sim = AtlasSimulation(
+        controller=lambda robot, _: controller_with_status(robot, status, give)
+    )
     with pytest.raises(ZeroDivisionError):
         sim.advance(0.1)
     sim.reset()
@@ -438,31 +367,25 @@ def test_a_fall_that_an_error_kept_untold_ends_with_a_reset():
     assert not sim.has_fallen
 
 
-def test_a_status_port_for_vectors_is_refused():
-    def vector(robot, _config):
-        system = sized(robot.num_joints)
-        system.DeclareVectorOutputPort("controller_status", 3, lambda *_: None)
-        return system
-
-    with pytest.raises(ControllerError, match="must hold a ControllerStatus"):
-        make_atlas_station(controller=vector)
+def test_planned_paths_of_another_type_are_refused():
+    sim = AtlasSimulation(
+        controller=lambda robot, _: controller_with_status(
+            robot, lambda _context: "straight on", port="planned_paths"
+        )
+    )
+    with pytest.raises(TypeError, match="'planned_paths' must hold PlannedPaths"):
+        sim.output("planned_paths")
 
 
 def test_a_controller_without_reset_gets_its_default_state():
-    class Forgetful(Talkative):
-        def __getattribute__(self, name):
-            if name == "reset":
-                raise AttributeError(name)
-            return super().__getattribute__(name)
-
-    sim = AtlasSimulation(controller=Forgetful)
+    sim = AtlasSimulation(controller=WithoutReset)
     sim.advance(0.1)
     assert sim.output("controller_status").unsolved > 5
     sim.reset()
     assert sim.output("controller_status").unsolved < 3
 
 
-def test_ours_through_the_socket_is_ours():
+def test_our_controller_through_the_socket_moves_the_robot_alike():
     def ours(robot, config):
         return WholeBodyController(
             robot, config.controller, config.control_period, config.initial_behavior
@@ -482,14 +405,15 @@ def with_input(name, size):
     return system
 
 
+def with_vector_status(size):
+    system = sized(28)
+    system.DeclareVectorOutputPort("controller_status", size, zero)
+    return system
+
+
 def with_message(name):
-    system = LeafSystem()
+    system = sized(28, calc=lambda context, out: (port.Eval(context), out.SetZero()))
     port = system.DeclareAbstractInputPort(name, AbstractValue.Make(NOTHING))
-    system.DeclareVectorOutputPort(
-        "behavior_effort",
-        28,
-        lambda context, out: (port.Eval(context), out.SetZero()),
-    )
     return system
 
 
@@ -500,6 +424,7 @@ def with_message(name):
         (lambda robot, config: None, "must return a System, returned None"),
         (sized(28, "torque"), "no output port 'behavior_effort'"),
         (sized(3), "a vector of size 3; atlas needs a vector of size 28"),
+        (with_vector_status(3), "must hold a ControllerStatus"),
         (with_input("stat", 69), "input port 'stat'.* Did you mean 'state'"),
         (with_input("state", 7), "input port 'state' that is a vector of size 7"),
         (with_input("commands", 7), "the station's is abstract-valued"),
@@ -514,9 +439,8 @@ def test_a_controller_that_does_not_fit_is_refused(controller, words):
 
 def test_systems_are_added_through_extend():
     def extend(builder, station):
-        log = LeafSystem()
+        log = sized(28, "twice")
         log.DeclareVectorInputPort("effort", 28)
-        log.DeclareVectorOutputPort("twice", 28, lambda _context, out: out.SetZero())
         builder.AddNamedSystem("mine", log)
         builder.Connect(station.GetOutputPort("effort"), log.GetInputPort("effort"))
         builder.ExportOutput(log.GetOutputPort("twice"), "twice")

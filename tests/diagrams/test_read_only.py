@@ -166,7 +166,7 @@ class InPlace(Extended):
         return self._behavior.update(state, observation, body, request, leaving)
 
 
-def test_a_behavior_that_writes_into_what_it_was_given_is_stopped():
+def test_a_behavior_that_writes_into_its_arguments_is_an_error():
     def make(tools, _config):
         return InPlace(tools.stand(), None)
 
@@ -177,7 +177,7 @@ def test_a_behavior_that_writes_into_what_it_was_given_is_stopped():
         sim.advance(0.05)
 
 
-def test_what_was_read_only_before_is_not_walked_through_again():
+def test_read_only_skips_arrays_that_were_read_only_before():
     old, new = np.zeros(2), np.zeros(2)
     before = {"a": (old, [old])}
     assert read_only({"a": (old, [old, new])}, before)["a"][1][1] is new

@@ -2,7 +2,6 @@
 
 import contextlib
 import json
-import resource
 import secrets
 import shutil
 import sys
@@ -32,7 +31,7 @@ def write(log, path, rows=None):
     return path
 
 
-def test_every_format_gives_back_the_same(log, suffix, tmp_path):
+def test_every_format_gives_back_the_same_log(log, suffix, tmp_path):
     table = table_of(log)
     table[:5, log.header.layout.places["balance.cop"]] = np.nan
     file = LogFile(tmp_path / f"again{suffix}", log.header)
@@ -155,21 +154,6 @@ def test_an_unknown_ending_names_the_known_ones(log, tmp_path):
         read_log(tmp_path / "run.npy")
 
 
-@pytest.mark.parametrize(
-    ("suffix", "package"), [(".mcap", "mcap"), (".parquet", "pyarrow")]
-)
-def test_a_missing_package_is_named_with_what_to_install(
-    suffix, package, tmp_path, monkeypatch
-):
-    module = {".mcap": "mcap_file", ".parquet": "parquet_file"}[suffix]
-    for name in list(sys.modules):
-        if name.split(".")[0] == package or name == f"atlas_drake.logs.{module}":
-            monkeypatch.delitem(sys.modules, name)
-    monkeypatch.setitem(sys.modules, package, None)
-    with pytest.raises(LogError, match=rf"'{package}'.*pip install {package},.*\[log"):
-        AtlasSimulation(log=tmp_path / f"run{suffix}")
-
-
 @pytest.mark.parametrize("content", [b"", b"no log at all", b"PK\x03\x04" + 50 * b"x"])
 def test_a_file_that_is_no_log_is_refused(content, suffix, tmp_path):
     path = tmp_path / f"fake{suffix}"
@@ -178,19 +162,38 @@ def test_a_file_that_is_no_log_is_refused(content, suffix, tmp_path):
         read_log(path)
 
 
+@pytest.mark.parametrize(
+    ("name", "package"), [("mcap", "mcap"), ("parquet", "pyarrow")]
+)
+def test_a_missing_package_is_named_with_what_to_install(
+    name, package, tmp_path, monkeypatch
+):
+    for module in list(sys.modules):
+        if module.split(".")[0] == package or module.endswith(f"{name}_file"):
+            monkeypatch.delitem(sys.modules, module)
+    monkeypatch.setitem(sys.modules, package, None)
+    with pytest.raises(LogError, match=rf"'{package}'.*pip install {package},.*\[log"):
+        AtlasSimulation(log=tmp_path / f"run.{name}")
+
+
+def test_a_file_that_cannot_be_written_is_named(log, suffix, tmp_path):
+    with pytest.raises(LogError, match=f"run{suffix}: cannot be written: No such"):
+        AtlasSimulation(log=tmp_path / "missing" / f"run{suffix}")
+    (tmp_path / f"run{suffix}").mkdir()
+    with pytest.raises(LogError, match=f"run{suffix}: cannot be written: Is a dir"):
+        LogFile(tmp_path / f"run{suffix}", log.header)
+
+
 def test_files_of_others_are_refused(tmp_path):
     path = tmp_path / "other.npz"
-    np.savez(path, x=np.zeros(3))
-    with pytest.raises(LogError, match=r"not a \.npz log file"):
-        read_log(path)
-    header = json.dumps({"format": "something else", "version": 1})
-    np.savez(path, header=header)
-    with pytest.raises(LogError, match="something else"):
-        read_log(path)
-    header = json.dumps({"format": "atlas_drake log", "version": 99})
-    np.savez(path, header=header)
-    with pytest.raises(LogError, match="newer"):
-        read_log(path)
+    for header, complaint in (
+        ("", r"not a \.npz log file"),
+        (json.dumps({"format": "something else", "version": 1}), "something else"),
+        (json.dumps({"format": "atlas_drake log", "version": 99}), "newer"),
+    ):
+        np.savez(path, **({"header": header} if header else {"x": np.zeros(3)}))
+        with pytest.raises(LogError, match=complaint):
+            read_log(path)
 
 
 @pytest.mark.parametrize("damage", ["bit", "block"])
@@ -262,7 +265,7 @@ def test_a_log_that_contradicts_itself_is_refused(change, complaint, log, tmp_pa
         _ = read_log(path).robot
 
 
-def test_a_missing_file_is_said_to_be_missing(suffix, tmp_path):
+def test_a_missing_log_is_named(suffix, tmp_path):
     with pytest.raises(LogError, match="there is no such file"):
         read_log(tmp_path / f"none{suffix}")
 
@@ -276,7 +279,7 @@ def test_a_log_without_rows_is_refused(log, tmp_path):
         read_log(file.path)
 
 
-def test_a_log_that_gets_no_rows_replaces_none(log, suffix, tmp_path):
+def test_a_log_without_rows_does_not_replace_an_older_file(log, suffix, tmp_path):
     file = LogFile(write(log, tmp_path / f"run{suffix}"), log.header)
     file.note(log.notes[0])
     file.close()
@@ -294,42 +297,16 @@ def test_a_simulation_that_cannot_be_built_leaves_the_log_of_another(log, tmp_pa
     assert [*tmp_path.iterdir()] == [path]
 
 
-def test_a_file_that_cannot_be_written_is_named(suffix, tmp_path):
-    with pytest.raises(LogError, match=f"run{suffix}: cannot be written: No such"):
-        AtlasSimulation(log=tmp_path / "missing" / f"run{suffix}")
-
-
-def test_a_full_disk_is_named(log, suffix, tmp_path, monkeypatch):
-    file = LogFile(tmp_path / f"run{suffix}", log.header)
-
-    def fail(*_arguments):
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(file._writer, "rows", fail)
-    with pytest.raises(LogError, match=f"run{suffix}: cannot be written: No space"):
-        file.rows(table_of(log)[:1])
-    file.close()
-
-
 def write_rows(file, rows):
     for row in rows:
         file.rows(row[None])
 
 
-@contextlib.contextmanager
-def largest_file(size):
-    """Files of this process get no larger [byte]."""
-    before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, before)
-
-
 @pytest.mark.usefixtures("small_chunks")
 @pytest.mark.parametrize("size", [100, 60_000])
-def test_an_mcap_that_finds_no_room_ends_with_what_can_be_read(size, log, tmp_path):
+def test_an_mcap_on_a_full_disk_is_readable_up_to_its_last_chunk(
+    size, log, tmp_path, largest_file
+):
     """It is cut back, which leaves room for what is written after it."""
     file = LogFile(tmp_path / "run.mcap", log.header)
     with (
@@ -342,7 +319,9 @@ def test_an_mcap_that_finds_no_room_ends_with_what_can_be_read(size, log, tmp_pa
         assert assert_beginning_of(log, file.path) < len(log)
 
 
-def test_two_runs_that_write_one_file_do_not_meet(log, suffix, tmp_path):
+def test_two_runs_may_not_write_one_mcap_and_replace_whole_other_files(
+    log, suffix, tmp_path
+):
     path = tmp_path / f"run{suffix}"
     first = LogFile(path, log.header)
     if suffix == ".mcap":
@@ -359,15 +338,9 @@ def test_two_runs_that_write_one_file_do_not_meet(log, suffix, tmp_path):
     assert [*tmp_path.iterdir()] == [path]
 
 
-def test_a_folder_is_no_log(log, suffix, tmp_path):
-    path = tmp_path / f"run{suffix}"
-    path.mkdir()
-    with pytest.raises(LogError, match=f"run{suffix}: cannot be written: Is a dir"):
-        LogFile(path, log.header)
-
-
-def test_an_unfinished_file_is_nobody_elses(log, tmp_path, monkeypatch):
-    """A link where the unfinished file would be leads nowhere."""
+def test_a_link_with_the_name_of_the_unfinished_file_is_not_followed(
+    log, tmp_path, monkeypatch
+):
     precious = tmp_path / "precious"
     precious.write_text("precious")
     monkeypatch.setattr(secrets, "token_hex", lambda _length: "0")

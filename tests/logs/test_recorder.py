@@ -8,10 +8,8 @@ import pytest
 
 from atlas_drake import AtlasCommand, AtlasSimulation, Scenario, read_log
 from atlas_drake.diagrams.atlas_station import StationConfig
+from atlas_drake.logs import recorder
 from atlas_drake.logs.channels import GAINS
-from atlas_drake.logs.figures import make_page
-from atlas_drake.logs.png_page import draw_figure
-from atlas_drake.logs.recorder import BLOCK
 from atlas_drake.logs.rows import RowMaker
 from atlas_drake.scenario import Jitter
 
@@ -26,7 +24,7 @@ def test_rows_are_the_control_ticks(log):
     assert log.header.control_period == pytest.approx(PERIOD)
 
 
-def test_recording_changes_not_a_bit(run, scenario):
+def test_recording_does_not_change_the_motion(run, scenario):
     recorded, _ = run
     plain = AtlasSimulation(scenario)
     drive(plain)
@@ -39,15 +37,15 @@ def test_recording_changes_not_a_bit(run, scenario):
     assert not plain.diagram.HasSubsystemNamed("log_recorder")
 
 
-def test_a_row_has_what_the_ports_said(tmp_path, scenario):
+def test_a_row_has_the_values_of_the_ports(tmp_path, scenario):
     sim = AtlasSimulation(scenario, log=tmp_path / "run.npz")
     sim.publish(arm_command())
     seen = []
-    ports = ("state", "behavior_state", "foot_wrenches", "imu")
+    ports = ("state", "behavior_state", "foot_wrenches")
     for tick in range(12):
         sim.advance_to(PERIOD * tick)
-        before = {name: np.array(sim.output(name)) for name in ports[:3]}
-        before["imu"], before["report"] = sim.imu, sim.atlas_sim_interface_state
+        before = {name: np.array(sim.output(name)) for name in ports}
+        before["report"] = sim.atlas_sim_interface_state
         # The control tick, after which the physics is a step further.
         sim.simulator.AdvancePendingEvents()
         after = [
@@ -62,7 +60,7 @@ def test_a_row_has_what_the_ports_said(tmp_path, scenario):
     num_q = sim.plant.num_positions()
     indices = sim.robot.indices(sim.plant)
     for row, (before, status, effort, commands) in enumerate(seen):
-        report, imu = before["report"], before["imu"]
+        report = before["report"]
         left, right = report.foot_pos_est
         measured = before["behavior_state"]
         expected = {
@@ -71,10 +69,7 @@ def test_a_row_has_what_the_ports_said(tmp_path, scenario):
             "joints.position": measured[indices.q],
             "joints.velocity": measured[num_q + indices.v],
             "joints.behavior_effort": effort,
-            "joints.k_effort": commands.k_effort,
             "joints.position_setpoint": commands.joints.position,
-            "gains.kp_velocity": commands.joints.kp_velocity,
-            "gains.kp_position": commands.joints.kp_position,
             "behavior.current": status.current_behavior,
             "controller.unsolved": status.unsolved,
             "controller.solved": status.solved,
@@ -85,8 +80,6 @@ def test_a_row_has_what_the_ports_said(tmp_path, scenario):
             "feet.right_orientation": right.orientation.to_wxyz(),
             "feet.left_torque": before["foot_wrenches"][:3],
             "feet.right_force": before["foot_wrenches"][9:],
-            "imu.orientation": imu.orientation.to_wxyz(),
-            "imu.angular_velocity": imu.angular_velocity.to_array(),
         }
         for name, value in expected.items():
             np.testing.assert_array_equal(log[name][row], value, err_msg=name)
@@ -134,7 +127,7 @@ def test_events_are_kept(run):
     assert {"push", "refusal", "behavior"} <= {event.kind for event in log.events}
 
 
-def test_no_field_of_the_joints_state_and_no_command_is_left_out(tmp_path, scenario):
+def test_every_field_of_atlas_state_and_every_command_is_recorded(tmp_path, scenario):
     gains = AtlasCommand(kp_position=[7.0] * 28)
     messages = [gains, arm_command(), walk_command()]
     with AtlasSimulation(scenario, log=tmp_path / "run.npz") as sim:
@@ -177,7 +170,7 @@ def test_no_field_of_the_joints_state_and_no_command_is_left_out(tmp_path, scena
         assert np.isfinite(log[channel]).all()
 
 
-def test_a_reset_goes_on_in_the_same_log_and_the_run_without_it(tmp_path):
+def test_a_log_continues_after_a_reset_and_ends_when_closed(tmp_path):
     file = tmp_path / "run.npz"
     with AtlasSimulation(log=file) as sim:
         sim.advance_to(5 * PERIOD)
@@ -198,7 +191,7 @@ def test_a_forgotten_log_is_completed_with_its_simulation(tmp_path):
     assert len(read_log(tmp_path / "run.npz")) == 5
 
 
-def test_what_interrupts_the_computation_of_rows_takes_none(tmp_path, monkeypatch):
+def test_an_interrupt_while_rows_are_computed_loses_none(tmp_path, monkeypatch):
     compute, calls = RowMaker.rows, []
 
     def interrupted(maker, samples):
@@ -207,21 +200,23 @@ def test_what_interrupts_the_computation_of_rows_takes_none(tmp_path, monkeypatc
             raise KeyboardInterrupt
         return compute(maker, samples)
 
+    monkeypatch.setattr(recorder, "BLOCK", 10)
     monkeypatch.setattr(RowMaker, "rows", interrupted)
     # Drake may pass it on as an error of its own.
     with (
         pytest.raises((KeyboardInterrupt, RuntimeError, SystemError)),
         AtlasSimulation(log=tmp_path / "run.npz") as sim,
     ):
-        sim.advance_to(3 * BLOCK * PERIOD)
+        sim.advance_to(30 * PERIOD)
     times = read_log(tmp_path / "run.npz").time
-    assert len(times) >= 2 * BLOCK
+    assert len(times) >= 20
     np.testing.assert_allclose(times, PERIOD * np.arange(len(times)), atol=1e-9)
 
 
-def test_rows_that_cannot_be_computed_take_no_other(tmp_path, monkeypatch):
+def test_rows_that_cannot_be_computed_leave_the_earlier_ones(tmp_path, monkeypatch):
+    monkeypatch.setattr(recorder, "BLOCK", 10)
     sim = AtlasSimulation(log=tmp_path / "run.npz")
-    sim.advance_to((BLOCK + 5) * PERIOD)
+    sim.advance_to(15 * PERIOD)
 
     def fail(*_arguments):
         raise MemoryError
@@ -229,7 +224,7 @@ def test_rows_that_cannot_be_computed_take_no_other(tmp_path, monkeypatch):
     monkeypatch.setattr(RowMaker, "rows", fail)
     with pytest.raises(MemoryError):
         sim.close()
-    assert len(read_log(tmp_path / "run.npz")) == BLOCK
+    assert len(read_log(tmp_path / "run.npz")) == 10
 
 
 @pytest.mark.slow
@@ -253,7 +248,3 @@ def test_hands_of_a_fallen_robot_bear_load(tmp_path):
         np.testing.assert_allclose(torque[-1], wrench.torque.to_array(), atol=1e-6)
         loads.append(np.abs(force).max())
     assert max(loads) > 20.0
-    # Such a log can be drawn too.
-    titles = [panel.title for panel in make_page(log).panels]
-    assert "Foot forces" in titles
-    draw_figure(make_page(log)).draw_without_rendering()

@@ -46,12 +46,7 @@ FEEDBACK = (
     "k_effort",
 )
 """What of a report changes in control ticks alone."""
-NAMES = (
-    "commands",
-    "controller_status",
-    "atlas_sim_interface_state",
-    "planned_paths",
-)
+NAMES = "commands", "controller_status", "atlas_sim_interface_state", "planned_paths"
 
 
 @pytest.fixture(scope="module")
@@ -103,22 +98,29 @@ def test_the_row_is_the_latest_one(log):
         )
 
 
-def test_footsteps_and_caption_are_those_of_the_run(run):
-    sim, log = run
-    live = [sim.output(name) for name in NAMES]
+def looks_and_outputs(sim, log):
+    """What a display of the run shows, and the outputs of the run and of the player."""
     player = LogPlayer(log)
     context = player.CreateDefaultContext()
     context.SetTime(log.time[-1])
+    live = [sim.output(name) for name in NAMES]
     again = [player.GetOutputPort(name).Eval(context) for name in NAMES]
+    live_looks, looks = (
+        (
+            footstep_marks(commands.request, report, status.events, status.plan),
+            caption_of(report),
+            feedback_words(report),
+        )
+        for commands, status, report, _paths in (live, again)
+    )
+    assert looks == live_looks
+    for name in FEEDBACK:
+        assert getattr(again[2], name) == getattr(live[2], name), name
+    return looks, live, again
 
-    def seen(commands, status, report, _paths):
-        events = status.events
-        return footstep_marks(
-            commands.request, report, events, status.plan
-        ), caption_of(report)
 
-    marks, caption = seen(*again)
-    assert (marks, caption) == seen(*live)
+def test_footsteps_and_caption_are_those_of_the_run(run):
+    (marks, caption, _words), live, again = looks_and_outputs(*run)
     was, is_now = live[1].plan, again[1].plan
     for name in ("support", "dcm_reference", "cop_reference"):
         np.testing.assert_allclose(getattr(is_now, name), getattr(was, name))
@@ -130,14 +132,12 @@ def test_footsteps_and_caption_are_those_of_the_run(run):
     for name in ("com", "dcm", "cop"):
         end, ended = getattr(again[3], name)[-1], getattr(live[3], name)[-1]
         np.testing.assert_allclose(end, ended, atol=0.01)
-    for name in FEEDBACK:
-        assert getattr(again[2], name) == getattr(live[2], name), name
     assert len(marks) >= 4
     assert caption[0].startswith("WALK")
     assert again[0].request.command == walk_command()
 
 
-def test_a_replay_shows_the_robot_and_what_the_log_is_enough_for(log):
+def test_a_replay_shows_robot_footsteps_caption_and_balance(log):
     meshcat, overlays = Meshcat(), Overlays(LOGGED)
     simulator = Simulator(make_replay(log, meshcat, overlays))
     for name in ("owner", "effort"):
@@ -151,7 +151,7 @@ def test_a_replay_shows_the_robot_and_what_the_log_is_enough_for(log):
     assert meshcat.HasPath("/atlas_drake/footsteps/0")
 
 
-def test_displays_read_what_they_read_in_the_run(run):
+def test_displays_read_the_same_in_replay_and_run(run):
     sim, log = run
     player = LogPlayer(log)
     context = player.CreateDefaultContext()
@@ -182,13 +182,13 @@ def test_terrain_is_shown(log, scenario, meshcat):
     assert any("terrain_0" in name for name in names)
 
 
-def test_a_scenario_of_another_time_is_named(log, meshcat):
+def test_a_scenario_that_this_version_cannot_read_is_named(log, meshcat):
     header = Header("atlas", 0.002, "gravity: up\n", log.header.layout)
     with pytest.raises(LogError, match="scenario"):
         make_replay(Log(log.path, header, log.arrays, log.notes), meshcat)
 
 
-def test_a_log_that_kept_less_is_refused(log):
+def test_a_log_without_a_channel_of_the_report_is_refused(log):
     arrays = {n: a for n, a in log.arrays.items() if n != "manipulate.clamped"}
     with pytest.raises(LogError, match=r"without manipulate\.clamped"):
         LogPlayer(Log(log.path, log.header, arrays, log.notes))
@@ -206,31 +206,15 @@ def test_other_behaviors_look_as_in_the_run(behavior, tmp_path):
     sim = AtlasSimulation(Scenario(state="estimated"), log=tmp_path / "run.npz")
     sim.publish(command)
     sim.advance_to(0.1)
-    live = [sim.output(name) for name in NAMES]
     sim.close()
     log = read_log(tmp_path / "run.npz")
     assert np.isfinite(log["balance.dcm_reference"]).all()
     # The behaviors see the estimate, and so do the log's pelvis and feet.
     assert (log["pelvis.position"][10:] != log["state.q"][10:, 4:7]).any()
-    player = LogPlayer(log)
-    context = player.CreateDefaultContext()
-    context.SetTime(log.time[-1])
-    again = [player.GetOutputPort(name).Eval(context) for name in NAMES]
-    looks = [
-        (
-            footstep_marks(c.request, report, state.events, state.plan),
-            caption_of(report),
-            feedback_words(report),
-        )
-        for c, state, report, _paths in (live, again)
-    ]
-    assert looks[0] == looks[1]
-    marks, caption, words = looks[0]
+    (marks, caption, words), _live, again = looks_and_outputs(sim, log)
     assert caption[0].startswith(behavior)
     assert len(marks) == (1 if behavior == "STEP" else 0)
     assert words != "ok"
-    for name in FEEDBACK:
-        assert getattr(again[2], name) == getattr(live[2], name), name
     feedback = again[2].manipulate_feedback
     moved = feedback.internal_sensed.pelvis_height != 0.8
     assert moved == (behavior == "MANIPULATE")
@@ -262,7 +246,7 @@ class Waiting(BehaviorProtocol):
 
 
 @pytest.mark.parametrize("ending", ["npz", "mcap"])
-def test_feedback_of_ones_own_behavior_is_logged_and_replayed(tmp_path, ending):
+def test_feedback_of_a_users_behavior_is_logged_and_replayed(tmp_path, ending):
     entry = BehaviorEntry(name="WAIT", number=100, make=Waiting)
     path = tmp_path / f"run.{ending}"
     with AtlasSimulation(behaviors=[entry], log=path) as sim:

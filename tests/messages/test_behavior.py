@@ -26,10 +26,6 @@ NUMBERS = {
 }
 
 
-def test_numbers_are_those_of_the_interface():
-    assert {member.name: member.value for member in Behavior} == NUMBERS
-
-
 def test_a_behavior_is_printed_by_name_and_kept_as_a_number():
     stand = Behavior.STAND
     assert (str(stand), f"{stand}", f"{stand:>6}") == ("STAND", "STAND", " STAND")
@@ -41,28 +37,28 @@ def test_a_behavior_is_printed_by_name_and_kept_as_a_number():
 
 
 @pytest.mark.parametrize("kind", [AtlasSimInterfaceCommand, AtlasSimInterfaceState])
-@pytest.mark.parametrize(("name", "number"), NUMBERS.items())
-def test_messages_have_the_behaviors_as_constants(kind, name, number):
-    assert getattr(kind, name) == number
-    assert getattr(kind(), name) is Behavior(number)
-
-
-@pytest.mark.parametrize("value", [2, np.int64(2), np.uint8(2), Behavior.STAND_PREP])
-def test_behavior_by_number(value):
-    assert SHIPPED.find(value) is Behavior.STAND_PREP
+def test_messages_have_the_behaviors_of_the_interface_as_constants(kind):
+    assert {member.name: member.value for member in Behavior} == NUMBERS
+    for name, number in NUMBERS.items():
+        assert getattr(kind, name) == number
+        assert getattr(kind(), name) is Behavior(number)
 
 
 @pytest.mark.parametrize(
-    "name", ["STAND_PREP", "stand_prep", "Stand_Prep", "stand-prep", " stand prep "]
+    "value",
+    [
+        *(2, np.int64(2), np.uint8(2), Behavior.STAND_PREP),
+        *("STAND_PREP", "stand_prep", "Stand_Prep", "stand-prep", " stand prep "),
+    ],
 )
-def test_behavior_by_name(name):
-    assert SHIPPED.find(name) is Behavior.STAND_PREP
+def test_a_behavior_is_found_by_number_and_by_name(value):
+    assert SHIPPED.find(value) is Behavior.STAND_PREP
 
 
 @pytest.mark.parametrize(
     "value", [8, -1, 3.0, True, None, "", "3", [3], np.array([3]), b"stand"]
 )
-def test_unknown_behavior(value):
+def test_an_unknown_behavior_is_refused_with_the_known_names(value):
     with pytest.raises(InvalidMessageError) as caught:
         SHIPPED.find(value, "desired")
     assert caught.value.error_code is ErrorCode.NO_SUCH_BEHAVIOR

@@ -70,10 +70,13 @@ def test_arrays_of_numbers_of_any_type_are_taken(kind, name):
         np.array([0, 1, 2], dtype=np.uint8),
         [np.float32(0.0), Fraction(1), 2],
     ):
-        given = check_command(kind(**{name: values}), JOINTS)
+        message = kind(**{name: values})
+        given = check_command(message, JOINTS)
         assert {key: array.tolist() for key, array in given.items()} == {
             name: [0, 1, 2]
         }
+        assert getattr(message, name) is values
+        assert check_command(message.snapshot(), JOINTS).keys() == {name}
     assert check_command(kind(**{name: np.zeros(0)}), JOINTS) == {}
 
 
@@ -184,7 +187,7 @@ def test_an_unknown_behavior_is_refused():
         ("swing_height", [-0.1, NAN], VALUE),
         ("pose", [None], VALUE),
         ("pose.position", [[0.0, 0.0, 0.0]], VALUE),
-        ("pose.position.y", [NAN], VALUE),
+        ("pose.position.y", [NAN, -1e13, 1e13], VALUE),
         ("pose.orientation", [None], VALUE),
         ("pose.orientation.z", [INFINITY], VALUE),
         ("pose.orientation.w", ["1"], VALUE),

@@ -19,8 +19,9 @@ from pydrake.multibody.plant import (
 from pydrake.multibody.tree import JointActuator, ModelInstanceIndex
 from pydrake.systems.framework import Context, Diagram, DiagramBuilder
 
-REPOSITORY = Path(__file__).parents[2]
-MODELS = REPOSITORY / "models"
+from atlas_drake.robot import load_robot
+
+MODELS = Path(__file__).parents[2] / "models"
 ROBOTS = ("atlas", "atlas_v3")
 
 TIME_STEP = 0.002
@@ -96,9 +97,9 @@ def load(name: str, *, ground: bool = False) -> LoadedRobot:
     return LoadedRobot(name, builder.Build(), plant, scene_graph, instance)
 
 
-@pytest.fixture(params=ROBOTS)
+@pytest.fixture(params=ROBOTS, scope="package")
 def robot(request: pytest.FixtureRequest) -> LoadedRobot:
-    """Each robot in turn, freshly loaded, without a ground."""
+    """Each robot in turn, without a ground; each test sets the pose it needs."""
     return load(request.param)
 
 
@@ -108,26 +109,7 @@ def grounded_robot(request: pytest.FixtureRequest) -> LoadedRobot:
     return load(request.param, ground=True)
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def stand_prep() -> np.ndarray:
-    """Pose from which standing can begin, as the tutorial sends it [rad]."""
-    return np.array(
-        [
-            *(2.438504816382192e-05, 0.0015186156379058957, 9.983908967114985e-06),
-            -0.0010675729718059301,
-            *(-0.0003740221436601132, 0.06201673671603203, -0.2333149015903473),
-            *(0.5181407332420349, -0.27610817551612854, -0.062101610004901886),
-            *(0.00035181696875952184, -0.06218484416604042, -0.2332201600074768),
-            *(0.51811283826828, -0.2762000858783722, 0.06211360543966293),
-            *(0.29983898997306824, -1.303462266921997, 2.0007927417755127),
-            *(0.49823325872421265, 0.0003098883025813848, -0.0044272784143686295),
-            *(0.29982614517211914, 1.3034454584121704, 2.000779867172241),
-            *(-0.498238742351532, 0.0003156556049361825, 0.004448802210390568),
-        ]
-    )
-
-
-@pytest.fixture
-def models_folder() -> Path:
-    """Folder that holds the robots' URDF files."""
-    return MODELS
+    """Pose from which standing can begin [rad]."""
+    return load_robot().stand_prep

@@ -23,6 +23,12 @@ from std_msgs.msg import String
 """
 
 
+@pytest.fixture
+def run(run):
+    """Runs a program that begins with HEAD."""
+    return lambda text, *arguments, **options: run(HEAD + text, *arguments, **options)
+
+
 @pytest.mark.parametrize(
     ("text", "seconds"),
     [
@@ -44,15 +50,13 @@ from std_msgs.msg import String
     ],
 )
 def test_waiting_calls_advance_simulated_time(run, text, seconds):
-    ran = run(HEAD + text)
+    ran = run(text)
     assert ran.problem is None, ran.complained
     assert ran.sim.time == pytest.approx(seconds, abs=0.005)
 
 
 def test_callbacks_come_while_the_program_waits(run):
-    ran = run(
-        HEAD
-        + """
+    ran = run("""
 got = {}
 def keep(message, name):
     got.setdefault(name, []).append(message)
@@ -75,16 +79,13 @@ for subscriber in subscribers:
     subscriber.unregister()
 time.sleep(0.04)
 print(len(got["/clock"]) < 12)
-"""
-    )
+""")
     assert ran.problem is None, ran.complained
     assert ran.printed == ["True"]
 
 
 def test_a_callback_may_wait_and_others_go_on(run):
-    ran = run(
-        HEAD
-        + """
+    ran = run("""
 slow, quick = [], []
 def wait(message):
     slow.append(1)
@@ -94,15 +95,12 @@ rospy.Subscriber("/clock", Clock, quick.append)
 rospy.Timer(rospy.Duration(0.02), lambda event: quick.append(None))
 rospy.sleep(0.101)
 print(len(slow), quick.count(None), len(quick) - quick.count(None))
-"""
-    )
+""")
     assert ran.printed == ["3 5 25"], ran.complained
 
 
 def test_threads_of_the_program_wait_side_by_side(run):
-    ran = run(
-        HEAD
-        + """
+    ran = run("""
 seen = []
 def work(period):
     for i in range(3):
@@ -116,16 +114,13 @@ threads[1].join(0.001)
 print(len(seen), threads[1].is_alive())
 threads[1].join()
 print(time.time(), len(seen))
-"""
-    )
+""")
     first = "[(0.012, 0.012), (0.02, 0.02), (0.024, 0.012), (0.036, 0.012)]"
     assert ran.printed == [f"{first} [False, True]", "4 True", "0.06 6"], ran.complained
 
 
 def test_time_stands_still_while_a_thread_computes(run):
-    ran = run(
-        HEAD
-        + """
+    ran = run("""
 def work():
     for i in range(3):
         before = time.time()
@@ -134,15 +129,12 @@ def work():
     rospy.signal_shutdown("done")
 threading.Thread(target=work).start()
 rospy.spin()
-"""
-    )
+""")
     assert ran.printed == ["0.0"] * 3, ran.complained
 
 
 def test_two_runs_with_threads_are_the_same(run, sim):
-    text = (
-        HEAD
-        + """
+    text = """
 elbow = rospy.Publisher("/atlas/joint_commands", JointCommands)
 def wave():
     rate = rospy.Rate(90)
@@ -157,7 +149,6 @@ for i in range(10): time.sleep(0.007)
 rospy.signal_shutdown("done")
 print(len(states), states[-1].position[AtlasState.l_arm_elx])
 """
-    )
     first = run(text)
     assert len(first.printed) == 1, first.complained
     state = first.sim.atlas_state
@@ -169,9 +160,7 @@ print(len(states), states[-1].position[AtlasState.l_arm_elx])
 
 @pytest.mark.parametrize("kind", ["Lock", "RLock"])
 def test_a_callback_waits_for_the_lock_of_a_sleeping_program(run, kind):
-    ran = run(
-        HEAD
-        + f"""
+    ran = run(f"""
 lock, calls = threading.{kind}(), []
 def count(message):
     with lock:
@@ -188,8 +177,7 @@ try:
     lock.release()
 except RuntimeError as error:
     print("free")
-"""
-    )
+""")
     assert ran.printed == [
         "[]",
         "[0.004, 0.034, 0.038]",
@@ -199,9 +187,7 @@ except RuntimeError as error:
 
 
 def test_waiting_for_an_event_lets_time_pass(run):
-    ran = run(
-        HEAD
-        + """
+    ran = run("""
 heard = threading.Event()
 print(heard.wait(0.05), time.time())
 rospy.Subscriber("/clock", Clock, lambda message: heard.set())
@@ -212,15 +198,12 @@ with owned, owned:
     thread.start()
     thread.join()
 print(round(time.time(), 3))
-"""
-    )
+""")
     assert ran.printed == ["False 0.05", "True 0.054", "False", "0.074"], ran.complained
 
 
 def test_a_program_ends_with_its_last_thread(run):
-    ran = run(
-        HEAD
-        + """
+    ran = run("""
 def late():
     rospy.sleep(0.05)
     print("last")
@@ -232,8 +215,7 @@ helper = threading.Thread(target=never)
 helper.daemon = True
 helper.start()
 print("first")
-"""
-    )
+""")
     assert ran.problem is None, ran.complained
     assert ran.printed == ["first", "last"]
     assert ran.sim.time == pytest.approx(0.05)
@@ -241,8 +223,7 @@ print("first")
 
 def test_threads_end_with_the_run(run):
     ran = run(
-        HEAD
-        + """
+        """
 def work():
     while not rospy.is_shutdown():
         time.sleep(0.01)
@@ -261,10 +242,8 @@ print([worker.is_alive() for worker in workers])
     assert ran.sim.time == pytest.approx(0.03)
 
 
-def test_a_thread_that_takes_no_turns_cannot_wait(run):
-    ran = run(
-        HEAD
-        + """
+def test_a_thread_that_the_program_did_not_start_cannot_wait(run):
+    ran = run("""
 import logging
 def work():
     try:
@@ -274,8 +253,7 @@ def work():
 thread = logging.threading.Thread(target=work, name="Foreign")
 thread.start()
 thread.join()
-"""
-    )
+""")
     assert ran.printed[0].startswith("Foreign waits, but was not started by")
     assert ran.sim.time == 0.0
 
@@ -284,14 +262,11 @@ thread.join()
     ("text", "at_fault"), [("[][0]", False), ("rospy.Foo", True), ("5 + ''", False)]
 )
 def test_an_error_in_a_callback_ends_the_program(run, text, at_fault):
-    ran = run(
-        HEAD
-        + f"""
+    ran = run(f"""
 rospy.Subscriber("/clock", Clock, lambda message: {text})
 rospy.spin()
 print("shut down")
-"""
-    )
+""")
     assert ran.printed == ["shut down"]
     assert ran.problem.startswith("program.py: ")
     assert "program.py" in ran.complained
@@ -300,9 +275,7 @@ print("shut down")
 
 
 def test_parameters_are_a_tree(run):
-    ran = run(
-        HEAD
-        + """
+    ran = run("""
 rospy.init_node("node")
 rospy.set_param("/ns", {"x": 1, "y": {"z": 2}})
 rospy.set_param("ns/w", 3)
@@ -314,8 +287,7 @@ print(rospy.get_param("ns/x"))
 gains = rospy.get_param("atlas_controller/gains/atlas::l_arm_uwy")
 print(gains == rospy.get_param("atlas_controller/gains")["l_arm_uwy"], sorted(gains))
 rospy.get_param("/ns/v")
-"""
-    )
+""")
     assert ran.printed == [
         "1 2 {'x': 1, 'y': {'z': 2}, 'w': 3}",
         "4 False True",
@@ -326,9 +298,7 @@ rospy.get_param("/ns/v")
 
 
 def test_commands_reach_the_robot(run):
-    ran = run(
-        HEAD
-        + """
+    ran = run("""
 command = rospy.Publisher("atlas/atlas_command", AtlasCommand, queue_size=1)
 message = AtlasCommand()
 message.header.stamp = rospy.Time.now()
@@ -347,8 +317,7 @@ print([i for i, k in enumerate(bytearray(state.k_effort)) if k == 255])
 mode = rospy.Publisher("/atlas/control_mode", String, None, False, True, None)
 mode.publish("Manip")
 rospy.sleep(0.02)
-"""
-    )
+""")
     assert ran.problem is None, ran.complained
     # Besides the neck only the two joints that joint_commands names.
     assert ran.printed == ["[3, 20, 26]"]
@@ -373,18 +342,17 @@ rospy.sleep(0.02)
 )
 def test_control_modes_are_behaviors(run, word, behavior):
     text = f"rospy.Publisher('atlas/control_mode', String).publish({word!r})\n"
-    ran = run(HEAD + text + "rospy.sleep(0.01)\n")
+    ran = run(text + "rospy.sleep(0.01)\n")
     assert ran.sim.current_behavior is behavior, ran.complained
     assert set(ran.sim.atlas_state.k_effort) == {255 if word == "User" else 0}
 
 
-def test_the_harness_lets_go_when_the_mode_says_so(run):
+def test_the_mode_nominal_releases_the_harness(run):
     scenario = Scenario(initial_behavior="FREEZE", **STEPS)
     start = replace(scenario.start, harnessed=True)
     scenario = replace(scenario, start=start)
     ran = run(
-        HEAD
-        + """
+        """
 mode = rospy.Publisher("/atlas/mode", String)
 rospy.sleep(0.01)
 mode.publish("harnessed")
@@ -398,9 +366,9 @@ rospy.sleep(0.01)
     assert [event.kind for event in ran.sim.events][-2:] == ["reset", "harness"]
 
 
-def test_without_a_harness_the_mode_says_so_and_goes_on(run):
+def test_a_mode_without_a_harness_is_a_hint_and_the_program_continues(run):
     text = "p = rospy.Publisher('/atlas/mode', String)\np.publish('harnessed')\n"
-    ran = run(HEAD + text)
+    ran = run(text)
     assert ran.problem is None
     assert "start.harnessed=true" in ran.said[0]
 
@@ -409,20 +377,17 @@ def test_a_command_without_effect_is_noted_once(run):
     text = "p = rospy.Publisher('atlas/atlas_command', AtlasCommand)\n" + (
         "p.publish(AtlasCommand(position=[0.0] * 28))\n" * 2
     )
-    ran = run(HEAD + text)
+    ran = run(text)
     assert len(ran.said) == 1
     assert "initial_behavior=USER" in ran.said[0]
 
 
 def test_a_refused_message_is_an_event_and_the_program_continues(run):
-    ran = run(
-        HEAD
-        + """
+    ran = run("""
 p = rospy.Publisher("atlas/atlas_command", AtlasCommand)
 p.publish(AtlasCommand(position=[0.0] * 27, k_effort=[255] * 28))
 print("on")
-"""
-    )
+""")
     assert ran.printed == ["on"]
     refusals = [event.text for event in ran.sim.events if event.kind == "refusal"]
     assert "position" in refusals[0]
@@ -474,7 +439,7 @@ print("on")
     ],
 )
 def test_an_unknown_name_raises_with_the_known_names(run, text, words):
-    ran = run(HEAD + text + "\n")
+    ran = run(text + "\n")
     assert ran.at_fault
     for word in words:
         assert word in ran.complained
@@ -483,15 +448,15 @@ def test_an_unknown_name_raises_with_the_known_names(run, text, words):
     assert "program.py" in ran.complained
 
 
-def test_other_packages_can_be_asked_for_without_harm(run):
+def test_hasattr_and_defaults_work_for_unknown_names(run):
     text = "print(hasattr(rospy, 'Foo'), getattr(rospy, 'Foo', 3))\n"
     text += "print(rospy.get_param('~foo', 4), rospy.has_param('foo'))\n"
-    assert run(HEAD + text).printed == ["False 3", "4 False"]
+    assert run(text).printed == ["False 3", "4 False"]
 
 
 def test_a_message_of_another_type_is_a_type_error(run):
     text = "p = rospy.Publisher('/atlas/mode', String)\np.publish(AtlasCommand())\n"
-    ran = run(HEAD + text)
+    ran = run(text)
     assert "TypeError: /atlas/mode has messages std_msgs/String" in ran.complained
     assert not ran.at_fault
 
@@ -507,15 +472,14 @@ def test_a_message_of_another_type_is_a_type_error(run):
     ],
 )
 def test_the_end_of_a_program_is_reported(run, text, problem):
-    ran = run(HEAD + text)
+    ran = run(text)
     assert ran.problem == problem
     assert not ran.at_fault
 
 
 def test_at_the_end_of_the_run_a_program_is_shut_down(run):
     ran = run(
-        HEAD
-        + """
+        """
 rospy.on_shutdown(lambda: print("bye"))
 rospy.spin()
 print(rospy.is_shutdown(), rospy.get_time())
@@ -535,13 +499,39 @@ except Exception:
     assert ran.sim.time == pytest.approx(0.1)
 
 
+def test_steps_are_made_with_pykdl_and_posemath(run):
+    ran = run("""
+import PyKDL
+from tf_conversions import posemath
+walk = AtlasSimInterfaceCommand(behavior=AtlasSimInterfaceCommand.WALK)
+q = rospy.wait_for_message("/atlas/imu", Imu).orientation
+robot = PyKDL.Frame(PyKDL.Rotation.Quaternion(q.x, q.y, q.z, q.w), PyKDL.Vector())
+for i in range(4):
+    step = AtlasBehaviorStepData(step_index=i + 1, foot_index=i % 2, duration=0.63)
+    # Both feet of a pair go as far: in Python 2 these are whole numbers.
+    ahead = PyKDL.Vector((1 + i / 2) * 0.2, 0.12 - i % 2 * 0.24, 0.0)
+    step.pose = posemath.toMsg(robot * PyKDL.Frame(ahead))
+    walk.walk_params.step_queue[i] = step
+walk.k_effort = "".join(chr(0) for _ in range(28))
+rospy.Publisher("/atlas/atlas_sim_interface_command", type(walk)).publish(walk)
+rospy.sleep(0.02)
+""")
+    assert ran.problem is None, ran.complained
+    assert ran.sim.current_behavior is Behavior.WALK
+    queue = ran.sim.output("commands").request.command.walk_params.step_queue
+    x = [step.pose.position.x for step in queue]
+    assert x == pytest.approx([0.2, 0.2, 0.4, 0.4], abs=0.01)
+
+
 def test_a_program_has_its_own_arguments(run):
     text = "import sys\nprint(sys.argv[1:], rospy.myargv()[1:])\n"
-    ran = run(HEAD + text, "-a", "x:=y")
+    ran = run(text, "-a", "x:=y")
     assert ran.printed == ["['-a', 'x:=y'] ['-a']"]
 
 
-def test_ros_that_is_installed_is_not_used(run, tmp_path, monkeypatch):
+def test_the_stand_ins_take_precedence_over_an_installed_ros(
+    run, tmp_path, monkeypatch
+):
     (tmp_path / "PyKDL.py").write_text("raise SystemExit('the wrong one')\n")
     monkeypatch.syspath_prepend(tmp_path)
     ran = run("from PyKDL import Vector\nprint(Vector(1, 2, 3).y())\n")

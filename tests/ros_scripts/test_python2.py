@@ -139,7 +139,7 @@ def test_invalid_python_is_refused_with_its_line(tmp_path, text, where):
         Program(path)
 
 
-def test_python2_without_its_reader_says_what_to_do(tmp_path, monkeypatch):
+def test_python2_without_fissix_names_the_extra_to_install(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "fissix.pgen2.parse", None)
     path = tmp_path / "old.py"
     path.write_text("x = 1\nprint 'a'\n")

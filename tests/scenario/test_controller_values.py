@@ -25,7 +25,7 @@ def short_legged(tmp_path):
     return write
 
 
-def test_a_robots_values_take_the_place_of_defaults(short_legged):
+def test_values_of_a_robots_file_replace_defaults(short_legged):
     model = short_legged(
         "{walk: {limits: {forward: 0.3, duration: 0.5}, timing: {transfer_share: 0.3}},"
         " step: {limits: {forward: 0.25}}}"
@@ -40,7 +40,7 @@ def test_a_robots_values_take_the_place_of_defaults(short_legged):
     assert config.step.limits.backward == 0.36
 
 
-def test_a_scenario_takes_the_place_of_the_robots_values(short_legged):
+def test_values_of_a_scenario_replace_those_of_the_robots_file(short_legged):
     model = short_legged("{walk: {limits: {forward: 0.3}, swing: {height: 0.07}}}")
     given = {"model": model, "controller": {"walk": {"limits": {"forward": 0.42}}}}
     scenario = scenario_from(given)

@@ -107,7 +107,7 @@ def test_a_model_that_cannot_be_used_is_named(fields, field, problem):
     assert problem in error.value.problem
 
 
-def test_a_file_of_several_models_says_itself_where_they_are(tmp_path):
+def test_a_file_of_several_models_may_not_be_welded(tmp_path):
     file = tmp_path / "two.dmd.yaml"
     file.write_text(DIRECTIVES.format(ball=BALL))
     with pytest.raises(ScenarioError, match="2 models"):

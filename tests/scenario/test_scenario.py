@@ -25,6 +25,7 @@ from atlas_drake.scenario import Jitter, scenario_from, with_settings
 from atlas_drake.scenario.drake_configs import plant_config
 from atlas_drake.scenario.time_grid import on_common_grid
 
+RATES = "controller.manipulate.rates"
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples/scenarios").glob("*.yaml"))
 
 
@@ -34,7 +35,7 @@ def load(tmp_path, text):
     return load_scenario(path)
 
 
-def test_what_is_left_out_has_its_default(tmp_path):
+def test_omitted_fields_have_their_defaults(tmp_path):
     scenario = load(tmp_path, "seed: 3\njitter: {mass: 0.05}\n")
     assert scenario.seed == 3
     assert scenario.jitter.mass == 0.05
@@ -51,7 +52,7 @@ def test_the_true_state_needs_no_quotes(text, tmp_path):
 
 
 @pytest.mark.parametrize("text", ["false", "1", "[true]", "null"])
-def test_nothing_else_stands_for_the_true_state(text, tmp_path):
+def test_other_values_of_state_are_refused(text, tmp_path):
     with pytest.raises(ScenarioError, match="state"):
         load(tmp_path, f"state: {text}\n")
 
@@ -84,60 +85,59 @@ def test_behaviors_are_named_in_any_case(name):
 
 
 @pytest.mark.parametrize(
-    ("field", "value"),
+    ("field", "values"),
     [
-        ("model", "spot"),
-        ("programme", "dance"),
-        ("noise", "deafening"),
-        ("state", "guessed"),
-        ("state", False),
-        ("physics_step", -0.001),
-        ("physics_step", math.nan),
-        ("physics_step", 1e-6),
-        ("physics_step", 0.004),
-        ("physics_step", 0.0),
-        ("initial_behavior", "SITT"),
-        ("initial_behavior", "WALK"),
-        ("duration", 0.0),
-        ("duration", math.inf),
-        ("ground_friction", -0.1),
-        ("ground_friction", math.nan),
-        ("control_period", -0.006),
-        ("control_period", 0.0016),
-        ("control_period", 0.1),
-        ("seed", -1),
-        ("friction_jitter", 0.9),
-        ("friction_jitter", -0.1),
-        ("friction_jitter", math.nan),
-        ("duration", "5"),
-        ("seed", 1.5),
-        ("seed", True),
-        ("name", 3),
-        ("start", {"yaw": 1.0, "tilt": 0.0}),
-        ("terrain", "flat"),
-        ("seed", 2**64),
-        ("seed", 10**400),
-        ("seed", 10**5000),
-        ("duration", 10**400),
-        ("duration", 1e308),
-        ("duration", np.timedelta64(1, "s")),
-        ("ground_friction", 1e308),
-        ("ground_friction", Fraction(10**400, 3)),
-        ("friction_jitter", 10**400),
-        ("physics_step", 10**400),
-        ("control_period", 1e308),
+        ("model", ["spot"]),
+        ("name", [3]),
+        ("programme", ["dance"]),
+        ("noise", ["deafening"]),
+        ("state", ["guessed", False]),
+        ("physics_step", [-0.001, 0.0, 1e-6, 0.004, math.nan, 10**400]),
+        ("control_period", [-0.006, 0.0016, 0.1, 1e308, math.inf]),
+        ("initial_behavior", ["SITT", "WALK"]),
+        ("duration", [0.0, math.inf, "5", 1e308, 10**400, np.timedelta64(1, "s")]),
+        ("ground_friction", [-0.1, math.nan, 1e308, Fraction(10**400, 3)]),
+        ("seed", [-1, 1.5, True, 2**64, 10**400, 10**5000]),
+        ("friction_jitter", [0.9, -0.1, math.nan, 10**400]),
+        ("terrain", ["flat"]),
+        ("start.tilt", [0.0]),
+        ("start.yaws", [1.0]),
+        ("start.yaw", [math.nan, 10**400]),
+        ("start.position", [[0.0]]),
+        ("start.position[0]", [[1e308, 0.0]]),
+        ("start.release_time", [1e308]),
+        ("jitter.position", [-0.1, math.nan, math.inf, 1e308, "much"]),
+        ("jitter.orientation", [-0.1, math.nan, "much"]),
+        ("jitter.joints", [-0.1, math.inf, "much"]),
+        ("jitter.mass", [-0.1, math.nan, "much", 1.0]),
+        ("plant.stiction_tolerance", ["1e-3"]),
+        ("terrain[1].size", [[1.0, 1.0], [1.0, 0.0, 0.1]]),
+        ("terrain[1].size[1]", [[1.0, 1e308, 0.1], [1.0, "1", 0.1]]),
+        ("terrain[1].size[2]", [[1.0, 1.0, math.inf]]),
+        ("terrain[1].position", [[0.0, 0.0]]),
+        ("terrain[1].position[1]", [[0.0, math.nan, 0.0]]),
+        ("terrain[1].position[2]", [[0, 0, 10**400]]),
+        ("terrain[1].rpy", [[0.0]]),
+        ("terrain[1].rpy[2]", [[0.0, 0.0, math.nan], [0, 0, 1e308]]),
+        ("terrain[1].friction", [0.0, -0.5, math.nan, 1e308]),
     ],
-    ids=lambda value: shown(value)[:20],
 )
-def test_a_value_that_cannot_be_used_is_named(field, value):
-    scenario = Scenario(**{field: value})
-    with pytest.raises(ScenarioError) as error:
-        scenario.validate()
-    if isinstance(value, dict):
-        field, value = "start.tilt", value["tilt"]
-    assert error.value.field == field
-    assert error.value.value is value
-    assert str(error.value).startswith(f"{field}: ")
+def test_a_value_that_cannot_be_used_is_named_by_its_path(field, values):
+    part, _, name = field.partition(".")
+    name = name.partition("[")[0]
+    for value in values:
+        if part == "terrain[1]":
+            scenario = Scenario(terrain=[Block(), Block(**{name: value})])
+        else:
+            scenario = Scenario(**{part: {name: value} if name else value})
+        with pytest.raises(ScenarioError) as error:
+            scenario.validate()
+        assert error.value.field == field
+        assert str(error.value).startswith(f"{field}: ")
+        if not field.startswith("terrain["):
+            assert error.value.value is (value[0] if field.endswith("]") else value)
+        elif not field.endswith("]"):
+            assert f"is {shown(value)}" in str(error.value)
 
 
 def test_mappings_stand_for_drakes_configurations_and_for_ours():
@@ -156,29 +156,7 @@ def test_mappings_stand_for_drakes_configurations_and_for_ours():
     )
 
 
-@pytest.mark.parametrize(
-    ("scenario", "field"),
-    [
-        (Scenario(start={"yaws": 1.0}), "start.yaws"),
-        (Scenario(plant={"stiction_tolerance": "1e-3"}), "plant.stiction_tolerance"),
-        (Scenario(terrain=[{"size": [1.0, "1", 0.1]}]), "terrain[0].size[1]"),
-        (Scenario(terrain=[Block(size=[1.0, 1e308, 0.1])]), "terrain[0].size[1]"),
-        (Scenario(terrain=[Block(position=[0, 0, 10**400])]), "terrain[0].position[2]"),
-        (Scenario(terrain=[Block(rpy=[0, 0, 1e308])]), "terrain[0].rpy[2]"),
-        (Scenario(terrain=[Block(friction=1e308)]), "terrain[0].friction"),
-        (Scenario(start=Start(position=[1e308, 0.0])), "start.position[0]"),
-        (Scenario(start=Start(yaw=10**400)), "start.yaw"),
-        (Scenario(start=Start(release_time=1e308)), "start.release_time"),
-        (Scenario(jitter=Jitter(position=1e308)), "jitter.position"),
-    ],
-)
-def test_what_lies_deeper_is_named_by_its_path(scenario, field):
-    with pytest.raises(ScenarioError) as error:
-        scenario.validate()
-    assert error.value.field == field
-
-
-def test_numbers_of_every_kind_mean_the_same():
+def test_numbers_of_other_types_become_floats():
     odd = Scenario(
         duration=Fraction(1, 2),
         seed=np.int64(3),
@@ -217,30 +195,9 @@ def test_a_station_refuses_a_period_that_is_no_multiple():
         StationConfig(physics_step=0.002, control_period=0.009)
     with pytest.raises(ValueError, match="positive and finite"):
         StationConfig(physics_step=-0.003)
-    with pytest.raises(ScenarioError, match="control_period"):
-        Scenario(control_period=math.inf).validate()
-
-
-def test_a_number_of_less_precision_is_not_the_same():
+    # A number of less precision is not the same.
     with pytest.raises(ScenarioError, match=r"physics_step \(0\.001000000047"):
         Scenario(physics_step=np.float32(0.001), control_period=0.002).validate()
-
-
-@pytest.mark.parametrize("field", ["position", "orientation", "joints", "mass"])
-@pytest.mark.parametrize("value", [-0.1, math.nan, math.inf, "much"])
-def test_jitter_is_checked_field_by_field(field, value):
-    scenario = Scenario(jitter=Jitter(**{field: value}))
-    with pytest.raises(ScenarioError) as error:
-        scenario.validate()
-    assert error.value.field == f"jitter.{field}"
-    assert repr(value) in str(error.value)
-
-
-def test_no_link_can_lose_all_its_mass():
-    with pytest.raises(
-        ScenarioError, match=r"jitter.mass: is 1.0; must be less than 1"
-    ):
-        Scenario(jitter=Jitter(mass=1.0)).validate()
 
 
 @pytest.mark.parametrize(
@@ -279,16 +236,13 @@ def test_a_file_that_is_missing_is_named(tmp_path):
         load_scenario(tmp_path / "nowhere.yaml")
 
 
-def test_the_examples_are_found():
+def test_the_examples_load_under_their_own_name():
     assert {path.stem for path in EXAMPLES} >= {"tutorial", "rough"}
+    for path in EXAMPLES:
+        assert load_scenario(path).name == path.stem
 
 
-@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
-def test_the_examples_load_under_their_own_name(path):
-    assert load_scenario(path).name == path.stem
-
-
-def test_ticks_that_would_miss_the_physics_step_by_rounding_are_moved_onto_it():
+def test_steps_and_period_are_rounded_so_that_ticks_meet_the_physics_step():
     step, period = on_common_grid(0.002 / 3, 0.002)
     ticks = np.arange(1, 1_000_000)
     assert not (3 * ticks * (0.002 / 3) == ticks * 0.002).all()
@@ -335,22 +289,14 @@ simulator: {accuracy: 1e-3}
         ("controller.gains.dcm_gain=.nan", "controller.gains.dcm_gain", "finite"),
         ("controller.gains.dcm_gain=fast", "controller.gains.dcm_gain", "valid number"),
         ("controller.gains=2", "controller.gains", "fields of a ControlGains"),
-        (
-            "controller.fall.height=1.5",
-            "controller.fall.height",
-            "less than or equal to 1",
-        ),
+        ("controller.fall.height=1.5", "controller.fall.height", "less than or equal"),
         ("controller.body.easing=0", "controller.body.easing", "greater than 0"),
         (
-            "controller.freeze.contact_force=1.5",
+            "controller.freeze.contact_force=2",
             "controller.freeze.contact_force",
-            "less than or equal to 1",
+            "less",
         ),
-        (
-            "controller.manipulate.rates.turn.speed=9",
-            "controller.manipulate.rates.turn",
-            "does not stop",
-        ),
+        ("controller.manipulate.rates.turn.speed=9", f"{RATES}.turn", "does not stop"),
         ("plant.time_step=0.0005", "plant.time_step", "physics_step"),
         ("plant.contact_model=magnetic", "plant", "magnetic"),
         ("plant.discrete_contact_approximation=exact", "plant", "exact"),

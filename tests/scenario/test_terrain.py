@@ -5,79 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from atlas_drake import AtlasSimulation, Scenario, ScenarioError, load_scenario
+from atlas_drake import AtlasSimulation, Scenario
 from atlas_drake.scenario import Start
 from atlas_drake.scenario.terrain import Block, surface_height
-
-FILE = """
-terrain:
-- {size: [3.0, 2.0, 0.1], position: [0.5, 0.0, 0.1]}
-- size: [1.0, 1.0, 0.2]
-  position: [3.0, 0.0, 0.15]
-  rpy: [0.0, -0.1, 0.5]
-  friction: 0.7
-start: {position: [0.4, -0.2], yaw: 0.3}
-"""
-
-
-def test_terrain_and_start_are_read_from_a_file(tmp_path):
-    path = tmp_path / "scenario.yaml"
-    path.write_text(FILE)
-    scenario = load_scenario(path)
-    assert scenario.terrain == [
-        Block(size=[3.0, 2.0, 0.1], position=[0.5, 0.0, 0.1]),
-        Block(
-            size=[1.0, 1.0, 0.2],
-            position=[3.0, 0.0, 0.15],
-            rpy=[0.0, -0.1, 0.5],
-            friction=0.7,
-        ),
-    ]
-    assert scenario.start == Start(position=[0.4, -0.2], yaw=0.3)
-    assert Scenario().terrain == []
-
-
-@pytest.mark.parametrize(
-    ("field", "value"),
-    [
-        ("size", [1.0, 1.0]),
-        ("size", [1.0, 0.0, 0.1]),
-        ("size", [1.0, 1.0, math.inf]),
-        ("position", [0.0, 0.0]),
-        ("position", [0.0, math.nan, 0.0]),
-        ("rpy", [0.0]),
-        ("rpy", [0.0, 0.0, math.nan]),
-        ("friction", 0.0),
-        ("friction", -0.5),
-        ("friction", math.nan),
-    ],
-)
-def test_a_block_that_cannot_be_used_is_named(field, value):
-    scenario = Scenario(terrain=[Block(), Block(**{field: value})])
-    with pytest.raises(ScenarioError) as error:
-        scenario.validate()
-    given = error.value.value
-    assert error.value.field.startswith(f"terrain[1].{field}")
-    assert given is value or given == value or given in value
-    assert repr(given) in str(error.value)
-
-
-@pytest.mark.parametrize(
-    ("field", "value"),
-    [("position", [0.0]), ("yaw", math.nan)],
-)
-def test_a_start_that_cannot_be_used_is_named(field, value):
-    with pytest.raises(ScenarioError) as error:
-        Scenario(start=Start(**{field: value})).validate()
-    assert error.value.field == f"start.{field}"
-    assert error.value.value is value
-
-
-def test_a_block_with_unknown_fields_is_refused(tmp_path):
-    path = tmp_path / "scenario.yaml"
-    path.write_text("terrain: [{height: 0.1}]\n")
-    with pytest.raises(ScenarioError, match="height"):
-        load_scenario(path)
 
 
 def test_the_surface_is_the_highest_top_face_or_the_ground():

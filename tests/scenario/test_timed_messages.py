@@ -17,6 +17,8 @@ from atlas_drake.messages.checks import check_number
 from atlas_drake.scenario import scenario_from
 from atlas_drake.scenario.timed_message import TimedMessage
 
+SIM = ".atlas_sim_interface_command"
+
 
 def sim_message(**fields):
     return {"time": 0.1, "atlas_sim_interface_command": fields}
@@ -78,7 +80,7 @@ def bow(behavior="BOW", **params):
     return entry.message(["joint"], "messages[0]", CATALOG)
 
 
-def test_parameters_of_ones_own_behavior_are_made_from_their_fields():
+def test_parameters_of_a_users_behavior_are_made_from_their_fields():
     assert bow(depth=0.3).params == BowParams(depth=0.3)
     # YAML reads 1e-1 as a word.
     assert bow(depth="1e-1", sides=[0, 1]).params == BowParams(0.1, (0.0, 1.0))
@@ -118,21 +120,9 @@ def test_parameters_that_cannot_be_used_are_named(fields, field, told):
             ".atlas_sim_interface_command.walk_params.step_queue[0].foot_indx",
             "'foot_index'",
         ),
-        (
-            sim_message(walk_params=3),
-            ".atlas_sim_interface_command.walk_params",
-            "is 3; must be fields of",
-        ),
-        (
-            sim_message(behavior="RUN"),
-            ".atlas_sim_interface_command.behavior",
-            "'RUN'",
-        ),
-        (
-            {"atlas_command": {"position": [0.0, 1.0]}},
-            ".atlas_command.position",
-            "28",
-        ),
+        (sim_message(walk_params=3), f"{SIM}.walk_params", "is 3; must be fields of"),
+        (sim_message(behavior="RUN"), f"{SIM}.behavior", "'RUN'"),
+        ({"atlas_command": {"position": [0.0]}}, ".atlas_command.position", "28"),
         ({"atlas_command": {"k_effort": 300}}, ".atlas_command.k_effort[0]", "300"),
         ({"atlas_command": 3}, ".atlas_command", "is 3; must be a valid dictionary"),
     ],

@@ -6,18 +6,14 @@ import numpy as np
 import pytest
 
 from atlas_drake.behaviors.config import ControllerConfig
-from atlas_drake.messages import (
-    Behavior,
-    BehaviorStatus,
-    check_command,
-)
+from atlas_drake.messages import Behavior, BehaviorStatus, check_command
 from atlas_drake.messages.behavior_catalog import (
     SHIPPED,
     BehaviorCatalog,
     BehaviorInterface,
 )
 from atlas_drake.robot import load_robot
-from atlas_drake.teleop.commander import PUSH_DURATION, Commander
+from atlas_drake.teleop.commander import PUSH_DURATION, Commander, Orders
 from atlas_drake.teleop.controls import (
     PELVIS_HEIGHT,
     PUSH_BODY,
@@ -74,18 +70,12 @@ def look(panel, robot, standing, state):
     return once
 
 
-def test_nothing_touched_nothing_sent(look):
-    orders = look()
-    assert orders.atlas_command is None
-    assert orders.sim_command is None
-    assert orders.push is None
-    assert not orders.reset
-    assert not orders.sliders
-    assert not orders.joints
+def test_an_untouched_panel_sends_nothing(look):
+    assert look() == Orders()
 
 
 @pytest.mark.parametrize(("action", "behavior"), BEHAVIORS.items())
-def test_a_key_per_behavior(look, panel, action, behavior):
+def test_each_button_asks_for_its_behavior(look, panel, action, behavior):
     panel.press(action)
     assert look().sim_command.behavior == behavior
 
@@ -118,7 +108,7 @@ def test_stopping_sends_a_closing_step_and_then_stand(look, panel, standing):
     assert look().sim_command is None
 
 
-def test_a_refused_walk_is_not_asked_for_for_ever(look, panel, standing):
+def test_a_refused_walk_is_asked_for_once(look, panel, standing):
     sent = 0
     panel.press(Action.FORWARD)
     for _ in range(100):
@@ -127,7 +117,7 @@ def test_a_refused_walk_is_not_asked_for_for_ever(look, panel, standing):
     assert sent == 1
 
 
-def test_a_fallen_robot_is_not_told_to_walk(look, panel, standing):
+def test_a_fallen_robot_gets_no_walk_command(look, panel, standing):
     standing.behavior_feedback.status_flags = BehaviorStatus.ERROR_FALLING
     panel.press(Action.FORWARD)
     assert look().sim_command is None
@@ -169,7 +159,9 @@ def test_a_joint_follows_its_slider_at_a_bounded_speed(look, panel, robot):
     assert look().atlas_command is None
 
 
-def test_user_takes_all_and_the_next_behavior_gives_back(look, panel, standing):
+def test_user_takes_all_joints_and_the_next_behavior_restores_the_shares(
+    look, panel, standing
+):
     panel.set(SHARES["left arm"], 255)
     look()
     panel.press(Action.USER)
@@ -187,7 +179,7 @@ def test_user_takes_all_and_the_next_behavior_gives_back(look, panel, standing):
     assert look().atlas_command is None
 
 
-def test_the_sliders_follow_what_somebody_else_commands(look, panel, standing):
+def test_the_sliders_follow_commands_of_others(look, panel, standing):
     standing.k_effort = [255] * 28
     look()
     assert panel.sliders[SHARES["back"].label] == 255
@@ -229,19 +221,15 @@ def test_a_reset_forgets_everything(look, panel, robot, standing):
     assert commander.restart(standing).sliders[SHARES["legs"]] == 0
 
 
-def test_a_behavior_of_ones_own_has_a_button_and_a_page(robot, standing, state):
+def test_a_users_behavior_has_a_button_and_a_page(robot, standing, state):
     entries = [
         BehaviorInterface(name=f"TRICK_{number}", number=100 + number)
         for number in range(4)
     ]
     catalog = BehaviorCatalog((*SHIPPED, *entries))
     buttons = behavior_buttons(catalog)
-    assert [button.label for button in buttons] == [
-        "TRICK_0 (8)",
-        "TRICK_1 (9)",
-        "TRICK_2 (0)",
-        "TRICK_3",
-    ]
+    labels = ["TRICK_0 (8)", "TRICK_1 (9)", "TRICK_2 (0)", "TRICK_3"]
+    assert [button.label for button in buttons] == labels
     titles = [page.title for page in pages_with(robot, OWN, (), buttons)]
     assert titles[1] == "behaviors"
     assert "behaviors" not in [page.title for page in pages_with(robot, OWN, ())]

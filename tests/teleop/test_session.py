@@ -1,5 +1,7 @@
 """A teleoperation session with a simulated robot."""
 
+import time
+
 import numpy as np
 import pytest
 
@@ -17,9 +19,14 @@ ACTS_WITHIN = 0.1
 """Simulated time from a click to the controller's having heard it [s]."""
 
 
+@pytest.fixture(scope="module")
+def shared_sim():
+    return AtlasSimulation()
+
+
 class Steered:
-    def __init__(self, panel):
-        self.sim = AtlasSimulation()
+    def __init__(self, sim, panel):
+        self.sim = sim
         self.session = Session(self.sim, panel, real_time=False)
 
     def go(self, seconds):
@@ -33,11 +40,12 @@ class Steered:
 
 
 @pytest.fixture
-def steered(panel):
-    return Steered(panel)
+def steered(shared_sim, panel):
+    shared_sim.reset(seed=0)
+    return Steered(shared_sim, panel)
 
 
-def test_a_click_acts_at_once(steered, panel):
+def test_a_click_acts_within_a_tenth_of_a_second(steered, panel):
     steered.go(SLICE)
     panel.press(Action.WALK)
     steered.go(ACTS_WITHIN)
@@ -64,10 +72,8 @@ def test_time_stands_still_while_paused(steered, panel):
     assert sim.time == pytest.approx(2 * SLICE + SINGLE_STEP)
 
 
-def test_real_time_is_not_outrun(panel):
-    import time
-
-    session = Session(AtlasSimulation(), panel)
+def test_a_session_is_no_faster_than_real_time(steered, panel):
+    session = Session(steered.sim, panel)
     begin = time.perf_counter()
     for _ in range(2):
         session.advance()
@@ -93,16 +99,15 @@ def test_walking_pushing_and_stopping(steered, panel):
     sim = steered.sim
     steered.go(0.2)
     panel.press(Action.FORWARD)
-    steered.go(3.5)
-    x = sim.pelvis_pose.translation()[0]
-    assert x > 0.5
+    steered.go(2.5)
+    assert sim.pelvis_pose.translation()[0] > 0.25
     panel.set(PUSH_IMPULSE, 8.0)
     panel.press(Action.PUSH)
     steered.go(0.3)
     assert any(event.kind == "push" for event in sim.events)
     panel.press(Action.ARC_LEFT)
-    steered.go(2.0)
-    assert steered.heading() > 0.2
+    steered.go(1.5)
+    assert steered.heading() > 0.1
     panel.press(Action.STOP)
     steered.go(3.0)
     assert sim.current_behavior is Behavior.STAND
@@ -113,7 +118,7 @@ def test_walking_pushing_and_stopping(steered, panel):
 
 
 @pytest.mark.slow
-def test_changing_ones_mind_at_any_moment_is_safe(steered, panel):
+def test_random_keys_at_any_moment_do_not_make_the_robot_fall(steered, panel):
     sim = steered.sim
     random = np.random.default_rng(1)
     keys = [a for a in Action if a.key.cap in "uiojklm,."]

@@ -6,12 +6,7 @@ from itertools import pairwise
 import pytest
 
 from atlas_drake.behaviors.step_queue import footstep_from
-from atlas_drake.control.feet.footstep import (
-    LEFT,
-    RIGHT,
-    FootPose,
-    saturate,
-)
+from atlas_drake.control.feet.footstep import LEFT, RIGHT, FootPose, saturate
 from atlas_drake.control.feet.step_limits import StepLimits
 from atlas_drake.control.rotations import rotation_z
 from atlas_drake.frozen import replace
@@ -133,7 +128,7 @@ def test_no_step_has_to_be_saturated(standing, direction, gait):
         feet[data.foot_index] = foothold(data.pose)
 
 
-def test_what_has_begun_stays_as_it_is(standing):
+def test_a_step_that_has_begun_no_longer_changes(standing):
     assert first_open_step(standing) == 1
     walker, steps = next_steps(begin_walk(Direction()), Direction(), GAIT, standing)
     assert [step.step_index for step in steps] == [1, 2, 3, 4]
@@ -155,7 +150,7 @@ def test_a_step_lands_beside_where_the_one_before_is_reported_to_land(standing):
     assert steps[0].pose.position.x == pytest.approx(0.3)
 
 
-def test_turning_round_goes_through_shorter_strides(standing):
+def test_a_change_of_direction_goes_through_shorter_strides(standing):
     forward, back = DIRECTIONS["forward"], DIRECTIONS["backward"]
     walker, steps = next_steps(begin_walk(forward), forward, GAIT, standing)
     walk(standing, steps[1], in_air=True)

@@ -71,6 +71,15 @@ def test_steps_to_come_are_drawn_where_commanded(behavior):
         FootstepMark(Kind.COMMANDED, 0, 0.25, 0.1, 0.2),
         FootstepMark(Kind.COMMANDED, 1, 0.5, -0.1, 0.0),
     ]
+    # Also a step of an earlier message, and none unless Atlas walks.
+    request, report = walking(steps[1:], taken=steps, behavior=behavior)
+    marks = footstep_marks(request, report, [], Plan())
+    assert {(m.kind, m.foot) for m in marks} == {
+        (Kind.COMMANDED, 0),
+        (Kind.COMMANDED, 1),
+    }
+    leave(report, Behavior.STAND)
+    assert footstep_marks(request, report, [], Plan()) == []
 
 
 def test_a_step_that_is_not_taken_as_commanded_is_drawn_twice():
@@ -78,6 +87,10 @@ def test_a_step_that_is_not_taken_as_commanded_is_drawn_twice():
     marks = footstep_marks(request, report, [], Plan())
     assert [mark.kind for mark in marks] == [Kind.COMMANDED, Kind.SATURATED]
     assert marks[1].x == pytest.approx(0.42, abs=0.005)
+    # Unless the correction is small.
+    request, report = walking([step(1, 0.25)], taken=[step(1, 0.255)])
+    marks = footstep_marks(request, report, [], Plan())
+    assert [mark.kind for mark in marks] == [Kind.COMMANDED]
 
 
 def test_steps_are_drawn_at_the_height_at_which_they_are_taken():
@@ -97,22 +110,6 @@ def test_steps_are_drawn_at_the_height_at_which_they_are_taken():
         (Kind.COMMANDED, 0.1),
         (Kind.SATURATED, 0.1),
     ]
-
-
-def test_a_small_correction_is_not_drawn():
-    request, report = walking([step(1, 0.25)], taken=[step(1, 0.255)])
-    assert [m.kind for m in footstep_marks(request, report, [], Plan())] == [
-        Kind.COMMANDED
-    ]
-
-
-def test_a_step_of_an_earlier_message_stays_in_view():
-    request, report = walking([step(2, 0.5)], taken=[step(1, 0.25), step(2, 0.5)])
-    marks = footstep_marks(request, report, [], Plan())
-    assert {(m.kind, m.foot) for m in marks} == {
-        (Kind.COMMANDED, 0),
-        (Kind.COMMANDED, 1),
-    }
 
 
 def test_a_landed_step_is_drawn_as_landed_and_where_it_was_commanded():
@@ -136,12 +133,6 @@ def test_landed_steps_look_the_same_before_and_after_the_walk_ends():
     assert {mark.kind for mark in before} == set(Kind)
 
 
-def test_nothing_to_come_is_drawn_unless_atlas_walks():
-    request, report = walking([step(1, 0.25)])
-    leave(report, Behavior.STAND)
-    assert footstep_marks(request, report, [], Plan()) == []
-
-
 @pytest.mark.parametrize("behavior", [Behavior.STAND, Behavior.named(100, "MARCH")])
 def test_steps_that_a_plan_has_are_drawn_for_any_behavior(behavior):
     request, report = walking([])
@@ -152,7 +143,7 @@ def test_steps_that_a_plan_has_are_drawn_for_any_behavior(behavior):
     ]
 
 
-def test_the_trail_ends_somewhere():
+def test_only_the_latest_landed_steps_are_drawn():
     request, report = walking([])
     events = [landed(i, [0.1 * i, 0.1, 0.0]) for i in range(1, KEPT + 11)]
     other = [Event(0.0, "behavior", "STAND -> WALK")]

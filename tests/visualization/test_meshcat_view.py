@@ -8,7 +8,6 @@ from atlas_drake import (
     AtlasBehaviorStepData,
     AtlasSimInterfaceCommand,
     AtlasSimulation,
-    Scenario,
 )
 from atlas_drake.visualization.marks import PERIOD, SPARE, Marks, Timeline
 from atlas_drake.visualization.scene import CAMERA
@@ -53,7 +52,7 @@ class Recorder:
         self.properties.append((path, name, value, time))
 
 
-def test_what_comes_later_is_not_there_before():
+def test_an_object_shown_later_is_hidden_before():
     recording = Recording()
     timeline = Timeline(recording)
     timeline.show("/late", True, 2.0)
@@ -66,7 +65,7 @@ def test_what_comes_later_is_not_there_before():
     assert recording.unrecorded == {("/late", "visible"): False}
 
 
-def test_what_is_hidden_later_is_there_before():
+def test_an_object_hidden_later_is_shown_before():
     recording = Recording()
     timeline = Timeline(recording)
     timeline.show("/link", False, 2.0)
@@ -74,7 +73,7 @@ def test_what_is_hidden_later_is_there_before():
     assert not recording.visible("/link", 2.0)
 
 
-def test_what_is_there_from_the_beginning_has_one_key():
+def test_an_object_shown_from_the_beginning_has_one_key():
     recording = Recording()
     Timeline(recording).show("/start", True, 0.0)
     assert recording.keys == {("/start", "visible"): {0.0: True}}
@@ -89,11 +88,6 @@ def test_a_number_stays_until_the_next_one():
     for picture, red in ((0, 0.2), (30, 0.2), (59, 0.2), (60, 0.9), (99, 0.9)):
         shown = recording.number("/link", "red", picture * PERIOD)
         assert shown == pytest.approx(red), picture
-
-
-@pytest.fixture(scope="module")
-def meshcat():
-    return Meshcat()
 
 
 def test_marks_are_drawn_once_and_then_shown_or_hidden():
@@ -118,7 +112,7 @@ def test_marks_are_drawn_once_and_then_shown_or_hidden():
     ]
 
 
-def test_a_new_run_begins_with_nothing():
+def test_a_new_run_deletes_the_marks():
     recorder, drawn = Recorder(), []
     marks = Marks(recorder, "/marks", lambda path, _mark: drawn.append(path), True)
     marks.show(["a"], 5.0)
@@ -129,7 +123,7 @@ def test_a_new_run_begins_with_nothing():
 
 
 @pytest.mark.parametrize("recorded", [False, True])
-def test_only_what_is_recorded_grows(recorded):
+def test_marks_are_reused_unless_recorded(recorded):
     recorder, drawn = Recorder(), {}
     marks = Marks(recorder, "/marks", drawn.__setitem__, recorded)
     seen = {}
@@ -143,7 +137,7 @@ def test_only_what_is_recorded_grows(recorded):
     assert len(drawn) == (101 if recorded else SPARE + 2)
 
 
-def test_an_object_that_is_used_again_may_come_back():
+def test_a_reused_mark_may_be_drawn_again():
     recorder, drawn = Recorder(), {}
     marks = Marks(recorder, "/marks", drawn.__setitem__, False)
     for time, number in enumerate([*range(50), 0, 49]):
@@ -153,7 +147,8 @@ def test_an_object_that_is_used_again_may_come_back():
     assert 0 in drawn.values()
 
 
-def test_the_view_has_everything(meshcat):
+def test_the_view_has_robot_ground_caption_and_footsteps():
+    meshcat = Meshcat()
     sim = AtlasSimulation(view=meshcat)
     sim.advance_to(SHORT)
     for path in (
@@ -177,19 +172,6 @@ def test_the_view_has_everything(meshcat):
     sim.advance_to(1.5 * SHORT)
     for path in ("/atlas_drake/footsteps/0", "/atlas_drake/footsteps/1"):
         assert meshcat.HasPath(path), path
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("noise", ["none", "reference"])
-def test_watching_changes_nothing(meshcat, noise):
-    scenario = Scenario(noise=noise, seed=3)
-    states = []
-    for view in (None, meshcat):
-        sim = AtlasSimulation(scenario, view=view)
-        sim.advance_to(SHORT)
-        context = sim.plant.GetMyContextFromRoot(sim.context)
-        states.append(sim.plant.GetPositionsAndVelocities(context))
-    np.testing.assert_array_equal(*states)
 
 
 def test_a_simulation_opens_its_view_and_prints_the_address(capsys):

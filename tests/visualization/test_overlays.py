@@ -6,15 +6,11 @@ from pydrake.geometry import Meshcat
 
 from atlas_drake import AtlasSimulation
 from atlas_drake.control.whole_body.model import WholeBodyModel
-from atlas_drake.errors import ErrorCode, ScenarioError
+from atlas_drake.errors import ScenarioError
 from atlas_drake.logs.balance_figures import _TRACKS
 from atlas_drake.messages import (
     AtlasSimInterfaceCommand,
-    AtlasSimInterfaceState,
     Behavior,
-    BehaviorStatus,
-    StepStatus,
-    WalkStatus,
 )
 from atlas_drake.messages.controller_status import Plan, PlannedPaths
 from atlas_drake.palette import (
@@ -32,7 +28,6 @@ from atlas_drake.palette import (
     USER,
     hex_color,
 )
-from atlas_drake.visualization.caption import feedback_words
 from atlas_drake.visualization.control_colors import (
     COVER,
     effort_colors,
@@ -47,9 +42,8 @@ from atlas_drake.visualization.overlay_shapes import (
     contact_forces_of,
     overlay_shapes,
 )
-from atlas_drake.visualization.overlays import LOGGED, OVERLAYS, Overlays, overlays_from
+from atlas_drake.visualization.overlays import LOGGED, Overlays, overlays_from
 from atlas_drake.visualization.shapes import SIDES, thinned, tube
-from atlas_drake.visualization.stroke_font import _GLYPHS
 
 SHAPES = {
     "support": SUPPORT,
@@ -69,16 +63,13 @@ SWINGING = 1.5
 """When a foot is in the air if WALK is asked for at the start [s]."""
 
 
-def walking(meshcat=None, overlays=None):
+def walking(meshcat, overlays):
     sim = AtlasSimulation(view=meshcat, overlays=overlays)
     command = AtlasSimInterfaceCommand()
     command.behavior = Behavior.WALK
     command.walk_params.use_demo_walk = True
     sim.publish(command)
     return sim
-
-
-# ---- switches ----------------------------------------------------------------
 
 
 def test_overlays_are_known_by_name():
@@ -92,20 +83,11 @@ def test_overlays_are_known_by_name():
         overlays_from("com,forces", LOGGED)
 
 
-def test_of_the_colorings_the_later_one_counts():
-    overlays = Overlays(["owner", "com"])
-    overlays.switch("effort", True)
-    assert [name for name in OVERLAYS if overlays.is_on(name)] == ["com", "effort"]
-
-
 @pytest.fixture(scope="module")
 def standing():
     sim = AtlasSimulation()
     sim.advance(0.2)
     return sim
-
-
-# ---- geometry ----------------------------------------------------------------
 
 
 def test_a_tube_has_its_radius_everywhere():
@@ -118,14 +100,11 @@ def test_a_tube_has_its_radius_everywhere():
     assert faces.shape == (3, 2 * SIDES * (len(points) - 1))
     assert faces.min() == 0
     assert faces.max() == vertices.shape[1] - 1
-
-
-def test_a_tube_may_run_straight_up():
     vertices, _ = tube(np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 1.0]]), 0.1)
     np.testing.assert_allclose(np.hypot(*vertices[:2]), 0.1)
 
 
-def test_a_thinned_curve_looks_the_same():
+def test_a_thinned_curve_stays_within_its_tolerance():
     along = np.linspace(0.0, 1.0, 200)
     curve = np.column_stack([along, 0.2 * np.sin(6.0 * along), 0.0 * along])
     fewer = thinned(curve, 0.002)
@@ -196,9 +175,6 @@ def test_the_ground_carries_a_standing_robot_without_a_path(standing):
     np.testing.assert_array_equal(plan.dcm_reference, plan.cop_reference)
 
 
-# ---- colors and words -------------------------------------------------------
-
-
 def test_owners_have_colors():
     behavior, shared, user = owner_colors(np.array([0.0, 128.0, 255.0]))
     assert behavior == BEHAVIOR
@@ -212,99 +188,23 @@ def test_effort_has_colors():
     assert colors == [IDLE, BUSY, SPENT, SPENT]
 
 
-MY_WALK = Behavior.named(160, "MY_WALK")
-
-
-def report(behavior=Behavior.STAND, transition=0, walk=0, step=0, error=0):
-    message = AtlasSimInterfaceState()
-    message.current_behavior = behavior
-    message.behavior_feedback.status_flags = transition
-    message.walk_feedback.status_flags = walk
-    message.step_feedback.status_flags = step
-    message.error_code = error
-    return message
-
-
-@pytest.mark.parametrize(
-    ("message", "words"),
-    [
-        (report(), "ok"),
-        (report(transition=BehaviorStatus.TRANSITION_SUCCESS), "ok"),
-        (
-            report(transition=BehaviorStatus.FAILED_TRANS_ILLEGAL_BEHAVIOR),
-            "illegal transition",
-        ),
-        (
-            report(Behavior.WALK, walk=WalkStatus.SUBSTATE_SWAYING),
-            "swaying",
-        ),
-        (
-            report(
-                Behavior.WALK,
-                BehaviorStatus.TRANSITION_IN_PROGRESS,
-                WalkStatus.SUBSTATE_CATCHING
-                | WalkStatus.WARNING_INSUFFICIENT_STEP_DATA,
-            ),
-            "catching, out of steps, transition in progress",
-        ),
-        (report(Behavior.STEP, step=StepStatus.SUBSTATE_STEPPING), "stepping"),
-        # A behavior of one's own that is derived from WALK has its flags, too.
-        (report(MY_WALK, walk=WalkStatus.SUBSTATE_STEPPING), "stepping"),
-        (
-            report(error=ErrorCode.VALUE_OUT_OF_RANGE),
-            "error: VALUE OUT OF RANGE",
-        ),
-    ],
-)
-def test_flags_in_words(message, words):
-    assert feedback_words(message) == words
-
-
-def test_manipulate_says_whether_the_pelvis_has_arrived():
-    message = report(Behavior.MANIPULATE)
-    assert feedback_words(message) == "ok"
-    message.manipulate_feedback.clamped.pelvis_yaw = 0.1
-    assert feedback_words(message) == "pelvis moves"
-    assert set("PELVIS MOVES") <= set(_GLYPHS)
-    message.manipulate_feedback.internal_desired.pelvis_yaw = 0.1
-    assert feedback_words(message) == "ok"
-
-
-def test_the_font_has_every_letter_of_every_word():
-    everything = [
-        report(Behavior.WALK, sum(BehaviorStatus), sum(WalkStatus), sum(StepStatus), e)
-        for e in ErrorCode
-    ]
-    for message in everything:
-        assert set(feedback_words(message).upper()) <= set(_GLYPHS)
-
-
-# ---- plans and the scene -----------------------------------------------------
-
-
 @pytest.mark.slow
-def test_a_walk_has_a_plan_and_a_swing():
-    sim = walking()
-    sim.advance_to(SWINGING)
-    plan = sim.output("controller_status").plan
-    paths = sim.output("planned_paths")
-    assert len(paths.com) == len(paths.dcm) == len(paths.cop) > 10
-    np.testing.assert_allclose(paths.dcm[0], plan.dcm_reference, atol=0.01)
-    # Both come to rest over the same point.
-    np.testing.assert_allclose(paths.com[-1], paths.dcm[-1], atol=0.05)
-    step = plan.footsteps[0]
-    foot = sim.atlas_sim_interface_state.foot_pos_est[step.foot].position.to_array()
-    assert np.linalg.norm(paths.swing - foot, axis=1).min() < 0.03
-    np.testing.assert_allclose(paths.swing[-1][:2], step.p_WF[:2], atol=0.005)
-    assert paths.swing[:, 2].max() > 0.05
-    assert plan.support.shape[1] == 2
-
-
-@pytest.mark.slow
-def test_overlays_reach_the_scene_and_can_be_switched_while_running():
+def test_a_walk_has_a_plan_and_a_swing_that_overlays_show_once_switched_on():
     meshcat, overlays = Meshcat(), Overlays()
     sim = walking(meshcat, overlays)
     sim.advance_to(SWINGING)
+    plan = sim.output("controller_status").plan
+    planned = sim.output("planned_paths")
+    assert len(planned.com) == len(planned.dcm) == len(planned.cop) > 10
+    np.testing.assert_allclose(planned.dcm[0], plan.dcm_reference, atol=0.01)
+    # Both come to rest over the same point.
+    np.testing.assert_allclose(planned.com[-1], planned.dcm[-1], atol=0.05)
+    step = plan.footsteps[0]
+    foot = sim.atlas_sim_interface_state.foot_pos_est[step.foot].position.to_array()
+    assert np.linalg.norm(planned.swing - foot, axis=1).min() < 0.03
+    np.testing.assert_allclose(planned.swing[-1][:2], step.p_WF[:2], atol=0.005)
+    assert planned.swing[:, 2].max() > 0.05
+    assert plan.support.shape[1] == 2
     paths = [f"{PATH}/{name}" for name in SHAPES]
     assert not [path for path in paths if meshcat.HasPath(path)]
     for name in overlays_from("all"):
