@@ -3,6 +3,7 @@
 One dataclass, one comment per field, all defaults here. ``simulation`` runs a scenario.
 """
 
+import functools
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -201,7 +202,9 @@ class Scenario(Configuration):
     def resolved(self) -> "Scenario":
         """Returns a valid copy in which every field is as a simulation uses it.
 
-        The steps stay as they were given; a station rounds both to a common grid.
+        A path of a robot's file is absolute, so that it is valid in another working
+        folder, too. The steps stay as they were given; a station rounds both to a
+        common grid.
 
         Raises:
             ScenarioError: As ``validate`` does.
@@ -212,6 +215,7 @@ class Scenario(Configuration):
         return _passed(
             replace(
                 valid,
+                model=model_beside(valid.model, Path.cwd()),
                 control_period=period,
                 plant=plant,
                 controller=valid.controller_config(),
@@ -260,6 +264,10 @@ class Scenario(Configuration):
         Raises:
             ScenarioError: If there is no such robot, or a value cannot be used.
         """
+        return self._controller_config
+
+    @functools.cached_property
+    def _controller_config(self) -> ControllerConfig:
         if isinstance(self.controller, ControllerConfig):
             return self.controller
         try:

@@ -438,7 +438,7 @@ def test_two_streamed_faults_that_change_are_logged_once_each(robot, start, capl
         worse = AtlasCommand(Header(1.0 + tick), velocity=[0.0] * (tick % 20))
         before, force = force, sent(force, robot, worse, time=time)
         log_refusals(before, force)
-        log.collect((), 0, force, ControllerStatus(), PushState())
+        log.collect(0, force, ControllerStatus(), PushState())
     assert force.refused > 280
     assert len(caplog.records) == 2
     assert len(log.events) > 280  # Events are a record, and leave none out.
