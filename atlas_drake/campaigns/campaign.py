@@ -14,7 +14,13 @@ from atlas_drake.campaigns.conditions import check_conditions
 from atlas_drake.campaigns.distributions import check_distribution, example
 from atlas_drake.campaigns.errors import CampaignError
 from atlas_drake.checked import checked
-from atlas_drake.configuration import Configuration, NotNegative, Positive, Share
+from atlas_drake.configuration import (
+    CheckedOnce,
+    Configuration,
+    NotNegative,
+    Positive,
+    Share,
+)
 from atlas_drake.errors import ScenarioError, shown
 from atlas_drake.scenario import Scenario, with_values
 from atlas_drake.scenario.scenario import Seed
@@ -68,7 +74,7 @@ class Threshold(Configuration):
 
 
 @dataclass(frozen=True)
-class Campaign(Configuration):
+class Campaign(CheckedOnce):
     """Many runs of one scenario, each with its own seed."""
 
     name: str = "campaign"
@@ -118,6 +124,8 @@ class Campaign(Configuration):
         Raises:
             ScenarioError: Naming the first field that cannot be used.
         """
+        if self.is_checked:
+            return self
         valid: Campaign = checked(Campaign, self)
         return valid
 
@@ -136,6 +144,7 @@ class Campaign(Configuration):
                 self._try(path, value, f"cases.{path}")
         if self.threshold is not None:
             self._try(self.threshold.of, self.threshold.most, "threshold.of")
+        self.mark_checked()
 
     def _try(self, path: str, value: Any, where: str) -> None:
         """Checks that a field accepts a value like this one."""

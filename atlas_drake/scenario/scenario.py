@@ -7,7 +7,7 @@ import functools
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, Literal
 
 from annotated_types import Interval
 from pydantic import BeforeValidator, Strict
@@ -17,7 +17,7 @@ from pydrake.systems.analysis import SimulatorConfig
 
 from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.checked import As, OfDrake, as_plain, checked
-from atlas_drake.configuration import Configuration, NotNegative, Positive
+from atlas_drake.configuration import CheckedOnce, Configuration, NotNegative, Positive
 from atlas_drake.control.estimation.leg_odometry import OdometryTuning
 from atlas_drake.errors import (
     InvalidMessageError,
@@ -35,7 +35,7 @@ from atlas_drake.scenario.drake_configs import (
 )
 from atlas_drake.scenario.harness import HarnessGains
 from atlas_drake.scenario.models import Model, models_beside
-from atlas_drake.scenario.noise import NoiseModel, noise_model
+from atlas_drake.scenario.noise import NoiseModel, NoiseName, noise_model
 from atlas_drake.scenario.paths import is_path, put
 from atlas_drake.scenario.pushes import PlannedPush
 from atlas_drake.scenario.terrain import START_REACH, Block, Place
@@ -111,10 +111,8 @@ class Start(Configuration):
 
 
 @dataclass(frozen=True, eq=False)
-class Scenario(Configuration):
+class Scenario(CheckedOnce):
     """All settings of a run."""
-
-    _is_checked: ClassVar[bool] = False
 
     name: str = "sandbox"
     """Text that is shown to the user."""
@@ -174,14 +172,19 @@ class Scenario(Configuration):
     """Gains of the harness, for a robot that starts in it."""
     pushes: list[PlannedPush] = field(default_factory=list)
     """Pushes on the robot, each at a time or at a phase of its gait."""
-    noise: Annotated[NoiseModel | str, As(NoiseModel), BeforeValidator(noise_model)] = (
-        field(default_factory=NoiseModel)
-    )
+    noise: Annotated[
+        NoiseModel | NoiseName,
+        As(NoiseModel),
+        BeforeValidator(noise_model, json_schema_input_type=NoiseModel | NoiseName),
+    ] = field(default_factory=NoiseModel)
     """Noise of the sensors: ``none``, ``reference`` (the IMU of DRCSim's simulator),
     ``rough`` (that, and noisy joint encoders), or fields."""
     state: Annotated[
         Literal["true", "estimated"],
-        BeforeValidator(lambda value: "true" if value is True else value),
+        BeforeValidator(
+            lambda value: "true" if value is True else value,
+            json_schema_input_type=Literal["true", "estimated", True],
+        ),
     ] = "true"
     """State that the behaviors read: the true state with the noise of
     the sensors, or the state estimated from IMU, joints and loads on the feet. A bare
@@ -212,15 +215,13 @@ class Scenario(Configuration):
         valid = self.validate()
         period = valid.control_period or nominal_period(valid.physics_step)
         plant = checked_plant_config(valid.plant, valid.physics_step)
-        return _passed(
-            replace(
-                valid,
-                model=model_beside(valid.model, Path.cwd()),
-                control_period=period,
-                plant=plant,
-                controller=valid.controller_config(),
-            )
-        )
+        return replace(
+            valid,
+            model=model_beside(valid.model, Path.cwd()),
+            control_period=period,
+            plant=plant,
+            controller=valid.controller_config(),
+        ).mark_checked()
 
     def validate(self) -> "Scenario":
         """Returns the scenario with every field checked and of its declared type.
@@ -228,10 +229,11 @@ class Scenario(Configuration):
         Raises:
             ScenarioError: Naming the first field that cannot be used.
         """
-        if self._is_checked:
+        if self.is_checked:
             return self
         given = replace(self, world=self.surroundings())
-        return _passed(checked(Scenario, given, base=Scenario()))
+        valid: Scenario = checked(Scenario, given, base=Scenario())
+        return valid
 
     def check(self) -> None:
         """Checks what files and other fields decide."""
@@ -253,6 +255,7 @@ class Scenario(Configuration):
         if not self.friction_jitter < self.ground_friction:
             wanted = f"below the ground's friction ({self.ground_friction})"
             raise self._refusal("friction_jitter", wanted)
+        self.mark_checked()
 
     def _refusal(self, name: str, wanted: str) -> ScenarioError:
         value = getattr(self, name)
@@ -424,13 +427,8 @@ def scenario_from(
     if "world" in fields:
         world = world_from(fields["world"], present)
         fields = {**fields, "world": world}
-    return _passed(checked(Scenario, fields, base=base, from_text=True))
-
-
-def _passed(scenario: Scenario) -> Scenario:
-    """Marks a scenario as checked; ``replace`` makes one that is not."""
-    object.__setattr__(scenario, "_is_checked", True)
-    return scenario
+    made: Scenario = checked(Scenario, fields, base=base, from_text=True)
+    return made
 
 
 def with_settings(scenario: Scenario, settings: Iterable[str]) -> Scenario:
