@@ -45,9 +45,9 @@ from atlas_drake.messages import Behavior
 from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.robot import Robot, load_robot
 from atlas_drake.scenario.drake_configs import checked_plant_config, plant_config
-from atlas_drake.scenario.harness import HarnessGains
 from atlas_drake.scenario.noise import NoiseModel
 from atlas_drake.scenario.pushes import PlannedPush
+from atlas_drake.scenario.scenario import HarnessGains
 from atlas_drake.scenario.terrain import GROUND_SIZE, GROUND_THICKNESS, Block
 from atlas_drake.scenario.time_grid import on_common_grid
 from atlas_drake.scenario.world import (

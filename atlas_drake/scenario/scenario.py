@@ -33,7 +33,6 @@ from atlas_drake.scenario.drake_configs import (
     checked_plant_config,
     plant_config,
 )
-from atlas_drake.scenario.harness import HarnessGains
 from atlas_drake.scenario.models import Model, models_beside
 from atlas_drake.scenario.noise import NoiseModel, NoiseName, noise_model
 from atlas_drake.scenario.paths import is_path, put
@@ -108,6 +107,24 @@ class Start(Configuration):
                 behavior.name,
                 "must be USER or FREEZE in a harness: other behaviors need the ground",
             )
+
+
+@dataclass(frozen=True)
+class HarnessGains(Configuration):
+    """Gains that hold the robot; the defaults are stable at every physics step."""
+
+    natural_frequency: Positive = 12.0
+    """Natural frequency of the robot's mass on the harness [rad/s]."""
+    damping_ratio: NotNegative = 1.0
+    """Damping ratio of the robot's mass on the harness [-]."""
+    rotational_stiffness: NotNegative = 4000.0
+    """Rotational stiffness at the pelvis [N·m/rad]."""
+    rotational_damping: NotNegative = 300.0
+    """Rotational damping at the pelvis [N·m·s/rad]."""
+    lowering_speed: Positive = 0.10
+    """Speed at which a released robot is lowered [m/s]."""
+    fading_time: Positive = 1.0
+    """Time in which the harness transfers its load to the legs after lowering [s]."""
 
 
 @dataclass(frozen=True, eq=False)
