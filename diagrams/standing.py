@@ -15,7 +15,7 @@ from pydrake.math import RigidTransform, RollPitchYaw
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context
 
-from atlas_drake.diagrams.ground_friction import GROUND, block_name
+from atlas_drake.diagrams.contact import GROUND, block_name
 from atlas_drake.messages.checks import check_number, check_vector
 from atlas_drake.robot import Robot
 from atlas_drake.scenario.terrain import Block, surface_height
