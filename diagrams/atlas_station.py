@@ -29,7 +29,6 @@ from atlas_drake.diagrams.contact import (
 from atlas_drake.diagrams.controller_socket import (
     ControllerSource,
     add_controller,
-    make_controller,
 )
 from atlas_drake.diagrams.standing import stand_by_default
 from atlas_drake.messages import Behavior
@@ -216,8 +215,8 @@ def make_atlas_station(
         JointPidBank(robot, indices, plant.num_positions(own), step, period),
     )
     ours = partial(make_whole_body_controller, entries=entries)
-    chosen = make_controller(ours if controller is None else controller, robot, config)
-    socket = add_controller(builder, chosen, robot, catalog)
+    source = ours if controller is None else controller
+    socket = add_controller(builder, source, robot, config, catalog)
     reporter = add("interface_reporter", InterfaceReporter(robot))
     selector = add("effort_selector", EffortSelector(robot, indices))
     sensors = add(

@@ -28,7 +28,7 @@ from atlas_drake.app.outputs import (
     realtime_rate,
     video_asked_for,
 )
-from atlas_drake.app.progress import Progress
+from atlas_drake.app.progress import Progress, StatusLine
 from atlas_drake.app.run import PIECE, quiet_logs
 from atlas_drake.diagrams.replay import make_replay
 from atlas_drake.errors import did_you_mean
@@ -202,10 +202,5 @@ def _play(
 
 
 def _read(path: Path) -> Log:
-    _say(f"Reading {path} ...")
+    StatusLine(sys.stdout).say(f"Reading {path} ...")
     return read_log(path)
-
-
-def _say(line: str) -> None:
-    sys.stdout.write(line + "\n")
-    sys.stdout.flush()

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from atlas_drake.campaigns.errors import CampaignError, check_packages
-from atlas_drake.campaigns.intervals import mcnemar, mean_interval
 from atlas_drake.campaigns.report import (
+    LEVEL,
     figure_names,
     is_number,
     markdown,
@@ -91,3 +91,27 @@ def _figures(pairs: Pairs, names: tuple[str, str]) -> str:
         )
     head = ["mean of", *names, "paired difference, with its interval of 95 %"]
     return markdown(head, table)
+
+
+def mcnemar(only_first: int, only_second: int) -> float:
+    """Returns McNemar's exact two-sided p-value that two success rates are equal.
+
+    Args:
+        only_first: Number of pairs of which only the first succeeded.
+        only_second: Number of pairs of which only the second succeeded.
+    """
+    from scipy.stats import binomtest
+
+    discordant = only_first + only_second
+    return float(binomtest(only_first, discordant).pvalue) if discordant else 1.0
+
+
+def mean_interval(values: Sequence[float]) -> tuple[float, float] | None:
+    """Returns Student's t interval of a mean; None for fewer than two values."""
+    from scipy.stats import sem, t
+
+    if len(values) < 2:
+        return None
+    mean = sum(values) / len(values)
+    half = t.ppf(0.5 + 0.5 * LEVEL, len(values) - 1) * sem(values)
+    return float(mean - half), float(mean + half)

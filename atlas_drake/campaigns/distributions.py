@@ -73,21 +73,11 @@ def _allowed(kind: str, first: float, second: float) -> bool:
 
 
 def _numbers(values: object) -> list[float] | None:
-    """Converts finite numbers; YAML reads 1e-3 as text. Returns None for others."""
-    if isinstance(values, str) or not isinstance(values, Sequence):
+    """Converts finite numbers; returns None for others."""
+    if not isinstance(values, Sequence) or not all(map(is_number, values)):
         return None
-    numbers: list[float] = []
-    for value in values:
-        if not (is_number(value) or isinstance(value, str)):
-            return None
-        try:
-            number = float(value)
-        except ValueError:
-            return None
-        if not math.isfinite(number):
-            return None
-        numbers.append(number)
-    return numbers
+    numbers = [float(value) for value in values]
+    return numbers if all(map(math.isfinite, numbers)) else None
 
 
 def draw(distribution: Mapping[str, Any], random: np.random.Generator) -> Any:

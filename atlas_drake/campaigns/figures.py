@@ -14,11 +14,11 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from atlas_drake.campaigns.campaign import Campaign
-from atlas_drake.campaigns.intervals import share_interval
 from atlas_drake.campaigns.plan import case_list
 from atlas_drake.campaigns.report import (
     figure_names,
     figure_values,
+    share_interval,
     varied_paths,
 )
 from atlas_drake.campaigns.threshold import Search

@@ -9,7 +9,6 @@ import numpy as np
 
 from atlas_drake.campaigns.campaign import Campaign
 from atlas_drake.campaigns.conditions import figure_of
-from atlas_drake.campaigns.intervals import share_interval
 from atlas_drake.campaigns.plan import case_list
 from atlas_drake.campaigns.threshold import Search
 
@@ -17,6 +16,8 @@ Record = Mapping[str, Any]
 Records = Mapping[int, Record]
 SHOWN_ERRORS = 3
 """Largest number of different errors in a report."""
+LEVEL = 0.95
+"""Confidence level of every interval [-]."""
 
 
 def report(campaign: Campaign, records: Records) -> str:
@@ -29,6 +30,20 @@ def report(campaign: Campaign, records: Records) -> str:
     texts = (_figures_table(rows), _missed(campaign, rows), _failures(rows))
     parts += [text for text in texts if text]
     return "\n\n".join(parts) + "\n"
+
+
+def share_interval(successes: int, trials: int) -> tuple[float, float]:
+    """Returns Wilson's score interval of a probability.
+
+    Args:
+        successes: Number of successes.
+        trials: Number of trials, 1 or more.
+    """
+    # Scipy takes a second to load.
+    from scipy.stats import binomtest
+
+    interval = binomtest(successes, trials).proportion_ci(LEVEL, method="wilson")
+    return float(interval.low), float(interval.high)
 
 
 def share_text(successes: int, trials: int) -> str:

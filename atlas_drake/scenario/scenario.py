@@ -348,22 +348,6 @@ class Scenario(CheckedOnce):
             ) from error
 
 
-def check_seed(value: object) -> int:
-    """Checks a seed of noise and jitter.
-
-    Args:
-        value: The given value.
-
-    Returns:
-        The seed as Python's own number.
-
-    Raises:
-        ScenarioError: If it cannot be used.
-    """
-    seed: int = checked(Seed, value, "seed")
-    return seed
-
-
 def starting_behavior(
     value: object, name: str, catalog: BehaviorCatalog = SHIPPED
 ) -> Behavior:

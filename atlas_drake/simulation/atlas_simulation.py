@@ -21,6 +21,7 @@ from pydrake.math import RigidTransform
 from pydrake.systems.framework import Context
 
 from atlas_drake.behaviors.entry import BehaviorEntry
+from atlas_drake.checked import checked
 from atlas_drake.diagrams.control_mode_switch import Extend
 from atlas_drake.diagrams.controller_socket import ControllerSource
 from atlas_drake.errors import (
@@ -42,7 +43,7 @@ from atlas_drake.messages.checks import check_number
 from atlas_drake.messages.event import Event
 from atlas_drake.numeric import as_float
 from atlas_drake.scenario import Scenario, Start
-from atlas_drake.scenario.scenario import check_seed
+from atlas_drake.scenario.scenario import Seed
 from atlas_drake.scenario.world import WorldMaker
 from atlas_drake.simulation.building import build
 from atlas_drake.simulation.fair_lock import FairLock
@@ -384,9 +385,9 @@ class AtlasSimulation:
         Raises:
             InvalidMessageError: If ``rate`` is negative or not a number.
         """
-        checked = check_number(rate, "rate", 0.0)
+        rate = check_number(rate, "rate", 0.0)
         with self._lock:
-            self._run.pace.set_rate(checked)
+            self._run.pace.set_rate(rate)
 
     # ---- start ---------------------------------------------------------------
 
@@ -424,7 +425,7 @@ class AtlasSimulation:
         begin, start = start_of_reset(self.scenario, self.behaviors, behavior, pose)
         where = None if pose is None else self.scenario.start_pose(start)
         if seed is not None:
-            new = replace(self.scenario, seed=check_seed(seed))
+            new = replace(self.scenario, seed=checked(Seed, seed, "seed"))
             if where is not None:
                 self._run.check_reset(new, start, where)
             self._begin_anew(new)
