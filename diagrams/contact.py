@@ -45,10 +45,7 @@ def add_scenery(
 ) -> None:
     """Adds the level ground and the terrain's boxes to a plant (before Finalize).
 
-    Args:
-        plant: Plant to add to.
-        terrain: The boxes.
-        ground_friction: Coefficient of friction of ground and boxes.
+    ``ground_friction`` [-] is that of the ground, and of boxes without their own.
     """
     # A half-space would end the process: FCL's tree of fixed shapes, which has no limit
     # to their number otherwise, cannot balance itself with a shape of infinite size.
@@ -82,14 +79,9 @@ def set_ground_friction(
     terrain: Sequence[Block],
     friction: float,
 ) -> None:
-    """Give the ground another coefficient of friction.
+    """Give ground and terrain another coefficient of friction [-].
 
-    Args:
-        plant: Plant with ground and terrain.
-        scene_graph: Scene graph of the plant.
-        context: Context of the scene graph.
-        terrain: Blocks on the ground; those with a coefficient of their own keep it.
-        friction: Coefficient [-].
+    Blocks with a coefficient of their own keep it. ``context`` is the scene graph's.
     """
     names = [block_name(i) for i, b in enumerate(terrain) if b.friction is None]
     inspector = scene_graph.model_inspector()
@@ -118,12 +110,8 @@ def set_robot_dissipation(
 ) -> None:
     """Gives the robot's shapes Drake's default in contact with anything else.
 
-    Of two shapes of equal stiffness the mean of their dissipations counts.
-
-    Args:
-        plant: Plant with the robot, before Finalize.
-        scene_graph: Scene graph of the plant.
-        robot: Robot in the plant.
+    Of two shapes of equal stiffness the mean of their dissipations counts. Called
+    before Finalize.
     """
     drakes = SceneGraphConfig().default_proximity_properties.hunt_crossley_dissipation
     inspector = scene_graph.model_inspector()

@@ -53,13 +53,7 @@ of the run that ``run.mcap`` logs."""
 
 
 def plot_log(options: argparse.Namespace) -> int:
-    """Draws the figures of a log.
-
-    Args:
-        options: Options of ``atlas-drake plot``.
-
-    Returns:
-        The exit status.
+    """Draws the figures of a log; returns the exit status.
 
     Raises:
         LogError: If the log cannot be read or a file cannot be made.
@@ -118,13 +112,7 @@ def _drawing(file: Path) -> Callable[[Page, Path], None]:
 
 
 def replay_log(options: argparse.Namespace) -> int:
-    """Plays a log in the 3D view, or films it.
-
-    Args:
-        options: Options of ``atlas-drake replay``.
-
-    Returns:
-        The exit status.
+    """Plays a log in the 3D view, or films it; returns the exit status.
 
     Raises:
         LogError: If the log cannot be read, or there is nothing to do.

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -11,26 +10,20 @@ from atlas_drake.campaigns.errors import CampaignError, check_packages
 from atlas_drake.campaigns.report import (
     LEVEL,
     figure_names,
-    is_number,
     markdown,
     share_text,
 )
+from atlas_drake.campaigns.threshold import Record, Records
+from atlas_drake.numeric import is_number
 
-Record = Mapping[str, Any]
 Pairs = list[tuple[Record, Record]]
 
 
-def compare(
-    first: Mapping[int, Record], second: Mapping[int, Record], names: tuple[str, str]
-) -> str:
+def compare(first: Records, second: Records, names: tuple[str, str]) -> str:
     """Returns the differences of two campaigns as Markdown.
 
-    Trials with the same number make a pair; trials without a partner are left out.
-
-    Args:
-        first: Records of one campaign by the number of their trial.
-        second: Records of the other campaign.
-        names: Names of the campaigns in the tables.
+    Trials with the same number, the key of their record, make a pair; trials without a
+    partner are left out.
 
     Raises:
         CampaignError: If there is no pair, the seeds of a pair differ, or a package of
@@ -96,9 +89,7 @@ def _figures(pairs: Pairs, names: tuple[str, str]) -> str:
 def mcnemar(only_first: int, only_second: int) -> float:
     """Returns McNemar's exact two-sided p-value that two success rates are equal.
 
-    Args:
-        only_first: Number of pairs of which only the first succeeded.
-        only_second: Number of pairs of which only the second succeeded.
+    The arguments are the numbers of pairs of which only one succeeded.
     """
     from scipy.stats import binomtest
 

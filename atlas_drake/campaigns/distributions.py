@@ -31,17 +31,10 @@ def is_distribution(value: object) -> bool:
 
 
 def check_distribution(value: object, path: str) -> dict[str, Any]:
-    """Checks a distribution.
-
-    Args:
-        value: Value read from YAML.
-        path: Path of the field, for the error.
-
-    Returns:
-        The distribution with numbers of type float.
+    """Returns a distribution with numbers of type float.
 
     Raises:
-        CampaignError: If the value is not a distribution.
+        CampaignError: Naming the ``path``, if the value is not a distribution.
     """
     if not isinstance(value, Mapping) or len(value) != 1:
         raise CampaignError(
@@ -81,12 +74,7 @@ def _numbers(values: object) -> list[float] | None:
 
 
 def draw(distribution: Mapping[str, Any], random: np.random.Generator) -> Any:
-    """Draws one value.
-
-    Args:
-        distribution: Result of ``check_distribution``.
-        random: Generator to draw from, once.
-    """
+    """Draws one value of a valid distribution, by one call of the generator."""
     ((kind, given),) = distribution.items()
     if kind == "choice":
         return given[int(random.integers(len(given)))]

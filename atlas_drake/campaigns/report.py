@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, TypeGuard
+from collections.abc import Iterable, Sequence
+from typing import Any
 
 import numpy as np
 
 from atlas_drake.campaigns.campaign import Campaign
 from atlas_drake.campaigns.conditions import figure_of
 from atlas_drake.campaigns.plan import case_list
-from atlas_drake.campaigns.threshold import Search
+from atlas_drake.campaigns.threshold import Record, Records, Search
+from atlas_drake.numeric import is_number
 
-Record = Mapping[str, Any]
-Records = Mapping[int, Record]
 SHOWN_ERRORS = 3
 """Largest number of different errors in a report."""
 LEVEL = 0.95
@@ -33,12 +32,7 @@ def report(campaign: Campaign, records: Records) -> str:
 
 
 def share_interval(successes: int, trials: int) -> tuple[float, float]:
-    """Returns Wilson's score interval of a probability.
-
-    Args:
-        successes: Number of successes.
-        trials: Number of trials, 1 or more.
-    """
+    """Returns Wilson's score interval of a probability, from 1 trial or more."""
     # Scipy takes a second to load.
     from scipy.stats import binomtest
 
@@ -82,11 +76,6 @@ def figure_values(rows: Iterable[Record], name: str) -> list[float]:
     """Returns the numbers of a figure, of the trials that have it."""
     found = (row["figures"].get(name) for row in rows)
     return [float(value) for value in found if is_number(value)]
-
-
-def is_number(value: object) -> TypeGuard[float]:
-    """Returns True for a number of a record, which a truth value is not."""
-    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def _success_table(campaign: Campaign, rows: list[Record]) -> str:

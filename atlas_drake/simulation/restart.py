@@ -64,7 +64,7 @@ def check_restart(present: Scenario, asked: Scenario) -> None:
 
 def built_in_difference(one: Scenario, other: Scenario) -> str | None:
     """Path of the first field in which the diagrams of two scenarios differ, if any."""
-    ours, theirs = _flat(as_plain(one)), _flat(as_plain(other))
+    ours, theirs = flat(as_plain(one)), flat(as_plain(other))
     for path in {**ours, **theirs}:
         of_a_run = any(path == f or path.startswith(f"{f}.") for f in OF_A_RUN)
         if not of_a_run and ours.get(path) != theirs.get(path):
@@ -72,11 +72,11 @@ def built_in_difference(one: Scenario, other: Scenario) -> str | None:
     return None
 
 
-def _flat(value: Any, path: str = "") -> dict[str, Any]:
-    """Values by their path; lists are values."""
+def flat(value: Any, path: str = "") -> dict[str, Any]:
+    """Returns the values within mappings by their path; lists are values."""
     if not isinstance(value, Mapping):
         return {path: value}
     found: dict[str, Any] = {}
     for name, item in value.items():
-        found |= _flat(item, joined(path, name))
+        found |= flat(item, joined(path, name))
     return found
