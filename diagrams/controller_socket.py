@@ -87,11 +87,7 @@ class ControllerSocket:
     paths: OutputPort
 
     def connect_inputs(self, builder: DiagramBuilder, **sources: OutputPort) -> None:
-        """Connects every input port that the controller has.
-
-        Args:
-            builder: Builder of the station.
-            sources: Ports of the station by the name of the input.
+        """Connects every input port that the controller has to the source of its name.
 
         Raises:
             ControllerError: If the controller has an input that nothing can feed, or
@@ -154,12 +150,7 @@ def add_controller(
 ) -> ControllerSocket:
     """Adds a controller to a station, under the name ``controller``.
 
-    Args:
-        builder: Builder of the station.
-        source: A System, or a callable (robot, config) -> System.
-        robot: Robot of the station.
-        config: ``StationConfig`` of the station.
-        catalog: The registered behaviors.
+    ``config`` is the ``StationConfig`` that a callable source gets.
 
     Raises:
         ControllerError: If the source is neither, or does not return a System; if the

@@ -48,10 +48,8 @@ class Model(Configuration):
     def add_to(self, plant: MultibodyPlant, name: str, path: str) -> None:
         """Add the models of the file to a plant that is not finalized yet.
 
-        Args:
-            plant: Plant to add to.
-            name: Name of the model, for a file with one model.
-            path: Path of this entry in its scenario; empty for names of fields alone.
+        A file with one model gets this ``name``. ``path`` is that of this entry in its
+        scenario, empty for names of fields alone.
 
         Raises:
             ScenarioError: Naming the field that cannot be used.

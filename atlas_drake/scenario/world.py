@@ -100,12 +100,9 @@ def overlaps_with_world(
 ) -> list[Overlap]:
     """Return where the robot is inside other models; a touch is a small depth.
 
-    Args:
-        plant: With the robot.
-        context: Of the plant. Where it is not part of the context of a diagram with
-            the scene graph, nothing is known, and nothing returned.
-        robot: In the plant.
-        but: Names of geometries of the world body that do not count.
+    Geometries of the world body whose names are in ``but`` do not count. Where the
+    context is not part of that of a diagram with the scene graph, nothing is known, and
+    nothing returned.
     """
     port = plant.get_geometry_query_input_port()
     if not port.HasValue(context):

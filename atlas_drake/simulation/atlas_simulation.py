@@ -47,10 +47,10 @@ from atlas_drake.scenario.scenario import Seed
 from atlas_drake.scenario.world import WorldMaker
 from atlas_drake.simulation.building import build
 from atlas_drake.simulation.fair_lock import FairLock
+from atlas_drake.simulation.pace import steady_ticks
 from atlas_drake.simulation.restart import check_restart, start_of_reset
 from atlas_drake.simulation.run_log import RunLog
 from atlas_drake.simulation.sinks import Sink
-from atlas_drake.simulation.steady import steady_ticks
 from atlas_drake.simulation.summary import make_summary
 from atlas_drake.visualization.overlays import Overlays
 

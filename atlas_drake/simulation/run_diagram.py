@@ -106,9 +106,6 @@ class RunDiagram:
     def begin(self, scenario: Scenario) -> None:
         """Begins a run at time 0, with what is drawn from the scenario's seed.
 
-        Args:
-            scenario: That of the diagram, but for its seed and the robot's start.
-
         Raises:
             ScenarioError: If the robot lacks a body that is to be pushed, and
             WorldError: If the robot would begin inside a model; nothing has then
@@ -137,12 +134,9 @@ class RunDiagram:
         del self.tick_seconds[:]
 
     def reset(self, behavior: Behavior, start: Start, pose: Pose | None) -> None:
-        """Puts robot and world back; time goes on.
+        """Puts robot and world back, to where the run began without a ``pose``.
 
-        Args:
-            behavior: The behavior to begin with.
-            start: How the robot begins.
-            pose: Where to; None is where the run began.
+        Time goes on.
 
         Raises:
             WorldError: If the robot would begin inside a model; nothing has then

@@ -54,15 +54,7 @@ class RunLog:
         self._told_unsolved = False
 
     def look(self, run: RunDiagram, *, anew: bool = False) -> None:
-        """Adds all events since the last look.
-
-        Args:
-            run: The diagram of the run.
-            anew: True if the controller was reset since the last look.
-
-        Raises:
-            ValueError: If the event count of the controller's status decreased.
-        """
+        """Adds all events since the last look; errors are those of ``collect``."""
         time = run.context.get_time()
         status = run.output("controller_status")
         sent = run.output("sent") if self._programme else 0
@@ -91,13 +83,9 @@ class RunLog:
     ) -> None:
         """Adds the events of commands, refusals and controller since the last read.
 
-        Args:
-            sent: Number of sent commands of the programme.
-            commands: Commands in force.
-            status: Status of the controller.
-            pushes: State of the pushes.
-            anew: True if the controller was reset since the last read, and so may have
-                started its event count again.
+        ``sent`` counts the sent commands of the programme. ``anew`` is True if the
+        controller was reset since the last read, and so may have started its event
+        count again.
 
         Raises:
             ValueError: If the event count in the status decreased.
@@ -147,12 +135,7 @@ class RunLog:
             self.note(Event(fall.time, "fall", f"falling ({fall.sign})"))
 
     def watch_solver(self, time: float, status: ControllerStatus) -> None:
-        """Warns once of a controller that finds no solution for many ticks.
-
-        Args:
-            time: Present time [s].
-            status: Status of the controller.
-        """
+        """Warns once of a controller that finds no solution for many ticks."""
         unsolved = status.unsolved
         if status.solved is not False:
             self._seen_unsolved = unsolved
