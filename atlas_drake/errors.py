@@ -37,22 +37,13 @@ class AtlasError(Exception):
 
 
 class _FieldError(AtlasError, ValueError):
-    """A fault in a field of a message, of a file, or of the equivalent Python value."""
+    """A fault in a field of a message or a file."""
 
     def __init__(self, field: str, value: object, problem: str) -> None:
         super().__init__(field, value, problem)
         self.field = field
         self.value = value
         self.problem = problem
-
-    @classmethod
-    def about(cls, field: str, value: object, problem: str) -> Self:
-        """Returns the error of a value that its message shows."""
-        return cls(field, value, f"is {shown(value)}; {problem}")
-
-    def within(self, file: object) -> Self:
-        """Returns the same error, whose message names the path of the file, too."""
-        return type(self)(self.field, self.value, f"{self.problem} (in {file})")
 
     def __str__(self) -> str:
         """Names the field and the problem."""
@@ -82,14 +73,37 @@ class InvalidMessageError(_FieldError):
         self.error_code = error_code
 
 
-class RobotDescriptionError(_FieldError):
+class _FileError(_FieldError):
+    """A fault in the contents of a file, or in the equivalent Python value."""
+
+    @classmethod
+    def about(cls, field: str, value: object, problem: str) -> Self:
+        """Returns the error of a value that its message shows.
+
+        Args:
+            field: Where the value stands.
+            value: The value.
+            problem: What is wrong with it.
+        """
+        return cls(field, value, f"is {shown(value)}; {problem}")
+
+    def within(self, file: object) -> Self:
+        """Returns the same error, whose message names the file, too.
+
+        Args:
+            file: The file's path.
+        """
+        return type(self)(self.field, self.value, f"{self.problem} (in {file})")
+
+
+class RobotDescriptionError(_FileError):
     """A robot that does not exist, or whose files cannot be used.
 
     The attributes ``field``, ``value`` and ``problem`` are those of a ScenarioError.
     """
 
 
-class ScenarioError(_FieldError):
+class ScenarioError(_FileError):
     """A scenario that cannot be run.
 
     Attributes:

@@ -48,8 +48,10 @@ class Model(Configuration):
     def add_to(self, plant: MultibodyPlant, name: str, path: str) -> None:
         """Add the models of the file to a plant that is not finalized yet.
 
-        A file with one model gets this ``name``. ``path`` is that of this entry in its
-        scenario, empty for names of fields alone.
+        Args:
+            plant: Plant to add to.
+            name: Name of the model, for a file with one model.
+            path: Path of this entry in its scenario; empty for names of fields alone.
 
         Raises:
             ScenarioError: Naming the field that cannot be used.
