@@ -17,7 +17,7 @@ from pydrake.multibody.plant import (
 from pydrake.systems.framework import Diagram, DiagramBuilder, OutputPort, System
 
 from atlas_drake.behaviors.config import ControllerConfig
-from atlas_drake.behaviors.entry import BehaviorEntry, configured
+from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.behaviors.registration import registered
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.control.estimation.leg_odometry import OdometryTuning
@@ -197,12 +197,12 @@ def make_atlas_station(
     """
     robot = robot or load_robot()
     config = config or StationConfig()
-    tuning = config.controller or ControllerConfig.of(robot.file)
+    entries = (*SHIPPED_ENTRIES, *registered(behaviors))
+    catalog = BehaviorCatalog(entries)
+    tuning = config.controller or ControllerConfig.of(robot.file, entries)
     builder = DiagramBuilder()
     add = builder.AddNamedSystem
     step, period = config.physics_step, config.control_period
-    entries = (*SHIPPED_ENTRIES, *registered(behaviors))
-    catalog = BehaviorCatalog(entries)
     plant, scene_graph = _add_plant(builder, robot, config, world)
     indices, own = robot.indices(plant), robot.instance(plant)
 
@@ -299,13 +299,10 @@ def make_whole_body_controller(
         config: Settings of the station.
         entries: Entries of the behaviors.
     """
-    tuning = config.controller or ControllerConfig.of(robot.file)
+    entries = tuple(entries)
+    tuning = config.controller or ControllerConfig.of(robot.file, entries)
     return WholeBodyController(
-        robot,
-        tuning,
-        config.control_period,
-        config.initial_behavior,
-        configured(entries, tuning.behaviors),
+        robot, tuning, config.control_period, config.initial_behavior, entries
     )
 
 

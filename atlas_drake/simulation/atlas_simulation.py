@@ -155,6 +155,7 @@ class AtlasSimulation:
         self.scenario, self.behaviors = parts.scenario, parts.behaviors
         self.meshcat, self._sinks = parts.meshcat, parts.sinks
         self._run, self._programme = parts.run, parts.programme
+        self._own_behaviors = parts.own_behaviors
         self.robot, self.simulator = self._run.robot, self._run.simulator
         self.diagram, self.station = self._run.diagram, self._run.station
         self.plant = self._run.plant
@@ -455,7 +456,7 @@ class AtlasSimulation:
             WorldError: If the robot would begin inside a model of the world; the
                 present run is then unchanged.
         """
-        asked = scenario.resolved()
+        asked = scenario.resolved(self._own_behaviors)
         check_restart(self.scenario, asked)
         self._begin_anew(asked)
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from pydrake.geometry import Meshcat
 
-from atlas_drake.behaviors.entry import BehaviorEntry, configured
+from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.behaviors.registration import registered
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.diagrams.atlas_station import StationConfig
@@ -44,6 +44,7 @@ class Built:
     Attributes:
         scenario: The resolved scenario.
         behaviors: Catalog of the shipped behaviors and the user's own.
+        own_behaviors: Entries of the user's own behaviors.
         programme: Commands that the scenario sends by itself.
         run: The diagram, at the begin of a run.
         sinks: Log, video and listener, as far as they were asked for.
@@ -52,6 +53,7 @@ class Built:
 
     scenario: Scenario
     behaviors: BehaviorCatalog
+    own_behaviors: tuple[BehaviorEntry, ...]
     programme: tuple[ScheduledCommand, ...]
     run: RunDiagram
     sinks: list[Sink]
@@ -81,9 +83,9 @@ def build(
         on_event=on_event,
         log=log,
     )
-    scenario = (scenario or Scenario()).resolved()
+    own = registered(behaviors)
+    scenario = (scenario or Scenario()).resolved(own)
     robot = load_robot(scenario.model)
-    own = configured(registered(behaviors), scenario.controller_config().behaviors)
     catalog = BehaviorCatalog((*SHIPPED_ENTRIES, *own))
     programme = _programme(scenario, robot, catalog)
     world = (*world_of(scenario.all_models()), *listed(world))
@@ -132,7 +134,7 @@ def build(
         from atlas_drake.visualization.scene import show_start
 
         show_start(meshcat, scenario)
-    return Built(scenario, catalog, programme, run, sinks, meshcat)
+    return Built(scenario, catalog, own, programme, run, sinks, meshcat)
 
 
 _RULES: dict[str, tuple[Any, str]] = {

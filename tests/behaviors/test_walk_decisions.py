@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from atlas_drake import AtlasSimInterfaceCommand
+from atlas_drake.behaviors.balance import StanceConfig
 from atlas_drake.behaviors.body_reference import capture_body
 from atlas_drake.behaviors.phases import TIME_STEP
-from atlas_drake.behaviors.stance import StanceConfig
 from atlas_drake.behaviors.walk.both_feet import steps_left_out
 from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.behaviors.walk.phases import Transfer, WalkSettle, WalkShift, WalkSwing
