@@ -5,7 +5,7 @@ Declarations only; ``checked`` reads and checks values against them.
 
 from __future__ import annotations
 
-from typing import Annotated, Any, ClassVar, NamedTuple
+from typing import Annotated, Any, ClassVar, NamedTuple, Self
 
 from annotated_types import Ge, Gt, Interval, Len
 from pydantic import AfterValidator, BeforeValidator
@@ -100,6 +100,17 @@ def take_yaml(schema: dict[str, Any], handler: Any) -> dict[str, Any]:
         elif isinstance(part, list):
             pending += part
     return schema
+
+
+class CheckedOnce(Configuration):
+    """A configuration that remembers its check; ``replace`` makes one without."""
+
+    is_checked: ClassVar[bool] = False
+
+    def mark_checked(self) -> Self:
+        """Marks a value as checked, and returns it."""
+        object.__setattr__(self, "is_checked", True)
+        return self
 
 
 def _after_check(value: Configuration) -> Configuration:

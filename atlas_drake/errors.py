@@ -36,7 +36,21 @@ class AtlasError(Exception):
     """Base of all errors of this package; catch it to catch all of them."""
 
 
-class InvalidMessageError(AtlasError, ValueError):
+class _FieldError(AtlasError, ValueError):
+    """A fault in a field of a message or a file."""
+
+    def __init__(self, field: str, value: object, problem: str) -> None:
+        super().__init__(field, value, problem)
+        self.field = field
+        self.value = value
+        self.problem = problem
+
+    def __str__(self) -> str:
+        """Names the field and the problem."""
+        return f"{self.field}: {self.problem}"
+
+
+class InvalidMessageError(_FieldError):
     """A message that cannot be applied; no part of it was applied.
 
     Attributes:
@@ -54,32 +68,13 @@ class InvalidMessageError(AtlasError, ValueError):
         problem: str,
         error_code: ErrorCode = ErrorCode.VALUE_OUT_OF_RANGE,
     ) -> None:
-        # All arguments go to the base class because pickling passes them back.
-        super().__init__(field, value, problem, error_code)
-        self.field = field
-        self.value = value
-        self.problem = problem
+        super().__init__(field, value, problem)
+        self.args = (field, value, problem, error_code)  # Pickling passes them back.
         self.error_code = error_code
 
-    def __str__(self) -> str:
-        """Names the field and the problem."""
-        return f"{self.field}: {self.problem}"
 
-
-class _FileError(AtlasError, ValueError):
-    """A fault in the contents of a file, or in the equivalent Python value.
-
-    Attributes:
-        field: Field at fault, as a path from the top of the file.
-        value: Value of the field.
-        problem: What is wrong, and what would be right.
-    """
-
-    def __init__(self, field: str, value: object, problem: str) -> None:
-        super().__init__(field, value, problem)
-        self.field = field
-        self.value = value
-        self.problem = problem
+class _FileError(_FieldError):
+    """A fault in the contents of a file, or in the equivalent Python value."""
 
     @classmethod
     def about(cls, field: str, value: object, problem: str) -> Self:
@@ -99,10 +94,6 @@ class _FileError(AtlasError, ValueError):
             file: The file's path.
         """
         return type(self)(self.field, self.value, f"{self.problem} (in {file})")
-
-    def __str__(self) -> str:
-        """Names the field and the problem."""
-        return f"{self.field}: {self.problem}"
 
 
 class RobotDescriptionError(_FileError):

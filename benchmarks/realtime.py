@@ -27,7 +27,7 @@ from pydrake.systems.framework import DiagramBuilder
 from report import command_line, write_figures
 
 from atlas_drake import AtlasSimulation, Scenario
-from atlas_drake.diagrams.atlas_station import add_scenery
+from atlas_drake.diagrams.contact import add_scenery
 from atlas_drake.diagrams.standing import place_robot
 from atlas_drake.robot import Robot, load_robot
 from atlas_drake.simulation.start import draw_variation, scale_masses

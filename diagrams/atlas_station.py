@@ -4,51 +4,41 @@ Two command ports in, state ports out, as the simulator's plugin was to the orig
 Wiring only.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 
-import numpy as np
-from pydrake.geometry import (
-    AddContactMaterial,
-    AddRigidHydroelasticProperties,
-    Box,
-    ProximityProperties,
-    SceneGraph,
-)
-from pydrake.math import RigidTransform
+from pydrake.geometry import SceneGraph
 from pydrake.multibody.plant import (
     AddMultibodyPlant,
-    CoulombFriction,
     MultibodyPlant,
     MultibodyPlantConfig,
 )
-from pydrake.systems.framework import Diagram, DiagramBuilder, System
+from pydrake.systems.framework import Diagram, DiagramBuilder, OutputPort, System
 
 from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.behaviors.registration import registered
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.control.estimation.leg_odometry import OdometryTuning
-from atlas_drake.diagrams.controller_socket import (
-    ControllerSource,
-    add_controller,
-    make_controller,
-)
-from atlas_drake.diagrams.dissipation import (
+from atlas_drake.diagrams.contact import (
+    add_scenery,
     scene_graph_config,
     set_robot_dissipation,
 )
-from atlas_drake.diagrams.ground_friction import GROUND, block_name
+from atlas_drake.diagrams.controller_socket import (
+    ControllerSource,
+    add_controller,
+)
 from atlas_drake.diagrams.standing import stand_by_default
 from atlas_drake.messages import Behavior
 from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.robot import Robot, load_robot
 from atlas_drake.scenario.drake_configs import checked_plant_config, plant_config
-from atlas_drake.scenario.harness import HarnessGains
 from atlas_drake.scenario.noise import NoiseModel
 from atlas_drake.scenario.pushes import PlannedPush
-from atlas_drake.scenario.terrain import GROUND_SIZE, GROUND_THICKNESS, Block
+from atlas_drake.scenario.scenario import HarnessGains
+from atlas_drake.scenario.terrain import Block
 from atlas_drake.scenario.time_grid import on_common_grid
 from atlas_drake.scenario.world import (
     WorldError,
@@ -115,6 +105,38 @@ class StationConfig:
         object.__setattr__(self, "control_period", steps[1])
 
 
+CONTROLLER_INPUTS = ("state", "foot_loads", "user_forecast", "commands", "imu")
+"""Signals that a controller may read, see ``controller_socket``."""
+EXPORTED = (
+    "atlas_state",
+    "imu",
+    "foot_wrenches",
+    "hand_wrenches",
+    "contact_wrenches",
+    "atlas_sim_interface_state",
+    "commands",
+    "user_effort",
+    "effort",
+    "extremes",
+    "pushes",
+    "fall",
+    "body_poses",
+    "contact_results",
+    "state",
+    "plant_state",
+    "behavior_state",
+    "behavior_effort",
+    "controller_status",
+    "planned_paths",
+    "query_object",
+    "harness",
+    "estimated_state",
+    "estimation_error",
+    "largest_estimation_error",
+)
+"""Output ports of a station; the last four only with harness or state estimator."""
+
+
 def make_atlas_station(
     robot: Robot | None = None,
     config: StationConfig | None = None,
@@ -176,141 +198,85 @@ def make_atlas_station(
     robot = robot or load_robot()
     config = config or StationConfig()
     entries = (*SHIPPED_ENTRIES, *registered(behaviors))
+    catalog = BehaviorCatalog(entries)
     tuning = config.controller or ControllerConfig.of(robot.file, entries)
     builder = DiagramBuilder()
+    add = builder.AddNamedSystem
+    step, period = config.physics_step, config.control_period
     plant, scene_graph = _add_plant(builder, robot, config, world)
     indices, own = robot.indices(plant), robot.instance(plant)
-    own_state = plant.get_state_output_port(own)
 
-    catalog = BehaviorCatalog(entries)
-    commands = builder.AddNamedSystem(
+    commands = add(
         "command_interface",
-        CommandInterface(
-            robot, config.control_period, config.initial_behavior, catalog
-        ),
+        CommandInterface(robot, period, config.initial_behavior, catalog),
     )
-    pid = builder.AddNamedSystem(
+    pid = add(
         "joint_pid_bank",
-        JointPidBank(
-            robot,
-            indices,
-            plant.num_positions(own),
-            config.physics_step,
-            config.control_period,
-        ),
+        JointPidBank(robot, indices, plant.num_positions(own), step, period),
     )
     ours = partial(make_whole_body_controller, entries=entries)
-    chosen = make_controller(ours if controller is None else controller, robot, config)
-    socket = add_controller(builder, chosen, robot, catalog)
-    reporter = builder.AddNamedSystem("interface_reporter", InterfaceReporter(robot))
-    selector = builder.AddNamedSystem("effort_selector", EffortSelector(robot, indices))
-    sensors = builder.AddNamedSystem(
+    source = ours if controller is None else controller
+    socket = add_controller(builder, source, robot, config, catalog)
+    reporter = add("interface_reporter", InterfaceReporter(robot))
+    selector = add("effort_selector", EffortSelector(robot, indices))
+    sensors = add(
         "robot_sensors",
-        RobotSensors(
-            robot,
-            plant,
-            config.noise,
-            config.seed,
-            config.physics_step,
-            config.control_period,
-        ),
+        RobotSensors(robot, plant, config.noise, config.seed, step, period),
     )
-    statistics = builder.AddNamedSystem(
+    statistics = add(
         "run_statistics",
-        RunStatistics(
-            robot, indices, plant.num_multibody_states(own), config.control_period
-        ),
+        RunStatistics(robot, indices, plant.num_multibody_states(own), period),
     )
+    pushes = add("push_source", PushSource(robot, plant, config.pushes, period))
+    falls = add("fall_monitor", FallMonitor(robot, plant, tuning, period))
 
-    pushes = builder.AddNamedSystem(
-        "push_source", PushSource(robot, plant, config.pushes, config.control_period)
-    )
-    falls = builder.AddNamedSystem(
-        "fall_monitor",
-        FallMonitor(robot, plant, tuning, config.control_period),
-    )
-
-    def connect(source: System, output: str, target: System, *inputs: str) -> None:
-        for name in inputs or (output,):
-            builder.Connect(source.GetOutputPort(output), target.GetInputPort(name))
-
-    connect(commands, "joint_command", pid)
-    connect(commands, "k_effort", selector)
-    connect(commands, "commands", sensors)
-    connect(commands, "commands", reporter)
-    connect(pid, "user_effort", selector)
-    for reader in (selector, pid, reporter):
-        builder.Connect(socket.effort, reader.GetInputPort("behavior_effort"))
-    for reader in (reporter, pushes):
-        builder.Connect(socket.status, reader.GetInputPort("controller_status"))
-    builder.Connect(
-        selector.GetOutputPort("actuation"), plant.get_actuation_input_port(own)
-    )
-    connect(selector, "effort", sensors)
-    connect(selector, "actuation", statistics)
+    # Ports are connected by name: every input reads the signal of its name.
+    signals = {
+        "state": plant.get_state_output_port(own),
+        "plant_state": plant.get_state_output_port(),
+        "acceleration": plant.get_generalized_acceleration_output_port(own),
+        "body_poses": plant.GetOutputPort("body_poses"),
+        "contact_results": plant.GetOutputPort("contact_results"),
+        "query_object": scene_graph.get_query_output_port(),
+        "behavior_effort": socket.effort,
+        "controller_status": socket.status,
+        "planned_paths": socket.paths,
+    }
+    systems = (commands, pid, selector, sensors, statistics, pushes, falls)
+    for system in (*systems, reporter):
+        signals |= _outputs(system)
     if config.estimated:
-        estimator = _add_estimator(builder, robot, config, plant, sensors)
-        behavior_state = estimator.GetOutputPort("estimated_state")
-    else:
-        behavior_state = sensors.GetOutputPort("measured_state")
-    builder.Connect(behavior_state, reporter.GetInputPort("state"))
+        signals |= _add_estimator(builder, robot, config, plant, signals)
+    signals["behavior_state"] = signals[
+        "estimated_state" if config.estimated else "measured_state"
+    ]
+    if config.harnessed:
+        harness = add("harness", Harness(robot, plant, config.harness))
+        pushed = signals["applied_spatial_force"]
+        _connect(builder, harness, {**signals, "other_spatial_force": pushed})
+        signals |= _outputs(harness)
+    for system in systems:
+        _connect(builder, system, signals)
+    behavior_signals = {**signals, "state": signals["behavior_state"]}
+    _connect(builder, reporter, behavior_signals)
     socket.connect_inputs(
-        builder,
-        state=behavior_state,
-        foot_loads=sensors.GetOutputPort("foot_loads"),
-        user_forecast=pid.GetOutputPort("user_forecast"),
-        commands=commands.GetOutputPort("commands"),
-        imu=sensors.GetOutputPort("imu"),
+        builder, **{name: behavior_signals[name] for name in CONTROLLER_INPUTS}
     )
-    connect(plant, "contact_results", sensors)
+    builder.Connect(signals["actuation"], plant.get_actuation_input_port(own))
     builder.Connect(
-        plant.get_generalized_acceleration_output_port(robot.instance(plant)),
-        sensors.GetInputPort("acceleration"),
+        signals["applied_spatial_force"], plant.get_applied_spatial_force_input_port()
     )
-    for reader in (sensors, pid, statistics, pushes, falls):
-        builder.Connect(own_state, reader.GetInputPort("state"))
 
     for name in ("atlas_command", "atlas_sim_interface_command"):
         builder.ExportInput(commands.GetInputPort(name), name)
-    connect(sensors, "foot_wrenches", pushes)
     builder.ExportInput(
         pushes.GetInputPort("other_spatial_force"), "applied_spatial_force"
     )
-    forces = pushes.GetOutputPort("applied_spatial_force")
-    if config.harnessed:
-        harness = builder.AddNamedSystem(
-            "harness", Harness(robot, plant, config.harness)
-        )
-        builder.Connect(own_state, harness.GetInputPort("state"))
-        connect(selector, "actuation", harness)
-        connect(sensors, "foot_wrenches", harness)
-        builder.Connect(forces, harness.GetInputPort("other_spatial_force"))
-        forces = harness.GetOutputPort("applied_spatial_force")
-        builder.ExportOutput(harness.GetOutputPort("harness"), "harness")
-    builder.Connect(forces, plant.get_applied_spatial_force_input_port())
-    for system, names in (
-        (sensors, ("atlas_state", "imu")),
-        (sensors, ("foot_wrenches", "hand_wrenches", "contact_wrenches")),
-        (reporter, ("atlas_sim_interface_state",)),
-        (commands, ("commands",)),
-        (pid, ("user_effort",)),
-        (selector, ("effort",)),
-        (statistics, ("extremes",)),
-        (pushes, ("pushes",)),
-        (falls, ("fall",)),
-        (plant, ("body_poses", "contact_results")),
-    ):
-        for name in names:
-            builder.ExportOutput(system.GetOutputPort(name), name)
-    builder.ExportOutput(own_state, "state")
-    builder.ExportOutput(plant.get_state_output_port(), "plant_state")
+    for name in EXPORTED:
+        if name in signals:
+            builder.ExportOutput(signals[name], name)
     for instance, name in world_instances(plant, robot).items():
         builder.ExportOutput(plant.get_state_output_port(instance), f"{name}.state")
-    builder.ExportOutput(behavior_state, "behavior_state")
-    builder.ExportOutput(socket.effort, "behavior_effort")
-    builder.ExportOutput(socket.status, "controller_status")
-    builder.ExportOutput(socket.paths, "planned_paths")
-    builder.ExportOutput(scene_graph.get_query_output_port(), "query_object")
     station = builder.Build()
     station.set_name("AtlasStation")
     if world:
@@ -367,86 +333,46 @@ def _add_plant(
     return plant, scene_graph
 
 
-def add_scenery(
-    plant: MultibodyPlant, terrain: Iterable[Block], ground_friction: float
-) -> None:
-    """Adds the level ground and the terrain's boxes to a plant (before Finalize).
-
-    Args:
-        plant: Plant to add to.
-        terrain: The boxes.
-        ground_friction: Coefficient of friction of ground and boxes.
-    """
-    # A half-space would end the process: FCL's tree of fixed shapes, which has no limit
-    # to their number otherwise, cannot balance itself with a shape of infinite size.
-    ground = Box(GROUND_SIZE, GROUND_SIZE, GROUND_THICKNESS)
-    X_WG = RigidTransform(np.array([0.0, 0.0, -0.5 * GROUND_THICKNESS]))
-    plant.RegisterCollisionGeometry(
-        plant.world_body(), X_WG, ground, GROUND, _material(ground_friction)
-    )
-    for number, block in enumerate(terrain):
-        _add_block(plant, block, block_name(number), ground_friction)
-
-
-def _material(friction: float) -> ProximityProperties:
-    """Returns a rigid material; its surface counts where contact is hydroelastic."""
-    properties = ProximityProperties()
-    AddContactMaterial(
-        friction=CoulombFriction(friction, friction), properties=properties
-    )
-    AddRigidHydroelasticProperties(properties)
-    return properties
-
-
 def _add_estimator(
     builder: DiagramBuilder,
     robot: Robot,
     config: StationConfig,
     plant: MultibodyPlant,
-    sensors: RobotSensors,
-) -> StateEstimator:
-    """Adds the state estimator, its IMU, and the measure of its error."""
+    signals: Mapping[str, OutputPort],
+) -> dict[str, OutputPort]:
+    """Adds the state estimator, its IMU, and the measure of its error.
+
+    Returns:
+        Their signals by name.
+    """
+    step, period = config.physics_step, config.control_period
     imu = builder.AddNamedSystem(
         "inertial_sensor",
-        InertialSensor(
-            robot,
-            plant,
-            config.noise,
-            config.seed,
-            config.physics_step,
-            config.control_period,
-        ),
+        InertialSensor(robot, plant, config.noise, config.seed, step, period),
     )
     estimator = builder.AddNamedSystem(
-        "state_estimator",
-        StateEstimator(robot, config.control_period, config.estimator),
+        "state_estimator", StateEstimator(robot, period, config.estimator)
     )
     error = builder.AddNamedSystem(
-        "estimation_error", EstimationError(robot, plant, config.control_period)
+        "estimation_error", EstimationError(robot, plant, period)
     )
-    for name in ("measured_state", "foot_loads"):
-        builder.Connect(sensors.GetOutputPort(name), estimator.GetInputPort(name))
-    builder.Connect(imu.GetOutputPort("inertial"), estimator.GetInputPort("inertial"))
-    true = plant.get_state_output_port(robot.instance(plant))
-    builder.Connect(true, imu.GetInputPort("state"))
-    builder.Connect(true, estimator.GetInputPort("start_state"))
-    builder.Connect(true, error.GetInputPort("state"))
-    estimate = estimator.GetOutputPort("estimated_state")
-    builder.Connect(estimate, error.GetInputPort("estimated_state"))
-    builder.ExportOutput(estimate, "estimated_state")
-    for name in ("estimation_error", "largest_estimation_error"):
-        builder.ExportOutput(error.GetOutputPort(name), name)
-    return estimator
+    parts = (imu, estimator, error)
+    own = {name: port for part in parts for name, port in _outputs(part).items()}
+    for part in parts:
+        _connect(builder, part, {**signals, **own, "start_state": signals["state"]})
+    return own
 
 
-def _add_block(
-    plant: MultibodyPlant, block: Block, name: str, ground_friction: float
+def _outputs(system: System) -> dict[str, OutputPort]:
+    """Returns the output ports of a system by name."""
+    ports = map(system.get_output_port, range(system.num_output_ports()))
+    return {port.get_name(): port for port in ports}
+
+
+def _connect(
+    builder: DiagramBuilder, system: System, signals: Mapping[str, OutputPort]
 ) -> None:
-    """Adds one box for contact and for display."""
-    shape = Box(np.array(block.size))
-    coefficient = ground_friction if block.friction is None else block.friction
-    world = plant.world_body()
-    plant.RegisterCollisionGeometry(
-        world, block.X_WC, shape, name, _material(coefficient)
-    )
-    plant.RegisterVisualGeometry(world, block.X_WC, shape, name, block.rgba)
+    """Connects every input port of a system for which there is a signal of its name."""
+    for port in map(system.get_input_port, range(system.num_input_ports())):
+        if port.get_name() in signals:
+            builder.Connect(signals[port.get_name()], port)

@@ -87,11 +87,7 @@ class ControllerSocket:
     paths: OutputPort
 
     def connect_inputs(self, builder: DiagramBuilder, **sources: OutputPort) -> None:
-        """Connects every input port that the controller has.
-
-        Args:
-            builder: Builder of the station.
-            sources: Ports of the station by the name of the input.
+        """Connects every input port that the controller has to the source of its name.
 
         Raises:
             ControllerError: If the controller has an input that nothing can feed, or
@@ -127,32 +123,6 @@ class ControllerSocket:
             builder.Connect(source, port)
 
 
-def make_controller(source: ControllerSource, *arguments: object) -> System:
-    """Makes the controller of a station.
-
-    Args:
-        source: A System, or a callable that returns one.
-        arguments: Arguments of the callable: robot and station configuration.
-
-    Raises:
-        ControllerError: If it is neither, or does not return a System.
-    """
-    made = source
-    if not isinstance(source, System):
-        if not callable(source):
-            raise ControllerError(
-                "controller must be a System or a callable (robot, config) -> System, "
-                f"is {shown(source)}"
-            )
-        made = source(*arguments)
-    if not isinstance(made, System):
-        raise ControllerError(
-            "the callable given as controller must return a System, returned "
-            f"{shown(made)}"
-        )
-    return made
-
-
 class _Check(CollectableSystem):
     """Passes a value on after checking it; for controllers that are not ours."""
 
@@ -172,19 +142,33 @@ class _Check(CollectableSystem):
 
 
 def add_controller(
-    builder: DiagramBuilder, controller: System, robot: Robot, catalog: BehaviorCatalog
+    builder: DiagramBuilder,
+    source: ControllerSource,
+    robot: Robot,
+    config: Any,
+    catalog: BehaviorCatalog,
 ) -> ControllerSocket:
     """Adds a controller to a station, under the name ``controller``.
 
-    Args:
-        builder: Builder of the station.
-        controller: Controller that computes the behaviors' efforts.
-        robot: Robot of the station.
-        catalog: The registered behaviors.
+    ``config`` is the ``StationConfig`` that a callable source gets.
 
     Raises:
-        ControllerError: If it lacks the port for efforts, or the port has another size.
+        ControllerError: If the source is neither, or does not return a System; if the
+            controller lacks the port for efforts, or the port has another size.
     """
+    controller = source
+    if not isinstance(source, System):
+        if not callable(source):
+            raise ControllerError(
+                "controller must be a System or a callable (robot, config) -> System, "
+                f"is {shown(source)}"
+            )
+        controller = source(robot, config)
+    if not isinstance(controller, System):
+        raise ControllerError(
+            "the callable given as controller must return a System, returned "
+            f"{shown(controller)}"
+        )
     if not controller.HasOutputPort(EFFORT):
         raise ControllerError(
             f"{_named(controller)} has no output port {EFFORT!r}, which gives the "

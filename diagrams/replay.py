@@ -13,7 +13,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Diagram, DiagramBuilder
 from pydrake.systems.rendering import MultibodyPositionToGeometryPose
 
-from atlas_drake.diagrams.atlas_station import add_scenery
+from atlas_drake.diagrams.contact import add_scenery
 from atlas_drake.logs.log import Log
 from atlas_drake.logs.log_player import LogPlayer
 from atlas_drake.scenario.models import world_of

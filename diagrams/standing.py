@@ -15,7 +15,7 @@ from pydrake.math import RigidTransform, RollPitchYaw
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context
 
-from atlas_drake.diagrams.ground_friction import GROUND, block_name
+from atlas_drake.diagrams.contact import GROUND, block_name
 from atlas_drake.messages.checks import check_number, check_vector
 from atlas_drake.robot import Robot
 from atlas_drake.scenario.terrain import Block, surface_height
@@ -139,11 +139,7 @@ def stand_by_default(
     inside a model of the world, the default stays as it is, for a robot that begins
     elsewhere.
 
-    Args:
-        plant: With the robot.
-        robot: In the plant.
-        terrain: Beside the level ground.
-        context: Of the plant in a whole diagram; None knows no models beside the robot.
+    Other models are known only to a ``context`` of the plant in a whole diagram.
     """
     context = plant.CreateDefaultContext() if context is None else context
     with suppress(WorldError):

@@ -8,8 +8,8 @@ from typing import Any
 
 from pydrake.systems.framework import Context, Diagram
 
+from atlas_drake.diagrams.contact import set_ground_friction
 from atlas_drake.diagrams.controller_socket import CONTROLLER
-from atlas_drake.diagrams.ground_friction import set_ground_friction
 from atlas_drake.messages import Behavior
 from atlas_drake.scenario.terrain import Block
 

@@ -80,7 +80,7 @@ def _describe(part: dict[str, Any], cls: type) -> None:
     for name in {"plant", "simulator"} & fields.keys():
         # Which fields Drake's configurations have depends on its version.
         fields[name] = {"type": "object"}
-    for name in {"world", "noise", "scenario", "code"} & fields.keys():
+    for name in {"world", "scenario", "code"} & fields.keys():
         # A name or a path may take the place of the fields, or of a list.
         fields[name] = {"anyOf": [fields[name], {"type": "string"}]}
     for name, field in fields.items():

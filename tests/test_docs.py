@@ -26,7 +26,7 @@ from referencing.jsonschema import DRAFT202012
 from atlas_drake.app.main import _parsed, main
 from atlas_drake.app.run import with_options
 from atlas_drake.app.sweep import _campaign
-from atlas_drake.scenario import Scenario, load_scenario
+from atlas_drake.scenario import Scenario, load_scenario, scenario_from
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
@@ -230,16 +230,41 @@ WITH_SCHEMA = sorted(
 @pytest.mark.parametrize("path", WITH_SCHEMA, ids=lambda path: path.stem)
 def test_the_first_line_of_a_file_names_a_schema_that_it_keeps(path):
     text = path.read_text(encoding="utf-8")
-    schema = (path.parent / NAMED.match(text)[1]).resolve()
-    known = Registry().with_resources(
-        (one.name, Resource(json.loads(one.read_text(encoding="utf-8")), DRAFT202012))
-        for one in schema.parent.glob("*.json")
-    )
-    checker = Draft202012Validator(known.contents(schema.name), registry=known)
+    checker = schema_checker((path.parent / NAMED.match(text)[1]).resolve())
     checker.validate(yaml_load(data=text))
     # An unknown field is refused.
     with pytest.raises(ValidationError, match="unexpected"):
         checker.validate({**yaml_load(data=text), "colour": "red"})
+
+
+def schema_checker(schema):
+    known = Registry().with_resources(
+        (one.name, Resource(json.loads(one.read_text(encoding="utf-8")), DRAFT202012))
+        for one in schema.parent.glob("*.json")
+    )
+    return Draft202012Validator(known.contents(schema.name), registry=known)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "controller: {walk: {limits: {duration: 0.7}}}",
+        "controller: {walk: {limits: {duration: [0.7, 2.0]}}}",
+        "noise: rough",
+        "noise: {gyro: 0.1}",
+        "state: true",
+    ],
+)
+def test_the_schema_of_scenarios_takes_the_short_forms_of_values(text):
+    checker = schema_checker(ROOT / "docs/reference/schema/scenario.schema.json")
+    checker.validate(yaml_load(data=text))
+    scenario_from(yaml_load(data=text))
+
+
+def test_the_schema_of_scenarios_refuses_an_unknown_name_of_noise():
+    checker = schema_checker(ROOT / "docs/reference/schema/scenario.schema.json")
+    with pytest.raises(ValidationError, match="loud"):
+        checker.validate({"noise": "loud"})
 
 
 def test_every_field_of_the_interfaces_messages_is_explained(pages):

@@ -28,7 +28,7 @@ from atlas_drake.app.outputs import (
     realtime_rate,
     video_asked_for,
 )
-from atlas_drake.app.progress import Progress
+from atlas_drake.app.progress import Progress, StatusLine
 from atlas_drake.app.run import PIECE, quiet_logs
 from atlas_drake.diagrams.replay import make_replay
 from atlas_drake.errors import did_you_mean
@@ -53,13 +53,7 @@ of the run that ``run.mcap`` logs."""
 
 
 def plot_log(options: argparse.Namespace) -> int:
-    """Draws the figures of a log.
-
-    Args:
-        options: Options of ``atlas-drake plot``.
-
-    Returns:
-        The exit status.
+    """Draws the figures of a log; returns the exit status.
 
     Raises:
         LogError: If the log cannot be read or a file cannot be made.
@@ -118,13 +112,7 @@ def _drawing(file: Path) -> Callable[[Page, Path], None]:
 
 
 def replay_log(options: argparse.Namespace) -> int:
-    """Plays a log in the 3D view, or films it.
-
-    Args:
-        options: Options of ``atlas-drake replay``.
-
-    Returns:
-        The exit status.
+    """Plays a log in the 3D view, or films it; returns the exit status.
 
     Raises:
         LogError: If the log cannot be read, or there is nothing to do.
@@ -202,10 +190,5 @@ def _play(
 
 
 def _read(path: Path) -> Log:
-    _say(f"Reading {path} ...")
+    StatusLine(sys.stdout).say(f"Reading {path} ...")
     return read_log(path)
-
-
-def _say(line: str) -> None:
-    sys.stdout.write(line + "\n")
-    sys.stdout.flush()

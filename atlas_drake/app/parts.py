@@ -32,10 +32,7 @@ def add_parts_option(parser: argparse._ActionsContainer) -> None:
 
 
 def load_parts(path: Path | None) -> dict[str, Any]:
-    """Runs a file and takes the parts that it defines.
-
-    Args:
-        path: Path of the file; None for no parts.
+    """Runs a file, if there is one, and takes the parts that it defines.
 
     Returns:
         Arguments of ``AtlasSimulation``. If a callable of a part fails while the
@@ -87,12 +84,7 @@ def _guarded(part: Any, name: str, path: Path) -> Any:
 
 
 def behaviors_told(arguments: Sequence[str]) -> str:
-    """Makes the text of ``--help`` about the behaviors.
-
-    Args:
-        arguments: Arguments of the command line; behaviors of a ``--with`` file are
-            included.
-    """
+    """Makes the text of ``--help`` about the behaviors, with those of ``--with``."""
     from atlas_drake.messages.behavior_catalog import SHIPPED
 
     parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)

@@ -63,14 +63,10 @@ def run_file(options: argparse.Namespace) -> int:
 
 
 def scenario_of(options: argparse.Namespace, name: str) -> Scenario:
-    """Reads the scenario of a command, and says so if the file is a campaign.
-
-    Args:
-        options: Options of the command line.
-        name: Name of the default scenario, for a command without a file.
+    """Reads the scenario of a command; without a file it is the default of this name.
 
     Raises:
-        ScenarioError: If the file is not a valid scenario.
+        ScenarioError: If the file is not a valid scenario; says so if it is a campaign.
     """
     path = options.scenario
     if path is None:

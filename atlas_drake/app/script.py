@@ -28,13 +28,7 @@ from atlas_drake.simulation import AtlasSimulation
 
 
 def run_script(options: argparse.Namespace) -> int:
-    """Runs a program on the robot of a scenario.
-
-    Args:
-        options: Options of ``atlas-drake script``.
-
-    Returns:
-        The exit status.
+    """Runs a program on the robot of a scenario; returns the exit status.
 
     Raises:
         ScriptError: If the program is not valid Python.

@@ -42,10 +42,7 @@ RESULTS = Path("results")
 
 
 def sweep(options: argparse.Namespace) -> int:
-    """Runs a campaign, or one trial of it, as the command line asks for.
-
-    Returns:
-        The exit status.
+    """Runs a campaign, or one trial of it; returns the exit status.
 
     Raises:
         ScenarioError: If anything asked for cannot be done.

@@ -16,12 +16,7 @@ from atlas_drake.app.options import (
 
 
 def add_sweep_commands(commands: Any, lost: str) -> None:
-    """Adds the commands.
-
-    Args:
-        commands: The sub-commands that there are.
-        lost: What the help says of lost files.
-    """
+    """Adds the commands; ``lost`` is what the help says of lost files."""
     status = f"2 bad input, {lost}, 130 stopped by Ctrl-C"
     parser = commands.add_parser(
         "sweep",

@@ -30,13 +30,7 @@ from atlas_drake.visualization.viewer import interactive, open_on_desktop, start
 
 
 def run_teleop(options: argparse.Namespace) -> int:
-    """Runs teleoperation until Ctrl-C, or for ``options.duration`` [s].
-
-    Args:
-        options: Options of ``atlas-drake teleop``.
-
-    Returns:
-        The exit status.
+    """Runs until Ctrl-C, or for ``options.duration`` [s]; returns the exit status.
 
     Raises:
         ScenarioError: If an option cannot be used; raised before the run.

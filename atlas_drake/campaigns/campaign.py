@@ -16,7 +16,13 @@ from atlas_drake.campaigns.conditions import check_conditions
 from atlas_drake.campaigns.distributions import check_distribution, example
 from atlas_drake.campaigns.errors import CampaignError
 from atlas_drake.checked import checked
-from atlas_drake.configuration import Configuration, NotNegative, Positive, Share
+from atlas_drake.configuration import (
+    CheckedOnce,
+    Configuration,
+    NotNegative,
+    Positive,
+    Share,
+)
 from atlas_drake.errors import ScenarioError, shown
 from atlas_drake.scenario import Scenario, with_values
 from atlas_drake.scenario.scenario import Seed
@@ -70,7 +76,7 @@ class Threshold(Configuration):
 
 
 @dataclass(frozen=True)
-class Campaign(Configuration):
+class Campaign(CheckedOnce):
     """Many runs of one scenario, each with its own seed."""
 
     name: str = "campaign"
@@ -120,6 +126,8 @@ class Campaign(Configuration):
         Raises:
             ScenarioError: Naming the first field that cannot be used.
         """
+        if self.is_checked:
+            return self
         valid: Campaign = checked(Campaign, self)
         return valid
 
@@ -127,6 +135,7 @@ class Campaign(Configuration):
         """Checks the conditions, and that the fields accept the values that vary."""
         check_conditions(self.success)
         self.check_values()
+        self.mark_checked()
 
     def check_values(self, behaviors: Iterable[BehaviorEntry] | None = None) -> None:
         """Checks that the fields accept the values that vary.

@@ -2,35 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
 
 from atlas_drake.campaigns.errors import CampaignError, check_packages
-from atlas_drake.campaigns.intervals import mcnemar, mean_interval
 from atlas_drake.campaigns.report import (
+    LEVEL,
     figure_names,
-    is_number,
     markdown,
     share_text,
 )
+from atlas_drake.campaigns.threshold import Record, Records
+from atlas_drake.numeric import is_number
 
-Record = Mapping[str, Any]
 Pairs = list[tuple[Record, Record]]
 
 
-def compare(
-    first: Mapping[int, Record], second: Mapping[int, Record], names: tuple[str, str]
-) -> str:
+def compare(first: Records, second: Records, names: tuple[str, str]) -> str:
     """Returns the differences of two campaigns as Markdown.
 
-    Trials with the same number make a pair; trials without a partner are left out.
-
-    Args:
-        first: Records of one campaign by the number of their trial.
-        second: Records of the other campaign.
-        names: Names of the campaigns in the tables.
+    Trials with the same number, the key of their record, make a pair; trials without a
+    partner are left out.
 
     Raises:
         CampaignError: If there is no pair, the seeds of a pair differ, or a package of
@@ -91,3 +84,25 @@ def _figures(pairs: Pairs, names: tuple[str, str]) -> str:
         )
     head = ["mean of", *names, "paired difference, with its interval of 95 %"]
     return markdown(head, table)
+
+
+def mcnemar(only_first: int, only_second: int) -> float:
+    """Returns McNemar's exact two-sided p-value that two success rates are equal.
+
+    The arguments are the numbers of pairs of which only one succeeded.
+    """
+    from scipy.stats import binomtest
+
+    discordant = only_first + only_second
+    return float(binomtest(only_first, discordant).pvalue) if discordant else 1.0
+
+
+def mean_interval(values: Sequence[float]) -> tuple[float, float] | None:
+    """Returns Student's t interval of a mean; None for fewer than two values."""
+    from scipy.stats import sem, t
+
+    if len(values) < 2:
+        return None
+    mean = sum(values) / len(values)
+    half = t.ppf(0.5 + 0.5 * LEVEL, len(values) - 1) * sem(values)
+    return float(mean - half), float(mean + half)

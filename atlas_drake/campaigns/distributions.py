@@ -31,17 +31,10 @@ def is_distribution(value: object) -> bool:
 
 
 def check_distribution(value: object, path: str) -> dict[str, Any]:
-    """Checks a distribution.
-
-    Args:
-        value: Value read from YAML.
-        path: Path of the field, for the error.
-
-    Returns:
-        The distribution with numbers of type float.
+    """Returns a distribution with numbers of type float.
 
     Raises:
-        CampaignError: If the value is not a distribution.
+        CampaignError: Naming the ``path``, if the value is not a distribution.
     """
     if not isinstance(value, Mapping) or len(value) != 1:
         raise CampaignError(
@@ -73,30 +66,15 @@ def _allowed(kind: str, first: float, second: float) -> bool:
 
 
 def _numbers(values: object) -> list[float] | None:
-    """Converts finite numbers; YAML reads 1e-3 as text. Returns None for others."""
-    if isinstance(values, str) or not isinstance(values, Sequence):
+    """Converts finite numbers; returns None for others."""
+    if not isinstance(values, Sequence) or not all(map(is_number, values)):
         return None
-    numbers: list[float] = []
-    for value in values:
-        if not (is_number(value) or isinstance(value, str)):
-            return None
-        try:
-            number = float(value)
-        except ValueError:
-            return None
-        if not math.isfinite(number):
-            return None
-        numbers.append(number)
-    return numbers
+    numbers = [float(value) for value in values]
+    return numbers if all(map(math.isfinite, numbers)) else None
 
 
 def draw(distribution: Mapping[str, Any], random: np.random.Generator) -> Any:
-    """Draws one value.
-
-    Args:
-        distribution: Result of ``check_distribution``.
-        random: Generator to draw from, once.
-    """
+    """Draws one value of a valid distribution, by one call of the generator."""
     ((kind, given),) = distribution.items()
     if kind == "choice":
         return given[int(random.integers(len(given)))]

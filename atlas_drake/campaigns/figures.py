@@ -5,7 +5,6 @@ Needs matplotlib.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -14,17 +13,17 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from atlas_drake.campaigns.campaign import Campaign
-from atlas_drake.campaigns.intervals import share_interval
 from atlas_drake.campaigns.plan import case_list
 from atlas_drake.campaigns.report import (
     figure_names,
     figure_values,
+    share_interval,
     varied_paths,
 )
-from atlas_drake.campaigns.threshold import Search
+from atlas_drake.campaigns.threshold import Record, Records, Search
+from atlas_drake.numeric import is_number
 from atlas_drake.whole_file import whole_file
 
-Records = Mapping[int, Mapping[str, Any]]
 BINS, SECTORS = 8, 12
 """Numbers of groups of trials, by a value and by a direction."""
 HISTOGRAM_BINS = 20
@@ -38,15 +37,7 @@ DIRECTION = ("direction", ".direction")
 
 
 def write_figures(campaign: Campaign, records: Records, folder: Path) -> list[Path]:
-    """Draws every picture for which the results have numbers.
-
-    Args:
-        campaign: The campaign.
-        records: Records by the number of their trial.
-        folder: Folder of the pictures.
-
-    Returns:
-        Paths of the pictures.
+    """Draws every picture for which the results have numbers; returns their paths.
 
     Raises:
         OSError: If a picture cannot be written.
@@ -72,10 +63,9 @@ def write_figures(campaign: Campaign, records: Records, folder: Path) -> list[Pa
     return written
 
 
-def _numbers(rows: list[Mapping[str, Any]], path: str) -> np.ndarray:
+def _numbers(rows: list[Record], path: str) -> np.ndarray:
     values = [row["values"].get(path) for row in rows]
-    kept = [v for v in values if isinstance(v, int | float) and not isinstance(v, bool)]
-    return np.array(kept, dtype=float)
+    return np.array([value for value in values if is_number(value)], dtype=float)
 
 
 def _grid(count: int, across: int = 3) -> tuple[Figure, list[Any]]:
@@ -90,7 +80,7 @@ def _grid(count: int, across: int = 3) -> tuple[Figure, list[Any]]:
     return figure, axes[:count]
 
 
-def _by_value(rows: list[Mapping[str, Any]], paths: list[str]) -> Figure:
+def _by_value(rows: list[Record], paths: list[str]) -> Figure:
     """Draws the share of successes over each value, with Wilson's intervals."""
     figure, all_axes = _grid(len(paths))
     success = np.array([row["success"] for row in rows], dtype=bool)
@@ -174,7 +164,7 @@ def _draw_thresholds(
     axes.set_title(f"{campaign.threshold.of}, largest borne", fontsize=9)
 
 
-def _distributions(rows: list[Mapping[str, Any]]) -> Figure:
+def _distributions(rows: list[Record]) -> Figure:
     """Draws a histogram of each figure, of successes and of failures."""
     names = figure_names(rows)
     figure, all_axes = _grid(len(names), 4)

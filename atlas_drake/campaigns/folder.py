@@ -26,6 +26,7 @@ from atlas_drake.campaigns.errors import CampaignError
 from atlas_drake.campaigns.sources import Sources
 from atlas_drake.checked import as_plain, checked
 from atlas_drake.errors import shown
+from atlas_drake.simulation.restart import flat
 from atlas_drake.whole_file import whole_file
 
 CAMPAIGN, TRIALS = "campaign.yaml", "trials"
@@ -260,23 +261,10 @@ def _fingerprint() -> str:
 def _difference(before: Any, now: Any) -> tuple[str, Any, Any] | None:
     """Returns path and both values of the first difference that matters, or None."""
     one, other = (
-        {**found, "campaign": {k: v for k, v in fields.items() if k not in FREE}}
+        flat({**found, "campaign": {k: v for k, v in fields.items() if k not in FREE}})
         for found, fields in ((before, before["campaign"]), (now, now["campaign"]))
     )
-    found = _first_difference(one, other, "")
-    if found is None:
-        return None
-    return found[0].removeprefix("campaign."), found[1], found[2]
-
-
-def _first_difference(one: Any, other: Any, path: str) -> tuple[str, Any, Any] | None:
-    if isinstance(one, Mapping) and isinstance(other, Mapping):
-        for name in {**one, **other}:
-            where = f"{path}.{name}" if path else str(name)
-            if name not in one or name not in other:
-                return where, one.get(name), other.get(name)
-            found = _first_difference(one[name], other[name], where)
-            if found is not None:
-                return found
-        return None
-    return None if one == other else (path, one, other)
+    for path in {**one, **other}:
+        if one.get(path) != other.get(path):
+            return path.removeprefix("campaign."), one.get(path), other.get(path)
+    return None

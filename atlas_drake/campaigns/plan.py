@@ -45,9 +45,7 @@ def case_list(campaign: Campaign) -> list[dict[str, Any]]:
 def number_of_trials(campaign: Campaign, trials: int | None = None) -> int | None:
     """Returns the number of all trials; None for a threshold, where results decide.
 
-    Args:
-        campaign: The campaign.
-        trials: Number of trials of each case; None for the campaign's number.
+    ``trials`` is the number of each case; None is the campaign's.
     """
     if campaign.threshold is not None:
         return None
@@ -66,12 +64,8 @@ def make_trial(campaign: Campaign, number: int, level: int | None = None) -> Tri
     """Makes the trial with this number.
 
     Numbers count cases first, then replicas, then levels of a threshold. The numbers of
-    existing trials therefore stay the same when trials are added.
-
-    Args:
-        campaign: The campaign.
-        number: Number of the trial.
-        level: Level in the grid of a threshold; None without threshold.
+    existing trials therefore stay the same when trials are added. ``level`` is that in
+    the grid of a threshold, None without threshold.
     """
     cases = case_list(campaign)
     replica, case = divmod(number, len(cases))

@@ -94,9 +94,6 @@ class Processes:
     def calls(self, items: Iterable[Any]) -> Iterator[Outcome]:
         """Calls the function with each item.
 
-        Args:
-            items: Arguments, one per call.
-
         Yields:
             Outcomes in the order in which the calls end.
         """

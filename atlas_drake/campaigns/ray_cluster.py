@@ -56,9 +56,6 @@ class RayCluster:
     def calls(self, items: Iterable[Any]) -> Iterator[Outcome]:
         """Calls the function with each item, each on one processor.
 
-        Args:
-            items: Arguments, one per call.
-
         Yields:
             Outcomes in the order in which the calls end.
         """

@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, TypeGuard
+from collections.abc import Iterable, Sequence
+from typing import Any
 
 import numpy as np
 
 from atlas_drake.campaigns.campaign import Campaign
 from atlas_drake.campaigns.conditions import figure_of
-from atlas_drake.campaigns.intervals import share_interval
 from atlas_drake.campaigns.plan import case_list
-from atlas_drake.campaigns.threshold import Search
+from atlas_drake.campaigns.threshold import Record, Records, Search
+from atlas_drake.numeric import is_number
 
-Record = Mapping[str, Any]
-Records = Mapping[int, Record]
 SHOWN_ERRORS = 3
 """Largest number of different errors in a report."""
+LEVEL = 0.95
+"""Confidence level of every interval [-]."""
 
 
 def report(campaign: Campaign, records: Records) -> str:
@@ -29,6 +29,15 @@ def report(campaign: Campaign, records: Records) -> str:
     texts = (_figures_table(rows), _missed(campaign, rows), _failures(rows))
     parts += [text for text in texts if text]
     return "\n\n".join(parts) + "\n"
+
+
+def share_interval(successes: int, trials: int) -> tuple[float, float]:
+    """Returns Wilson's score interval of a probability, from 1 trial or more."""
+    # Scipy takes a second to load.
+    from scipy.stats import binomtest
+
+    interval = binomtest(successes, trials).proportion_ci(LEVEL, method="wilson")
+    return float(interval.low), float(interval.high)
 
 
 def share_text(successes: int, trials: int) -> str:
@@ -67,11 +76,6 @@ def figure_values(rows: Iterable[Record], name: str) -> list[float]:
     """Returns the numbers of a figure, of the trials that have it."""
     found = (row["figures"].get(name) for row in rows)
     return [float(value) for value in found if is_number(value)]
-
-
-def is_number(value: object) -> TypeGuard[float]:
-    """Returns True for a number of a record, which a truth value is not."""
-    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def _success_table(campaign: Campaign, rows: list[Record]) -> str:

@@ -5,7 +5,6 @@ The Parquet table has one row for each trial, in the order of their numbers.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -13,6 +12,7 @@ from typing import Any
 from atlas_drake.campaigns.errors import check_packages
 from atlas_drake.campaigns.folder import CampaignFolder
 from atlas_drake.campaigns.report import report
+from atlas_drake.campaigns.threshold import Record, Records
 from atlas_drake.whole_file import whole_file
 
 REPORT = "report.md"
@@ -24,8 +24,6 @@ VALUE = "set "
 FIGURE = "figure "
 """Prefix of a figure's column if another column has the figure's name."""
 SEED = "seed"
-
-Records = Mapping[int, Mapping[str, Any]]
 
 
 def write_results(folder: CampaignFolder) -> tuple[str, list[Path]]:
@@ -55,7 +53,7 @@ def write_results(folder: CampaignFolder) -> tuple[str, list[Path]]:
     return text, written
 
 
-def _row(record: Mapping[str, Any]) -> dict[str, Any]:
+def _row(record: Record) -> dict[str, Any]:
     """Returns a record without its nesting."""
     own = {
         "trial": record["trial"],

@@ -6,11 +6,11 @@ Results do not depend on the number of processes or machines.
 from __future__ import annotations
 
 import pickle
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 from atlas_drake.campaigns.campaign import Campaign
 from atlas_drake.campaigns.errors import CampaignError
@@ -21,6 +21,9 @@ from atlas_drake.campaigns.sources import Sources, joined
 from atlas_drake.campaigns.threshold import Search
 from atlas_drake.campaigns.trial_runner import TrialRunner, failed
 from atlas_drake.errors import shown
+
+if TYPE_CHECKING:
+    from atlas_drake.campaigns.ray_cluster import RayCluster
 
 Records = dict[int, dict[str, Any]]
 
@@ -140,17 +143,10 @@ def missing_trials(campaign: Campaign, records: Records, shard: Shard) -> list[T
     ]
 
 
-class _Workers(Protocol):
-    """Processes or a cluster that run trials."""
-
-    def calls(self, items: Iterable[Any]) -> Iterator[Outcome]: ...
-
-    def close(self) -> None: ...
-
-
 def _workers(
     trial_runner: TrialRunner, limit: float, jobs: int, ray: str | None
-) -> _Workers:
+) -> Processes | RayCluster:
+    """Returns what runs trials: processes, or a cluster."""
     if ray is None:
         return Processes(pickle.dumps(trial_runner), jobs, limit)
     # Ray loads only if it is used.

@@ -76,9 +76,7 @@ class Sources:
     def fingerprints(self, names: Iterable[str] = ()) -> list[dict[str, str]]:
         """Returns name and hash of each file, to detect changes.
 
-        Args:
-            names: Functions in the campaign; the files of ``module:function`` are
-                included.
+        The files of the functions ``names`` with the form ``module:function`` count.
         """
         modules = [importlib.import_module(n.split(":")[0]) for n in names if ":" in n]
         given = [*modules, *self.functions.values(), *self.parts.values()]

@@ -12,7 +12,9 @@ from typing import Any
 from atlas_drake.campaigns.campaign import Campaign
 from atlas_drake.campaigns.plan import Trial, case_list, make_trial
 
-Records = Mapping[int, Mapping[str, Any]]
+Record = Mapping[str, Any]
+"""The result of a trial."""
+Records = Mapping[int, Record]
 """Records by the number of their trial."""
 
 

@@ -162,13 +162,7 @@ def world_of(models: Sequence[Model]) -> list[WorldMaker]:
 def set_velocities(
     models: Sequence[Model], plant: MultibodyPlant, context: Context
 ) -> None:
-    """Give the models of a scenario their initial velocities.
-
-    Args:
-        models: Models of the scenario.
-        plant: Plant with the models.
-        context: Context of the plant.
-    """
+    """Give the models of a scenario their initial velocities in a plant's context."""
     for model, name in zip(models, _names(models), strict=True):
         if model.V_WB is not None:
             base = _free_base(plant, name, "V_WB")

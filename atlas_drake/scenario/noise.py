@@ -5,7 +5,7 @@ Context cloned without hidden random state.
 """
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Literal
 
 import numpy as np
 
@@ -46,7 +46,8 @@ REFERENCE_IMU = {
 }
 """The IMU of the simulator that this project re-creates."""
 
-NOISE_MODELS = {
+NoiseName = Literal["none", "reference", "rough"]
+NOISE_MODELS: dict[str, NoiseModel] = {
     "none": NoiseModel(),
     "reference": NoiseModel(**REFERENCE_IMU),
     "rough": NoiseModel(**REFERENCE_IMU, joint_position=2.0e-4, joint_velocity=2.0e-2),
@@ -55,8 +56,8 @@ NOISE_MODELS = {
 encoders."""
 
 
-def noise_model(given: Any) -> Any:
-    """Returns the model of a name; anything else is returned as it is.
+def noise_model(given: NoiseModel | str) -> NoiseModel:
+    """Returns the model of a name; anything but a text is returned as it is.
 
     Raises:
         ValueError: If no model has the name.

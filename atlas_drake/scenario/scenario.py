@@ -3,10 +3,11 @@
 One dataclass, one comment per field, all defaults here. ``simulation`` runs a scenario.
 """
 
+import functools
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, Literal
 
 from annotated_types import Interval
 from pydantic import BeforeValidator, Strict
@@ -17,7 +18,7 @@ from pydrake.systems.analysis import SimulatorConfig
 from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.checked import As, OfDrake, as_plain, checked
-from atlas_drake.configuration import Configuration, NotNegative, Positive
+from atlas_drake.configuration import CheckedOnce, Configuration, NotNegative, Positive
 from atlas_drake.control.estimation.leg_odometry import OdometryTuning
 from atlas_drake.errors import (
     InvalidMessageError,
@@ -33,9 +34,8 @@ from atlas_drake.scenario.drake_configs import (
     checked_plant_config,
     plant_config,
 )
-from atlas_drake.scenario.harness import HarnessGains
 from atlas_drake.scenario.models import Model, models_beside
-from atlas_drake.scenario.noise import NoiseModel, noise_model
+from atlas_drake.scenario.noise import NoiseModel, NoiseName, noise_model
 from atlas_drake.scenario.paths import is_path, put
 from atlas_drake.scenario.pushes import PlannedPush
 from atlas_drake.scenario.terrain import START_REACH, Block, Place
@@ -110,11 +110,27 @@ class Start(Configuration):
             )
 
 
-@dataclass(frozen=True, eq=False)
-class Scenario(Configuration):
-    """All settings of a run."""
+@dataclass(frozen=True)
+class HarnessGains(Configuration):
+    """Gains that hold the robot; the defaults are stable at every physics step."""
 
-    _is_checked: ClassVar[bool] = False
+    natural_frequency: Positive = 12.0
+    """Natural frequency of the robot's mass on the harness [rad/s]."""
+    damping_ratio: NotNegative = 1.0
+    """Damping ratio of the robot's mass on the harness [-]."""
+    rotational_stiffness: NotNegative = 4000.0
+    """Rotational stiffness at the pelvis [N·m/rad]."""
+    rotational_damping: NotNegative = 300.0
+    """Rotational damping at the pelvis [N·m·s/rad]."""
+    lowering_speed: Positive = 0.10
+    """Speed at which a released robot is lowered [m/s]."""
+    fading_time: Positive = 1.0
+    """Time in which the harness transfers its load to the legs after lowering [s]."""
+
+
+@dataclass(frozen=True, eq=False)
+class Scenario(CheckedOnce):
+    """All settings of a run."""
 
     name: str = "sandbox"
     """Text that is shown to the user."""
@@ -175,14 +191,19 @@ class Scenario(Configuration):
     """Gains of the harness, for a robot that starts in it."""
     pushes: list[PlannedPush] = field(default_factory=list)
     """Pushes on the robot, each at a time or at a phase of its gait."""
-    noise: Annotated[NoiseModel | str, As(NoiseModel), BeforeValidator(noise_model)] = (
-        field(default_factory=NoiseModel)
-    )
+    noise: Annotated[
+        NoiseModel | NoiseName,
+        As(NoiseModel),
+        BeforeValidator(noise_model, json_schema_input_type=NoiseModel | NoiseName),
+    ] = field(default_factory=NoiseModel)
     """Noise of the sensors: ``none``, ``reference`` (the IMU of DRCSim's simulator),
     ``rough`` (that, and noisy joint encoders), or fields."""
     state: Annotated[
         Literal["true", "estimated"],
-        BeforeValidator(lambda value: "true" if value is True else value),
+        BeforeValidator(
+            lambda value: "true" if value is True else value,
+            json_schema_input_type=Literal["true", "estimated", True],
+        ),
     ] = "true"
     """State that the behaviors read: the true state with the noise of
     the sensors, or the state estimated from IMU, joints and loads on the feet. A bare
@@ -203,7 +224,9 @@ class Scenario(Configuration):
     def resolved(self, behaviors: Iterable[BehaviorEntry] = ()) -> "Scenario":
         """Returns a valid copy in which every field is as a simulation uses it.
 
-        The steps stay as they were given; a station rounds both to a common grid.
+        A path of a robot's file is absolute, so that it is valid in another working
+        folder, too. The steps stay as they were given; a station rounds both to a
+        common grid.
 
         Args:
             behaviors: Entries of the user's own behaviors.
@@ -214,14 +237,13 @@ class Scenario(Configuration):
         valid = self.validate()
         period = valid.control_period or nominal_period(valid.physics_step)
         plant = checked_plant_config(valid.plant, valid.physics_step)
-        return _passed(
-            replace(
-                valid,
-                control_period=period,
-                plant=plant,
-                controller=valid.controller_config(behaviors),
-            )
-        )
+        return replace(
+            valid,
+            model=model_beside(valid.model, Path.cwd()),
+            control_period=period,
+            plant=plant,
+            controller=valid.controller_config(behaviors),
+        ).mark_checked()
 
     def validate(self) -> "Scenario":
         """Returns the scenario with every field checked and of its declared type.
@@ -229,10 +251,11 @@ class Scenario(Configuration):
         Raises:
             ScenarioError: Naming the first field that cannot be used.
         """
-        if self._is_checked:
+        if self.is_checked:
             return self
         given = replace(self, world=self.surroundings())
-        return _passed(checked(Scenario, given, base=Scenario()))
+        valid: Scenario = checked(Scenario, given, base=Scenario())
+        return valid
 
     def check(self) -> None:
         """Checks what files and other fields decide."""
@@ -254,6 +277,7 @@ class Scenario(Configuration):
         if not self.friction_jitter < self.ground_friction:
             wanted = f"below the ground's friction ({self.ground_friction})"
             raise self._refusal("friction_jitter", wanted)
+        self.mark_checked()
 
     def _refusal(self, name: str, wanted: str) -> ScenarioError:
         value = getattr(self, name)
@@ -271,6 +295,18 @@ class Scenario(Configuration):
         Raises:
             ScenarioError: If there is no such robot, or a value cannot be used.
         """
+        if behaviors is None:
+            return self._known_config
+        return self._make_config(behaviors)
+
+    @functools.cached_property
+    def _known_config(self) -> ControllerConfig:
+        """The parameters but for those of the user's own behaviors."""
+        return self._make_config(None)
+
+    def _make_config(
+        self, behaviors: Iterable[BehaviorEntry] | None
+    ) -> ControllerConfig:
         if isinstance(self.controller, ControllerConfig):
             return self.controller
         try:
@@ -328,22 +364,6 @@ class Scenario(Configuration):
             raise ScenarioError(
                 "initial_behavior", self.initial_behavior, error.problem
             ) from error
-
-
-def check_seed(value: object) -> int:
-    """Checks a seed of noise and jitter.
-
-    Args:
-        value: The given value.
-
-    Returns:
-        The seed as Python's own number.
-
-    Raises:
-        ScenarioError: If it cannot be used.
-    """
-    seed: int = checked(Seed, value, "seed")
-    return seed
 
 
 def starting_behavior(
@@ -426,13 +446,8 @@ def scenario_from(
     if "world" in fields:
         world = world_from(fields["world"], present)
         fields = {**fields, "world": world}
-    return _passed(checked(Scenario, fields, base=base, from_text=True))
-
-
-def _passed(scenario: Scenario) -> Scenario:
-    """Marks a scenario as checked; ``replace`` makes one that is not."""
-    object.__setattr__(scenario, "_is_checked", True)
-    return scenario
+    made: Scenario = checked(Scenario, fields, base=base, from_text=True)
+    return made
 
 
 def with_settings(scenario: Scenario, settings: Iterable[str]) -> Scenario:

@@ -48,10 +48,6 @@ def listed(world: Iterable[WorldMaker]) -> tuple[WorldMaker, ...]:
 def add_world(plant: MultibodyPlant, world: Sequence[WorldMaker]) -> None:
     """Add everything beside robot and ground to a plant (before Finalize).
 
-    Args:
-        plant: Plant to add to.
-        world: The callables, in order.
-
     Raises:
         WorldError: If one of them is not callable, or finalizes the plant.
     """
@@ -75,13 +71,7 @@ def world_instances(
 
 
 def put_world_back(plant: MultibodyPlant, context: Context, robot: Robot) -> None:
-    """Reset every model beside the robot to its default state.
-
-    Args:
-        plant: Plant with the robot.
-        context: Context of the plant; the robot's state stays.
-        robot: Robot in the plant.
-    """
+    """Reset every model beside the robot to its default state; the robot's stays."""
     instances = world_instances(plant, robot)
     if not instances:
         return
@@ -110,12 +100,9 @@ def overlaps_with_world(
 ) -> list[Overlap]:
     """Return where the robot is inside other models; a touch is a small depth.
 
-    Args:
-        plant: With the robot.
-        context: Of the plant. Where it is not part of the context of a diagram with
-            the scene graph, nothing is known, and nothing returned.
-        robot: In the plant.
-        but: Names of geometries of the world body that do not count.
+    Geometries of the world body whose names are in ``but`` do not count. Where the
+    context is not part of that of a diagram with the scene graph, nothing is known, and
+    nothing returned.
     """
     port = plant.get_geometry_query_input_port()
     if not port.HasValue(context):

@@ -1,14 +1,13 @@
 """``AtlasSimulation``: builds one robot's diagram, publishes, advances, reads, resets.
 
-The diagram and its runs are in ``run_diagram``, events in ``run_log``, logs, videos and
-listeners in ``sinks``.
+``building`` makes the parts, ``run_diagram`` holds the diagram of a run, ``run_log``
+its events.
 """
 
 from __future__ import annotations
 
 import math
 import time
-from array import array
 from collections.abc import Callable, Iterable, Iterator, MutableSequence, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
@@ -22,8 +21,6 @@ from pydrake.math import RigidTransform
 from pydrake.systems.framework import Context
 
 from atlas_drake.behaviors.entry import BehaviorEntry
-from atlas_drake.behaviors.registration import registered
-from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.checked import checked
 from atlas_drake.diagrams.control_mode_switch import Extend
 from atlas_drake.diagrams.controller_socket import ControllerSource
@@ -42,27 +39,18 @@ from atlas_drake.messages import (
     Imu,
     check_command,
 )
-from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.messages.checks import check_number
 from atlas_drake.messages.event import Event
 from atlas_drake.numeric import as_float
-from atlas_drake.robot import load_robot
 from atlas_drake.scenario import Scenario, Start
-from atlas_drake.scenario.models import world_of
-from atlas_drake.scenario.scenario import check_seed, starting_behavior
-from atlas_drake.scenario.world import (
-    WorldMaker,
-    listed,
-)
-from atlas_drake.simulation.arguments import check_arguments
+from atlas_drake.scenario.scenario import Seed
+from atlas_drake.scenario.world import WorldMaker
+from atlas_drake.simulation.building import build
 from atlas_drake.simulation.fair_lock import FairLock
-from atlas_drake.simulation.pace import Pace
-from atlas_drake.simulation.programme import scheduled_programme
-from atlas_drake.simulation.restart import built_in_difference
-from atlas_drake.simulation.run_diagram import RunDiagram
+from atlas_drake.simulation.pace import steady_ticks
+from atlas_drake.simulation.restart import check_restart, start_of_reset
 from atlas_drake.simulation.run_log import RunLog
-from atlas_drake.simulation.sinks import FileSink, Listener, Sink
-from atlas_drake.simulation.steady import steady_ticks
+from atlas_drake.simulation.sinks import Sink
 from atlas_drake.simulation.summary import make_summary
 from atlas_drake.visualization.overlays import Overlays
 
@@ -75,6 +63,10 @@ CHUNK = 0.02
 
 class AtlasSimulation:
     """A simulated Atlas with joint controllers and behaviors.
+
+    Any thread may use any member but ``context``. Members that read an output or change
+    anything wait until the simulating thread pauses, every 20 ms of simulated time;
+    ``time``, ``events`` and the like give the state at the last pause.
 
     Attributes:
         scenario: The scenario that is simulated.
@@ -118,17 +110,15 @@ class AtlasSimulation:
             controller: Replaces the shipped controller: a System, or a callable
                 (robot, config: StationConfig) -> System. See
                 ``atlas_drake.diagrams.controller_socket`` for its ports.
-            behaviors: Behaviors added to those of the shipped controller. Commands
-                request them by name or number, see
+            behaviors: Behaviors added to those of the shipped controller, see
                 ``atlas_drake.behaviors.entry.BehaviorEntry``.
             world: Callables (plant) -> None that add models beside the robot before the
                 plant is finalized: a table, a ball. They are called again for a video.
             extend: Called with (builder, station) before the diagram is built, to add
                 systems of your own. ``output`` reads the ports that it exports.
             view: True opens a 3D view in the browser, prints its address, and shows
-                the run in real time; ``atlas_drake.visualization.viewer`` has more
-                choices. A Meshcat of yours is drawn in at full speed. None and
-                False show nothing.
+                the run in real time. A Meshcat of yours is drawn in at full speed; see
+                ``atlas_drake.visualization.viewer``. None and False show nothing.
             overlays: Plans of the controller that are shown there and in the video.
             recorded: True if Meshcat is recording already; then every picture is kept
                 for the recording. Otherwise pictures are left out while a viewer is too
@@ -149,82 +139,28 @@ class AtlasSimulation:
                 a model of it.
             BehaviorError: If a behavior cannot be registered.
         """
-        check_arguments(
-            scenario=scenario,
+        parts = build(
+            scenario,
+            controller=controller,
+            behaviors=behaviors,
+            world=world,
+            extend=extend,
             view=view,
             overlays=overlays,
+            recorded=recorded,
             video=video,
             on_event=on_event,
             log=log,
         )
-        self._own_behaviors = registered(behaviors)
-        self.scenario = (scenario or Scenario()).resolved(self._own_behaviors)
-        self.robot = load_robot(self.scenario.model)
-        self.behaviors = BehaviorCatalog((*SHIPPED_ENTRIES, *self._own_behaviors))
-        self._asked_model = self.scenario.model
-        # Absolute, so that it is valid in another working folder, too.
-        self.scenario = replace(self.scenario, model=self.robot.model)
-        self._programme = scheduled_programme(self.scenario, self.robot, self.behaviors)
-        self._tick_seconds = array("d")
-        self._lock = FairLock()
-        world = (*world_of(self.scenario.all_models()), *listed(world))
-        recorder = None
-        if log is not None:
-            # The modules for logs load only with a log.
-            from atlas_drake.logs.recorder import start_recorder
-
-            recorder = start_recorder(
-                Path(log),
-                self.scenario,
-                self.robot,
-                world,
-                self._tick_seconds,
-                self._own_behaviors,
-            )
-        try:
-            if view is True:
-                from atlas_drake.visualization.viewer import start_meshcat
-
-                self.meshcat = start_meshcat()
-            else:
-                self.meshcat = view or None
-            self._run = RunDiagram(
-                self.robot,
-                self.scenario,
-                self._programme,
-                self._tick_seconds,
-                controller=controller,
-                behaviors=self._own_behaviors,
-                world=world,
-                extend=extend,
-                meshcat=self.meshcat,
-                overlays=overlays,
-                recorded=recorded,
-                recorder=recorder,
-                video=video,
-                view=self.scenario.surroundings().view,
-            )
-        except BaseException:
-            if recorder is not None:
-                recorder.close()
-            raise
+        self.scenario, self.behaviors = parts.scenario, parts.behaviors
+        self.meshcat, self._sinks = parts.meshcat, parts.sinks
+        self._run, self._programme = parts.run, parts.programme
+        self._own_behaviors = parts.own_behaviors
+        self.robot, self.simulator = self._run.robot, self._run.simulator
         self.diagram, self.station = self._run.diagram, self._run.station
-        self.plant, self.simulator = self._run.plant, self._run.simulator
-        self._pace = Pace(self.simulator)
-        self._sinks: list[Sink] = []
-        if recorder is not None:
-            self._sinks.append(FileSink(Path(str(log)), recorder))
-        if video is not None:
-            film: Any = self.diagram.GetSubsystemByName("video")
-            self._sinks.append(FileSink(video.path, film))
-        if on_event is not None:
-            self._sinks.append(Listener(on_event))
+        self.plant = self._run.plant
+        self._lock = FairLock()
         self._note_begin()
-        if self.meshcat is not None:
-            # The modules for Meshcat load only with a 3D view.
-            from atlas_drake.visualization.scene import show_start
-
-            show_start(self.meshcat, self.scenario)
         if view is True:
             from atlas_drake.visualization.viewer import await_viewer
 
@@ -234,11 +170,9 @@ class AtlasSimulation:
 
     def _note_begin(self) -> None:
         """Starts the records of a run that begins."""
-        del self._tick_seconds[:]
-        self._log = RunLog(self._sinks)
+        self._log = RunLog(self._programme, self._sinks)
         self._error: str | None = None
         self._wall_time = 0.0
-        self._pace.forget_all()
 
     # ---- sinks ---------------------------------------------------------------
 
@@ -303,16 +237,15 @@ class AtlasSimulation:
     # ---- commands ------------------------------------------------------------
 
     def publish(self, message: AtlasCommand | AtlasSimInterfaceCommand) -> None:
-        """Sends a command; it takes effect at the next control update.
+        """Sends a copy of a command, which takes effect at the next control update.
 
-        The message is copied: the caller may go on changing and sending it. Messages
-        of one instant are taken in the order in which they are sent, and a message
-        that is sent again counts again.
+        Messages of one instant are taken in the order in which they are sent, and a
+        message that is sent again counts again.
 
-        Any thread may call this. While another thread simulates, the message is checked
-        here, and received before that thread simulates another 20 ms. A contradiction
-        to the commands in force then, such as a stamp before the last one, is not
-        raised but reported: by ``error_code``, and as an event.
+        While another thread simulates, the message is checked here, and received within
+        20 ms of simulated time. A contradiction to the commands in force then, such as
+        a stamp before the last one, is not raised but reported: by ``error_code``, and
+        as an event.
 
         Args:
             message: The command.
@@ -347,7 +280,7 @@ class AtlasSimulation:
         Args:
             body: Name of a link, such as ``utorso``.
             force_W: Force in W [N], shape (3,).
-            duration: How long [s], positive.
+            duration: Duration of the push [s], positive.
 
         Raises:
             InvalidMessageError: If there is no such body or a value is not a number.
@@ -359,14 +292,10 @@ class AtlasSimulation:
     # ---- time ----------------------------------------------------------------
 
     def advance(self, seconds: float) -> None:
-        """Simulates for a while.
+        """Simulates for some time; errors are those of ``advance_to``.
 
         Args:
-            seconds: How long [s].
-
-        Raises:
-            InvalidMessageError: If ``seconds`` is negative or not a number.
-            SimulationError: As ``advance_to`` does.
+            seconds: Simulated time [s], not negative.
         """
         self.advance_to(self.time + check_number(seconds, "seconds", 0.0))
 
@@ -396,7 +325,6 @@ class AtlasSimulation:
                     with self._lock:
                         # Another thread may have had a turn meanwhile.
                         if self.time < end - 1e-9:
-                            self._pace.forget_lost_time()
                             self._run.advance_to(min(end, self.time + CHUNK))
                             self._look()
         finally:
@@ -417,9 +345,9 @@ class AtlasSimulation:
 
         Args:
             condition: Called with the simulation, now and after every ``period``.
-            timeout: How long to wait for it at most [s], in simulated time.
+            timeout: Longest wait [s], in simulated time.
             what: The condition in words, for the error.
-            period: Simulated time between two looks [s].
+            period: Simulated time between two calls [s].
 
         Returns:
             How long it took [s], in simulated time.
@@ -458,9 +386,9 @@ class AtlasSimulation:
         Raises:
             InvalidMessageError: If ``rate`` is negative or not a number.
         """
-        checked = check_number(rate, "rate", 0.0)
+        rate = check_number(rate, "rate", 0.0)
         with self._lock:
-            self._pace.set_rate(checked)
+            self._run.pace.set_rate(rate)
 
     # ---- start ---------------------------------------------------------------
 
@@ -473,41 +401,32 @@ class AtlasSimulation:
     ) -> None:
         """Puts the robot back on its feet, with nothing in force but ``behavior``.
 
-        Joint controllers and behaviors return to their initial states, pushes end, and
-        the models of the world return to their initial poses. Time continues, and so
-        does the rest of a programme.
+        Joint controllers, behaviors and the models of the world return to their initial
+        states, and pushes end. Time continues, and so does the rest of a programme.
 
         With a ``seed`` a new run begins: time, programme, events and summary start from
         zero, and whatever the scenario jitters is drawn anew. Such a run equals that of
         a new simulation with this seed bit for bit, but begins much faster.
 
+        After an error the present run goes on as it was.
+
         Args:
-            seed: Seed of the new run; None continues the present run.
             behavior: STAND, STAND_PREP, USER or FREEZE; None is the scenario's.
             pose: Where to; None is where the run began. A harness holds the robot if
                 the scenario has one and ``pose.harnessed`` says so.
+            seed: Seed of the new run; None continues the present run.
 
         Raises:
             InvalidMessageError: If the robot cannot begin with that behavior.
             ScenarioError: If it cannot begin in that pose or with that seed, or while a
                 log or a video is written, which hold one run.
             WorldError: If the robot would begin inside a model of the world.
-
-        After an error the present run goes on as it was.
         """
         # All is checked before anything changes.
-        asked = self.scenario.initial_behavior if behavior is None else behavior
-        start = self.scenario.start if pose is None else pose
-        begin = starting_behavior(asked, "behavior", self.behaviors)
-        start = checked(Start, start, "pose")
-        start.check_behavior(begin)
-        if start.harnessed and not self.scenario.start.harnessed:
-            raise ScenarioError(
-                "start.harnessed", True, "needs a scenario that began in a harness"
-            )
-        where = None if pose is None else self.scenario.start_pose(pose)
+        begin, start = start_of_reset(self.scenario, self.behaviors, behavior, pose)
+        where = None if pose is None else self.scenario.start_pose(start)
         if seed is not None:
-            new = replace(self.scenario, seed=check_seed(seed))
+            new = replace(self.scenario, seed=checked(Seed, seed, "seed"))
             if where is not None:
                 self._run.check_reset(new, start, where)
             self._begin_anew(new)
@@ -538,11 +457,7 @@ class AtlasSimulation:
                 present run is then unchanged.
         """
         asked = scenario.resolved(self._own_behaviors)
-        if asked.model == self._asked_model:
-            asked = replace(asked, model=self.robot.model)
-        field = built_in_difference(self.scenario, asked)
-        if field is not None:
-            raise ScenarioError(field, None, "is changed, and needs a new simulation")
+        check_restart(self.scenario, asked)
         self._begin_anew(asked)
 
     def _begin_anew(self, scenario: Scenario) -> None:
@@ -572,13 +487,8 @@ class AtlasSimulation:
 
     @property
     def context(self) -> Context:
-        """The root context of the diagram; not for use while another thread simulates.
-
-        Any thread may call all other members. Those that read an output or change
-        anything wait until the simulating thread pauses, every 20 ms of simulated time;
-        ``time``, ``events`` and the like give the state at the last pause.
-        """
-        return self.simulator.get_mutable_context()
+        """The diagram's root context; not for use while another thread simulates."""
+        return self._run.context
 
     @property
     def time(self) -> float:
@@ -640,7 +550,7 @@ class AtlasSimulation:
     @property
     def tick_seconds(self) -> MutableSequence[float]:
         """Wall-clock times of the controller's ticks [s]; empty if it gives none."""
-        return self._tick_seconds
+        return self._run.tick_seconds
 
     def output(self, name: str) -> Any:
         """Reads an output port of the station.
@@ -667,7 +577,7 @@ class AtlasSimulation:
     def _look(self, *, anew: bool = False) -> None:
         """Collects events; ``anew`` if the controller was reset since the last look."""
         with self._noted_error():
-            self._log.look(self._run, self._programme, anew=anew)
+            self._log.look(self._run, anew=anew)
 
     @contextmanager
     def _noted_error(self) -> Iterator[None]:

@@ -1,16 +1,21 @@
-"""Keeps simulated time to real time, without catching up on lost time.
+"""The clock on the wall: pace of simulated time, and steady control ticks.
 
-Concerns the clock only, and not the simulated system.
+Nothing here changes the result of a simulation.
 """
 
 from __future__ import annotations
 
+import gc
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 from pydrake.systems.analysis import Simulator
+from threadpoolctl import ThreadpoolController
 
 SLACK = 0.1
 """Largest delay on which a slow simulation may still catch up [s]."""
+_LINEAR_ALGEBRA = ThreadpoolController()
 
 
 class Pace:
@@ -47,3 +52,22 @@ class Pace:
 
     def _sim_time(self) -> float:
         return float(self._simulator.get_context().get_time())
+
+
+@contextmanager
+def steady_ticks() -> Iterator[None]:
+    """Limits numpy's linear algebra to one thread, and stops cyclic garbage collection.
+
+    The threads of the libraries behind numpy are meant for large matrices: with the
+    small matrices of a control tick they take a third of its time. The values that pass
+    through a diagram are frozen and without cycles, so that reference counts free them;
+    the collector would only traverse them, for milliseconds at a time.
+    """
+    collecting = gc.isenabled()
+    gc.disable()
+    try:
+        with _LINEAR_ALGEBRA.limit(limits=1, user_api="blas"):
+            yield
+    finally:
+        if collecting:
+            gc.enable()

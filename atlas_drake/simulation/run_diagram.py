@@ -5,18 +5,15 @@ Events are collected in ``run_log``.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, MutableSequence, Sequence
+from collections.abc import MutableSequence, Sequence
 from typing import Any, TypeAlias
 
 import numpy as np
 from pydrake.math import RigidTransform
 from pydrake.systems.analysis import ApplySimulatorConfig, Simulator
-from pydrake.systems.framework import Context
+from pydrake.systems.framework import Context, Diagram
 
-from atlas_drake.behaviors.entry import BehaviorEntry
-from atlas_drake.diagrams.atlas_station import StationConfig
-from atlas_drake.diagrams.control_mode_switch import Extend, make_control_mode_switch
-from atlas_drake.diagrams.controller_socket import CONTROLLER, ControllerSource
+from atlas_drake.diagrams.controller_socket import CONTROLLER
 from atlas_drake.diagrams.standing import place_robot
 from atlas_drake.diagrams.station_reset import begin_run, reset_station
 from atlas_drake.errors import AtlasError, ScenarioError, did_you_mean
@@ -26,10 +23,9 @@ from atlas_drake.messages.commands import Command, Refusal
 from atlas_drake.robot import Robot
 from atlas_drake.scenario import Scenario, Start
 from atlas_drake.scenario.models import set_velocities
-from atlas_drake.scenario.noise import noise_model
-from atlas_drake.scenario.world import WorldMaker, put_world_back
+from atlas_drake.scenario.world import put_world_back
+from atlas_drake.simulation.pace import Pace
 from atlas_drake.simulation.start import Variation, draw_variation, scale_masses
-from atlas_drake.systems.command_scheduler import ScheduledCommand
 
 CLEARANCE = 0.10
 """Height of a harnessed robot's feet above the ground [m]."""
@@ -50,58 +46,40 @@ class RunDiagram:
         station: The ``AtlasStation`` in it.
         plant: The ``MultibodyPlant`` of the station.
         simulator: Drake's simulator of the diagram.
+        pace: The pace of the simulator in real time.
         variation: Random variation of the present run.
+        tick_seconds: Wall times of the controller's ticks in the present run [s].
     """
 
     def __init__(
         self,
         robot: Robot,
         scenario: Scenario,
-        programme: Sequence[ScheduledCommand],
+        diagram: Diagram,
+        has_world: bool,
         tick_seconds: MutableSequence[float],
-        *,
-        controller: ControllerSource | None,
-        behaviors: Iterable[BehaviorEntry],
-        world: Sequence[WorldMaker],
-        extend: Extend | None,
-        **views: Any,
     ):
-        """Builds the diagram and begins a run.
+        """Begins a run.
 
         Args:
             robot: Description of the robot.
-            scenario: A valid scenario.
-            programme: Commands that the scenario sends by itself.
+            scenario: A resolved scenario.
+            diagram: The ``control_mode_switch`` of the scenario.
+            has_world: True if there are models beside the robot.
             tick_seconds: Takes the wall times of the controller's ticks, if it gives
                 them.
-            controller: As for ``make_control_mode_switch``, like the others.
-            behaviors: Behaviors beside the shipped ones.
-            world: Callables (plant) -> None.
-            extend: Callable (builder, station) -> None.
-            **views: Meshcat, overlays, recorder, video and its view.
         """
-        config = _station_config(scenario)
-        self.robot = robot
-        self._terrain = config.terrain
+        self.robot, self.diagram, self.tick_seconds = robot, diagram, tick_seconds
+        self._terrain = scenario.all_terrain()
         self._models = scenario.all_models()
-        self._has_world = bool(world)
+        self._has_world = has_world
         self._trial: Context | None = None
-        self.diagram = make_control_mode_switch(
-            robot,
-            programme,
-            config,
-            controller=controller,
-            behaviors=behaviors,
-            extend=extend,
-            world=world,
-            **views,
-        )
         self._outputs = {
-            self.diagram.get_output_port(index).get_name(): index
-            for index in range(self.diagram.num_output_ports())
+            diagram.get_output_port(index).get_name(): index
+            for index in range(diagram.num_output_ports())
         }
-        self.station = self.diagram.GetSubsystemByName("station")
-        self.plant = self.station.GetSubsystemByName("plant")
+        self.station: Any = diagram.GetSubsystemByName("station")
+        self.plant: Any = self.station.GetSubsystemByName("plant")
         self._interface = self.station.GetSubsystemByName("command_interface")
         own = self.station.GetSubsystemByName(CONTROLLER)
         if hasattr(own, "tick_seconds"):
@@ -110,8 +88,9 @@ class RunDiagram:
         self._harness: Any = None
         if scenario.start.harnessed:
             self._harness = self.station.GetSubsystemByName("harness")
-        self.simulator = Simulator(self.diagram)
+        self.simulator = Simulator(diagram)
         ApplySimulatorConfig(scenario.simulator, self.simulator)
+        self.pace = Pace(self.simulator)
         self.begin(scenario)
 
     @property
@@ -126,9 +105,6 @@ class RunDiagram:
 
     def begin(self, scenario: Scenario) -> None:
         """Begins a run at time 0, with what is drawn from the scenario's seed.
-
-        Args:
-            scenario: That of the diagram, but for its seed and the robot's start.
 
         Raises:
             ScenarioError: If the robot lacks a body that is to be pushed, and
@@ -154,14 +130,13 @@ class RunDiagram:
         set_velocities(self._models, self.plant, self.plant_context)
         self._begin_at(variation, scenario.start)
         self.simulator.Initialize()
+        self.pace.forget_all()
+        del self.tick_seconds[:]
 
     def reset(self, behavior: Behavior, start: Start, pose: Pose | None) -> None:
-        """Puts robot and world back; time goes on.
+        """Puts robot and world back, to where the run began without a ``pose``.
 
-        Args:
-            behavior: The behavior to begin with.
-            start: How the robot begins.
-            pose: Where to; None is where the run began.
+        Time goes on.
 
         Raises:
             WorldError: If the robot would begin inside a model; nothing has then
@@ -189,6 +164,7 @@ class RunDiagram:
         Raises:
             SimulationError: If the physics could not be solved.
         """
+        self.pace.forget_lost_time()
         try:
             self.simulator.AdvanceTo(t)
         except RuntimeError as error:
@@ -314,24 +290,4 @@ def _moved(variation: Variation, pose: Pose | None) -> Variation:
         variation,
         position=np.array(position, dtype=float),
         rpy=np.array([0.0, 0.0, yaw]),
-    )
-
-
-def _station_config(scenario: Scenario) -> StationConfig:
-    """Returns what of a scenario concerns the station."""
-    return StationConfig(
-        physics_step=scenario.physics_step,
-        control_period=scenario.control_period,
-        ground_friction=scenario.ground_friction,
-        terrain=tuple(scenario.all_terrain()),
-        plant=scenario.plant,
-        controller=scenario.controller_config(),
-        estimator=scenario.estimator,
-        noise=noise_model(scenario.noise),
-        harness=scenario.harness,
-        seed=scenario.seed,
-        initial_behavior=scenario.behavior(),
-        harnessed=scenario.start.harnessed,
-        estimated=scenario.state == "estimated",
-        pushes=tuple(scenario.pushes),
     )

@@ -5,7 +5,7 @@ The log only reads; ``summary`` evaluates the events.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 from atlas_drake.errors import AtlasError
@@ -32,11 +32,18 @@ class RunLog:
         footsteps: Data of the events of landed feet.
     """
 
-    def __init__(self, sinks: Iterable[Sink] = ()):
-        """Passes each event to every sink that ``sinks`` holds at that time."""
+    def __init__(
+        self, programme: Sequence[ScheduledCommand] = (), sinks: Iterable[Sink] = ()
+    ):
+        """Starts without events.
+
+        Args:
+            programme: The commands that the scheduler sends.
+            sinks: Each event goes to every sink that is in here at that time.
+        """
         self.events: list[Event] = []
         self.footsteps: list[dict[str, Any]] = []
-        self._sinks = sinks
+        self._programme, self._sinks = programme, sinks
         self._faults: list[AtlasError] = []
         self._seen_events = 0
         self._seen_sent = 0
@@ -46,28 +53,13 @@ class RunLog:
         self._seen_release: float | None = None
         self._told_unsolved = False
 
-    def look(
-        self,
-        run: RunDiagram,
-        programme: tuple[ScheduledCommand, ...],
-        *,
-        anew: bool = False,
-    ) -> None:
-        """Adds all events since the last look.
-
-        Args:
-            run: The diagram of the run.
-            programme: The whole programme.
-            anew: True if the controller was reset since the last look.
-
-        Raises:
-            ValueError: If the event count of the controller's status decreased.
-        """
+    def look(self, run: RunDiagram, *, anew: bool = False) -> None:
+        """Adds all events since the last look; errors are those of ``collect``."""
         time = run.context.get_time()
         status = run.output("controller_status")
-        sent = run.output("sent") if programme else 0
+        sent = run.output("sent") if self._programme else 0
         commands, pushes = run.output("commands"), run.output("pushes")
-        self.collect(programme, sent, commands, status, pushes, anew=anew)
+        self.collect(sent, commands, status, pushes, anew=anew)
         released = None
         if run.station.HasSubsystemNamed("harness"):
             released = run.output("harness").released
@@ -82,7 +74,6 @@ class RunLog:
 
     def collect(
         self,
-        programme: tuple[ScheduledCommand, ...],
         sent: int,
         commands: CommandsInForce,
         status: ControllerStatus,
@@ -92,14 +83,9 @@ class RunLog:
     ) -> None:
         """Adds the events of commands, refusals and controller since the last read.
 
-        Args:
-            programme: The whole programme.
-            sent: Number of sent commands of the programme.
-            commands: Commands in force.
-            status: Status of the controller.
-            pushes: State of the pushes.
-            anew: True if the controller was reset since the last read, and so may have
-                started its event count again.
+        ``sent`` counts the sent commands of the programme. ``anew`` is True if the
+        controller was reset since the last read, and so may have started its event
+        count again.
 
         Raises:
             ValueError: If the event count in the status decreased.
@@ -116,7 +102,7 @@ class RunLog:
             seen = 0
         fresh = [
             Event(entry.time, "command", entry.text)
-            for entry in programme[self._seen_sent : sent]
+            for entry in self._programme[self._seen_sent : sent]
         ]
         self._seen_sent = sent
         fresh.extend(
@@ -149,12 +135,7 @@ class RunLog:
             self.note(Event(fall.time, "fall", f"falling ({fall.sign})"))
 
     def watch_solver(self, time: float, status: ControllerStatus) -> None:
-        """Warns once of a controller that finds no solution for many ticks.
-
-        Args:
-            time: Present time [s].
-            status: Status of the controller.
-        """
+        """Warns once of a controller that finds no solution for many ticks."""
         unsolved = status.unsolved
         if status.solved is not False:
             self._seen_unsolved = unsolved

@@ -63,13 +63,9 @@ def draw_variation(scenario: Scenario, robot: Robot) -> Variation:
 def scale_masses(
     plant: MultibodyPlant, context: Context, robot: Robot, variation: Variation
 ) -> None:
-    """Scales the masses of the plant's bodies; the controller's model keeps its masses.
+    """Scales the default masses of the robot in a context of the plant.
 
-    Args:
-        plant: Plant with the robot.
-        context: Context of the plant, with its default masses.
-        robot: The robot in the plant.
-        variation: The drawn variation.
+    The controller's model keeps its masses.
     """
     for name, factor in variation.mass_factor.items():
         if factor == 1.0:

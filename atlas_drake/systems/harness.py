@@ -20,7 +20,7 @@ from atlas_drake.control.rotations import rotation_error
 from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.frozen import Frozen, replace
 from atlas_drake.robot import Robot
-from atlas_drake.scenario.harness import HarnessGains
+from atlas_drake.scenario.scenario import HarnessGains
 from atlas_drake.systems.collectable_system import CollectableSystem
 
 

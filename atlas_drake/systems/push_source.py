@@ -276,6 +276,8 @@ class PushSource(CollectableSystem):
         due = [entry for entry in pushes.planned if entry[0] < stop - SAME_TIME]
         if due:
             q_WP = self._state_input.Eval(context)[self._orientation]
+            # The plant lets the quaternion's length drift.
+            q_WP = q_WP / np.linalg.norm(q_WP)
             heading = RollPitchYaw(Quaternion(q_WP)).yaw_angle()
             planned = tuple(entry for entry in pushes.planned if entry not in due)
             pushes = replace(pushes, planned=planned)

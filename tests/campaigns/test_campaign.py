@@ -1,6 +1,7 @@
 """Campaigns as data: what a file may say, and what is drawn from it."""
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -187,3 +188,10 @@ def test_the_docs_campaigns_can_be_loaded(tmp_path):
         path.write_text(text)
         campaign = load_campaign(path)
         assert scenario_of(campaign, make_trial(campaign, 3, 1)).pushes
+
+
+def test_a_campaign_is_checked_once_until_it_is_changed(campaign_file):
+    campaign = load_campaign(campaign_file("trials: 3\n"))
+    assert campaign.validate() is campaign
+    with pytest.raises(ScenarioError, match="trials"):
+        replace(campaign, trials=0).validate()

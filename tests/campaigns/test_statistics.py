@@ -6,10 +6,9 @@ import pytest
 
 from atlas_drake import PlannedPush, Scenario, ScenarioError
 from atlas_drake.campaigns import Campaign, Shard, Threshold
-from atlas_drake.campaigns.comparison import compare
+from atlas_drake.campaigns.comparison import compare, mcnemar, mean_interval
 from atlas_drake.campaigns.folder import CampaignFolder
-from atlas_drake.campaigns.intervals import mcnemar, mean_interval, share_interval
-from atlas_drake.campaigns.report import report
+from atlas_drake.campaigns.report import report, share_interval
 from atlas_drake.campaigns.results import write_results
 from atlas_drake.campaigns.runner import missing_trials
 from atlas_drake.campaigns.sources import Sources

@@ -31,6 +31,16 @@ def test_a_push_comes_at_its_time_along_the_robots_heading(tmp_path):
     assert [e.time for e in pushes(sim)] == [0.03, 0.05]
 
 
+def test_a_push_comes_although_the_length_of_the_plants_quaternion_drifted():
+    sim = AtlasSimulation(Scenario(pushes=[PlannedPush(time=0.02, impulse=1.0)]))
+    context = sim.plant.GetMyMutableContextFromRoot(sim.context)
+    q = sim.plant.GetPositions(context)
+    q[:4] *= 1.0005
+    sim.plant.SetPositions(context, q)
+    sim.advance(0.05)
+    assert pushes(sim)[0].text.startswith("push of [10.0, 0.0, 0.0] N")
+
+
 def test_cutting_an_advance_into_pieces_changes_nothing():
     push = PlannedPush(phase="lift_off", impulse=1.0)
     sims = [AtlasSimulation(Scenario(pushes=p)) for p in ([push], [])]

@@ -10,7 +10,7 @@ from pydrake.multibody.plant import ExternallyAppliedSpatialForce, MultibodyPlan
 from atlas_drake import AtlasCommand, AtlasSimulation, Scenario
 from atlas_drake.control.rotations import rotation_error
 from atlas_drake.scenario import Start
-from atlas_drake.scenario.harness import HarnessGains
+from atlas_drake.scenario.scenario import HarnessGains
 from atlas_drake.systems.harness import Harness, implicit_pull
 
 STEP = 0.002

@@ -53,7 +53,9 @@ class StepLimits(Configuration):
     """Largest turn outward [rad]."""
     toe_in: NotNegative = 0.25
     """Largest turn inward [rad]."""
-    duration: Annotated[Range, BeforeValidator(_shortest)] = LeastGreatest(0.60, 3.0)
+    duration: Annotated[
+        Range, BeforeValidator(_shortest, json_schema_input_type=Range | float)
+    ] = LeastGreatest(0.60, 3.0)
     """Duration of a step from and to a place near the other foot [s]; one number is the
     shortest."""
     near: NotNegative = 0.40
