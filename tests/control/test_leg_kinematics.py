@@ -35,13 +35,11 @@ def sole_in_pelvis(terms, foot):
 
 
 @pytest.mark.parametrize("foot", [0, 1])
-@pytest.mark.parametrize("seed", range(20))
-def test_angles_are_those_that_put_the_sole_there(
-    model, random_state, legs, foot, seed
-):
-    terms = evaluate(model, random_state, legs, seed)
-    held = solve_leg(legs[foot], *sole_in_pelvis(terms, foot))
-    np.testing.assert_allclose(held.angles, terms.q[legs[foot].joints], atol=1e-9)
+def test_angles_are_those_that_put_the_sole_there(model, random_state, legs, foot):
+    for seed in range(20):
+        terms = evaluate(model, random_state, legs, seed)
+        held = solve_leg(legs[foot], *sole_in_pelvis(terms, foot))
+        np.testing.assert_allclose(held.angles, terms.q[legs[foot].joints], atol=1e-9)
 
 
 @pytest.mark.parametrize("foot", [0, 1])
