@@ -23,7 +23,12 @@ def warnings(sim):
     return [event.text for event in sim.events if event.kind == "warning"]
 
 
-def test_walking_with_a_user_leg_is_allowed_and_warned_about_once():
+@pytest.mark.parametrize(
+    ("joints", "named"),
+    [(("l_leg_akx", "r_leg_kny"), True), (("l_arm_ely", "neck_ry"), False)],
+    ids=["legs", "arms"],
+)
+def test_walking_with_a_user_leg_is_allowed_and_warned_about_once(joints, named):
     sim = AtlasSimulation()
     command = AtlasSimInterfaceCommand()
     command.behavior = command.WALK
@@ -33,11 +38,12 @@ def test_walking_with_a_user_leg_is_allowed_and_warned_about_once():
         step.pose.position.y = 0.14 if i == 0 else -0.14
         command.walk_params.step_queue[i] = step
     command.k_effort = [0] * sim.robot.num_joints
-    command.k_effort[AtlasState.l_leg_akx] = 255
+    for name in joints:
+        command.k_effort[getattr(AtlasState, name)] = 255
     sim.publish(command)
     sim.advance(0.2)
-    (warning,) = warnings(sim)
-    assert "l_leg_akx" in warning
+    assert len(warnings(sim)) == named
+    assert all(name in text for text in warnings(sim) for name in joints)
     assert sim.current_behavior.name == "WALK"
 
 

@@ -1,6 +1,7 @@
 """Observations and states of behaviors, made up or simulated; no test is here."""
 
 import dataclasses
+import itertools
 
 import numpy as np
 import pytest
@@ -21,11 +22,18 @@ from atlas_drake.control.gains import ControlGains
 from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.frozen import replace
 from atlas_drake.messages import AtlasSimInterfaceState
+from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.planning.footholds import Gait
 from atlas_drake.robot import load_robot
 
 LOOK = 0.02
 """Time between looks at a running simulation [s]."""
+_numbers = itertools.count(1)
+
+
+def as_request(command):
+    """What the command interface makes of a message; each has a number of its own."""
+    return BehaviorRequest(command.behavior, command, next(_numbers))
 
 
 @pytest.fixture(scope="session")
@@ -116,7 +124,6 @@ class Recording:
     """A simulation that is looked at every LOOK seconds."""
 
     def __init__(self, scenario=None):
-        # The coarser physics halves the wait.
         self.sim = AtlasSimulation(scenario or Scenario())
         self.looks: list[Look] = []
 

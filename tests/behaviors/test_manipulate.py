@@ -13,7 +13,7 @@ from atlas_drake.behaviors.manipulate.manipulate import Manipulate
 from atlas_drake.behaviors.stand.stand import Stand
 from atlas_drake.messages import Behavior, BehaviorStatus
 
-from .as_request import as_request
+from .conftest import as_request
 
 POSE_FIELDS = (
     "pelvis_height",

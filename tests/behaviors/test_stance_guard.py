@@ -11,7 +11,7 @@ from atlas_drake.behaviors.stance import StanceConfig
 from atlas_drake.behaviors.stand.stance_guard import Holding
 from atlas_drake.control.whole_body import ComTask
 
-from .as_request import as_request
+from .conftest import as_request
 
 HEIGHT = 0.9
 """Of the CoM above the soles in STAND [m]."""

@@ -18,7 +18,7 @@ from atlas_drake.control.balance.feedback import StepAdjustmentLimits
 from atlas_drake.control.feet.footstep import LEFT, RIGHT, FootPose, outward
 from atlas_drake.frozen import replace
 
-from .as_request import as_request
+from .conftest import as_request
 
 RULES = WalkRules(
     touchdown_force=0.08,
@@ -285,7 +285,9 @@ def test_a_step_may_be_warned_of_again_when_a_message_replaces_it(
 
 
 @pytest.mark.parametrize("foot", [LEFT, RIGHT])
-def test_the_plan_shows_the_way_of_foot_and_body(walk, observe, swinging, foot):
+def test_the_plan_has_the_paths_of_swing_foot_com_dcm_and_cop(
+    walk, observe, swinging, foot
+):
     phase, seen = swinging(foot, 0.2), observe()
     # The body is where the plan wants it.
     omega, touchdown = phase.plan.omega, phase.duration

@@ -109,6 +109,9 @@ def test_a_fall_is_noticed_before_the_ground_and_turns_on_damping_mode():
     assert touching(sim, feet)
     assert flags(sim) & BehaviorStatus.ERROR_FALLING
     assert sim.summary()["fell"]
+    assert not sim.summary()["success"]
+    assert [event.kind for event in sim.events].count("fall") == 1
+    assert np.isfinite(sim.output("state")).all()
     effort = np.abs(np.array(sim.atlas_state.effort)) / sim.robot.effort_limit
     assert effort.max() < 0.05
     assert np.abs(sim.atlas_state.velocity).max() < 0.5
