@@ -5,7 +5,7 @@ import pytest
 from hypothesis import settings
 
 from atlas_drake.control.whole_body.model import WholeBodyModel
-from atlas_drake.robot import load_robot
+from atlas_drake.robot import DEFAULT_ROBOT
 
 # A busy machine must not fail a test, and a failure must come back when looked for.
 settings.register_profile(
@@ -14,10 +14,13 @@ settings.register_profile(
 settings.load_profile("atlas_drake")
 
 
-@pytest.fixture(scope="session", params=["atlas", "atlas_v3"])
-def robot(request):
-    """Each robot with the joints of the tutorial in turn."""
-    return load_robot(request.param)
+TUTORIAL_ROBOTS = ("atlas", "atlas_v3")
+
+
+@pytest.fixture(scope="session")
+def robot(request, load_or_skip):
+    """The default robot, or those that a file names in turn."""
+    return load_or_skip(getattr(request, "param", DEFAULT_ROBOT))
 
 
 @pytest.fixture(scope="session")

@@ -17,6 +17,12 @@ from atlas_drake.control.joints.joint_pid import (
 from atlas_drake.diagrams.atlas_station import StationConfig
 from atlas_drake.simulation.tutorial import KP_POSITION
 
+from .conftest import TUTORIAL_ROBOTS
+
+pytestmark = pytest.mark.parametrize(
+    "robot", TUTORIAL_ROBOTS, indirect=True, scope="session"
+)
+
 NEGLIGIBLE = 0.05
 """Growth that the friction of joints and ground, not modeled here, exceeds [1/s]."""
 

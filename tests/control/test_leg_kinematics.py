@@ -6,11 +6,10 @@ import pytest
 from atlas_drake.control.feet.leg_kinematics import solve_leg
 from atlas_drake.robot import KNEE, available_robots
 
-
-@pytest.fixture(scope="session", params=available_robots())
-def robot(request, load_or_skip):
-    """Each robot in turn, also one with legs beside the hips' centers."""
-    return load_or_skip(request.param)
+# Also one with legs beside the hips' centers.
+pytestmark = pytest.mark.parametrize(
+    "robot", available_robots(), indirect=True, scope="session"
+)
 
 
 @pytest.fixture(scope="module")

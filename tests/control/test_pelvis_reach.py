@@ -14,6 +14,12 @@ from atlas_drake.control.feet.sole import sole_corners
 from atlas_drake.control.pelvis.pelvis_pose import PelvisPose, PelvisRange, make_stance
 from atlas_drake.control.pelvis.pelvis_reach import PelvisReach, PelvisReserves
 
+from .conftest import TUTORIAL_ROBOTS
+
+pytestmark = pytest.mark.parametrize(
+    "robot", TUTORIAL_ROBOTS, indirect=True, scope="session"
+)
+
 RANGE = PelvisRange()
 RESERVES = PelvisReserves(
     com_margin=0.04, joint_margin=0.05, least_flexion=0.12, effort_share=0.8
