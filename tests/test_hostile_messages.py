@@ -129,13 +129,6 @@ spoiled_commands = st.one_of(
 )
 """Commands that must be refused, each for one reason."""
 
-ON_ITS_WAY = {
-    Behavior.WALK: "STAND",
-    Behavior.STEP: "STAND",
-    Behavior.MANIPULATE: "STAND",
-}
-"""Behaviors that begin in another one."""
-
 
 def steps_ahead(sim, command):
     """Adds enough steps on the spot for the whole test."""
@@ -227,10 +220,7 @@ def put(message, path, value):
     "path",
     [
         "position",
-        "header.stamp",
         "behavior",
-        "walk_params.step_queue",
-        f"{STEP}.foot_index",
         f"{STEP}.duration",
     ],
 )

@@ -58,3 +58,24 @@ def standing(model):
     soles = model.evaluate(context, state).feet
     state[6] = -0.5 * (soles[0].p_WF[2] + soles[1].p_WF[2])
     return model.evaluate(context, state)
+
+
+def motion(terms, solution):
+    """Generalized accelerations of a QP's solution.
+
+    The pelvis', which the solution leaves out, are from the rows without motors.
+    """
+    joints = solution.joint_acceleration
+    force = -terms.h[:6] - terms.M[:6, 6:] @ joints
+    for name, wrench in solution.contact_wrenches.items():
+        force += terms.frame(name).J_WF[:, :6].T @ wrench
+    return np.concatenate([np.linalg.solve(terms.M[:6, :6], force), joints])
+
+
+def residual(terms, solution):
+    """What the equations of motion lack with the solution's forces, shape (6 + n,)."""
+    force = -terms.h
+    for name, wrench in solution.contact_wrenches.items():
+        force = force + terms.frame(name).J_WF.T @ wrench
+    force[6:] += solution.effort
+    return terms.M @ motion(terms, solution) - force

@@ -143,17 +143,6 @@ def damping_of(model):
     return np.array([joint.default_damping_vector()[0] for joint in joints])
 
 
-def test_h_is_coriolis_less_gravity_force_and_damping(model, state, terms):
-    plant = model.plant
-    context = model.create_context()
-    plant.SetPositionsAndVelocities(context, state)
-    order = model.robot.indices(plant).generalized
-    expected = plant.CalcBiasTerm(context) - plant.CalcGravityGeneralizedForces(context)
-    expected = expected[order]
-    expected[6:] += damping_of(model) * terms.v
-    np.testing.assert_allclose(terms.h, expected, atol=1e-8)
-
-
 def test_equations_of_motion_are_drakes(model, state, terms):
     plant = model.plant
     # Without damping the feet land on their heels: it would be a fault to lose it.

@@ -29,6 +29,8 @@ from atlas_drake.control.whole_body.elimination import TaskStack
 from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.robot import ContactEntry
 
+from .conftest import motion, residual
+
 HAND = "l_hand"
 GAINS = PdGains(kp=100.0, kd=20.0)
 ZERO = np.zeros(3)
@@ -73,15 +75,6 @@ def still(robot, *tasks, contacts=(), constraints=()):
     n = robot.num_joints
     posture = PostureTask(np.zeros(n), np.full(n, 1e-4))
     return WholeBodyCommand(posture, tasks, contacts, constraints)
-
-
-def motion(terms, solution):
-    """Generalized accelerations with the pelvis' from the rows without motors."""
-    joints = solution.joint_acceleration
-    force = -terms.h[:6] - terms.M[:6, 6:] @ joints
-    for name, wrench in solution.contact_wrenches.items():
-        force += terms.frame(name).J_WF[:, :6].T @ wrench
-    return np.concatenate([np.linalg.solve(terms.M[:6, :6], force), joints])
 
 
 def value(task, terms, command, solution):
@@ -248,15 +241,6 @@ def test_solving_in_turns_gives_the_bits_of_each_alone(
 
 
 # ---- contacts ----------------------------------------------------------------
-
-
-def residual(terms, solution):
-    """What the equations of motion lack with the solution's forces."""
-    force = -terms.h
-    for name, wrench in solution.contact_wrenches.items():
-        force = force + terms.frame(name).J_WF.T @ wrench
-    force[6:] += solution.effort
-    return terms.M @ motion(terms, solution) - force
 
 
 def test_a_hand_on_a_rail_carries_load(robot, qp, bounds, terms):

@@ -8,7 +8,6 @@ from atlas_drake import (
     AtlasSimulation,
     Behavior,
     Scenario,
-    StepStream,
     steps_ahead,
 )
 from atlas_drake.errors import InvalidMessageError
@@ -102,18 +101,11 @@ def test_it_stands_and_takes_messages_of_its_own_length(sim):
 
 
 @pytest.mark.slow
-def test_it_walks(sim):
+def test_it_walks(sim, walk):
     sim.advance(0.3)
-    report = sim.atlas_sim_interface_state
     gait = sim.scenario.controller_config().gait(stride=0.25)
-    stream = StepStream(steps_ahead(report, 0.75, gait))
-    while not stream.is_over(sim.atlas_sim_interface_state):
-        command = stream.next_command(sim.atlas_sim_interface_state)
-        if command is not None:
-            sim.publish(command)
-        sim.advance(0.1)
-        assert sim.time < 8.0
+    footsteps = walk(sim, steps_ahead(sim.atlas_sim_interface_state, 0.75, gait))
     assert sim.current_behavior is Behavior.STAND
-    assert len(sim.footsteps) == 4
-    assert max(step["error_m"] for step in sim.footsteps) < 0.005
+    assert len(footsteps) == 4
+    assert max(step["error_m"] for step in footsteps) < 0.005
     assert sim.summary()["success"]

@@ -104,13 +104,6 @@ def test_a_message_stays_in_force_when_it_leaves_the_port(sender):
     np.testing.assert_array_equal(sender.out("k_effort"), np.full(28, 100.0))
 
 
-def test_the_outputs_tell_the_same(sender):
-    sender.put(SIM, behavior_command("WALK", k_effort=17).snapshot())
-    force = sender.out()
-    assert sender.out("joint_command") is force.joints
-    np.testing.assert_array_equal(sender.out("k_effort"), force.k_effort)
-
-
 def test_a_message_that_stays_on_the_port_is_taken_once(sender):
     message = behavior_command("STAND").snapshot()
     sender.put(SIM, message)
