@@ -168,7 +168,7 @@ def state_of(sim):
 @pytest.mark.slow
 @pytest.mark.parametrize("behavior", sorted(Behavior))
 @settings(
-    max_examples=40,
+    max_examples=15,
     deadline=None,
     derandomize=True,
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],

@@ -30,8 +30,7 @@ def warnings(sim):
 )
 def test_walking_with_a_user_leg_is_allowed_and_warned_about_once(joints, named):
     sim = AtlasSimulation()
-    command = AtlasSimInterfaceCommand()
-    command.behavior = command.WALK
+    command = AtlasSimInterfaceCommand(behavior="WALK")
     for i in range(2):
         step = AtlasBehaviorStepData(step_index=i + 1, foot_index=i, duration=0.8)
         step.swing_height = 0.1

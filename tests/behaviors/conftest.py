@@ -98,8 +98,7 @@ def walk_message():
     """Makes a WALK command from (index, foot, x, y) of each step."""
 
     def make(*steps, duration=0.63):
-        command = AtlasSimInterfaceCommand()
-        command.behavior = command.WALK
+        command = AtlasSimInterfaceCommand(behavior="WALK")
         for place, (index, foot, x, y) in enumerate(steps):
             step = AtlasBehaviorStepData()
             step.step_index, step.foot_index = index, foot
@@ -141,8 +140,7 @@ class Recording:
 
     def ask(self, behavior):
         """Asks for a behavior."""
-        command = AtlasSimInterfaceCommand()
-        command.behavior = behavior
+        command = AtlasSimInterfaceCommand(behavior=behavior)
         self.sim.publish(command)
 
 

@@ -104,16 +104,14 @@ def test_leaving_ends_at_once_while_the_pose_is_held(manipulate, observe):
 
 
 def test_the_commanded_pose_survives_the_stance_guard(manipulate, observe):
-    commanded = AtlasSimInterfaceCommand()
-    commanded.behavior = commanded.MANIPULATE
+    commanded = AtlasSimInterfaceCommand(behavior="MANIPULATE")
     commanded.manipulate_params.use_desired = True
     commanded.manipulate_params.desired.pelvis_height = 0.80
     outcomes = run(
         manipulate, None, [observe(), observe(users=BOTH_HIPS), observe()], commanded
     )
     # A message of another kind, such as one that gives the legs back, asks for nothing.
-    silent = AtlasSimInterfaceCommand()
-    silent.behavior = silent.MANIPULATE
+    silent = AtlasSimInterfaceCommand(behavior="MANIPULATE")
     held = outcomes[1].state
     (resumed,) = run(manipulate, held, [observe()], silent)
     for state in (outcomes[2].state, resumed.state):

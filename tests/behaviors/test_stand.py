@@ -142,8 +142,7 @@ def test_freeze_holds_staggered_feet_without_sliding(record, walk_message):
 
 def test_user_takes_all_joints_at_once(record):
     recording = record()
-    command = AtlasSimInterfaceCommand()
-    command.behavior = "user"
+    command = AtlasSimInterfaceCommand(behavior="user")
     command.k_effort = [0] * 28
     recording.sim.publish(command)
     recording.advance(0.02)

@@ -60,8 +60,7 @@ class Stepping:
 
     def send(self, foot, x, y, z=0.0, yaw=0.0, normal=(0.0, 0.0, 1.0), **action):
         """Asks for the next step."""
-        command = AtlasSimInterfaceCommand()
-        command.behavior = command.STEP
+        command = AtlasSimInterfaceCommand(behavior="STEP")
         command.step_params.use_spec = True
         self.index += 1
         spec = command.step_params.desired_step_spec

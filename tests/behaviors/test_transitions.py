@@ -60,8 +60,7 @@ class Robot:
         self.tick(observe())
 
     def _request(self, behavior, number):
-        command = AtlasSimInterfaceCommand()
-        command.behavior = behavior
+        command = AtlasSimInterfaceCommand(behavior=behavior)
         return BehaviorRequest(behavior, command.snapshot(), number)
 
     def ask(self, behavior):

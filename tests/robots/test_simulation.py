@@ -157,8 +157,7 @@ def test_it_stands_squats_and_walks(walk):
     walked = sim.atlas_sim_interface_state.pos_est.position
     assert walked.x - stood.x == pytest.approx(0.42, abs=0.02)
 
-    squat = AtlasSimInterfaceCommand()
-    squat.behavior = squat.MANIPULATE
+    squat = AtlasSimInterfaceCommand(behavior="MANIPULATE")
     squat.manipulate_params.use_desired = True
     squat.manipulate_params.desired.pelvis_height = 0.3
     sim.publish(squat)

@@ -33,10 +33,7 @@ def sim(shared):
 
 
 def asking(behavior, **fields):
-    command = AtlasSimInterfaceCommand(behavior=behavior)
-    for name, value in fields.items():
-        setattr(command, name, value)
-    return command
+    return AtlasSimInterfaceCommand(behavior=behavior, **fields)
 
 
 def flags(sim):

@@ -78,19 +78,8 @@ def test_a_video_that_cannot_be_is_refused():
             Video(**fields)
 
 
-def joint_command(**fields):
-    command = AtlasCommand()
-    for name, value in fields.items():
-        setattr(command, name, value)
-    return command
-
-
 def behavior_command(behavior, **fields):
-    command = AtlasSimInterfaceCommand()
-    command.behavior = behavior
-    for name, value in fields.items():
-        setattr(command, name, value)
-    return command
+    return AtlasSimInterfaceCommand(behavior=behavior, **fields)
 
 
 # ---- commands ------------------------------------------------------------------
@@ -105,12 +94,12 @@ def test_a_simulation_begins_without_a_word(caplog):
     ("message", "field", "code"),
     [
         (
-            joint_command(position=[0.0] * 27, k_effort=[255] * 28),
+            AtlasCommand(position=[0.0] * 27, k_effort=[255] * 28),
             "position",
             ErrorCode.VALUE_OUT_OF_RANGE,
         ),
         (
-            joint_command(effort=[0.0] * 27 + [np.nan], k_effort=[255] * 28),
+            AtlasCommand(effort=[0.0] * 27 + [np.nan], k_effort=[255] * 28),
             "effort[27]",
             ErrorCode.VALUE_OUT_OF_RANGE,
         ),
@@ -153,12 +142,12 @@ def test_a_bad_message_raises_is_reported_and_changes_nothing(
 def test_messages_of_one_instant_are_taken_in_their_order(sim):
     neck = AtlasState.neck_ry
     # The gains of one and the shares of the next, and what comes last counts.
-    sim.publish(joint_command(kp_position=[7.0] * 28))
-    sim.publish(joint_command(k_effort=[255] * 28))
+    sim.publish(AtlasCommand(kp_position=[7.0] * 28))
+    sim.publish(AtlasCommand(k_effort=[255] * 28))
     stand = behavior_command("STAND")
     stand.k_effort = [0] * 28
     sim.publish(stand)
-    sim.publish(joint_command(k_effort=[255 * (k == neck) for k in range(28)]))
+    sim.publish(AtlasCommand(k_effort=[255 * (k == neck) for k in range(28)]))
     sim.advance(TICK)
     state = sim.atlas_state
     assert list(state.kp_position) == [7.0] * 28
@@ -171,7 +160,7 @@ def test_a_message_takes_nothing_from_the_programme_before_it():
     sim = AtlasSimulation(Scenario(programme="tutorial", initial_behavior="FREEZE"))
     sim.advance_to(FIRST_COMMAND + TICK)
     assert [event.kind for event in sim.events].count("command") == 1
-    sim.publish(joint_command(kp_velocity=[1.0] * 28))
+    sim.publish(AtlasCommand(kp_velocity=[1.0] * 28))
     sim.advance(TICK)
     assert list(sim.atlas_state.k_effort) == [255] * 28
     assert list(sim.atlas_state.kp_velocity) == [1.0] * 28
@@ -179,7 +168,7 @@ def test_a_message_takes_nothing_from_the_programme_before_it():
 
 def test_a_bound_that_crosses_the_one_in_force_is_refused_at_once(sim):
     with pytest.raises(InvalidMessageError, match=r"i_effort_min\[0\]"):
-        sim.publish(joint_command(i_effort_min=[5.0] * 28))
+        sim.publish(AtlasCommand(i_effort_min=[5.0] * 28))
 
 
 def test_the_error_is_that_of_the_last_message(sim):
@@ -190,7 +179,7 @@ def test_the_error_is_that_of_the_last_message(sim):
     sim.publish(behavior_command("USER"))
     sim.publish(behavior_command("WALK"))
     assert report().error_code is ErrorCode.FAILED_TO_START_BEHAVIOR
-    sim.publish(joint_command())
+    sim.publish(AtlasCommand())
     assert report().error_code is ErrorCode.NO_ERRORS
     with pytest.raises(InvalidMessageError):
         sim.publish(behavior_command("HOP"))
@@ -202,7 +191,7 @@ def test_the_error_is_that_of_the_last_message(sim):
 
 
 def test_a_published_message_is_a_copy(sim):
-    command = joint_command(k_effort=[0] * 28, position=[0.1] * 28)
+    command = AtlasCommand(k_effort=[0] * 28, position=[0.1] * 28)
     command.k_effort[AtlasState.neck_ry] = 255
     sim.publish(command)
     command.k_effort[AtlasState.neck_ry] = 7
@@ -221,7 +210,7 @@ def test_gains_in_force_are_reported(sim):
     state = sim.atlas_state
     np.testing.assert_array_equal(state.kp_position, sim.robot.default_kp)
     np.testing.assert_array_equal(state.kd_position, sim.robot.default_kd)
-    sim.publish(joint_command(ki_position=[1.0] * 28, i_effort_max=[2.0] * 28))
+    sim.publish(AtlasCommand(ki_position=[1.0] * 28, i_effort_max=[2.0] * 28))
     sim.advance(2 * TICK)
     state = sim.atlas_state
     assert list(state.ki_position) == [1.0] * 28
@@ -564,7 +553,7 @@ def test_the_tutorials_gains_are_stable_in_the_whole_robot(physics_step):
     sim = AtlasSimulation(Scenario(initial_behavior="USER", physics_step=physics_step))
     n = sim.robot.num_joints
     # The tutorial's gains are the default ones, and this on every joint.
-    sim.publish(joint_command(kp_velocity=[50.0] * n, kd_position=[0.0] * n))
+    sim.publish(AtlasCommand(kp_velocity=[50.0] * n, kd_position=[0.0] * n))
     velocities, efforts = [], []
     indices = sim.robot.indices(sim.plant)
     q = sim.plant.num_positions()

@@ -142,9 +142,7 @@ def test_the_tutorials_example_walks_past_the_first_gate():
 
 @pytest.mark.slow
 def test_atlas_does_the_tutorial_in_its_pen_and_walks_out():
-    scenario = load_scenario(EXAMPLE)
-    scenario = replace(scenario, physics_step=0.002, control_period=0.004)
-    sim = AtlasSimulation(scenario)
+    sim = AtlasSimulation(load_scenario(EXAMPLE))
     sim.advance_to(17.0)
     # In the pen still, after the tutorial's four steps.
     assert len(sim.footsteps) == 4

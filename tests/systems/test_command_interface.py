@@ -51,18 +51,12 @@ def sender(robot):
 
 
 def joint_command(**fields):
-    command = AtlasCommand()
-    for name, value in fields.items():
-        setattr(command, name, [value] * 28)
-    return command
+    return AtlasCommand(**{name: [value] * 28 for name, value in fields.items()})
 
 
 def behavior_command(behavior, **fields):
-    command = AtlasSimInterfaceCommand()
-    command.behavior = behavior
-    for name, value in fields.items():
-        setattr(command, name, [value] * 28)
-    return command
+    fields = {name: [value] * 28 for name, value in fields.items()}
+    return AtlasSimInterfaceCommand(behavior=behavior, **fields)
 
 
 def test_nobody_need_be_connected(sender, robot):

@@ -21,15 +21,11 @@ ATLAS, SIM = "atlas_command", "atlas_sim_interface_command"
 
 
 def joint_command(effort):
-    command = AtlasCommand()
-    command.effort = [effort]
-    return command
+    return AtlasCommand(effort=[effort])
 
 
 def behavior_command(behavior):
-    command = AtlasSimInterfaceCommand()
-    command.behavior = behavior
-    return command
+    return AtlasSimInterfaceCommand(behavior=behavior)
 
 
 class Run:
