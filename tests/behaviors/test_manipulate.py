@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from atlas_drake import AtlasCommand, AtlasSimInterfaceCommand, AtlasState
+from atlas_drake import AtlasSimInterfaceCommand, AtlasState
 from atlas_drake.behaviors.body_reference import BodyRates, capture_body
 from atlas_drake.behaviors.manipulate.config import ManipulateConfig
 from atlas_drake.behaviors.manipulate.manipulate import Manipulate
@@ -355,31 +355,3 @@ def test_a_push_is_withstood_and_stand_follows(record):
     assert not recording.sim.has_fallen
     tilt = [look.state[1:4] for look in recording.looks[-20:]]
     np.testing.assert_allclose(tilt, 0.0, atol=0.01)
-
-
-@pytest.mark.slow
-def test_a_leg_that_the_user_takes_makes_the_pelvis_wait(record):
-    recording = record()
-    move(recording, message(pelvis_height=0.84), 1.5)
-    before = measured(recording, recording.sim.robot)
-    taken = AtlasCommand()
-    # Held as it is, with the effort that carries its load.
-    taken.position = list(recording.sim.atlas_state.position)
-    taken.effort = list(recording.sim.atlas_state.effort)
-    taken.k_effort = [0] * 28
-    taken.k_effort[AtlasState.l_leg_hpz : AtlasState.l_leg_akx + 1] = [255] * 6
-    recording.sim.publish(taken)
-    recording.advance(0.2)
-    recording.sim.publish(message(pelvis_height=0.75))
-    recording.advance(1.0)
-    clamped = recording.looks[-1].report.manipulate_feedback.clamped
-    assert clamped.pelvis_height == pytest.approx(before[0], abs=0.01)
-    pose = measured(recording, recording.sim.robot)
-    np.testing.assert_allclose(pose, before, atol=0.04)
-    # Handed back, it goes where it was sent.
-    taken.k_effort = [0] * 28
-    recording.sim.publish(taken)
-    recording.advance(2.5)
-    clamped = recording.looks[-1].report.manipulate_feedback.clamped
-    assert clamped.pelvis_height == 0.75
-    assert_follows(recording)
