@@ -155,18 +155,16 @@ def robot_in(behavior):
             steps_ahead(sim, command)
         sim.publish(command)
         sim.advance(0.02)
-    if behavior in (Behavior.STAND, Behavior.STAND_PREP):
+    if behavior is Behavior.STAND:
         sim.advance(2.0)
     assert sim.current_behavior is behavior
     return sim
 
 
-def state_of(sim):
-    return sim.output("state")
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize("behavior", sorted(Behavior))
+@pytest.mark.parametrize(
+    "behavior", [Behavior.STAND, Behavior.WALK, Behavior.MANIPULATE, Behavior.USER]
+)
 @settings(
     max_examples=15,
     deadline=None,
@@ -193,13 +191,13 @@ def test_hostile_messages_are_refused_and_change_nothing(behavior, letters):
         assert sim.atlas_sim_interface_state.error_code == after.error_code
         fresh = [e for e in sim.events[number:] if e.kind == "refusal"]
         assert [caught.value.field in event.text for event in fresh] == [True]
-        assert np.isfinite(state_of(sim)).all()
+        assert np.isfinite(sim.output("state")).all()
         assert np.isfinite(sim.output("effort")).all()
     report = sim.atlas_sim_interface_state
-    if behavior not in (Behavior.NONE, Behavior.USER):
+    if behavior is not Behavior.USER:
         assert report.current_behavior in (behavior, Behavior.STAND)
         assert not sim.has_fallen
-    if behavior in (Behavior.STAND, Behavior.STAND_PREP):
+    if behavior is Behavior.STAND:
         assert sim.pelvis_pose.translation()[2] > 0.8
         assert np.abs(sim.atlas_state.velocity).max() < 0.1
         assert not report.behavior_feedback.status_flags & BehaviorStatus.ERROR_FALLING
@@ -256,9 +254,7 @@ def logged(tmp_path_factory):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "stamp",
-    [10**400, np.timedelta64(1, "s"), 10**5000],
-    ids=["400 digits", "duration", "5000 digits"],
+    "stamp", [np.timedelta64(1, "s"), 10**5000], ids=["duration", "5000 digits"]
 )
 @pytest.mark.parametrize("kind", [AtlasCommand, AtlasSimInterfaceCommand])
 def test_a_stamp_that_is_no_time_is_refused_beside_another_message(stamp, kind):
@@ -376,7 +372,7 @@ def test_violent_messages_throw_the_robot_down_and_nothing_else(seed, decades):
     for number in range(150):
         sim.publish(violent(random, decades))
         sim.advance(float(random.uniform(0.0, 0.04)))
-        assert np.isfinite(state_of(sim)).all()
+        assert np.isfinite(sim.output("state")).all()
         assert (np.abs(sim.output("effort")) <= limit + 1e-9).all()
         if number % 50 == 49:
             sim.reset()

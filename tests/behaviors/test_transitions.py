@@ -160,7 +160,7 @@ def test_an_illegal_change_is_refused(make, observe, source, target):
     assert (robot.command is None) == (source in (NONE, USER))
 
 
-@pytest.mark.parametrize("source", [NONE, USER, FREEZE, STAND_PREP])
+@pytest.mark.parametrize("source", [USER, FREEZE])
 @pytest.mark.parametrize(
     ("bad", "flag"),
     [

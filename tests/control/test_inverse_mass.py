@@ -125,8 +125,9 @@ def growth(step, dt):
 
 
 @pytest.mark.parametrize("planted", FOOTHOLDS.values(), ids=FOOTHOLDS)
-@pytest.mark.parametrize("dt", PHYSICS_STEPS)
-@pytest.mark.parametrize("extra_damping", [0.0, 50.0])
+@pytest.mark.parametrize(
+    ("dt", "extra_damping"), zip(PHYSICS_STEPS, (50.0, 0.0), strict=True)
+)
 def test_the_whole_robot_is_stable_under_the_law(
     model, robot, inverse_mass, planted, dt, extra_damping
 ):
@@ -149,8 +150,7 @@ def test_the_whole_robot_is_stable_under_the_law(
     assert growth(step, dt) < NEGLIGIBLE
 
 
-@pytest.mark.parametrize("stiffer", [1.0, 5.0])
-@pytest.mark.parametrize("kp_velocity", [20.0, 200.0])
+@pytest.mark.parametrize(("stiffer", "kp_velocity"), [(1.0, 20.0), (5.0, 200.0)])
 def test_stiff_legs_on_the_ground_are_stable_at_the_default_step(
     model, robot, inverse_mass, stiffer, kp_velocity
 ):

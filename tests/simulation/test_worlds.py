@@ -66,7 +66,7 @@ def test_boxes_of_any_number_can_stand_on_the_ground():
 
 def test_there_is_ground_wherever_a_robot_can_start():
     sim = AtlasSimulation(Scenario(start=Start(position=[START_REACH, -START_REACH])))
-    sim.advance(0.3)
+    sim.advance(0.2)
     assert not sim.has_fallen
     loads = sim.output("foot_wrenches")[[5, 11]]
     assert sum(loads) == pytest.approx(9.81 * sim.robot.mass, rel=0.1)

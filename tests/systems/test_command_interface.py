@@ -173,7 +173,7 @@ def test_a_stream_of_what_cannot_be_used_is_refused_and_logged_once(
     def change(message, time):
         message.position = poison()
 
-    force = streamed(robot, ATLAS, change)
+    force = streamed(robot, ATLAS, change, seconds=0.006)
     assert force.refused == force.received == 1
     assert len(caplog.records) == 1
 
