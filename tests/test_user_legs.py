@@ -93,7 +93,7 @@ def test_one_leg_is_enough_to_balance(take, joints):
     assert sim.pelvis_pose.translation()[2] > 0.85
 
 
-def test_who_takes_every_joint_is_not_warned_until_some_are_given_back(take):
+def test_a_user_of_all_joints_is_warned_when_some_are_given_back(take):
     sim = AtlasSimulation()
     take(sim, joints_of(sim, ""))
     sim.advance(0.1)

@@ -44,11 +44,11 @@ BOTH_HIPS = {"l_leg_hpy": 1.0, "r_leg_hpy": 1.0}
         ({"back_bky": 1.0, "l_arm_shx": 1.0}, True),
     ],
 )
-def test_it_takes_hip_and_ankle_pitch_of_the_same_leg(stand, observe, shares, balances):
+def test_balance_needs_hip_and_ankle_pitch_of_one_leg(stand, observe, shares, balances):
     assert stand.can_balance(observe(users=shares)) is balances
 
 
-def test_a_share_counts_by_the_effort_it_leaves(robot, stand, observe):
+def test_a_shared_joint_counts_by_its_remaining_effort(robot, stand, observe):
     limit = robot.effort_limit[robot.joint_index("l_leg_hpy")]
 
     def balances_with(effort):
@@ -78,7 +78,7 @@ def balances(command):
     return any(isinstance(task, ComTask) for task in command.tasks)
 
 
-def test_the_pose_is_held_and_said_so_once(stand, observe):
+def test_the_held_pose_gives_one_warning(stand, observe):
     balancing, first, second = run(
         stand, None, [observe(), observe(users=BOTH_HIPS), observe(users=BOTH_HIPS)]
     )

@@ -126,7 +126,7 @@ def growth(step, dt):
 
 @pytest.mark.parametrize("planted", FOOTHOLDS.values(), ids=FOOTHOLDS)
 @pytest.mark.parametrize(
-    ("dt", "extra_damping"), zip(PHYSICS_STEPS, (50.0, 0.0), strict=True)
+    ("dt", "extra_damping"), [(PHYSICS_STEPS[0], 50.0), (PHYSICS_STEPS[1], 0.0)]
 )
 def test_the_whole_robot_is_stable_under_the_law(
     model, robot, inverse_mass, planted, dt, extra_damping

@@ -55,7 +55,7 @@ def test_torques_are_those_of_the_jacobian(model, random_state, legs, foot):
     np.testing.assert_allclose(torques, expected, atol=1e-9)
 
 
-def test_what_is_too_far_or_above_the_hip_has_no_angles(legs):
+def test_feet_out_of_reach_have_no_joint_angles(legs):
     reach = np.array([0.0, 0.09, -1.2])
     assert solve_leg(legs[0], reach, np.eye(3)) is None
     assert solve_leg(legs[0], np.array([0.0, 0.09, 0.5]), np.eye(3)) is None

@@ -115,7 +115,7 @@ def test_a_foot_on_its_toes_is_flat_once_it_is_lifted(tipped):
     assert swing.top == pytest.approx(HOME.p_WF[2] + LIFT)
 
 
-def test_it_looks_for_ground_down_to_a_bound(swing):
+def test_a_late_foot_descends_to_a_bound(swing):
     ground = swing.goal.p_WF[2]
     shallow = swing.evaluate(swing.duration + 0.2)
     depth = PROFILE.press_depth + 0.2 * PROFILE.late_descent

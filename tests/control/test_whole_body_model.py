@@ -64,7 +64,9 @@ FRAMES = ("pelvis", "chest", "head", "l_hand", "l_sole", "r_sole")
 
 
 @pytest.mark.parametrize("name", FRAMES)
-def test_any_frame_by_its_name(model, state, terms, generalized, name):
+def test_velocity_and_bias_of_a_frame_are_derivatives(
+    model, state, terms, generalized, name
+):
     file = model.robot.file
     name = {"pelvis": file.pelvis, "chest": file.chest}.get(name, name)
     frame = terms.frame(name)

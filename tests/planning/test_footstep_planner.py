@@ -274,7 +274,7 @@ def test_steps_are_level_with_the_feet():
         (lambda: Gait(swing_height=math.nan), "gait.swing_height"),
     ],
 )
-def test_what_cannot_be_is_an_error_that_names_it(call, name):
+def test_values_out_of_range_are_named(call, name):
     with pytest.raises(ValueError, match=rf"^{name} is "):
         call()
 

@@ -145,7 +145,7 @@ def test_steering_commands_the_robot(heron):
 
 
 @pytest.mark.slow
-def test_it_stands_squats_and_walks(walk):
+def test_heron_stands_walks_and_squats(walk):
     sim = simulate()
     sim.advance(1.0)
     stood = sim.atlas_sim_interface_state.pos_est.position

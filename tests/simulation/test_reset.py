@@ -219,6 +219,6 @@ def test_the_harness_releases_at_its_time_after_each_start_in_it():
         ),
     ],
 )
-def test_a_harness_that_cannot_be_is_refused(fields, fault):
+def test_an_invalid_harness_is_refused(fields, fault):
     with pytest.raises(ScenarioError, match=fault):
         AtlasSimulation(Scenario(**fields))

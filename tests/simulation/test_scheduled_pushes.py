@@ -94,7 +94,7 @@ def test_a_push_waits_for_its_foot_and_the_share_of_the_step():
         ({"time": 1.0, "body": "tail"}, "pushes[0].body"),
     ],
 )
-def test_a_push_that_cannot_be_is_named(push, field):
+def test_an_invalid_push_is_named(push, field):
     with pytest.raises(ScenarioError) as caught:
         AtlasSimulation(Scenario(pushes=[PlannedPush(**push)]))
     assert caught.value.field == field

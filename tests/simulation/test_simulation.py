@@ -67,7 +67,7 @@ def test_an_argument_of_the_wrong_type_is_named(arguments, words):
         AtlasSimulation(**arguments)
 
 
-def test_a_video_that_cannot_be_is_refused():
+def test_an_invalid_video_is_refused():
     assert Video("run.mp4").path == Path("run.mp4")
     for fields, words in (
         ({"path": 3}, "path of a Video must be the name of a file, is 3"),
@@ -85,7 +85,7 @@ def behavior_command(behavior, **fields):
 # ---- commands ------------------------------------------------------------------
 
 
-def test_a_simulation_begins_without_a_word(caplog):
+def test_a_simulation_logs_nothing_at_its_start(caplog):
     AtlasSimulation()
     assert not caplog.records
 
@@ -221,7 +221,7 @@ def test_gains_in_force_are_reported(sim):
 # ---- time ----------------------------------------------------------------------
 
 
-def test_time_is_the_sum_of_what_was_advanced(sim):
+def test_time_is_the_sum_of_the_advances(sim):
     assert sim.time == 0.0
     sim.advance(0.03)
     assert sim.time == pytest.approx(0.03)
@@ -235,7 +235,7 @@ def test_time_is_the_sum_of_what_was_advanced(sim):
 
 
 @pytest.mark.parametrize("t", [0.01, -1.0, np.nan, np.inf, 10**400, "soon", None])
-def test_time_does_not_go_back_nor_on_for_ever(sim, t):
+def test_times_that_are_past_or_not_finite_are_refused(sim, t):
     sim.advance(0.02)
     with pytest.raises(ValueError, match="cannot advance"):
         sim.advance_to(t)
@@ -323,7 +323,7 @@ def test_waiting_in_vain_ends_with_an_error_that_says_when(sim):
 
 
 @pytest.mark.slow
-def test_nothing_is_lost_that_another_thread_publishes(tmp_path):
+def test_no_message_of_another_thread_is_lost(tmp_path):
     scenario = Scenario()
     done, sent = threading.Event(), []
 
@@ -409,7 +409,7 @@ def test_threads_that_advance_to_one_time_end_there(sim):
         (("utorso", [1.0, 0.0, 0.0], np.nan), "duration"),
     ],
 )
-def test_pushes_that_make_no_sense_are_refused(sim, arguments, field):
+def test_invalid_pushes_are_refused(sim, arguments, field):
     with pytest.raises(InvalidMessageError) as caught:
         sim.apply_push(*arguments)
     assert caught.value.field == field
@@ -420,7 +420,7 @@ def test_pushes_that_make_no_sense_are_refused(sim, arguments, field):
 # ---- what it tells -------------------------------------------------------------
 
 
-def test_at_rest_the_sensors_tell_of_gravity_and_weight(sim):
+def test_at_rest_the_sensors_measure_gravity_and_weight(sim):
     sim.advance(0.6)
     imu, state = sim.imu, sim.atlas_state
     np.testing.assert_allclose(
@@ -437,7 +437,7 @@ def test_at_rest_the_sensors_tell_of_gravity_and_weight(sim):
 
 
 @pytest.mark.slow
-def test_noise_is_the_seeds_and_nothing_elses():
+def test_noise_depends_on_the_seed_alone():
     def first(seed, noise="rough"):
         return AtlasSimulation(Scenario(seed=seed, noise=noise)).imu
 
@@ -468,7 +468,7 @@ def test_the_summary_is_json_and_says_what_was_run(summary_keys):
     assert summary["min_pelvis_height"] == pytest.approx(height, abs=0.02)
 
 
-def test_events_are_told_as_they_happen_and_in_order(sim):
+def test_listeners_get_events_at_once_and_in_order(sim):
     told = []
     sim.attach(Listener(told.append))
     sim.advance(0.04)
@@ -484,7 +484,7 @@ def test_events_are_told_as_they_happen_and_in_order(sim):
     assert [change["text"] for change in changes] == [event.text for event in told]
 
 
-def test_an_error_of_who_listens_is_its_own_and_loses_no_event(tmp_path):
+def test_a_listeners_error_is_raised_and_loses_no_event(tmp_path):
     error = RuntimeError("of the caller")
 
     def on_event(event):
@@ -508,7 +508,7 @@ def test_an_error_of_who_listens_is_its_own_and_loses_no_event(tmp_path):
     assert [event.kind for event in read_log(tmp_path / "run.npz").events] == kinds
 
 
-def test_what_is_sent_last_is_in_events_and_log(tmp_path):
+def test_messages_after_the_last_advance_are_in_events_and_log(tmp_path):
     with AtlasSimulation(log=tmp_path / "run.npz") as sim:
         sim.advance(0.01)
         sim.publish(AtlasCommand())
@@ -520,7 +520,7 @@ def test_what_is_sent_last_is_in_events_and_log(tmp_path):
     assert [event.kind for event in log.events] == ["refusal"]
 
 
-def test_a_list_that_changes_afterwards_is_not_what_was_simulated():
+def test_a_scenario_is_copied():
     scenario = Scenario(start=Start(position=[0.5, 0.0]))
     sim = AtlasSimulation(scenario)
     scenario.start.position[:] = [9.0, 9.0]

@@ -75,7 +75,7 @@ def test_the_robot_is_placed_with_one_call():
         ("clearance", "x"),
     ],
 )
-def test_a_place_that_is_none_is_refused(station_at_rest, field, value):
+def test_an_invalid_placement_is_refused(station_at_rest, field, value):
     robot, station, simulator = station_at_rest
     plant = station.GetSubsystemByName("plant")
     context = plant.GetMyMutableContextFromRoot(simulator.get_mutable_context())

@@ -64,7 +64,7 @@ def test_boxes_of_any_number_can_stand_on_the_ground():
     assert len(sim.scenario.all_terrain()) == 100
 
 
-def test_there_is_ground_wherever_a_robot_can_start():
+def test_the_ground_extends_to_every_allowed_start():
     sim = AtlasSimulation(Scenario(start=Start(position=[START_REACH, -START_REACH])))
     sim.advance(0.2)
     assert not sim.has_fallen

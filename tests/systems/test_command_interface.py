@@ -59,7 +59,7 @@ def behavior_command(behavior, **fields):
     return AtlasSimInterfaceCommand(behavior=behavior, **fields)
 
 
-def test_nobody_need_be_connected(sender, robot):
+def test_both_ports_may_stay_unconnected(sender, robot):
     for _ in range(2):
         np.testing.assert_array_equal(
             sender.out("joint_command").position, robot.stand_prep
@@ -146,7 +146,7 @@ def streamed(robot, port, change, seconds=0.02):
     return force
 
 
-def test_one_message_that_is_filled_in_again_is_heard_each_time(robot):
+def test_a_message_object_is_read_again_when_it_changes(robot):
     def change(message, time):
         message.position = [0.1 * time] * 28
 
@@ -263,7 +263,7 @@ def test_a_refusal_changes_nothing_but_the_error_and_is_counted_once(sender, fau
         sender.tick(2)
 
 
-def test_time_that_runs_backward_is_refused(sender):
+def test_a_stamp_before_the_last_one_is_refused(sender):
     for number, stamp in enumerate((5.0, 4.0), 1):
         command = behavior_command("STAND")
         command.header.stamp = stamp

@@ -128,7 +128,7 @@ def test_a_text_without_command_is_counted_and_sends_nothing():
     assert (run.out("sent"), run.out(ATLAS), run.out(SIM)) == (1, NOTHING, NOTHING)
 
 
-def test_what_was_sent_does_not_change_with_the_programmers_message():
+def test_a_sent_command_is_a_copy():
     message = joint_command(1.0)
     run = Run((0.1, message))
     run.to(0.15)

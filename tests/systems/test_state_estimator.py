@@ -66,7 +66,7 @@ def test_the_start_state_is_read_at_the_first_tick_only(alone, robot):
     np.testing.assert_allclose(port.Eval(context), state, atol=1e-6)
 
 
-def test_it_begins_with_the_motion_in_which_the_robot_is_put(alone):
+def test_the_estimate_starts_with_the_robots_velocity(alone):
     estimator, context, state = alone
     moving = state + np.random.default_rng(6).uniform(-0.5, 0.5, state.shape)
     moving[:4] = turned(state[:4], np.array([0.3, -0.2, 1.0]))
@@ -82,7 +82,7 @@ def test_it_begins_with_the_motion_in_which_the_robot_is_put(alone):
     np.testing.assert_allclose(estimate, moving, atol=1e-9)
 
 
-def test_the_legs_are_seen_as_they_move_in_the_world(alone):
+def test_leg_kinematics_equal_those_in_the_world(alone):
     # Everything moves, the pelvis too, whose own velocity no leg can tell.
     estimator, context, state = alone
     plant = estimator._plant
@@ -105,7 +105,7 @@ def test_the_legs_are_seen_as_they_move_in_the_world(alone):
         np.testing.assert_allclose(R_WP @ velocities[foot], v_IF, atol=1e-12)
 
 
-def test_only_a_foot_that_carries_load_tells_where_the_robot_is(alone, robot):
+def test_only_a_loaded_foot_corrects_the_position(alone, robot):
     estimator, context, state = alone
     plant = estimator._plant
     # The right knee bends: either its foot moves, or the robot.
