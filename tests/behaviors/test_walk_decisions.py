@@ -11,6 +11,7 @@ from atlas_drake.behaviors.phases import TIME_STEP
 from atlas_drake.behaviors.stance import StanceConfig
 from atlas_drake.behaviors.walk.both_feet import steps_left_out
 from atlas_drake.behaviors.walk.config import WalkConfig
+from atlas_drake.behaviors.walk.gait import stance_cop
 from atlas_drake.behaviors.walk.phases import Transfer, WalkSettle, WalkShift, WalkSwing
 from atlas_drake.behaviors.walk.rules import WalkRules
 from atlas_drake.behaviors.walk.walk import Walk
@@ -295,6 +296,8 @@ def test_the_plan_has_the_paths_of_swing_foot_com_dcm_and_cop(
     paths = walk.paths(phase, phase.planned.dcm, omega)
     np.testing.assert_array_equal(plan.dcm_reference, phase.planned.dcm)
     np.testing.assert_array_equal(plan.cop_reference, phase.planned.cop)
+    under = stance_cop(phase.progress.feet[1 - foot], 1 - foot)
+    np.testing.assert_allclose(plan.cop_reference, under, atol=1e-9)
     assert [(step.foot, step.p_WF[0]) for step in plan.footsteps] == [
         (foot, 0.2),
         (1 - foot, 0.4),

@@ -142,3 +142,9 @@ def test_a_turn_on_the_spot_takes_the_time_of_its_arc(angle):
     goal = FootPose(HOME.p_WF, rotation_z(0.4 + angle))
     swing = plan_step_swing(HOME, HOME, goal, LIFT, 0.0, 0.1, slow, PROFILE)
     assert swing.move == pytest.approx(PEAK_SPEED * TURN_RADIUS * abs(angle) / slow)
+
+
+def test_the_time_across_is_that_of_the_horizontal_way_with_turn_and_rise():
+    swing = plan(dz=0.15, speed=0.2, normal=np.array([0.0, 0.0, 1.0]))
+    across = np.linalg.norm([0.3, 0.05, TURN_RADIUS * 0.5, 2.0 * RISE])
+    assert swing.move == pytest.approx(PEAK_SPEED * across / 0.2)

@@ -454,7 +454,8 @@ def test_rows_and_bounds_without_which_there_were_a_solution_are_named(
     robot, qp, bounds, terms
 ):
     command = still(robot, contacts=soles(robot))
-    nothing = OwnTask(A=np.full((3, 34), np.nan))
+    nothing = OwnTask(A=np.eye(3, 34))
+    nothing.given[0][1, 2] = np.nan
     answer = qp.solve(terms, command.plus(nothing), bounds)
     assert answer.why == "A of OwnTask is not finite"
     # One row of three, behind bounds that may stay.

@@ -61,6 +61,8 @@ def test_the_gait_is_detected_from_loads():
     assert look(0.61, 0.0) is None
     assert look(0.6 + 0.9 * DOWN_FOR, 0.0) is None
     assert look(0.7, 0.6) is None
+    assert look(0.75, 0.0) is None
+    assert look(0.75 + LIFTED_FOR, 0.0) == "lift_off"
 
 
 def test_a_push_waits_for_its_foot_and_the_share_of_the_step():
