@@ -193,61 +193,57 @@ def test_user_gives_every_joint_to_the_user(sender):
     np.testing.assert_array_equal(sender.out("k_effort"), np.full(28, 255.0))
 
 
-def wrong_length():
-    command = joint_command(position=0.1, k_effort=7)
-    command.kp_position = [1.0] * 27
-    return ATLAS, command, ErrorCode.VALUE_OUT_OF_RANGE, "kp_position"
-
-
-def not_a_number():
-    command = joint_command(position=0.1, k_effort=7)
-    command.velocity = [0.0] * 27 + [float("nan")]
-    return ATLAS, command, ErrorCode.VALUE_OUT_OF_RANGE, "velocity[27]"
-
-
-def share_above_255():
-    command = joint_command(position=0.1)
-    command.k_effort = [0] * 27 + [256]
-    return ATLAS, command, ErrorCode.VALUE_OUT_OF_RANGE, "k_effort[27]"
-
-
-def unknown_behavior():
-    command = behavior_command("DANCE", k_effort=7)
-    return SIM, command, ErrorCode.NO_SUCH_BEHAVIOR, "behavior"
-
-
 def steps_out_of_order():
     command = behavior_command("WALK", k_effort=7)
     for place, index in ((0, 2), (1, 1)):
         step = AtlasBehaviorStepData(step_index=index, duration=0.63)
         command.walk_params.step_queue[place] = step
-    return SIM, command, ErrorCode.INVALID_INDEX, "walk_params.step_queue[1].step_index"
+    return command
 
 
-def wrong_share_length():
-    command = behavior_command("WALK")
-    command.k_effort = [0] * 30
-    return SIM, command, ErrorCode.VALUE_OUT_OF_RANGE, "k_effort"
+OUT_OF_RANGE = ErrorCode.VALUE_OUT_OF_RANGE
+INDEX = "walk_params.step_queue[1].step_index"
+GOOD = {"position": [0.1] * 28, "k_effort": [7] * 28}
+"""Fields that must not be taken from a faulty message either."""
+FAULTS = {
+    "length": (
+        AtlasCommand(**GOOD, kp_position=[1.0] * 27),
+        OUT_OF_RANGE,
+        "kp_position",
+    ),
+    "nan": (
+        AtlasCommand(**GOOD, velocity=[0.0] * 27 + [np.nan]),
+        OUT_OF_RANGE,
+        "velocity[27]",
+    ),
+    "share": (
+        AtlasCommand(**GOOD | {"k_effort": [0] * 27 + [256]}),
+        OUT_OF_RANGE,
+        "k_effort[27]",
+    ),
+    "behavior": (
+        behavior_command("DANCE", k_effort=7),
+        ErrorCode.NO_SUCH_BEHAVIOR,
+        "behavior",
+    ),
+    "steps": (steps_out_of_order(), ErrorCode.INVALID_INDEX, INDEX),
+    "share length": (
+        AtlasSimInterfaceCommand(behavior="WALK", k_effort=[0] * 30),
+        OUT_OF_RANGE,
+        "k_effort",
+    ),
+}
 
 
-@pytest.mark.parametrize(
-    "fault",
-    [
-        wrong_length,
-        not_a_number,
-        share_above_255,
-        unknown_behavior,
-        steps_out_of_order,
-        wrong_share_length,
-    ],
-)
-def test_a_refusal_changes_nothing_but_the_error_and_is_counted_once(sender, fault):
+@pytest.mark.parametrize(("message", "code", "field"), FAULTS.values(), ids=FAULTS)
+def test_a_refusal_changes_nothing_but_the_error_and_is_counted_once(
+    sender, message, code, field
+):
     sender.put(ATLAS, joint_command(position=0.2, ki_position=3.0).snapshot())
     sender.put(SIM, behavior_command("STAND", k_effort=50).snapshot())
     sender.tick()
     before = sender.out()
-    port, message, code, field = fault()
-    sender.put(port, message.snapshot())
+    sender.put(ATLAS if isinstance(message, AtlasCommand) else SIM, message.snapshot())
     # At once, and after as many ticks as it stays on the port.
     for _ in range(3):
         after = sender.out()
