@@ -141,11 +141,16 @@ def _pose(value: Any) -> Transform:
 
 @functools.cache
 def _adapter(kind: Any) -> TypeAdapter[Any]:
+    return TypeAdapter(declared(kind))
+
+
+def declared(kind: Any) -> Any:
+    """Returns the type; a user's own dataclass is read as a ``Configuration``."""
     is_class = isinstance(kind, type) and dataclasses.is_dataclass(kind)
     if not is_class or issubclass(kind, Configuration):
-        return TypeAdapter(kind)
+        return kind
     kind.__pydantic_config__ = Configuration.__pydantic_config__
-    return TypeAdapter(Annotated[kind, _Mapping()])
+    return Annotated[kind, _Mapping()]
 
 
 class _Mapping:

@@ -26,7 +26,7 @@ from pydrake.multibody.plant import (
 from pydrake.systems.framework import Diagram, DiagramBuilder, System
 
 from atlas_drake.behaviors.config import ControllerConfig
-from atlas_drake.behaviors.entry import BehaviorEntry, configured
+from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.behaviors.registration import registered
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.control.estimation.leg_odometry import OdometryTuning
@@ -175,9 +175,9 @@ def make_atlas_station(
     """
     robot = robot or load_robot()
     config = config or StationConfig()
-    tuning = config.controller or ControllerConfig.of(robot.file)
-    builder = DiagramBuilder()
     entries = (*SHIPPED_ENTRIES, *registered(behaviors))
+    tuning = config.controller or ControllerConfig.of(robot.file, entries)
+    builder = DiagramBuilder()
     plant, scene_graph = _add_plant(builder, robot, config, world)
     indices, own = robot.indices(plant), robot.instance(plant)
     own_state = plant.get_state_output_port(own)
@@ -333,13 +333,10 @@ def make_whole_body_controller(
         config: Settings of the station.
         entries: Entries of the behaviors.
     """
-    tuning = config.controller or ControllerConfig.of(robot.file)
+    entries = tuple(entries)
+    tuning = config.controller or ControllerConfig.of(robot.file, entries)
     return WholeBodyController(
-        robot,
-        tuning,
-        config.control_period,
-        config.initial_behavior,
-        configured(entries, tuning.behaviors),
+        robot, tuning, config.control_period, config.initial_behavior, entries
     )
 
 

@@ -45,6 +45,8 @@ def schema_of(kind: type) -> dict[str, Any]:
         controller = TypeAdapter(ControllerConfig).json_schema(
             schema_generator=_Generator
         )
+        # The fields of a user's own behaviors depend on what is registered.
+        controller["additionalProperties"] = {"type": "object"}
         known |= {**controller.pop("$defs"), "ControllerConfig": controller}
     if kind is Campaign:
         _refer_to_scenario(schema)

@@ -27,9 +27,9 @@ from json_schemas import schema_files
 
 import atlas_drake
 from atlas_drake import errors, messages
-from atlas_drake.behaviors import base, entry_limits, fall, supervisor
+from atlas_drake.behaviors import base, fall, supervisor
 from atlas_drake.behaviors.config import ControllerConfig
-from atlas_drake.behaviors.entry import legal_transitions
+from atlas_drake.behaviors.entry import EntryLimits, legal_transitions
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.behaviors.stand import stance_guard
 from atlas_drake.checked import as_plain
@@ -160,14 +160,14 @@ def transitions_page() -> str:
     header = ("from \\ to", *(b.name for b in Behavior))
     parts = [
         "# Transitions",
-        source_docs.paragraphs(entry_limits.__doc__),
+        "Which behavior may follow which, by request.",
         table(header, rows),
         _drawing(),
         "Any other change is refused with FAILED_TRANS_ILLEGAL_BEHAVIOR and"
         " FAILED_TO_START_BEHAVIOR; what was active goes on.",
         "## When a behavior that balances can begin",
-        source_docs.head(entry_limits.EntryLimits.__doc__),
-        _numbers(entry_limits.EntryLimits),
+        source_docs.head(EntryLimits.__doc__),
+        _numbers(EntryLimits),
         "## When the robot counts as falling",
         source_docs.head(fall.FallLimits.__doc__),
         _numbers(fall.FallLimits),

@@ -7,13 +7,14 @@ behavior chooses its own references of feet and center of mass.
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from atlas_drake.behaviors.base import Observation
 from atlas_drake.behaviors.body_reference import BodyReference
-from atlas_drake.behaviors.stance import StanceConfig
+from atlas_drake.configuration import Configuration, NotNegative, Positive
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.dcm_plan import DcmReference
 from atlas_drake.control.balance.support_polygon import SupportPolygon
@@ -38,7 +39,22 @@ from atlas_drake.control.whole_body.tasks import (
     position_acceleration,
 )
 from atlas_drake.frozen import read_only
+from atlas_drake.planning.footholds import STANCE_WIDTH
 from atlas_drake.robot import Robot
+
+
+@dataclass(frozen=True)
+class StanceConfig(Configuration):
+    """How the robot stands."""
+
+    width: Positive = STANCE_WIDTH
+    """Distance between the soles' middles of feet side by side [m]."""
+    com_drop: NotNegative = 0.02
+    """Lowering of the center of mass in standing and walking below the stand-prep pose
+    [m]: bent knees give the trailing leg its reach."""
+    balance_effort: NotNegative = 15.0
+    """Effort that a behavior must be able to apply at hip pitch and ankle pitch of a
+    leg to balance with the leg [N·m]."""
 
 
 class FootCommand(NamedTuple):

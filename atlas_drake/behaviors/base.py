@@ -13,6 +13,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from atlas_drake.behaviors.body_reference import BodyReference
+from atlas_drake.control.balance.feedback import pendulum_frequency
 from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.whole_body.command import WholeBodyCommand
 from atlas_drake.control.whole_body.terms import WholeBodyTerms
@@ -57,6 +58,10 @@ class Observation:
     def foot_poses(self) -> tuple[FootPose, FootPose]:
         """Present poses of both soles in W."""
         return self.foot_pose(0), self.foot_pose(1)
+
+    def pendulum_frequency(self, ground: float) -> float:
+        """Natural frequency of the pendulum on ground at this height in W [1/s]."""
+        return pendulum_frequency(float(self.terms.com[2]) - ground)
 
     def has_slipped(self, feet: tuple[FootPose, FootPose], limit: float) -> bool:
         """Returns True if a sole is farther than ``limit`` [m] from its pose."""

@@ -1,32 +1,39 @@
 """All parameters of the whole-body controller, in one value.
 
 Gathers the configurations, each of which is defined beside the code that it configures;
-no parameter is defined here. A robot's file gives its own values at the same paths.
+no parameter is defined here. A robot's file gives its own values at the same paths,
+and the configuration of each registered behavior is one more field.
 """
 
-from dataclasses import asdict, dataclass, field
-from typing import Any, Self
+import functools
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass, field, fields, is_dataclass, make_dataclass
+from typing import Any
 
+from atlas_drake.behaviors.balance import StanceConfig
 from atlas_drake.behaviors.body_reference import BodyRates
-from atlas_drake.behaviors.entry_limits import EntryLimits
+from atlas_drake.behaviors.entry import BehaviorEntry, EntryLimits
 from atlas_drake.behaviors.fall import FallLimits
 from atlas_drake.behaviors.freeze import FreezeConfig
 from atlas_drake.behaviors.manipulate.config import ManipulateConfig
-from atlas_drake.behaviors.stance import StanceConfig
 from atlas_drake.behaviors.stand.config import StandConfig
 from atlas_drake.behaviors.step.config import StepConfig
 from atlas_drake.behaviors.walk.config import WalkConfig
-from atlas_drake.checked import checked
+from atlas_drake.checked import checked, declared
 from atlas_drake.configuration import Configuration
 from atlas_drake.control.gains import ControlGains
-from atlas_drake.errors import ScenarioError
+from atlas_drake.errors import ScenarioError, did_you_mean
 from atlas_drake.planning.footholds import Gait
 from atlas_drake.robot import RobotFile
 
 
 @dataclass(frozen=True)
 class ControllerConfig(Configuration):
-    """Parameters of the controller; field ``controller`` of a scenario."""
+    """Parameters of the controller; field ``controller`` of a scenario.
+
+    The configuration of a behavior of your own, BOW for example, is one more field,
+    ``bow``.
+    """
 
     gains: ControlGains = field(default_factory=ControlGains)
     """Gains and weights of the whole-body controller."""
@@ -43,18 +50,60 @@ class ControllerConfig(Configuration):
     walk: WalkConfig = field(default_factory=WalkConfig)
     step: StepConfig = field(default_factory=StepConfig)
     manipulate: ManipulateConfig = field(default_factory=ManipulateConfig)
-    behaviors: dict[str, Any] = field(default_factory=dict)
-    """Configurations of registered behaviors by name, such as ``BOW: {depth: 0.3}``;
-    checked against the configuration dataclass of the behavior's entry."""
 
-    @classmethod
-    def of(cls, file: RobotFile) -> Self:
+    @staticmethod
+    def of(
+        file: RobotFile, behaviors: Iterable[BehaviorEntry] | None = None
+    ) -> "ControllerConfig":
         """Returns the configuration of a robot: its file's values, or else defaults.
+
+        Args:
+            file: The robot's file.
+            behaviors: As for ``with_values``.
 
         Raises:
             ScenarioError: Naming the first field that cannot be used.
         """
-        made: Self = checked(cls, file.controller, "controller", from_text=True)
+        return ControllerConfig().with_values(file.controller, behaviors)
+
+    def with_values(
+        self,
+        values: Mapping[str, Any],
+        behaviors: Iterable[BehaviorEntry] | None = None,
+    ) -> "ControllerConfig":
+        """Returns the configuration with some values changed.
+
+        Args:
+            values: Values by field, as in YAML.
+            behaviors: Entries of the registered behaviors, whose configurations are
+                fields, too. None if the behaviors are not known yet: then mappings
+                under other names are neither checked nor kept.
+
+        Raises:
+            ScenarioError: Naming the first field that cannot be used.
+        """
+        shared = [one.name for one in fields(ControllerConfig)]
+        own = {
+            entry.configured_at: entry.config
+            for entry in behaviors or ()
+            if entry.config is not None and entry.configured_at not in shared
+        }
+        kind = _with_fields(tuple((name, type(one)) for name, one in own.items()))
+        base = {name: getattr(self, name, own.get(name)) for name in (*shared, *own)}
+        registered = f"of registered behaviors: {', '.join(own) or 'none'}"
+        if behaviors is None:
+            registered = "the field of a behavior of your own holds fields"
+        for name, value in values.items():
+            is_fields = isinstance(value, Mapping) or is_dataclass(value)
+            if name not in base and not (behaviors is None and is_fields):
+                hint = did_you_mean(name.lower(), base)
+                known = f"There are {', '.join(shared)}; {registered}"
+                problem = f"there is no such field.{hint} {known}"
+                raise ScenarioError(f"controller.{name}", value, problem)
+        given = {name: value for name, value in values.items() if name in base}
+        made: ControllerConfig = checked(
+            kind, given, "controller", base=base, from_text=True
+        )
         return made
 
     def gait(self, **wanted: float) -> Gait:
@@ -82,14 +131,16 @@ class ControllerConfig(Configuration):
             problem = f"walk.limits.width is {least:g} to {greatest:g}"
             raise ScenarioError.about("stance.width", width, problem)
 
-    @property
-    def of_behaviors(self) -> dict[str, Any]:
-        """Configuration of each behavior that has one, by the behavior's name."""
-        return {
-            "FREEZE": self.freeze,
-            "STAND_PREP": self.stand,
-            "STAND": self.stand,
-            "WALK": self.walk,
-            "STEP": self.step,
-            "MANIPULATE": self.manipulate,
-        }
+
+@functools.cache
+def _with_fields(own: tuple[tuple[str, type], ...]) -> type[ControllerConfig]:
+    """Returns the configuration's class, with a field for each of the user's own."""
+    if not own:
+        return ControllerConfig
+    return make_dataclass(
+        "ExtendedControllerConfig",
+        [(name, declared(kind)) for name, kind in own],
+        bases=(ControllerConfig,),
+        frozen=True,
+        kw_only=True,
+    )

@@ -5,25 +5,36 @@ The shipped entries are in ``shipped``; an entry of your own is made the same wa
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.base import BehaviorProtocol, Observation
 from atlas_drake.behaviors.body_reference import BodyRates
-from atlas_drake.behaviors.entry_limits import EntryLimits
 from atlas_drake.behaviors.freeze import Freeze
 from atlas_drake.behaviors.stand.config import StandConfig
 from atlas_drake.behaviors.stand.stance_guard import StanceGuard
 from atlas_drake.behaviors.stand.stand import Pose, Stand
-from atlas_drake.checked import checked
+from atlas_drake.configuration import Configuration, NotNegative
 from atlas_drake.control.whole_body.model import WholeBodyModel
-from atlas_drake.errors import ScenarioError, did_you_mean, shown
-from atlas_drake.messages import AtlasSimInterfaceCommand, Behavior, BehaviorStatus
+from atlas_drake.errors import shown
+from atlas_drake.messages import AtlasSimInterfaceCommand, BehaviorStatus
 from atlas_drake.messages.behavior_catalog import BehaviorError, BehaviorInterface
 from atlas_drake.planning.footholds import Gait
 from atlas_drake.robot import Robot
+
+
+@dataclass(frozen=True)
+class EntryLimits(Configuration):
+    """Limits within which STAND can take over."""
+
+    com_inside: NotNegative = 0.01
+    """Least distance of the CoM from the edge of the support polygon, inside it [m]."""
+    dcm_inside: NotNegative = 0.03
+    """Least distance of the DCM from the edge of the support polygon, inside it [m]."""
+    joint_speed: NotNegative = 4.0
+    """Largest speed of any joint that STAND takes over [rad/s]."""
 
 
 @dataclass(frozen=True)
@@ -107,6 +118,8 @@ class BehaviorEntry(BehaviorInterface):
             (tools: BehaviorTools, config) that returns a ``BehaviorProtocol``.
         config: Instance of the behavior's configuration dataclass, with the default
             values; None if the behavior has no configuration.
+        config_field: Field of ``ControllerConfig`` with the configuration; empty means
+            the name in lower case. Behaviors can share a field.
         conditions: Conditions that must all be met when the behavior begins.
         follows: Names of behaviors that this behavior may follow.
         leads_to: Names of behaviors that may follow this behavior, besides itself and
@@ -122,6 +135,7 @@ class BehaviorEntry(BehaviorInterface):
 
     make: Callable[[BehaviorTools, Any], BehaviorProtocol]
     config: Any = None
+    config_field: str = ""
     conditions: tuple[EntryCondition, ...] = ()
     follows: tuple[str, ...] = ("STAND",)
     leads_to: tuple[str, ...] = ("STAND",)
@@ -131,6 +145,11 @@ class BehaviorEntry(BehaviorInterface):
     ends_in_order: bool = True
     lifts_feet: bool = False
 
+    @property
+    def configured_at(self) -> str:
+        """Field of ``ControllerConfig`` with the behavior's configuration."""
+        return self.config_field or self.name.lower()
+
     def may_follow(self, source: BehaviorEntry) -> bool:
         """True if the transition from ``source`` is legal."""
         return (
@@ -139,40 +158,6 @@ class BehaviorEntry(BehaviorInterface):
             or self.name in source.leads_to
             or source.name in self.follows
         )
-
-
-def configured(
-    entries: Iterable[BehaviorEntry], settings: Mapping[str, Any]
-) -> tuple[BehaviorEntry, ...]:
-    """Returns the entries with the configurations of a scenario.
-
-    Each shipped behavior is configured by its own field of ``ControllerConfig``.
-
-    Args:
-        entries: Entries of registered behaviors; shipped ones are not changed.
-        settings: Fields of configurations, as read from YAML, by name of the behavior;
-            fields that are left out keep their defaults.
-
-    Raises:
-        ScenarioError: If a field cannot be used; names the first one.
-    """
-    made = tuple(entries)
-    if not settings:
-        return made
-    shipped = Behavior.__members__
-    own = {entry.name: entry for entry in made if entry.name not in shipped}
-    for name, fields in settings.items():
-        path = f"controller.behaviors.{name}"
-        if name not in own:
-            hint = did_you_mean(name, own) or f" There are {', '.join(own) or 'none'}."
-            problem = f"no behavior {name} is registered.{hint}"
-            raise ScenarioError(path, fields, problem)
-        config = own[name].config
-        if config is None:
-            raise ScenarioError(path, fields, f"{name} has no configuration")
-        config = checked(type(config), fields, path, base=config, from_text=True)
-        own[name] = replace(own[name], config=config)
-    return tuple(own.get(entry.name, entry) for entry in made)
 
 
 def legal_transitions(

@@ -6,8 +6,11 @@ Names, numbers and colors are checked in ``behavior_catalog``.
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import fields
+from keyword import iskeyword
 from typing import Any
 
+from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.errors import did_you_mean, shown
@@ -36,13 +39,22 @@ def registered(behaviors: Iterable[BehaviorEntry]) -> tuple[BehaviorEntry, ...]:
             )
     catalog = BehaviorCatalog((*SHIPPED_ENTRIES, *own))
     names = [entry.name for entry in catalog]
+    default = ControllerConfig()
+    kinds = {one.name: type(getattr(default, one.name)) for one in fields(default)}
     for entry in own:
-        _check(entry, names)
+        _check(entry, names, kinds)
     return own
 
 
-def _check(entry: Any, names: list[str]) -> None:
-    """Raises BehaviorError if a field of an entry cannot be used."""
+def _check(entry: Any, names: list[str], kinds: dict[str, type]) -> None:
+    """Raises BehaviorError if a field of an entry cannot be used.
+
+    Args:
+        entry: The entry.
+        names: Names of all behaviors.
+        kinds: Types of the fields of ``ControllerConfig`` that are in use; the entry's
+            own one is added.
+    """
 
     def refuse(field: str, requirement: str) -> None:
         raise BehaviorError(
@@ -58,6 +70,17 @@ def _check(entry: Any, names: list[str]) -> None:
         isinstance(config, type) or frozen is None or not frozen.frozen
     ):
         refuse("config", "an instance of a frozen dataclass")
+    if not isinstance(entry.config_field, str):
+        refuse("config_field", "the name of a field, or empty")
+    if config is not None:
+        place, kind = entry.configured_at, type(config)
+        usable = place.isidentifier() and not iskeyword(place)
+        usable = usable and not hasattr(ControllerConfig, place)
+        if not usable or kinds.setdefault(place, kind) is not kind:
+            raise BehaviorError(
+                f"behavior {entry.name!r}: its configuration cannot be the field "
+                f"{place!r} of the controller; choose another config_field"
+            )
     if entry.check is not None and not callable(entry.check):
         refuse("check", "callable with (params, field)")
     # An entry made from a shipped entry reads the same parameters of the command.

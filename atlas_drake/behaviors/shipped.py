@@ -32,7 +32,7 @@ def at_rest_over_the_feet(asked: Transition) -> BehaviorStatus:
     support = asked.tools.balance.support(*observation.foot_poses)
     if support.distance_outside(terms.com[:2]) > -limits.com_inside:
         return BehaviorStatus.FAILED_TRANS_COM_POS
-    omega = feedback.pendulum_frequency(float(terms.com[2]) - mean_sole_height(terms))
+    omega = observation.pendulum_frequency(mean_sole_height(terms))
     dcm = feedback.dcm(terms, omega)
     if support.distance_outside(dcm) > -limits.dcm_inside:
         return BehaviorStatus.FAILED_TRANS_COM_VEL
@@ -70,7 +70,13 @@ _ANY_TIME = {**_UNBALANCED, "at_any_time": True, "upright": False}
 SHIPPED_ENTRIES = (
     _entry(Behavior.NONE, make=lambda _tools, _config: Idle(), **_ANY_TIME),
     _entry(Behavior.FREEZE, make=lambda tools, _config: tools.freeze, **_ANY_TIME),
-    _entry(Behavior.STAND_PREP, make=_stand, config=StandConfig(), **_UNBALANCED),
+    _entry(
+        Behavior.STAND_PREP,
+        make=_stand,
+        config=StandConfig(),
+        config_field="stand",
+        **_UNBALANCED,
+    ),
     _entry(
         Behavior.STAND,
         make=_stand,

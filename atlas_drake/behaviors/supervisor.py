@@ -7,7 +7,7 @@ The objects here hold constants only; ``supervisor_state`` has the frozen state,
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
@@ -85,9 +85,8 @@ class Supervisor:
         self._fall_limits = config.fall
         self._legs = np.flatnonzero(robot.limb("l_leg", "r_leg"))
         self._entries = {entry.behavior: entry for entry in entries}
-        shipped = config.of_behaviors
         self.behaviors: dict[Behavior, BehaviorProtocol] = {
-            behavior: _made(entry, self._tools, shipped.get(entry.name, entry.config))
+            behavior: _made(entry, self._tools, config)
             for behavior, entry in self._entries.items()
         }
 
@@ -123,9 +122,10 @@ class Supervisor:
         if isinstance(active, Starting):
             body = read_only(capture_body(observation.terms))
             active = Waiting(active.behavior, requests[0], body)
+            state = replace(state, request=requests[0])
         state = self._watch_for_fall(state, observation)
         for new in requests:
-            if new.number > state.request_number:
+            if new.is_newer(state.request):
                 state, active = self._take_request(state, active, observation, new)
         if state.in_damping_mode:
             # No behavior acts or reports while the joints are only damped.
@@ -239,7 +239,7 @@ class Supervisor:
         state = replace(
             state,
             active=active,
-            request_number=request.number,
+            request=request,
             error_code=ErrorCode.NO_ERRORS,
         )
         target, last = request.behavior, state.last
@@ -334,13 +334,18 @@ class Supervisor:
         )
 
 
-def _made(entry: BehaviorEntry, tools: BehaviorTools, config: Any) -> BehaviorProtocol:
+def _made(
+    entry: BehaviorEntry, tools: BehaviorTools, config: ControllerConfig
+) -> BehaviorProtocol:
     """Makes the behavior of an entry.
 
     Raises:
         BehaviorError: If the result is not a behavior.
     """
-    behavior = entry.make(tools, config)
+    own = entry.config
+    if own is not None:
+        own = getattr(config, entry.configured_at, own)
+    behavior = entry.make(tools, own)
     for name in ("enter", "update", "feedback", "plan", "paths"):
         if not callable(getattr(behavior, name, None)):
             raise BehaviorError(

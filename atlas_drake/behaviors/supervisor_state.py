@@ -86,7 +86,8 @@ class SupervisorState:
         active: The active behavior.
         desired: Requested behavior; differs from the active one during a transition.
         last: The last transition.
-        request_number: Number of the last handled request, accepted or refused.
+        request: The last handled request, accepted or refused; None before the first
+            tick.
         error_code: Error code of the last request.
         falling: True from a detected fall until a behavior begins in a posture that is
             not that of a fall.
@@ -97,7 +98,7 @@ class SupervisorState:
     active: Starting | Waiting | Running
     desired: Behavior
     last: LastTransition = LastTransition()
-    request_number: int = 0
+    request: BehaviorRequest | None = None
     error_code: ErrorCode = ErrorCode.NO_ERRORS
     falling: bool = False
     events: tuple[Event, ...] = ()

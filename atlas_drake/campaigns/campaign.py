@@ -5,11 +5,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal
 
 from annotated_types import Ge, MinLen
 
+from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.campaigns.conditions import check_conditions
 from atlas_drake.campaigns.distributions import check_distribution, example
 from atlas_drake.campaigns.errors import CampaignError
@@ -124,26 +126,49 @@ class Campaign(Configuration):
     def check(self) -> None:
         """Checks the conditions, and that the fields accept the values that vary."""
         check_conditions(self.success)
+        self.check_values()
+
+    def check_values(self, behaviors: Iterable[BehaviorEntry] | None = None) -> None:
+        """Checks that the fields accept the values that vary.
+
+        Args:
+            behaviors: Entries of the user's own behaviors; None does not check the
+                fields that may be theirs.
+
+        Raises:
+            ScenarioError: Naming the first field that does not.
+        """
+        if behaviors is not None:
+            self.scenario.controller_config(behaviors)
         for path, distribution in self.vary.items():
             where = f"vary.{path}"
             given = check_distribution(distribution, where)
-            self._try(path, example(given), where)
+            self._try(path, example(given), where, behaviors)
         for path, values in self.cases.items():
             if not values:
                 problem = f"is {shown(values)}; must be a list of values"
                 raise CampaignError(f"cases.{path}", values, problem)
             for value in values:
-                self._try(path, value, f"cases.{path}")
+                self._try(path, value, f"cases.{path}", behaviors)
         if self.threshold is not None:
-            self._try(self.threshold.of, self.threshold.most, "threshold.of")
+            most = self.threshold.most
+            self._try(self.threshold.of, most, "threshold.of", behaviors)
 
-    def _try(self, path: str, value: Any, where: str) -> None:
+    def _try(
+        self,
+        path: str,
+        value: Any,
+        where: str,
+        behaviors: Iterable[BehaviorEntry] | None,
+    ) -> None:
         """Checks that a field accepts a value like this one."""
         if path == "seed":
             raise CampaignError(where, value, "differs in each trial; vary another")
         if path.startswith(PARAMETERS):
             return
         try:
-            with_values(self.scenario, {path: value})
+            tried = with_values(self.scenario, {path: value})
+            if path.startswith("controller.") and behaviors is not None:
+                tried.controller_config(behaviors)
         except ScenarioError as error:
             raise CampaignError(where, value, str(error)) from None

@@ -15,6 +15,7 @@ import traceback
 from collections.abc import Mapping
 from typing import Any
 
+from atlas_drake.behaviors.registration import registered
 from atlas_drake.campaigns.campaign import Campaign
 from atlas_drake.campaigns.conditions import unmet
 from atlas_drake.campaigns.metrics import METRICS, Figures
@@ -40,9 +41,11 @@ class TrialRunner:
         """Finds the functions.
 
         Raises:
-            ScenarioError: If there is no such function, or a file fails.
+            ScenarioError: If there is no such function, or a file fails, or the
+                controller lacks a field that the campaign sets.
         """
         self._campaign, self._sources = campaign, sources
+        campaign.check_values(registered(sources.all_parts().get("behaviors", ())))
         self._find_functions()
 
     def _find_functions(self) -> None:

@@ -1,26 +1,105 @@
-"""The page of figures of a log, and those about the run as a whole.
+"""The page of figures of a log, and those about the run as a whole and its joints.
 
 Panels are data here; ``png_page`` and ``html_page`` draw them.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from atlas_drake.frozen import replace
 from atlas_drake.logs.balance_figures import (
     balance_over_time,
+    feet_of,
     foot_forces,
     foot_heights,
     pelvis_angles,
     pelvis_velocity,
+    runs,
     view_from_above,
 )
-from atlas_drake.logs.joint_figures import effort_panel, position_panels, share_panel
+from atlas_drake.logs.channels import NO_QP
 from atlas_drake.logs.log import Log
-from atlas_drake.logs.panels import Line, Marker, Page, Panel, Span
-from atlas_drake.logs.samples import NO_QP
-from atlas_drake.logs.support import feet_of, runs
+from atlas_drake.logs.panels import (
+    JOINT_COLORS,
+    Heat,
+    Item,
+    Line,
+    Marker,
+    Page,
+    Panel,
+    Span,
+)
+from atlas_drake.messages import K_EFFORT_MAX
+
+SHARE_COLORS = ("#eceff1", "#ffe0b2", "#ffb74d", "#f57c00")
+LOAD_COLORS = ("#f7fbff", "#9ecae1", "#4292c6", "#fdae61", "#d7191c")
+LIMBS = (
+    ("Left leg", ("l_leg",)),
+    ("Right leg", ("r_leg",)),
+    ("Left arm", ("l_arm",)),
+    ("Right arm", ("r_arm",)),
+    ("Back and neck", ("back", "neck")),
+)
+
+
+def share_panel(log: Log) -> Panel:
+    """Draw the user's share of each joint."""
+    heat = Heat(
+        x=log.time,
+        names=log.robot.joint_names,
+        values=log["joints.k_effort"].T.astype(float),
+        low=0.0,
+        high=float(K_EFFORT_MAX),
+        colors=SHARE_COLORS,
+        label="0: behavior, 255: user",
+    )
+    return Panel("Share of the user (k_effort)", "", (heat,))
+
+
+def effort_panel(log: Log) -> Panel:
+    """Efforts as shares of their limits."""
+    share = np.abs(log["joints.effort"]) / log.robot.effort_limit
+    names = log.robot.joint_names
+    joint = int(share.max(axis=0).argmax())
+    heat = Heat(
+        x=log.time,
+        names=names,
+        values=share.T,
+        low=0.0,
+        high=1.0,
+        colors=LOAD_COLORS,
+        label="|effort| / limit",
+    )
+    peak = 100.0 * share[:, joint].max()
+    title = f"Efforts against their limits (most: {names[joint]}, {peak:.0f} %)"
+    return Panel(title, "", (heat,))
+
+
+def position_panels(log: Log) -> Iterator[Panel]:
+    """Positions and set-points, one panel for each of LIMBS."""
+    robot = log.robot
+    position, setpoint = log["joints.position"], log["joints.position_setpoint"]
+    users = log["joints.k_effort"] > 0
+    for title, limbs in LIMBS:
+        items: list[Item] = []
+        for place, joint in enumerate(np.flatnonzero(robot.limb(*limbs)).tolist()):
+            color = JOINT_COLORS[place % len(JOINT_COLORS)]
+            name = robot.joint_names[joint]
+            for limb in limbs:
+                name = name.removeprefix(f"{limb}_")
+            items.append(Line(log.time, position[:, joint], color, name))
+            wanted = np.where(users[:, joint], setpoint[:, joint], np.nan)
+            if users[:, joint].any():
+                items.append(Line(log.time, wanted, color, dashed=True, width=0.9))
+        yield Panel(
+            f"{title} (dashed: set-points)",
+            "position [rad]",
+            tuple(items),
+        )
+
 
 ALARM = "#d50000"
 HEIGHTS = (0.4, 3.5, 2.0, 2.0, 2.0, 2.2, 2.2, 2.0, 2.0)
@@ -45,22 +124,18 @@ def make_page(log: Log) -> Page:
         [foot_heights(log), foot_forces(log)],
         [pelvis_angles(log), pelvis_velocity(log)],
     ]
-    panels = [
-        replace(panel, row=row, column=column)
-        for row, pair in enumerate(rows)
-        for column, panel in enumerate(pair)
-        if panel is not None
-    ]
     falls = [
         Marker(event.time, ALARM, "fall")
         for event in log.events
         if event.kind == "fall"
     ]
-    if falls:
-        panels = [
-            replace(panel, items=(*panel.items, *falls)) if panel.over_time else panel
-            for panel in panels
-        ]
+    panels = []
+    for row, pair in enumerate(rows):
+        for column, panel in enumerate(pair):
+            if panel is not None:
+                marks = falls if panel.over_time else []
+                items = (*panel.items, *marks)
+                panels.append(replace(panel, row=row, column=column, items=items))
     return Page(
         title=f"{log.path.name}: {log.header.model}, scenario {_scenario_name(log)}",
         subtitle=f"{time[0]:.1f} s to {time[-1]:.1f} s, {len(log)} control ticks of "

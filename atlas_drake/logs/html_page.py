@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from plotly.subplots import make_subplots
 
+from atlas_drake.logs.balance_figures import runs
 from atlas_drake.logs.panels import (
     Band,
     Heat,
@@ -24,7 +25,6 @@ from atlas_drake.logs.panels import (
     Span,
     thinned,
 )
-from atlas_drake.logs.support import runs
 
 POINTS = 2400
 """Approximate number of points of a curve, or columns of a map, that are kept."""

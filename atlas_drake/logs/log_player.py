@@ -14,6 +14,7 @@ from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Context
 
 from atlas_drake.frozen import replace
+from atlas_drake.logs.channels import NO_QP, polygon_from
 from atlas_drake.logs.layout import SIDES
 from atlas_drake.logs.log import Log
 from atlas_drake.logs.notes import (
@@ -25,7 +26,6 @@ from atlas_drake.logs.notes import (
     paths_from_note,
 )
 from atlas_drake.logs.report_channels import REPORT_CHANNELS, report_from
-from atlas_drake.logs.samples import NO_QP, polygon_from
 from atlas_drake.logs.world_state import PlantState
 from atlas_drake.messages import (
     AtlasSimInterfaceCommand,

@@ -1,10 +1,14 @@
-"""Logs as numpy's .npz: one array per channel, for Python without further packages."""
+"""Logs as numpy's .npz: one array per channel, for Python without further packages.
+
+``WholeLog`` keeps a log in memory until it is closed; Parquet uses it, too.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, Any, TypeAlias
 
 import numpy as np
 
@@ -14,7 +18,40 @@ from atlas_drake.logs.notes import (
     notes_from_json,
     notes_to_json,
 )
-from atlas_drake.logs.whole_log import WholeLog
+from atlas_drake.whole_file import WholeFile
+
+Write: TypeAlias = Callable[[IO[bytes], Header, np.ndarray, list[Note]], None]
+"""Writes header, rows and notes to an open file."""
+
+
+class WholeLog:
+    """A log that is written when it is closed, whole or not at all."""
+
+    def __init__(self, write: Write, path: Path, header: Header):
+        """Opens the file, to raise an error now if it cannot be written."""
+        self._write = write
+        self._file = WholeFile(path)
+        self._header = header
+        self._tables: list[np.ndarray] = []
+        self._notes: list[Note] = []
+
+    def rows(self, table: np.ndarray) -> None:
+        """Keeps some ticks."""
+        self._tables.append(table)
+
+    def note(self, note: Note) -> None:
+        """Keeps a note."""
+        self._notes.append(note)
+
+    def close(self) -> None:
+        """Writes the file."""
+        with self._file as file:
+            rows = np.concatenate(self._tables)
+            self._write(file, self._header, rows, self._notes)
+
+    def abandon(self) -> None:
+        """Leaves no file."""
+        self._file.abandon()
 
 
 def _write(

@@ -10,6 +10,8 @@ from typing import TypeAlias
 
 import numpy as np
 
+JOINT_COLORS = ("#1f77b4", "#d95f02", "#2a9d3a", "#c2185b", "#7e57c2", "#8d6e63")
+"""Colors of curves that stand for joints or axes."""
 NARROW_SPAN = 0.018
 """Width of one letter of a span's name, as a share of the page's time [-]."""
 

@@ -21,7 +21,7 @@ from atlas_drake.logs.notes import (
     notes_from_json,
     notes_to_json,
 )
-from atlas_drake.logs.whole_log import WholeLog
+from atlas_drake.logs.npz_file import WholeLog
 
 HEADER, NOTES = "atlas_drake.header", "atlas_drake.notes"
 """Keys of the file's metadata."""

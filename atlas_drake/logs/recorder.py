@@ -1,6 +1,6 @@
 """Records a station: one row of numbers per control tick, and notes beside it.
 
-``samples`` and ``rows`` compute the rows; the writer of the log's format writes files.
+``rows`` computes the rows; the writer of the log's format writes files.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from pydrake.systems.primitives import Multiplexer
 
 from atlas_drake.checked import as_plain
 from atlas_drake.frozen import NOTHING
+from atlas_drake.logs.channels import Tick
 from atlas_drake.logs.formats import LogFile
 from atlas_drake.logs.notes import (
     COMMANDS,
@@ -36,7 +37,6 @@ from atlas_drake.logs.notes import (
     to_plain,
 )
 from atlas_drake.logs.rows import RowMaker
-from atlas_drake.logs.samples import take_sample
 from atlas_drake.messages import Behavior
 from atlas_drake.messages.behavior_catalog import BehaviorInterface
 from atlas_drake.messages.controller_status import ControllerStatus
@@ -46,6 +46,7 @@ from atlas_drake.scenario import Scenario
 from atlas_drake.scenario.time_grid import on_common_grid
 from atlas_drake.scenario.world import WorldMaker
 from atlas_drake.systems.collectable_system import CollectableSystem
+from atlas_drake.systems.interface_reporter import behavior_report
 
 VALUES = ("commands", "controller_status", "imu", "planned_paths")
 """Input ports with abstract values, as the station's outputs of the same names."""
@@ -96,15 +97,19 @@ class LogRecorder(CollectableSystem):
         self._writer = writer
         self.fault: LogError | None = None
         self._tick_seconds = tick_seconds
-        self.port_sizes = maker.samples.port_sizes
+        self.port_sizes = maker.port_sizes
+        ends = np.cumsum([*maker.port_sizes.values()]).tolist()
+        self._ports = dict(
+            zip(maker.port_sizes, map(slice, [0, *ends], ends), strict=False)
+        )
         self._numbers = self.DeclareVectorInputPort(
-            NUMBERS, sum(maker.samples.port_sizes.values())
+            NUMBERS, sum(maker.port_sizes.values())
         )
         self._commands, self._status, self._imu, self._paths = (
             self.DeclareAbstractInputPort(name, AbstractValue.Make(NOTHING))
             for name in VALUES
         )
-        self._latest = self.DeclareDiscreteState(np.full(maker.samples.size, np.nan))
+        self._latest = self.DeclareDiscreteState(np.full(maker.sample_size, np.nan))
         self.DeclarePeriodicDiscreteUpdateEvent(period, 0.0, self._sample)
         self.DeclarePeriodicPublishEvent(period, 0.0, self._write)
         self._samples: list[np.ndarray] = []
@@ -205,15 +210,21 @@ class LogRecorder(CollectableSystem):
     # ---- sampling ------------------------------------------------------------
 
     def _sample(self, context: Context, discrete: DiscreteValues) -> None:
-        sample = take_sample(
+        commands: Any = self._commands.Eval(context)
+        status: ControllerStatus = self._status.Eval(context)
+        numbers = self._numbers.Eval(context)
+        tick = Tick(
             context.get_time(),
             self._tick_seconds[-1] if self._tick_seconds else np.nan,
-            self._numbers.Eval(context),
-            self._commands.Eval(context),
-            self._status.Eval(context),
+            {name: numbers[place] for name, place in self._ports.items()},
+            commands,
+            status,
+            behavior_report(status, commands),
             self._imu.Eval(context),
         )
-        discrete.get_mutable_vector(self._latest).SetFromVector(sample)
+        discrete.get_mutable_vector(self._latest).SetFromVector(
+            self._maker.sample(tick)
+        )
 
 
 def start_recorder(

@@ -6,7 +6,7 @@ the report from a row. All other channels are in ``channels``.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property
 from operator import attrgetter
@@ -55,6 +55,11 @@ class ReportChannel:
     owner: tuple[str | int, ...]
     leaves: tuple[str, ...]
 
+    @property
+    def is_measured(self) -> bool:
+        """True for poses and velocities, which no controller's status determines."""
+        return self.owner[:1] in (("pos_est",), ("foot_pos_est",))
+
     def read(self, report: AtlasSimInterfaceState) -> Sequence[float]:
         """Reads the channel's numbers."""
         numbers = self._get(self._owner(report))
@@ -81,18 +86,8 @@ class ReportChannel:
         return message
 
 
-def reported(
-    report: AtlasSimInterfaceState, channels: Iterable[ReportChannel]
-) -> list[float]:
-    """Reads the numbers of some channels, one after the other."""
-    numbers: list[float] = []
-    for entry in channels:
-        numbers += entry.read(report)
-    return numbers
-
-
 def report_from(numbers: Mapping[str, Any]) -> AtlasSimInterfaceState:
-    """The reverse of ``reported``; time, efforts and shares keep their defaults."""
+    """Makes the report of a row; time, efforts and shares keep their defaults."""
     report = AtlasSimInterfaceState()
     for entry in REPORT_CHANNELS:
         entry.write(report, numbers[entry.channel.name])
@@ -222,10 +217,3 @@ REPORT_CHANNELS = (
     ),
 )
 """Channels in the order of the log."""
-STATUS_CHANNELS = tuple(
-    entry
-    for entry in REPORT_CHANNELS
-    if not entry.owner or entry.owner[0] not in ("pos_est", "foot_pos_est")
-)
-"""The channels that a controller's status determines; those of poses and velocity are
-measured."""

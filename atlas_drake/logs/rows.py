@@ -1,4 +1,4 @@
-"""Computes the rows of a log from samples.
+"""Samples of control ticks, and the rows of a log that are computed from them.
 
 What follows from a sample, such as the center of mass, is computed for many rows at
 once: between the steps of a simulation the same code takes twice as long. ``recorder``
@@ -14,9 +14,8 @@ import numpy as np
 
 from atlas_drake.control.balance.feedback import pendulum_frequency
 from atlas_drake.control.wrenches import center_of_pressure, shift_to_frames
-from atlas_drake.logs.channels import robot_layout
-from atlas_drake.logs.layout import SIDES
-from atlas_drake.logs.samples import SampleLayout
+from atlas_drake.logs.channels import Tick, recorded_channels
+from atlas_drake.logs.layout import SIDES, Layout
 from atlas_drake.logs.world_state import world_coordinates
 from atlas_drake.robot import Robot
 from atlas_drake.scenario.world import WorldMaker
@@ -27,7 +26,10 @@ class RowMaker:
 
     Attributes:
         layout: Layout of the rows.
-        samples: Layout of the samples.
+        port_sizes: Lengths of the station's vector-valued ports that a tick holds, by
+            name.
+        sample_size: Length of a sample: the numbers of a row that a tick has as they
+            are, the state that the controller reads, and the plan's natural frequency.
     """
 
     def __init__(self, robot: Robot, world: Sequence[WorldMaker] = ()):
@@ -36,19 +38,28 @@ class RowMaker:
         # Overwritten by each row, and no part of the simulation.
         self._context = self._plant.CreateDefaultContext()
         beside = world_coordinates(robot, world)
-        self.layout = robot_layout(
-            robot,
-            self._plant.GetPositionNames(add_model_instance_prefix=False),
-            self._plant.GetVelocityNames(add_model_instance_prefix=False),
-            beside,
-        )
-        self.samples = SampleLayout(robot, self._plant, beside, self.layout)
+        recorded = recorded_channels(robot, self._plant, beside)
+        self.layout = Layout(channel for channel, _ in recorded)
+        places = self.layout.places
+        known = {channel.name: read for channel, read in recorded if read is not None}
+        self._reads = known.values()
+        self._targets = np.r_[tuple(places[name] for name in known)]
+        self._num_states = self._plant.num_multibody_states()
+        self.sample_size = len(self._targets) + self._num_states + 1
+        efforts = "effort", "user_effort", "behavior_effort"
+        self.port_sizes = {
+            "state": self._num_states,
+            "behavior_state": self._num_states,
+            "contact_wrenches": 24,
+            **dict.fromkeys(efforts, robot.num_joints),
+        }
+        if beside.places:
+            self.port_sizes["plant_state"] = beside.num_states
         self._soles = [
             self._plant.GetFrameByName(foot.sole_frame) for foot in robot.file.feet
         ]
         hands = [self._plant.GetBodyByName(name) for name in robot.file.hands]
         self._touching = [*self._soles, *(hand.body_frame() for hand in hands)]
-        places = self.layout.places
         self._positions = [places[f"feet.{side}_position"] for side in SIDES]
         self._orientations = [places[f"feet.{side}_orientation"] for side in SIDES]
         self._wrenches = slice(
@@ -59,19 +70,25 @@ class RowMaker:
             places[f"balance.{name}"] for name in ("com", "com_velocity", "dcm", "cop")
         )
 
+    def sample(self, tick: Tick) -> np.ndarray:
+        """Reads what only the ports know of a tick, shape (sample_size,)."""
+        numbers = [read(tick) for read in self._reads]
+        omega = tick.status.plan.omega or np.nan
+        return np.concatenate([*numbers, tick.ports["behavior_state"], (omega,)])
+
     def rows(self, samples: np.ndarray) -> np.ndarray:
         """Computes rows, shape (k, layout's width), of k samples.
 
         Missing values are NaN.
         """
-        known = self.samples
         table = np.full((len(samples), self.layout.width), np.nan)
-        table[:, known.targets] = samples[:, known.sources]
+        table[:, self._targets] = samples[:, : len(self._targets)]
         for row, sample in zip(table, samples, strict=True):
             wrenches = row[self._wrenches].reshape(-1, 6)
             self._plant.SetPositions(self._context, row[self._q])
             shift_to_frames(wrenches, self._touching, self._context)
-            self._complete(row, sample[known.measured], float(sample[-1]), wrenches)
+            measured, omega = sample[-1 - self._num_states : -1], float(sample[-1])
+            self._complete(row, measured, omega, wrenches)
         return table
 
     def _complete(

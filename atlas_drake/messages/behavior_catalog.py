@@ -206,10 +206,6 @@ def _check_sound(entry: BehaviorInterface) -> None:
     Raises:
         BehaviorError: If not; it names the entry and the problem.
     """
-    if not isinstance(entry, BehaviorInterface):
-        raise BehaviorError(
-            f"behaviors must be BehaviorEntry values, has {shown(entry)}"
-        )
     label = f"behavior {entry.name!r}"
     if not (isinstance(entry.name, str) and _NAME.fullmatch(entry.name)):
         raise BehaviorError(f"{label}: a name has capitals, digits and underscores")

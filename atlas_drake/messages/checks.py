@@ -5,7 +5,7 @@ Messages declare the bounds beside their fields; ``validation`` applies the chec
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from enum import IntEnum
 from typing import Annotated, Any
 
@@ -171,37 +171,8 @@ def check_joint_array(
             is not a number, not finite, beyond ``LARGEST``, out of bounds, or not
             whole.
     """
-    numbers = _joint_numbers(values, field, joint_names)
-    lower, upper = bounds.lower, bounds.upper
-    bad = ~np.isfinite(numbers)
-    requirement = "must be finite"
-    if not bad.any():
-        bad = np.abs(numbers) > LARGEST
-        requirement = f"must be within ±{LARGEST:g}"
-    if not bad.any():
-        bad = (numbers < lower) | (numbers > upper)
-        requirement = f"must be at least {lower:g}"
-        if math.isfinite(upper):
-            requirement = f"must be {lower:g} to {upper:g}"
-    if not bad.any() and bounds.whole:
-        bad = numbers != np.floor(numbers)
-        requirement = "must be a whole number"
-    if bad.any():
-        index = int(np.argmax(bad))
-        # The error shows the value as it was sent: 10**400 reads better than infinity.
-        value = values[index]  # type: ignore[index]
-        raise InvalidMessageError(
-            f"{field}[{index}]",
-            value,
-            f"{requirement}, is {shown(value)} (joint {joint_names[index]})",
-        )
-    return numbers
-
-
-def _joint_numbers(
-    values: Any, field: str, joint_names: Sequence[str]
-) -> NDArray[np.float64]:
-    is_array, number_of_joints = isinstance(values, np.ndarray), len(joint_names)
+    is_array, count = isinstance(values, np.ndarray), len(joint_names)
+    given: Any = values
     problem = ""
     if isinstance(values, np.ma.MaskedArray):
         problem = (
@@ -213,27 +184,31 @@ def _joint_numbers(
             "must be a list of numbers, one per joint, or an empty list, is "
             f"{type(values).__name__}"
         )
-    elif is_array and values.ndim != 1:
-        problem = f"must have one dimension, has shape {values.shape}"
-    elif len(values) not in (0, number_of_joints):
+    elif is_array and given.ndim != 1:
+        problem = f"must have one dimension, has shape {given.shape}"
+    elif len(given) not in (0, count):
         problem = (
-            f"must have {number_of_joints} elements, one per joint, or none, has "
-            f"{len(values)}"
+            f"must have {count} elements, one per joint, or none, has {len(given)}"
         )
     if problem:
         raise InvalidMessageError(field, values, problem)
-    if is_array and values.dtype.kind in "iuf":
+    if is_array and given.dtype.kind in "iuf":
         # An overflow gives infinity, which is refused.
         with np.errstate(over="ignore"):
-            return np.asarray(values, dtype=float)
-    numbers = np.empty(len(values))
-    for index, element in enumerate(values):
-        number = as_float(element)
-        if number is None:
-            raise InvalidMessageError(
-                f"{field}[{index}]",
-                element,
-                f"must be a number, is {shown(element)} (joint {joint_names[index]})",
-            )
-        numbers[index] = number
+            numbers = np.asarray(given, dtype=float)
+    else:
+        found = map(as_float, given)
+        numbers = np.array([math.nan if number is None else number for number in found])
+    # False for NaN, too.
+    sound = (np.abs(numbers) <= LARGEST) & (numbers >= bounds.lower)
+    sound &= numbers <= bounds.upper
+    if bounds.whole:
+        sound &= numbers == np.floor(numbers)
+    if not sound.all():
+        index = int(np.argmin(sound))
+        try:
+            check_number(given[index], f"{field}[{index}]", **asdict(bounds))
+        except InvalidMessageError as error:
+            problem = f"{error.problem} (joint {joint_names[index]})"
+            raise InvalidMessageError(error.field, error.value, problem) from None
     return numbers

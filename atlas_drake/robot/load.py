@@ -14,8 +14,7 @@ from typing import Any
 
 import numpy as np
 from pydrake.common.yaml import yaml_load
-from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, MultibodyPlant
-from pydrake.multibody.tree import ModelInstanceIndex
+from pydrake.multibody.plant import AddMultibodyPlantSceneGraph
 from pydrake.systems.framework import DiagramBuilder
 
 from atlas_drake.checked import checked
@@ -94,7 +93,13 @@ def _load(path: Path, name: str | None, file: RobotFile) -> Robot:
     robot_name = name or path.stem
     builder = DiagramBuilder()
     plant: Any = AddMultibodyPlantSceneGraph(builder, time_step=0.0)[0]
-    instance = _parse(plant, find_urdf(path.parent, file.urdf), robot_name)
+    urdf = find_urdf(path.parent, file.urdf)
+    try:
+        # With geometry, so that meshes are read, too.
+        instance = add_urdf(plant, urdf, robot_name)
+    except RuntimeError as error:
+        problem = f"Drake cannot read it: {error}"
+        raise RobotDescriptionError("urdf", str(urdf), problem) from error
     check_names(plant, instance, file)
     leave_out_collisions(plant, instance, file.no_collisions)
     plant.Finalize()
@@ -176,13 +181,3 @@ def _parsed(text: str) -> RobotFile:
         imu_frame=file.imu_frame or file.pelvis,
         pushed=file.pushed or pushed,
     )
-
-
-def _parse(plant: MultibodyPlant, urdf: Path, name: str) -> ModelInstanceIndex:
-    """Adds the robot alone to a plant with geometry, so that meshes are read, too."""
-    try:
-        return add_urdf(plant, urdf, name)
-    except RuntimeError as error:
-        raise RobotDescriptionError(
-            "urdf", str(urdf), f"Drake cannot read it: {error}"
-        ) from error

@@ -15,7 +15,7 @@ import numpy as np
 from pydrake.geometry import CollisionFilterDeclaration, GeometrySet
 from pydrake.multibody.parsing import Parser
 from pydrake.multibody.plant import MultibodyPlant
-from pydrake.multibody.tree import ModelInstanceIndex
+from pydrake.multibody.tree import FrameIndex, ModelInstanceIndex
 
 from atlas_drake.errors import RobotDescriptionError, shown
 from atlas_drake.frozen import read_only
@@ -195,6 +195,18 @@ class Robot:
     def instance(self, plant: MultibodyPlant) -> ModelInstanceIndex:
         """The robot's model instance in ``plant``, which may hold other models."""
         return plant.GetModelInstanceByName(self.name)
+
+    def soles(self, plant: MultibodyPlant) -> list[FrameIndex]:
+        """Returns the frames of the left and the right sole in ``plant``.
+
+        As indices, because a frame holds its plant where the garbage collector cannot
+        see it.
+        """
+        own = self.instance(plant)
+        return [
+            plant.GetFrameByName(foot.sole_frame, own).index()
+            for foot in self.file.feet
+        ]
 
     def hand_bodies(self, plant: MultibodyPlant) -> dict[int, int]:
         """Maps the index of each body of a hand in ``plant`` to 0, left, or 1, right.

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 from pydrake.common.eigen_geometry import Quaternion
-from pydrake.math import RigidTransform, RollPitchYaw, RotationMatrix
+from pydrake.math import RollPitchYaw, RotationMatrix
 
 from atlas_drake.ros_scripts.message_types import geometry_msgs
 from atlas_drake.ros_scripts.unknown import unknown
@@ -159,10 +159,6 @@ class Frame:
                     "PyKDL.Frame takes a Rotation and a Vector, not "
                     f"{type(part).__name__}"
                 )
-
-    def transform(self) -> RigidTransform:
-        """Converts to Drake's transform."""
-        return RigidTransform(self.M.R, self.p.array)
 
     def Inverse(self) -> Frame:
         """Returns the inverse."""

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from atlas_drake.ros_scripts.clock import ENDED, Clock
 from atlas_drake.ros_scripts.rospy_module import RosNode
-from atlas_drake.ros_scripts.source_file import compile_program, read_source
+from atlas_drake.ros_scripts.source_file import load_program
 from atlas_drake.ros_scripts.stand_ins import in_place, installed, stand_ins
 from atlas_drake.ros_scripts.unknown import ScriptError, unknown
 from atlas_drake.ros_scripts.world import World, as_main, is_in_world
@@ -41,8 +41,7 @@ class Program:
             ScriptError: If the file is not valid Python.
         """
         self.path, self._arguments = path, list(arguments)
-        self._source = read_source(path)
-        self._code = compile_program(path, self._source)
+        self._code, self._is_python2 = load_program(path)
         self.at_fault = False
         self._clock: Clock | None = None
 
@@ -93,7 +92,7 @@ class Program:
 
             def run_threads() -> None:
                 with suppress(*ENDED):
-                    world.run(self.path, self._source, self._code, main)
+                    world.run(self.path, self._code, main, old=self._is_python2)
                 for thread in clock.threads[1:]:
                     if not thread.daemon:
                         thread.join()

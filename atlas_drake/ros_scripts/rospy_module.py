@@ -1,23 +1,105 @@
 """The names of ``rospy``, for one run.
 
-Their code is in ``node``, ``waiting``, ``parameters`` and ``clock``. The module object
-is made in ``stand_ins``.
+Publishers, subscribers and waits are in ``node``, time is in ``clock``. The module
+object is made in ``stand_ins``.
 """
 
 from __future__ import annotations
 
+import copy
 import os
 import sys
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
-from atlas_drake.ros_scripts import waiting
 from atlas_drake.ros_scripts.clock import Clock, RosError, RosInterruptError
-from atlas_drake.ros_scripts.node import Publisher, Subscriber
-from atlas_drake.ros_scripts.parameters import Parameters
+from atlas_drake.ros_scripts.node import (
+    Publisher,
+    Rate,
+    Subscriber,
+    Timer,
+    sleep,
+    spin,
+    wait_for_message,
+)
 from atlas_drake.ros_scripts.ros_time import Duration
 from atlas_drake.ros_scripts.ros_time import Time as RosTime
+from atlas_drake.ros_scripts.topics import joint_name
+from atlas_drake.ros_scripts.unknown import UnknownNameError, unknown
+
+GAINS = "atlas_controller/gains"
+"""Path of the joint controllers' default gains: .../JOINT/p, i, d, i_clamp."""
+_NOT_GIVEN = object()
+
+
+class NoParameterError(UnknownNameError, KeyError):
+    """A parameter that does not exist, requested without a default."""
+
+    def __str__(self) -> str:
+        """Return the message without the quotes of ``KeyError``."""
+        return str(self.args[0])
+
+
+class Parameters:
+    """The parameters of one run."""
+
+    def __init__(self, clock: Clock, resolve: Callable[[str], str]) -> None:
+        """Reads the robot's gains, by the v3 and the v1 names of the joints.
+
+        Args:
+            clock: Clock of the run.
+            resolve: Returns the full name of a parameter, such as ``/node/x`` of
+                ``~x``.
+        """
+        self._clock = clock
+        robot = clock.sim.robot
+        gains: dict[str, Any] = {}
+        for joint, kp, kd in zip(
+            robot.file.joints, robot.default_kp, robot.default_kd, strict=True
+        ):
+            own = {"p": float(kp), "i": 0.0, "d": float(kd), "i_clamp": 0.0}
+            for name in filter(None, (joint.name, joint.alias)):
+                gains[name] = own
+        self._resolve = resolve
+        self._tree: dict[str, Any] = {"use_sim_time": True}
+        self.set(f"/{GAINS}", gains)
+
+    def get(self, name: str, default: Any = _NOT_GIVEN) -> Any:
+        """Returns a parameter, or a dict of all in a group.
+
+        Raises:
+            NoParameterError: If it does not exist and no default is given.
+        """
+        self._clock.glance()
+        value: Any = self._tree
+        for part in self._path(name):
+            if not isinstance(value, dict) or part not in value:
+                if default is not _NOT_GIVEN:
+                    return default
+                known = [*self._tree, f"{GAINS}/JOINT/p"]
+                raise unknown(f"parameter {name!r}", name, known, NoParameterError)
+            value = value[part]
+        return copy.deepcopy(value)
+
+    def has(self, name: str) -> bool:
+        """Tells whether a parameter or a group exists."""
+        return self.get(name, self) is not self
+
+    def set(self, name: str, value: Any) -> None:
+        """Sets a parameter, or by a dict a group; the robot does not read it."""
+        *groups, last = self._path(name)
+        group = self._tree
+        for part in groups:
+            if not isinstance(group.get(part), dict):
+                group[part] = {}
+            group = group[part]
+        group[last] = copy.deepcopy(value)
+
+    def _path(self, name: str) -> list[str]:
+        parts = self._resolve(name).split("/")
+        return [joint_name(part) for part in parts if part]
+
 
 LEVELS = {"DEBUG": 1, "INFO": 2, "WARN": 4, "ERROR": 8, "FATAL": 16}
 """Levels of log messages; DEBUG is not shown."""
@@ -44,7 +126,7 @@ class RosNode:
         self._clock, self._say = clock, say
         self._name = "unnamed"
         self._at_end: list[Callable[..., object]] = []
-        self._parameters = Parameters(clock.sim, self._resolve)
+        self._parameters = Parameters(clock, self._resolve)
 
     def init_node(self, name: str, *_arguments: object, **_options: object) -> None:
         """Sets the name; the registration takes one control period."""
@@ -62,13 +144,13 @@ class RosNode:
             "myargv": _own_arguments,
             "Publisher": partial(Publisher, clock, self._say),
             "Subscriber": partial(Subscriber, clock),
-            "wait_for_message": partial(waiting.wait_for_message, clock),
-            "Rate": partial(waiting.Rate, clock),
-            "Timer": partial(waiting.Timer, clock),
+            "wait_for_message": partial(wait_for_message, clock),
+            "Rate": partial(Rate, clock),
+            "Timer": partial(Timer, clock),
             "Time": time,
             "Duration": Duration,
-            "sleep": partial(waiting.sleep, clock),
-            "spin": partial(waiting.spin, clock),
+            "sleep": partial(sleep, clock),
+            "spin": partial(spin, clock),
             "get_time": lambda: clock.now,
             "get_rostime": time.now,
             "is_shutdown": self._is_shut_down,
@@ -76,7 +158,7 @@ class RosNode:
             "signal_shutdown": self._shut_down,
             "ROSException": RosError,
             "ROSInterruptException": RosInterruptError,
-            "get_param": self._get_param,
+            "get_param": parameters.get,
             "has_param": parameters.has,
             "set_param": parameters.set,
             **{
@@ -117,10 +199,6 @@ class RosNode:
     def _shut_down(self, reason: object = "") -> None:
         self._clock.shut_down()
         self.end()
-
-    def _get_param(self, name: str, *default: Any, **named: Any) -> Any:
-        self._clock.glance()
-        return self._parameters.get(name, *default, **named)
 
     def _log(self, level: str, text: object, *arguments: object, **_: object) -> None:
         if level != "DEBUG":

@@ -35,52 +35,45 @@ _TAB = 8
 """Columns of a tab in Python 2."""
 
 
-def is_python2(source: str) -> bool:
-    """Tell whether a program is taken for Python 2."""
-    return _PYTHON3.match(source) is None
+def load_program(path: Path) -> tuple[CodeType, bool]:
+    """Reads and compiles a program.
 
-
-def read_source(path: Path) -> str:
-    """Return a program's text.
+    Returns:
+        The code of the program, and True if it is taken for Python 2.
 
     Raises:
-        ScriptError: If it cannot be read.
+        ScriptError: If the file cannot be read, or is not valid Python; the error names
+            the line.
     """
     try:
         with tokenize.open(path) as file:
-            return file.read()
+            source = file.read()
     except (OSError, SyntaxError, UnicodeDecodeError) as error:
         problem = getattr(error, "strerror", None) or error
         raise ScriptError(f"{path}: cannot be read: {problem}") from error
-
-
-def compile_program(path: Path, source: str) -> CodeType:
-    """Return the code of a program.
-
-    Raises:
-        ScriptError: If it is not valid Python; the error names the line.
-    """
+    is_python2 = _PYTHON3.match(source) is None
     try:
-        return compile(_tree(path, source), str(path), "exec", dont_inherit=True)
+        tree = _tree(path, source, is_python2)
+        return compile(tree, str(path), "exec", dont_inherit=True), is_python2
     except SyntaxError as error:
         raise ScriptError(f"{path}:{error.lineno}: {error.msg}") from error
     except ValueError as error:  # Null bytes.
         raise ScriptError(f"{path}: {error}") from error
 
 
-def _tree(path: Path, source: str) -> ast.Module:
-    """Parse a program and give a Python 2 one its meaning.
+def _tree(path: Path, source: str, is_python2: bool) -> ast.Module:
+    """Parses a program and gives a Python 2 one its meaning.
 
     Raises:
         SyntaxError: If it is not valid Python.
     """
-    if not is_python2(source):
-        return ast.parse(source, str(path))
     try:
         tree = ast.parse(source, str(path))
     except SyntaxError as error:
+        if not is_python2:
+            raise
         tree = ast.parse(_as_python3(path, source, error), str(path))
-    return old_meaning(tree)
+    return old_meaning(tree) if is_python2 else tree
 
 
 def _as_python3(path: Path, source: str, error: SyntaxError) -> str:

@@ -1,18 +1,20 @@
-"""The module ``threading`` of a program: its threads take turns, in simulated time.
+"""The modules ``threading`` and ``time`` of a program: turns, and simulated time.
 
 The turns are in ``clock``. As one thread runs at a time, a lock is a flag. Only the
-program gets this module; Drake and all other code keep Python's.
+program gets these modules; Drake and all other code keep Python's.
 """
 
 from __future__ import annotations
 
 import math
 import threading
+import time
 from collections.abc import Callable
 from contextlib import suppress
+from types import ModuleType
 from typing import Any, ClassVar
 
-from atlas_drake.ros_scripts.clock import ENDED, Clock, Turn
+from atlas_drake.ros_scripts.clock import ENDED, Clock, RunEnded, Turn
 
 
 class _OnClock:
@@ -152,3 +154,28 @@ def start_callbacks(clock: Clock, loop: Callable[[], object]) -> None:
 
     kind = threading_names(clock)["Thread"]
     kind(target=run, daemon=True).start()
+
+
+def simulated_time(clock: Clock) -> ModuleType:
+    """Return the module; its clocks are simulated time and start at 0 s."""
+
+    def now() -> float:
+        return clock.now
+
+    def now_ns() -> int:
+        return round(clock.now * 1e9)
+
+    def sleep(seconds: float) -> None:
+        if seconds < 0:
+            raise ValueError("sleep length must be non-negative")
+        if not clock.advance_to(clock.sim.time + seconds):
+            raise RunEnded
+
+    module = ModuleType("time", time.__doc__)
+    vars(module).update(vars(time))
+    vars(module).update(
+        dict.fromkeys(("time", "monotonic", "perf_counter", "clock"), now)
+        | dict.fromkeys(("time_ns", "monotonic_ns", "perf_counter_ns"), now_ns)
+        | {"sleep": sleep}
+    )
+    return module

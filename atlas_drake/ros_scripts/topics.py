@@ -1,19 +1,30 @@
-"""The topics of the original, in one table.
+"""The topics of the original, in one table, and what their messages do.
 
 Commands go through ``AtlasSimulation.publish`` like those of any other commander; the
-topics that are read are outputs of the station.
+topics that are read are outputs of the station. ``control_mode`` requests a behavior
+with all joints, or gives all joints to the user; ``mode`` puts the robot into the
+harness and releases it. ``JointCommands`` is older than ``AtlasCommand``: it names the
+joints, in the v1 or the v3 names, with or without the prefix ``atlas::``, and has no
+``k_effort``, because its sender controls the named joints.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
-from atlas_drake.messages import AtlasCommand, AtlasSimInterfaceCommand
-from atlas_drake.ros_scripts.control_mode import change_control_mode, change_mode
+from atlas_drake.errors import RobotDescriptionError
+from atlas_drake.messages import (
+    K_EFFORT_MAX,
+    AtlasCommand,
+    AtlasSimInterfaceCommand,
+    Behavior,
+)
+from atlas_drake.robot import Robot
 from atlas_drake.ros_scripts.conversion import from_ours, to_ours
-from atlas_drake.ros_scripts.joint_topics import joint_commands, joint_states
 from atlas_drake.ros_scripts.message_types import (
+    JOINT_ARRAYS,
     atlas_msgs,
     osrf_msgs,
     rosgraph_msgs,
@@ -23,7 +34,143 @@ from atlas_drake.ros_scripts.message_types import (
 from atlas_drake.ros_scripts.ros_message import RosMessage
 from atlas_drake.ros_scripts.ros_time import Time
 from atlas_drake.ros_scripts.unknown import ScriptError, unknown
+from atlas_drake.scenario import Start
 from atlas_drake.simulation import AtlasSimulation
+
+
+def joint_states(sim: AtlasSimulation) -> RosMessage:
+    """Return names, positions, velocities and efforts of all joints."""
+    state = sim.atlas_state
+    message: Any = sensor_msgs["JointState"]()
+    message.header.stamp = Time.from_sec(state.header.stamp or 0.0)
+    message.name = list(sim.robot.joint_names)
+    message.position = list(state.position)
+    message.velocity = list(state.velocity)
+    message.effort = list(state.effort)
+    return message
+
+
+def joint_commands(sim: AtlasSimulation, message: RosMessage) -> None:
+    """Send an ``AtlasCommand`` that puts the named joints under user control.
+
+    Other joints, and arrays that the message leaves empty, keep the values in force.
+
+    Raises:
+        ScriptError: If a name is not a joint of the robot, or an array does not have
+            one number per name.
+    """
+    given: Any = message
+    indices = [_index(sim.robot, str(name), i) for i, name in enumerate(given.name)]
+    in_force = sim.output("commands").joints
+    command = AtlasCommand()
+    command.header.stamp = given.header.stamp.to_sec()
+    for field in JOINT_ARRAYS:
+        values = getattr(given, field)
+        if len(values) == 0:
+            continue
+        if len(values) != len(indices):
+            raise ScriptError(
+                f"{field} of osrf_msgs/JointCommands must have {len(indices)} "
+                f"elements, one per name, or none, has {len(values)}"
+            )
+        setattr(command, field, _at(indices, values, getattr(in_force, field)))
+    command.k_effort = _at(indices, [K_EFFORT_MAX] * len(indices), in_force.k_effort)
+    sim.publish(command)
+
+
+def joint_name(name: str) -> str:
+    """Return ``back_bkz`` for ``atlas::back_bkz``: without the name of the model."""
+    return name.rpartition("::")[2]
+
+
+def _index(robot: Robot, name: str, place: int) -> int:
+    try:
+        return robot.joint_index(joint_name(name))
+    except RobotDescriptionError as error:
+        problem = f"name[{place}] of osrf_msgs/JointCommands: {error.problem}"
+        raise ScriptError(problem) from error
+
+
+def _at(indices: list[int], values: Any, others: Any) -> list[Any]:
+    """Return ``others`` with ``values`` at ``indices``."""
+    result = list(others)
+    for index, value in zip(indices, values, strict=True):
+        result[index] = value
+    return result
+
+
+CONTROL_MODES = {
+    "None": Behavior.NONE,
+    "Freeze": Behavior.FREEZE,
+    "StandPrep": Behavior.STAND_PREP,
+    "Stand": Behavior.STAND,
+    "Walk": Behavior.WALK,
+    "Step": Behavior.STEP,
+    "Manip": Behavior.MANIPULATE,
+    "User": Behavior.USER,
+}
+"""Words of ``atlas/control_mode``, in any case."""
+HARNESSED, NOMINAL = "harnessed", "nominal"
+"""Words of ``atlas/mode``."""
+
+
+def change_control_mode(sim: AtlasSimulation, message: RosMessage) -> None:
+    """Send the command for the behavior that a message names.
+
+    Raises:
+        ScriptError: If there is no such mode.
+    """
+    word = _word(message)
+    known = {_plain(name): behavior for name, behavior in CONTROL_MODES.items()}
+    known |= {_plain(b.name): b for b in CONTROL_MODES.values()}
+    if _plain(word) not in known:
+        raise unknown(f"control mode {word!r}", word, CONTROL_MODES)
+    behavior = known[_plain(word)]
+    command = AtlasSimInterfaceCommand()
+    command.behavior = behavior
+    # The message has no steps, so these behaviors take their demo steps.
+    command.walk_params.use_demo_walk = behavior is Behavior.WALK
+    command.step_params.use_demo_walk = behavior is Behavior.STEP
+    share = K_EFFORT_MAX if behavior is Behavior.USER else 0
+    command.k_effort = [share] * sim.robot.num_joints
+    sim.publish(command)
+
+
+def change_mode(sim: AtlasSimulation, message: RosMessage) -> str | None:
+    """Put the robot into the harness, or release it.
+
+    Returns:
+        A note to print, if the robot stays as it is.
+
+    Raises:
+        ScriptError: If there is no such mode.
+    """
+    word = _word(message)
+    if _plain(word) not in (HARNESSED, NOMINAL):
+        raise unknown(f"mode {word!r}", word, (HARNESSED, NOMINAL))
+    harness = sim.scenario.start.harnessed
+    if _plain(word) == NOMINAL:
+        if harness:
+            sim.release()
+        return None
+    if not harness:
+        return (
+            f"mode {HARNESSED!r}: there is no harness, and Atlas stays on its feet; "
+            "--set start.harnessed=true --set initial_behavior=FREEZE gives it one"
+        )
+    start = sim.scenario.start
+    pose = Start(position=start.position, yaw=start.yaw, harnessed=True)
+    sim.reset(behavior=Behavior.FREEZE, pose=pose)
+    return None
+
+
+def _word(message: RosMessage) -> str:
+    said: Any = message
+    return str(said.data)
+
+
+def _plain(word: str) -> str:
+    return word.strip().lower().replace("_", "")
 
 
 @dataclass(frozen=True)

@@ -24,14 +24,9 @@ from typing import Any
 
 from atlas_drake.ros_scripts.clock import Clock
 from atlas_drake.ros_scripts.python2 import BUILTINS, DIVIDE, MATH
-from atlas_drake.ros_scripts.source_file import (
-    compile_program,
-    is_python2,
-    read_source,
-)
+from atlas_drake.ros_scripts.source_file import load_program
 from atlas_drake.ros_scripts.stand_ins import StandIn
-from atlas_drake.ros_scripts.threads import threading_names
-from atlas_drake.ros_scripts.time_module import simulated_time
+from atlas_drake.ros_scripts.threads import simulated_time, threading_names
 from atlas_drake.ros_scripts.unknown import ScriptError
 
 REAL_TIME = {"_thread", "asyncio", "concurrent", "multiprocessing", "queue", "sched"}
@@ -56,18 +51,18 @@ class World:
         }
         self._say: Callable[[str], object] | None = say
 
-    def run(self, path: Path, source: str, code: CodeType, module: ModuleType) -> None:
+    def run(self, path: Path, code: CodeType, module: ModuleType, *, old: bool) -> None:
         """Runs code as a module.
 
         Args:
             path: Path of the source file.
-            source: Text of the source file.
             code: Compiled code.
             module: Module that receives the definitions.
+            old: True for Python 2.
         """
         names = vars(module)
         names["__file__"] = str(path)
-        names["__builtins__"] = self._builtins(old=is_python2(source))
+        names["__builtins__"] = self._builtins(old=old)
         exec(code, names)
 
     def _builtins(self, *, old: bool) -> dict[str, Any]:
@@ -160,8 +155,8 @@ class _Loader(SourceFileLoader):
 
     def exec_module(self, module: ModuleType) -> None:
         path = Path(self.path)
-        source = read_source(path)
-        self._world.run(path, source, compile_program(path, source), module)
+        code, is_python2 = load_program(path)
+        self._world.run(path, code, module, old=is_python2)
 
 
 def _is_ours(module: ModuleType | None) -> bool:

@@ -95,6 +95,10 @@ class SensorNoise(Frozen):
         )
         self.silent = model == NoiseModel()
 
+    def with_seed(self, seed: int) -> "SensorNoise":
+        """Returns the noise of another seed."""
+        return SensorNoise(self._model, seed, self._num_joints, self._period)
+
     def sample(self, time: float) -> NoiseSample:
         """The noise at ``time`` [s]."""
         model, n = self._model, self._num_joints

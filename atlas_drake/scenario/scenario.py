@@ -15,6 +15,7 @@ from pydrake.multibody.plant import MultibodyPlantConfig
 from pydrake.systems.analysis import SimulatorConfig
 
 from atlas_drake.behaviors.config import ControllerConfig
+from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.checked import As, OfDrake, as_plain, checked
 from atlas_drake.configuration import Configuration, NotNegative, Positive
 from atlas_drake.control.estimation.leg_odometry import OdometryTuning
@@ -149,8 +150,9 @@ class Scenario(Configuration):
         field(default_factory=dict)
     )
     """Gains, weights, limits and timings of the controller, such as
-    ``gains: {dcm_gain: 2.5}``. What is left out has the value of the robot's file, or
-    else the default; a ``ControllerConfig`` has every value."""
+    ``gains: {dcm_gain: 2.5}``, those of behaviors of your own included. What is left
+    out has the value of the robot's file, or else the default; a ``ControllerConfig``
+    has every value."""
     estimator: OdometryTuning = field(default_factory=OdometryTuning)
     """Noise parameters of the state estimator."""
     ground_friction: Positive = 0.9
@@ -198,10 +200,13 @@ class Scenario(Configuration):
 
     __hash__ = None  # type: ignore[assignment]  # It holds lists.
 
-    def resolved(self) -> "Scenario":
+    def resolved(self, behaviors: Iterable[BehaviorEntry] = ()) -> "Scenario":
         """Returns a valid copy in which every field is as a simulation uses it.
 
         The steps stay as they were given; a station rounds both to a common grid.
+
+        Args:
+            behaviors: Entries of the user's own behaviors.
 
         Raises:
             ScenarioError: As ``validate`` does.
@@ -214,7 +219,7 @@ class Scenario(Configuration):
                 valid,
                 control_period=period,
                 plant=plant,
-                controller=valid.controller_config(),
+                controller=valid.controller_config(behaviors),
             )
         )
 
@@ -254,8 +259,14 @@ class Scenario(Configuration):
         value = getattr(self, name)
         return ScenarioError.about(name, value, f"must be {wanted}")
 
-    def controller_config(self) -> ControllerConfig:
+    def controller_config(
+        self, behaviors: Iterable[BehaviorEntry] | None = None
+    ) -> ControllerConfig:
         """Returns the parameters of the controller for the scenario's robot.
+
+        Args:
+            behaviors: Entries of the user's own behaviors, whose configurations are
+                fields, too; None leaves these out, not checked.
 
         Raises:
             ScenarioError: If there is no such robot, or a value cannot be used.
@@ -267,15 +278,14 @@ class Scenario(Configuration):
         except RobotDescriptionError as error:
             raise ScenarioError("model", self.model, error.problem) from None
         try:
-            robots = ControllerConfig.of(file)
+            robots = ControllerConfig.of(file, behaviors)
         except ScenarioError as error:
-            raise error.within(find_robot(self.model)) from None
+            # Without values in the file, a default of a user's behavior is at fault.
+            named = error.within(find_robot(self.model)) if file.controller else error
+            raise named from None
         if not self.controller:
             return robots
-        made: ControllerConfig = checked(
-            ControllerConfig, self.controller, "controller", base=robots, from_text=True
-        )
-        return made
+        return robots.with_values(self.controller, behaviors)
 
     def surroundings(self) -> World:
         """Return the world that ``world`` stands for.

@@ -21,7 +21,7 @@ from pydrake.geometry import Meshcat
 from pydrake.math import RigidTransform
 from pydrake.systems.framework import Context
 
-from atlas_drake.behaviors.entry import BehaviorEntry, configured
+from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.behaviors.registration import registered
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.checked import checked
@@ -157,11 +157,9 @@ class AtlasSimulation:
             on_event=on_event,
             log=log,
         )
-        self.scenario = (scenario or Scenario()).resolved()
+        self._own_behaviors = registered(behaviors)
+        self.scenario = (scenario or Scenario()).resolved(self._own_behaviors)
         self.robot = load_robot(self.scenario.model)
-        self._own_behaviors = configured(
-            registered(behaviors), self.scenario.controller_config().behaviors
-        )
         self.behaviors = BehaviorCatalog((*SHIPPED_ENTRIES, *self._own_behaviors))
         self._asked_model = self.scenario.model
         # Absolute, so that it is valid in another working folder, too.
@@ -539,7 +537,7 @@ class AtlasSimulation:
             WorldError: If the robot would begin inside a model of the world; the
                 present run is then unchanged.
         """
-        asked = scenario.resolved()
+        asked = scenario.resolved(self._own_behaviors)
         if asked.model == self._asked_model:
             asked = replace(asked, model=self.robot.model)
         field = built_in_difference(self.scenario, asked)

@@ -6,7 +6,8 @@ effort = k·user + (1 - k)·behavior with k = k_effort/255, within the effort li
 import numpy as np
 from pydrake.systems.framework import Context
 
-from atlas_drake.messages import K_EFFORT_MAX
+from atlas_drake.control.joints.blend import blend
+from atlas_drake.messages.joint_command import share_of
 from atlas_drake.robot import PlantIndices, Robot
 from atlas_drake.systems.collectable_system import CollectableSystem
 
@@ -34,7 +35,7 @@ class EffortSelector(CollectableSystem):
         self._to_plant = np.argsort(indices.actuation)
         self._user = self.DeclareVectorInputPort("user_effort", n)
         self._behavior = self.DeclareVectorInputPort("behavior_effort", n)
-        self._share = self.DeclareVectorInputPort("k_effort", n)
+        self._k_effort = self.DeclareVectorInputPort("k_effort", n)
         inputs = {self.all_input_ports_ticket()}
         self.DeclareVectorOutputPort(
             "effort",
@@ -52,17 +53,9 @@ class EffortSelector(CollectableSystem):
         )
 
     def _blend(self, context: Context) -> np.ndarray:
-        share = self._share.Eval(context)
+        k_effort = self._k_effort.Eval(context)
         behavior = self._behavior.Eval(context)
         # Without a user share the user's efforts need no evaluation, which saves time
         # at every physics step.
-        user = self._user.Eval(context) if np.count_nonzero(share) else behavior
-        return blend(user, behavior, share * (1.0 / K_EFFORT_MAX), self._limit)
-
-
-def blend(
-    user: np.ndarray, behavior: np.ndarray, share: np.ndarray, limit: np.ndarray
-) -> np.ndarray:
-    """Computes k·user + (1 - k)·behavior within ±limit [N·m], shape (n,)."""
-    effort = behavior + share * (user - behavior)
-    return np.minimum(np.maximum(effort, -limit), limit)
+        user = self._user.Eval(context) if np.count_nonzero(k_effort) else behavior
+        return blend(user, behavior, share_of(k_effort), self._limit)

@@ -67,11 +67,7 @@ class FallMonitor(CollectableSystem):
         self._limits = config.fall
         self._instance = own = robot.instance(plant)
         self._up = robot.indices(plant).pelvis.orientation
-        # Indices, because frames hold their plant where the garbage collector cannot
-        # see it.
-        self._soles = [
-            plant.GetFrameByName(f.sole_frame, own).index() for f in robot.file.feet
-        ]
+        self._soles = robot.soles(plant)
         self._nominal_height = robot.com_height - config.stance.com_drop
         self._state_input = self.DeclareVectorInputPort(
             "state", plant.num_multibody_states(own)

@@ -76,11 +76,9 @@ class Harness(CollectableSystem):
         motors = np.arange(plant.num_actuated_dofs(), dtype=float)
         motors = plant.GetActuationFromArray(own, motors).astype(int)
         self._actuation_matrix = np.asarray(plant.MakeActuationMatrix())[:, motors]
-        # Indices, because frames and bodies hold their plant where the garbage
-        # collector cannot see it.
-        self._soles = [
-            plant.GetFrameByName(f.sole_frame, own).index() for f in robot.file.feet
-        ]
+        self._soles = robot.soles(plant)
+        # An index, because a body holds its plant where the garbage collector cannot
+        # see it.
         self._pelvis = plant.GetBodyByName(robot.file.pelvis, own).index()
         self._state_input = self.DeclareVectorInputPort(
             "state", plant.num_multibody_states(own)

@@ -54,8 +54,7 @@ class InertialSensor(NoisySystem):
         """Measures ``robot`` in ``plant`` with the noise model of ``RobotSensors``."""
         super().__init__()
         self._plant = plant
-        n = robot.num_joints
-        self.declare_noise(lambda seed: SensorNoise(noise, seed, n, physics_step), seed)
+        self.declare_noise(SensorNoise(noise, seed, robot.num_joints, physics_step))
         self._instance = own = robot.instance(plant)
         imu = plant.GetFrameByName(robot.file.imu_frame, own)
         # An index, because a frame holds its plant where the garbage collector cannot

@@ -96,10 +96,7 @@ class InterfaceReporter(CollectableSystem):
         super().__init__()
         self._plant: Any = robot.make_plant()
         self._pelvis = robot.indices(self._plant).pelvis
-        self._soles = [
-            self._plant.GetFrameByName(foot.sole_frame).index()
-            for foot in robot.file.feet
-        ]
+        self._soles = robot.soles(self._plant)
         self._state = self.DeclareVectorInputPort(
             "state", self._plant.num_multibody_states()
         )

@@ -1,6 +1,5 @@
 """The noise of a sensor as a parameter in its Context, so that each run has a seed."""
 
-from collections.abc import Callable
 from typing import Any
 
 from pydrake.common.value import AbstractValue
@@ -15,17 +14,9 @@ class NoisySystem(CollectableSystem):
 
     __slots__ = ()
 
-    def declare_noise(self, make: Callable[[int], SensorNoise], seed: int) -> None:
-        """Declares the parameter.
-
-        Args:
-            make: Function that makes the noise of a seed.
-            seed: Seed of the default context.
-        """
-        self._make_noise = make
-        self._noise_index = self.DeclareAbstractParameter(
-            AbstractValue.Make(make(seed))
-        )
+    def declare_noise(self, noise: SensorNoise) -> None:
+        """Declares the parameter, with the noise of the default context."""
+        self._noise_index = self.DeclareAbstractParameter(AbstractValue.Make(noise))
 
     def set_seed(self, context: Context, seed: int) -> None:
         """Draws the noise from another seed from now on.
@@ -35,7 +26,7 @@ class NoisySystem(CollectableSystem):
             seed: The seed, from 0 to 2**64 - 1.
         """
         parameter: Any = context.get_mutable_abstract_parameter(self._noise_index)
-        parameter.set_value(self._make_noise(seed))
+        parameter.set_value(self.noise(context).with_seed(seed))
 
     def noise(self, context: Context) -> SensorNoise:
         """Returns the noise in force."""

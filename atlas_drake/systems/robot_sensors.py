@@ -69,7 +69,7 @@ class RobotSensors(NoisySystem):
         self._robot = robot
         self._plant = plant
         self._indices = robot.indices(plant)
-        self.declare_noise(lambda seed: SensorNoise(noise, seed, n, physics_step), seed)
+        self.declare_noise(SensorNoise(noise, seed, n, physics_step))
         # Indices, because bodies and frames hold their plant where the garbage
         # collector cannot see it.
         self._instance = own = robot.instance(plant)
@@ -77,10 +77,6 @@ class RobotSensors(NoisySystem):
         self._q_PI = X_PI.rotation().ToQuaternion().wxyz()
         self._R_PI = X_PI.rotation().matrix()
         self._p_PI_I = self._R_PI.T @ X_PI.translation()
-        soles = [
-            plant.GetFrameByName(foot.sole_frame, own).index()
-            for foot in robot.file.feet
-        ]
         feet = [plant.GetBodyByName(foot.body, own) for foot in robot.file.feet]
         self._bodies = {int(body.index()): i for i, body in enumerate(feet)}
         hands = [
@@ -129,7 +125,7 @@ class RobotSensors(NoisySystem):
             prerequisites_of_calc={self.xd_ticket()},
         )
         for name, part, frames in (
-            ("foot_wrenches", slice(0, 12), soles),
+            ("foot_wrenches", slice(0, 12), robot.soles(plant)),
             ("hand_wrenches", slice(12, 24), hands),
         ):
             self.DeclareVectorOutputPort(

@@ -7,14 +7,13 @@ appears in recordings, which a label beside the 3D view would not.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
 from pydrake.geometry import Meshcat, Rgba
 from pydrake.math import RigidTransform
-from pydrake.systems.framework import Context
 
 from atlas_drake.errors import ErrorCode
 from atlas_drake.messages import (
@@ -27,9 +26,6 @@ from atlas_drake.messages import (
     WalkStatus,
 )
 from atlas_drake.messages.behavior_catalog import SHIPPED, BehaviorCatalog
-from atlas_drake.visualization.display import Display
-from atlas_drake.visualization.marks import Marks
-from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.scene import CAMERA, FIELD_OF_VIEW
 from atlas_drake.visualization.shapes import draw_flat, ribbons
 from atlas_drake.visualization.stroke_font import text_segments
@@ -128,49 +124,21 @@ def _said(flags: int, words: Mapping[Any, str]) -> list[str]:
 
 
 @dataclass(frozen=True)
-class _Line:
+class CaptionLine:
+    """A line of text; height and baseline as shares of half the picture."""
+
     text: str
     height: float
     y: float
 
 
-class CaptionDisplay(Display):
-    """Keeps the caption up to date.
-
-    Input ports:
-        atlas_sim_interface_state: ``AtlasSimInterfaceState``
-        commands: ``CommandsInForce``
-    """
-
-    __slots__ = ()
-
-    def __init__(
-        self, meshcat: Meshcat, overlays: Overlays, period: float, recorded: bool
-    ) -> None:
-        """Updates it every ``period`` [s]; ``recorded`` as in ``Marks``."""
-        super().__init__(period)
-        self._overlays = overlays
-        self._meshcat = meshcat
-        self._report, self._commands = self.declare_values(
-            "atlas_sim_interface_state", "commands"
-        )
-        self._marks = Marks(meshcat, f"{CAMERA}/caption", self._draw, recorded)
-
-    def _publish(self, context: Context) -> None:
-        report: Any = self._report.Eval(context)
-        commands: Any = self._commands.Eval(context)
-        title, note = caption_of(report, commands.catalog)
-        marks = [
-            _Line(title, TITLE_HEIGHT, TITLE_Y),
-            _Line(note, NOTE_HEIGHT, NOTE_Y),
-        ]
-        if self._overlays.is_on("flags"):
-            marks.append(_Line(feedback_words(report), NOTE_HEIGHT, FLAGS_Y))
-        self._marks.show(marks, context.get_time())
-
-    def _draw(self, path: str, mark: object) -> None:
-        assert isinstance(mark, _Line)
-        _draw_line(self._meshcat, path, mark)
+def caption_lines(title: str, notes: Sequence[str]) -> list[CaptionLine]:
+    """Puts a title and up to two notes into their places."""
+    places = zip(notes, (NOTE_Y, FLAGS_Y), strict=False)
+    return [
+        CaptionLine(title, TITLE_HEIGHT, TITLE_Y),
+        *(CaptionLine(note, NOTE_HEIGHT, y) for note, y in places),
+    ]
 
 
 def show_paused(meshcat: Meshcat, paused: bool) -> None:
@@ -179,10 +147,12 @@ def show_paused(meshcat: Meshcat, paused: bool) -> None:
     if not paused:
         meshcat.Delete(path)
         return
-    _draw_line(meshcat, path, _Line("paused", TITLE_HEIGHT, PAUSED_Y))
+    draw_line(meshcat, path, CaptionLine("paused", TITLE_HEIGHT, PAUSED_Y))
 
 
-def _draw_line(meshcat: Meshcat, path: str, line: _Line) -> None:
+def draw_line(meshcat: Meshcat, path: str, line: object) -> None:
+    """Draws a ``CaptionLine`` in Meshcat, below the path of the camera."""
+    assert isinstance(line, CaptionLine)
     height = HALF_PICTURE * line.height
     starts, ends = text_segments(line.text, height)
     draw_flat(meshcat, path, *ribbons(starts, ends, STROKE * height), COLOR)

@@ -1,34 +1,86 @@
 """Links colored by the user's share, or by the effort, of the joint that moves them.
 
-The pelvis, which no joint moves, keeps its own colors.
+The pelvis, which no joint moves, keeps its own colors. Browsers read the robot's meshes
+too late to color them, so that their triangles are read here.
 """
 
 from __future__ import annotations
 
+import base64
+import json
 from collections.abc import Sequence
 from itertools import chain
 from pathlib import Path
 from typing import Any
+from urllib.parse import unquote
 
 import numpy as np
-from pydrake.common.value import AbstractValue
+from numpy.typing import NDArray
 from pydrake.geometry import (
     FrameId,
     Mesh,
     Meshcat,
-    QueryObject,
     Role,
     SceneGraphInspector,
 )
-from pydrake.systems.framework import Context
 
-from atlas_drake.messages import K_EFFORT_MAX
+from atlas_drake.messages.joint_command import share_of
 from atlas_drake.palette import BEHAVIOR, BUSY, IDLE, SHARED, SPENT, USER, Color
 from atlas_drake.robot import Robot
-from atlas_drake.visualization.display import Display
-from atlas_drake.visualization.gltf_triangles import gltf_triangles
 from atlas_drake.visualization.marks import Timeline
 from atlas_drake.visualization.overlays import Overlays
+
+_TYPES = {5121: "u1", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
+"""Types of numbers by the codes of glTF."""
+_WIDTHS = {"SCALAR": 1, "VEC3": 3}
+
+
+def gltf_triangles(file: Path) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+    """Reads all parts of a mesh in glTF 2.0 as one.
+
+    Files are as ``tools/robot_models`` writes them, or those of Drake: one node
+    at the origin, data in the file or in another file beside it.
+
+    Returns:
+        Vertices with z up [m], shape (3, any), and triangles, shape (3, any).
+    """
+    document = json.loads(file.read_text())
+    buffers = [_data(buffer["uri"], file.parent) for buffer in document["buffers"]]
+    vertices: list[NDArray[np.float64]] = []
+    faces: list[NDArray[np.int32]] = []
+    count = 0
+    for mesh in document["meshes"]:
+        for part in mesh["primitives"]:
+            x, y, z = _values(document, buffers, part["attributes"]["POSITION"]).T
+            corners = _values(document, buffers, part["indices"]).reshape(-1, 3).T
+            # In glTF the y axis points up.
+            vertices.append(np.array([x, -z, y], dtype=float))
+            faces.append(corners.astype(np.int32) + np.int32(count))
+            count += len(x)
+    return np.hstack(vertices), np.hstack(faces)
+
+
+def _data(uri: str, folder: Path) -> bytes:
+    """Returns the data of a buffer, from the text itself or from a file beside it."""
+    if uri.startswith("data:"):
+        return base64.b64decode(uri.split(",", 1)[1])
+    return (folder / unquote(uri)).read_bytes()
+
+
+def _values(document: Any, buffers: list[bytes], number: int) -> NDArray[Any]:
+    """Reads the data of an accessor, one row per element."""
+    accessor = document["accessors"][number]
+    view = document["bufferViews"][accessor["bufferView"]]
+    kind = np.dtype(_TYPES[accessor["componentType"]])
+    width = _WIDTHS[accessor["type"]]
+    return np.ndarray(
+        shape=(accessor["count"], width),
+        dtype=kind,
+        buffer=buffers[view["buffer"]],
+        offset=view.get("byteOffset", 0) + accessor.get("byteOffset", 0),
+        strides=(view.get("byteStride", width * kind.itemsize), kind.itemsize),
+    )
+
 
 SHADES = 20
 """Steps of a color scale: equal colors are not sent again."""
@@ -38,10 +90,19 @@ COVER = "_colored"
 """Suffix of the path of a link's copy."""
 
 
+def joint_colors(
+    overlays: Overlays, k_effort: np.ndarray, effort: np.ndarray, limit: np.ndarray
+) -> list[Color] | None:
+    """Colors joints by the coloring that is switched on; None without one."""
+    if overlays.is_on("owner"):
+        return owner_colors(k_effort)
+    return effort_colors(effort, limit) if overlays.is_on("effort") else None
+
+
 def owner_colors(k_effort: np.ndarray) -> list[Color]:
     """Colors joints by the user's share, 0 to 255, shape (n,)."""
     colors = (BEHAVIOR, SHARED, USER)
-    return [_between(colors, share / K_EFFORT_MAX) for share in k_effort]
+    return [_between(colors, share) for share in share_of(k_effort)]
 
 
 def effort_colors(effort: np.ndarray, limit: np.ndarray) -> list[Color]:
@@ -61,67 +122,39 @@ def _between(colors: Sequence[Color], share: float) -> Color:
     return r, g, b
 
 
-class ControlColors(Display):
-    """Colors the links while one of the two colorings is switched on.
+class ControlColors:
+    """Colors the links.
 
     A colored link is hidden behind a copy with one material. Browsers load the link
     itself too late for a recording to reach its materials; without the copy the link
     shows its own colors again.
-
-    Input ports:
-        query_object: Query object of the scene graph.
-        commands: ``CommandsInForce``
-        effort: Efforts of the motors [N·m], shape (n,).
     """
 
-    __slots__ = ()
-
-    def __init__(
-        self,
-        meshcat: Meshcat,
-        prefix: str,
-        robot: Robot,
-        overlays: Overlays,
-        period: float,
-    ) -> None:
-        """Updates the colors every ``period`` [s].
-
-        Drake's visualiser draws the links under ``prefix``.
-        """
-        super().__init__(period)
+    def __init__(self, meshcat: Meshcat, prefix: str, robot: Robot) -> None:
+        """Colors in ``meshcat``, where Drake draws the links under ``prefix``."""
         self._meshcat = meshcat
         self._prefix = prefix
-        self._limit = robot.effort_limit
         self._frame_names = [
             [f"{robot.name}::{link}" for link in links] for links in robot.moved_links
         ]
-        self._overlays = overlays
-        self._query = self.DeclareAbstractInputPort(
-            "query_object", AbstractValue.Make(QueryObject())
-        )
-        (self._commands,) = self.declare_values("commands")
-        self._effort = self.DeclareVectorInputPort("effort", robot.num_joints)
-        self._begin()
-        # Drake's visualiser then draws everything anew, which also deletes the copies.
-        self.DeclareInitializationPublishEvent(lambda _context: self._begin())
+        self.begin()
 
-    def _begin(self) -> None:
+    def begin(self) -> None:
+        """Begins anew after Drake's visualiser, which also deletes the copies."""
         self._timeline = Timeline(self._meshcat)
         self._links: list[list[str]] = []
 
-    def _publish(self, context: Context) -> None:
-        time = context.get_time()
-        if self._overlays.is_on("owner"):
-            commands: Any = self._commands.Eval(context)
-            colors = owner_colors(commands.k_effort)
-        elif self._overlays.is_on("effort"):
-            colors = effort_colors(self._effort.Eval(context), self._limit)
-        else:
+    def show(
+        self,
+        colors: Sequence[Color] | None,
+        inspector: SceneGraphInspector,
+        time: float,
+    ) -> None:
+        """Shows colors of the joints' links, or their own, from ``time`` [s] on."""
+        if colors is None:
             self._cover(False, time)
             return
         if not self._links:
-            query: Any = self._query.Eval(context)
-            inspector = query.inspector()
             frames = {inspector.GetName(f): f for f in inspector.GetAllFrameIds()}
             self._links = [
                 [path for name in names for path in self._draw(inspector, frames[name])]

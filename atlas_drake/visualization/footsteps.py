@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 from pydrake.geometry import Meshcat, Rgba
 from pydrake.math import RigidTransform, RotationMatrix
-from pydrake.systems.framework import Context
 
 from atlas_drake.behaviors.step_queue import footstep_from
 from atlas_drake.messages import (
@@ -27,8 +26,6 @@ from atlas_drake.messages.controller_status import Plan
 from atlas_drake.messages.event import Event
 from atlas_drake.palette import FEET
 from atlas_drake.robot import SoleSize
-from atlas_drake.visualization.display import Display
-from atlas_drake.visualization.marks import Marks
 from atlas_drake.visualization.shapes import draw_flat, ribbons
 
 LANDED_OPACITY = 0.45
@@ -194,41 +191,22 @@ def mark_triangles(
     return ribbons(starts, ends, LINE_WIDTH)
 
 
-class FootstepDisplay(Display):
-    """Draws footsteps: outlines where commanded, filled where landed.
+def draw_footstep(
+    meshcat: Meshcat, outline: NDArray[np.float64], path: str, mark: object
+) -> None:
+    """Draws a ``FootstepMark`` in Meshcat.
 
-    A dashed outline shows a step that is not taken as commanded.
+    An outline shows a commanded step, a dashed one a step that is not taken as
+    commanded, and a filled one a step that has landed.
 
-    Input ports:
-        commands: ``CommandsInForce``
-        controller_status: ``ControllerStatus``
-        atlas_sim_interface_state: ``AtlasSimInterfaceState``
+    Args:
+        meshcat: Meshcat instance to draw in.
+        outline: Outline of the sole, see ``sole_outline``.
+        path: Path of the object.
+        mark: The mark.
     """
-
-    __slots__ = ()
-
-    def __init__(
-        self, meshcat: Meshcat, sole: SoleSize, period: float, recorded: bool
-    ) -> None:
-        """Updates the marks every ``period`` [s]; ``recorded`` as in ``Marks``."""
-        super().__init__(period)
-        self._meshcat = meshcat
-        self._outline = sole_outline(sole)
-        self._commands, self._status, self._report = self.declare_values(
-            "commands", "controller_status", "atlas_sim_interface_state"
-        )
-        self._marks = Marks(meshcat, "/atlas_drake/footsteps", self._draw, recorded)
-
-    def _publish(self, context: Context) -> None:
-        commands: Any = self._commands.Eval(context)
-        report: Any = self._report.Eval(context)
-        status: Any = self._status.Eval(context)
-        marks = footstep_marks(commands.request, report, status.events, status.plan)
-        self._marks.show(marks, context.get_time())
-
-    def _draw(self, path: str, mark: object) -> None:
-        assert isinstance(mark, FootstepMark)
-        opacity = LANDED_OPACITY if mark.kind is Kind.LANDED else 1.0
-        color = Rgba(*FEET[mark.foot], opacity)
-        draw_flat(self._meshcat, path, *mark_triangles(mark.kind, self._outline), color)
-        self._meshcat.SetTransform(path, mark.X_WF)
+    assert isinstance(mark, FootstepMark)
+    opacity = LANDED_OPACITY if mark.kind is Kind.LANDED else 1.0
+    color = Rgba(*FEET[mark.foot], opacity)
+    draw_flat(meshcat, path, *mark_triangles(mark.kind, outline), color)
+    meshcat.SetTransform(path, mark.X_WF)

@@ -1,27 +1,64 @@
-"""Adds all displays of a station in Meshcat to a diagram in one call.
-
-Wiring only; the displays are in the files beside this one.
-"""
+"""The 3D view of a station in Meshcat: its parts are in the files beside this one."""
 
 from __future__ import annotations
 
+from functools import partial
+
 from pydrake.geometry import Meshcat, MeshcatVisualizer, MeshcatVisualizerParams
-from pydrake.systems.framework import DiagramBuilder, System
+from pydrake.systems.framework import Context, DiagramBuilder, System
 
 from atlas_drake.robot import Robot
-from atlas_drake.visualization import FRAME_RATE
-from atlas_drake.visualization.balance_marks import BalanceMarks
-from atlas_drake.visualization.caption import CaptionDisplay
-from atlas_drake.visualization.contact_forces import ContactForces
+from atlas_drake.systems.collectable_system import CollectableSystem
+from atlas_drake.visualization.caption import caption_lines, draw_line
 from atlas_drake.visualization.control_colors import ControlColors
-from atlas_drake.visualization.display import Display
-from atlas_drake.visualization.following import Following
-from atlas_drake.visualization.footsteps import FootstepDisplay
+from atlas_drake.visualization.footsteps import draw_footstep, sole_outline
+from atlas_drake.visualization.marks import PERIOD, Marks
+from atlas_drake.visualization.overlay_marks import OverlayMarks
 from atlas_drake.visualization.overlays import Overlays
-from atlas_drake.visualization.scene import prepare_scene
+from atlas_drake.visualization.scene import CAMERA, Following, prepare_scene
+from atlas_drake.visualization.seen import ViewPorts, add_view
 
 VISUALIZER = "/drake/visualizer"
 """Where Drake's own visualiser draws the links."""
+PATHS_EVERY = 4
+"""Pictures between updates of planned paths."""
+
+
+class MeshcatView(CollectableSystem):
+    """Draws beside Drake's visualiser: footsteps, overlays, caption, colors of links.
+
+    Draws at a fixed rate, and whenever its diagram publishes. Input ports are those of
+    ``ViewPorts``.
+    """
+
+    __slots__ = ()
+
+    def __init__(
+        self, meshcat: Meshcat, robot: Robot, overlays: Overlays, recorded: bool
+    ) -> None:
+        """Draws in ``meshcat`` what is switched on; ``recorded`` as in ``Marks``."""
+        super().__init__()
+        self._ports = ViewPorts(self, robot, overlays, PATHS_EVERY)
+        footstep = partial(draw_footstep, meshcat, sole_outline(robot.file.sole))
+        line = partial(draw_line, meshcat)
+        self._footsteps = Marks(meshcat, "/atlas_drake/footsteps", footstep, recorded)
+        self._caption = Marks(meshcat, f"{CAMERA}/caption", line, recorded)
+        self._following = Following(meshcat, overlays, recorded)
+        self._shapes = OverlayMarks(meshcat, recorded)
+        self._colors = ControlColors(meshcat, VISUALIZER, robot)
+        self.DeclarePeriodicPublishEvent(PERIOD, 0.0, self._publish)
+        self.DeclareForcedPublishEvent(self._publish)
+        # Drake's visualiser then draws everything anew.
+        self.DeclareInitializationPublishEvent(lambda _context: self._colors.begin())
+
+    def _publish(self, context: Context) -> None:
+        """Draws the present state completely, independent of earlier pictures."""
+        seen, time = self._ports.see(context), context.get_time()
+        self._footsteps.show(seen.footsteps, time)
+        self._caption.show(caption_lines(seen.title, seen.notes), time)
+        self._following.show(seen.report)
+        self._shapes.show(seen.shapes, time)
+        self._colors.show(seen.joint_colors, seen.inspector, time)
 
 
 def add_meshcat_view(
@@ -36,41 +73,20 @@ def add_meshcat_view(
 
     Args:
         builder: Builder of the diagram that holds the station.
-        station: An AtlasStation, or a diagram with some of its output ports.
+        station: An AtlasStation, or the replay of one.
         robot: Robot of the station.
         meshcat: Meshcat instance to draw in.
         overlays: Switches of the overlays, which may change later.
         recorded: See ``Marks``.
     """
-    overlays = overlays or Overlays()
-    period = 1.0 / FRAME_RATE
     prepare_scene(meshcat)
     MeshcatVisualizer.AddToBuilder(
         builder,
         station.GetOutputPort("query_object"),
         meshcat,
         MeshcatVisualizerParams(
-            publish_period=period, enable_alpha_slider=False, prefix=VISUALIZER
+            publish_period=PERIOD, enable_alpha_slider=False, prefix=VISUALIZER
         ),
     )
-    displays: list[tuple[str, Display]] = [
-        (
-            "footstep_display",
-            FootstepDisplay(meshcat, robot.file.sole, period, recorded),
-        ),
-        ("caption_display", CaptionDisplay(meshcat, overlays, period, recorded)),
-        ("following", Following(meshcat, overlays, period, recorded)),
-        ("balance_marks", BalanceMarks(meshcat, robot, overlays, period, recorded)),
-        ("contact_force_display", ContactForces(meshcat, overlays, period)),
-        (
-            "control_colors",
-            ControlColors(meshcat, VISUALIZER, robot, overlays, period),
-        ),
-    ]
-    for name, display in displays:
-        ports = [display.get_input_port(i) for i in range(display.num_input_ports())]
-        # A replay has no contact results.
-        if all(station.HasOutputPort(port.get_name()) for port in ports):
-            builder.AddNamedSystem(name, display)
-            for port in ports:
-                builder.Connect(station.GetOutputPort(port.get_name()), port)
+    view = MeshcatView(meshcat, robot, overlays or Overlays(), recorded)
+    add_view(builder, station, "meshcat_view", view)

@@ -1,18 +1,22 @@
-"""The scene around the robot in Meshcat: ground, grid, light and camera.
+"""The scene around the robot in Meshcat, and how it follows the robot.
 
-Appearance only; the plant has the ground for contact.
+Ground, grid, light and camera: appearance only; the plant has the ground for contact.
 """
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 from pydrake.geometry import Box, Meshcat, Rgba
 from pydrake.math import RigidTransform
 
+from atlas_drake.messages import AtlasSimInterfaceState
 from atlas_drake.scenario import Scenario
 from atlas_drake.scenario.terrain import surface_height
+from atlas_drake.visualization import FRAME_RATE
+from atlas_drake.visualization.overlays import Overlays
 
 Array = Any
 """Type of an array for Meshcat, whose stubs do not match numpy's types."""
@@ -129,3 +133,41 @@ def _add_light(meshcat: Meshcat) -> None:
         "shadow.mapSize.height": 2048.0,
     }.items():
         meshcat.SetProperty(SUN, name, value)
+
+
+LAG = 0.7
+"""Time constant of the camera, so that it does not sway with the steps [s]."""
+LEAST_MOVE = 0.05
+"""Distance of the pelvis over the ground after which the scene moves [m]."""
+
+
+class Following:
+    """Moves the scene with the pelvis over the ground, and the camera if asked to.
+
+    While the camera follows, the mouse cannot turn the view. In a recording, which
+    cannot hold the motion of the light, the scene stays where the robot begins.
+    """
+
+    def __init__(self, meshcat: Meshcat, overlays: Overlays, recorded: bool) -> None:
+        """Follows in ``meshcat``; ``recorded`` as in ``Marks``."""
+        self._meshcat = meshcat
+        self._overlays = overlays
+        self._recorded = recorded
+        self._scene: tuple[float, float] | None = None
+        self._target: np.ndarray | None = None
+
+    def show(self, report: AtlasSimInterfaceState) -> None:
+        """Looks at the robot, once per picture."""
+        x, y, _ = map(float, report.pos_est.position.to_array())
+        if self._scene is None or (
+            not self._recorded and math.dist((x, y), self._scene) > LEAST_MOVE
+        ):
+            self._scene = x, y
+            center_at(self._meshcat, x, y)
+        if self._overlays.is_on("follow"):
+            ground = min(foot.position.z for foot in report.foot_pos_est)
+            goal = np.array([x, y, ground])
+            target = goal if self._target is None else self._target
+            share = 1.0 - math.exp(-1.0 / (FRAME_RATE * LAG))
+            self._target = target + share * (goal - target)
+            look_at(self._meshcat, self._target)

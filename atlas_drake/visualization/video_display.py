@@ -5,7 +5,7 @@ Reads ports and passes pictures to a file; filming never changes the simulation.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from os import PathLike
@@ -15,28 +15,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from pydrake.common.eigen_geometry import Quaternion
-from pydrake.common.value import AbstractValue
-from pydrake.geometry import QueryObject
 from pydrake.math import RigidTransform, RollPitchYaw
-from pydrake.multibody.plant import ContactResults
 from pydrake.systems.framework import Context, DiagramBuilder, System
 
 from atlas_drake.errors import shown
-from atlas_drake.frozen import NOTHING
-from atlas_drake.messages.controller_status import PlannedPaths
 from atlas_drake.numeric import is_whole
 from atlas_drake.robot import Robot
 from atlas_drake.scenario.terrain import Block
 from atlas_drake.scenario.world import WorldMaker
 from atlas_drake.scenario.world_file import View
 from atlas_drake.systems.collectable_system import CollectableSystem
-from atlas_drake.visualization.caption import caption_of, feedback_words
-from atlas_drake.visualization.contact_forces import ContactForce, contact_forces_of
-from atlas_drake.visualization.footsteps import footstep_marks
 from atlas_drake.visualization.overlays import Overlays
+from atlas_drake.visualization.seen import ViewPorts, add_view
 from atlas_drake.visualization.video_camera import camera_pose, follow, looking_at
 from atlas_drake.visualization.video_file import VideoError, VideoFile
-from atlas_drake.visualization.video_overlays import Seen, VideoOverlays
+from atlas_drake.visualization.video_overlays import VideoOverlays
 from atlas_drake.visualization.video_stage import VideoStage
 
 VIDEO_RATE = 25
@@ -46,17 +39,6 @@ TITLE_HEIGHT, NOTE_HEIGHT, MARGIN = 0.055, 0.030, 0.045
 height."""
 INK = (33, 43, 56)
 """Red, green and blue of the letters."""
-VECTORS = ("state", "plant_state", "foot_wrenches", "effort")
-"""Ports that hold vectors."""
-VALUES = (
-    "commands",
-    "controller_status",
-    "planned_paths",
-    "atlas_sim_interface_state",
-)
-"""Ports that hold values of this project."""
-CONTACTS = {"contact_results": ContactResults, "query_object": QueryObject}
-"""Ports from which contact forces are computed, with their types."""
 
 
 @dataclass(frozen=True)
@@ -93,17 +75,8 @@ class VideoDisplay(CollectableSystem):
     Past pictures and the camera's target belong to the file, as with Drake's own video
     writers, and not to the state of the simulation.
 
-    Input ports:
-        state: State of the robot, the pelvis' orientation and position first.
-        plant_state: State of robot and world, configuration first.
-        commands: ``CommandsInForce``
-        controller_status: ``ControllerStatus``
-        planned_paths: ``PlannedPaths``
-        atlas_sim_interface_state: ``AtlasSimInterfaceState``
-        foot_wrenches: Contact wrenches on both soles, see ``RobotSensors``.
-        effort: Efforts of the motors [N·m], shape (n,).
-        contact_results: Contact results of the plant; left out in a replay.
-        query_object: Of the scene graph; left out in a replay.
+    Input ports are those of ``ViewPorts``, and the state of robot and world:
+        plant_state: Configuration first.
 
     Attributes:
         fault: Error that ended the filming; None if there was none.
@@ -117,7 +90,6 @@ class VideoDisplay(CollectableSystem):
         robot: Robot,
         terrain: Sequence[Block],
         world: Sequence[WorldMaker],
-        sizes: Mapping[str, int],
         overlays: Overlays,
         view: View | None,
     ) -> None:
@@ -128,7 +100,6 @@ class VideoDisplay(CollectableSystem):
             robot: Robot in the picture.
             terrain: Boxes on the ground.
             world: Models beside the robot.
-            sizes: Sizes of the vector ports that are connected, by name.
             overlays: Switches of the overlays.
             view: Camera of the world; None, and with the overlay ``follow``, for a
                 camera that follows the robot.
@@ -147,18 +118,10 @@ class VideoDisplay(CollectableSystem):
             X_TC = RigidTransform(self._fixed.rotation(), lens - target)
         size = video.width, video.height
         self._stage = VideoStage(robot, terrain, *size, world, X_TC)
-        self._overlays = overlays
-        self._drawing = VideoOverlays(robot, overlays, self._stage)
-        self._state, self._plant_state, self._wrenches, self._effort = (
-            self.DeclareVectorInputPort(name, sizes[name]) for name in VECTORS
-        )
-        self._commands, self._status, self._paths, self._report = (
-            self.DeclareAbstractInputPort(name, AbstractValue.Make(NOTHING))
-            for name in VALUES
-        )
-        self._contacts, self._query = (
-            self.DeclareAbstractInputPort(name, AbstractValue.Make(kind()))
-            for name, kind in CONTACTS.items()
+        self._drawing = VideoOverlays(robot, self._stage)
+        self._ports = ViewPorts(self, robot, overlays)
+        self._plant_state = self.DeclareVectorInputPort(
+            "plant_state", self._stage.num_states
         )
         self._target: NDArray[np.float64] | None = None
         self._yaw = 0.0
@@ -188,32 +151,14 @@ class VideoDisplay(CollectableSystem):
     def _publish(self, context: Context) -> None:
         if not self._file.is_open:
             return
-        q = self._state.Eval(context)
-        commands: Any = self._commands.Eval(context)
-        report: Any = self._report.Eval(context)
-        status: Any = self._status.Eval(context)
-        marks = footstep_marks(commands.request, report, status.events, status.plan)
-        pose = self._fixed or self._following(q)
-        shown = self._plant_state.Eval(context)[: self._stage.num_positions]
-        picture = self._stage.picture(shown, marks, pose)
-        seen = Seen(
-            q,
-            status.plan,
-            self._paths.Eval(context)
-            if self._overlays.is_on("plan") or self._overlays.is_on("swing")
-            else PlannedPaths(),
-            self._wrenches.Eval(context),
-            self._forces(context),
-            commands.k_effort,
-            self._effort.Eval(context),
-        )
-        title, *notes = caption_of(report, commands.catalog)
-        if self._overlays.is_on("flags"):
-            notes.append(feedback_words(report))
+        seen = self._ports.see(context)
+        pose = self._fixed or self._following(seen.state)
+        q = self._plant_state.Eval(context)[: self._stage.num_positions]
+        picture = self._stage.picture(q, seen.footsteps, pose)
         captioned = with_caption(
-            self._drawing.onto(picture, seen, pose),
-            title,
-            "\n".join(notes),
+            self._drawing.onto(picture, seen.shapes, seen.joint_colors, pose),
+            seen.title,
+            "\n".join(seen.notes),
             context.get_time(),
         )
         try:
@@ -221,13 +166,6 @@ class VideoDisplay(CollectableSystem):
         except VideoError as error:
             # The simulation continues.
             self.fault = error
-
-    def _forces(self, context: Context) -> list[ContactForce]:
-        """Returns the contact forces on the robot, if the overlay needs them."""
-        if not (self._overlays.is_on("forces") and self._contacts.HasValue(context)):
-            return []
-        query: Any = self._query.Eval(context)
-        return contact_forces_of(self._contacts.Eval(context), query.inspector())
 
     def _following(self, q: NDArray[np.float64]) -> RigidTransform:
         """Returns the next pose of the camera that follows the pelvis."""
@@ -276,18 +214,12 @@ def add_video(
 ) -> None:
     """Adds a ``VideoDisplay`` named ``video`` to a diagram that holds a station.
 
-    Arguments as for ``VideoDisplay``; ``station`` is an AtlasStation, or a diagram with
-    some of its output ports.
+    Arguments as for ``VideoDisplay``; ``station`` is an AtlasStation, or the replay of
+    one.
 
     Raises:
         VideoError: If the video cannot be made.
     """
-    sizes = {name: station.GetOutputPort(name).size() for name in VECTORS}
     overlays = overlays or Overlays()
-    display = VideoDisplay(video, robot, terrain, world, sizes, overlays, view)
-    builder.AddNamedSystem("video", display)
-    for index in range(display.num_input_ports()):
-        port = display.get_input_port(index)
-        # A replay has no contact results.
-        if station.HasOutputPort(port.get_name()):
-            builder.Connect(station.GetOutputPort(port.get_name()), port)
+    display = VideoDisplay(video, robot, terrain, world, overlays, view)
+    add_view(builder, station, "video", display)

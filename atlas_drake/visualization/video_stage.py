@@ -134,6 +134,11 @@ class VideoStage:
         self._drawn = 0
 
     @property
+    def num_states(self) -> int:
+        """Length of the state of robot and world."""
+        return self._plant.num_multibody_states()
+
+    @property
     def num_positions(self) -> int:
         """Length of the configuration of robot and world."""
         return self._plant.num_positions()

@@ -286,9 +286,9 @@ def test_a_replay_is_recorded_with_what_is_to_be_shown(log_file, tmp_path):
     messages = [base64.b64decode(blob) for blob in blobs]
     (animation,) = [message for message in messages if b"set_animation" in message]
     assert b"/visualizer/atlas/pelvis" in animation
-    assert b"/balance/com_ball" in animation
-    assert b"/balance/cop" in animation
-    assert b"/balance/dcm" not in animation
+    assert b"/overlays/com_ball" in animation
+    assert b"/overlays/cop" in animation
+    assert b"/overlays/dcm" not in animation
 
 
 def test_what_is_not_in_a_log_cannot_be_shown(log_file, capsys):

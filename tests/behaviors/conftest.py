@@ -15,8 +15,7 @@ from atlas_drake import (
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.base import Observation
 from atlas_drake.behaviors.body_reference import BodyRates
-from atlas_drake.behaviors.entry import BehaviorTools
-from atlas_drake.behaviors.entry_limits import EntryLimits
+from atlas_drake.behaviors.entry import BehaviorTools, EntryLimits
 from atlas_drake.behaviors.freeze import Freeze
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.control.whole_body.model import WholeBodyModel

@@ -6,20 +6,28 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from atlas_drake import AtlasSimInterfaceCommand, Behavior
+from atlas_drake.behaviors.balance import Balance
+from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.behaviors.walk.gait import (
-    COP_INWARD,
     begun_at,
     landing_sensitivity,
     plan_walk,
     stance_cop,
 )
+from atlas_drake.behaviors.walk.phases import WalkProgress
+from atlas_drake.behaviors.walk.planner import WalkPlanner
 from atlas_drake.behaviors.walk.timing import GaitTiming
 from atlas_drake.control.balance.support_polygon import SupportPolygon
 from atlas_drake.control.feet.footstep import LEFT, RIGHT, FootPose, Footstep, outward
+from atlas_drake.control.gains import ControlGains
 from atlas_drake.control.rotations import rotation_z
+from atlas_drake.messages.commands import BehaviorRequest
 
 OMEGA = 3.3
 TIMING = GaitTiming()
+INWARD = 0.010
+"""Distance of the CoP from the middle of the stance sole [m]."""
 FIRST = 0.37
 """Time left in the first phase [s]."""
 WIDTH = 0.23
@@ -86,7 +94,7 @@ def test_transfer_and_swing_make_up_the_duration_of_a_step(steps):
 @pytest.mark.parametrize("count", [1, 3])
 def test_the_plans_duration_is_the_sum_of_its_phases(feet, steps, cop, swinging, count):
     taken = steps[:count]
-    plan = plan_walk(cop, FIRST, feet, taken, swinging, TIMING, OMEGA)
+    plan = plan_walk(cop, FIRST, feet, taken, swinging, TIMING, OMEGA, INWARD)
     expected = sum(duration for *_, duration in phases(FIRST, taken, swinging))
     assert plan.duration == pytest.approx(expected)
 
@@ -95,7 +103,7 @@ def test_the_plans_duration_is_the_sum_of_its_phases(feet, steps, cop, swinging,
 def test_the_plan_starts_from_the_present_cop_and_is_continuous(
     feet, steps, cop, swinging
 ):
-    plan = plan_walk(cop, FIRST, feet, steps, swinging, TIMING, OMEGA)
+    plan = plan_walk(cop, FIRST, feet, steps, swinging, TIMING, OMEGA, INWARD)
     np.testing.assert_allclose(plan.evaluate(0.0).cop, cop, atol=1e-12)
     times = np.linspace(0.0, plan.duration, 1000)
     cops = np.array([plan.evaluate(time).cop for time in times])
@@ -107,14 +115,14 @@ def test_the_plan_starts_from_the_present_cop_and_is_continuous(
 
 @pytest.mark.parametrize("swinging", [False, True])
 def test_in_single_support_the_cop_is_under_the_stance_foot(feet, steps, cop, swinging):
-    plan = plan_walk(cop, FIRST, feet, steps, swinging, TIMING, OMEGA)
+    plan = plan_walk(cop, FIRST, feet, steps, swinging, TIMING, OMEGA, INWARD)
     poses = list(feet)
     sequence = phases(FIRST, steps, swinging)
     for number, (kind, step, start, end) in enumerate(with_times(sequence)):
         if kind != "swing":
             continue
         stance = 1 - step.foot
-        under = stance_cop(poses[stance], stance)
+        under = stance_cop(poses[stance], stance, INWARD)
         np.testing.assert_allclose(plan.evaluate(end - 1e-9).cop, under, atol=1e-6)
         if number > 0 or not swinging:
             for share in (0.01, 0.5, 0.99):
@@ -127,7 +135,9 @@ def test_in_single_support_the_cop_is_under_the_stance_foot(feet, steps, cop, sw
 @pytest.mark.parametrize("count", [0, 3])
 def test_the_plan_ends_at_rest_between_the_feet(feet, steps, cop, swinging, count):
     taken = steps[:count]
-    plan = plan_walk(cop, FIRST, feet, taken, swinging and count > 0, TIMING, OMEGA)
+    plan = plan_walk(
+        cop, FIRST, feet, taken, swinging and count > 0, TIMING, OMEGA, INWARD
+    )
     poses = list(feet)
     for step in taken:
         poses[step.foot] = step.pose
@@ -138,21 +148,23 @@ def test_the_plan_ends_at_rest_between_the_feet(feet, steps, cop, swinging, coun
 
 
 def test_without_steps_the_plan_settles_in_the_time_left(feet, cop):
-    plan = plan_walk(cop, FIRST, feet, (), False, TIMING, OMEGA)
+    plan = plan_walk(cop, FIRST, feet, (), False, TIMING, OMEGA, INWARD)
     assert plan.duration == pytest.approx(FIRST)
     np.testing.assert_allclose(plan.evaluate(0.0).cop, cop, atol=1e-15)
 
 
 def test_replanning_midway_gives_the_same_plan(feet, steps, cop):
     # Where the plan comes from must not matter: the same future, the same DCM.
-    plan = plan_walk(cop, FIRST, feet, steps, False, TIMING, OMEGA)
+    plan = plan_walk(cop, FIRST, feet, steps, False, TIMING, OMEGA, INWARD)
     passed = 0.6 * FIRST
     now = plan.evaluate(passed)
-    again = plan_walk(now.cop, FIRST - passed, feet, steps, False, TIMING, OMEGA)
+    again = plan_walk(
+        now.cop, FIRST - passed, feet, steps, False, TIMING, OMEGA, INWARD
+    )
     into_swing = FIRST + 0.4 * TIMING.swing(steps[0].duration)
     left = 0.6 * TIMING.swing(steps[0].duration)
     there = plan.evaluate(into_swing)
-    swinging = plan_walk(there.cop, left, feet, steps, True, TIMING, OMEGA)
+    swinging = plan_walk(there.cop, left, feet, steps, True, TIMING, OMEGA, INWARD)
     for time in np.linspace(0.0, plan.duration - into_swing, 50):
         expected = plan.evaluate(into_swing + time)
         for other, start in ((again, into_swing - passed), (swinging, 0.0)):
@@ -165,11 +177,11 @@ def test_replanning_midway_gives_the_same_plan(feet, steps, cop):
 @pytest.mark.parametrize("yaw", [0.0, 0.8, -2.0])
 def test_the_stance_cop_is_moved_inward_and_turns_with_the_foot(foot, yaw):
     middle = np.array([1.0, 2.0, 0.3])
-    level = stance_cop(FootPose(middle, np.eye(3)), foot) - middle[:2]
-    turned = stance_cop(FootPose(middle, rotation_z(yaw)), foot) - middle[:2]
+    level = stance_cop(FootPose(middle, np.eye(3)), foot, INWARD) - middle[:2]
+    turned = stance_cop(FootPose(middle, rotation_z(yaw)), foot, INWARD) - middle[:2]
     np.testing.assert_allclose(turned, rotation_z(yaw)[:2, :2] @ level, atol=1e-12)
     # Towards the other foot.
-    np.testing.assert_allclose(level, [0.0, -outward(foot) * COP_INWARD], atol=1e-12)
+    np.testing.assert_allclose(level, [0.0, -outward(foot) * INWARD], atol=1e-12)
 
 
 def test_a_plan_begins_at_the_present_dcm():
@@ -179,7 +191,7 @@ def test_a_plan_begins_at_the_present_dcm():
     )
     step = Footstep(1, 0, np.array([0.2, 0.1, 0.0]), 0.0, 0.63, 0.1)
     cop, omega = np.array([0.005, -0.002]), 3.1
-    plan = plan_walk(cop, 0.8, feet, [step], False, GaitTiming(), omega)
+    plan = plan_walk(cop, 0.8, feet, [step], False, GaitTiming(), omega, INWARD)
     wide = SupportPolygon(np.array([[1, 1], [-1, 1], [-1, -1], [1, -1]], dtype=float))
     begun = begun_at(plan, cop, wide)
     np.testing.assert_allclose(begun.evaluate(0.0).dcm, cop, atol=1e-12)
@@ -205,9 +217,25 @@ def test_the_sensitivity_is_the_derivative_by_the_landing_place(feet, steps, cop
         p_WF = steps[0].p_WF.copy()
         p_WF[axis] += shift
         coming = (replace(steps[0], p_WF=p_WF), *steps[1:])
-        plan = plan_walk(cop, FIRST, feet, coming, True, TIMING, OMEGA)
+        plan = plan_walk(cop, FIRST, feet, coming, True, TIMING, OMEGA, INWARD)
         return plan.evaluate(FIRST).dcm[axis]
 
-    found = landing_sensitivity(cop, FIRST, feet, steps, TIMING, OMEGA)
+    found = landing_sensitivity(cop, FIRST, feet, steps, TIMING, OMEGA, INWARD)
     assert found == pytest.approx((dcm(1e-3) - dcm(-1e-3)) / 2e-3, rel=1e-6)
     assert 0.5 < found < 1.0
+
+
+def test_the_cop_of_single_support_is_where_the_configuration_has_it(
+    model, feet, steps
+):
+    config = WalkConfig(cop_inward=0.03)
+    planner = WalkPlanner(Balance(model.robot, ControlGains()), OMEGA, config)
+    request = BehaviorRequest(Behavior.WALK, AtlasSimInterfaceCommand(), 1)
+    swing = planner.swing(WalkProgress(feet, feet, steps, 1, request), 0.0)
+    expected = stance_cop(feet[RIGHT], RIGHT, 0.03)
+    moved = planner.move_landing(swing, steps[0])
+    for plan in (swing.plan, moved.plan):
+        np.testing.assert_allclose(plan.evaluate(0.0).cop, expected, atol=1e-12)
+        last = plan.segments[-2].end
+        under = stance_cop(steps[1].pose, RIGHT, 0.03)
+        np.testing.assert_allclose(last, under, atol=1e-12)

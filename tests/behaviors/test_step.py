@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from atlas_drake import AtlasSimInterfaceCommand, Scenario
-from atlas_drake.behaviors.step.rules import StepRules
+from atlas_drake.behaviors.step.config import StepRules
 from atlas_drake.messages import (
     Behavior,
     BehaviorStatus,

@@ -10,7 +10,7 @@ from atlas_drake import AtlasSimInterfaceCommand
 from atlas_drake.behaviors.balance import Balance
 from atlas_drake.behaviors.body_reference import capture_body
 from atlas_drake.behaviors.phases import TIME_STEP
-from atlas_drake.behaviors.step.config import StepConfig
+from atlas_drake.behaviors.step.config import StepConfig, StepRules
 from atlas_drake.behaviors.step.phases import (
     Lower,
     Rest,
@@ -18,7 +18,6 @@ from atlas_drake.behaviors.step.phases import (
     StepShift,
     StepSwing,
 )
-from atlas_drake.behaviors.step.rules import StepRules
 from atlas_drake.behaviors.step.step import Step
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.weight_shift import WeightShift

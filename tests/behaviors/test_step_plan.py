@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from atlas_drake.behaviors.balance import Balance
-from atlas_drake.behaviors.stance import StanceConfig
+from atlas_drake.behaviors.balance import Balance, StanceConfig
 from atlas_drake.behaviors.step.action import DesiredStep, StepAction
 from atlas_drake.behaviors.step.plan import PostureRules, StepPlanner
 from atlas_drake.control.feet.footstep import LEFT, RIGHT, FootPose, Footstep, outward

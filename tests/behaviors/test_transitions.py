@@ -8,11 +8,11 @@ import pytest
 
 from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.entry import (
+    EntryLimits,
     Transition,
     legal_transitions,
     refusal,
 )
-from atlas_drake.behaviors.entry_limits import EntryLimits
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.behaviors.supervisor import Supervisor
 from atlas_drake.errors import ErrorCode

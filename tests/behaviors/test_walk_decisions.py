@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from atlas_drake import AtlasSimInterfaceCommand
+from atlas_drake.behaviors.balance import StanceConfig
 from atlas_drake.behaviors.body_reference import capture_body
 from atlas_drake.behaviors.phases import TIME_STEP
-from atlas_drake.behaviors.stance import StanceConfig
 from atlas_drake.behaviors.walk.both_feet import steps_left_out
 from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.behaviors.walk.gait import stance_cop
@@ -296,7 +296,8 @@ def test_the_plan_has_the_paths_of_swing_foot_com_dcm_and_cop(
     paths = walk.paths(phase, phase.planned.dcm, omega)
     np.testing.assert_array_equal(plan.dcm_reference, phase.planned.dcm)
     np.testing.assert_array_equal(plan.cop_reference, phase.planned.cop)
-    under = stance_cop(phase.progress.feet[1 - foot], 1 - foot)
+    stance, inward = phase.progress.feet[1 - foot], WalkConfig().cop_inward
+    under = stance_cop(stance, 1 - foot, inward)
     np.testing.assert_allclose(plan.cop_reference, under, atol=1e-9)
     assert [(step.foot, step.p_WF[0]) for step in plan.footsteps] == [
         (foot, 0.2),

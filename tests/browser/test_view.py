@@ -145,7 +145,7 @@ def seek(page, time):
     page.evaluate(f"viewer.animator.pause(); viewer.animator.seek({time})")
 
 
-BALANCE = ["atlas_drake", "balance"]
+OVERLAYS = ["atlas_drake", "overlays"]
 HEAD = [*ROBOT, "head", "atlas", "head_visual"]
 STANDING, SWINGING, UNCOLOURED = 0.5, 1.5, 1.75
 """Moments of a run in which WALK is asked for at the start [s]."""
@@ -200,10 +200,10 @@ def seen_of(page, path):
 
 def arrow_heights(page):
     """How high the tips of the visible arrows are [m]."""
-    forces = ["atlas_drake", "forces"]
+    forces = [*OVERLAYS, "forces"]
     heights = []
     for name in shown(page, forces):
-        arrow = f"{node([*forces, name, 'arrow'])}.object"
+        arrow = f"{node([*forces, name, 'shape'])}.object"
         heights.append(
             page.evaluate(
                 f"(() => {{ const o = {arrow}; o.updateWorldMatrix(true, false);"
@@ -245,12 +245,12 @@ def test_a_recording_plays_without_a_network_and_shows_what_the_controller_think
     # Forward, back and forward again: what is seen depends on the moment alone.
     for _ in range(2):
         seek(page, SWINGING)
-        swinging = {m: shown(page, [*BALANCE, m]) for m in ("support", "plan_dcm")}
-        assert len(shown(page, [*BALANCE, "swing"])) == 1
-        assert seen_of(page, [*BALANCE, "swing"]) > 30
-        assert seen_of(page, [*BALANCE, "plan_dcm"]) > 30
+        swinging = {m: shown(page, [*OVERLAYS, m]) for m in ("support", "plan_dcm")}
+        assert len(shown(page, [*OVERLAYS, "swing"])) == 1
+        assert seen_of(page, [*OVERLAYS, "swing"]) > 30
+        assert seen_of(page, [*OVERLAYS, "plan_dcm"]) > 30
         on_one_foot = arrow_heights(page)
-        assert seen_of(page, ["atlas_drake", "forces"]) > 30
+        assert seen_of(page, [*OVERLAYS, "forces"]) > 30
         users = color_of(page, HEAD)
         np.testing.assert_allclose(users, np.power(USER, GAMMA), atol=0.01)
         assert page.evaluate(f"{node(covered)}.object.visible")
@@ -258,11 +258,11 @@ def test_a_recording_plays_without_a_network_and_shows_what_the_controller_think
 
         seek(page, STANDING)
         for mark, then in swinging.items():
-            now = shown(page, [*BALANCE, mark])
+            now = shown(page, [*OVERLAYS, mark])
             assert len(then) == 1, mark
             assert now != then, mark
-        assert shown(page, [*BALANCE, "swing"]) == set()
-        assert seen_of(page, [*BALANCE, "support"]) > 100
+        assert shown(page, [*OVERLAYS, "swing"]) == set()
+        assert seen_of(page, [*OVERLAYS, "support"]) > 100
         on_two_feet = arrow_heights(page)
         assert len(on_two_feet) == 8
         assert len(on_one_foot) <= 4

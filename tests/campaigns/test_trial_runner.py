@@ -1,16 +1,19 @@
 """Trials in one process: figures, errors, simulations that are kept."""
 
 import pickle
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import pytest
 
 from atlas_drake import ScenarioError
+from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.campaigns.folder import CampaignFolder, merge, same_result
 from atlas_drake.campaigns.plan import make_trial
 from atlas_drake.campaigns.runner import Shard, missing_trials
 from atlas_drake.campaigns.sources import Sources
 from atlas_drake.campaigns.trial_runner import TrialRunner
+from atlas_drake.configuration import Share
+from atlas_drake.scenario import Scenario, with_settings
 
 from .conftest import record
 
@@ -98,6 +101,33 @@ def test_a_function_that_is_not_there_is_named(more, field, campaign):
     with pytest.raises(ScenarioError) as caught:
         runner_of(campaign(lines.replace("metrics", "success: []\nmetrics")))
     assert caught.value.field == field
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        ("vary: {controller.lean.angle: {uniform: [0, 2]}}", "less than or equal to 1"),
+        ("cases: {controller.laen.angle: [0.1]}", "Did you mean 'lean'"),
+    ],
+)
+def test_settings_of_a_behavior_are_checked_before_the_first_trial(
+    more, words, campaign
+):
+    @dataclass(frozen=True)
+    class Lean:
+        angle: Share = 0.1
+
+    lean = BehaviorEntry(
+        name="LEAN", number=100, make=lambda _tools, _config: None, config=Lean()
+    )
+    sources = Sources(parts={"behaviors": [lean]})
+    TrialRunner(campaign("cases: {controller.lean.angle: [0.1]}"), sources)
+    made = campaign(more)
+    with pytest.raises(ScenarioError, match=words):
+        TrialRunner(made, sources)
+    scenario = with_settings(Scenario(), ["controller.laen.angle=0.1"])
+    with pytest.raises(ScenarioError, match="Did you mean 'lean'"):
+        TrialRunner(replace(campaign(), scenario=scenario), sources)
 
 
 def test_shards_merge_to_the_same_results(campaign, tmp_path):

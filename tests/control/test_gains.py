@@ -2,7 +2,7 @@
 
 import pytest
 
-from atlas_drake.behaviors.walk.gait import COP_INWARD
+from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.control.balance.feedback import StepAdjustmentLimits
 from atlas_drake.control.gains import ContactModel, ControlGains
 from atlas_drake.scenario import Scenario
@@ -41,7 +41,7 @@ def test_the_ankles_hold_a_cop_within_the_sole(robot):
     sole, contact, limits = robot.file.sole, GAINS.contact, StepAdjustmentLimits()
     ahead = 0.5 * sole.length - contact.length_margin
     assert 0.7 * ahead < limits.cop_forward < ahead
-    aside = 0.5 * sole.width - contact.width_margin - COP_INWARD
+    aside = 0.5 * sole.width - contact.width_margin - WalkConfig().cop_inward
     assert 0.7 * aside < limits.cop_sideways < aside
 
 

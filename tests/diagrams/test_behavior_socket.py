@@ -22,7 +22,9 @@ from atlas_drake import (
 from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.behaviors.extended import Extended
 from atlas_drake.behaviors.idle import Idle
-from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
+from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES, shipped_entry
+from atlas_drake.behaviors.walk.config import WalkConfig
+from atlas_drake.checked import as_plain
 from atlas_drake.configuration import NotNegative, Share
 from atlas_drake.control.whole_body import PositionTask
 from atlas_drake.diagrams.atlas_station import (
@@ -33,6 +35,7 @@ from atlas_drake.logs.figures import make_page
 from atlas_drake.logs.log_player import LogPlayer
 from atlas_drake.messages.base import is_new
 from atlas_drake.messages.behavior_catalog import BehaviorError
+from atlas_drake.robot import MODELS_FOLDER
 from atlas_drake.scenario import with_settings
 from atlas_drake.visualization.caption import caption_of
 
@@ -242,7 +245,7 @@ def test_its_configuration_reaches_our_controller_made_by_hand(bow):
         make=lambda tools, config: made.append(config) or bow.make(tools, config),
         config=Speed(),
     )
-    scenario = with_settings(Scenario(), ["controller.behaviors.BOW.speed=0.1"])
+    scenario = with_settings(Scenario(), ["controller.bow.speed=0.1"])
 
     def ours(robot, config):
         return make_whole_body_controller(robot, config, (*SHIPPED_ENTRIES, entry))
@@ -251,7 +254,7 @@ def test_its_configuration_reaches_our_controller_made_by_hand(bow):
     assert made == [Speed(0.1)]
     with pytest.raises(ScenarioError, match="must be greater than or equal to 0"):
         AtlasSimulation(
-            with_settings(Scenario(), ["controller.behaviors.BOW.speed=-1"]),
+            with_settings(Scenario(), ["controller.bow.speed=-1"]),
             behaviors=[entry],
         )
 
@@ -329,17 +332,60 @@ def test_its_configuration_comes_from_the_scenario():
     told = []
     entry = idle(make=lambda _tools, config: told.append(config) or Idle())
     entry = replace(entry, config=RestConfig())
-    scenario = with_settings(Scenario(), ["controller.behaviors.REST.depth=0.4"])
+    scenario = with_settings(Scenario(), ["controller.rest.depth=0.4"])
     AtlasSimulation(scenario, behaviors=[entry])
     assert told == [RestConfig(depth=0.4)]
     for setting, words in (
-        ("REST.depth=2", "less than or equal to 1"),
-        ("REST.deph=0.2", "Did you mean 'depth'"),
-        ("RST.depth=0.2", "Did you mean 'REST'"),
+        ("rest.depth=2", "less than or equal to 1"),
+        ("rest.deph=0.2", "Did you mean 'depth'"),
+        ("rst.depth=0.2", "Did you mean 'rest'?.*registered behaviors: rest"),
+        ("REST.depth=0.2", "Did you mean 'rest'"),
+        ("gians.dcm_gain=2", "Did you mean 'gains'"),
     ):
-        scenario = with_settings(Scenario(), [f"controller.behaviors.{setting}"])
-        with pytest.raises(ScenarioError, match=words):
+        scenario = with_settings(Scenario(), [f"controller.{setting}"])
+        with pytest.raises(ScenarioError, match=words) as raised:
             AtlasSimulation(scenario, behaviors=[entry])
+        assert raised.value.field.startswith("controller." + setting.split(".")[0])
+    with pytest.raises(ScenarioError, match="registered behaviors: none"):
+        AtlasSimulation(with_settings(Scenario(), ["controller.rest.depth=0.4"]))
+    with pytest.raises(ScenarioError, match="there is no such field"):
+        with_settings(Scenario(), ["controller.rest=0.4"])
+
+
+def test_its_configuration_is_where_those_of_shipped_behaviors_are(tmp_path):
+    told = []
+    entry = idle(make=lambda _tools, config: told.append(config) or Idle())
+    entry = replace(entry, config=RestConfig())
+    file = tmp_path / "short.yaml"
+    text = (MODELS_FOLDER / "atlas.yaml").read_text()
+    text = text.replace("urdf: ", f"urdf: {MODELS_FOLDER}/")
+    file.write_text(f"{text}controller: {{rest: {{depth: 0.3, name: short}}}}\n")
+    scenario = Scenario(model=str(file), controller={"rest": {"depth": 0.5}})
+    sim = AtlasSimulation(scenario, behaviors=[entry])
+    assert told == [RestConfig(depth=0.5, name="short")]
+    # A log has every value.
+    written = as_plain(sim.scenario)["controller"]
+    assert written["rest"] == {"depth": 0.5, "name": "short"}
+    assert written["walk"]["limits"]["forward"] == 0.42
+    make_atlas_station(sim.robot, behaviors=[entry])
+    assert told[1:] == [RestConfig(depth=0.3, name="short")]
+
+
+def test_two_behaviors_can_share_a_configuration():
+    told = []
+    march = replace(
+        shipped_entry(Behavior.WALK),
+        name="MARCH",
+        number=102,
+        make=lambda _tools, config: told.append(config) or Idle(),
+        config_field="walk",
+        follows=("STAND",),
+    )
+    scenario = with_settings(Scenario(), ["controller.walk.swing.height=0.13"])
+    AtlasSimulation(scenario, behaviors=[march])
+    assert told[0].swing.height == 0.13
+    AtlasSimulation(scenario, behaviors=[replace(march, config_field="")])
+    assert told[1].swing.height == WalkConfig().swing.height
 
 
 def test_a_behavior_beside_the_members_is_one_all_the_same():
@@ -368,6 +414,10 @@ def test_a_behavior_beside_the_members_is_one_all_the_same():
         ({"leads_to": ("STNAD",)}, "leads_to names 'STNAD'.* Did you mean.*STAND"),
         ({"config": Speed}, "config must be an instance of a frozen dataclass"),
         ({"config": {"speed": 1}}, "config must be an instance of a frozen dataclass"),
+        ({"config": Speed(), "config_field": "walk"}, "cannot be the field 'walk'"),
+        ({"config": Speed(), "config_field": "gait"}, "cannot be the field 'gait'"),
+        ({"config": Speed(), "config_field": "raise"}, "cannot be the field 'raise'"),
+        ({"config_field": None}, "config_field must be the name of a field"),
         ({"make": lambda _tools, _config: None}, "has no method enter: None"),
         ({"params_field": "bow_params"}, "params_field must be 'params'"),
         ({"params_field": "walk_params"}, "a command's field for these parameters"),
@@ -382,7 +432,7 @@ def test_an_entry_with_a_field_that_cannot_be_used_is_refused(bow, changes, word
 
 @pytest.mark.parametrize("behaviors", [None, 42, [42], [BehaviorEntry]])
 def test_behaviors_that_are_none_are_refused(behaviors):
-    scenario = with_settings(Scenario(), ["controller.behaviors.BOW={}"])
+    scenario = with_settings(Scenario(), ["controller.bow={}"])
     with pytest.raises(BehaviorError, match="behaviors must be"):
         AtlasSimulation(scenario, behaviors=behaviors)
     with pytest.raises(BehaviorError, match="behaviors must be"):

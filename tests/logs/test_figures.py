@@ -8,12 +8,18 @@ import pytest
 from atlas_drake import Scenario
 from atlas_drake.frozen import replace
 from atlas_drake.logs import png_page
-from atlas_drake.logs.balance_figures import balance_over_time, view_from_above
+from atlas_drake.logs.balance_figures import (
+    balance_over_time,
+    double_supports,
+    feet_of,
+    footprints,
+    runs,
+    view_from_above,
+)
 from atlas_drake.logs.figures import _solved, make_page
 from atlas_drake.logs.log import Log
 from atlas_drake.logs.notes import note_from_event
 from atlas_drake.logs.panels import Band, Heat, Line, Marker, Span, thinned
-from atlas_drake.logs.support import double_supports, feet_of, footprints, runs
 from atlas_drake.messages.event import Event
 
 TITLES = {

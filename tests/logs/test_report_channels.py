@@ -6,7 +6,7 @@ from dataclasses import fields
 import numpy as np
 
 from atlas_drake.logs.layout import Layout
-from atlas_drake.logs.report_channels import REPORT_CHANNELS, report_from, reported
+from atlas_drake.logs.report_channels import REPORT_CHANNELS, report_from
 from atlas_drake.messages import AtlasSimInterfaceState, Message
 
 KEPT_ELSEWHERE = {"header", "f_out", "k_effort"}
@@ -45,7 +45,8 @@ def filled_report():
 def by_channel(report, dtype=None):
     """The numbers of a report as those of one row of a log, by channel."""
     layout = Layout(entry.channel for entry in REPORT_CHANNELS)
-    table = np.array([reported(report, REPORT_CHANNELS)], dtype=dtype)
+    numbers = [number for entry in REPORT_CHANNELS for number in entry.read(report)]
+    table = np.array([numbers], dtype=dtype)
     rows = {name: table[0, place] for name, place in layout.places.items()}
     return {
         channel.name: rows[channel.name] if channel.labels else rows[channel.name][0]

@@ -13,7 +13,7 @@ from atlas_drake import (
 from atlas_drake.errors import InvalidMessageError
 from atlas_drake.robot import load_robot
 from atlas_drake.simulation.tutorial import control_mode_switch_programme
-from atlas_drake.visualization.gltf_triangles import gltf_triangles
+from atlas_drake.visualization.control_colors import gltf_triangles
 
 
 @pytest.fixture(scope="module")

@@ -17,6 +17,7 @@ from atlas_drake.behaviors.config import ControllerConfig
 from atlas_drake.behaviors.walk.rules import WalkRules
 from atlas_drake.checked import as_plain
 from atlas_drake.control.gains import PdGains
+from atlas_drake.control.pelvis.pelvis_reach import PelvisReserves
 from atlas_drake.diagrams.atlas_station import StationConfig
 from atlas_drake.errors import shown
 from atlas_drake.messages import Behavior
@@ -299,9 +300,9 @@ def test_every_number_of_the_controller_can_be_given(tmp_path):
     text = """
 controller:
   gains: {dcm_gain: 2.5, com_height: {kp: 50}}
-  walk: {rules: {dcm_ready: 0.03}}
+  walk: {rules: {dcm_ready: 0.03}, cop_inward: 0.02}
   step: {posture: {knee_efforts: [0.7, 0.8]}}
-  manipulate: {rates: {turn: {speed: 0.3}}}
+  manipulate: {rates: {turn: {speed: 0.3}}, reserves: {com_margin: 0.06}}
 estimator: {slip: 2e-3}
 plant: {stiction_tolerance: 1e-3, contact_model: point}
 simulator: {accuracy: 1e-3}
@@ -311,6 +312,8 @@ simulator: {accuracy: 1e-3}
     assert controller.gains.dcm_gain == 2.5
     assert controller.gains.com_height == PdGains(kp=50.0, kd=12.0)
     assert controller.walk.rules == WalkRules(dcm_ready=0.03)
+    assert controller.walk.cop_inward == 0.02
+    assert controller.manipulate.reserves == PelvisReserves(com_margin=0.06)
     assert controller.step.posture.knee_efforts == (0.7, 0.8)
     assert controller.manipulate.rates.turn.speed == 0.3
     assert controller.manipulate.rates.turn.acceleration == 1.2

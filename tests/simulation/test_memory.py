@@ -52,7 +52,7 @@ def test_a_simulation_that_is_dropped_is_freed_with_its_view_and_log(tmp_path):
     gc.collect()
     left = [name for name, part in zip(names, alive, strict=True) if part()]
     assert left == []
-    assert {"Harness", "StateEstimator", "BalanceMarks", "LogRecorder"} <= {*names}
+    assert {"Harness", "StateEstimator", "MeshcatView", "LogRecorder"} <= {*names}
     for name, count in threads_and_files().items():
         assert count <= before[name], name  # Of another test's, some may go as well.
     with socket.socket() as free:

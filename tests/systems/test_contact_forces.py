@@ -21,7 +21,7 @@ from atlas_drake.control.wrenches import shift_wrench
 from atlas_drake.scenario import with_settings
 from atlas_drake.scenario.drake_configs import plant_config
 from atlas_drake.systems.robot_sensors import contact_wrenches, shapes_of
-from atlas_drake.visualization.contact_forces import contact_forces_of
+from atlas_drake.visualization.overlay_shapes import contact_forces_of
 
 HERON = Path(__file__).parents[1] / "robots/heron"
 

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from atlas_drake.systems.effort_selector import EffortSelector, blend
+from atlas_drake.control.joints.blend import blend
+from atlas_drake.systems.effort_selector import EffortSelector
 
 
 @pytest.mark.parametrize(("k", "owner"), [(0, "behavior"), (255, "user")])

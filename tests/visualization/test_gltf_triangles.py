@@ -8,7 +8,7 @@ import pytest
 from pydrake.geometry import Mesh
 
 import atlas_drake
-from atlas_drake.visualization.gltf_triangles import gltf_triangles
+from atlas_drake.visualization.control_colors import gltf_triangles
 
 MESHES = Path(atlas_drake.__file__).parent / "models" / "meshes"
 

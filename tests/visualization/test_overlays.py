@@ -5,6 +5,7 @@ import pytest
 from pydrake.geometry import Meshcat
 
 from atlas_drake import AtlasSimulation
+from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.errors import ErrorCode, ScenarioError
 from atlas_drake.logs.balance_figures import _TRACKS
 from atlas_drake.messages import (
@@ -15,44 +16,54 @@ from atlas_drake.messages import (
     StepStatus,
     WalkStatus,
 )
-from atlas_drake.messages.controller_status import PlannedPaths
+from atlas_drake.messages.controller_status import Plan, PlannedPaths
 from atlas_drake.palette import (
     BEHAVIOR,
     BUSY,
+    COM,
+    COP,
+    DCM,
+    FORCE,
     IDLE,
     SHARED,
     SPENT,
+    SUPPORT,
+    SWING,
     USER,
     hex_color,
 )
-from atlas_drake.visualization.balance_marks import _COLORS
-from atlas_drake.visualization.balance_marks import PATH as BALANCE
 from atlas_drake.visualization.caption import feedback_words
-from atlas_drake.visualization.contact_forces import (
-    PATH as FORCES,
-)
-from atlas_drake.visualization.contact_forces import (
-    ContactForce,
-    arrow_pose,
-    contact_forces_of,
-)
 from atlas_drake.visualization.control_colors import (
     COVER,
     effort_colors,
     owner_colors,
 )
+from atlas_drake.visualization.overlay_marks import PATH, pose_and_length
+from atlas_drake.visualization.overlay_shapes import (
+    DRAWN,
+    FORCE_SCALE,
+    ContactForce,
+    ShapeKind,
+    contact_forces_of,
+    overlay_shapes,
+)
 from atlas_drake.visualization.overlays import LOGGED, OVERLAYS, Overlays, overlays_from
 from atlas_drake.visualization.shapes import SIDES, thinned, tube
 from atlas_drake.visualization.stroke_font import _GLYPHS
 
-BALANCE_MARKS = {
-    "com": ["com", "com_ball", "com_line"],
-    "dcm": ["dcm"],
-    "cop": ["cop"],
-    "support": ["support"],
-    "plan": ["plan_com", "plan_dcm"],
-    "swing": ["swing"],
+SHAPES = {
+    "support": SUPPORT,
+    "plan_com": COM,
+    "plan_dcm": DCM,
+    "swing": SWING,
+    "com_line": COM,
+    "com": COM,
+    "com_ball": COM,
+    "dcm": DCM,
+    "cop": COP,
+    "forces/0": FORCE,
 }
+"""The shapes of all overlays during a swing, in drawing order, and their colors."""
 LINK = "/drake/visualizer/atlas/l_uarm/atlas/l_uarm_visual"
 SWINGING = 1.5
 """When a foot is in the air if WALK is asked for at the start [s]."""
@@ -128,12 +139,48 @@ def test_a_thinned_curve_looks_the_same():
     np.testing.assert_array_equal(thinned(still, 0.002), still[:2])
 
 
-def test_an_arrow_points_along_its_force():
-    force = ContactForce(np.array([1.0, 2.0, 3.0]), np.array([30.0, -40.0, 120.0]))
-    X_WA, length = arrow_pose(force), np.linalg.norm(force.force_W)
-    np.testing.assert_allclose(X_WA.translation(), force.p_WC)
-    tip = X_WA @ np.array([0.0, 0.0, length]) - force.p_WC
-    np.testing.assert_allclose(tip, force.force_W)
+def test_a_rod_points_from_its_tail_to_its_tip():
+    tail, tip = np.array([1.0, 2.0, 3.0]), np.array([1.3, 1.6, 4.2])
+    X_WA, length = pose_and_length(tail, tip)
+    np.testing.assert_allclose(X_WA.translation(), tail)
+    np.testing.assert_allclose(X_WA @ np.array([0.0, 0.0, length]), tip)
+
+
+def test_overlays_are_shapes_from_the_ground_up(standing):
+    model = WholeBodyModel(standing.robot)
+    terms = model.evaluate(model.create_context(), standing.output("state"))
+    ahead = np.array([[0.0, 0.0], [0.1, 0.0]])
+    rising = np.array([[0.0, 0.1, 0.0], [0.1, 0.1, 0.1]])
+    force = ContactForce(np.array([0.1, 0.2, 0.0]), np.array([30.0, -40.0, 120.0]))
+    shapes = overlay_shapes(
+        DRAWN,
+        terms,
+        standing.output("controller_status").plan,
+        PlannedPaths(com=ahead, dcm=ahead, swing=rising),
+        standing.output("foot_wrenches"),
+        [force],
+    )
+    assert {shape.name: shape.color for shape in shapes} == SHAPES
+    assert [shape.name for shape in shapes] == [*SHAPES]
+    at = {shape.name: shape for shape in shapes}
+    np.testing.assert_allclose(at["com_ball"].points[0], terms.com)
+    np.testing.assert_allclose(at["com_line"].points[1], terms.com)
+    np.testing.assert_allclose(at["com"].points[0, :2], terms.com[:2])
+    np.testing.assert_array_equal(at["swing"].points, rising)
+    tail, tip = at["forces/0"].points
+    assert at["forces/0"].kind is ShapeKind.ARROW
+    np.testing.assert_allclose(tail, force.p_WC)
+    np.testing.assert_allclose(tip - tail, FORCE_SCALE * force.force_W)
+    for name in ("support", "plan_com", "com", "dcm", "cop"):
+        assert 0.0 < at[name].points[0, 2] < 0.02, name
+
+
+def test_overlays_without_values_have_no_shapes(standing):
+    model = WholeBodyModel(standing.robot)
+    terms = model.evaluate(model.create_context(), standing.output("state"))
+    nothing = Plan(), PlannedPaths(), np.zeros(12), []
+    shapes = overlay_shapes(DRAWN - {"com", "dcm"}, terms, *nothing)
+    assert shapes == []
 
 
 def test_the_ground_carries_a_standing_robot_without_a_path(standing):
@@ -258,8 +305,7 @@ def test_overlays_reach_the_scene_and_can_be_switched_while_running():
     meshcat, overlays = Meshcat(), Overlays()
     sim = walking(meshcat, overlays)
     sim.advance_to(SWINGING)
-    paths = [f"{BALANCE}/{mark}" for marks in BALANCE_MARKS.values() for mark in marks]
-    paths.append(f"{FORCES}/0")
+    paths = [f"{PATH}/{name}" for name in SHAPES]
     assert not [path for path in paths if meshcat.HasPath(path)]
     for name in overlays_from("all"):
         overlays.switch(name, True)
@@ -275,8 +321,5 @@ def test_overlays_reach_the_scene_and_can_be_switched_while_running():
 def test_figures_have_the_colors_of_the_view():
     in_figures = {label: color for _, color, label, _ in _TRACKS if label}
     for name in ("com", "dcm", "cop"):
-        color = _COLORS[name]
-        rgb = color.r(), color.g(), color.b()
-        assert in_figures[{"com": "CoM", "dcm": "DCM", "cop": "CoP"}[name]] == (
-            hex_color(rgb)
-        )
+        label = {"com": "CoM", "dcm": "DCM", "cop": "CoP"}[name]
+        assert in_figures[label] == hex_color(SHAPES[name])

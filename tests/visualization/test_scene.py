@@ -4,13 +4,11 @@ import struct
 
 import numpy as np
 import pytest
-from pydrake.common.value import AbstractValue
 from pydrake.geometry import Meshcat
 
 from atlas_drake import AtlasSimulation, Scenario, Start
 from atlas_drake.messages import AtlasSimInterfaceState
 from atlas_drake.scenario.world_file import load_world
-from atlas_drake.visualization.following import Following
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.scene import (
     CAMERA_POSITION,
@@ -18,6 +16,7 @@ from atlas_drake.visualization.scene import (
     GROUND,
     SUN,
     SUN_POSITION,
+    Following,
     show_start,
 )
 
@@ -80,10 +79,6 @@ def test_the_camera_follows_the_pelvis_over_the_ground_if_asked_to():
     report.pos_est.position.x, report.pos_est.position.z = 2.0, 0.9
     for overlays, place in (([], None), (["follow"], [2.0, 0.0, 0.0])):
         camera = Camera()
-        display = Following(camera, Overlays(overlays), 0.1, False)
-        context = display.CreateDefaultContext()
-        port = display.GetInputPort("atlas_sim_interface_state")
-        port.FixValue(context, AbstractValue.Make(report))
-        display.ForcedPublish(context)
+        Following(camera, Overlays(overlays), False).show(report)
         assert hasattr(camera, "target") == (place is not None)
     np.testing.assert_allclose(camera.target, CAMERA_TARGET + place)

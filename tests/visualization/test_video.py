@@ -9,22 +9,27 @@ from pydrake.math import RigidTransform
 
 from atlas_drake import AtlasSimulation, Scenario
 from atlas_drake.app.main import main
+from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.palette import COM, FORCE
 from atlas_drake.robot import load_robot
 from atlas_drake.scenario.world_file import load_world
-from atlas_drake.visualization.contact_forces import contact_forces_of
+from atlas_drake.visualization.control_colors import owner_colors
 from atlas_drake.visualization.footsteps import FootstepMark, Kind
+from atlas_drake.visualization.overlay_shapes import (
+    DRAWN,
+    contact_forces_of,
+    overlay_shapes,
+)
 from atlas_drake.visualization.overlays import OVERLAYS, Overlays
 from atlas_drake.visualization.video_camera import LAG, camera_pose, follow
 from atlas_drake.visualization.video_display import (
-    VECTORS,
     VIDEO_RATE,
     Video,
     VideoDisplay,
     with_caption,
 )
 from atlas_drake.visualization.video_file import VideoError, VideoFile, check_video
-from atlas_drake.visualization.video_overlays import Seen, VideoOverlays
+from atlas_drake.visualization.video_overlays import VideoOverlays
 from atlas_drake.visualization.video_stage import VideoStage
 
 av = pytest.importorskip("av", reason='needs pip install "atlas-drake[video]"')
@@ -131,18 +136,16 @@ def standing(sim):
 
 
 @pytest.fixture(scope="module")
-def seen(sim):
-    return Seen(
-        sim.output("state"),
-        sim.output("controller_status").plan,
-        sim.output("planned_paths"),
-        sim.output("foot_wrenches"),
-        contact_forces_of(
-            sim.output("contact_results"), sim.output("query_object").inspector()
-        ),
-        np.array([0] * 16 + [255] * 12),
-        sim.output("effort"),
+def shapes(sim):
+    """Of all overlays, by name of the overlay."""
+    model = WholeBodyModel(sim.robot)
+    terms = model.evaluate(model.create_context(), sim.output("state"))
+    forces = contact_forces_of(
+        sim.output("contact_results"), sim.output("query_object").inspector()
     )
+    plan, paths = sim.output("controller_status").plan, sim.output("planned_paths")
+    given = terms, plan, paths, sim.output("foot_wrenches"), forces
+    return {name: overlay_shapes([name], *given) for name in DRAWN}
 
 
 def test_the_robot_stands_in_the_picture(stage, standing):
@@ -191,11 +194,11 @@ def test_footsteps_appear_and_disappear(stage, standing):
     ("name", "color"),
     [("com", COM), ("cop", None), ("support", None), ("forces", FORCE), ("plan", None)],
 )
-def test_an_overlay_is_drawn_over_the_robot(name, color, stage, standing, sim, seen):
+def test_an_overlay_is_drawn_over_the_robot(name, color, stage, standing, sim, shapes):
     X_WC = camera_pose(follow(None, standing[4:7], 0.0), 0.0)
     plain = stage.picture(standing, [], X_WC)
-    drawing = VideoOverlays(sim.robot, Overlays([name]), stage)
-    drawn = drawing.onto(plain, seen, X_WC)
+    drawing = VideoOverlays(sim.robot, stage)
+    drawn = drawing.onto(plain, shapes[name], None, X_WC)
     changed = differing(plain, drawn, by=10)
     if name == "plan":  # STAND has no path.
         assert not changed.any()
@@ -209,11 +212,12 @@ def test_an_overlay_is_drawn_over_the_robot(name, color, stage, standing, sim, s
         assert np.ptp(rows) > 0.2 * HEIGHT
 
 
-def test_links_are_colored_by_their_owner(stage, standing, sim, seen):
+def test_links_are_colored_by_their_owner(stage, standing, sim):
     X_WC = camera_pose(follow(None, standing[4:7], 0.0), 0.0)
     plain = stage.picture(standing, [], X_WC)
-    drawing = VideoOverlays(sim.robot, Overlays(["owner"]), stage)
-    red, _, blue = drawing.onto(plain, seen, X_WC).astype(int).transpose(2, 0, 1)
+    colors = owner_colors(np.array([0] * 16 + [255] * 12))
+    picture = VideoOverlays(sim.robot, stage).onto(plain, [], colors, X_WC)
+    red, _, blue = picture.astype(int).transpose(2, 0, 1)
     links = stage.links(X_WC)
     (foot,), (hand,) = stage.bodies(["l_foot"]), stage.bodies(["r_hand"])
     assert (blue - red)[links == foot].mean() > 20  # The behavior's.
@@ -226,8 +230,7 @@ def test_a_world_with_a_view_is_filmed_from_there_unless_the_camera_follows(tmp_
     view = load_world("stairs").view
     fixed = sim.diagram.GetSubsystemByName("video")._fixed
     assert fixed.translation().tolist() == view.lens
-    sizes, follow = dict.fromkeys(VECTORS, 1), Overlays(["follow"])
-    following = VideoDisplay(video, sim.robot, [], [], sizes, follow, view)
+    following = VideoDisplay(video, sim.robot, [], [], Overlays(["follow"]), view)
     assert following._fixed is None
 
 

@@ -8,6 +8,7 @@ from atlas_drake.control.pelvis.pelvis_pose import (
     PelvisRange,
     PelvisRates,
 )
+from atlas_drake.control.pelvis.pelvis_reach import PelvisReserves
 
 
 @dataclass(frozen=True)
@@ -16,6 +17,8 @@ class ManipulateConfig(Configuration):
 
     range: PelvisRange = field(default_factory=PelvisRange)
     """Range of pelvis poses."""
+    reserves: PelvisReserves = field(default_factory=PelvisReserves)
+    """Reserves for balance, which limit the pelvis poses further."""
     rates: PelvisRates = field(default_factory=PelvisRates)
     """Speed and acceleration of pelvis and CoM."""
     lead: PelvisLead = field(default_factory=PelvisLead)

@@ -80,7 +80,7 @@ class Manipulate(BehaviorProtocol):
 
     def __init__(self, tools: BehaviorTools, config: ManipulateConfig):
         self._balance = tools.balance
-        self._reach = PelvisReach(tools.robot, config.range)
+        self._reach = PelvisReach(tools.robot, config.range, config.reserves)
         self._nominal_height = tools.nominal_height
         self._posture_rates = tools.rates
         self._config = config
@@ -135,7 +135,7 @@ class Manipulate(BehaviorProtocol):
             state, motion=motion, sensed=state.stance.measure(observation.terms)
         )
         body = self._body(observation, body, motion)
-        omega = self._omega(observation, state.stance)
+        omega = observation.pendulum_frequency(float(state.stance.middle[2]))
         command = self._balance.command(
             observation,
             body,
@@ -262,9 +262,8 @@ class Manipulate(BehaviorProtocol):
     ) -> PelvisMotion:
         """Converts the present body reference into a reference of the pelvis."""
         terms = observation.terms
-        com = stance.support.clamp(
-            feedback.dcm(terms, self._omega(observation, stance))
-        )
+        omega = observation.pendulum_frequency(float(stance.middle[2]))
+        com = stance.support.clamp(feedback.dcm(terms, omega))
         height = body.height - float(terms.com[2] - terms.p_WP[2])
         roll, pitch = body.pelvis_tilt
         return PelvisMotion(
@@ -321,11 +320,6 @@ class Manipulate(BehaviorProtocol):
         """Returns STAND's pose with the present arms."""
         above = float(observation.terms.com[2] - observation.terms.p_WP[2])
         return PelvisPose(height=self._nominal_height - above)
-
-    def _omega(self, observation: Observation, stance: Stance) -> float:
-        return feedback.pendulum_frequency(
-            float(observation.terms.com[2] - stance.middle[2])
-        )
 
     # ---- feet ----------------------------------------------------------------
 

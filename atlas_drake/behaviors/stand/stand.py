@@ -95,7 +95,7 @@ class Stand(BehaviorProtocol):
     ) -> StandState:
         """Starts from the present DCM, so that the reference does not jump."""
         state = self._note_feet(observation, com=np.zeros(2))
-        omega = _pendulum_frequency(observation, state)
+        omega = observation.pendulum_frequency(float(state.middle[2]))
         com = state.support.clamp(feedback.dcm(observation.terms, omega))
         return replace(state, com=com)
 
@@ -140,7 +140,7 @@ class Stand(BehaviorProtocol):
             observation,
             body,
             DcmReference(dcm=com, cop=com),
-            _pendulum_frequency(observation, state),
+            observation.pendulum_frequency(float(state.middle[2])),
             state.support,
             self._balance.standing(observation),
         )
@@ -175,13 +175,6 @@ class Stand(BehaviorProtocol):
             yaw=mean_yaw(left.yaw, right.yaw),
             com=com,
         )
-
-
-def _pendulum_frequency(observation: Observation, state: StandState) -> float:
-    """Computes the natural frequency of the pendulum on both feet [1/s]."""
-    return feedback.pendulum_frequency(
-        float(observation.terms.com[2] - state.middle[2])
-    )
 
 
 def _has_arrived(body: BodyReference, target: BodyTarget) -> bool:

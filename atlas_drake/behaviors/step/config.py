@@ -4,10 +4,59 @@ from dataclasses import dataclass, field
 
 from atlas_drake.behaviors.body_reference import BodyRates
 from atlas_drake.behaviors.step.plan import PostureRules
-from atlas_drake.behaviors.step.rules import StepRules
-from atlas_drake.configuration import Configuration
+from atlas_drake.configuration import (
+    Configuration,
+    NotNegative,
+    Positive,
+    ProperShare,
+    Share,
+)
 from atlas_drake.control.feet.step_limits import StepLimits, quasi_static_limits
 from atlas_drake.control.feet.step_swing import StepSwingProfile
+
+
+@dataclass(frozen=True)
+class StepRules(Configuration):
+    """Thresholds of STEP."""
+
+    touchdown_force: NotNegative = 0.04
+    """Normal force that counts as touchdown, in weights of the robot [-]."""
+    settle: NotNegative = 0.25
+    """Time for which a new foot is pressed flat before the weight moves [s]."""
+    settling_load: NotNegative = 0.06
+    """Least load of a new foot while it is pressed flat, in weights [-]."""
+    fresh_share: Share = 0.4
+    """First share of a weight shift in which the landed foot stays pressed [-]."""
+    unload_share: Positive = 0.35
+    """Last share of a weight shift in which the leaving foot is unloaded [-]."""
+    still_loaded: NotNegative = 0.10
+    """Largest load of a foot at lift-off, in weights [-]."""
+    dcm_ready: NotNegative = 0.02
+    """Largest DCM error for lift-off [m]."""
+    dcm_lost: NotNegative = 0.01
+    """Abandon a weight shift when the DCM is nearer than this to the edge of the
+    support [m]."""
+    cop_inside: NotNegative = 0.01
+    """Distance of a weight shift's planned CoP from the edge of the support [m]."""
+    begin_inside: NotNegative = 0.015
+    """Least distance of the DCM from the edge of the support when a weight shift
+    begins [m]."""
+    longest_wait: NotNegative = 0.3
+    """Longest delay of lift-off after a weight shift, before the step is abandoned
+    [s]."""
+    lean_inside: NotNegative = 0.025
+    """Least distance of the center of mass from the edge of the standing sole when the
+    body leans into a step [m]."""
+    rest_speed: NotNegative = 0.05
+    """Speed of the center of mass below which the robot is at rest [m/s]."""
+    heel_begins: ProperShare = 0.5
+    """Share of a weight shift after which the leaving heel, then without load, rises
+    [-]."""
+    level: NotNegative = 0.02
+    """Height difference of the feet at rest below which the trunk is upright [m]."""
+    least_clearance: NotNegative = 0.04
+    """Least height above its footholds to which a foot is lifted, even beyond the reach
+    of its leg [m]."""
 
 
 @dataclass(frozen=True)

@@ -17,9 +17,9 @@ from atlas_drake.behaviors.base import Observation
 from atlas_drake.behaviors.body_reference import BodyTarget
 from atlas_drake.behaviors.phases import PhaseControl
 from atlas_drake.behaviors.step.action import StepAction
+from atlas_drake.behaviors.step.config import StepRules
 from atlas_drake.behaviors.step.phases import StepPhase, TakenStep
 from atlas_drake.behaviors.step.plan import StepPlanner
-from atlas_drake.behaviors.step.rules import StepRules
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.dcm_plan import DcmReference
 from atlas_drake.control.balance.support_polygon import SupportPolygon, load_share_range
@@ -67,7 +67,7 @@ class StepBalance:
     def omega(self, observation: Observation, feet: tuple[FootPose, ...]) -> float:
         """Computes the natural frequency of the pendulum on ``feet`` [1/s]."""
         ground = sum(float(foot.p_WF[2]) for foot in feet) / len(feet)
-        return feedback.pendulum_frequency(float(observation.terms.com[2]) - ground)
+        return observation.pendulum_frequency(ground)
 
     def dcm_outside(
         self, phase: StepPhase, observation: Observation, support: SupportPolygon

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 from atlas_drake.behaviors.walk.rules import WalkRules
 from atlas_drake.behaviors.walk.timing import GaitTiming
-from atlas_drake.configuration import Configuration
+from atlas_drake.configuration import Configuration, NotNegative
 from atlas_drake.control.balance.feedback import StepAdjustmentLimits
 from atlas_drake.control.feet.step_limits import StepLimits, StepSlack
 from atlas_drake.control.feet.swing_foot import SwingProfile
@@ -26,6 +26,9 @@ class WalkConfig(Configuration):
     """Thresholds of touchdown, lift-off and rest."""
     swing: SwingProfile = field(default_factory=SwingProfile)
     """Shape of the swing."""
+    cop_inward: NotNegative = 0.010
+    """Distance of the CoP reference in single support from the middle of the stance
+    sole, toward the other foot [m]."""
     adjustment: StepAdjustmentLimits = field(default_factory=StepAdjustmentLimits)
     """Limits of the step adjustment, which moves the landing place for balance."""
     slack: StepSlack = field(default_factory=StepSlack)

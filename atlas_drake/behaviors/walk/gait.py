@@ -17,14 +17,17 @@ from atlas_drake.control.feet.footstep import FootPose, Footstep, outward
 from atlas_drake.control.rotations import rotation_z
 from atlas_drake.frozen import replace
 
-COP_INWARD = 0.010
-"""Distance of the CoP reference from the stance sole's middle to the inside [m]."""
 
+def stance_cop(pose: FootPose, foot: int, inward: float) -> np.ndarray:
+    """Computes the CoP reference for single support on ``foot`` [m], shape (2,).
 
-def stance_cop(pose: FootPose, foot: int) -> np.ndarray:
-    """Computes the CoP reference for single support on ``foot`` [m], shape (2,)."""
-    inward = -outward(foot) * rotation_z(pose.yaw)[:2, 1]
-    return pose.p_WF[:2] + COP_INWARD * inward
+    Args:
+        pose: Pose of the sole.
+        foot: The stance foot.
+        inward: Distance from the middle of the sole toward the other foot [m].
+    """
+    to_the_other = -outward(foot) * rotation_z(pose.yaw)[:2, 1]
+    return pose.p_WF[:2] + inward * to_the_other
 
 
 def plan_walk(
@@ -35,6 +38,7 @@ def plan_walk(
     swinging: bool,
     timing: GaitTiming,
     omega: float,
+    inward: float,
 ) -> DcmPlan:
     """Makes the DCM plan from now through ``steps`` to rest.
 
@@ -48,12 +52,13 @@ def plan_walk(
         swinging: True in single support: the present phase is steps[0]'s swing.
         timing: Timing of the phases.
         omega: Natural frequency of the pendulum [1/s].
+        inward: As for ``stance_cop``.
     """
     segments: list[CopSegment] = []
     poses = list(feet)
     for number, step in enumerate(steps):
         stance = 1 - step.foot
-        target = stance_cop(poses[stance], stance)
+        target = stance_cop(poses[stance], stance, inward)
         first = number == 0
         if not (first and swinging):
             duration = first_phase if first else timing.transfer(step.duration)
@@ -76,6 +81,7 @@ def landing_sensitivity(
     steps: Sequence[Footstep],
     timing: GaitTiming,
     omega: float,
+    inward: float,
 ) -> float:
     """Computes ∂ξ(touchdown)/∂(landing place) of the swing, equal on both axes [-].
 
@@ -89,13 +95,14 @@ def landing_sensitivity(
         steps: Coming steps, the one in the air first.
         timing: Timing of the phases.
         omega: Natural frequency of the pendulum [1/s].
+        inward: As for ``stance_cop``.
     """
     first, *rest = steps
     moved = replace(first, p_WF=first.p_WF + np.array([1.0, 0.0, 0.0]))
 
     def dcm_at_touchdown(step: Footstep) -> float:
         coming = (step, *rest)
-        plan = plan_walk(cop, swing_time, feet, coming, True, timing, omega)
+        plan = plan_walk(cop, swing_time, feet, coming, True, timing, omega, inward)
         return float(plan.evaluate(swing_time).dcm[0])
 
     return dcm_at_touchdown(moved) - dcm_at_touchdown(first)

@@ -56,6 +56,7 @@ class WalkPlanner:
         self._timing = config.timing
         self._limits = config.limits
         self._slack = config.slack
+        self._cop_inward = config.cop_inward
         self._transfer_change = config.rules.transfer_change
         self._latest: tuple[WalkProgress, Footstep | None, StepPreview] | None = None
 
@@ -114,7 +115,7 @@ class WalkPlanner:
         step = self.coming(progress)[0]
         duration = self._timing.swing(step.duration) - late
         stance = progress.feet[1 - step.foot]
-        cop = stance_cop(stance, 1 - step.foot)
+        cop = stance_cop(stance, 1 - step.foot, self._cop_inward)
         begun = replace(
             progress,
             pending=tuple(s for s in progress.pending if s.index > step.index),
@@ -132,14 +133,21 @@ class WalkPlanner:
             sent=next(s for s in progress.pending if s.index == step.index),
             motion=begin_swing(progress.feet[step.foot], duration),
             sensitivity=landing_sensitivity(
-                cop, duration, progress.feet, coming, self._timing, self._omega
+                cop,
+                duration,
+                progress.feet,
+                coming,
+                self._timing,
+                self._omega,
+                self._cop_inward,
             ),
         )
 
     def move_landing(self, phase: WalkSwing, step: Footstep) -> WalkSwing:
         """Replans a swing for the same step with another landing place."""
         progress = phase.progress
-        cop = stance_cop(progress.feet[1 - step.foot], 1 - step.foot)
+        stance = 1 - step.foot
+        cop = stance_cop(progress.feet[stance], stance, self._cop_inward)
         coming = self.coming(progress, step)
         plan = self._plan(progress, coming, cop, phase.duration, swinging=True)
         return replace(phase, step=step, plan=plan)
@@ -189,5 +197,13 @@ class WalkPlanner:
         first_phase: float,
         swinging: bool = False,
     ) -> DcmPlan:
-        feet, timing = progress.feet, self._timing
-        return plan_walk(cop, first_phase, feet, coming, swinging, timing, self._omega)
+        return plan_walk(
+            cop,
+            first_phase,
+            progress.feet,
+            coming,
+            swinging,
+            self._timing,
+            self._omega,
+            self._cop_inward,
+        )

@@ -1,4 +1,4 @@
-"""Bounds of the whole-body QP for joints under full or partial user control.
+"""Blends the efforts of user and behavior, and bounds the QP's efforts accordingly.
 
 The unknown efforts of the QP are total efforts. The total effort of a joint is the
 user's share plus what the behavior can add within its limits; for a joint that the
@@ -13,6 +13,14 @@ import numpy as np
 
 from atlas_drake.control.whole_body.constraints import EffortBounds
 from atlas_drake.frozen import read_only
+
+
+def blend(
+    user: np.ndarray, behavior: np.ndarray, share: np.ndarray, limit: np.ndarray
+) -> np.ndarray:
+    """Computes k·user + (1 - k)·behavior within ±limit [N·m], shape (n,)."""
+    effort = behavior + share * (user - behavior)
+    return np.minimum(np.maximum(effort, -limit), limit)
 
 
 @dataclass(frozen=True)

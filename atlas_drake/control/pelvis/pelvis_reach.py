@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from atlas_drake.configuration import Configuration, NotNegative, Share
 from atlas_drake.control.feet.leg_kinematics import LegPose, solve_leg
 from atlas_drake.control.pelvis.pelvis_pose import PelvisPose, PelvisRange, Stance
 from atlas_drake.control.whole_body.model import GRAVITY
@@ -26,20 +27,20 @@ _HEIGHT_SEARCH = 0.01
 
 
 @dataclass(frozen=True)
-class PelvisReserves:
+class PelvisReserves(Configuration):
     """Reserves for balance within the limits of the legs, their motors and the feet.
 
-    Measured on both robots in simulation: docs/control.md. No settings: they
-    make up for what a static check leaves out.
+    They make up for what a static check leaves out; measured in simulation, see
+    docs/control.md.
     """
 
-    com_margin: float = 0.04
+    com_margin: NotNegative = 0.04
     """Distance of the center of mass to the edge of the support polygon [m]."""
-    joint_margin: float = 0.05
+    joint_margin: NotNegative = 0.05
     """Distance of leg joints to their end stops [rad]."""
-    least_flexion: float = 0.12
+    least_flexion: NotNegative = 0.12
     """Least flexion of the knees, from the straight leg [rad]."""
-    effort_share: float = 0.8
+    effort_share: Share = 0.8
     """Greatest share of a leg joint's effort limit for standing still [-]."""
 
 
