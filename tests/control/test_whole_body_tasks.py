@@ -132,13 +132,16 @@ def test_the_com_task_is_the_acceleration_of_the_center_of_mass(
 def test_the_moment_task_directs_the_sum_of_the_forces(robot, qp, bounds, terms):
     point = terms.com - np.array([0.03, -0.02, 0.8])
     lift = ComTask(np.zeros(3), np.array([0.0, 0.0, 100.0]))
-    command = still(robot, lift, MomentTask(point, 100.0), contacts=soles(robot))
+    target = np.array([0.2, -0.1])
+    task = MomentTask(point, 100.0, target)
+    command = still(robot, lift, task, contacts=soles(robot))
     solution = qp.solve(terms, command, bounds)
     assert solution.found
     moment = np.zeros(3)
     for name, wrench in solution.contact_wrenches.items():
         moment += wrench[:3] + np.cross(terms.frame(name).p_WF - point, wrench[3:])
-    np.testing.assert_allclose(moment[:2] / (terms.mass * 0.8), 0.0, atol=1e-2)
+    found = moment[[1, 0]] / (terms.mass * 0.8)
+    np.testing.assert_allclose(found, target, atol=1e-2)
 
 
 def test_internal_contact_forces_and_moments_meet_their_target(
