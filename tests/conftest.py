@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from pydrake.common.value import AbstractValue, Value
 
-from atlas_drake import AtlasCommand
+from atlas_drake import AtlasCommand, StepStream
 from atlas_drake.robot import LOCAL_MODELS, load_robot, models_at_hand
 
 from .filled import filled
@@ -107,6 +107,26 @@ def take():
 def _filled():
     """Makes a message with another number in each field."""
     return filled
+
+
+@pytest.fixture
+def walk():
+    """Sends steps as they are needed, until the robot stands; gives the footsteps."""
+
+    def walk(sim, steps, **params):
+        stream, end = StepStream(steps), sim.time + 1.5 * len(steps) + 5.0
+        while not stream.is_over(sim.atlas_sim_interface_state):
+            assert sim.time < end
+            assert not sim.has_fallen
+            command = stream.next_command(sim.atlas_sim_interface_state)
+            if command is not None:
+                for name, value in params.items():
+                    setattr(command.walk_params, name, value)
+                sim.publish(command)
+            sim.advance(0.1)
+        return sim.footsteps
+
+    return walk
 
 
 @pytest.fixture(params=POISON.values(), ids=POISON)

@@ -48,14 +48,14 @@ def test_a_copy_is_the_value_itself():
     assert copy.deepcopy(value) is value
 
 
-def test_what_is_cached_is_not_handed_on():
+def test_a_changed_copy_has_no_cached_values():
     value = Value(1)
     assert value.twice == 2
     assert replace(value, a=2).twice == 4
 
 
 @pytest.mark.parametrize("package", [behaviors, control, messages, systems])
-def test_what_a_context_may_hold_is_frozen_or_a_message(package):
+def test_dataclasses_of_state_are_frozen_or_messages(package):
     places = pkgutil.walk_packages(package.__path__, f"{package.__name__}.")
     modules = [importlib.import_module(place.name) for place in places]
     kinds = {

@@ -129,13 +129,6 @@ spoiled_commands = st.one_of(
 )
 """Commands that must be refused, each for one reason."""
 
-ON_ITS_WAY = {
-    Behavior.WALK: "STAND",
-    Behavior.STEP: "STAND",
-    Behavior.MANIPULATE: "STAND",
-}
-"""Behaviors that begin in another one."""
-
 
 def steps_ahead(sim, command):
     """Adds enough steps on the spot for the whole test."""
@@ -162,20 +155,18 @@ def robot_in(behavior):
             steps_ahead(sim, command)
         sim.publish(command)
         sim.advance(0.02)
-    if behavior in (Behavior.STAND, Behavior.STAND_PREP):
+    if behavior is Behavior.STAND:
         sim.advance(2.0)
     assert sim.current_behavior is behavior
     return sim
 
 
-def state_of(sim):
-    return sim.output("state")
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize("behavior", sorted(Behavior))
+@pytest.mark.parametrize(
+    "behavior", [Behavior.STAND, Behavior.WALK, Behavior.MANIPULATE, Behavior.USER]
+)
 @settings(
-    max_examples=40,
+    max_examples=15,
     deadline=None,
     derandomize=True,
     suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large],
@@ -200,13 +191,13 @@ def test_hostile_messages_are_refused_and_change_nothing(behavior, letters):
         assert sim.atlas_sim_interface_state.error_code == after.error_code
         fresh = [e for e in sim.events[number:] if e.kind == "refusal"]
         assert [caught.value.field in event.text for event in fresh] == [True]
-        assert np.isfinite(state_of(sim)).all()
+        assert np.isfinite(sim.output("state")).all()
         assert np.isfinite(sim.output("effort")).all()
     report = sim.atlas_sim_interface_state
-    if behavior not in (Behavior.NONE, Behavior.USER):
+    if behavior is not Behavior.USER:
         assert report.current_behavior in (behavior, Behavior.STAND)
         assert not sim.has_fallen
-    if behavior in (Behavior.STAND, Behavior.STAND_PREP):
+    if behavior is Behavior.STAND:
         assert sim.pelvis_pose.translation()[2] > 0.8
         assert np.abs(sim.atlas_state.velocity).max() < 0.1
         assert not report.behavior_feedback.status_flags & BehaviorStatus.ERROR_FALLING
@@ -227,10 +218,7 @@ def put(message, path, value):
     "path",
     [
         "position",
-        "header.stamp",
         "behavior",
-        "walk_params.step_queue",
-        f"{STEP}.foot_index",
         f"{STEP}.duration",
     ],
 )
@@ -266,9 +254,7 @@ def logged(tmp_path_factory):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "stamp",
-    [10**400, np.timedelta64(1, "s"), 10**5000],
-    ids=["400 digits", "duration", "5000 digits"],
+    "stamp", [np.timedelta64(1, "s"), 10**5000], ids=["duration", "5000 digits"]
 )
 @pytest.mark.parametrize("kind", [AtlasCommand, AtlasSimInterfaceCommand])
 def test_a_stamp_that_is_no_time_is_refused_beside_another_message(stamp, kind):
@@ -378,15 +364,14 @@ def violent(random, decades):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("seed", "decades"), [(1, 5), (2, np.log10(LARGEST))])
-def test_violent_messages_throw_the_robot_down_and_nothing_else(seed, decades):
-    random = np.random.default_rng(seed)
+def test_violent_messages_throw_the_robot_down_and_nothing_else():
+    random, decades = np.random.default_rng(2), np.log10(LARGEST)
     sim = AtlasSimulation()
     limit = sim.robot.effort_limit
     for number in range(150):
         sim.publish(violent(random, decades))
         sim.advance(float(random.uniform(0.0, 0.04)))
-        assert np.isfinite(state_of(sim)).all()
+        assert np.isfinite(sim.output("state")).all()
         assert (np.abs(sim.output("effort")) <= limit + 1e-9).all()
         if number % 50 == 49:
             sim.reset()

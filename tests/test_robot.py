@@ -66,21 +66,6 @@ def test_limits_are_the_plants_joint_by_joint(robot, plant):
         assert robot.effort_limit[index] == actuator.effort_limit()
 
 
-def test_positions_and_velocities_of_one_joint_at_a_time(robot, plant):
-    indices = robot.indices(plant)
-    context = plant.CreateDefaultContext()
-    for number, name in enumerate(robot.joint_names):
-        joint = plant.GetJointByName(name)
-        q, v = np.zeros(plant.num_positions()), np.zeros(plant.num_velocities())
-        q[0] = 1.0
-        q[indices.q[number]] = 0.123
-        v[indices.v[number]] = 0.456
-        plant.SetPositions(context, q)
-        plant.SetVelocities(context, v)
-        assert joint.GetOnePosition(context) == 0.123
-        assert joint.GetOneVelocity(context) == 0.456
-
-
 def test_actuation_of_one_joint_at_a_time(robot, plant):
     indices = robot.indices(plant)
     B = plant.MakeActuationMatrix()

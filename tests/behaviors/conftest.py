@@ -1,6 +1,7 @@
 """Observations and states of behaviors, made up or simulated; no test is here."""
 
 import dataclasses
+import itertools
 
 import numpy as np
 import pytest
@@ -20,11 +21,18 @@ from atlas_drake.control.gains import ControlGains
 from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.frozen import replace
 from atlas_drake.messages import AtlasSimInterfaceState
+from atlas_drake.messages.commands import BehaviorRequest
 from atlas_drake.planning.footholds import Gait
 from atlas_drake.robot import load_robot
 
 LOOK = 0.02
 """Time between looks at a running simulation [s]."""
+_numbers = itertools.count(1)
+
+
+def as_request(command):
+    """What the command interface makes of a message; each has a number of its own."""
+    return BehaviorRequest(command.behavior, command, next(_numbers))
 
 
 @pytest.fixture(scope="session")
@@ -89,8 +97,7 @@ def walk_message():
     """Makes a WALK command from (index, foot, x, y) of each step."""
 
     def make(*steps, duration=0.63):
-        command = AtlasSimInterfaceCommand()
-        command.behavior = command.WALK
+        command = AtlasSimInterfaceCommand(behavior="WALK")
         for place, (index, foot, x, y) in enumerate(steps):
             step = AtlasBehaviorStepData()
             step.step_index, step.foot_index = index, foot
@@ -115,7 +122,6 @@ class Recording:
     """A simulation that is looked at every LOOK seconds."""
 
     def __init__(self, scenario=None):
-        # The coarser physics halves the wait.
         self.sim = AtlasSimulation(scenario or Scenario())
         self.looks: list[Look] = []
 
@@ -133,8 +139,7 @@ class Recording:
 
     def ask(self, behavior):
         """Asks for a behavior."""
-        command = AtlasSimInterfaceCommand()
-        command.behavior = behavior
+        command = AtlasSimInterfaceCommand(behavior=behavior)
         self.sim.publish(command)
 
 

@@ -18,7 +18,7 @@ from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.frozen import replace
 from atlas_drake.messages import Behavior
 
-from .as_request import as_request
+from .conftest import as_request
 
 OMEGA = 3.2
 FOOT = FootPose(np.array([1.0, 0.5, 0.0]), np.eye(3))

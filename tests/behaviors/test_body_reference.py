@@ -63,25 +63,19 @@ def advance(body, target, held, measured=None, steps=1):
     return body
 
 
-def test_what_is_captured_asks_for_what_is(terms, captured):
+def test_the_captured_reference_is_the_present_posture(terms, captured):
     np.testing.assert_allclose(captured.R_WP, terms.R_WP, atol=1e-12)
-    np.testing.assert_allclose(
-        captured.R_WP[:, 0], terms.R_WP[:, 0], atol=1e-12, err_msg="heading"
-    )
     assert captured.height == terms.com[2]
     assert captured.height_rate == captured.yaw_rate == 0.0
     np.testing.assert_array_equal(captured.joints, terms.q)
-
-
-def test_chest_keeps_its_tilt_but_heads_as_the_pelvis(terms, captured):
-    chest = RollPitchYaw(captured.R_WC)
-    was = RollPitchYaw(terms.R_WC)
+    # The chest keeps its tilt but heads as the pelvis.
+    chest, was = RollPitchYaw(captured.R_WC), RollPitchYaw(terms.R_WC)
     assert chest.roll_angle() == pytest.approx(was.roll_angle())
     assert chest.pitch_angle() == pytest.approx(was.pitch_angle())
     assert chest.yaw_angle() == pytest.approx(captured.yaw)
 
 
-def test_captured_joints_are_a_copy(terms, captured, target, nobody):
+def test_the_captured_joints_are_a_copy(terms, captured, target, nobody):
     kept = terms.q.copy()
     moved = advance(captured, target, nobody)
     np.testing.assert_array_equal(terms.q, kept)
@@ -89,7 +83,7 @@ def test_captured_joints_are_a_copy(terms, captured, target, nobody):
     assert np.abs(moved.joints - kept).max() > 0.0
 
 
-def test_one_step_keeps_all_rates(captured, target, nobody):
+def test_no_rate_exceeds_its_limit(captured, target, nobody):
     body = captured
     slack = 1e-12
     for _ in range(300):
@@ -109,7 +103,9 @@ def test_one_step_keeps_all_rates(captured, target, nobody):
 
 
 @pytest.mark.parametrize("way", [1e-4, 0.01, 1.0])
-def test_rates_take_up_speed_and_lose_it(captured, target, nobody, way):
+def test_rates_change_by_a_bounded_acceleration_without_overshoot(
+    captured, target, nobody, way
+):
     goal = dataclasses.replace(
         target, height=captured.height - way, yaw=captured.yaw + way
     )
@@ -126,7 +122,7 @@ def test_rates_take_up_speed_and_lose_it(captured, target, nobody, way):
     assert most < 1e-9, "it went too far"
 
 
-def test_a_rate_beyond_its_limit_is_not_taken_over(captured, target, nobody):
+def test_an_initial_rate_beyond_its_limit_is_reduced(captured, target, nobody):
     goal = dataclasses.replace(target, height=captured.height)
     body = dataclasses.replace(captured, height_rate=0.5)
     highest = 0.0
@@ -137,7 +133,7 @@ def test_a_rate_beyond_its_limit_is_not_taken_over(captured, target, nobody):
     assert body.height == pytest.approx(goal.height, abs=1e-6)
 
 
-def test_it_arrives_and_stays(captured, target, nobody):
+def test_the_reference_reaches_its_target_and_stays(captured, target, nobody):
     body = advance(captured, target, nobody, steps=3000)
     assert body.height == pytest.approx(target.height)
     assert wrap_angle(body.yaw - target.yaw) == pytest.approx(0.0, abs=1e-12)
@@ -154,7 +150,7 @@ def test_it_arrives_and_stays(captured, target, nobody):
     assert after.yaw_rate == pytest.approx(0.0, abs=1e-9)
 
 
-def test_it_turns_the_short_way(captured, target, nobody):
+def test_the_reference_turns_the_short_way(captured, target, nobody):
     # From 2.5 to -2.9 rad the short way leads over π.
     after = advance(captured, target, nobody, steps=15)
     assert after.yaw > captured.yaw

@@ -82,7 +82,7 @@ def with_times(sequence):
         yield kind, step, end - duration, end
 
 
-def test_a_step_is_all_transfer_and_swing(steps):
+def test_transfer_and_swing_make_up_the_duration_of_a_step(steps):
     for step in steps:
         assert TIMING.transfer(step.duration) > 0.0
         assert TIMING.swing(step.duration) > 0.0
@@ -91,8 +91,8 @@ def test_a_step_is_all_transfer_and_swing(steps):
 
 
 @pytest.mark.parametrize("swinging", [False, True])
-@pytest.mark.parametrize("count", [1, 2, 3])
-def test_duration_is_the_sum_of_its_phases(feet, steps, cop, swinging, count):
+@pytest.mark.parametrize("count", [1, 3])
+def test_the_plans_duration_is_the_sum_of_its_phases(feet, steps, cop, swinging, count):
     taken = steps[:count]
     plan = plan_walk(cop, FIRST, feet, taken, swinging, TIMING, OMEGA, INWARD)
     expected = sum(duration for *_, duration in phases(FIRST, taken, swinging))
@@ -100,7 +100,9 @@ def test_duration_is_the_sum_of_its_phases(feet, steps, cop, swinging, count):
 
 
 @pytest.mark.parametrize("swinging", [False, True])
-def test_starts_from_the_present_cop_and_never_jumps(feet, steps, cop, swinging):
+def test_the_plan_starts_from_the_present_cop_and_is_continuous(
+    feet, steps, cop, swinging
+):
     plan = plan_walk(cop, FIRST, feet, steps, swinging, TIMING, OMEGA, INWARD)
     np.testing.assert_allclose(plan.evaluate(0.0).cop, cop, atol=1e-12)
     times = np.linspace(0.0, plan.duration, 1000)
@@ -112,7 +114,7 @@ def test_starts_from_the_present_cop_and_never_jumps(feet, steps, cop, swinging)
 
 
 @pytest.mark.parametrize("swinging", [False, True])
-def test_one_foot_alone_has_the_cop_under_it(feet, steps, cop, swinging):
+def test_in_single_support_the_cop_is_under_the_stance_foot(feet, steps, cop, swinging):
     plan = plan_walk(cop, FIRST, feet, steps, swinging, TIMING, OMEGA, INWARD)
     poses = list(feet)
     sequence = phases(FIRST, steps, swinging)
@@ -130,10 +132,8 @@ def test_one_foot_alone_has_the_cop_under_it(feet, steps, cop, swinging):
 
 
 @pytest.mark.parametrize("swinging", [False, True])
-@pytest.mark.parametrize("count", [0, 1, 2, 3])
-def test_ends_at_rest_between_the_feet_that_it_leaves(
-    feet, steps, cop, swinging, count
-):
+@pytest.mark.parametrize("count", [0, 3])
+def test_the_plan_ends_at_rest_between_the_feet(feet, steps, cop, swinging, count):
     taken = steps[:count]
     plan = plan_walk(
         cop, FIRST, feet, taken, swinging and count > 0, TIMING, OMEGA, INWARD
@@ -147,13 +147,13 @@ def test_ends_at_rest_between_the_feet_that_it_leaves(
     np.testing.assert_allclose(end.dcm, middle, atol=1e-12)
 
 
-def test_without_steps_it_settles_in_the_time_left(feet, cop):
+def test_without_steps_the_plan_settles_in_the_time_left(feet, cop):
     plan = plan_walk(cop, FIRST, feet, (), False, TIMING, OMEGA, INWARD)
     assert plan.duration == pytest.approx(FIRST)
     np.testing.assert_allclose(plan.evaluate(0.0).cop, cop, atol=1e-15)
 
 
-def test_planning_again_midway_goes_on_with_the_same_plan(feet, steps, cop):
+def test_replanning_midway_gives_the_same_plan(feet, steps, cop):
     # Where the plan comes from must not matter: the same future, the same DCM.
     plan = plan_walk(cop, FIRST, feet, steps, False, TIMING, OMEGA, INWARD)
     passed = 0.6 * FIRST
@@ -175,7 +175,7 @@ def test_planning_again_midway_goes_on_with_the_same_plan(feet, steps, cop):
 
 @pytest.mark.parametrize("foot", [LEFT, RIGHT])
 @pytest.mark.parametrize("yaw", [0.0, 0.8, -2.0])
-def test_stance_cop_is_inside_and_turns_with_the_foot(foot, yaw):
+def test_the_stance_cop_is_moved_inward_and_turns_with_the_foot(foot, yaw):
     middle = np.array([1.0, 2.0, 0.3])
     level = stance_cop(FootPose(middle, np.eye(3)), foot, INWARD) - middle[:2]
     turned = stance_cop(FootPose(middle, rotation_z(yaw)), foot, INWARD) - middle[:2]
@@ -184,7 +184,7 @@ def test_stance_cop_is_inside_and_turns_with_the_foot(foot, yaw):
     np.testing.assert_allclose(level, [0.0, -outward(foot) * INWARD], atol=1e-12)
 
 
-def test_a_plan_can_begin_with_the_dcm_where_it_is():
+def test_a_plan_begins_at_the_present_dcm():
     feet = (
         FootPose(np.array([0.0, 0.1, 0.0]), np.eye(3)),
         FootPose(np.array([0.0, -0.1, 0.0]), np.eye(3)),

@@ -6,14 +6,14 @@ import math
 import numpy as np
 import pytest
 
-from atlas_drake import AtlasCommand, AtlasSimInterfaceCommand, AtlasState, Scenario
+from atlas_drake import AtlasSimInterfaceCommand, AtlasState
 from atlas_drake.behaviors.body_reference import BodyRates, capture_body
 from atlas_drake.behaviors.manipulate.config import ManipulateConfig
 from atlas_drake.behaviors.manipulate.manipulate import Manipulate
 from atlas_drake.behaviors.stand.stand import Stand
 from atlas_drake.messages import Behavior, BehaviorStatus
 
-from .as_request import as_request
+from .conftest import as_request
 
 POSE_FIELDS = (
     "pelvis_height",
@@ -33,8 +33,7 @@ TOLERANCE = np.array(
 
 
 def message(use_desired=True, demo=False, **desired):
-    command = AtlasSimInterfaceCommand()
-    command.behavior = command.MANIPULATE
+    command = AtlasSimInterfaceCommand(behavior="MANIPULATE")
     params = command.manipulate_params
     params.use_desired, params.use_demo_mode = use_desired, demo
     for name, value in desired.items():
@@ -96,7 +95,7 @@ def start(parts, observe):
     return make
 
 
-def test_without_a_desired_pose_the_pelvis_stays(start, observe):
+def test_without_a_desired_pose_the_pelvis_keeps_its_pose(start, observe):
     robot = start(asked(use_desired=False))
     began = numbers(robot.feedback.internal_desired)
     np.testing.assert_allclose(numbers(robot.feedback.clamped), began, atol=1e-9)
@@ -133,7 +132,9 @@ def test_the_reference_moves_as_a_pendulum_on_its_cop(start, observe):
     np.testing.assert_allclose(omega**2 * away, com.acceleration, atol=1e-12)
 
 
-def test_it_takes_over_from_stand_and_gives_back_without_a_jump(parts, observe, start):
+def test_manipulate_takes_over_from_stand_and_back_without_a_jump(
+    parts, observe, start
+):
     """At the hand-over both ask for the same accelerations."""
     manipulate, stand = parts
     seen = observe(pitch=0.02)
@@ -294,9 +295,8 @@ def assert_follows(recording):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["atlas", "atlas_v3"])
-def test_the_robot_takes_the_pose_that_is_granted(record, name):
-    recording = record(Scenario(model=name))
+def test_the_robot_takes_the_pose_that_is_granted(record):
+    recording = record()
     # The customary pose; far too deep and sideways; leaning and turned.
     for request, granted in (
         (message(), True),
@@ -355,31 +355,3 @@ def test_a_push_is_withstood_and_stand_follows(record):
     assert not recording.sim.has_fallen
     tilt = [look.state[1:4] for look in recording.looks[-20:]]
     np.testing.assert_allclose(tilt, 0.0, atol=0.01)
-
-
-@pytest.mark.slow
-def test_a_leg_that_the_user_takes_makes_the_pelvis_wait(record):
-    recording = record()
-    move(recording, message(pelvis_height=0.84), 1.5)
-    before = measured(recording, recording.sim.robot)
-    taken = AtlasCommand()
-    # Held as it is, with the effort that carries its load.
-    taken.position = list(recording.sim.atlas_state.position)
-    taken.effort = list(recording.sim.atlas_state.effort)
-    taken.k_effort = [0] * 28
-    taken.k_effort[AtlasState.l_leg_hpz : AtlasState.l_leg_akx + 1] = [255] * 6
-    recording.sim.publish(taken)
-    recording.advance(0.2)
-    recording.sim.publish(message(pelvis_height=0.75))
-    recording.advance(1.0)
-    clamped = recording.looks[-1].report.manipulate_feedback.clamped
-    assert clamped.pelvis_height == pytest.approx(before[0], abs=0.01)
-    pose = measured(recording, recording.sim.robot)
-    np.testing.assert_allclose(pose, before, atol=0.04)
-    # Handed back, it goes where it was sent.
-    taken.k_effort = [0] * 28
-    recording.sim.publish(taken)
-    recording.advance(2.5)
-    clamped = recording.looks[-1].report.manipulate_feedback.clamped
-    assert clamped.pelvis_height == 0.75
-    assert_follows(recording)

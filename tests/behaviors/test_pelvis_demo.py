@@ -20,7 +20,7 @@ def path(share):
     return np.array([demo_pose(HOME, share, float(time)) for time in TIMES])
 
 
-def test_it_begins_at_home_at_rest_and_repeats():
+def test_the_demo_starts_at_rest_at_home_and_is_periodic():
     assert demo_pose(HOME, 1.0, 0.0) == HOME
     np.testing.assert_allclose(demo_pose(HOME, 1.0, 1e-3), HOME, atol=1e-6)
     for time in (0.7, 8.1, 20.0):
@@ -29,7 +29,7 @@ def test_it_begins_at_home_at_rest_and_repeats():
         )
 
 
-def test_everything_moves_as_far_as_it_says_and_without_jumps():
+def test_each_coordinate_reaches_its_amplitude_smoothly():
     poses = path(1.0)
     for name, size, kind in MOVEMENTS:
         moved = poses[:, PelvisPose._fields.index(name)] - getattr(HOME, name)
@@ -41,7 +41,7 @@ def test_everything_moves_as_far_as_it_says_and_without_jumps():
     assert np.abs(np.diff(poses, 2, axis=0)).max() < 2.0 * 0.01**2
 
 
-def test_where_little_is_allowed_it_moves_less():
+def test_the_amplitude_shrinks_to_what_is_allowed():
     half = demo_amplitude(HOME, lambda pose: abs(pose.yaw) < 0.07)
     assert half == 0.5
     assert np.abs(path(half)[:, 1]).max() < 0.07

@@ -11,7 +11,7 @@ from atlas_drake.behaviors.manipulate.manipulate import Manipulate
 from atlas_drake.behaviors.stand.stance_guard import Holding
 from atlas_drake.control.whole_body import ComTask
 
-from .as_request import as_request
+from .conftest import as_request
 
 HEIGHT = 0.9
 """Of the CoM above the soles in STAND [m]."""
@@ -44,11 +44,11 @@ BOTH_HIPS = {"l_leg_hpy": 1.0, "r_leg_hpy": 1.0}
         ({"back_bky": 1.0, "l_arm_shx": 1.0}, True),
     ],
 )
-def test_it_takes_hip_and_ankle_pitch_of_the_same_leg(stand, observe, shares, balances):
+def test_balance_needs_hip_and_ankle_pitch_of_one_leg(stand, observe, shares, balances):
     assert stand.can_balance(observe(users=shares)) is balances
 
 
-def test_a_share_counts_by_the_effort_it_leaves(robot, stand, observe):
+def test_a_shared_joint_counts_by_its_remaining_effort(robot, stand, observe):
     limit = robot.effort_limit[robot.joint_index("l_leg_hpy")]
 
     def balances_with(effort):
@@ -78,7 +78,7 @@ def balances(command):
     return any(isinstance(task, ComTask) for task in command.tasks)
 
 
-def test_the_pose_is_held_and_said_so_once(stand, observe):
+def test_the_held_pose_gives_one_warning(stand, observe):
     balancing, first, second = run(
         stand, None, [observe(), observe(users=BOTH_HIPS), observe(users=BOTH_HIPS)]
     )
@@ -104,16 +104,14 @@ def test_leaving_ends_at_once_while_the_pose_is_held(manipulate, observe):
 
 
 def test_the_commanded_pose_survives_the_stance_guard(manipulate, observe):
-    commanded = AtlasSimInterfaceCommand()
-    commanded.behavior = commanded.MANIPULATE
+    commanded = AtlasSimInterfaceCommand(behavior="MANIPULATE")
     commanded.manipulate_params.use_desired = True
     commanded.manipulate_params.desired.pelvis_height = 0.80
     outcomes = run(
         manipulate, None, [observe(), observe(users=BOTH_HIPS), observe()], commanded
     )
     # A message of another kind, such as one that gives the legs back, asks for nothing.
-    silent = AtlasSimInterfaceCommand()
-    silent.behavior = silent.MANIPULATE
+    silent = AtlasSimInterfaceCommand(behavior="MANIPULATE")
     held = outcomes[1].state
     (resumed,) = run(manipulate, held, [observe()], silent)
     for state in (outcomes[2].state, resumed.state):

@@ -17,36 +17,19 @@ from atlas_drake.behaviors.body_reference import BodyRates, capture_body
 from atlas_drake.behaviors.stand.stand import Stand, _towards
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.frozen import replace
-from atlas_drake.messages import Behavior, BehaviorStatus
+from atlas_drake.messages import Behavior
 from atlas_drake.scenario import Jitter
 
-from .as_request import as_request
-
-
-def pelvis_height(look):
-    return look.state[6]
+from .conftest import as_request
 
 
 @pytest.mark.slow
-def test_stand_stands_still(record):
-    recording = record()
-    recording.advance(1.5)
-    before = recording.looks[-1].state
-    recording.advance(0.5)
-    after = recording.looks[-1].state
-    np.testing.assert_allclose(after[:7], before[:7], atol=0.003)
-    assert not recording.sim.has_fallen
-    assert np.abs(recording.sim.atlas_state.velocity).max() < 0.1
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("steps", [(0.001, 0.002), (0.003, 0.006), (0.003, 0.009)])
-def test_a_foot_that_starts_in_the_air_is_not_thrown_about(steps):
+def test_a_foot_that_starts_in_the_air_lands_softly():
     # One sole begins 15 mm above the ground.
     scenario = Scenario(
         model="atlas_v3",
-        physics_step=steps[0],
-        control_period=steps[1],
+        physics_step=0.003,
+        control_period=0.009,
         jitter=Jitter(position=0.02, orientation=np.radians(2.0), joints=0.02),
         seed=7004,
     )
@@ -112,7 +95,7 @@ def test_a_changed_pose_is_finished_with_its_trunk_at_the_target(
 
 @pytest.mark.parametrize("foot", [0, 1])
 @pytest.mark.parametrize("axis", [0, 1, 2])
-def test_a_foot_that_slips_is_latched_anew(robot, observe, foot, axis):
+def test_the_pose_of_a_foot_that_slips_is_latched_again(robot, observe, foot, axis):
     seen = observe()
     body, request = capture_body(seen.terms), as_request(AtlasSimInterfaceCommand())
     stand = Stand(Balance(robot, ControlGains()), 0.9, BodyRates())
@@ -156,25 +139,10 @@ def test_freeze_holds_staggered_feet_without_sliding(record, walk_message):
     np.testing.assert_allclose(soles(recording.sim), before, atol=1e-3)
     assert np.abs(recording.sim.atlas_state.velocity).max() < 0.02
 
-    recording = record()
-    recording.ask("freeze")
-    recording.advance(0.1)
-    recording.ask("walk")
-    recording.advance(0.1)
-    report = recording.looks[-1].report
-    assert report.current_behavior is Behavior.FREEZE
-    assert report.error_code is report.ERROR_FAILED_TO_START_BEHAVIOR
-    assert [event.kind for event in recording.sim.events] == ["behavior", "refusal"]
-    # The next request that can be met clears the error.
-    recording.ask("STAND")
-    recording.advance(0.02)
-    assert recording.looks[-1].report.error_code is report.NO_ERRORS
-
 
 def test_user_takes_all_joints_at_once(record):
     recording = record()
-    command = AtlasSimInterfaceCommand()
-    command.behavior = "user"
+    command = AtlasSimInterfaceCommand(behavior="user")
     command.k_effort = [0] * 28
     recording.sim.publish(command)
     recording.advance(0.02)
@@ -183,30 +151,6 @@ def test_user_takes_all_joints_at_once(record):
     assert list(report.k_effort) == [255] * 28
     assert not np.any(report.f_out)
     assert np.abs(recording.sim.atlas_state.effort).max() > 1.0
-
-
-@pytest.mark.slow
-def test_stand_prep_warms_up_under_the_users_joints_then_stand_takes_over(record):
-    recording = record(Scenario(initial_behavior="USER"))
-    warm_up = AtlasSimInterfaceCommand()
-    warm_up.behavior = warm_up.STAND_PREP
-    warm_up.k_effort = [255] * 28
-    recording.advance(0.1)
-    recording.sim.publish(warm_up)
-    recording.advance(0.5)
-    report = recording.looks[-1].report
-    assert report.current_behavior is Behavior.STAND_PREP
-    # It already says what it would do.
-    assert np.abs(report.f_out).max() > 1.0
-    stand = AtlasSimInterfaceCommand()
-    stand.behavior = stand.STAND
-    stand.k_effort = [0] * 28
-    recording.sim.publish(stand)
-    recording.advance(1.0)
-    report = recording.looks[-1].report
-    assert report.current_behavior is Behavior.STAND
-    assert report.behavior_feedback.status_flags == BehaviorStatus.TRANSITION_SUCCESS
-    assert not recording.sim.has_fallen
 
 
 @pytest.fixture(scope="module")
@@ -234,7 +178,7 @@ def written_law(state, robot):
 
 
 @pytest.mark.slow
-def test_the_users_joints_droop_by_gravity_over_stiffness(shared, robot):
+def test_user_joints_droop_by_gravity_over_stiffness(shared, robot):
     state = shared.sim.atlas_state
     arm = np.flatnonzero(np.array(state.k_effort) == 255)
     assert len(arm) == 6
@@ -266,40 +210,10 @@ def test_efforts_are_blended_joint_by_joint(shared, robot, k):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("force", "duration"), [((900.0, 0.0, 0.0), 0.3), ((0.0, -900.0, 0.0), 0.3)]
-)
-def test_a_fall_is_flagged_early_and_time_goes_on(record, force, duration):
+def test_a_small_push_is_no_fall(record):
     recording = record()
-    recording.advance(0.1)
-    recording.sim.apply_push("utorso", force, duration)
-    recording.advance(3.0)
-    falling = [
-        bool(look.report.behavior_feedback.status_flags & BehaviorStatus.ERROR_FALLING)
-        for look in recording.looks
-    ]
-    assert not falling[0]
-    first = falling.index(True)
-    assert all(falling[first:])
-    assert pelvis_height(recording.looks[first]) > 0.4
-    # The robot lies, nothing has burst, and nobody acts.
-    assert pelvis_height(recording.looks[-1]) < 0.4
-    assert np.isfinite([look.state for look in recording.looks]).all()
-    assert recording.sim.time == pytest.approx(3.1)
-    assert recording.sim.has_fallen
-    assert recording.sim.summary()["fell"]
-    assert not recording.sim.summary()["success"]
-    # Damping mode: braked, and no more.
-    share = recording.looks[-1].report.f_out / recording.sim.robot.effort_limit
-    assert np.abs(share).max() < 0.1
-    assert [event.kind for event in recording.sim.events].count("fall") == 1
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("force", [(90.0, 0.0, 0.0), (-60.0, 0.0, 0.0), (0.0, 90.0, 0)])
-def test_a_small_push_is_no_fall(record, force):
-    recording = record()
-    recording.sim.apply_push("utorso", force, 0.2)
-    recording.advance(2.0)
+    for force in ((90.0, 0.0, 0.0), (-60.0, 0.0, 0.0), (0.0, 90.0, 0.0)):
+        recording.sim.apply_push("utorso", force, 0.2)
+        recording.advance(1.5)
     assert not recording.sim.has_fallen
     assert recording.sim.summary()["max_pelvis_tilt_rad"] < 0.2

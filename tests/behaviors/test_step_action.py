@@ -69,7 +69,7 @@ def test_end_distances_count_within_five_centimetres(name):
     assert getattr(resolved(**{name: -0.05}), name) == -largest
 
 
-def test_what_is_too_much_is_bounded():
+def test_values_above_their_maximum_are_clamped():
     largest = {
         "step_duration": 20.0,
         "sway_duration": 20.0,

@@ -21,15 +21,14 @@ from atlas_drake.behaviors.step.phases import (
 from atlas_drake.behaviors.step.step import Step
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.weight_shift import WeightShift
-from atlas_drake.control.feet.footstep import FootPose
+from atlas_drake.control.feet.footstep import LEFT, RIGHT, FootPose, outward
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.frozen import replace
 from atlas_drake.messages import NO_STEP, StepStatus, Vector3
 from atlas_drake.messages.event import FOOTSTEP, STEPS_LEFT
 
-from .as_request import as_request
+from .conftest import as_request
 
-LEFT, RIGHT = 0, 1
 RULES = StepRules(
     touchdown_force=0.04,
     settle=0.25,
@@ -57,13 +56,13 @@ def step(make_tools, balance, observe):
     return Step(make_tools(height - balance.stance.com_drop), StepConfig())
 
 
-def request(index=1, foot=LEFT, x=0.15, y=0.14, z=0.0):
+def request(index=1, foot=LEFT, x=0.15, z=0.0):
     command = AtlasSimInterfaceCommand(behavior="STEP")
     command.step_params.use_spec = True
     command.step_params.use_relative_step_height = True
     spec = command.step_params.desired_step_spec
     spec.step_index, spec.foot_index = index, foot
-    spec.foot.position = Vector3(x, y, z)
+    spec.foot.position = Vector3(x, 0.14 * outward(foot), z)
     return as_request(command)
 
 
@@ -119,10 +118,9 @@ def test_a_slope_that_is_too_steep_gives_a_warning(step, observe, tilt, less):
 
 
 @pytest.mark.parametrize(("z", "taken"), [(0.20, True), (0.205, True), (0.22, False)])
-def test_a_rise_at_the_limit_is_taken_whatever_the_ground_rounds_to(
+def test_a_rise_at_the_limit_is_taken_despite_rounding_of_the_soles_height(
     step, observe, z, taken
 ):
-    """The sole's own height, 0 or not, adds a rounding error to the step's."""
     command = request(x=0.3, z=z)
     seen = observe()
     outcome = tick(step, entered(step, seen, command), seen, command)
@@ -203,7 +201,7 @@ def test_a_foot_is_pressed_flat_only_as_far_as_balance_allows(
     step, observe, balance, pressed
 ):
     seen = observe()
-    state = shifting(step, seen, request(foot=pressed, y=0.14 - 0.28 * pressed))
+    state = shifting(step, seen, request(foot=pressed))
     here = dcm(seen, balance)
     state = in_phase(StepSettle, state)
     settling = standing_still_at(state, here)
@@ -218,7 +216,7 @@ def test_a_foot_is_pressed_flat_only_as_far_as_balance_allows(
     assert feet[pressed].min_normal_force == pytest.approx(0.0, abs=1e-6)
 
 
-def test_a_foot_that_is_unloaded_is_loaded_again_for_balance(step, observe, balance):
+def test_an_unloaded_foot_is_loaded_again_when_the_cop_needs_it(step, observe, balance):
     seen = observe()
     state = shifting(step, seen, request(foot=LEFT))
     here, left = dcm(seen, balance), seen.terms.feet[LEFT].p_WF[:2]
@@ -237,7 +235,7 @@ def test_a_foot_that_is_unloaded_is_loaded_again_for_balance(step, observe, bala
 def test_the_leaving_foot_is_unloaded_evenly_until_lift_off(
     step, observe, balance, foot, duration
 ):
-    state = shifting(step, observe(), request(foot=foot, y=0.14 - 0.28 * foot))
+    state = shifting(step, observe(), request(foot=foot))
     stance = state.feet[1 - foot].p_WF[:2]
     for left in (0.75, 0.5, 0.25):
         elapsed = duration * (1.0 - left * RULES.unload_share)
@@ -250,10 +248,10 @@ def test_the_leaving_foot_is_unloaded_evenly_until_lift_off(
 
 
 @pytest.mark.parametrize("foot", [LEFT, RIGHT])
-def test_a_foot_that_touches_down_is_pressed_flat_and_its_landing_told(
+def test_a_foot_that_touches_down_is_pressed_flat_and_gives_an_event(
     step, observe, balance, foot
 ):
-    command = request(foot=foot, y=0.14 - 0.28 * foot)
+    command = request(foot=foot)
     state = shifting(step, observe(), command)
     lowering = in_phase(Lower, state, elapsed=0.9 * state.taken.swing.duration)
     force = np.zeros(2)
@@ -306,7 +304,7 @@ def test_the_time_left_counts_to_the_end_of_the_step_in_every_phase(step, observ
         assert time_left(step, now) == pytest.approx(left), (phase, elapsed)
 
 
-def test_without_a_step_it_waits_in_double_support(step, observe):
+def test_without_a_step_the_robot_waits_in_double_support(step, observe):
     command = as_request(AtlasSimInterfaceCommand(behavior="STEP"))
     state = entered(step, observe(), command)
     outcome = tick(step, replace(state, elapsed=9.0), observe(), command)
@@ -318,7 +316,7 @@ def test_without_a_step_it_waits_in_double_support(step, observe):
     assert tick(step, state, observe(), command, leaving=True).finished
 
 
-def test_stand_names_the_steps_left_out(step, observe):
+def test_the_event_at_the_end_names_the_steps_left_out(step, observe):
     seen, command = observe(), request()
     state = shifting(step, seen, command)
     outcome = tick(step, state, seen, command, leaving=True)
@@ -333,7 +331,7 @@ def test_stand_names_the_steps_left_out(step, observe):
     assert tick(step, done, seen, command, leaving=True).events == ()
 
 
-def test_status_says_whether_a_foot_is_in_the_air(step, observe):
+def test_status_flags_tell_weight_shift_from_swing(step, observe):
     seen, command = observe(), request()
     state = shifting(step, seen, command)
     for phase, flag in (
@@ -401,8 +399,8 @@ def test_a_step_cut_short_ends_at_rest(step, observe, speed):
 
 
 @pytest.mark.parametrize("foot", [LEFT, RIGHT])
-def test_the_plan_shows_the_way_of_foot_and_body(step, observe, foot):
-    seen, command = observe(), request(foot=foot, y=0.14 - 0.28 * foot)
+def test_the_plan_has_the_paths_of_swing_foot_com_dcm_and_cop(step, observe, foot):
+    seen, command = observe(), request(foot=foot)
     state = shifting(step, seen, command)
     plan = step.plan(state, seen.terms.com[:2], 3.2)
     paths, shift = step.paths(state, seen.terms.com[:2], 3.2), state.shift
@@ -440,7 +438,7 @@ def test_the_plan_shows_the_way_of_foot_and_body(step, observe, foot):
 def test_a_foot_lifts_off_without_load_when_the_weight_is_over_the_other(
     step, observe, balance, foot, late, load, miss, lifts
 ):
-    command = request(foot=foot, y=0.14 - 0.28 * foot)
+    command = request(foot=foot)
     state = shifting(step, observe(), command)
     state = replace(state, elapsed=state.shift.duration + late)
     away = miss * RULES.dcm_ready * np.array([0.8, -0.6])
@@ -495,7 +493,7 @@ def lowered(step, observe):
     """Makes the phase in which ``foot`` comes down and the body leans [m]."""
 
     def make(foot, lean):
-        command = request(foot=foot, y=0.14 - 0.28 * foot)
+        command = request(foot=foot)
         state = shifting(step, observe(), command)
         action = replace(state.taken.action, step_end_dist=lean)
         taken = replace(state.taken, action=action)
@@ -583,7 +581,7 @@ def test_a_foot_that_finds_no_ground_returns_to_where_it_was(
 
 @pytest.mark.parametrize("foot", [LEFT, RIGHT])
 def test_a_new_foot_is_pressed_with_the_body_over_the_other(step, observe, foot):
-    state = shifting(step, observe(), request(foot=foot, y=0.14 - 0.28 * foot))
+    state = shifting(step, observe(), request(foot=foot))
 
     def height(state):
         return step._control(state).reach(state).height

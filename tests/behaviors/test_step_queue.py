@@ -40,7 +40,7 @@ def indices(steps):
     return [step.index for step in steps]
 
 
-def test_a_footstep_is_what_the_message_says():
+def test_a_footstep_has_the_fields_of_its_message():
     footstep = footstep_from(data(3, RIGHT, yaw=0.7, x=1.5))
     assert (footstep.index, footstep.foot) == (3, RIGHT)
     np.testing.assert_array_equal(footstep.p_WF, [1.5, 0.15, 0.02])
@@ -51,8 +51,8 @@ def test_a_footstep_is_what_the_message_says():
     assert not merge((), [data(3)], 1)[0].relative
 
 
-@pytest.mark.parametrize("yaw", [-3.1, -1.0, 0.0, 0.4, 1.5, 2.5, 3.1])
-@pytest.mark.parametrize("scale", [1.0, 0.01, 7.0, -1.0, -20.0])
+@pytest.mark.parametrize("yaw", [-3.1, 0.4, 2.5])
+@pytest.mark.parametrize("scale", [1.0, 0.01, -20.0])
 def test_yaw_does_not_depend_on_the_quaternions_length(yaw, scale):
     assert footstep_from(data(1, yaw=yaw, scale=scale)).yaw == pytest.approx(yaw)
 
@@ -76,16 +76,6 @@ def test_yaw_of_a_tilted_pose_is_the_heading_of_its_toes(scale):
         )
     )
     assert footstep_from(sent).yaw == pytest.approx(0.5)
-
-
-@pytest.mark.parametrize("yaw", [-2.0, 0.0, 1.2])
-def test_a_footstep_survives_a_round_trip(yaw):
-    footstep = footstep_from(data(4, RIGHT, yaw=yaw, x=0.3))
-    again = footstep_from(step_data_from(footstep))
-    np.testing.assert_array_equal(again.p_WF, footstep.p_WF)
-    assert again.yaw == pytest.approx(footstep.yaw)
-    for name in ("index", "foot", "duration", "swing_height"):
-        assert getattr(again, name) == getattr(footstep, name)
 
 
 def test_merge_sorts_and_leaves_out_empty_places():
@@ -112,7 +102,7 @@ def test_merging_nothing_changes_nothing():
     assert merge(pending, [AtlasBehaviorStepData()] * 4, first_open=3) == pending
 
 
-def test_next_runs_stops_at_a_gap():
+def test_steps_beyond_a_gap_of_indices_are_not_next():
     pending = (step(3), step(4), step(6), step(7))
     assert indices(next_runs(pending, 3)) == [3, 4]
     assert indices(next_runs(pending, 4)) == [4]
@@ -125,8 +115,11 @@ def test_a_tilted_step_goes_to_a_message_and_back():
     normal = np.array([0.1, -0.15, 1.0]) / np.linalg.norm([0.1, -0.15, 1.0])
     tilted = Footstep(2, RIGHT, np.array([0.4, -0.1, 0.1]), 0.8, 1.0, 0.1, normal)
     again = footstep_from(step_data_from(tilted))
+    np.testing.assert_array_equal(again.p_WF, tilted.p_WF)
     np.testing.assert_allclose(again.normal, normal, atol=1e-12)
     assert again.yaw == pytest.approx(0.8)
+    for name in ("index", "foot", "duration", "swing_height"):
+        assert getattr(again, name) == getattr(tilted, name)
 
 
 def test_replaced_steps_are_those_with_another_content():

@@ -11,6 +11,7 @@ from atlas_drake.behaviors.body_reference import capture_body
 from atlas_drake.behaviors.phases import TIME_STEP
 from atlas_drake.behaviors.walk.both_feet import steps_left_out
 from atlas_drake.behaviors.walk.config import WalkConfig
+from atlas_drake.behaviors.walk.gait import stance_cop
 from atlas_drake.behaviors.walk.phases import Transfer, WalkSettle, WalkShift, WalkSwing
 from atlas_drake.behaviors.walk.rules import WalkRules
 from atlas_drake.behaviors.walk.walk import Walk
@@ -18,7 +19,7 @@ from atlas_drake.control.balance.feedback import StepAdjustmentLimits
 from atlas_drake.control.feet.footstep import LEFT, RIGHT, FootPose, outward
 from atlas_drake.frozen import replace
 
-from .as_request import as_request
+from .conftest import as_request
 
 RULES = WalkRules(
     touchdown_force=0.08,
@@ -285,7 +286,9 @@ def test_a_step_may_be_warned_of_again_when_a_message_replaces_it(
 
 
 @pytest.mark.parametrize("foot", [LEFT, RIGHT])
-def test_the_plan_shows_the_way_of_foot_and_body(walk, observe, swinging, foot):
+def test_the_plan_has_the_paths_of_swing_foot_com_dcm_and_cop(
+    walk, observe, swinging, foot
+):
     phase, seen = swinging(foot, 0.2), observe()
     # The body is where the plan wants it.
     omega, touchdown = phase.plan.omega, phase.duration
@@ -293,6 +296,9 @@ def test_the_plan_shows_the_way_of_foot_and_body(walk, observe, swinging, foot):
     paths = walk.paths(phase, phase.planned.dcm, omega)
     np.testing.assert_array_equal(plan.dcm_reference, phase.planned.dcm)
     np.testing.assert_array_equal(plan.cop_reference, phase.planned.cop)
+    stance, inward = phase.progress.feet[1 - foot], WalkConfig().cop_inward
+    under = stance_cop(stance, 1 - foot, inward)
+    np.testing.assert_allclose(plan.cop_reference, under, atol=1e-9)
     assert [(step.foot, step.p_WF[0]) for step in plan.footsteps] == [
         (foot, 0.2),
         (1 - foot, 0.4),

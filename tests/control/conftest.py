@@ -5,7 +5,7 @@ import pytest
 from hypothesis import settings
 
 from atlas_drake.control.whole_body.model import WholeBodyModel
-from atlas_drake.robot import load_robot
+from atlas_drake.robot import DEFAULT_ROBOT
 
 # A busy machine must not fail a test, and a failure must come back when looked for.
 settings.register_profile(
@@ -14,10 +14,13 @@ settings.register_profile(
 settings.load_profile("atlas_drake")
 
 
-@pytest.fixture(scope="session", params=["atlas", "atlas_v3"])
-def robot(request):
-    """Each robot with the joints of the tutorial in turn."""
-    return load_robot(request.param)
+TUTORIAL_ROBOTS = ("atlas", "atlas_v3")
+
+
+@pytest.fixture(scope="session")
+def robot(request, load_or_skip):
+    """The default robot, or those that a file names in turn."""
+    return load_or_skip(getattr(request, "param", DEFAULT_ROBOT))
 
 
 @pytest.fixture(scope="session")
@@ -55,3 +58,24 @@ def standing(model):
     soles = model.evaluate(context, state).feet
     state[6] = -0.5 * (soles[0].p_WF[2] + soles[1].p_WF[2])
     return model.evaluate(context, state)
+
+
+def motion(terms, solution):
+    """Generalized accelerations of a QP's solution.
+
+    The pelvis', which the solution leaves out, are from the rows without motors.
+    """
+    joints = solution.joint_acceleration
+    force = -terms.h[:6] - terms.M[:6, 6:] @ joints
+    for name, wrench in solution.contact_wrenches.items():
+        force += terms.frame(name).J_WF[:, :6].T @ wrench
+    return np.concatenate([np.linalg.solve(terms.M[:6, :6], force), joints])
+
+
+def residual(terms, solution):
+    """What the equations of motion lack with the solution's forces, shape (6 + n,)."""
+    force = -terms.h
+    for name, wrench in solution.contact_wrenches.items():
+        force = force + terms.frame(name).J_WF.T @ wrench
+    force[6:] += solution.effort
+    return terms.M @ motion(terms, solution) - force

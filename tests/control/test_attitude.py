@@ -1,9 +1,6 @@
 """Orientation from increments of rotation: exact, and corrected to the vertical."""
 
-import math
-
 import numpy as np
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from pydrake.common.eigen_geometry import AngleAxis, Quaternion
@@ -54,17 +51,6 @@ def test_the_turn_between_two_orientations_leads_from_one_to_the_other(rpy, turn
     np.testing.assert_allclose(turn_between(q, -turned(q, turn)), turn, atol=1e-12)
 
 
-def test_many_small_turns_make_the_large_one_exactly():
-    # A steady rotation about a slanted axis, three times round in 10 s at 500 Hz.
-    axis, angle, steps = np.array([2.0, -1.0, 2.0]) / 3.0, 6.0 * math.pi + 0.5, 5000
-    start = q = quaternion(0.1, -0.2, 0.3)
-    for _ in range(steps):
-        q = turned(q, angle / steps * axis)
-    assert np.linalg.norm(q) == pytest.approx(1.0, abs=1e-15)
-    expected = rotation_matrix(start) @ AngleAxis(angle=angle, axis=axis).rotation()
-    np.testing.assert_allclose(rotation_matrix(q), expected, atol=1e-12)
-
-
 def settle(q, force_W_of, seconds, settling, dt=0.01):
     """Corrects for a while; ``force_W_of(t)`` is the true specific force."""
     for k in range(round(seconds / dt)):
@@ -72,16 +58,6 @@ def settle(q, force_W_of, seconds, settling, dt=0.01):
         felt = rotation_matrix(q) @ force_W_of(k * dt)
         q = turned_in_world(q, upright_correction(felt, dt, settling))
     return q
-
-
-def test_a_wrong_tilt_is_forgotten_and_the_heading_kept():
-    wrong = quaternion(0.05, -0.03, 0.7)
-    at_rest = np.array([0.0, 0.0, GRAVITY])
-    after = settle(wrong, lambda t: at_rest, seconds=20.0, settling=10.0)
-    roll, pitch, yaw = RollPitchYaw(Quaternion(wxyz=after)).vector()
-    assert roll == pytest.approx(0.05 * math.exp(-2.0), rel=0.02)
-    assert pitch == pytest.approx(-0.03 * math.exp(-2.0), rel=0.02)
-    assert yaw == pytest.approx(0.7, abs=1e-3)
 
 
 def test_setting_off_tilts_by_no_more_than_the_speed_allows():

@@ -8,7 +8,7 @@ from atlas_drake.control.wrenches import (
 )
 
 
-def test_it_is_the_mean_of_the_loads_and_moves_with_the_moments():
+def test_the_cop_is_the_loads_mean_shifted_by_the_moments():
     soles = np.array([[0.0, 0.1, 0.0], [0.3, -0.1, 0.2]])
     wrenches = np.zeros(12)
     assert center_of_pressure(soles, wrenches) is None
@@ -20,7 +20,7 @@ def test_it_is_the_mean_of_the_loads_and_moves_with_the_moments():
     np.testing.assert_allclose(center_of_pressure(soles, wrenches), [0.05, 0.12, 0.0])
 
 
-def test_a_foot_that_barely_touches_has_none():
+def test_a_foot_that_barely_touches_has_no_cop():
     wrenches = np.zeros(12)
     wrenches[5] = 0.9 * LEAST_LOAD
     assert center_of_pressure(np.zeros((2, 3)), wrenches) is None

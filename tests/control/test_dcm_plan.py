@@ -58,14 +58,6 @@ def test_cop_is_the_segments(segments, plan):
         start += segment.duration
 
 
-def test_no_jumps_between_segments(segments, plan):
-    ends = np.cumsum([segment.duration for segment in segments])
-    for end in ends[:-1]:
-        before, after = plan.evaluate(end - 1e-9), plan.evaluate(end + 1e-9)
-        np.testing.assert_allclose(before.dcm, after.dcm, atol=1e-7)
-        np.testing.assert_allclose(before.cop, after.cop, atol=1e-7)
-
-
 def test_dcm_is_continuous_even_where_the_cop_jumps():
     first = CopSegment(0.4, np.array([0.0, 0.1]), np.array([0.0, 0.1]))
     second = CopSegment(0.5, np.array([0.3, -0.1]), np.array([0.3, -0.1]))

@@ -123,18 +123,6 @@ def test_a_step_within_reach_is_taken_as_it_is(forward, width, rise, turn, yaw, 
     assert_same(saturate(commanded, stance, LIMITS), commanded)
 
 
-def test_outward_leads_away_from_the_other_foot():
-    assert outward(LEFT) == 1.0
-    assert outward(RIGHT) == -1.0
-
-
-def test_pose_is_level_and_heads_along_the_yaw():
-    step = Footstep(1, LEFT, np.array([1.0, 2.0, 3.0]), 0.6, 0.7, 0.1)
-    np.testing.assert_array_equal(step.pose.p_WF, step.p_WF)
-    np.testing.assert_allclose(step.pose.R_WF, rotation_z(0.6), atol=1e-15)
-    assert step.pose.yaw == pytest.approx(0.6)
-
-
 def test_landing_error_is_horizontal():
     step = Footstep(1, LEFT, np.array([1.0, 2.0, 0.0]), 0.0, 0.7, 0.1)
     landed = FootPose(np.array([1.03, 1.96, 0.5]), np.eye(3))

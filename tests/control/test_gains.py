@@ -7,6 +7,8 @@ from atlas_drake.control.balance.feedback import StepAdjustmentLimits
 from atlas_drake.control.gains import ContactModel, ControlGains
 from atlas_drake.scenario import Scenario
 
+from .conftest import TUTORIAL_ROBOTS
+
 GAINS = ControlGains()
 
 
@@ -34,6 +36,7 @@ def test_a_sole_is_trusted_with_the_full_weight_after_four_ticks():
     assert ticks == 4
 
 
+@pytest.mark.parametrize("robot", TUTORIAL_ROBOTS, indirect=True)
 def test_the_ankles_hold_a_cop_within_the_sole(robot):
     sole, contact, limits = robot.file.sole, GAINS.contact, StepAdjustmentLimits()
     ahead = 0.5 * sole.length - contact.length_margin

@@ -6,11 +6,10 @@ import pytest
 from atlas_drake.control.feet.leg_kinematics import solve_leg
 from atlas_drake.robot import KNEE, available_robots
 
-
-@pytest.fixture(scope="session", params=available_robots())
-def robot(request, load_or_skip):
-    """Each robot in turn, also one with legs beside the hips' centers."""
-    return load_or_skip(request.param)
+# Also one with legs beside the hips' centers.
+pytestmark = pytest.mark.parametrize(
+    "robot", available_robots(), indirect=True, scope="session"
+)
 
 
 @pytest.fixture(scope="module")
@@ -35,13 +34,11 @@ def sole_in_pelvis(terms, foot):
 
 
 @pytest.mark.parametrize("foot", [0, 1])
-@pytest.mark.parametrize("seed", range(20))
-def test_angles_are_those_that_put_the_sole_there(
-    model, random_state, legs, foot, seed
-):
-    terms = evaluate(model, random_state, legs, seed)
-    held = solve_leg(legs[foot], *sole_in_pelvis(terms, foot))
-    np.testing.assert_allclose(held.angles, terms.q[legs[foot].joints], atol=1e-9)
+def test_angles_are_those_that_put_the_sole_there(model, random_state, legs, foot):
+    for seed in range(20):
+        terms = evaluate(model, random_state, legs, seed)
+        held = solve_leg(legs[foot], *sole_in_pelvis(terms, foot))
+        np.testing.assert_allclose(held.angles, terms.q[legs[foot].joints], atol=1e-9)
 
 
 @pytest.mark.parametrize("foot", [0, 1])
@@ -58,7 +55,7 @@ def test_torques_are_those_of_the_jacobian(model, random_state, legs, foot):
     np.testing.assert_allclose(torques, expected, atol=1e-9)
 
 
-def test_what_is_too_far_or_above_the_hip_has_no_angles(legs):
+def test_feet_out_of_reach_have_no_joint_angles(legs):
     reach = np.array([0.0, 0.09, -1.2])
     assert solve_leg(legs[0], reach, np.eye(3)) is None
     assert solve_leg(legs[0], np.array([0.0, 0.09, 0.5]), np.eye(3)) is None

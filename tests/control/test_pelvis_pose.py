@@ -59,7 +59,7 @@ def test_angles_are_roll_pitch_yaw_about_the_feets_heading():
     np.testing.assert_allclose(R, expected, atol=1e-12)
 
 
-def test_what_is_measured_is_the_pose_of_the_terms(standing):
+def test_the_measured_pose_is_that_of_the_terms(standing):
     feet = [FootPose(foot.p_WF, foot.R_WF) for foot in standing.feet]
     corners = [sole_corners(foot.p_WF, foot.R_WF, 0.1, 0.05) for foot in feet]
     stance = make_stance(*feet, SupportPolygon(np.concatenate(corners)))

@@ -14,6 +14,12 @@ from atlas_drake.control.feet.sole import sole_corners
 from atlas_drake.control.pelvis.pelvis_pose import PelvisPose, PelvisRange, make_stance
 from atlas_drake.control.pelvis.pelvis_reach import PelvisReach, PelvisReserves
 
+from .conftest import TUTORIAL_ROBOTS
+
+pytestmark = pytest.mark.parametrize(
+    "robot", TUTORIAL_ROBOTS, indirect=True, scope="session"
+)
+
 RANGE = PelvisRange()
 RESERVES = PelvisReserves(
     com_margin=0.04, joint_margin=0.05, least_flexion=0.12, effort_share=0.8
@@ -64,9 +70,7 @@ def test_home_is_allowed(case):
 @pytest.mark.parametrize("name", COORDINATES)
 @pytest.mark.parametrize("sign", [-1.0, 1.0])
 @pytest.mark.parametrize("size", [3.0, 1e300])
-def test_each_number_is_granted_as_far_as_it_goes_and_no_other_is_moved(
-    case, name, sign, size
-):
+def test_each_coordinate_is_clamped_by_itself(case, name, sign, size):
     granted = case.clamp(**{name: sign * size})
     assert case.allows(granted)
     moved = getattr(granted, name) - getattr(HOME, name)
@@ -93,7 +97,7 @@ def test_every_commanded_pose_is_clamped_to_a_stable_one(case, commanded):
     assert outside <= -RESERVES.com_margin + 1e-9
 
 
-def test_a_mild_wish_is_granted_to_the_letter(case):
+def test_a_pose_within_reach_is_not_clamped(case):
     commanded = PelvisPose(0.85, 0.05, 0.1, -0.05, 0.02, 0.03)
     assert case.clamp(**commanded._asdict()) == commanded
 
@@ -104,7 +108,7 @@ def test_left_and_right_are_alike(case):
         assert getattr(left, name) == pytest.approx(-getattr(right, name), abs=5e-3)
 
 
-def test_weak_knees_stand_higher(model, case):
+def test_weaker_knees_raise_the_lowest_pose(model, case):
     weak = PelvisReach(
         model.robot, RANGE, dataclasses.replace(RESERVES, effort_share=0.4)
     )

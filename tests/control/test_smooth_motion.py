@@ -23,7 +23,7 @@ def travel(goals, seconds, begin=(0.0,), limits=LIMITS):
     return path
 
 
-def test_it_arrives_in_little_more_than_the_way_at_full_speed():
+def test_the_goal_is_reached_at_nearly_full_speed():
     path = travel([[0.24]], 4.0)
     assert path[-1].position[0] == pytest.approx(0.24, abs=1e-3)
     assert path[round(2.0 / DT)].position[0] < 0.23
@@ -31,7 +31,7 @@ def test_it_arrives_in_little_more_than_the_way_at_full_speed():
 
 @settings(max_examples=30)
 @given(goals=st.lists(PLACES, min_size=1, max_size=4), seconds=st.floats(0.1, 2.0))
-def test_it_obeys_its_limits_wherever_the_goal_jumps(goals, seconds):
+def test_speed_and_acceleration_are_limited_when_the_goal_jumps(goals, seconds):
     path = travel([[goal] for goal in goals], seconds)
     velocity = np.array([motion.velocity[0] for motion in path])
     assert np.abs(velocity).max() <= LIMITS.speed * (1.0 + 1e-9)
@@ -46,7 +46,7 @@ def test_it_obeys_its_limits_wherever_the_goal_jumps(goals, seconds):
     assert position.max() <= max(0.0, *goals) + 1e-4
 
 
-def test_from_rest_it_goes_straight():
+def test_the_way_from_rest_is_straight():
     path = travel([[0.3, 0.1]], 3.0, begin=(0.0, 0.0))
     for motion in path:
         assert motion.position[1] == pytest.approx(motion.position[0] / 3.0)

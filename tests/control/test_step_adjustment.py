@@ -33,16 +33,6 @@ def taken_by_ankles(remaining):
     return (ankles + tolerated) / growth
 
 
-@given(
-    share=st.tuples(st.floats(-0.999, 0.999), st.floats(-0.999, 0.999)),
-    remaining=TIMES,
-    yaw=YAWS,
-)
-def test_errors_within_the_ankles_reach_move_no_step(share, remaining, yaw):
-    error = rotation_z(yaw)[:2, :2] @ (np.array(share) * taken_by_ankles(remaining))
-    np.testing.assert_array_equal(np.abs(shift_of(error, remaining, yaw)), 0.0)
-
-
 @given(error=ERRORS, remaining=TIMES, yaw=YAWS)
 def test_shift_turns_with_the_stance_foot(error, remaining, yaw):
     R_WS = rotation_z(yaw)[:2, :2]

@@ -115,7 +115,7 @@ def test_a_foot_on_its_toes_is_flat_once_it_is_lifted(tipped):
     assert swing.top == pytest.approx(HOME.p_WF[2] + LIFT)
 
 
-def test_it_looks_for_ground_down_to_a_bound(swing):
+def test_a_late_foot_descends_to_a_bound(swing):
     ground = swing.goal.p_WF[2]
     shallow = swing.evaluate(swing.duration + 0.2)
     depth = PROFILE.press_depth + 0.2 * PROFILE.late_descent
@@ -142,3 +142,9 @@ def test_a_turn_on_the_spot_takes_the_time_of_its_arc(angle):
     goal = FootPose(HOME.p_WF, rotation_z(0.4 + angle))
     swing = plan_step_swing(HOME, HOME, goal, LIFT, 0.0, 0.1, slow, PROFILE)
     assert swing.move == pytest.approx(PEAK_SPEED * TURN_RADIUS * abs(angle) / slow)
+
+
+def test_the_time_across_is_that_of_the_horizontal_way_with_turn_and_rise():
+    swing = plan(dz=0.15, speed=0.2, normal=np.array([0.0, 0.0, 1.0]))
+    across = np.linalg.norm([0.3, 0.05, TURN_RADIUS * 0.5, 2.0 * RISE])
+    assert swing.move == pytest.approx(PEAK_SPEED * across / 0.2)

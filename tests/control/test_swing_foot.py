@@ -225,12 +225,3 @@ def test_the_path_does_not_depend_on_the_tick(start, target):
         np.testing.assert_allclose(
             getattr(fine[-1], name), getattr(coarse[-1], name), atol=1e-9
         )
-
-
-def test_a_swing_is_a_value(start):
-    swing = begin_swing(start, DURATION)
-    kept = dataclasses.asdict(swing)
-    advance_swing(swing, step_to(), PROFILE, DT)
-    for name, value in dataclasses.asdict(swing).items():
-        if name != "start":
-            np.testing.assert_array_equal(value, kept[name])

@@ -6,9 +6,7 @@ import numpy as np
 import pytest
 
 from atlas_drake.control.balance.feedback import (
-    com_acceleration_for_cop,
     dcm,
-    feedback_cop,
     height_acceleration,
     pendulum_frequency,
     stance_acceleration,
@@ -35,24 +33,6 @@ def test_pendulum_frequency():
 def test_dcm_is_the_com_and_its_velocity(terms):
     expected = terms.com[:2] + terms.com_velocity[:2] / 3.0
     np.testing.assert_allclose(dcm(terms, 3.0), expected)
-
-
-def test_feedback_shrinks_the_dcm_error_at_its_rate():
-    omega, gain, dt = 3.0, 1.7, 1e-4
-    reference = np.array([0.1, -0.2])
-    error = np.array([0.02, -0.01])
-    # A reference at rest: its CoP is its DCM. ξ̇ = ω(ξ - p).
-    now = error.copy()
-    for _ in range(2000):
-        cop = feedback_cop(now, reference, gain)
-        now = now + dt * omega * (reference + now - cop)
-    np.testing.assert_allclose(now, error * math.exp(-gain * omega * 0.2), rtol=1e-3)
-
-
-def test_pendulum_accelerates_away_from_the_cop():
-    com, cop = np.array([0.1, 0.2, 0.9]), np.array([0.05, 0.25])
-    np.testing.assert_allclose(com_acceleration_for_cop(com, cop, 3.0), [0.45, -0.45])
-    np.testing.assert_array_equal(com_acceleration_for_cop(com, com[:2], 3.0), 0.0)
 
 
 def test_height_acceleration(terms):

@@ -64,7 +64,9 @@ FRAMES = ("pelvis", "chest", "head", "l_hand", "l_sole", "r_sole")
 
 
 @pytest.mark.parametrize("name", FRAMES)
-def test_any_frame_by_its_name(model, state, terms, generalized, name):
+def test_velocity_and_bias_of_a_frame_are_derivatives(
+    model, state, terms, generalized, name
+):
     file = model.robot.file
     name = {"pelvis": file.pelvis, "chest": file.chest}.get(name, name)
     frame = terms.frame(name)
@@ -141,17 +143,6 @@ def test_mass_matrix_gives_the_kinetic_energy(model, state, terms, generalized):
 def damping_of(model):
     joints = [model.plant.GetJointByName(name) for name in model.robot.joint_names]
     return np.array([joint.default_damping_vector()[0] for joint in joints])
-
-
-def test_h_is_coriolis_less_gravity_force_and_damping(model, state, terms):
-    plant = model.plant
-    context = model.create_context()
-    plant.SetPositionsAndVelocities(context, state)
-    order = model.robot.indices(plant).generalized
-    expected = plant.CalcBiasTerm(context) - plant.CalcGravityGeneralizedForces(context)
-    expected = expected[order]
-    expected[6:] += damping_of(model) * terms.v
-    np.testing.assert_allclose(terms.h, expected, atol=1e-8)
 
 
 def test_equations_of_motion_are_drakes(model, state, terms):

@@ -132,27 +132,10 @@ def test_from_any_feet_to_any_pose(report, x, y, yaw):
     assert len(steps) <= distance / 0.04 + 2 * math.pi / 0.15 + 12
 
 
-@settings(deadline=None, max_examples=25)
+@settings(deadline=None, max_examples=50)
 @given(
     report=reports(),
-    x=st.floats(-0.5, 0.5),
-    y=st.floats(-0.5, 0.5),
-    turn=st.floats(-0.6, 0.6),
-)
-def test_to_a_pose_nearby(report, x, y, turn):
-    here = middle(soles(report))
-    goal = here[0] + x, here[1] + y, here[2] + turn
-    steps = steps_to(report, *goal)
-    # None where the feet are side by side in the right place, if not exactly.
-    if steps:
-        assert_ends_at(taken(report, steps), *goal)
-
-
-@pytest.mark.slow
-@settings(deadline=None, max_examples=200)
-@given(
-    report=reports(),
-    gait=st.one_of(st.just(FASTEST), gaits()),
+    gait=st.one_of(st.just(Gait()), st.just(FASTEST), gaits()),
     x=st.floats(-0.5, 0.5),
     y=st.floats(-0.5, 0.5),
     turn=st.floats(-1.0, 1.0),
@@ -166,15 +149,22 @@ def test_to_a_pose_nearby_in_any_gait(report, gait, x, y, turn):
     steps = steps_to(report, *goal, gait)
     # Only the first one begins with feet as far apart as they happen to be.
     assert {step.duration for step in steps[1:]} <= {gait.duration}
+    assert {step.swing_height for step in steps} <= {gait.swing_height}
+    # None where the feet are side by side in the right place, if not exactly.
     if steps:
         assert_ends_at(taken(report, steps), *goal)
 
 
 @settings(deadline=None, max_examples=25)
-@given(report=reports(), length=st.floats(-3.0, 3.0), angle=st.floats(-7.0, 7.0))
-def test_along_an_arc(report, length, angle):
+@given(
+    report=reports(),
+    gait=st.one_of(st.just(FASTEST), gaits()),
+    length=st.floats(-3.0, 3.0),
+    angle=st.floats(-7.0, 7.0),
+)
+def test_along_an_arc(report, gait, length, angle):
     x, y, yaw = middle(soles(report))
-    steps = steps_along_arc(report, length, angle)
+    steps = steps_along_arc(report, length, angle, gait)
     chord = length * np.sinc(0.5 * angle / math.pi)
     x += chord * math.cos(yaw + 0.5 * angle)
     y += chord * math.sin(yaw + 0.5 * angle)
@@ -182,16 +172,6 @@ def test_along_an_arc(report, length, angle):
         assert_ends_at(taken(report, steps), x, y, yaw + angle)
     else:
         assert max(abs(length), abs(angle)) < 1e-5
-
-
-@pytest.mark.parametrize("gait", [Gait(stride=0.35, turn=0.25), Gait(stride=0.1)])
-@pytest.mark.parametrize("wish", [(3.0, 0.0), (-1.0, 0.0), (2.0, 1.5), (0.0, -2.0)])
-def test_whatever_the_gait_the_robot_can_take_its_steps(gait, wish):
-    report = standing(1.0, 2.0, 0.3)
-    steps = steps_along_arc(report, *wish, gait)
-    taken(report, steps)
-    assert {step.duration for step in steps} == {gait.duration}
-    assert {step.swing_height for step in steps} == {gait.swing_height}
 
 
 def test_two_metres_ahead_are_ten_strides_and_a_step_to_close():
@@ -294,7 +274,7 @@ def test_steps_are_level_with_the_feet():
         (lambda: Gait(swing_height=math.nan), "gait.swing_height"),
     ],
 )
-def test_what_cannot_be_is_an_error_that_names_it(call, name):
+def test_values_out_of_range_are_named(call, name):
     with pytest.raises(ValueError, match=rf"^{name} is "):
         call()
 
@@ -382,18 +362,12 @@ def test_a_stream_needs_steps_counted_from_one():
 
 
 @pytest.mark.slow
-def test_the_robot_walks_to_a_pose():
+def test_the_robot_walks_to_a_pose(walk):
     sim = AtlasSimulation()
-    goal = 0.9, 0.5, -0.6
+    goal = 0.4, 0.2, -0.3
     steps = steps_to(sim.atlas_sim_interface_state, *goal)
-    stream = StepStream(steps)
-    while not stream.is_over(sim.atlas_sim_interface_state) and not sim.has_fallen:
-        command = stream.next_command(sim.atlas_sim_interface_state)
-        if command is not None:
-            sim.publish(command)
-        sim.advance(0.1)
+    assert len(walk(sim, steps)) == len(steps)
     assert sim.summary()["success"]
-    assert len(sim.footsteps) == len(steps)
     assert [e.text for e in sim.events if e.kind == "warning"] == []
     here = middle(soles(sim.atlas_sim_interface_state))
     np.testing.assert_allclose(here[:2], goal[:2], atol=0.01)

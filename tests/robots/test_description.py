@@ -15,7 +15,7 @@ from atlas_drake.messages import AtlasCommand, check_command
 from atlas_drake.robot import load_robot
 
 
-def test_it_is_another_robot(heron):
+def test_heron_has_other_joints_and_legs_than_atlas(heron):
     atlas = load_robot()
     assert heron.num_joints == 15
     assert heron.mass == pytest.approx(43.2)
@@ -33,7 +33,7 @@ def test_it_is_another_robot(heron):
 
 
 @pytest.mark.parametrize("foot", [0, 1])
-def test_its_legs_have_the_closed_form(heron, foot):
+def test_the_legs_have_the_closed_form(heron, foot):
     model = WholeBodyModel(heron)
     random = np.random.default_rng(foot)
     state = np.zeros(model.num_states)
@@ -68,7 +68,7 @@ WAIST = '<limit lower="-1" upper="1" effort="80" velocity="8" />'
         (WAIST, WAIST.replace('"8"', '"-8"'), "waist_yaw has the velocity limit -8"),
     ],
 )
-def test_what_drake_would_replace_or_abort_at_is_refused(
+def test_values_that_drake_would_replace_or_abort_at_are_refused(
     copied, caplog, old, new, words
 ):
     # As in a campaign, which silences Drake's warnings.
@@ -133,7 +133,7 @@ def test_legs_may_hang_beside_the_hips_center(copied, foot):
     robot = load_robot(copied(*HIPS_ASIDE))
     leg = robot.legs[foot]
     assert leg.aside == pytest.approx((0.03, -0.03)[foot])
-    test_its_legs_have_the_closed_form(robot, foot)
+    test_the_legs_have_the_closed_form(robot, foot)
     # Nearer than the plane of the leg there is no way to turn it there.
     beside = leg.p_PH + np.array([0.0, 0.0, -0.01]) - leg.p_FA
     assert solve_leg(leg, beside, np.eye(3)) is None
@@ -220,7 +220,7 @@ def test_messages_are_as_long_as_the_robot_has_joints(heron):
         check_command(message, heron.joint_names)
 
 
-def test_its_gait_keeps_its_own_limits(heron):
+def test_the_gait_keeps_the_robots_limits(heron):
     config = ControllerConfig.of(heron.file)
     usual = config.gait()
     assert (usual.stride, usual.turn, usual.half_width) == (0.14, 0.15, 0.09)

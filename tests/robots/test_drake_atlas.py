@@ -8,7 +8,6 @@ from atlas_drake import (
     AtlasSimulation,
     Behavior,
     Scenario,
-    StepStream,
     steps_ahead,
 )
 from atlas_drake.errors import InvalidMessageError
@@ -27,7 +26,7 @@ def sim(robot):
     return AtlasSimulation(Scenario(model=robot.name))
 
 
-def test_it_is_another_build(robot):
+def test_drakes_atlas_has_thirty_joints(robot):
     assert robot.num_joints == 30
     assert robot.mass == pytest.approx(175.118, abs=1e-3)
     assert robot.joints.neck_ry == robot.joints.neck_ay == 3
@@ -49,7 +48,7 @@ def test_it_is_another_build(robot):
     assert (leg.thigh, leg.shank) == (tutorials.legs[0].thigh, tutorials.legs[0].shank)
 
 
-def test_its_sole_is_where_its_contact_points_are(robot):
+def test_the_sole_spans_the_contact_points(robot):
     text = robot.urdf.read_text()
     frame = robot.make_plant().GetFrameByName("l_foot_sole")
     x, y, z = frame.GetFixedPoseInBodyFrame().translation()
@@ -59,7 +58,7 @@ def test_its_sole_is_where_its_contact_points_are(robot):
             assert f'"{corner_x:.4f} {corner_y:.4g} {z:.5f}"' in text
 
 
-def test_what_is_fixed_to_a_link_is_part_of_it(robot):
+def test_fixed_bodies_belong_to_their_link(robot):
     plant = robot.make_plant()
     hands = robot.hand_bodies(plant)
     for side, palm in enumerate(("left_palm", "right_palm")):
@@ -68,7 +67,7 @@ def test_what_is_fixed_to_a_link_is_part_of_it(robot):
     assert {"head", "hokuyo_link"} <= set(head)
 
 
-def test_its_meshes_can_be_colored(robot):
+def test_the_meshes_can_be_colored(robot):
     vertices, faces = gltf_triangles(robot.urdf.parent / "meshes" / "r_hand.gltf")
     assert vertices.shape[0] == faces.shape[0] == 3
     assert faces.max() < vertices.shape[1]
@@ -84,7 +83,7 @@ def test_the_tutorial_knows_its_joints(robot):
     assert kp[robot.joints.l_arm_shz] == robot.default_kp[robot.joints.l_arm_shz]
 
 
-def test_it_stands_and_takes_messages_of_its_own_length(sim):
+def test_drakes_atlas_stands_and_takes_messages_of_thirty_joints(sim):
     sim.advance(0.3)
     assert len(sim.atlas_state.position) == 30
     assert sim.pelvis_pose.translation()[2] == pytest.approx(0.90, abs=0.01)
@@ -102,18 +101,11 @@ def test_it_stands_and_takes_messages_of_its_own_length(sim):
 
 
 @pytest.mark.slow
-def test_it_walks(sim):
+def test_drakes_atlas_walks(sim, walk):
     sim.advance(0.3)
-    report = sim.atlas_sim_interface_state
     gait = sim.scenario.controller_config().gait(stride=0.25)
-    stream = StepStream(steps_ahead(report, 0.75, gait))
-    while not stream.is_over(sim.atlas_sim_interface_state):
-        command = stream.next_command(sim.atlas_sim_interface_state)
-        if command is not None:
-            sim.publish(command)
-        sim.advance(0.1)
-        assert sim.time < 8.0
+    footsteps = walk(sim, steps_ahead(sim.atlas_sim_interface_state, 0.75, gait))
     assert sim.current_behavior is Behavior.STAND
-    assert len(sim.footsteps) == 4
-    assert max(step["error_m"] for step in sim.footsteps) < 0.005
+    assert len(footsteps) == 4
+    assert max(step["error_m"] for step in footsteps) < 0.005
     assert sim.summary()["success"]

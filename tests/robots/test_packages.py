@@ -39,7 +39,7 @@ def nowhere(tmp_path, monkeypatch):
     monkeypatch.setattr(packages, "PackageMap", None)
 
 
-def test_what_cannot_be_fetched_says_what_to_set(nowhere, capsys):
+def test_the_error_of_a_failed_download_says_what_to_set(nowhere, capsys):
     assert not models_at_hand()
     with pytest.raises(RobotDescriptionError, match="no such host") as caught:
         load_robot("drake_atlas")
@@ -160,7 +160,7 @@ def test_a_copy_of_the_models_is_used(copied, tmp_path, monkeypatch):
         load_robot(path)
 
 
-def test_what_drake_does_not_know_is_said_once(copied, caplog):
+def test_drakes_warning_about_a_urdf_is_given_once(copied, caplog):
     unknown = '<safety_controller k_velocity="1" />\n    <axis xyz="0 1 0" />'
     path = copied(('<axis xyz="0 1 0" />', unknown))
     with caplog.at_level(logging.WARNING, logger="drake"):

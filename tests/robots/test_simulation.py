@@ -10,7 +10,6 @@ from atlas_drake import (
     AtlasSimulation,
     Behavior,
     Scenario,
-    StepStream,
     load_scenario,
     steps_ahead,
 )
@@ -146,26 +145,19 @@ def test_steering_commands_the_robot(heron):
 
 
 @pytest.mark.slow
-def test_it_stands_squats_and_walks():
+def test_heron_stands_walks_and_squats(walk):
     sim = simulate()
     sim.advance(1.0)
     stood = sim.atlas_sim_interface_state.pos_est.position
     assert stood.z == pytest.approx(0.66, abs=0.01)
     gait = sim.scenario.controller_config().gait()
-    stream = StepStream(steps_ahead(sim.atlas_sim_interface_state, 0.42, gait))
-    while not stream.is_over(sim.atlas_sim_interface_state):
-        command = stream.next_command(sim.atlas_sim_interface_state)
-        if command is not None:
-            sim.publish(command)
-        sim.advance(0.1)
-        assert sim.time < 8.0
-    assert len(sim.footsteps) == 4
-    assert max(step["error_m"] for step in sim.footsteps) < 0.005
+    footsteps = walk(sim, steps_ahead(sim.atlas_sim_interface_state, 0.42, gait))
+    assert len(footsteps) == 4
+    assert max(step["error_m"] for step in footsteps) < 0.005
     walked = sim.atlas_sim_interface_state.pos_est.position
     assert walked.x - stood.x == pytest.approx(0.42, abs=0.02)
 
-    squat = AtlasSimInterfaceCommand()
-    squat.behavior = squat.MANIPULATE
+    squat = AtlasSimInterfaceCommand(behavior="MANIPULATE")
     squat.manipulate_params.use_desired = True
     squat.manipulate_params.desired.pelvis_height = 0.3
     sim.publish(squat)

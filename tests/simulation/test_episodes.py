@@ -1,7 +1,5 @@
 """Further runs of one simulation with other seeds equal those of new simulations."""
 
-import time
-
 import numpy as np
 import pytest
 
@@ -136,23 +134,6 @@ def test_friction_and_masses_are_drawn_anew(sim):
     assert before[0]["terrain_1"] == after[0]["terrain_1"] == 0.3
     sim.reset(seed=1)
     assert drawn() == before
-
-
-@pytest.mark.slow
-def test_a_run_begins_ten_times_faster_than_a_simulation():
-    def shortest(act):
-        times = []
-        for _ in range(5):
-            begin = time.perf_counter()
-            act()
-            times.append(time.perf_counter() - begin)
-        return min(times)
-
-    scenario = jittered(1)
-    sim = AtlasSimulation(scenario)
-    assert 10 * shortest(lambda: sim.reset(seed=3)) < shortest(
-        lambda: AtlasSimulation(scenario)
-    )
 
 
 def test_a_new_run_may_begin_elsewhere(sim):

@@ -16,7 +16,7 @@ def from_another_thread(call):
     return answers[0]
 
 
-def test_what_is_left_is_done_in_order_before_the_lock_is_let_go():
+def test_tasks_left_to_the_owner_run_in_order_before_release():
     lock, done = FairLock(), []
     with lock:
         for number in range(3):
@@ -28,7 +28,7 @@ def test_what_is_left_is_done_in_order_before_the_lock_is_let_go():
     assert not lock.leave(done.clear)
 
 
-def test_who_leaves_task_after_task_keeps_nobody_from_going_on():
+def test_tasks_that_leave_tasks_do_not_keep_the_lock():
     """Each task is followed by another, as from a thread that publishes in a loop."""
     lock, done = FairLock(), []
 

@@ -32,7 +32,7 @@ def paced():
 
 
 @pytest.mark.slow
-def test_what_is_waited_for_is_followed_by_no_rush(paced):
+def test_lost_time_is_not_made_up_for(paced):
     for _ in range(2):  # At the start, and between two commands.
         time.sleep(0.3)
         assert seconds(lambda: paced(0.3)) > 0.3 - 0.5 * SLACK

@@ -71,6 +71,8 @@ def test_the_gait_is_detected_from_loads():
     assert look(0.61, 0.0) is None
     assert look(0.6 + 0.9 * DOWN_FOR, 0.0) is None
     assert look(0.7, 0.6) is None
+    assert look(0.75, 0.0) is None
+    assert look(0.75 + LIFTED_FOR, 0.0) == "lift_off"
 
 
 def test_a_push_waits_for_its_foot_and_the_share_of_the_step():
@@ -104,7 +106,7 @@ def test_a_push_waits_for_its_foot_and_the_share_of_the_step():
         ({"time": 1.0, "body": "tail"}, "pushes[0].body"),
     ],
 )
-def test_a_push_that_cannot_be_is_named(push, field):
+def test_an_invalid_push_is_named(push, field):
     with pytest.raises(ScenarioError) as caught:
         AtlasSimulation(Scenario(pushes=[PlannedPush(**push)]))
     assert caught.value.field == field

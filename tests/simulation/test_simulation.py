@@ -67,7 +67,7 @@ def test_an_argument_of_the_wrong_type_is_named(arguments, words):
         AtlasSimulation(**arguments)
 
 
-def test_a_video_that_cannot_be_is_refused():
+def test_an_invalid_video_is_refused():
     assert Video("run.mp4").path == Path("run.mp4")
     for fields, words in (
         ({"path": 3}, "path of a Video must be the name of a file, is 3"),
@@ -78,25 +78,14 @@ def test_a_video_that_cannot_be_is_refused():
             Video(**fields)
 
 
-def joint_command(**fields):
-    command = AtlasCommand()
-    for name, value in fields.items():
-        setattr(command, name, value)
-    return command
-
-
 def behavior_command(behavior, **fields):
-    command = AtlasSimInterfaceCommand()
-    command.behavior = behavior
-    for name, value in fields.items():
-        setattr(command, name, value)
-    return command
+    return AtlasSimInterfaceCommand(behavior=behavior, **fields)
 
 
 # ---- commands ------------------------------------------------------------------
 
 
-def test_a_simulation_begins_without_a_word(caplog):
+def test_a_simulation_logs_nothing_at_its_start(caplog):
     AtlasSimulation()
     assert not caplog.records
 
@@ -105,12 +94,12 @@ def test_a_simulation_begins_without_a_word(caplog):
     ("message", "field", "code"),
     [
         (
-            joint_command(position=[0.0] * 27, k_effort=[255] * 28),
+            AtlasCommand(position=[0.0] * 27, k_effort=[255] * 28),
             "position",
             ErrorCode.VALUE_OUT_OF_RANGE,
         ),
         (
-            joint_command(effort=[0.0] * 27 + [np.nan], k_effort=[255] * 28),
+            AtlasCommand(effort=[0.0] * 27 + [np.nan], k_effort=[255] * 28),
             "effort[27]",
             ErrorCode.VALUE_OUT_OF_RANGE,
         ),
@@ -153,12 +142,12 @@ def test_a_bad_message_raises_is_reported_and_changes_nothing(
 def test_messages_of_one_instant_are_taken_in_their_order(sim):
     neck = AtlasState.neck_ry
     # The gains of one and the shares of the next, and what comes last counts.
-    sim.publish(joint_command(kp_position=[7.0] * 28))
-    sim.publish(joint_command(k_effort=[255] * 28))
+    sim.publish(AtlasCommand(kp_position=[7.0] * 28))
+    sim.publish(AtlasCommand(k_effort=[255] * 28))
     stand = behavior_command("STAND")
     stand.k_effort = [0] * 28
     sim.publish(stand)
-    sim.publish(joint_command(k_effort=[255 * (k == neck) for k in range(28)]))
+    sim.publish(AtlasCommand(k_effort=[255 * (k == neck) for k in range(28)]))
     sim.advance(TICK)
     state = sim.atlas_state
     assert list(state.kp_position) == [7.0] * 28
@@ -171,29 +160,15 @@ def test_a_message_takes_nothing_from_the_programme_before_it():
     sim = AtlasSimulation(Scenario(programme="tutorial", initial_behavior="FREEZE"))
     sim.advance_to(FIRST_COMMAND + TICK)
     assert [event.kind for event in sim.events].count("command") == 1
-    sim.publish(joint_command(kp_velocity=[1.0] * 28))
+    sim.publish(AtlasCommand(kp_velocity=[1.0] * 28))
     sim.advance(TICK)
     assert list(sim.atlas_state.k_effort) == [255] * 28
     assert list(sim.atlas_state.kp_velocity) == [1.0] * 28
 
 
-def test_a_faulty_message_takes_nothing_from_the_one_before_it(sim):
-    sim.publish(behavior_command("USER"))
-    with pytest.raises(InvalidMessageError):
-        sim.publish(joint_command(position=[np.nan] * 28))
-    faulty = behavior_command("STAND")
-    faulty.k_effort = [256] * 28
-    with pytest.raises(InvalidMessageError):
-        sim.publish(faulty)
-    sim.advance(TICK)
-    assert sim.current_behavior is Behavior.USER
-    assert list(sim.atlas_state.k_effort) == [255] * 28
-    assert [event.kind for event in sim.events].count("refusal") == 2
-
-
 def test_a_bound_that_crosses_the_one_in_force_is_refused_at_once(sim):
     with pytest.raises(InvalidMessageError, match=r"i_effort_min\[0\]"):
-        sim.publish(joint_command(i_effort_min=[5.0] * 28))
+        sim.publish(AtlasCommand(i_effort_min=[5.0] * 28))
 
 
 def test_the_error_is_that_of_the_last_message(sim):
@@ -204,7 +179,7 @@ def test_the_error_is_that_of_the_last_message(sim):
     sim.publish(behavior_command("USER"))
     sim.publish(behavior_command("WALK"))
     assert report().error_code is ErrorCode.FAILED_TO_START_BEHAVIOR
-    sim.publish(joint_command())
+    sim.publish(AtlasCommand())
     assert report().error_code is ErrorCode.NO_ERRORS
     with pytest.raises(InvalidMessageError):
         sim.publish(behavior_command("HOP"))
@@ -215,27 +190,8 @@ def test_the_error_is_that_of_the_last_message(sim):
     assert not report().behavior_feedback.status_flags & unknown
 
 
-@pytest.mark.parametrize("thing", [None, "STAND", {"behavior": 3}, AtlasState()])
-def test_only_commands_are_published(sim, thing):
-    with pytest.raises(TypeError, match=type(thing).__name__):
-        sim.publish(thing)
-
-
-def test_a_message_sent_before_its_predecessor_is_refused(sim):
-    for stamp in (3.0, 2.0):
-        command = behavior_command("STAND")
-        command.header.stamp = stamp
-        if stamp == 3.0:
-            sim.publish(command)
-            sim.advance(TICK)
-    with pytest.raises(InvalidMessageError) as caught:
-        sim.publish(command)
-    assert caught.value.field == "header.stamp"
-    assert caught.value.error_code is ErrorCode.TIME_RAN_BACKWARD
-
-
 def test_a_published_message_is_a_copy(sim):
-    command = joint_command(k_effort=[0] * 28, position=[0.1] * 28)
+    command = AtlasCommand(k_effort=[0] * 28, position=[0.1] * 28)
     command.k_effort[AtlasState.neck_ry] = 255
     sim.publish(command)
     command.k_effort[AtlasState.neck_ry] = 7
@@ -250,28 +206,11 @@ def test_a_published_message_is_a_copy(sim):
     assert sim.atlas_state.k_effort[AtlasState.neck_ry] == 7
 
 
-def test_a_command_takes_effect_at_the_next_control_update(sim):
-    sim.advance(0.1)
-    sim.publish(behavior_command("FREEZE"))
-    assert sim.current_behavior is Behavior.STAND
-    sim.advance(2 * TICK)
-    assert sim.current_behavior is Behavior.FREEZE
-
-
-def test_the_last_behavior_and_the_joint_command_of_one_instant_count(sim):
-    sim.publish(joint_command(kp_position=[33.0] * 28))
-    sim.publish(behavior_command("USER"))
-    sim.publish(behavior_command("FREEZE"))
-    sim.advance(2 * TICK)
-    assert sim.current_behavior is Behavior.FREEZE
-    assert list(sim.atlas_state.kp_position) == [33.0] * 28
-
-
 def test_gains_in_force_are_reported(sim):
     state = sim.atlas_state
     np.testing.assert_array_equal(state.kp_position, sim.robot.default_kp)
     np.testing.assert_array_equal(state.kd_position, sim.robot.default_kd)
-    sim.publish(joint_command(ki_position=[1.0] * 28, i_effort_max=[2.0] * 28))
+    sim.publish(AtlasCommand(ki_position=[1.0] * 28, i_effort_max=[2.0] * 28))
     sim.advance(2 * TICK)
     state = sim.atlas_state
     assert list(state.ki_position) == [1.0] * 28
@@ -282,7 +221,7 @@ def test_gains_in_force_are_reported(sim):
 # ---- time ----------------------------------------------------------------------
 
 
-def test_time_is_the_sum_of_what_was_advanced(sim):
+def test_time_is_the_sum_of_the_advances(sim):
     assert sim.time == 0.0
     sim.advance(0.03)
     assert sim.time == pytest.approx(0.03)
@@ -296,7 +235,7 @@ def test_time_is_the_sum_of_what_was_advanced(sim):
 
 
 @pytest.mark.parametrize("t", [0.01, -1.0, np.nan, np.inf, 10**400, "soon", None])
-def test_time_does_not_go_back_nor_on_for_ever(sim, t):
+def test_times_that_are_past_or_not_finite_are_refused(sim, t):
     sim.advance(0.02)
     with pytest.raises(ValueError, match="cannot advance"):
         sim.advance_to(t)
@@ -384,7 +323,7 @@ def test_waiting_in_vain_ends_with_an_error_that_says_when(sim):
 
 
 @pytest.mark.slow
-def test_nothing_is_lost_that_another_thread_publishes(tmp_path):
+def test_no_message_of_another_thread_is_lost(tmp_path):
     scenario = Scenario()
     done, sent = threading.Event(), []
 
@@ -470,7 +409,7 @@ def test_threads_that_advance_to_one_time_end_there(sim):
         (("utorso", [1.0, 0.0, 0.0], np.nan), "duration"),
     ],
 )
-def test_pushes_that_make_no_sense_are_refused(sim, arguments, field):
+def test_invalid_pushes_are_refused(sim, arguments, field):
     with pytest.raises(InvalidMessageError) as caught:
         sim.apply_push(*arguments)
     assert caught.value.field == field
@@ -478,31 +417,10 @@ def test_pushes_that_make_no_sense_are_refused(sim, arguments, field):
     assert sim.events == []
 
 
-def test_a_push_gives_its_impulse_and_ends():
-    # In the air nothing but push and gravity acts: the momentum is their impulse.
-    sim = AtlasSimulation(Scenario(initial_behavior="USER"))
-    plant, context = sim.plant, sim.plant.GetMyMutableContextFromRoot(sim.context)
-    pelvis = plant.GetBodyByName("pelvis")
-    X_WP = sim.pelvis_pose
-    X_WP.set_translation([0.0, 0.0, 5.0])
-    plant.SetFloatingBaseBodyPoseInWorldFrame(context, pelvis, X_WP)
-
-    def momentum():
-        velocity = plant.CalcCenterOfMassTranslationalVelocityInWorld(context)
-        return sim.robot.mass * velocity
-
-    sim.apply_push("utorso", [30.0, -20.0, 0.0], 0.05)
-    sim.advance(0.15)
-    np.testing.assert_allclose(momentum()[:2], [1.5, -1.0], atol=0.05)
-    (event, *_) = sim.events
-    assert event.kind == "push"
-    assert "utorso" in event.text
-
-
 # ---- what it tells -------------------------------------------------------------
 
 
-def test_at_rest_the_sensors_tell_of_gravity_and_weight(sim):
+def test_at_rest_the_sensors_measure_gravity_and_weight(sim):
     sim.advance(0.6)
     imu, state = sim.imu, sim.atlas_state
     np.testing.assert_allclose(
@@ -519,7 +437,7 @@ def test_at_rest_the_sensors_tell_of_gravity_and_weight(sim):
 
 
 @pytest.mark.slow
-def test_noise_is_the_seeds_and_nothing_elses():
+def test_noise_depends_on_the_seed_alone():
     def first(seed, noise="rough"):
         return AtlasSimulation(Scenario(seed=seed, noise=noise)).imu
 
@@ -550,7 +468,7 @@ def test_the_summary_is_json_and_says_what_was_run(summary_keys):
     assert summary["min_pelvis_height"] == pytest.approx(height, abs=0.02)
 
 
-def test_events_are_told_as_they_happen_and_in_order(sim):
+def test_listeners_get_events_at_once_and_in_order(sim):
     told = []
     sim.attach(Listener(told.append))
     sim.advance(0.04)
@@ -566,7 +484,7 @@ def test_events_are_told_as_they_happen_and_in_order(sim):
     assert [change["text"] for change in changes] == [event.text for event in told]
 
 
-def test_an_error_of_who_listens_is_its_own_and_loses_no_event(tmp_path):
+def test_a_listeners_error_is_raised_and_loses_no_event(tmp_path):
     error = RuntimeError("of the caller")
 
     def on_event(event):
@@ -590,7 +508,7 @@ def test_an_error_of_who_listens_is_its_own_and_loses_no_event(tmp_path):
     assert [event.kind for event in read_log(tmp_path / "run.npz").events] == kinds
 
 
-def test_what_is_sent_last_is_in_events_and_log(tmp_path):
+def test_messages_after_the_last_advance_are_in_events_and_log(tmp_path):
     with AtlasSimulation(log=tmp_path / "run.npz") as sim:
         sim.advance(0.01)
         sim.publish(AtlasCommand())
@@ -602,7 +520,7 @@ def test_what_is_sent_last_is_in_events_and_log(tmp_path):
     assert [event.kind for event in log.events] == ["refusal"]
 
 
-def test_a_list_that_changes_afterwards_is_not_what_was_simulated():
+def test_a_scenario_is_copied():
     scenario = Scenario(start=Start(position=[0.5, 0.0]))
     sim = AtlasSimulation(scenario)
     scenario.start.position[:] = [9.0, 9.0]
@@ -615,7 +533,7 @@ def test_a_scenario_is_checked_before_anything_is_built():
         AtlasSimulation(Scenario(physics_step=0.01))
 
 
-@pytest.mark.parametrize("behavior", ["STAND", "STAND_PREP", "USER", "FREEZE"])
+@pytest.mark.parametrize("behavior", ["STAND_PREP", "USER"])
 def test_a_run_begins_in_the_scenarios_behavior(behavior):
     sim = AtlasSimulation(Scenario(initial_behavior=behavior))
     assert sim.current_behavior is Behavior[behavior]
@@ -630,12 +548,12 @@ def test_a_run_begins_in_the_scenarios_behavior(behavior):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("physics_step", [0.0005, 0.001, 0.002, 0.003])
+@pytest.mark.parametrize("physics_step", [0.0005, 0.003])
 def test_the_tutorials_gains_are_stable_in_the_whole_robot(physics_step):
     sim = AtlasSimulation(Scenario(initial_behavior="USER", physics_step=physics_step))
     n = sim.robot.num_joints
     # The tutorial's gains are the default ones, and this on every joint.
-    sim.publish(joint_command(kp_velocity=[50.0] * n, kd_position=[0.0] * n))
+    sim.publish(AtlasCommand(kp_velocity=[50.0] * n, kd_position=[0.0] * n))
     velocities, efforts = [], []
     indices = sim.robot.indices(sim.plant)
     q = sim.plant.num_positions()
@@ -646,8 +564,8 @@ def test_the_tutorials_gains_are_stable_in_the_whole_robot(physics_step):
         efforts.append(sim.diagram.GetOutputPort("effort").Eval(root).copy())
 
     sim.simulator.set_monitor(watch)
-    sim.advance(2.0)
-    assert len(velocities) > 2.0 / physics_step
+    sim.advance(1.0)
+    assert len(velocities) > 1.0 / physics_step
     landing = round(0.3 / physics_step)
     # It lands on its feet, sinks a little, and nothing rings.
     assert max(velocities) < 1.5

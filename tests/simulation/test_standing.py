@@ -48,16 +48,6 @@ def test_by_default_the_robot_stands_at_rest_on_what_is_there(model, terrain):
     assert not plant.GetVelocities(context).any()
 
 
-def test_a_station_simulates_from_its_default_context():
-    _, station, simulator = make()
-    simulator.AdvanceTo(0.2)
-    context = station.GetMyContextFromRoot(simulator.get_context())
-    report = station.GetOutputPort("atlas_sim_interface_state").Eval(context)
-    assert report.current_behavior == report.desired_behavior == 3
-    assert report.pos_est.position.z == pytest.approx(0.9, abs=0.03)
-    assert np.abs(station.GetOutputPort("atlas_state").Eval(context).velocity).max() < 1
-
-
 def test_the_robot_is_placed_with_one_call():
     robot, station, simulator = make(terrain=[BLOCK])
     plant = station.GetSubsystemByName("plant")
@@ -85,7 +75,7 @@ def test_the_robot_is_placed_with_one_call():
         ("clearance", "x"),
     ],
 )
-def test_a_place_that_is_none_is_refused(station_at_rest, field, value):
+def test_an_invalid_placement_is_refused(station_at_rest, field, value):
     robot, station, simulator = station_at_rest
     plant = station.GetSubsystemByName("plant")
     context = plant.GetMyMutableContextFromRoot(simulator.get_mutable_context())

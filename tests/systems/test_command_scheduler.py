@@ -21,15 +21,11 @@ ATLAS, SIM = "atlas_command", "atlas_sim_interface_command"
 
 
 def joint_command(effort):
-    command = AtlasCommand()
-    command.effort = [effort]
-    return command
+    return AtlasCommand(effort=[effort])
 
 
 def behavior_command(behavior):
-    command = AtlasSimInterfaceCommand()
-    command.behavior = behavior
-    return command
+    return AtlasSimInterfaceCommand(behavior=behavior)
 
 
 class Run:
@@ -132,7 +128,7 @@ def test_a_text_without_command_is_counted_and_sends_nothing():
     assert (run.out("sent"), run.out(ATLAS), run.out(SIM)) == (1, NOTHING, NOTHING)
 
 
-def test_what_was_sent_does_not_change_with_the_programmers_message():
+def test_a_sent_command_is_a_copy():
     message = joint_command(1.0)
     run = Run((0.1, message))
     run.to(0.15)

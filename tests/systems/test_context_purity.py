@@ -32,7 +32,7 @@ def diagram(robot):
         ScheduledCommand(0.02, arms),
         ScheduledCommand(WALK_AT, walk_command),
     ]
-    config = StationConfig(noise=NOISE_MODELS["rough"], seed=3)
+    config = StationConfig(noise=NOISE_MODELS["rough"], seed=3, estimated=True)
     return make_control_mode_switch(robot, programme, config)
 
 
@@ -46,9 +46,10 @@ def remembered(diagram, context):
     """Every number in the context, and what the behaviors report, to the bit."""
     discrete = context.get_discrete_state()
     numbers = [discrete.get_vector(i).value() for i in range(discrete.num_groups())]
+    estimates = ("estimated_state", "estimation_error")
     outputs = {
         name: diagram.GetOutputPort(name).Eval(context)
-        for name in ("effort", "extremes", "imu", "atlas_state", "sent")
+        for name in ("effort", "extremes", "imu", "atlas_state", "sent", *estimates)
     }
     report = diagram.GetOutputPort("atlas_sim_interface_state").Eval(context)
     status = diagram.GetOutputPort("controller_status").Eval(context)
@@ -56,8 +57,7 @@ def remembered(diagram, context):
     return [
         context.get_time(),
         np.concatenate(numbers).tobytes(),
-        outputs["effort"].tobytes(),
-        outputs["extremes"].tobytes(),
+        *(outputs[name].tobytes() for name in ("effort", "extremes", *estimates)),
         outputs["imu"],
         outputs["atlas_state"],
         outputs["sent"],

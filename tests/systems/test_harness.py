@@ -101,7 +101,7 @@ def hanging(robot, parts):
     return Hanging(robot, *parts)
 
 
-def test_it_pulls_by_the_law_at_the_velocity_that_the_step_ends_with(hanging):
+def test_the_pull_follows_the_law_at_the_steps_end_velocity(hanging):
     p_WH = hanging.X_WP.translation() + np.array([0.02, -0.03, 0.01])
     R_WH = RollPitchYaw(0.35, -0.25, 0.8).ToRotationMatrix().matrix()
     hanging.harness.hold(hanging.own, p_WH, R_WH, 0.1)
@@ -139,7 +139,7 @@ def test_the_ground_on_the_soles_counts_as_any_other_force(hanging):
     )
 
 
-def test_it_lets_the_robot_down_then_fades_and_is_off(hanging):
+def test_a_released_harness_lowers_fades_and_is_off(hanging):
     X_WP = hanging.X_WP
     p_WH, R_WH, drop = X_WP.translation(), X_WP.rotation().matrix(), 0.1
     hanging.harness.release(hanging.own)
@@ -165,7 +165,7 @@ def test_it_lets_the_robot_down_then_fades_and_is_off(hanging):
     assert len(hanging.forces) == 1
 
 
-def test_one_that_let_go_pulls_no_more(hanging):
+def test_a_harness_that_let_go_gives_no_force(hanging):
     X_WP = hanging.X_WP
     assert len(hanging.forces) == 1
     hanging.harness.hold(hanging.own, X_WP.translation(), X_WP.rotation().matrix(), 0.1)
@@ -187,9 +187,7 @@ def test_the_pull_solves_its_implicit_law():
     ("model", "step", "kp_velocity"),
     [
         ("atlas", 0.002, None),
-        ("atlas", 0.002, 50.0),
         ("atlas", 0.001, 1e6),
-        ("atlas_v3", 0.002, None),
         ("atlas_v3", 0.002, 1e6),
     ],
 )

@@ -45,12 +45,12 @@ def reading(simulator):
     return np.split(port.Eval(simulator.get_context()), 3)
 
 
-def test_before_the_first_tick_nothing_was_gained(simulator):
+def test_increments_are_zero_before_the_first_tick(simulator):
     for part in reading(simulator):
         np.testing.assert_array_equal(part, 0.0)
 
 
-def test_at_rest_it_gains_what_gravity_takes(simulator):
+def test_at_rest_the_velocity_increment_is_gravity_upward(simulator):
     simulator.AdvanceTo(TICK)
     rate, turn, velocity = reading(simulator)
     np.testing.assert_array_equal(rate, 0.0)
@@ -58,7 +58,7 @@ def test_at_rest_it_gains_what_gravity_takes(simulator):
     np.testing.assert_allclose(velocity, [0.0, 0.0, GRAVITY * TICK], atol=1e-4)
 
 
-def test_it_tells_turn_and_change_of_velocity_since_the_last_tick(sim, simulator):
+def test_increments_are_turn_and_velocity_change_since_the_last_tick(sim, simulator):
     simulator.AdvanceTo(0.5 * TICK)
     orientation = sim.robot.indices(sim.plant).pelvis.orientation
     state = sim.output("state").copy()

@@ -64,9 +64,8 @@ def test_the_soles_are_pressed_within_their_edges_wherever_the_robot_stands():
         assert not wrench.force.to_array().any()
 
 
-@pytest.mark.parametrize("noise", ["none", "rough"])
-def test_joints_are_measured_with_the_noise_of_their_encoders(noise):
-    sim = AtlasSimulation(Scenario(noise=noise, seed=3))
+def test_joints_are_measured_with_the_noise_of_their_encoders():
+    sim = AtlasSimulation(Scenario(noise="rough", seed=3))
     sim.advance(0.03)
     sensors = sim.station.GetSubsystemByName("robot_sensors")
     context = sensors.GetMyContextFromRoot(sim.context)
@@ -76,4 +75,4 @@ def test_joints_are_measured_with_the_noise_of_their_encoders(noise):
     indices = sim.robot.indices(sim.plant)
     joints = measured[indices.q] - truth[indices.q]
     np.testing.assert_allclose(joints, drawn.joint_position, atol=1e-12)
-    assert drawn.joint_position.any() == (noise == "rough")
+    assert drawn.joint_position.any()

@@ -10,7 +10,7 @@ TICK = 0.01
 """[s]"""
 
 
-def test_it_keeps_the_peaks_in_message_order(robot):
+def test_extremes_are_peaks_in_message_order(robot):
     plant = robot.make_plant()
     indices = robot.indices(plant)
     system = RunStatistics(robot, indices, plant.num_multibody_states(), TICK)

@@ -18,35 +18,35 @@ SOLE = SupportPolygon(sole_corners(np.zeros(3), np.eye(3), 0.1, 0.05))
 
 
 @pytest.fixture
-def sway():
+def shift():
     return WeightShift(np.array([0.1, 0.0]), np.array([0.15, 0.2]), 1.3)
 
 
-def test_goes_from_rest_to_rest(sway):
+def test_goes_from_rest_to_rest(shift):
     for time, place in (
-        (0.0, sway.start),
-        (-0.1, sway.start),
-        (sway.duration, sway.end),
-        (2.0 * sway.duration, sway.end),
+        (0.0, shift.start),
+        (-0.1, shift.start),
+        (shift.duration, shift.end),
+        (2.0 * shift.duration, shift.end),
     ):
-        p, v, a = sway.motion(time)
+        p, v, a = shift.motion(time)
         np.testing.assert_allclose(p, place, atol=1e-12)
         np.testing.assert_allclose([v, a], 0.0, atol=1e-9)
 
 
 @pytest.mark.parametrize("time", [0.1, 0.6, 1.2])
-def test_velocity_and_acceleration_are_derivatives(sway, time):
+def test_velocity_and_acceleration_are_derivatives(shift, time):
     (before, _, _), (p, v, a), (after, _, _) = map(
-        sway.motion, (time - DT, time, time + DT)
+        shift.motion, (time - DT, time, time + DT)
     )
     np.testing.assert_allclose(v, (after - before) / (2.0 * DT), atol=1e-6)
     np.testing.assert_allclose(a, (after - 2.0 * p + before) / DT**2, atol=1e-5)
 
 
 @pytest.mark.parametrize("time", [0.1, 0.6, 1.2])
-def test_dcm_and_cop_are_those_of_one_pendulum(sway, time):
-    now, later = sway.evaluate(time, OMEGA), sway.evaluate(time + DT, OMEGA)
-    earlier = sway.evaluate(time - DT, OMEGA)
+def test_dcm_and_cop_are_those_of_one_pendulum(shift, time):
+    now, later = shift.evaluate(time, OMEGA), shift.evaluate(time + DT, OMEGA)
+    earlier = shift.evaluate(time - DT, OMEGA)
     rate = (later.dcm - earlier.dcm) / (2.0 * DT)
     np.testing.assert_allclose(rate, OMEGA * (now.dcm - now.cop), atol=1e-6)
 
@@ -55,9 +55,9 @@ def test_dcm_and_cop_are_those_of_one_pendulum(sway, time):
 def test_the_least_duration_reaches_the_acceleration_and_no_more(limit):
     end = np.array([0.12, 0.16])
     duration = sway_duration(0.2, limit)
-    sway = WeightShift(np.zeros(2), end, duration)
+    shift = WeightShift(np.zeros(2), end, duration)
     times = np.linspace(0.0, duration, 2001)
-    largest = max(np.hypot(*sway.motion(time)[2]) for time in times)
+    largest = max(np.hypot(*shift.motion(time)[2]) for time in times)
     assert largest == pytest.approx(limit, rel=1e-4)
 
 
@@ -66,29 +66,29 @@ def plan(dcm, end, least=0.3):
 
 
 def test_a_plan_starts_at_the_dcm_and_takes_no_more_time_than_it_needs():
-    sway = plan([0.0, -0.001], [0.0, 0.001])
-    np.testing.assert_allclose(sway.start, [0.0, -0.001])
-    np.testing.assert_allclose(sway.end, [0.0, 0.001])
-    assert sway.duration == 0.3
+    shift = plan([0.0, -0.001], [0.0, 0.001])
+    np.testing.assert_allclose(shift.start, [0.0, -0.001])
+    np.testing.assert_allclose(shift.end, [0.0, 0.001])
+    assert shift.duration == 0.3
 
 
 def test_a_plan_takes_the_time_that_keeps_its_cop_inside():
     dcm, end = [-0.05, -0.02], [0.05, 0.03]
     too_fast = WeightShift(np.array(dcm), np.array(end), 0.3)
     assert too_fast.cop_outside(SOLE, OMEGA) > 0.0
-    sway = plan(dcm, end)
-    times = np.linspace(0.0, sway.duration, 200)
-    cops = [sway.evaluate(time, OMEGA).cop for time in times]
+    shift = plan(dcm, end)
+    times = np.linspace(0.0, shift.duration, 200)
+    cops = [shift.evaluate(time, OMEGA).cop for time in times]
     outside = [SOLE.distance_outside(cop) for cop in cops]
     assert max(outside) < -0.8 * INSIDE
-    assert sway.cop_outside(SOLE, OMEGA) == pytest.approx(max(outside), abs=0.002)
+    assert shift.cop_outside(SOLE, OMEGA) == pytest.approx(max(outside), abs=0.002)
     # A fifth less would not have done.
-    faster = WeightShift(sway.start, sway.end, 0.8 * sway.duration)
+    faster = WeightShift(shift.start, shift.end, 0.8 * shift.duration)
     assert faster.cop_outside(SOLE, OMEGA) > -INSIDE
 
 
 def test_a_dcm_at_the_edge_is_led_inside_at_once():
-    sway = plan([0.0, 0.06], [0.0, -0.02])
-    assert -3.0 * INSIDE < SOLE.distance_outside(sway.start) <= -2.0 * INSIDE
-    assert sway.start[0] == 0.0
-    assert sway.duration < 1.5
+    shift = plan([0.0, 0.06], [0.0, -0.02])
+    assert -3.0 * INSIDE < SOLE.distance_outside(shift.start) <= -2.0 * INSIDE
+    assert shift.start[0] == 0.0
+    assert shift.duration < 1.5
