@@ -86,6 +86,12 @@ class Balance:
             gains.leg_posture_weight,
             np.where(back, gains.back_posture_weight, gains.arm_posture_weight),
         )
+        self._joint_weight_in_air = tuple(
+            np.where(
+                robot.limb(leg), gains.swing_leg_posture_weight, self._joint_weight
+            )
+            for leg in ("l_leg", "r_leg")
+        )
         self._back = np.flatnonzero(back)
         self._frames = tuple(foot.sole_frame for foot in robot.file.feet)
         self._patches = sole_patches(robot.file.sole, gains.contact)
@@ -140,7 +146,7 @@ class Balance:
         file = self.robot.file
         return self.on_feet(
             feet,
-            PostureTask(self.posture(observation, body), self._joint_weight),
+            PostureTask(self.posture(observation, body), self._posture_weight(feet)),
             OrientationTask(file.chest, chest, self._chest_weight),
             OrientationTask(file.pelvis, pelvis, self._pelvis_weight),
             MomentTask(p_WE, self._moment_weight),
@@ -176,6 +182,13 @@ class Balance:
         """Computes joint accelerations towards the posture [rad/s²], shape (n,)."""
         gains, terms = self.gains.posture, observation.terms
         return gains.kp * (body.joints - terms.q) - gains.kd * terms.v
+
+    def _posture_weight(self, feet: tuple[FootCommand, FootCommand]) -> np.ndarray:
+        """Weights of the joints' posture, smaller in a leg whose foot is in the air."""
+        for foot, weight in zip(feet, self._joint_weight_in_air, strict=True):
+            if foot.contact is None:
+                return weight
+        return self._joint_weight
 
     def pressed(self, observation: Observation, foot: int, load: float) -> FootCommand:
         """Commands a foot that just landed, with a load of at least ``load`` weights.

@@ -131,6 +131,7 @@ class BehaviorEntry(BehaviorInterface):
         ends_in_order: True if the behavior comes to an orderly end when STAND is
             requested.
         lifts_feet: True if the behavior lifts feet, and so needs both legs.
+        recovers: True if WALK takes over when only a step keeps the balance.
     """
 
     make: Callable[[BehaviorTools, Any], BehaviorProtocol]
@@ -144,6 +145,7 @@ class BehaviorEntry(BehaviorInterface):
     balanced: bool = True
     ends_in_order: bool = True
     lifts_feet: bool = False
+    recovers: bool = False
 
     @property
     def configured_at(self) -> str:

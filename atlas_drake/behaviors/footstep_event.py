@@ -49,6 +49,17 @@ def footstep_event(
     )
 
 
+def caught_balance(time: float, step: Footstep) -> Event:
+    """Makes the event of a step that nobody commanded, at its lift-off.
+
+    Args:
+        time: Time of the lift-off [s].
+        step: The step that catches the balance.
+    """
+    text = f"step {step.index} ({_FEET[step.foot]}) catches the balance"
+    return Event(time, "recovery", text, {"index": step.index, "foot": step.foot})
+
+
 NOTABLE = 0.001
 """Warn at lift-off of a step that is saturated by at least this distance [m]."""
 NOTABLE_ANGLE = 0.01

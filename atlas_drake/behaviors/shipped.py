@@ -84,6 +84,7 @@ SHIPPED_ENTRIES = (
         conditions=(at_rest_over_the_feet,),
         leads_to=("STAND_PREP", "WALK", "STEP", "MANIPULATE"),
         ends_in_order=False,
+        recovers=True,
     ),
     _entry(
         Behavior.WALK,
@@ -97,7 +98,12 @@ SHIPPED_ENTRIES = (
         config=StepConfig(),
         lifts_feet=True,
     ),
-    _entry(Behavior.MANIPULATE, make=_manipulate, config=ManipulateConfig()),
+    _entry(
+        Behavior.MANIPULATE,
+        make=_manipulate,
+        config=ManipulateConfig(),
+        recovers=True,
+    ),
     _entry(Behavior.USER, make=lambda _tools, _config: Idle(), **_ANY_TIME),
 )
 """In the order of their numbers."""

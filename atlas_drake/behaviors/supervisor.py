@@ -23,6 +23,7 @@ from atlas_drake.behaviors.entry import (
 )
 from atlas_drake.behaviors.fall import posture_of, sign_of_fall
 from atlas_drake.behaviors.freeze import Freeze
+from atlas_drake.behaviors.recovery import Recovery, walk_without_steps
 from atlas_drake.behaviors.shipped import SHIPPED_ENTRIES
 from atlas_drake.behaviors.supervisor_state import (
     LastTransition,
@@ -82,6 +83,7 @@ class Supervisor:
             Freeze(balance, config.freeze),
             config.gait(),
         )
+        self._recovery = Recovery(balance, config.stand)
         self._fall_limits = config.fall
         self._legs = np.flatnonzero(robot.limb("l_leg", "r_leg"))
         self._entries = {entry.behavior: entry for entry in entries}
@@ -131,6 +133,11 @@ class Supervisor:
             # No behavior acts or reports while the joints are only damped.
             body = read_only(capture_body(observation.terms))
             return replace(state, active=replace(active, body=body)), None
+        if self._must_step(state, active, observation):
+            request = walk_without_steps(active.request)
+            active = Waiting(Behavior.WALK, request, active.body)
+            by_itself = BehaviorStatus.WARNING_AUTO_TRANS
+            state = self._change(state, observation, active, by_itself)
         behavior = self.behaviors[active.behavior]
         if isinstance(active, Waiting):
             entered = behavior.enter(observation, active.body, active.request)
@@ -302,6 +309,20 @@ class Supervisor:
             last=LastTransition(source, target, status),
             falling=state.falling and bool(self._sign_of_fall(observation)),
         ).with_event(Event(observation.time, "behavior", text, names))
+
+    def _must_step(
+        self,
+        state: SupervisorState,
+        active: Waiting | Running,
+        observation: Observation,
+    ) -> bool:
+        """Returns True if the behavior stands, and only a step keeps the balance."""
+        return (
+            self._entries[active.behavior].recovers
+            and isinstance(active, Running)
+            and not state.falling
+            and self._recovery.is_needed(observation)
+        )
 
     def _warn_of_user_legs(
         self, state: SupervisorState, active: Running, observation: Observation

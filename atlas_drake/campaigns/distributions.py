@@ -17,6 +17,7 @@ from atlas_drake.numeric import is_number
 
 FORMS = {
     "uniform": "[lowest, highest]",
+    "integers": "[lowest, highest], both whole",
     "log_uniform": "[lowest, highest], both above 0",
     "normal": "[mean, standard deviation]",
     "choice": "a list of values",
@@ -62,7 +63,9 @@ def check_distribution(value: object, path: str) -> dict[str, Any]:
 def _allowed(kind: str, first: float, second: float) -> bool:
     if kind == "normal":
         return second >= 0.0
-    return first <= second and (kind == "uniform" or first > 0.0)
+    if kind == "integers" and not (first.is_integer() and second.is_integer()):
+        return False
+    return first <= second and (kind != "log_uniform" or first > 0.0)
 
 
 def _numbers(values: object) -> list[float] | None:
@@ -81,6 +84,8 @@ def draw(distribution: Mapping[str, Any], random: np.random.Generator) -> Any:
     if kind == "sign":
         return float(given * (1.0 if random.random() < 0.5 else -1.0))
     first, second = given
+    if kind == "integers":
+        return int(random.integers(int(first), int(second), endpoint=True))
     if kind == "normal":
         return float(random.normal(first, second))
     if kind == "log_uniform":
@@ -93,4 +98,6 @@ def example(distribution: Mapping[str, Any]) -> Any:
     ((kind, given),) = distribution.items()
     if kind == "sign":
         return given
+    if kind == "integers":
+        return int(given[1])
     return given[0] if kind in ("choice", "normal") else given[1]

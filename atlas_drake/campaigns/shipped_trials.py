@@ -18,6 +18,12 @@ PIECE = 0.1
 """Simulated time between two checks of the robot [s]."""
 DISTANCE = 2.0
 """Default distance of ``walk`` [m]."""
+GAIT_PARAMETERS = {
+    "stride": "stride",
+    "step_duration": "duration",
+    "swing_height": "swing_height",
+}
+"""Fields of a ``Gait`` by the parameter of ``walk``."""
 STANDING = 1.0
 """Time for which ``walk`` stands before its first step [s]."""
 
@@ -28,14 +34,25 @@ def run(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> None:
 
 
 def walk(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, Any]:
-    """Walks straight ahead for ``distance`` [m], and stands until the duration ends.
+    """Walks straight ahead, and stands until the duration ends.
+
+    Args:
+        sim: A robot that stands.
+        parameters: ``distance`` [m], and of the gait ``stride`` [m], ``step_duration``
+            [s] and ``swing_height`` [m]; the scenario's usual steps for those left out.
 
     Returns:
         ``walk_ended``: True if the robot stands again.
     """
+    wanted = {
+        field: float(parameters[name])
+        for name, field in GAIT_PARAMETERS.items()
+        if name in parameters
+    }
+    gait = sim.scenario.controller_config().gait(**wanted)
     _until(sim, STANDING)
-    report = sim.atlas_sim_interface_state
-    steps = StepStream(steps_ahead(report, float(parameters.get("distance", DISTANCE))))
+    distance = float(parameters.get("distance", DISTANCE))
+    steps = StepStream(steps_ahead(sim.atlas_sim_interface_state, distance, gait))
     while not (sim.has_fallen or steps.is_over(sim.atlas_sim_interface_state)):
         if sim.time >= sim.scenario.duration - 1e-9:
             break

@@ -123,5 +123,8 @@ class ControlGains(Configuration):
     swing_orientation: PdGains = PdGains(kp=200.0, kd=28.0)
     posture: PdGains = PdGains(kp=80.0, kd=18.0)
     leg_posture_weight: NotNegative = 0.02
+    swing_leg_posture_weight: NotNegative = 0.005
+    """Of a leg whose foot is in the air: at lift-off its almost straight knee has to
+    bend at once, and a heavier posture would throw the pelvis up instead."""
     back_posture_weight: NotNegative = 0.1
     arm_posture_weight: NotNegative = 2.0

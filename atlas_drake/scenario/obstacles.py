@@ -199,6 +199,9 @@ class Strewn(Obstacle):
         default_factory=lambda: [0.20, 0.10, 0.05]
     )
     """Length, width and height of a brick [m]."""
+    sunk: Annotated[float, Interval(ge=0.0, le=1.0)] = 0.0
+    """Greatest depth to which a brick is sunk into the ground, each to a random one;
+    less than its height [m]."""
     area: Annotated[list[Length], Len(2, 2)] = field(default_factory=lambda: [4.0, 3.0])
     """Area of the bricks' middles, along x and y [m]."""
     seed: Annotated[int, Interval(ge=0, le=_LARGEST_SEED)] = 0
@@ -206,7 +209,10 @@ class Strewn(Obstacle):
     seeds meet the same bricks."""
 
     def check(self) -> None:
-        """Checks that the bricks find room."""
+        """Checks that the bricks find room, and that their tops are above ground."""
+        if self.sunk >= self.size[2]:
+            problem = f"must be less than the bricks' height, {self.size[2]:g}"
+            raise ScenarioError.about("sunk", self.sunk, problem)
         placed = len(self._places())
         if placed < self.number:
             raise ScenarioError(
@@ -217,14 +223,19 @@ class Strewn(Obstacle):
             )
 
     def _blocks_O(self) -> list[Block]:
+        depths = np.random.default_rng([self.seed, 1]).uniform(
+            0, self.sunk, self.number
+        )
         return [
             Block(
                 size=list(self.size),
-                position=[x, y, self.size[2]],
+                position=[x, y, self.size[2] - float(depth)],
                 rpy=[0.0, 0.0, yaw],
                 color=list(_BRICKS[index % len(_BRICKS)]),
             )
-            for index, (x, y, yaw) in enumerate(self._places())
+            for index, ((x, y, yaw), depth) in enumerate(
+                zip(self._places(), depths, strict=True)
+            )
         ]
 
     def _places(self) -> list[tuple[float, float, float]]:

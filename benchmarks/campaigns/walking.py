@@ -64,7 +64,7 @@ class Push:
 
 
 def plan(
-    sim: AtlasSimulation, num_steps: int = NUM_STEPS
+    sim: AtlasSimulation, num_steps: int = NUM_STEPS, length: float = STEP_LENGTH
 ) -> tuple[list[AtlasBehaviorStepData], float]:
     """Steps straight ahead of the feet, and the heading [rad]."""
     left, right = (
@@ -77,7 +77,7 @@ def plan(
     heading = math.atan2(ahead[1], ahead[0])
     steps = []
     for i in range(num_steps):
-        distance = STEP_LENGTH * min(i + 1, num_steps - 1)
+        distance = length * min(i + 1, num_steps - 1)
         place = (left, right)[i % 2] + distance * ahead
         step = AtlasBehaviorStepData()
         step.step_index = i + 1
@@ -96,8 +96,8 @@ def walk(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, bool]
 
     Args:
         sim: A robot that stands.
-        parameters: ``num_steps``; and for a push its ``impulse`` [N·s], ``direction``
-            and ``earliest`` time [s].
+        parameters: ``num_steps`` and ``step_length`` [m]; and for a push its
+            ``impulse`` [N·s], ``direction`` and ``earliest`` time [s].
 
     Returns:
         Whether the robot stands in the end, and has taken all its steps.
@@ -105,7 +105,8 @@ def walk(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, bool]
     num_steps = int(parameters.get("num_steps", NUM_STEPS))
     push = push_from(parameters)
     sim.advance(STANDING)
-    steps, heading = plan(sim, num_steps)
+    length = float(parameters.get("step_length", STEP_LENGTH))
+    steps, heading = plan(sim, num_steps, length)
     push_time = math.inf
     if push is not None:
         latest = push.earliest + 2.0 * STEP_DURATION

@@ -233,7 +233,8 @@ def test_the_cop_of_single_support_is_where_the_configuration_has_it(
     request = BehaviorRequest(Behavior.WALK, AtlasSimInterfaceCommand(), 1)
     swing = planner.swing(WalkProgress(feet, feet, steps, 1, request), 0.0)
     expected = stance_cop(feet[RIGHT], RIGHT, 0.03)
-    moved = planner.move_landing(swing, steps[0])
+    moved = planner.move_landing(swing, steps[0], 0.1)
+    assert moved.duration == pytest.approx(swing.duration - 0.1)
     for plan in (swing.plan, moved.plan):
         np.testing.assert_allclose(plan.evaluate(0.0).cop, expected, atol=1e-12)
         last = plan.segments[-2].end

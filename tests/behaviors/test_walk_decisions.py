@@ -15,7 +15,7 @@ from atlas_drake.behaviors.walk.gait import stance_cop
 from atlas_drake.behaviors.walk.phases import Transfer, WalkSettle, WalkShift, WalkSwing
 from atlas_drake.behaviors.walk.rules import WalkRules
 from atlas_drake.behaviors.walk.walk import Walk
-from atlas_drake.control.balance.feedback import StepAdjustmentLimits
+from atlas_drake.control.balance.step_adjustment import StepAdjustmentLimits
 from atlas_drake.control.feet.footstep import LEFT, RIGHT, FootPose, outward
 from atlas_drake.frozen import replace
 

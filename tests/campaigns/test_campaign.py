@@ -86,6 +86,14 @@ def test_distributions_have_the_moments_of_their_names(kind):
         assert np.median(values) == pytest.approx(median, abs=0.04)
 
 
+def test_integers_are_drawn_with_both_ends():
+    random = np.random.default_rng(3)
+    distribution = check_distribution({"integers": [2, 4]}, "here")
+    drawn = [draw(distribution, random) for _ in range(50)]
+    assert set(drawn) == {2, 3, 4}
+    assert all(type(number) is int for number in drawn)
+
+
 @pytest.mark.parametrize(
     ("more", "field"),
     [
@@ -98,6 +106,7 @@ def test_distributions_have_the_moments_of_their_names(kind):
         ("trial_timeout: .inf", "trial_timeout"),
         ("vary: {start.yaw: {uniform: [1]}}", "vary.start.yaw.uniform"),
         ("vary: {start.yaw: {uniform: [2, 1]}}", "vary.start.yaw.uniform"),
+        ("vary: {seed: {integers: [0.5, 1]}}", "vary.seed.integers"),
         ("vary: {start.yaw: {uniforn: [1, 2]}}", "vary.start.yaw.uniforn"),
         ("vary: {start.yaw: 3}", "vary.start.yaw"),
         ("vary: {jitter.mass: {log_uniform: [0, 1]}}", "vary.jitter.mass.log_uniform"),

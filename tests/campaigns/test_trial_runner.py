@@ -2,14 +2,16 @@
 
 import pickle
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import pytest
 
-from atlas_drake import ScenarioError
+from atlas_drake import AtlasSimulation, ScenarioError
 from atlas_drake.behaviors.entry import BehaviorEntry
 from atlas_drake.campaigns.folder import CampaignFolder, merge, same_result
 from atlas_drake.campaigns.plan import make_trial
 from atlas_drake.campaigns.runner import Shard, missing_trials
+from atlas_drake.campaigns.shipped_trials import walk
 from atlas_drake.campaigns.sources import Sources
 from atlas_drake.campaigns.trial_runner import TrialRunner
 from atlas_drake.configuration import Share
@@ -45,6 +47,18 @@ seeds: counted
 
 def runner_of(campaign):
     return TrialRunner(campaign, Sources(tuple(campaign.code)))
+
+
+@pytest.mark.slow
+def test_the_walk_takes_the_gait_of_its_parameters():
+    sim = AtlasSimulation(Scenario(duration=7.0))
+    gait = {"stride": 0.25, "step_duration": 0.8, "swing_height": 0.12}
+    assert walk(sim, {"distance": 0.75, **gait}) == {"walk_ended": True}
+    places = [step["commanded"][0] for step in sim.footsteps]
+    assert len(places) >= 4
+    assert max(b - a for a, b in pairwise(places)) == pytest.approx(0.25, abs=1e-3)
+    landings = [e.time for e in sim.events if e.kind == "footstep"]
+    assert landings[2] - landings[1] == pytest.approx(0.8, abs=0.03)
 
 
 def test_every_trial_is_reproducible_alone(campaign):

@@ -3,7 +3,7 @@
 import pytest
 
 from atlas_drake.behaviors.walk.config import WalkConfig
-from atlas_drake.control.balance.feedback import StepAdjustmentLimits
+from atlas_drake.control.balance.step_adjustment import StepAdjustmentLimits
 from atlas_drake.control.gains import ContactModel, ControlGains
 from atlas_drake.scenario import Scenario
 

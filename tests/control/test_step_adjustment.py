@@ -3,11 +3,20 @@
 import math
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from atlas_drake.control.balance.feedback import StepAdjustmentLimits, step_shift
-from atlas_drake.control.feet.footstep import FootPose
+from atlas_drake.configuration import LeastGreatest
+from atlas_drake.control.balance.step_adjustment import (
+    SingleSupportState,
+    StepAdjustmentLimits,
+    step_shift,
+    touchdown_for_balance,
+    within_reach,
+)
+from atlas_drake.control.feet.footstep import LEFT, FootPose, Footstep
+from atlas_drake.control.feet.step_limits import StepLimits
 from atlas_drake.control.rotations import rotation_z
 
 LIMITS = StepAdjustmentLimits()
@@ -56,3 +65,89 @@ def test_with_ankles_and_tolerance_the_shift_makes_up_for_the_error(
     moved = shift != 0.0
     toward = np.sign(error[moved])
     np.testing.assert_allclose(toward * left[moved], budget[moved], atol=1e-9)
+
+
+STANCE = FootPose(np.array([0.0, -0.1, 0.0]), np.eye(3))
+STEP = Footstep(1, LEFT, np.array([0.25, 0.15, 0.0]), 0.0, 0.63, 0.1)
+PLANNED, COP = np.array([0.08, -0.05]), np.array([0.0, -0.09])
+"""Of the plan now: its DCM, and its CoP until touchdown [m]."""
+REMAINING = 0.3
+
+
+def state_with(error):
+    return SingleSupportState(
+        PLANNED + error, PLANNED, COP, OMEGA, REMAINING, SENSITIVITY, STANCE
+    )
+
+
+def touchdown(error, progress=0.2, **limits):
+    return touchdown_for_balance(
+        STEP,
+        state_with(np.array(error)),
+        progress,
+        np.array([0.0, 0.15]),
+        LIMITS,
+        StepLimits(**limits),
+    )
+
+
+def test_the_error_at_another_time_is_that_of_the_plan_reaching_touchdown_then():
+    error = np.array([0.03, 0.01])
+    state = state_with(error)
+    np.testing.assert_allclose(state.error(REMAINING), error, atol=1e-12)
+
+    def at_touchdown(dcm, remaining):
+        return COP + math.exp(OMEGA * remaining) * (dcm - COP)
+
+    for sooner in (0.1, 0.25):
+        planned = at_touchdown(PLANNED, REMAINING)
+        reached = at_touchdown(PLANNED + error, sooner)
+        growth = math.exp(OMEGA * sooner)
+        np.testing.assert_allclose(
+            state.error(sooner) * growth, reached - planned, atol=1e-12
+        )
+
+
+def test_a_small_error_changes_neither_place_nor_time():
+    step, remaining = touchdown([0.01, 0.005])
+    assert step is STEP
+    assert remaining == REMAINING
+
+
+def test_an_error_within_reach_moves_the_place_and_not_the_time():
+    step, remaining = touchdown([0.12, 0.0])
+    assert remaining == REMAINING
+    shift = step_shift(
+        np.array([0.12, 0.0]), REMAINING, OMEGA, SENSITIVITY, STANCE, LIMITS
+    )
+    np.testing.assert_allclose(step.p_WF[:2], STEP.p_WF[:2] + shift, atol=1e-12)
+
+
+@pytest.mark.parametrize("error", [(0.2, 0.0), (0.0, -0.12)])
+def test_an_error_out_of_reach_hastens_the_swing(error):
+    step, remaining = touchdown(error)
+    earliest = 0.8 * LIMITS.shortest_swing
+    assert earliest <= remaining < REMAINING
+    assert step.p_WF[0] <= 0.42 + 1e-12
+    # Late in the swing there is less to win.
+    _, late = touchdown(error, progress=0.9)
+    assert late <= remaining
+
+
+def test_a_foot_far_from_its_place_is_not_hastened_beyond_its_speed():
+    _, remaining = touchdown([0.2, 0.0], progress=0.99)
+    way = math.hypot(0.42, 0.0)
+    assert remaining >= 0.9 * way / LIMITS.foot_speed
+
+
+def test_a_step_for_balance_may_be_longer_but_stays_in_reach_of_the_legs():
+    wide = LIMITS.widen(StepLimits(forward=0.4, width=LeastGreatest(0.18, 0.5)))
+    assert wide.forward == pytest.approx(0.4 + LIMITS.stretch)
+    assert wide.width == pytest.approx((0.18, 0.5 + LIMITS.stretch))
+    far = Footstep(1, LEFT, np.array([0.5, 0.5, 0.02]), 0.0, 0.63, 0.1)
+    near = within_reach(far, STANCE, 0.6)
+    ahead = near.p_WF - STANCE.p_WF
+    assert np.hypot(*ahead[:2]) == pytest.approx(0.6)
+    assert ahead[0] / ahead[1] == pytest.approx(0.5 / 0.6)
+    assert near.p_WF[2] == 0.02
+    assert within_reach(STEP, STANCE, 0.6) is STEP

@@ -45,7 +45,7 @@ def test_level_ground_is_the_default_and_adds_nothing():
 
 
 def test_the_shipped_worlds_have_terrain_and_a_free_start():
-    shipped = {"qual_task_1", "stairs", "ramp", "blocks", "strewn"}
+    shipped = {"qual_task_1", "stairs", "ramp", "blocks", "strewn", "bricks"}
     assert set(available_worlds()) == {"level"} | shipped
     for name in shipped:
         world = load_world(name)
@@ -131,6 +131,14 @@ def test_bricks_are_strewn_by_their_seed_and_lie_apart():
     assert apart >= math.hypot(0.20, 0.10)
 
 
+def test_sunk_bricks_have_tops_of_different_heights_above_the_ground():
+    sunk = {"size": [0.10, 0.05, 0.027], "sunk": 0.017, "number": 40}
+    world = Scenario(world={"name": "strewn", "strewn": sunk}).validate()
+    tops = [block.position[2] for block in world.all_terrain()]
+    assert 0.010 <= min(tops) < 0.013
+    assert 0.024 < max(tops) <= 0.027
+
+
 def test_obstacles_turn_and_move_with_their_frame():
     place = {"position": [1.0, 2.0, 0.5], "yaw": math.pi / 2}
     for name in ("stairs", "ramp", "blocks"):
@@ -205,6 +213,7 @@ def test_the_tutorials_world_has_the_figures_of_the_task():
         ({"strewn": {"number": 900}}, "world.strewn.number", "is 900; only 1.. bricks"),
         ({"strewn": {"size": [0.2, 0.1]}}, "world.strewn.size", "at least 3 items"),
         ({"strewn": {"seed": -1}}, "world.strewn.seed", "is -1"),
+        ({"strewn": {"sunk": 0.05}}, "world.strewn.sunk", "less than the bricks'"),
         ({"boxes": [{"color": [0, 0]}]}, "world.boxes[0].color", "at least 3 items"),
         ({"boxes": [{"color": [0, 0, 2]}]}, "world.boxes[0].color[2]", "less than or"),
         ({"models": [{"file": "no.sdf"}]}, "world.models[0].file", "no such file"),

@@ -13,7 +13,14 @@ from atlas_drake.behaviors.balance import Balance, FootCommand
 from atlas_drake.behaviors.base import Observation
 from atlas_drake.behaviors.phases import PhaseControl
 from atlas_drake.behaviors.walk.config import WalkConfig
-from atlas_drake.behaviors.walk.phases import Transfer, WalkSettle, WalkShift, WalkState
+from atlas_drake.behaviors.walk.phases import (
+    Transfer,
+    WalkPhase,
+    WalkSettle,
+    WalkShift,
+    WalkState,
+    WalkSwing,
+)
 from atlas_drake.behaviors.walk.planner import WalkPlanner
 from atlas_drake.behaviors.walk.rules import WalkRules
 from atlas_drake.control.balance import feedback
@@ -37,13 +44,21 @@ class DoubleSupport(PhaseControl[WalkShift | Transfer]):
     ) -> tuple[WalkState, tuple[Event, ...]]:
         """Lifts off when the DCM is ready; settles if no step can be taken."""
         planner = self._planner
+        lost = is_dcm_lost(phase, observation, self._rules.dcm_lost)
+        if lost and not planner.coming(phase.progress):
+            return planner.catch(phase.progress, observation)
+        if lost and not phase.hurried:
+            soonest = phase.elapsed + self._rules.hurried_transfer
+            phase = replace(phase, duration=min(phase.duration, soonest), hurried=True)
         if phase.elapsed < phase.duration:
             return phase, ()
         if not planner.coming(phase.progress):
             return planner.settle(phase.progress, phase.planned.cop), ()
         late = phase.elapsed - phase.duration
-        patient = late < self._rules.longest_wait and not self._is_stretched(
-            phase, observation
+        patient = (
+            late < self._rules.longest_wait
+            and not lost
+            and not self._is_stretched(phase, observation)
         )
         if patient and not self._is_dcm_ready(phase, observation):
             # Hold the plan at the moment of lift-off until the DCM is near it.
@@ -93,22 +108,32 @@ class DoubleSupport(PhaseControl[WalkShift | Transfer]):
 
 
 class Settling(PhaseControl[WalkSettle]):
-    """Stands still until the walk is over or new steps arrive."""
+    """Stands still until the walk is over or new steps arrive.
+
+    If the DCM is lost, a step catches it; once the robot is at rest, the other foot is
+    put beside the foot that made that step.
+    """
 
     def __init__(self, balance: Balance, planner: WalkPlanner, config: WalkConfig):
         self._balance = balance
         self._planner = planner
         self._rest = config.timing.rest
-        self._rest_speed = config.rules.rest_speed
+        self._rules = config.rules
 
     def advance(
         self, phase: WalkSettle, observation: Observation, leaving: bool
-    ) -> tuple[WalkSettle | WalkShift, tuple[Event, ...]]:
-        """Begins a new weight shift if new steps arrived that can be taken."""
-        if phase.obstacle or not self._planner.coming(phase.progress):
+    ) -> tuple[WalkSettle | WalkShift | WalkSwing, tuple[Event, ...]]:
+        """Begins a new weight shift if steps arrived, or the feet stand apart."""
+        planner, progress, now = self._planner, phase.progress, phase.planned
+        if is_dcm_lost(phase, observation, self._rules.dcm_lost):
+            return planner.catch(progress, observation)
+        if self.is_over(phase, observation):
+            closing = planner.closing(progress)
+            if closing is not None:
+                return planner.shift(closing, now.dcm, now.cop), ()
+        if phase.obstacle or not planner.coming(progress):
             return phase, ()
-        now = phase.planned
-        return self._planner.shift(phase.progress, now.dcm, now.cop), ()
+        return planner.shift(progress, now.dcm, now.cop), ()
 
     def command_feet(
         self, phase: WalkSettle, observation: Observation
@@ -120,7 +145,20 @@ class Settling(PhaseControl[WalkSettle]):
         """Returns True if the robot is at rest."""
         speed = float(np.abs(observation.terms.com_velocity).max())
         over = phase.elapsed > phase.duration + self._rest
-        return over and speed < self._rest_speed
+        return over and speed < self._rules.rest_speed
+
+
+def is_dcm_lost(phase: WalkPhase, observation: Observation, margin: float) -> bool:
+    """Returns True if no CoP between the feet brings the DCM back to its plan.
+
+    Args:
+        phase: A phase with both feet on the ground.
+        observation: Observation of this tick.
+        margin: Distance outside the support polygon, beyond that of the plan [m].
+    """
+    dcm = feedback.dcm(observation.terms, phase.plan.omega)
+    planned = phase.support.distance_outside(phase.planned.dcm)
+    return phase.support.distance_outside(dcm) - max(planned, 0.0) > margin
 
 
 def steps_left_out(phase: WalkSettle, time: float, leaving: bool) -> tuple[Event, ...]:

@@ -37,6 +37,8 @@ class WalkProgress:
         last_foot: Foot of the step begun last; None before the first step.
         last_index: Index of the step begun last; 0 before the first step.
         warned: Earlier warnings: index of the step, and topic.
+        own_index: Index of the last step that nobody commanded: one that catches the
+            balance, or puts the feet side by side afterwards; 0 before the first.
     """
 
     feet: tuple[FootPose, FootPose]
@@ -47,6 +49,12 @@ class WalkProgress:
     last_foot: int | None = None
     last_index: int = 0
     warned: frozenset[tuple[int, str]] = frozenset()
+    own_index: int = 0
+
+    @property
+    def last_was_own(self) -> bool:
+        """True if the step begun last was not commanded."""
+        return 0 < self.last_index == self.own_index
 
     @property
     def known(self) -> tuple[Footstep, ...]:
@@ -131,7 +139,14 @@ class WalkPhase(Phase):
 
 @dataclass(frozen=True, kw_only=True)
 class BothFeet(WalkPhase):
-    """Common part of ``WalkShift`` and ``Transfer``, which end with lift-off."""
+    """Common part of ``WalkShift`` and ``Transfer``, which end with lift-off.
+
+    Attributes:
+        hurried: True if lift-off was brought forward, because only a step saves the
+            balance.
+    """
+
+    hurried: bool = False
 
     @property
     def waiting(self) -> bool:

@@ -12,6 +12,9 @@ from typing import TypeVar
 import numpy as np
 
 from atlas_drake.behaviors.balance import Balance
+from atlas_drake.behaviors.base import Observation
+from atlas_drake.behaviors.footstep_event import caught_balance
+from atlas_drake.behaviors.walk.capture import capture_step, closing_step
 from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.behaviors.walk.gait import (
     begun_at,
@@ -33,8 +36,9 @@ from atlas_drake.behaviors.walk.steps import (
     subject,
     warnings_about,
 )
+from atlas_drake.control.balance import feedback
 from atlas_drake.control.balance.dcm_plan import DcmPlan
-from atlas_drake.control.feet.footstep import Footstep
+from atlas_drake.control.feet.footstep import Footstep, landing_error
 from atlas_drake.control.feet.swing_foot import begin_swing
 from atlas_drake.frozen import replace
 from atlas_drake.messages.event import Event
@@ -56,8 +60,12 @@ class WalkPlanner:
         self._timing = config.timing
         self._limits = config.limits
         self._slack = config.slack
+        self._swing_height = config.swing.height
+        self._usual = config.steps.duration
+        self._width = balance.stance.width
         self._cop_inward = config.cop_inward
         self._transfer_change = config.rules.transfer_change
+        self._feet_apart = config.rules.feet_apart
         self._latest: tuple[WalkProgress, Footstep | None, StepPreview] | None = None
 
     # ---- steps ---------------------------------------------------------------
@@ -105,6 +113,54 @@ class WalkPlanner:
             unloading=coming[0].foot if coming else None,
         )
 
+    def catch(
+        self, progress: WalkProgress, observation: Observation
+    ) -> tuple[WalkSwing, tuple[Event, ...]]:
+        """Makes the swing of a step that catches a DCM outside the feet."""
+        feet = observation.foot_poses
+        step = capture_step(
+            progress.next_index,
+            feet,
+            (self._balance.support(feet[0]), self._balance.support(feet[1])),
+            feedback.dcm(observation.terms, self._omega),
+            self._omega,
+            self._timing,
+            self._swing_height,
+            self._limits,
+        )
+        begun = replace(
+            progress,
+            feet=feet,
+            aimed=feet,
+            pending=_before_later_ones(step, progress),
+            last_foot=None,
+            own_index=step.index,
+        )
+        swing = self.swing(begun, 0.0)
+        return swing, (caught_balance(observation.time, swing.step),)
+
+    def closing(self, progress: WalkProgress) -> WalkProgress | None:
+        """Adds a step that puts the feet side by side after a caught balance.
+
+        Returns:
+            The progress with that step; None if it is not needed.
+        """
+        if not progress.last_was_own or progress.last_foot is None:
+            return None
+        foot = 1 - progress.last_foot
+        step = closing_step(
+            progress.next_index,
+            foot,
+            progress.feet[progress.last_foot],
+            self._width,
+            self._usual,
+            self._swing_height,
+        )
+        if landing_error(step, progress.feet[foot]) < self._feet_apart:
+            return None
+        pending = _before_later_ones(step, progress)
+        return replace(progress, pending=pending, own_index=step.index)
+
     def swing(self, progress: WalkProgress, late: float) -> WalkSwing:
         """Makes the swing of the next step.
 
@@ -143,14 +199,28 @@ class WalkPlanner:
             ),
         )
 
-    def move_landing(self, phase: WalkSwing, step: Footstep) -> WalkSwing:
-        """Replans a swing for the same step with another landing place."""
+    def move_landing(
+        self, phase: WalkSwing, step: Footstep, sooner: float
+    ) -> WalkSwing:
+        """Replans a swing for the same step with another landing place and time.
+
+        Args:
+            phase: The swing.
+            step: The step, with its new place.
+            sooner: Time by which touchdown comes earlier [s].
+        """
+        duration = phase.duration - sooner
         progress = phase.progress
         stance = 1 - step.foot
         cop = stance_cop(progress.feet[stance], stance, self._cop_inward)
         coming = self.coming(progress, step)
-        plan = self._plan(progress, coming, cop, phase.duration, swinging=True)
-        return replace(phase, step=step, plan=plan)
+        return replace(
+            phase,
+            step=step,
+            plan=self._plan(progress, coming, cop, duration, swinging=True),
+            duration=duration,
+            motion=phase.motion.hastened(sooner),
+        )
 
     def land(
         self, progress: WalkProgress, cop: np.ndarray, early: float
@@ -207,3 +277,8 @@ class WalkPlanner:
             self._omega,
             self._cop_inward,
         )
+
+
+def _before_later_ones(step: Footstep, progress: WalkProgress) -> tuple[Footstep, ...]:
+    """Returns the steps not begun, with ``step`` in place of those up to its index."""
+    return (step, *(other for other in progress.pending if other.index > step.index))

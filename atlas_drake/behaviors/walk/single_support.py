@@ -15,8 +15,11 @@ from atlas_drake.behaviors.walk.config import WalkConfig
 from atlas_drake.behaviors.walk.phases import WalkState, WalkSwing
 from atlas_drake.behaviors.walk.planner import WalkPlanner
 from atlas_drake.control.balance import feedback
-from atlas_drake.control.balance.feedback import step_shift
-from atlas_drake.control.feet.footstep import LEFT, saturate
+from atlas_drake.control.balance.step_adjustment import (
+    SingleSupportState,
+    touchdown_for_balance,
+)
+from atlas_drake.control.feet.footstep import LEFT
 from atlas_drake.control.feet.swing_foot import advance_swing
 from atlas_drake.frozen import replace
 from atlas_drake.messages.event import Event
@@ -31,7 +34,7 @@ class SingleSupport(PhaseControl[WalkSwing]):
         self._rules = config.rules
         self._profile = config.swing
         self._adjustment = config.adjustment
-        self._limits = config.slack.loosen(config.limits)
+        self._limits = config.adjustment.widen(config.slack.loosen(config.limits))
         self._touchdown_force = config.rules.touchdown_force * balance.weight
         self._landing_force = config.rules.landing_force * balance.weight
 
@@ -73,25 +76,31 @@ class SingleSupport(PhaseControl[WalkSwing]):
             aimed=with_foot(phase.progress.aimed, step.foot, step.pose),
         )
         early = phase.duration - phase.elapsed
-        event = footstep_event(observation.time, phase.sent, step, landed)
+        # A step of the walk's own was not commanded to any other place.
+        sent = step if phase.progress.last_was_own else phase.sent
+        event = footstep_event(observation.time, sent, step, landed)
         return self._planner.land(progress, phase.planned.cop, early), (event,)
 
     def _adjust_step(self, phase: WalkSwing, observation: Observation) -> WalkSwing:
-        """Moves the landing place when the ankles cannot hold the DCM."""
+        """Moves the landing, in place and time, when the ankles cannot hold the DCM."""
         remaining = phase.duration - phase.elapsed
         if remaining < self._rules.frozen_end:
             return phase
-        step, omega = phase.step, phase.plan.omega
-        stance = phase.progress.feet[1 - step.foot]
-        shift = step_shift(
-            feedback.dcm(observation.terms, omega) - phase.planned.dcm,
-            remaining,
-            omega,
-            phase.sensitivity,
-            stance,
-            self._adjustment,
+        step, omega, planned = phase.step, phase.plan.omega, phase.planned
+        state = SingleSupportState(
+            dcm=feedback.dcm(observation.terms, omega),
+            planned_dcm=planned.dcm,
+            cop=planned.cop,
+            omega=omega,
+            remaining=remaining,
+            sensitivity=phase.sensitivity,
+            stance=phase.progress.feet[1 - step.foot],
         )
-        if float(np.abs(shift).max()) < self._rules.replan_shift:
+        motion = phase.motion
+        moved, left = touchdown_for_balance(
+            step, state, motion.progress, motion.xy, self._adjustment, self._limits
+        )
+        shift = float(np.abs(moved.p_WF - step.p_WF).max())
+        if shift < self._rules.replan_shift and left == remaining:
             return phase
-        moved = replace(step, p_WF=step.p_WF + np.append(shift, 0.0))
-        return self._planner.move_landing(phase, saturate(moved, stance, self._limits))
+        return self._planner.move_landing(phase, moved, remaining - left)

@@ -1,23 +1,18 @@
-"""Feedback of the DCM: center of pressure, accelerations, and the next footstep.
+"""Feedback of the DCM: center of pressure and accelerations.
 
 Pure functions from reference and measurement. The DCM (ξ = c + ċ/ω) is that of
 Takenaka, Matsumoto, Yoshiike, "Real time motion generation and control for biped
 robot", IROS 2009; its feedback by the center of pressure is that of Englsberger, Ott,
 Albu-Schäffer, "Three-dimensional bipedal walking control based on divergent component
-of motion", T-RO 2015. Stepping to a shifted DCM is after Khadiv, Herzog, Moosavian,
-Righetti, "Walking control based on step timing adaptation", T-RO 2020; the timing is
-fixed here.
+of motion", T-RO 2015.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
-from atlas_drake.configuration import Configuration, NotNegative
-from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.gains import PdGains
 from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.control.whole_body.terms import FrameTerms, WholeBodyTerms
@@ -70,60 +65,3 @@ def height_acceleration(
 def stance_acceleration(foot: FrameTerms, damping: float) -> np.ndarray:
     """Spatial acceleration that brings a planted sole to rest, shape (6,)."""
     return -damping * foot.V_WF
-
-
-@dataclass(frozen=True)
-class StepAdjustmentLimits(Configuration):
-    """Part of the DCM error that the ankles and double support correct.
-
-    ``StepLimits`` bounds the shift of the step itself.
-    """
-
-    cop_forward: NotNegative = 0.10
-    """Shift of the CoP that the stance foot can hold along the sole [m]."""
-    cop_sideways: NotNegative = 0.035
-    """Shift of the CoP that the stance foot can hold across the sole [m]."""
-    tolerated_forward: NotNegative = 0.05
-    """DCM error at touchdown that double support can correct, along the sole [m]."""
-    tolerated_sideways: NotNegative = 0.02
-    """DCM error at touchdown that double support can correct, across the sole [m]."""
-
-
-def step_shift(
-    dcm_error: np.ndarray,
-    remaining: float,
-    omega: float,
-    sensitivity: float,
-    stance: FootPose,
-    limits: StepAdjustmentLimits,
-) -> np.ndarray:
-    """Computes the shift of the next footstep that keeps the DCM plan feasible.
-
-    In single support the DCM error grows as e^{ωt}. A shift of the center of pressure
-    within the stance sole corrects what it can until touchdown; a shift of the next
-    footstep corrects the rest.
-
-    Args:
-        dcm_error: ξ - ξ_ref in W now [m], shape (2,).
-        remaining: Time to touchdown [s].
-        omega: Natural frequency [1/s].
-        sensitivity: Shift of the planned DCM at touchdown per shift of the next foot
-            [-].
-        stance: The foot on the ground.
-        limits: Part of the error that the ankles and double support correct.
-
-    Returns:
-        Horizontal shift in W [m], shape (2,); zero if the error needs no shift.
-    """
-    c, s = math.cos(stance.yaw), math.sin(stance.yaw)
-    x, y = dcm_error.tolist()
-    growth = math.exp(omega * remaining)
-
-    def along(error: float, ankle: float, tolerated: float) -> float:
-        final = error * growth
-        rest = abs(final) - ankle * (growth - 1.0) - tolerated
-        return math.copysign(max(rest / sensitivity, 0.0), final)
-
-    forward = along(c * x + s * y, limits.cop_forward, limits.tolerated_forward)
-    sideways = along(c * y - s * x, limits.cop_sideways, limits.tolerated_sideways)
-    return np.array([c * forward - s * sideways, s * forward + c * sideways])

@@ -13,7 +13,11 @@ import numpy as np
 
 from atlas_drake.configuration import Configuration, NotNegative, Positive
 from atlas_drake.control.feet.footstep import FootPose
-from atlas_drake.control.feet.swing_foot import SwingReference, bump, quintic_progress
+from atlas_drake.control.feet.swing_foot import (
+    SwingReference,
+    quintic_progress,
+    rise_and_fall,
+)
 from atlas_drake.control.rotations import rotation_about, rotation_vector
 
 PEAK_SPEED = 1.875
@@ -108,7 +112,7 @@ class StepSwing:
         way = goal.p_WF - start.p_WF
         way = np.array([way[0], way[1], 0.0])
         p, v, a = _along(time, self.move, way)
-        rise, rate, acceleration = bump(time / self.move)
+        rise, rate, acceleration = rise_and_fall(time / self.move, 0.5)
         p[2] += self.top + self.arc * rise
         v[2] += self.arc * rate / self.move
         a[2] += self.arc * acceleration / self.move**2

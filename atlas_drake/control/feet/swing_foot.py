@@ -29,6 +29,10 @@ from atlas_drake.control.rotations import (
 )
 from atlas_drake.frozen import replace
 
+_LONGEST_LIFT = 0.1
+"""Greatest share of a swing without horizontal motion on level ground: keeps time for
+the way of a hastened one [-]."""
+
 
 @dataclass(frozen=True)
 class SwingProfile(Configuration):
@@ -41,10 +45,18 @@ class SwingProfile(Configuration):
     """Speed of the sole at touchdown, and of its descent past the planned touchdown
     [m/s]. The higher the speed, the smaller the timing error from an error of
     height."""
+    late_acceleration: NotNegative = 5.0
+    """Acceleration of the descent past the planned touchdown [m/s²]."""
     landing_time: Positive = 0.5
     """Longest final part of a swing, in which the sole reaches ``landing_speed``
     [s]."""
-    toe_down: NotNegative = 1.6
+    apex: ProperShare = 0.4
+    """Share of the swing at which the sole is highest. An early apex lifts the toes
+    over what lies unexpected ahead of the foot [-]."""
+    lift_time: NotNegative = 0.04
+    """Time after lift-off without horizontal motion: the sole rises before it goes
+    ahead, so that its toes do not stub [s]. A tenth of the swing at most."""
+    toe_down: NotNegative = 0.8
     """Pitch of the toes at the apex per swing height [rad/m]. A climb reduces it, so
     that the toes do not catch the edge."""
     climb_share: ProperShare = 0.5
@@ -84,6 +96,18 @@ class FootSwing:
     def progress(self) -> float:
         """Share of the swing that has passed, 0 to 1."""
         return min(self.elapsed / self.duration, 1.0)
+
+    def hastened(self, sooner: float) -> FootSwing:
+        """Returns the swing at the same point of its path, with an earlier landing.
+
+        Args:
+            sooner: Time by which touchdown comes earlier [s].
+        """
+        if sooner == 0.0:
+            return self
+        left = self.remaining - sooner
+        duration = left / (1.0 - self.progress)
+        return replace(self, duration=duration, elapsed=duration - left)
 
 
 @dataclass(frozen=True)
@@ -142,14 +166,15 @@ def _horizontal_window(
 ) -> tuple[float, float]:
     """Computes the start and end of the horizontal motion since lift-off [s].
 
-    On a step up the foot rises first; on a step down it sinks last.
+    The foot rises first, on a step up for longer; on a step down it sinks last.
     """
     climb = float(target.p_WF[2] - swing.start.p_WF[2])
     edge = min(abs(climb) / profile.edge_height, 1.0)
     still = profile.edge_share * edge * swing.duration
+    lift = min(profile.lift_time, _LONGEST_LIFT * swing.duration)
     if climb > 0.0:
-        return still, swing.duration
-    return 0.0, swing.duration - still
+        return max(lift, still), swing.duration
+    return lift, swing.duration - still
 
 
 def _reference(
@@ -158,7 +183,7 @@ def _reference(
     z, vz, az = _height(swing, target, profile)
     T = swing.duration
     s, ds, dds = quintic_progress(swing.progress)
-    tipped, tip_rate, tip_push = bump(swing.progress)
+    tipped, tip_rate, tip_push = rise_and_fall(swing.progress, profile.apex)
     toes = _toe_pitch(swing, target, profile)
     R, turn = _sole_on_ground(swing.start, target, s)
     w, tip = turn * (ds / T), toes * tip_rate / T
@@ -229,15 +254,17 @@ def _height(
     climb = float(target.p_WF[2]) - z0
     if swing.elapsed >= T:
         late, speed = swing.elapsed - T, profile.landing_speed
-        return z0 + climb - speed * late, -speed, 0.0
+        a = profile.late_acceleration
+        sunk = (speed + 0.5 * a * late) * late
+        return z0 + climb - sunk, -speed - a * late, -a
     share = profile.climb_share
     begin = 0.0 if climb > 0.0 else 1.0 - share
     r, dr, ddr = quintic_progress(min(max((swing.progress - begin) / share, 0.0), 1.0))
-    b, db, ddb = bump(swing.progress)
+    b, db, ddb = rise_and_fall(swing.progress, profile.apex)
     above, rate, push = _landing(swing.elapsed, T, profile)
-    # Midway, where the bump is highest, the foot is as high as the higher end.
-    midway, _, _ = _landing(0.5 * T, T, profile)
-    height = target.swing_height - 0.5 * abs(climb) - midway
+    # The landing's own height counts at the apex.
+    at_apex, _, _ = _landing(profile.apex * T, T, profile)
+    height = target.swing_height - 0.5 * abs(climb) - at_apex
     return (
         z0 + climb * r + height * b + above,
         (climb * dr / share + height * db) / T + rate,
@@ -262,15 +289,17 @@ def _landing(
     )
 
 
-def bump(s: float) -> tuple[float, float, float]:
-    """Computes 64 s³(1-s)³, 0 at both ends and 1 midway, with two derivatives."""
-    r = 1.0 - s
-    p = s * r
-    return (
-        64.0 * p**3,
-        192.0 * p * p * (r - s),
-        384.0 * p * ((r - s) ** 2 - p),
-    )
+def rise_and_fall(s: float, apex: float) -> tuple[float, float, float]:
+    """Computes a bump from 0 through 1 at ``apex`` to 0, with two derivatives in s.
+
+    Two minimum-jerk quintics that meet at rest; s grows from 0 to 1.
+    """
+    if s < apex:
+        r, dr, ddr = quintic_progress(s / apex)
+        return r, dr / apex, ddr / apex**2
+    fall = 1.0 - apex
+    r, dr, ddr = quintic_progress((1.0 - s) / fall)
+    return r, -dr / fall, ddr / fall**2
 
 
 def quintic_progress(s: float) -> tuple[float, float, float]:

@@ -1,0 +1,218 @@
+"""The place and time of the next touchdown that keep the DCM plan feasible.
+
+After Khadiv, Herzog, Moosavian, Righetti, "Walking control based on step timing
+adaptation", T-RO 2020: in single support with the center of pressure r, the DCM of
+touchdown is ξ_T = r + e^{ωT}(ξ - r), so that both the landing place and the time T
+correct an error. They solve a quadratic program over place and e^{ωT}; here T is
+searched, with the place that follows from each T.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from atlas_drake.configuration import (
+    Configuration,
+    LeastGreatest,
+    NotNegative,
+    Positive,
+)
+from atlas_drake.control.feet.footstep import FootPose, Footstep, saturate
+from atlas_drake.control.feet.step_limits import StepLimits
+from atlas_drake.frozen import replace
+
+_TIMES = 9
+"""Times of touchdown that are compared: a resolution of some 20 ms."""
+
+
+@dataclass(frozen=True)
+class StepAdjustmentLimits(Configuration):
+    """Part of the DCM error that the ankles and double support correct.
+
+    ``StepLimits`` bounds the shift of the step itself.
+    """
+
+    cop_forward: NotNegative = 0.10
+    """Shift of the CoP that the stance foot can hold along the sole [m]."""
+    cop_sideways: NotNegative = 0.035
+    """Shift of the CoP that the stance foot can hold across the sole [m]."""
+    tolerated_forward: NotNegative = 0.05
+    """DCM error at touchdown that double support can correct, along the sole [m]."""
+    tolerated_sideways: NotNegative = 0.02
+    """DCM error at touchdown that double support can correct, across the sole [m]."""
+    stretch: NotNegative = 0.10
+    """Distance by which a step for balance may exceed the limits of commanded steps
+    ahead, back and outward [m]."""
+    reach: Positive = 0.60
+    """Largest distance between the feet after a step for balance [m]."""
+    shortest_swing: Positive = 0.20
+    """Duration of the fastest swing that balance may demand [s]. A swing that has begun
+    slower takes the same share of it for the rest of its path."""
+    foot_speed: Positive = 2.5
+    """Largest mean horizontal speed of a foot in a hastened swing [m/s]."""
+    out_of_reach: NotNegative = 0.01
+    """A swing is hastened if at its planned end the landing place for balance is out
+    of reach by more than this [m]."""
+    haste_cost: NotNegative = 0.1
+    """Distance out of reach that is accepted for each second that the swing is not
+    hastened [m/s]."""
+    shift_cost: NotNegative = 0.2
+    """Distance out of reach that is accepted for each meter by which the landing place
+    is not shifted [-]."""
+
+    def widen(self, limits: StepLimits) -> StepLimits:
+        """Returns the limits of a step for balance."""
+        narrowest, widest = limits.width
+        return replace(
+            limits,
+            forward=limits.forward + self.stretch,
+            backward=limits.backward + self.stretch,
+            width=LeastGreatest(narrowest, widest + self.stretch),
+        )
+
+
+def step_shift(
+    dcm_error: np.ndarray,
+    remaining: float,
+    omega: float,
+    sensitivity: float,
+    stance: FootPose,
+    limits: StepAdjustmentLimits,
+) -> np.ndarray:
+    """Computes the shift of the next footstep that keeps the DCM plan feasible.
+
+    In single support the DCM error grows as e^{ωt}. A shift of the center of pressure
+    within the stance sole corrects what it can until touchdown; a shift of the next
+    footstep corrects the rest.
+
+    Args:
+        dcm_error: ξ - ξ_ref in W now [m], shape (2,).
+        remaining: Time to touchdown [s].
+        omega: Natural frequency [1/s].
+        sensitivity: Shift of the planned DCM at touchdown per shift of the next foot
+            [-].
+        stance: The foot on the ground.
+        limits: Part of the error that the ankles and double support correct.
+
+    Returns:
+        Horizontal shift in W [m], shape (2,); zero if the error needs no shift.
+    """
+    c, s = math.cos(stance.yaw), math.sin(stance.yaw)
+    x, y = dcm_error.tolist()
+    growth = math.exp(omega * remaining)
+
+    def along(error: float, ankle: float, tolerated: float) -> float:
+        final = error * growth
+        rest = abs(final) - ankle * (growth - 1.0) - tolerated
+        return math.copysign(max(rest / sensitivity, 0.0), final)
+
+    forward = along(c * x + s * y, limits.cop_forward, limits.tolerated_forward)
+    sideways = along(c * y - s * x, limits.cop_sideways, limits.tolerated_sideways)
+    return np.array([c * forward - s * sideways, s * forward + c * sideways])
+
+
+@dataclass(frozen=True)
+class SingleSupportState:
+    """The pendulum on its stance foot, and the touchdown that is planned.
+
+    Attributes:
+        dcm: Measured DCM in W [m], shape (2,).
+        planned_dcm: DCM of the plan now [m], shape (2,).
+        cop: CoP of the plan, constant until touchdown [m], shape (2,).
+        omega: Natural frequency [1/s].
+        remaining: Time to the planned touchdown [s].
+        sensitivity: Shift of the planned DCM at touchdown per shift of the landing
+            place [-].
+        stance: The foot on the ground.
+    """
+
+    dcm: np.ndarray
+    planned_dcm: np.ndarray
+    cop: np.ndarray
+    omega: float
+    remaining: float
+    sensitivity: float
+    stance: FootPose
+
+    def error(self, remaining: float) -> np.ndarray:
+        """Computes ξ - ξ_ref now if touchdown comes after ``remaining`` [m], (2,).
+
+        The DCM planned for touchdown stays the same, so that the reference now is
+        the later, the sooner it is reached.
+        """
+        later = math.exp(self.omega * (self.remaining - remaining))
+        return self.dcm - self.cop - later * (self.planned_dcm - self.cop)
+
+
+def within_reach(step: Footstep, stance: FootPose, reach: float) -> Footstep:
+    """Returns the step, not farther than ``reach`` [m] from the stance foot."""
+    ahead = step.p_WF - stance.p_WF
+    distance = float(np.hypot(*ahead[:2]))
+    if distance <= reach:
+        return step
+    ahead[:2] *= reach / distance
+    return replace(step, p_WF=stance.p_WF + ahead)
+
+
+def touchdown_for_balance(
+    step: Footstep,
+    state: SingleSupportState,
+    progress: float,
+    foot: np.ndarray,
+    adjustment: StepAdjustmentLimits,
+    limits: StepLimits,
+) -> tuple[Footstep, float]:
+    """Chooses place and time of the touchdown.
+
+    The place shifts first; the swing becomes faster if the place is out of reach.
+
+    Args:
+        step: The step in the air.
+        state: The pendulum now.
+        progress: Share of the swing that has passed, 0 to 1.
+        foot: Horizontal reference of the foot in the air in W [m], shape (2,).
+        adjustment: Part of the error that needs no step, and costs.
+        limits: Limits of a step.
+
+    Returns:
+        The step, with the same place if it needs no shift, and the time to its
+        touchdown [s].
+    """
+
+    def landing_after(remaining: float) -> tuple[Footstep, float, float]:
+        """The step, how far its place is out of reach, and the shift [m]."""
+        shift = step_shift(
+            state.error(remaining),
+            remaining,
+            state.omega,
+            state.sensitivity,
+            state.stance,
+            adjustment,
+        )
+        if not shift.any():
+            return step, 0.0, 0.0
+        wanted = step.p_WF + np.append(shift, 0.0)
+        moved = saturate(replace(step, p_WF=wanted), state.stance, limits)
+        moved = within_reach(moved, state.stance, adjustment.reach)
+        missing = float(np.hypot(*(wanted - moved.p_WF)[:2]))
+        return moved, missing, float(np.hypot(*shift))
+
+    planned = state.remaining
+    landing, missing, _ = landing_after(planned)
+    if missing <= adjustment.out_of_reach:
+        return landing, planned
+    left = (1.0 - progress) * adjustment.shortest_swing
+    way = float(np.hypot(*(landing.p_WF[:2] - foot)))
+    earliest = min(max(left, way / adjustment.foot_speed), planned)
+    best, least_cost = (landing, planned), math.inf
+    for remaining in np.linspace(planned, earliest, _TIMES).tolist():
+        landing, missing, shift = landing_after(remaining)
+        cost = (
+            missing + adjustment.shift_cost * shift - adjustment.haste_cost * remaining
+        )
+        if cost < least_cost:
+            best, least_cost = (landing, remaining), cost
+    return best

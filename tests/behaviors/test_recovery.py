@@ -1,0 +1,238 @@
+"""Steps that nobody commanded: when they are needed, where they go, what follows."""
+
+import numpy as np
+import pytest
+
+from atlas_drake import (
+    AtlasSimInterfaceCommand,
+    AtlasSimulation,
+    Behavior,
+    BehaviorStatus,
+    Scenario,
+)
+from atlas_drake.behaviors.balance import Balance
+from atlas_drake.behaviors.body_reference import capture_body
+from atlas_drake.behaviors.recovery import Recovery, walk_without_steps
+from atlas_drake.behaviors.stand.config import StandConfig
+from atlas_drake.behaviors.walk.capture import capture_step, closing_step
+from atlas_drake.behaviors.walk.config import WalkConfig
+from atlas_drake.behaviors.walk.phases import WalkSettle, WalkShift, WalkSwing
+from atlas_drake.behaviors.walk.walk import Walk
+from atlas_drake.control.feet.footstep import LEFT, RIGHT, FootPose, Footstep
+from atlas_drake.control.gains import ControlGains
+from atlas_drake.frozen import replace
+
+from .conftest import as_request
+
+PUSHED = 0.8
+"""Speed of the robot after a push from which only a step saves it [m/s]."""
+CONFIG = WalkConfig()
+OMEGA = 3.3
+PUSH_DURATION = 0.15
+"""[s]"""
+
+
+@pytest.fixture(scope="module")
+def balance(model):
+    return Balance(model.robot, ControlGains())
+
+
+@pytest.fixture(scope="module")
+def walk(make_tools, observe):
+    terms = observe().terms
+    return Walk(make_tools(float(terms.com[2] - terms.feet[0].p_WF[2])), CONFIG)
+
+
+# ---- when --------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("speed", "needed"), [(0.0, False), (0.2, False), (PUSHED, True), (-PUSHED, True)]
+)
+def test_a_step_is_needed_when_the_dcm_is_outside_the_soles(
+    balance, observe, speed, needed
+):
+    recovery = Recovery(balance, StandConfig())
+    assert recovery.is_needed(observe(speed=speed)) is needed
+
+
+def test_no_step_is_made_with_a_users_leg_without_load_or_when_switched_off(
+    balance, observe
+):
+    recovery = Recovery(balance, StandConfig())
+    pushed = observe(speed=PUSHED)
+    for users in ({"l_leg_kny": 0.1}, {"r_leg_akx": 1.0}):
+        assert not recovery.is_needed(observe(speed=PUSHED, users=users))
+    assert recovery.is_needed(observe(speed=PUSHED, users={"l_arm_elx": 1.0}))
+    for force in (np.zeros(2), np.full(2, np.nan), np.full(2, 0.1 * balance.weight)):
+        assert not recovery.is_needed(replace(pushed, foot_force=force))
+    off = Recovery(balance, StandConfig(recovery_steps=False))
+    assert not off.is_needed(pushed)
+
+
+# ---- where to ----------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("dcm", "foot"), [((0.15, 0.19), RIGHT), ((-0.12, -0.19), LEFT)]
+)
+def test_the_unloaded_foot_steps_to_where_the_dcm_goes(balance, dcm, foot):
+    feet = tuple(FootPose(np.array([0.0, y, 0.05]), np.eye(3)) for y in (0.12, -0.12))
+    supports = tuple(balance.support(pose) for pose in feet)
+    dcm = np.array(dcm)
+    limits, timing = CONFIG.limits, CONFIG.timing
+    step = capture_step(3, feet, supports, dcm, OMEGA, timing, 0.1, limits)
+    assert (step.foot, step.index, step.duration) == (foot, 3, limits.duration.least)
+    assert step.p_WF[2] == 0.05
+    cop = supports[1 - foot].clamp(dcm)
+    growth = np.exp(OMEGA * timing.swing(step.duration))
+    point = cop + growth * (dcm - cop)
+    # Ahead it gets there or to its limit.
+    assert step.p_WF[0] == pytest.approx(np.clip(point[0], -0.32, 0.42))
+
+
+@pytest.mark.parametrize("foot", [LEFT, RIGHT])
+def test_a_closing_step_puts_the_feet_side_by_side(foot):
+    other = FootPose(
+        np.array([1.0, 0.0, 0.1]), np.array([[0, -1, 0], [1, 0, 0], [0, 0, 1.0]])
+    )
+    step = closing_step(5, foot, other, 0.3, 0.7, 0.1)
+    # The other foot points along y, and its left is along -x.
+    side = -0.3 if foot == LEFT else 0.3
+    np.testing.assert_allclose(step.p_WF, [1.0 + side, 0.0, 0.1], atol=1e-12)
+    assert step.yaw == pytest.approx(np.pi / 2)
+
+
+# ---- in the walk -------------------------------------------------------------
+
+
+def entered(walk, seen, message=None):
+    request = as_request(message or AtlasSimInterfaceCommand(behavior="WALK"))
+    if message is None:
+        request = walk_without_steps(request)
+    body = capture_body(seen.terms)
+    return walk.enter(seen, body, request), body, request
+
+
+def test_a_walk_without_steps_catches_a_lost_balance_at_once(walk, observe):
+    seen = observe(speed=PUSHED)
+    phase, body, request = entered(walk, seen)
+    outcome = walk.update(phase, seen, body, request, leaving=False)
+    assert isinstance(outcome.state, WalkSwing)
+    assert outcome.state.progress.last_was_own
+    assert outcome.state.step.p_WF[0] > 0.2
+    (event,) = outcome.events
+    assert event.kind == "recovery"
+    assert event.text.endswith("catches the balance")
+    # A robot at rest settles instead.
+    rest = observe()
+    phase, body, request = entered(walk, rest)
+    phase = replace(phase, elapsed=phase.duration)
+    outcome = walk.update(phase, rest, body, request, leaving=False)
+    assert isinstance(outcome.state, WalkSettle)
+
+
+def test_lift_off_is_hurried_while_the_balance_is_lost(walk, observe, walk_message):
+    pushed = observe(speed=PUSHED)
+    message = walk_message((1, 0, 0.2, 0.14), (2, 1, 0.2, -0.14))
+    phase, body, request = entered(walk, observe(), message)
+    outcome = walk.update(phase, pushed, body, request, leaving=False)
+    hurried = outcome.state
+    assert isinstance(hurried, WalkShift)
+    assert hurried.hurried
+    assert hurried.duration - hurried.elapsed == pytest.approx(
+        CONFIG.rules.hurried_transfer
+    )
+    late = replace(hurried, elapsed=hurried.duration)
+    outcome = walk.update(late, pushed, body, request, leaving=False)
+    assert isinstance(outcome.state, WalkSwing)
+    # Without a push the same phase goes on.
+    outcome = walk.update(phase, observe(), body, request, leaving=False)
+    assert not outcome.state.hurried
+    assert outcome.state.duration == phase.duration
+
+
+def settled(walk, observe, apart):
+    """A walk at rest after a caught balance, the right foot ``apart`` [m] behind."""
+    seen = observe()
+    phase, body, request = entered(walk, seen)
+    phase = replace(phase, elapsed=phase.duration)
+    settle = walk.update(phase, seen, body, request, leaving=False).state
+    left, right = settle.progress.feet
+    width = walk._balance.stance.width
+    right = FootPose(left.p_WF - [apart, width, 0.0], right.R_WF)
+    progress = replace(
+        settle.progress,
+        feet=(left, right),
+        own_index=1,
+        last_index=1,
+        last_foot=LEFT,
+        next_index=2,
+    )
+    settle = replace(settle, progress=progress, elapsed=settle.duration + 1.0)
+    return walk.update(settle, seen, body, request, leaving=False)
+
+
+def test_feet_apart_after_a_caught_balance_are_put_side_by_side(walk, observe):
+    outcome = settled(walk, observe, 0.2)
+    assert isinstance(outcome.state, WalkShift)
+    (step,) = outcome.state.progress.pending
+    assert isinstance(step, Footstep)
+    assert (step.foot, step.index) == (RIGHT, 2)
+    assert not outcome.finished
+    # Feet that still stand apart after that step are put side by side again.
+    assert outcome.state.progress.own_index == 2
+    assert settled(walk, observe, 0.02).finished
+
+
+# ---- in a simulation ---------------------------------------------------------
+
+
+def pushed(speed, direction=(1.0, 0.0), behavior="STAND", **fields):
+    """The simulation of a push on the standing robot, until it stands again."""
+    sim = AtlasSimulation(Scenario(**fields))
+    sim.advance(0.5)
+    if behavior != "STAND":
+        sim.publish(AtlasSimInterfaceCommand(behavior=behavior))
+        sim.advance(0.5)
+    force = speed * sim.robot.mass / PUSH_DURATION
+    sim.apply_push(
+        sim.robot.file.chest,
+        [force * direction[0], force * direction[1], 0.0],
+        PUSH_DURATION,
+    )
+    sim.advance(0.4)
+    end = sim.time + 12.0
+    while sim.current_behavior is Behavior.WALK and sim.time < end:
+        sim.advance(0.1)
+    sim.advance(0.5)
+    return sim
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("behavior", ["STAND", "MANIPULATE"])
+@pytest.mark.parametrize("direction", [(1.0, 0.0), (-1.0, 0.0)], ids=["ahead", "back"])
+def test_a_pushed_robot_steps_and_stands_again(behavior, direction):
+    sim = pushed(0.5, direction, behavior)
+    assert not sim.has_fallen
+    assert sim.current_behavior is Behavior.STAND
+    assert len(sim.footsteps) >= 1
+    assert sim.footsteps[0]["error_m"] < 0.05  # From its own aim.
+    texts = [event.text for event in sim.events if event.kind == "behavior"]
+    assert f"{behavior} -> WALK (by itself)" in texts
+    assert texts[-1] == "WALK -> STAND (by itself)"
+    flags = sim.atlas_sim_interface_state.behavior_feedback.status_flags
+    assert flags & BehaviorStatus.WARNING_AUTO_TRANS
+    left, right = (
+        pose.position.to_array() for pose in sim.atlas_sim_interface_state.foot_pos_est
+    )
+    assert np.linalg.norm(left - right) < 0.3
+
+
+@pytest.mark.slow
+def test_without_recovery_steps_the_same_push_makes_it_fall():
+    controller = {"stand": {"recovery_steps": False}}
+    sim = pushed(0.5, controller=controller)
+    sim.advance(1.5)
+    assert sim.has_fallen
+    assert not sim.footsteps
