@@ -64,7 +64,10 @@ class Push:
 
 
 def plan(
-    sim: AtlasSimulation, num_steps: int = NUM_STEPS, length: float = STEP_LENGTH
+    sim: AtlasSimulation,
+    num_steps: int = NUM_STEPS,
+    length: float = STEP_LENGTH,
+    swing_height: float = SWING_HEIGHT,
 ) -> tuple[list[AtlasBehaviorStepData], float]:
     """Steps straight ahead of the feet, and the heading [rad]."""
     left, right = (
@@ -83,7 +86,7 @@ def plan(
         step.step_index = i + 1
         step.foot_index = i % 2
         step.duration = STEP_DURATION
-        step.swing_height = SWING_HEIGHT
+        step.swing_height = swing_height
         step.pose.position.x, step.pose.position.y = map(float, place)
         step.pose.orientation.z = math.sin(0.5 * heading)
         step.pose.orientation.w = math.cos(0.5 * heading)
@@ -96,8 +99,8 @@ def walk(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, bool]
 
     Args:
         sim: A robot that stands.
-        parameters: ``num_steps`` and ``step_length`` [m]; and for a push its
-            ``impulse`` [N·s], ``direction`` and ``earliest`` time [s].
+        parameters: ``num_steps``, ``step_length`` and ``swing_height`` [m]; and for
+            a push its ``impulse`` [N·s], ``direction`` and ``earliest`` time [s].
 
     Returns:
         Whether the robot stands in the end, and has taken all its steps.
@@ -106,7 +109,8 @@ def walk(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, bool]
     push = push_from(parameters)
     sim.advance(STANDING)
     length = float(parameters.get("step_length", STEP_LENGTH))
-    steps, heading = plan(sim, num_steps, length)
+    height = float(parameters.get("swing_height", SWING_HEIGHT))
+    steps, heading = plan(sim, num_steps, length, height)
     push_time = math.inf
     if push is not None:
         latest = push.earliest + 2.0 * STEP_DURATION
