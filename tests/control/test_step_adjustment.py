@@ -141,7 +141,8 @@ def test_a_foot_far_from_its_place_is_not_hastened_beyond_its_speed():
 
 
 def test_a_step_for_balance_may_be_longer_but_stays_in_reach_of_the_legs():
-    wide = LIMITS.widen(StepLimits(forward=0.4, width=LeastGreatest(0.18, 0.5)))
+    limits = StepLimits(forward=0.4, width=LeastGreatest(0.18, 0.5))
+    wide = limits.extended(LIMITS.stretch)
     assert wide.forward == pytest.approx(0.4 + LIMITS.stretch)
     assert wide.width == pytest.approx((0.18, 0.5 + LIMITS.stretch))
     far = Footstep(1, LEFT, np.array([0.5, 0.5, 0.02]), 0.0, 0.63, 0.1)

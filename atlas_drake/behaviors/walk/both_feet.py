@@ -156,9 +156,14 @@ def is_dcm_lost(phase: WalkPhase, observation: Observation, margin: float) -> bo
         observation: Observation of this tick.
         margin: Distance outside the support polygon, beyond that of the plan [m].
     """
-    dcm = feedback.dcm(observation.terms, phase.plan.omega)
-    planned = phase.support.distance_outside(phase.planned.dcm)
-    return phase.support.distance_outside(dcm) - max(planned, 0.0) > margin
+    support = phase.support
+    outside = support.distance_outside(
+        feedback.dcm(observation.terms, phase.plan.omega)
+    )
+    # In most ticks it is inside, and the plan need not be evaluated.
+    return outside > margin and (
+        outside - support.distance_outside(phase.planned.dcm) > margin
+    )
 
 
 def steps_left_out(phase: WalkSettle, time: float, leaving: bool) -> tuple[Event, ...]:

@@ -38,8 +38,8 @@ def capture_step(
 ) -> Footstep:
     """Makes the step to the DCM of its touchdown: ξ_T = r + e^{ωT}(ξ - r).
 
-    Of both feet, the one steps that gets nearer to that point; the CoP r is the point
-    of the other sole that is nearest to the DCM.
+    The foot that gets nearer to that point steps. The CoP r is the point of the other
+    sole that is nearest to the DCM.
 
     Args:
         index: Index of the step.

@@ -30,7 +30,7 @@ class WalkConfig(Configuration):
     """Distance of the CoP reference in single support from the middle of the stance
     sole, toward the other foot [m]."""
     adjustment: StepAdjustmentLimits = field(default_factory=StepAdjustmentLimits)
-    """Limits of the step adjustment, which moves the landing place for balance."""
+    """The step adjustment, which moves and hastens a step for balance."""
     slack: StepSlack = field(default_factory=StepSlack)
     """Amount by which a step may exceed its limits to correct landing errors."""
 

@@ -34,7 +34,8 @@ class SingleSupport(PhaseControl[WalkSwing]):
         self._rules = config.rules
         self._profile = config.swing
         self._adjustment = config.adjustment
-        self._limits = config.adjustment.widen(config.slack.loosen(config.limits))
+        loose = config.slack.loosen(config.limits)
+        self._limits = loose.extended(config.adjustment.stretch)
         self._touchdown_force = config.rules.touchdown_force * balance.weight
         self._landing_force = config.rules.landing_force * balance.weight
 

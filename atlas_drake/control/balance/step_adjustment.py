@@ -14,12 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from atlas_drake.configuration import (
-    Configuration,
-    LeastGreatest,
-    NotNegative,
-    Positive,
-)
+from atlas_drake.configuration import Configuration, NotNegative, Positive
 from atlas_drake.control.feet.footstep import FootPose, Footstep, saturate
 from atlas_drake.control.feet.step_limits import StepLimits
 from atlas_drake.frozen import replace
@@ -30,9 +25,10 @@ _TIMES = 9
 
 @dataclass(frozen=True)
 class StepAdjustmentLimits(Configuration):
-    """Part of the DCM error that the ankles and double support correct.
+    """When a step is moved or hastened for balance, and how far.
 
-    ``StepLimits`` bounds the shift of the step itself.
+    The ankles and double support correct the first part of a DCM error; ``StepLimits``
+    with ``stretch``, and ``reach`` bound the place of the step.
     """
 
     cop_forward: NotNegative = 0.10
@@ -62,16 +58,6 @@ class StepAdjustmentLimits(Configuration):
     shift_cost: NotNegative = 0.2
     """Distance out of reach that is accepted for each meter by which the landing place
     is not shifted [-]."""
-
-    def widen(self, limits: StepLimits) -> StepLimits:
-        """Returns the limits of a step for balance."""
-        narrowest, widest = limits.width
-        return replace(
-            limits,
-            forward=limits.forward + self.stretch,
-            backward=limits.backward + self.stretch,
-            width=LeastGreatest(narrowest, widest + self.stretch),
-        )
 
 
 def step_shift(
@@ -207,12 +193,12 @@ def touchdown_for_balance(
     left = (1.0 - progress) * adjustment.shortest_swing
     way = float(np.hypot(*(landing.p_WF[:2] - foot)))
     earliest = min(max(left, way / adjustment.foot_speed), planned)
-    best, least_cost = (landing, planned), math.inf
-    for remaining in np.linspace(planned, earliest, _TIMES).tolist():
-        landing, missing, shift = landing_after(remaining)
-        cost = (
+
+    def cost(remaining: float) -> float:
+        _, missing, shift = landing_after(remaining)
+        return (
             missing + adjustment.shift_cost * shift - adjustment.haste_cost * remaining
         )
-        if cost < least_cost:
-            best, least_cost = (landing, remaining), cost
-    return best
+
+    best = min(np.linspace(planned, earliest, _TIMES).tolist(), key=cost)
+    return landing_after(best)[0], best

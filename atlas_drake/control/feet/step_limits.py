@@ -4,7 +4,7 @@ Data only; ``footstep`` saturates steps by the limits.
 """
 
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, Self
 
 from pydantic import BeforeValidator
 
@@ -69,6 +69,22 @@ class StepLimits(Configuration):
     swing_height: Range = LeastGreatest(0.03, 0.30)
     """Apex of a swing above the middle of its ends [m]."""
 
+    def extended(self, outward: float, inward: float = 0.0) -> Self:
+        """Returns limits with other distances between the feet.
+
+        Args:
+            outward: Distance [m] by which a step may go farther ahead, back and to
+                its side.
+            inward: Distance [m] by which the feet may be nearer to each other.
+        """
+        narrowest, widest = self.width
+        return replace(
+            self,
+            forward=self.forward + outward,
+            backward=self.backward + outward,
+            width=LeastGreatest(narrowest - inward, widest + outward),
+        )
+
     def check(self) -> None:
         """Checks that the limits leave a range."""
         for name, least in (("width", 0.0), ("duration", 1e-3), ("swing_height", 0.0)):
@@ -117,12 +133,8 @@ class StepSlack(Configuration):
 
     def loosen(self, limits: StepLimits) -> StepLimits:
         """Returns the limits of a step from the actual place of the stance foot."""
-        narrowest, widest = limits.width
         return replace(
-            limits,
-            forward=limits.forward + self.distance,
-            backward=limits.backward + self.distance,
-            width=LeastGreatest(narrowest - self.distance, widest + self.distance),
+            limits.extended(self.distance, self.distance),
             rise=limits.rise + self.rise,
             toe_out=limits.toe_out + self.turn,
             toe_in=limits.toe_in + self.turn,
