@@ -8,7 +8,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from pydrake.geometry import Meshcat, SceneGraph
+from pydrake.geometry import (
+    Meshcat,
+    MeshcatVisualizer,
+    MeshcatVisualizerParams,
+    SceneGraph,
+)
 from pydrake.multibody.plant import MultibodyPlant
 from pydrake.systems.framework import Diagram, DiagramBuilder
 from pydrake.systems.rendering import MultibodyPositionToGeometryPose
@@ -18,6 +23,7 @@ from atlas_drake.logs.log import Log
 from atlas_drake.logs.log_player import LogPlayer
 from atlas_drake.scenario.models import world_of
 from atlas_drake.scenario.world import WorldMaker, add_world
+from atlas_drake.visualization import FRAME_RATE
 from atlas_drake.visualization.overlays import Overlays
 
 if TYPE_CHECKING:
@@ -72,15 +78,45 @@ def make_replay(
     return diagram
 
 
-def _make_station(log: Log, world: Sequence[WorldMaker]) -> Diagram:
+def make_replay_beside(log: Log, meshcat: Meshcat, path: str) -> Diagram:
+    """Builds a diagram that draws the robot of a log alone, under a path.
+
+    Args:
+        log: Log of the run.
+        meshcat: Meshcat instance to draw in.
+        path: Path of the robot in the 3D view, whose transform places it.
+
+    Raises:
+        LogError: As ``make_replay``.
+    """
+    builder = DiagramBuilder()
+    builder.AddNamedSystem("station", _make_station(log, scenery=False))
+    station: Any = builder.GetSubsystemByName("station")
+    MeshcatVisualizer.AddToBuilder(
+        builder,
+        station.GetOutputPort("query_object"),
+        meshcat,
+        MeshcatVisualizerParams(
+            publish_period=1.0 / FRAME_RATE, enable_alpha_slider=False, prefix=path
+        ),
+    )
+    diagram = builder.Build()
+    diagram.set_name("replay_beside")
+    return diagram
+
+
+def _make_station(
+    log: Log, world: Sequence[WorldMaker] = (), *, scenery: bool = True
+) -> Diagram:
     """Makes a diagram with a station's output ports, fed from a log."""
     builder = DiagramBuilder()
     scene_graph = builder.AddNamedSystem("scene_graph", SceneGraph())
     plant = MultibodyPlant(time_step=0.0)
     source = plant.RegisterAsSourceForSceneGraph(scene_graph)
     log.robot.add_to(plant)
-    scenario = log.scenario
-    add_scenery(plant, scenario.all_terrain(), scenario.ground_friction)
+    if scenery:
+        scenario = log.scenario
+        add_scenery(plant, scenario.all_terrain(), scenario.ground_friction)
     add_world(plant, world)
     plant.Finalize()
     player = builder.AddNamedSystem("log_player", LogPlayer(log, plant))

@@ -2,12 +2,13 @@
 
 Needs Chromium for the views, Graphviz for the diagram and the extra ``video``::
 
-    python docs/make_pictures.py [--browser chromium] [--only readme|extending|worlds]
+    python docs/make_pictures.py [--browser chromium] [--only cockpit]
 """
 
 # ruff: noqa: T201
 
 import argparse
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -15,6 +16,7 @@ from functools import partial
 from pathlib import Path
 
 import av
+from cockpit_pictures import make_cockpit_pictures
 from extending_pictures import make_extending_pictures
 from PIL import Image
 from worlds_pictures import make_worlds_pictures
@@ -29,12 +31,13 @@ from atlas_drake.app.main import main as atlas_drake
 from atlas_drake.visualization.overlays import Overlays
 from atlas_drake.visualization.viewer import start_meshcat
 
-PAGES = ("readme", "extending", "worlds")
+PAGES = ("readme", "cockpit", "extending", "worlds")
 IMAGES = Path(__file__).parent / "images"
 DIAGRAM = Path(__file__).parent / "reference" / "diagram.svg"
 FILM, FILM_SIZE = "demo.mp4", "400x224"
-CLIP, CLIP_TIMES, CLIP_FPS, CLIP_COLORS = "walk.gif", (7.5, 13.5), 10, 48
-"""Part of the film that moves in the README [s]: the walk, with the user's arms."""
+CLIP_SIZE = (800, 450)
+CLIP, CLIP_TIMES, CLIP_FPS, CLIP_COLORS = "cockpit.gif", (0.5, 9.5), 5, 64
+"""Part of the cockpit's film that moves in the README [s]: a click, and the walk."""
 FIGURES = "figures.png"
 THOUGHTS = (
     "com",
@@ -81,7 +84,7 @@ def cut_clip(film: Path, clip: Path) -> None:
     begin, end = CLIP_TIMES
     with av.open(str(film)) as container:
         frames = [
-            frame.to_image()
+            frame.to_image().resize(CLIP_SIZE)
             for frame in container.decode(video=0)
             if begin <= frame.time < end
         ]
@@ -106,6 +109,9 @@ def main() -> None:
     pages = PAGES if options.only is None else (options.only,)
     if "readme" in pages:
         make_readme_pictures(options.browser)
+    if "cockpit" in pages:
+        make_cockpit_pictures(str(shutil.which(options.browser)), IMAGES)
+        cut_clip(IMAGES / "cockpit.mp4", IMAGES / CLIP)
     if "extending" in pages:
         make_extending_pictures(IMAGES, partial(photograph, options.browser))
     if "worlds" in pages:
@@ -118,7 +124,6 @@ def make_readme_pictures(browser: str) -> None:
     print(f"Wrote {DIAGRAM}.")
     film = ["--headless", "--video", str(IMAGES / FILM), "--video-size", FILM_SIZE]
     subprocess.run([sys.executable, "-m", "atlas_drake", "demo", *film], check=True)
-    cut_clip(IMAGES / FILM, IMAGES / CLIP)
     meshcat = start_meshcat()
     sim = AtlasSimulation(view=meshcat, overlays=Overlays(THOUGHTS))
     walk = AtlasSimInterfaceCommand()

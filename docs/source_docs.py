@@ -1,12 +1,10 @@
 """Reads the docstrings of fields and constants from the source, for the reference.
 
-Python keeps docstrings of classes, not of their fields and constants; these are strings
-after an assignment, which are read from the source.
+Fields and constants have strings after an assignment, see ``atlas_drake.field_docs``.
 """
 
 from __future__ import annotations
 
-import ast
 import dataclasses
 import inspect
 import re
@@ -14,6 +12,7 @@ import textwrap
 from types import ModuleType
 from typing import Any
 
+from atlas_drake import field_docs
 from atlas_drake.messages import Message
 
 
@@ -53,26 +52,9 @@ def attributes(cls: type) -> dict[str, str]:
 
 
 def trailing_strings(owner: type | ModuleType) -> dict[str, str]:
-    """The strings that follow assignments in a class or a module."""
-    tree = ast.parse(textwrap.dedent(inspect.getsource(owner)))
-    body = tree.body
-    if inspect.isclass(owner):
-        assert isinstance(body[0], ast.ClassDef)
-        body = body[0].body
-    found: dict[str, str] = {}
-    names: list[str] = []
-    for node in body:
-        if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
-            names = [node.target.id]
-        elif isinstance(node, ast.Assign):
-            names = [t.id for t in node.targets if isinstance(t, ast.Name)]
-        elif isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant):
-            for name in names:
-                found[name] = paragraphs(str(node.value.value)).replace("\n", " ")
-            names = []
-        else:
-            names = []
-    return found
+    """The strings that follow assignments in a class or a module, as Markdown."""
+    told = field_docs.trailing_strings(owner)
+    return {name: paragraphs(text).replace("\n", " ") for name, text in told.items()}
 
 
 def defaults(cls: type) -> dict[str, Any]:

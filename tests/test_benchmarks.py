@@ -5,6 +5,7 @@ The measured values are not tested here.
 
 import argparse
 import importlib
+import importlib.util
 import json
 import platform
 import sys
@@ -15,10 +16,14 @@ import numpy as np
 import pytest
 
 from atlas_drake.campaigns import load_campaign, processes
-from atlas_drake.campaigns.plan import make_trial
+from atlas_drake.campaigns.plan import case_list, make_trial
 from atlas_drake.campaigns.sources import Sources
 from atlas_drake.campaigns.threshold import level_of
 from atlas_drake.campaigns.trial_runner import TrialRunner
+from atlas_drake.configuration import LeastGreatest
+from atlas_drake.control.feet.footstep import RIGHT, FootPose, limit_duration, saturate
+from atlas_drake.control.feet.step_limits import StepLimits
+from atlas_drake.control.rotations import rotation_z
 
 FOLDER = Path(__file__).parents[1] / "benchmarks"
 SCRIPTS = sorted(
@@ -191,6 +196,111 @@ def test_a_campaign_can_be_run(name):
     TrialRunner(campaign, Sources(tuple(campaign.code)))
     commands = (FOLDER.parent / "docs" / "benchmarks.md").read_text()
     assert f"atlas-drake sweep benchmarks/campaigns/{name}.yaml" in commands
+
+
+def module_of(name):
+    """A Python file of a campaign as a module."""
+    path = FOLDER / "campaigns" / f"{name}.py"
+    spec = importlib.util.spec_from_file_location(f"campaign_{name}", path)
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[spec.name] = module  # Dataclasses look themselves up there.
+    spec.loader.exec_module(module)
+    return module
+
+
+FEET = [
+    FootPose(np.array([0.0, y, 0.0]), rotation_z(yaw))
+    for y, yaw in ((0.12, 0.05), (-0.12, -0.05))
+]
+
+
+@pytest.mark.parametrize("forward", [0.42, 0.7])
+def test_random_walks_are_within_the_limits_whatever_they_are(forward):
+    walks = module_of("random_walks")
+    limits = StepLimits(forward=forward, duration=LeastGreatest(0.5, 2.0))
+    ahead, quickest = [], np.inf
+    for seed in range(40):
+        now, last = list(FEET), RIGHT
+        random = np.random.default_rng(seed)
+        steps = walks.random_steps(FEET, limits, random, 25)
+        assert [step.index for step in steps] == list(range(1, 26))
+        for step in steps:
+            assert step.index == 1 or step.foot != last
+            start, stance = now[step.foot], now[1 - step.foot]
+            legal = limit_duration(
+                saturate(step, stance, limits), start, stance, limits
+            )
+            np.testing.assert_allclose(legal.p_WF, step.p_WF, atol=1e-12)
+            assert legal.yaw == pytest.approx(step.yaw)
+            assert legal.duration == step.duration <= walks.SLOWEST
+            assert legal.swing_height == step.swing_height
+            ahead.append((rotation_z(stance.yaw).T @ (step.p_WF - stance.p_WF))[0])
+            quickest = min(quickest, step.duration)
+            now[step.foot], last = step.pose, step.foot
+        side_by_side = (rotation_z(now[0].yaw).T @ (now[0].p_WF - now[1].p_WF))[:2]
+        np.testing.assert_allclose(side_by_side, [0.0, 0.24], atol=1e-9)
+    # They go to the limits.
+    assert -limits.backward <= min(ahead) < 0.95 * -limits.backward
+    assert 0.95 * forward < max(ahead) <= forward
+    assert 0.5 <= quickest < 0.51
+
+
+def test_the_same_seed_is_the_same_random_walk():
+    walks, limits = module_of("random_walks"), StepLimits()
+    one, again, other = (
+        walks.random_steps(FEET, limits, np.random.default_rng(seed), 25)
+        for seed in (1, 1, 2)
+    )
+    assert [step.duration for step in one] == [step.duration for step in again]
+    assert [step.duration for step in one] != [step.duration for step in other]
+
+
+def test_directions_of_pushes_are_relative_to_the_stance_foot():
+    angle = module_of("push_moments")._angle
+    left, right = 0.5 * np.pi, -0.5 * np.pi
+    assert angle("forward", "left") == angle("forward", "right") == 0.0
+    # The left foot swings while the right one stands.
+    assert (angle("outward", "right"), angle("inward", "right")) == (left, right)
+    assert (angle("outward", "left"), angle("inward", "left")) == (right, left)
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("restored_loggers")
+def test_pushes_share_a_walk_and_are_those_of_walks_of_their_own():
+    campaign = load_campaign(FOLDER / "campaigns" / "push_moments.yaml")
+    sources = Sources(tuple(campaign.code))
+    shared = TrialRunner(campaign, sources)
+    cases = case_list(campaign)
+
+    def trial(moment, stance):
+        case = {
+            "parameters.moment": moment,
+            "parameters.direction": "outward",
+            "parameters.stance": stance,
+        }
+        return make_trial(campaign, 3 * len(cases) + cases.index(case), 1)
+
+    records = {}
+    for key in (("late", "left"), ("double", "right"), ("mid", "left")):
+        record = records[key] = shared(trial(*key))
+        assert record["error"] is None
+        assert record["figures"]["stands"]
+    alone = TrialRunner(campaign, sources)
+    for key in (("mid", "left"), ("double", "right")):
+        assert alone(trial(*key))["figures"] == records[key]["figures"]
+        alone = TrialRunner(campaign, sources)
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("restored_loggers")
+def test_a_random_walk_is_walked_to_its_end():
+    path = FOLDER / "campaigns" / "random_walks.yaml"
+    campaign = load_campaign(path, ["parameters.num_steps=4"])
+    trial_runner = TrialRunner(campaign, Sources(tuple(campaign.code)))
+    record = trial_runner(make_trial(campaign, 1))
+    assert record["error"] is None
+    assert record["success"], record["missed"]
+    assert record["figures"]["last_index"] == 4
 
 
 @pytest.mark.slow

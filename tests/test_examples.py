@@ -17,7 +17,7 @@ EXPECTED = {
     "06_manipulate": "Atlas stands again.",
     "07_step": "Atlas stands on the block.",
     "08_walk_streaming": "Atlas walked its circle.",
-    "09_teleop": "Atlas stands after 9 steps.",
+    "09_cockpit": "Atlas stands after 9 steps.",
     "10_obstacles": "Atlas stands behind it.",
 }
 """What each prints last when all is well."""
@@ -33,12 +33,12 @@ def test_examples_explain_themselves_and_are_watched_from_here_alone(run_program
     assert status == 0
     assert "--headless" in out
     text = (FOLDER / f"{name}.py").read_text()
-    assert "view=" in text
+    assert "view=" in text or "cockpit=" in text
     assert "eshcat(" not in text
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "status"), [("02_stand", -2), ("09_teleop", 0)])
+@pytest.mark.parametrize(("name", "status"), [("02_stand", -2), ("09_cockpit", 0)])
 def test_ctrl_c_ends_an_example_without_a_traceback(name, status):
     """Also with the view, and where there is no standard input."""
     process = subprocess.Popen(

@@ -1,5 +1,6 @@
 """Walking on uneven ground: up and down a step, and over tilted footholds."""
 
+import math
 import runpy
 from pathlib import Path
 
@@ -17,8 +18,9 @@ from atlas_drake import (
     Vector3,
 )
 from atlas_drake.control.estimation.attitude import rotation_matrix
+from atlas_drake.control.rotations import rotation_with_normal
 from atlas_drake.scenario import Jitter, Start
-from atlas_drake.scenario.terrain import Block
+from atlas_drake.scenario.terrain import Block, surface_height
 
 pytestmark = pytest.mark.slow
 
@@ -135,3 +137,66 @@ def test_over_the_obstacle_of_a_world(world):
     assert sim.current_behavior is Behavior.STAND
     assert [s["index"] for s in sim.footsteps] == [s.step_index for s in steps]
     assert max(s["error_m"] for s in sim.footsteps) <= LANDING_ERROR
+
+
+def test_across_a_ramp(walk):
+    """Up a slope, a quarter turn on it, and on along its contour lines."""
+    angle, turns, paces, stride = 0.25, 7, 6, 0.2
+    world = {"name": "ramp", "ramp": {"angle": angle, "width": 4.0}}
+    jitter = Jitter(position=0.005, orientation=0.01, mass=0.05)
+    sim = AtlasSimulation(Scenario(world=world, seed=1, jitter=jitter))
+    slope = sim.scenario.world.terrain()[0]
+    normal = slope.X_WT.rotation().matrix()[:, 2]
+    steps = []
+
+    def place(foot, x, y, yaw):
+        left = HALF_WIDTH * (1 - 2 * foot)
+        x, y = x - left * math.sin(yaw), y + left * math.cos(yaw)
+        R_WF = RotationMatrix(rotation_with_normal(yaw, normal))
+        data = step(len(steps) + 1, x, y, surface_height([slope], x, y), R_WF)
+        assert data.foot_index == foot
+        steps.append(data)
+
+    x, y, yaw = 0.41, 0.0, 0.0
+    for _ in range(2):
+        place(0, x, y, yaw)
+        place(1, x, y, yaw)
+        x += 0.3
+    x -= 0.3
+    for _ in range(turns):
+        yaw += 0.5 * math.pi / turns
+        place(0, x, y, yaw)
+        place(1, x, y, yaw)
+    for pace in range(paces):
+        y += stride
+        place(pace % 2, x, y, yaw)
+    sim.advance(0.5)
+    walk(sim, steps)
+    assert_walked(sim, steps)
+
+
+@pytest.mark.parametrize("way", ["up", "down"])
+def test_stairs_foot_over_foot(walk, way):
+    rise, run, number, start = 0.15, 0.32, 6, 0.19
+    heights = [rise * (k if way == "up" else number - k) for k in range(number + 1)]
+    stairs = [
+        Block(size=[run, 2.0, z], position=[start + (k - 0.5) * run, 0.0, z])
+        for k, z in enumerate(heights)
+        if k > 0 and z > 0.0
+    ]
+    # The floor at the upper end, before or behind the stairs.
+    near, far = (start + number * run, 6.0) if way == "up" else (-2.0, start)
+    top = max(heights)
+    stairs.append(
+        Block(size=[far - near, 2.0, top], position=[0.5 * (near + far), 0.0, top])
+    )
+    # Every tread takes one foot, and the last one both.
+    treads = [*range(1, number + 1), number]
+    steps = [
+        step(i + 1, start + (k - 0.5) * run, HALF_WIDTH * (1 - 2 * (i % 2)), heights[k])
+        for i, k in enumerate(treads)
+    ]
+    sim = simulate("atlas", 2, stairs)
+    sim.advance(0.5)
+    walk(sim, steps)
+    assert_walked(sim, steps)

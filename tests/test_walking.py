@@ -12,7 +12,9 @@ from atlas_drake import (
     Behavior,
     BehaviorStatus,
     Scenario,
+    steps_ahead,
 )
+from atlas_drake.scenario import Jitter
 
 pytestmark = pytest.mark.slow
 
@@ -109,6 +111,23 @@ def test_straight_in_other_directions(walk, sim, moves, axis, way):
     walk(sim, path.steps)
     assert_walked(sim, path.steps)
     assert sim.pelvis_pose.translation()[axis] == pytest.approx(way, abs=0.05)
+
+
+@pytest.mark.parametrize(
+    ("distance", "speed"), [(5.0, 1.05), (-2.5, 0.7)], ids=["ahead", "backward"]
+)
+def test_a_fast_walk(walk, distance, speed):
+    sim = AtlasSimulation(Scenario(seed=3, jitter=Jitter(mass=0.05)))
+    gait = sim.scenario.controller_config().gait()
+    report = sim.atlas_sim_interface_state
+    footsteps = walk(sim, steps_ahead(report, distance, gait, speed))
+    assert sim.current_behavior is Behavior.STAND
+    assert max(step["error_m"] for step in footsteps) <= 0.03
+    landings = [event.time for event in sim.events if event.kind == "footstep"]
+    places = [step["landed"][0] for step in footsteps]
+    # The fastest part of the walk: strides between the ramps.
+    way = np.diff(places) / np.diff(landings)
+    assert np.abs(way).max() == pytest.approx(speed, rel=0.1)
 
 
 def test_a_turn_on_the_spot(walk, sim):

@@ -125,6 +125,10 @@ def replay_log(options: argparse.Namespace) -> int:
             "leave it out to watch"
         )
     check_outputs(options, ("record", "video"))
+    if options.cockpit:
+        return _replay_in_cockpit(options)
+    if options.beside is not None:
+        raise LogError("--beside needs --cockpit, which shows two logs at a time")
     video = video_asked_for(options)
     quiet_logs()
     log = _read(options.log)
@@ -166,6 +170,19 @@ def replay_log(options: argparse.Namespace) -> int:
     if not options.headless and interactive():
         keep_serving(progress.say)
     return exit_status.OK
+
+
+def _replay_in_cockpit(options: argparse.Namespace) -> int:
+    """Serves the cockpit over a log until Ctrl-C; returns the exit status."""
+    from atlas_drake.app.cockpit_replay import play_in_cockpit
+
+    files = [name for name in ("record", "video") if getattr(options, name) is not None]
+    if files or options.headless:
+        option = f"--{files[0]}" if files else "--headless"
+        raise LogError(f"{option} cannot be used with --cockpit")
+    log = _read(options.log)
+    beside = None if options.beside is None else _read(options.beside)
+    return play_in_cockpit(log, beside, options)
 
 
 def _play(

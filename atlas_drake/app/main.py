@@ -217,17 +217,30 @@ def _parser(
     add_speed_options(
         view, "no 3D view: for --record and --video alone, as fast as possible"
     )
+    view.add_argument(
+        "--cockpit",
+        action="store_true",
+        help="show the log in the cockpit, with a slider over its time, plots of any "
+        "channel, and what the controller thought",
+    )
+    view.add_argument(
+        "--beside",
+        metavar="LOG",
+        type=Path,
+        help="with --cockpit: a second log, whose robot stands beside the first and "
+        "whose plots are dashed",
+    )
     add_address_options(view)
     add_show_option(view, "none", LOGGED)
     add_record_option(replay.add_argument_group("what you keep"))
-    replay.set_defaults(run="log.replay_log", reads=("log",))
+    replay.set_defaults(run="log.replay_log", reads=("log", "beside"))
 
     teleop = commands.add_parser(
         "teleop",
-        help="steer Atlas yourself, with keys and sliders in the browser",
-        description="Steer Atlas in the 3D view: keys for behaviors and walking, "
-        "sliders for the gait, the pelvis and your share of each limb, pushes. "
-        "Ctrl-C ends it.",
+        help="steer Atlas yourself, in the cockpit in the browser",
+        description="Steer Atlas in the cockpit: behaviors, walking by keys or by a "
+        "click on the ground, the pelvis, your share of each joint, pushes. Ctrl-C "
+        "ends it.",
         epilog="exit status: 0 stopped by Ctrl-C or after --duration, 1 the simulation "
         "failed, 2 bad input" + told,
     )
@@ -248,7 +261,7 @@ def _parser(
     add_robot_options(teleop)
     view = teleop.add_argument_group("how you watch it")
     add_address_options(view)
-    add_show_option(view, "com,dcm,cop,support,swing,flags,follow")
+    add_show_option(view, "com,dcm,cop,support,swing,plan")
     teleop.set_defaults(run="teleop.run_teleop", reads=("scenario", "parts"))
 
     add_sweep_commands(commands, _LOST)

@@ -61,6 +61,12 @@ def add_run_options(parser: argparse.ArgumentParser) -> None:
     add_robot_options(parser)
     view = parser.add_argument_group("how you watch it")
     add_speed_options(view, "no 3D view: as fast as possible, for scripts and servers")
+    view.add_argument(
+        "--cockpit",
+        action="store_true",
+        help="open the cockpit in the browser: the 3D view with every command, and "
+        'what the controller thinks; needs `pip install "atlas-drake[cockpit]"`',
+    )
     add_address_options(view)
     add_show_option(view, "none")
     keep = parser.add_argument_group("what you keep")
@@ -99,14 +105,16 @@ def add_address_options(view: argparse._ArgumentGroup) -> None:
         "--port",
         type=_port,
         metavar="P",
-        help="port of the 3D view, or the next free one (default: from 7000)",
+        help="port of the 3D view, or the next free one (default: from 7000; the "
+        "cockpit's from 8080)",
     )
     view.add_argument(
         "--host",
         default="localhost",
         metavar="H",
         help="address that the 3D view listens on; with * or 0.0.0.0 everyone with "
-        "access to its port can watch, and with teleop steer (default: %(default)s)",
+        "access to its port can watch; steering the cockpit then needs the token in "
+        "the address that is printed (default: %(default)s)",
     )
 
 

@@ -16,11 +16,13 @@ from pydrake.geometry import Meshcat
 from atlas_drake.app.progress import Progress
 from atlas_drake.errors import AtlasError, ScenarioError
 from atlas_drake.visualization import FRAME_RATE
-from atlas_drake.visualization.viewer import await_viewer, start_meshcat
+from atlas_drake.visualization.viewer import Served, await_viewer, start_meshcat
 from atlas_drake.whole_file import whole_file, why_not_writable
 
 if TYPE_CHECKING:
+    from atlas_drake.cockpit.cockpit import Cockpit
     from atlas_drake.simulation import AtlasSimulation
+    from atlas_drake.visualization.overlays import Overlays
     from atlas_drake.visualization.video_display import Video
 
 
@@ -151,7 +153,25 @@ def video_asked_for(options: argparse.Namespace) -> Video | None:
     return Video(options.video, *options.video_size)
 
 
-def open_view(options: argparse.Namespace, progress: Progress) -> Meshcat | None:
+def open_cockpit(options: argparse.Namespace, show: Overlays) -> Cockpit | None:
+    """Serves the cockpit, if it is asked for.
+
+    Raises:
+        ScenarioError: If it cannot be used with the other options.
+        CockpitError: If it cannot be served.
+    """
+    if not options.cockpit:
+        return None
+    if options.headless:
+        raise ScenarioError("--cockpit", True, "cannot be used with --headless")
+    from atlas_drake.cockpit.cockpit import Cockpit
+
+    return Cockpit(options.host, options.port, show)
+
+
+def open_view(
+    options: argparse.Namespace, progress: Progress, cockpit: Cockpit | None = None
+) -> Meshcat | None:
     """Serves a 3D view if it is watched or recorded.
 
     Call it before the diagram is built, whose first picture belongs to the recording.
@@ -161,7 +181,10 @@ def open_view(options: argparse.Namespace, progress: Progress) -> Meshcat | None
     """
     if options.headless and options.record is None:
         return None
-    meshcat = start_meshcat(options.host, options.port, progress.say)
+    if cockpit is None:
+        meshcat = start_meshcat(options.host, options.port, progress.say)
+    else:
+        meshcat = cockpit.meshcat
     if options.record is not None:
         meshcat.StartRecording(
             frames_per_second=FRAME_RATE,
@@ -171,11 +194,11 @@ def open_view(options: argparse.Namespace, progress: Progress) -> Meshcat | None
 
 
 def invite_viewer(
-    meshcat: Meshcat | None, options: argparse.Namespace, progress: Progress
+    page: Served | None, options: argparse.Namespace, progress: Progress
 ) -> None:
-    """Prints the address of the view, and gives a browser the time to open."""
-    if meshcat is not None and not options.headless:
-        await_viewer(meshcat, progress.say)
+    """Prints the address of a page, and gives a browser the time to open."""
+    if page is not None and not options.headless:
+        await_viewer(page, progress.say)
 
 
 def realtime_rate(options: argparse.Namespace) -> float:

@@ -10,7 +10,9 @@ import json
 import logging
 import math
 import sys
-from collections.abc import Callable
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
 
@@ -22,6 +24,7 @@ from atlas_drake.app.outputs import (
     keep_files,
     keep_recording,
     keep_text,
+    open_cockpit,
     open_view,
     realtime_rate,
     video_asked_for,
@@ -112,18 +115,21 @@ def run_scenario(
 
     parts = load_parts(options.parts)
     progress = Progress(sys.stdout, scenario.duration if end is None else end)
-    meshcat = open_view(options, progress)
+    overlays = Overlays(options.show)
+    cockpit = open_cockpit(options, overlays)
+    meshcat = open_view(options, progress, cockpit)
     sim = AtlasSimulation(
         scenario,
         view=meshcat,
+        cockpit=cockpit,
         recorded=options.record is not None,
         video=video,
         on_event=progress.event,
-        overlays=Overlays(options.show),
+        overlays=overlays,
         log=options.log,
         **parts,
     )
-    invite_viewer(meshcat, options, progress)
+    invite_viewer(cockpit or meshcat, options, progress)
     if options.realtime_rate is not None or not sim.realtime_rate:
         sim.set_realtime_rate(realtime_rate(options))
 
@@ -174,7 +180,7 @@ def _simulate(sim: AtlasSimulation, progress: Progress) -> str | None:
         None, or the reason of an earlier end other than a fall.
     """
     end = sim.scenario.duration
-    with ctrl_c() as asked_to_stop:
+    with ctrl_c() as asked_to_stop, heeded(sim, asked_to_stop):
         try:
             while sim.time < end - 1e-9:
                 if asked_to_stop.is_set():
@@ -185,6 +191,14 @@ def _simulate(sim: AtlasSimulation, progress: Progress) -> str | None:
         except SimulationError as error:
             return str(error)
         return INTERRUPTED if asked_to_stop.is_set() else None
+
+
+@contextmanager
+def heeded(sim: AtlasSimulation, asked_to_stop: threading.Event) -> Iterator[None]:
+    """Lets Ctrl-C end a pause in the cockpit, if there is one."""
+    if sim.cockpit is not None:
+        sim.cockpit.asked_to_stop = asked_to_stop.is_set
+    yield
 
 
 def end_after_fall(sim: AtlasSimulation) -> float:

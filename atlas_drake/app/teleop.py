@@ -1,14 +1,11 @@
-"""``atlas-drake teleop``: serve the panel, print the keys, run until Ctrl-C.
-
-Orders of the panel are in ``teleop.commander``; the loop's slice is in
-``teleop.session``.
-"""
+"""``atlas-drake teleop``: serve the cockpit, and run until Ctrl-C."""
 
 from __future__ import annotations
 
 import argparse
 import sys
 import threading
+from collections.abc import Callable
 
 from atlas_drake.app import exit_status
 from atlas_drake.app.interrupts import ctrl_c
@@ -16,17 +13,19 @@ from atlas_drake.app.parts import load_parts
 from atlas_drake.app.progress import Progress
 from atlas_drake.app.run import (
     INTERRUPTED,
+    PIECE,
+    heeded,
     quiet_logs,
     scenario_of,
     verdict,
     with_options,
 )
+from atlas_drake.cockpit.cockpit import Cockpit
+from atlas_drake.errors import AtlasError
+from atlas_drake.scenario import Scenario
 from atlas_drake.simulation import AtlasSimulation, SimulationError
-from atlas_drake.teleop.controls import legend
-from atlas_drake.teleop.panel import Panel
-from atlas_drake.teleop.session import Session
 from atlas_drake.visualization.overlays import Overlays
-from atlas_drake.visualization.viewer import interactive, open_on_desktop, start_meshcat
+from atlas_drake.visualization.viewer import interactive, open_on_desktop
 
 
 def run_teleop(options: argparse.Namespace) -> int:
@@ -34,37 +33,30 @@ def run_teleop(options: argparse.Namespace) -> int:
 
     Raises:
         ScenarioError: If an option cannot be used; raised before the run.
+        CockpitError: If the cockpit cannot be served.
     """
     scenario = with_options(scenario_of(options, "teleop"), options)
     quiet_logs()
-    overlays = Overlays(options.show)
-    parts = load_parts(options.parts)
     progress = Progress(sys.stdout, options.duration)
-    meshcat = start_meshcat(options.host, options.port, progress.say)
-    sim = AtlasSimulation(
-        scenario,
-        view=meshcat,
-        on_event=progress.event,
-        overlays=overlays,
-        **parts,
-    )
-    panel = Panel(
-        meshcat,
-        sim.robot,
-        overlays,
-        sim.behaviors,
-        progress.say,
-        sim.scenario.controller_config(),
-    )
-    session = Session(sim, panel)
-    with ctrl_c() as asked_to_stop:
-        progress.say(
-            f"Steer at {meshcat.web_url()} (Ctrl-C here ends it).\n\n"
-            f"{legend(sim.robot, sim.behaviors)}\n"
+    cockpit = Cockpit(options.host, options.port, Overlays(options.show))
+    cockpit.next_run.why_not = ""
+
+    def build(scenario: Scenario, cockpit: Cockpit | None) -> AtlasSimulation:
+        parts = load_parts(options.parts)
+        return AtlasSimulation(
+            scenario, cockpit=cockpit, on_event=progress.event, **parts
         )
+
+    sim = build(scenario, cockpit)
+    sim.set_realtime_rate(1.0)
+    with ctrl_c() as asked_to_stop, heeded(sim, asked_to_stop):
+        progress.say(f"Steer at {cockpit.web_url()} (Ctrl-C here ends it).")
         if interactive():
-            open_on_desktop(meshcat.web_url())
-        failure = _steer(sim, session, progress, options.duration, asked_to_stop)
+            open_on_desktop(cockpit.web_url())
+        failure = _steer(sim, progress, options.duration, asked_to_stop)
+        while (asked := cockpit.next_run.take()) is not None:
+            sim = followed(sim, asked, build, cockpit, progress)
+            failure = _steer(sim, progress, options.duration, asked_to_stop)
     summary = sim.summary()
     # Teleoperation has no goal to judge; only an error counts as a failure.
     summary["stopped"] = failure or INTERRUPTED
@@ -72,23 +64,46 @@ def run_teleop(options: argparse.Namespace) -> int:
     return exit_status.OK if failure is None else exit_status.FAILED
 
 
+def followed(
+    sim: AtlasSimulation,
+    asked: Scenario,
+    build: Callable[[Scenario, Cockpit | None], AtlasSimulation],
+    cockpit: Cockpit,
+    progress: Progress,
+) -> AtlasSimulation:
+    """Returns the simulation of another scenario, or the present one if it fails.
+
+    It is tried without a view first: until it is certain, nothing is lost of what is
+    seen.
+    """
+    cockpit.say(f"Building {asked.name} ...")
+    try:
+        build(asked, None)
+    except AtlasError as error:
+        problem = f"{asked.name} cannot be simulated: {error}"
+        progress.say(f"! {problem}")
+        cockpit.say(problem, lasting=True)
+        return sim
+    for drawn in ("/drake", "/atlas_drake"):
+        cockpit.meshcat.Delete(drawn)
+    following = build(asked, cockpit)
+    following.set_realtime_rate(sim.realtime_rate)
+    return following
+
+
 def _steer(
     sim: AtlasSimulation,
-    session: Session,
     progress: Progress,
     end: float,
     asked_to_stop: threading.Event,
 ) -> str | None:
-    """Runs until the end or Ctrl-C; returns the error, if any."""
-    fallen = False
+    """Runs until the end, Ctrl-C or another scenario; returns the error, if any."""
     try:
-        while sim.time < end and not asked_to_stop.is_set():
-            session.advance()
-            paused = " (paused)" if session.paused else ""
-            progress.update(sim.time, sim.current_behavior.name + paused)
-            if sim.has_fallen and not fallen:
-                progress.say("The robot falls; r puts it back on its feet.")
-            fallen = sim.has_fallen
+        while sim.time < end - 1e-9 and not asked_to_stop.is_set():
+            if sim.cockpit is not None and sim.cockpit.next_run.scenario is not None:
+                return None
+            sim.advance_to(min(sim.time + PIECE, end))
+            progress.update(sim.time, sim.current_behavior.name)
     except SimulationError as error:
         return str(error)
     return None

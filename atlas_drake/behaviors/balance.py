@@ -104,6 +104,9 @@ class Balance:
         self._pelvis_weight = np.full(3, weights.pelvis_orientation)
         self._moment_weight = np.full(2, weights.moment)
         self._com_weight = np.array([weights.com, weights.com, weights.com_height])
+        self._com_weight_quick = np.array(
+            [weights.com, weights.com, weights.com_height_quick]
+        )
         force = weights.internal_contact_force
         self._internal = InternalContactTask(
             (self._frames[0], self._frames[1]),
@@ -119,8 +122,19 @@ class Balance:
         omega: float,
         support: SupportPolygon,
         feet: tuple[FootCommand, FootCommand],
+        quick: bool = False,
     ) -> WholeBodyCommand:
-        """Builds the QP's command that tracks ``reference`` within ``support``."""
+        """Builds the QP's command that tracks ``reference`` within ``support``.
+
+        Args:
+            observation: Observation of this tick.
+            body: Reference of trunk, height and posture.
+            reference: Reference of DCM and CoP.
+            omega: Natural frequency of the pendulum [1/s].
+            support: Region of the CoP.
+            feet: Left and right foot.
+            quick: True in a quick step, in which the height weighs less.
+        """
         terms, gains = observation.terms, self.gains
         cop = self.wanted_cop(observation, reference, omega, support)
         # Enhanced centroidal moment pivot: g/ω² below the virtual repellent point.
@@ -150,7 +164,10 @@ class Balance:
             OrientationTask(file.chest, chest, self._chest_weight),
             OrientationTask(file.pelvis, pelvis, self._pelvis_weight),
             MomentTask(p_WE, self._moment_weight),
-            ComTask(com_acceleration, self._com_weight),
+            ComTask(
+                com_acceleration,
+                self._com_weight_quick if quick else self._com_weight,
+            ),
         )
 
     def on_feet(

@@ -26,7 +26,7 @@ from atlas_drake.campaigns.errors import CampaignError
 from atlas_drake.campaigns.sources import Sources
 from atlas_drake.checked import as_plain, checked
 from atlas_drake.errors import shown
-from atlas_drake.simulation.restart import flat
+from atlas_drake.scenario.differences import flat
 from atlas_drake.whole_file import whole_file
 
 CAMPAIGN, TRIALS = "campaign.yaml", "trials"

@@ -17,6 +17,8 @@ from pydrake.systems.framework import Diagram, DiagramBuilder
 from atlas_drake.robot import Robot
 from atlas_drake.simulation import AtlasSimulation
 from atlas_drake.simulation.start import draw_variation
+from atlas_drake.systems.departure_watch import DepartureWatch
+from atlas_drake.systems.departures import NONE
 from atlas_drake.systems.energy_meter import EnergyMeter
 
 Figures = dict[str, Any]
@@ -24,8 +26,14 @@ AT_LIMIT = 0.999
 """Share of its largest effort from which a motor counts as at its limit [-]."""
 METER_STEPS = 2
 """Physics steps between two samples of the motors' power."""
+WATCH_PERIOD = 0.018
+"""Time between two looks for departures; rounded to physics steps [s]."""
 WORK = "motor_work"
 """Output port of the diagram with the motors' work."""
+DEPARTURES = "departures"
+"""Output port of the diagram with what departed from a good run."""
+FIRST_CAUSE, FIRST_CAUSE_AT = "first_cause", "first_cause_at"
+"""Figures of what happened first, and of the joint or foot concerned."""
 
 
 def success(sim: AtlasSimulation) -> Figures:
@@ -119,8 +127,50 @@ def ticks(sim: AtlasSimulation) -> Figures:
     }
 
 
+def first_cause(sim: AtlasSimulation) -> Figures:
+    """What departed first from a good run, before a fall if there was one.
+
+    Departures that follow each other within a second belong together; the figures are
+    those of the first one of the last group.
+    """
+    first = sim.output(DEPARTURES).first
+    return {
+        FIRST_CAUSE: NONE if first is None else first.kind,
+        FIRST_CAUSE_AT: None if first is None else first.place or None,
+        "first_cause_time_s": None if first is None else first.time,
+    }
+
+
+def add_departure_watch(
+    builder: DiagramBuilder, station: Diagram, robot: Robot
+) -> None:
+    """Adds the watch of departures, and exports its output."""
+    plant: Any = station.GetSubsystemByName("plant")
+    step = plant.time_step()
+    period = max(round(WATCH_PERIOD / step), 1) * step
+    watch = builder.AddNamedSystem(
+        "departure_watch", DepartureWatch(robot, plant, period, step)
+    )
+    for index in range(watch.num_input_ports()):
+        port = watch.get_input_port(index)
+        builder.Connect(station.GetOutputPort(port.get_name()), port)
+    builder.ExportOutput(watch.GetOutputPort(DEPARTURES), DEPARTURES)
+
+
+first_cause.extend = add_departure_watch  # type: ignore[attr-defined]
+
+
 METRICS: dict[str, Callable[[AtlasSimulation], Figures]] = {
     function.__name__: function
-    for function in (success, landing, tilt, effort, energy, drift, ticks)
+    for function in (
+        success,
+        landing,
+        tilt,
+        effort,
+        energy,
+        drift,
+        ticks,
+        first_cause,
+    )
 }
 """Metrics by name."""

@@ -37,9 +37,13 @@ class Trial:
 
 
 def case_list(campaign: Campaign) -> list[dict[str, Any]]:
-    """Returns every combination of the cases' values; one empty case without any."""
-    combinations = itertools.product(*campaign.cases.values())
-    return [dict(zip(campaign.cases, values, strict=True)) for values in combinations]
+    """Returns every combination of the cases' values; one empty case without any.
+
+    In the order of the paths' names: the file in a campaign's folder keeps no other.
+    """
+    paths = sorted(campaign.cases)
+    combinations = itertools.product(*(campaign.cases[path] for path in paths))
+    return [dict(zip(paths, values, strict=True)) for values in combinations]
 
 
 def number_of_trials(campaign: Campaign, trials: int | None = None) -> int | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -9,12 +10,15 @@ import numpy as np
 
 from atlas_drake.campaigns.campaign import Campaign
 from atlas_drake.campaigns.conditions import figure_of
+from atlas_drake.campaigns.metrics import FIRST_CAUSE, FIRST_CAUSE_AT
 from atlas_drake.campaigns.plan import case_list
 from atlas_drake.campaigns.threshold import Record, Records, Search
 from atlas_drake.numeric import is_number
 
 SHOWN_ERRORS = 3
 """Largest number of different errors in a report."""
+SHOWN_CASES = 12
+"""Largest number of cases of which causes of failures are shown one by one."""
 LEVEL = 0.95
 """Confidence level of every interval [-]."""
 
@@ -26,7 +30,12 @@ def report(campaign: Campaign, records: Records) -> str:
     if campaign.threshold is not None:
         parts.append(_thresholds(campaign, records))
     parts.append(_success_table(campaign, rows))
-    texts = (_figures_table(rows), _missed(campaign, rows), _failures(rows))
+    texts = (
+        _causes_table(campaign, rows),
+        _figures_table(rows),
+        _missed(campaign, rows),
+        _failures(rows),
+    )
     parts += [text for text in texts if text]
     return "\n\n".join(parts) + "\n"
 
@@ -83,14 +92,24 @@ def _success_table(campaign: Campaign, rows: list[Record]) -> str:
     for path in varied_paths(rows):
         if not _repeats(campaign, path):
             continue
-        for value in sorted({row["values"].get(path) for row in rows}, key=_order):
-            mine = [row for row in rows if row["values"].get(path) == value]
+        values = [row["values"].get(path) for row in rows]
+        for value in _distinct(values):
+            mine = [row for row, own in zip(rows, values, strict=True) if own == value]
             groups.append((f"{path} = {_short(value)}", mine))
     table = []
     for name, mine in groups:
         good = sum(row["success"] for row in mine)
         table.append([name, f"{good} of {len(mine)}", share_text(good, len(mine))])
     return markdown(["trials", "successes", "share, with its interval of 95 %"], table)
+
+
+def _distinct(values: Iterable[Any]) -> list[Any]:
+    """Returns different values in order; they may be lists and mappings."""
+    found: list[Any] = []
+    for value in values:
+        if value not in found:
+            found.append(value)
+    return sorted(found, key=_order)
 
 
 def _repeats(campaign: Campaign, path: str) -> bool:
@@ -107,6 +126,28 @@ def _repeats(campaign: Campaign, path: str) -> bool:
 def _order(value: Any) -> tuple[bool, Any]:
     """Sorts numbers by size, and words after them."""
     return (False, value) if is_number(value) else (True, str(value))
+
+
+def _causes_table(campaign: Campaign, rows: list[Record]) -> str:
+    """Counts what happened first in the trials that failed, by case."""
+    table, cases = [], case_list(campaign)
+    for case in cases if len(cases) <= SHOWN_CASES else [{}]:
+        mine = [row for row in rows if case.items() <= row["values"].items()]
+        counts = Counter(
+            " ".join(filter(None, (cause, row["figures"].get(FIRST_CAUSE_AT))))
+            for row in mine
+            if not row["success"] and (cause := row["figures"].get(FIRST_CAUSE))
+        )
+        if counts:
+            name = ", ".join(
+                f"{path} = {_short(value)}" for path, value in case.items()
+            )
+            table += [
+                [name or "all", cause, f"{count} of {len(mine)}"]
+                for cause, count in counts.most_common()
+            ]
+    head = ["trials", "first cause of a failure", "failures"]
+    return markdown(head, table) if table else ""
 
 
 def _figures_table(rows: list[Record]) -> str:

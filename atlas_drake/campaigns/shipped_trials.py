@@ -38,8 +38,9 @@ def walk(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, Any]:
 
     Args:
         sim: A robot that stands.
-        parameters: ``distance`` [m], and of the gait ``stride`` [m], ``step_duration``
-            [s] and ``swing_height`` [m]; the scenario's usual steps for those left out.
+        parameters: ``distance`` [m], ``speed`` [m/s], and of the gait ``stride`` [m],
+            ``step_duration`` [s] and ``swing_height`` [m]; the scenario's usual steps
+            for those left out.
 
     Returns:
         ``walk_ended``: True if the robot stands again.
@@ -52,7 +53,9 @@ def walk(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, Any]:
     gait = sim.scenario.controller_config().gait(**wanted)
     _until(sim, STANDING)
     distance = float(parameters.get("distance", DISTANCE))
-    steps = StepStream(steps_ahead(sim.atlas_sim_interface_state, distance, gait))
+    speed = float(parameters["speed"]) if "speed" in parameters else None
+    report = sim.atlas_sim_interface_state
+    steps = StepStream(steps_ahead(report, distance, gait, speed))
     while not (sim.has_fallen or steps.is_over(sim.atlas_sim_interface_state)):
         if sim.time >= sim.scenario.duration - 1e-9:
             break

@@ -1,8 +1,8 @@
 """Runs trials, one after the other, in one process.
 
 The simulations stay built: if two trials differ only in the fields that
-``simulation.restart.OF_A_RUN`` names, the second restarts the simulation of the first,
-with the same result bit for bit.
+``scenario.differences.OF_A_RUN`` names, the second restarts the simulation of the
+first, with the same result bit for bit.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ from atlas_drake.errors import shown
 from atlas_drake.numeric import as_float, is_number, plain_number
 from atlas_drake.robot import load_robot
 from atlas_drake.scenario import Scenario
+from atlas_drake.scenario.differences import built_in_difference
 from atlas_drake.simulation import AtlasSimulation
-from atlas_drake.simulation.restart import built_in_difference
 
 KEPT = 4
 """Number of simulations that a process keeps, such as one for each robot."""

@@ -31,6 +31,10 @@ class QpWeights(Configuration):
     com_height: NotNegative = 60.0
     """Height of the center of mass [1/(m/s²)²]. Below the weight of the moment: where a
     knee is at its limit, the robot gives up height before balance."""
+    com_height_quick: NotNegative = 20.0
+    """The same in quick level steps of WALK (``walk.rules.quick_step``)
+    [1/(m/s²)²]. A long stride lowers the center of mass over the straight trailing leg;
+    to raise it at once at lift-off throws the robot up, and it flies above 0.8 m/s."""
     moment: NotNegative = 70.0
     """Moment of the contact forces about the enhanced centroidal moment pivot (eCMP):
     their sum passes through the center of pressure that balance asks for
@@ -41,8 +45,10 @@ class QpWeights(Configuration):
     """Orientation of the chest [1/(rad/s²)²]."""
     stance_foot: NotNegative = 50.0
     """Stance feet keep still [1/(m/s²)²]."""
-    swing_foot_position: NotNegative = 20.0
-    """Position of the swing foot [1/(m/s²)²]."""
+    swing_foot_position: NotNegative = 8.0
+    """Position of the swing foot [1/(m/s²)²]. Far below the weight of the CoM's height:
+    a high swing begins with an almost straight knee, and a heavier foot lifts off with
+    the pelvis, which throws the robot up and ahead."""
     swing_foot_orientation: NotNegative = 10.0
     """Orientation of the swing foot [1/(rad/s²)²]."""
     contact_force: Positive = 1e-6
@@ -123,8 +129,11 @@ class ControlGains(Configuration):
     swing_orientation: PdGains = PdGains(kp=200.0, kd=28.0)
     posture: PdGains = PdGains(kp=80.0, kd=18.0)
     leg_posture_weight: NotNegative = 0.02
+    """Of a leg on the ground [-]."""
     swing_leg_posture_weight: NotNegative = 0.005
     """Of a leg whose foot is in the air: at lift-off its almost straight knee has to
     bend at once, and a heavier posture would throw the pelvis up instead."""
     back_posture_weight: NotNegative = 0.1
+    """Of the back [-]."""
     arm_posture_weight: NotNegative = 2.0
+    """Of an arm [-]."""

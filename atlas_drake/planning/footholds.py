@@ -1,7 +1,7 @@
 """Footholds relative to the stance foot.
 
 Plane geometry, and the message of a step. Ways are planned in ``footstep_planner`` and
-steered in ``teleop.walking``.
+steered in ``cockpit.steering``.
 """
 
 from __future__ import annotations
@@ -16,13 +16,12 @@ from atlas_drake.control.feet.footstep import clip, longest_duration, outward
 from atlas_drake.control.feet.step_limits import StepLimits
 from atlas_drake.control.feet.swing_foot import SwingProfile
 from atlas_drake.control.rotations import wrap_angle, yaw_of
+from atlas_drake.errors import shown
 from atlas_drake.messages import AtlasBehaviorStepData, Pose
 
-BACKWARD_SHARE = 0.6
-"""Share of the stride when walking backward: the knees bend the other way. Geometry of
-the legs, like SIDEWAYS_SHARE; the stride is the setting."""
 SIDEWAYS_SHARE = 0.5
-"""Share of the stride for each pair of steps to the side."""
+"""Share of the stride for each pair of steps to the side. Geometry of the legs; the
+stride is the setting."""
 
 STANCE_WIDTH = 0.24
 """Default distance between the soles' middles of feet side by side [m]."""
@@ -40,6 +39,9 @@ class UsualSteps(Configuration):
     """Turn of each step on a bend or on the spot [rad]."""
     duration: Positive = 0.63
     """Duration of each step [s]."""
+    stride_change: Positive = 0.20
+    """Largest change of the stride from one step to the next [m]: a walk begins and
+    ends with shorter strides, because the robot has to gain and lose its speed."""
 
 
 @dataclass(frozen=True)
@@ -53,6 +55,7 @@ class Gait:
         turn: Turn of each step [rad]; at most 0.25 for Atlas.
         duration: Duration of each step [s]; at most 3.0 for Atlas, less with a stride
             that takes the feet far apart, about 1.4 with the longest.
+        stride_change: Largest change of the stride from one step to the next [m].
         swing_height: Apex of the swing above the middle of its ends [m].
         limits: Limits of one step of the robot.
         stance_width: Distance between the soles' middles of feet side by side [m].
@@ -64,6 +67,7 @@ class Gait:
     stride: float = UsualSteps.stride
     turn: float = UsualSteps.turn
     duration: float = UsualSteps.duration
+    stride_change: float = UsualSteps.stride_change
     swing_height: float = SwingProfile.height
     limits: StepLimits = field(default_factory=StepLimits, repr=False)
     stance_width: float = field(default=STANCE_WIDTH, repr=False)
@@ -75,33 +79,86 @@ class Gait:
             **wanted: Values of stride, turn, duration and swing_height that differ from
                 this gait's.
         """
+        limits = self.limits
+        turn = clip(wanted.get("turn", self.turn), 0.01, limits.toe_in)
+        # The longest stride depends on the turn, and the longest duration on both.
+        turning = replace(self, stride=0.01, turn=turn, duration=limits.duration.least)
         values: dict[str, Any] = {
             name: clip(wanted.get(name, getattr(self, name)), low, high)
-            for name, low, high in self._bounds()
+            for name, low, high in turning.bounds()
         }
-        quickest = replace(self, **{**values, "duration": self.limits.duration.least})
+        quickest = replace(turning, **{**values, "duration": limits.duration.least})
         longest = longest_duration(quickest._farthest_apart, self.limits)
         return replace(quickest, duration=min(values["duration"], longest))
+
+    def at_speed(self, speed: float) -> Gait:
+        """Returns the gait that walks ahead at a speed, at its own pace if possible.
+
+        Up to the longest stride the duration stays; beyond, steps become quicker.
+
+        Args:
+            speed: Stride per duration [m/s].
+
+        Raises:
+            ValueError: If the robot cannot walk ahead so fast; it names the fastest.
+        """
+        quickest = self.limits.duration.least
+        fastest = self.longest_stride / quickest
+        if not 0.0 < speed <= fastest + _ROUNDING:
+            text = f"speed is {shown(speed)}, and not above 0 and at most {fastest:.2f}"
+            raise ValueError(text)
+        stride = clip(speed * self.duration, 0.01, self.longest_stride)
+        duration = clip(stride / speed, quickest, self.duration)
+        return replace(self, stride=stride, duration=duration)
+
+    def turning_at(self, rate: float) -> Gait:
+        """Returns the gait that turns on the spot at a rate, as for ``at_speed``.
+
+        Args:
+            rate: Turn of a step per duration [rad/s].
+
+        Raises:
+            ValueError: If the robot cannot turn so fast; it names the fastest.
+        """
+        quickest = self.limits.duration.least
+        fastest = self.limits.toe_in / quickest
+        if not 0.0 < rate <= fastest + _ROUNDING:
+            text = f"rate is {shown(rate)}, and not above 0 and at most {fastest:.2f}"
+            raise ValueError(text)
+        turn = clip(rate * self.duration, 0.01, self.limits.toe_in)
+        return replace(
+            self, turn=turn, duration=clip(turn / rate, quickest, self.duration)
+        )
+
+    @property
+    def longest_stride(self) -> float:
+        """Longest stride with this gait's turn [m]."""
+        # Turning takes the feet apart lengthways as well.
+        return self.limits.forward - self.stance_width * self.turn - 0.01
+
+    @property
+    def backward_stride(self) -> float:
+        """Stride when walking backward, of which the legs can do less [m]."""
+        return self.stride * self.limits.backward / self.limits.forward
 
     @property
     def half_width(self) -> float:
         """Distance of each foot from the middle between both [m]."""
         return 0.5 * self.stance_width
 
-    def _bounds(self) -> tuple[tuple[str, float, float], ...]:
+    def bounds(self) -> tuple[tuple[str, float, float], ...]:
         """Least and greatest value of each field."""
         limits = self.limits
-        # Turning takes the feet apart lengthways as well.
-        longest = limits.forward - self.stance_width * limits.toe_in - 0.01
         return (
-            ("stride", 0.01, longest),
+            ("stride", 0.01, self.longest_stride),
+            ("stride_change", 0.01, math.inf),
             ("turn", 0.01, limits.toe_in),
             ("swing_height", *limits.swing_height),
             ("duration", *limits.duration),
         )
 
     def __post_init__(self) -> None:
-        for name, low, high in self._bounds():
+        for name, low, high in self.bounds():
             value = getattr(self, name)
             if not low - _ROUNDING <= value <= high + _ROUNDING:
                 text = f"gait.{name} is {value!r}, and not between {low} and {high:.2f}"

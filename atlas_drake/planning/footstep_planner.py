@@ -6,6 +6,10 @@ feet side by side; none if there is nothing to do. They are within the limits of
 gait's robot: Atlas, unless another gait is given. ``step_stream`` sends more steps than
 the queue holds. The ground is assumed to be level; obstacles are not detected.
 
+With ``speed`` stride and duration follow from it (``Gait.at_speed``). Strides grow and
+shrink by at most ``Gait.stride_change`` from step to step: the speed is that between
+the first and the last steps.
+
 Each raises ``ValueError`` if a number is beyond FARTHEST or MOST_TURN or none, the
 report has no place for a foot, or the feet are not on one level. The constants are
 bounds of what is sensible and tolerances; the settings are in ``Gait``.
@@ -15,7 +19,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 
 from atlas_drake.control.feet.footstep import (
     LEFT,
@@ -28,7 +32,6 @@ from atlas_drake.control.rotations import mean_yaw, wrap_angle
 from atlas_drake.errors import shown
 from atlas_drake.messages import AtlasBehaviorStepData, AtlasSimInterfaceState
 from atlas_drake.planning.footholds import (
-    BACKWARD_SHARE,
     SIDEWAYS_SHARE,
     Foothold,
     Gait,
@@ -61,7 +64,10 @@ SIDE_BY_SIDE, SIDE_BY_SIDE_YAW = 0.03, 0.05
 
 
 def steps_ahead(
-    report: AtlasSimInterfaceState, distance: float, gait: Gait | None = None
+    report: AtlasSimInterfaceState,
+    distance: float,
+    gait: Gait | None = None,
+    speed: float | None = None,
 ) -> list[AtlasBehaviorStepData]:
     """Plans steps straight ahead.
 
@@ -69,13 +75,17 @@ def steps_ahead(
         report: Latest report.
         distance: Way of the middle between the feet [m]; negative is backward.
         gait: Gait of the walk.
+        speed: Speed of the walk [m/s]; None for the gait's.
     """
     _check_range("distance", distance, FARTHEST)
-    return steps_along_arc(report, distance, 0.0, gait)
+    return steps_along_arc(report, distance, 0.0, gait, speed)
 
 
 def steps_turning(
-    report: AtlasSimInterfaceState, angle: float, gait: Gait | None = None
+    report: AtlasSimInterfaceState,
+    angle: float,
+    gait: Gait | None = None,
+    rate: float | None = None,
 ) -> list[AtlasBehaviorStepData]:
     """Plans steps that turn on the spot.
 
@@ -83,7 +93,11 @@ def steps_turning(
         report: Latest report.
         angle: Turn of the robot [rad], positive to the left.
         gait: Gait of the walk.
+        rate: Rate of the turn [rad/s]; None for the gait's.
     """
+    gait = gait or Gait()
+    if rate is not None:
+        gait = gait.turning_at(rate)
     return steps_along_arc(report, 0.0, angle, gait)
 
 
@@ -92,6 +106,7 @@ def steps_along_arc(
     length: float,
     angle: float,
     gait: Gait | None = None,
+    speed: float | None = None,
 ) -> list[AtlasBehaviorStepData]:
     """Plans steps along an arc of a circle.
 
@@ -100,8 +115,10 @@ def steps_along_arc(
         length: Length of the arc [m]; negative is backward.
         angle: Turn over the arc [rad], positive to the left.
         gait: Gait of the walk.
+        speed: Speed along the arc [m/s]; None for the gait's. A step that turns by the
+            most that it can makes the walk slower.
     """
-    gait = gait or Gait()
+    gait = _gait_at(gait, speed, backward=length < 0.0)
     _check_range("length", length, FARTHEST)
     _check_range("angle", angle, MOST_TURN)
     return _steps(report, _arc(_middle(report), length, angle, gait), gait)
@@ -113,6 +130,7 @@ def steps_to(
     y: float,
     yaw: float,
     gait: Gait | None = None,
+    speed: float | None = None,
 ) -> list[AtlasBehaviorStepData]:
     """Plans steps to a pose in the world.
 
@@ -122,8 +140,9 @@ def steps_to(
         y: Likewise [m].
         yaw: Heading of the robot at the goal [rad].
         gait: Gait of the walk.
+        speed: Speed of the walk ahead [m/s]; None for the gait's.
     """
-    gait = gait or Gait()
+    gait = _gait_at(gait, speed)
     here = _middle(report)
     _check_range("x", x, FARTHEST, here.x)
     _check_range("y", y, FARTHEST, here.y)
@@ -132,6 +151,8 @@ def steps_to(
     dx, dy = x - here.x, y - here.y
     distance = math.hypot(dx, dy)
     if distance <= FAR:
+        # Too near to gain speed first.
+        gait = replace(gait, stride=min(gait.stride, gait.stride_change))
         return _steps(report, [goal], gait)
     bearing = math.atan2(dy, dx)
     way = _arc(here, 0.0, wrap_angle(bearing - here.yaw), gait)
@@ -142,17 +163,49 @@ def steps_to(
 
 def _arc(start: Foothold, length: float, angle: float, gait: Gait) -> list[Foothold]:
     """Divides an arc into places one step apart; returns at least its end."""
-    stride = gait.stride if length >= 0.0 else BACKWARD_SHARE * gait.stride
-    count = max(_ceil(abs(length) / stride), _ceil(abs(angle) / gait.turn), 1)
-    turn = angle / count
-    # The chord of each part of the arc.
-    chord = length / count
-    if turn:
-        chord *= math.sin(0.5 * turn) / (0.5 * turn)
+    stride = gait.stride if length >= 0.0 else gait.backward_stride
+    # In full steps: the stride or the turn is at its most.
+    full = max(abs(length) / stride, abs(angle) / gait.turn)
+    ramp = 1.0
+    if length:
+        ramp = min(gait.stride_change * full / abs(length), 1.0)
     places = [start]
-    for _ in range(count):
+    for part in _parts(full, ramp):
+        turn, chord = part * angle, part * length
+        if turn:
+            chord *= math.sin(0.5 * turn) / (0.5 * turn)
         places.append(moved(places[-1], chord, 0.0, turn))
     return places[1:]
+
+
+def _parts(full: float, ramp: float) -> list[float]:
+    """Divides a way into the parts of its steps, shorter at the beginning and the end.
+
+    Args:
+        full: Length of the way in full steps, which are the longest.
+        ramp: Largest change of the length from step to step, in full steps.
+
+    Returns:
+        Share of each step in the way, at least one; the sum is 1.
+    """
+    count = max(_ceil(full), 1)
+    while True:
+        numbers = range(1, count + 1)
+        steps = [min(ramp * n, ramp * (count + 1 - n), 1.0) for n in numbers]
+        whole = sum(steps)
+        if whole >= full - 1e-9:
+            return [step / whole for step in steps]
+        count += 1
+
+
+def _gait_at(gait: Gait | None, speed: float | None, backward: bool = False) -> Gait:
+    """Returns the gait, at the given speed if there is one [m/s]."""
+    gait = gait or Gait()
+    if speed is None:
+        return gait
+    if backward:
+        speed *= gait.stride / gait.backward_stride
+    return gait.at_speed(speed)
 
 
 def _steps(
@@ -203,7 +256,7 @@ def _next_middle(stance: Foothold, goal: Foothold, foot: int, gait: Gait) -> Foo
     ahead, left = way_to(stance, goal, turn)
     out = clip(side * left, -CLOSING, SIDEWAYS_SHARE * gait.stride)
     farthest = min(gait.stride, _farthest_ahead(out, side * turn, gait))
-    ahead = clip(ahead, -BACKWARD_SHARE * gait.stride, farthest)
+    ahead = clip(ahead, -gait.backward_stride, farthest)
     return moved(stance, ahead, side * out, turn)
 
 

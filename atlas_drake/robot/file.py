@@ -102,7 +102,7 @@ class RobotFile(Configuration):
     contacts: list[ContactEntry] = field(default_factory=list)
     """Further surfaces that can carry load, such as hands."""
     pushed: list[str] = field(default_factory=list)
-    """Bodies that teleoperation can push; pelvis, chest and hands if left out."""
+    """Bodies that the cockpit names for pushes; pelvis, chest and hands if left out."""
     joints: list[JointEntry] = field(default_factory=list)
     """Every actuated joint in the order of the messages' arrays."""
     no_collisions: list[Annotated[list[str], Len(2, 2)]] = field(default_factory=list)

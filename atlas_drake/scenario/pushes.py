@@ -22,10 +22,12 @@ physics cannot be solved."""
 
 @dataclass(frozen=True)
 class PlannedPush(Configuration):
-    """A horizontal push on a body of the robot, at a time or at a phase of the gait."""
+    """A push on a body of the robot, at a time or at a phase of the gait."""
 
     impulse: NotNegative = 0.0
-    """Force times duration [N·s]."""
+    """Horizontal force times duration [N·s]."""
+    lift: float = 0.0
+    """Upward force times duration [N·s]; negative is downward."""
     direction: float = 0.0
     """Where to, counter-clockwise from x of ``frame`` [rad]: 0 is forward, π/2 to the
     left."""
@@ -58,7 +60,7 @@ class PlannedPush(Configuration):
             value = getattr(self, name)
             return ScenarioError.about(name, value, f"must be {wanted}")
 
-        if self.impulse / self.duration > LARGEST_FORCE:
+        if max(self.impulse, abs(self.lift)) / self.duration > LARGEST_FORCE:
             most = LARGEST_FORCE * self.duration
             raise refuse("impulse", f"at most {most:g} N·s in {self.duration:g} s")
         if (self.time is None) == (not self.phase):
@@ -71,5 +73,5 @@ class PlannedPush(Configuration):
             heading: Of the robot's pelvis when the push begins [rad].
         """
         angle = self.direction + (heading if self.frame == "robot" else 0.0)
-        size = self.impulse / self.duration
-        return [size * math.cos(angle), size * math.sin(angle), 0.0]
+        size, up = self.impulse / self.duration, self.lift / self.duration
+        return [size * math.cos(angle), size * math.sin(angle), up]

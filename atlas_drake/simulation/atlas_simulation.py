@@ -47,6 +47,7 @@ from atlas_drake.scenario.scenario import Seed
 from atlas_drake.scenario.world import WorldMaker
 from atlas_drake.simulation.building import build
 from atlas_drake.simulation.fair_lock import FairLock
+from atlas_drake.simulation.moment import Moment
 from atlas_drake.simulation.pace import steady_ticks
 from atlas_drake.simulation.restart import check_restart, start_of_reset
 from atlas_drake.simulation.run_log import RunLog
@@ -55,7 +56,9 @@ from atlas_drake.simulation.summary import make_summary
 from atlas_drake.visualization.overlays import Overlays
 
 if TYPE_CHECKING:
+    from atlas_drake.cockpit.cockpit import Cockpit
     from atlas_drake.visualization.video_display import Video
+    from atlas_drake.visualization.viewer import Served
 
 CHUNK = 0.02
 """Simulated time between looks at events and Ctrl-C [s]."""
@@ -77,6 +80,7 @@ class AtlasSimulation:
         plant: The ``MultibodyPlant`` of the station.
         simulator: Drake's simulator of the diagram.
         meshcat: Meshcat of the 3D view, None without a view.
+        cockpit: The cockpit that shows and commands the run, None without one.
 
     Example:
         >>> sim = AtlasSimulation()
@@ -96,6 +100,7 @@ class AtlasSimulation:
         world: Sequence[WorldMaker] = (),
         extend: Extend | None = None,
         view: bool | Meshcat | None = None,
+        cockpit: bool | Cockpit | None = None,
         overlays: Overlays | None = None,
         recorded: bool = False,
         video: Video | None = None,
@@ -119,6 +124,10 @@ class AtlasSimulation:
             view: True opens a 3D view in the browser, prints its address, and shows
                 the run in real time. A Meshcat of yours is drawn in at full speed; see
                 ``atlas_drake.visualization.viewer``. None and False show nothing.
+            cockpit: True opens a page in the browser that shows and commands the run,
+                prints its address, and shows the run in real time; it has the 3D view
+                in it. A Cockpit of yours is used at full speed. Needs
+                ``atlas-drake[cockpit]``.
             overlays: Plans of the controller that are shown there and in the video.
             recorded: True if Meshcat is recording already; then every picture is kept
                 for the recording. Otherwise pictures are left out while a viewer is too
@@ -138,7 +147,11 @@ class AtlasSimulation:
             WorldError: If the world cannot be added, or the robot would begin inside
                 a model of it.
             BehaviorError: If a behavior cannot be registered.
+            CockpitError: If the cockpit cannot be opened.
         """
+        self.cockpit: Cockpit | None = _opened(cockpit, overlays)
+        if self.cockpit is not None:
+            view, overlays = self.cockpit.meshcat, self.cockpit.overlays
         parts = build(
             scenario,
             controller=controller,
@@ -161,10 +174,16 @@ class AtlasSimulation:
         self.plant = self._run.plant
         self._lock = FairLock()
         self._note_begin()
-        if view is True:
+        page: Served | None = self.meshcat if view is True else None
+        if self.cockpit is not None:
+            if recorded:
+                self.cockpit.recording.why_not = "the whole run is recorded already"
+            self.cockpit.join(self)
+            page = self.cockpit if cockpit is True else None
+        if page is not None:
             from atlas_drake.visualization.viewer import await_viewer
 
-            await_viewer(self.meshcat)
+            await_viewer(page)
             if not self.realtime_rate:
                 self.set_realtime_rate(1.0)
 
@@ -322,6 +341,8 @@ class AtlasSimulation:
         try:
             with steady_ticks(), self._noted_error():
                 while self.time < end - 1e-9:
+                    if self.cockpit is not None:
+                        end += self._attend()
                     with self._lock:
                         # Another thread may have had a turn meanwhile.
                         if self.time < end - 1e-9:
@@ -329,6 +350,16 @@ class AtlasSimulation:
                             self._look()
         finally:
             self._wall_time += time.perf_counter() - begin
+
+    def _attend(self) -> float:
+        """Lets the cockpit command; returns how far time went back then [s], <= 0.
+
+        A run that begins anew goes on as long as the one before would have.
+        """
+        assert self.cockpit is not None
+        before = self.time
+        self.cockpit.attend(self)
+        return min(self.time - before, 0.0)
 
     def wait_until(
         self,
@@ -444,7 +475,7 @@ class AtlasSimulation:
         """Begins a new run, as ``reset(seed=...)`` does, of a scenario that differs.
 
         Such a run equals that of a new simulation bit for bit. The scenario may differ
-        in what matters to a run alone, ``simulation.restart.OF_A_RUN``: seed, jitter,
+        in what matters to a run alone, ``scenario.differences.OF_A_RUN``: seed, jitter,
         friction, pushes, where the robot begins.
 
         Args:
@@ -462,16 +493,58 @@ class AtlasSimulation:
 
     def _begin_anew(self, scenario: Scenario) -> None:
         """Begins a run of a scenario that the diagram can take up."""
-        if any(sink.path is not None for sink in self._sinks):
-            raise ScenarioError(
-                "seed",
-                scenario.seed,
-                "a log or a video holds one run: close() completes it",
-            )
+        self._check_no_file("seed", scenario.seed)
         with self._lock:
             self._run.begin(scenario)
             self.scenario = scenario
             self._note_begin()
+
+    def _check_no_file(self, field: str, value: object) -> None:
+        """Raises ScenarioError while a log or a video is written."""
+        if any(sink.path is not None for sink in self._sinks):
+            problem = "a log or a video holds one run: close() completes it"
+            raise ScenarioError(field, value, problem)
+
+    def moment(self) -> Moment:
+        """Stores the present, for ``restore``.
+
+        Takes 2 to 4 ms and 2.5 MB. What a system of your own keeps outside Drake's
+        Context is not part of it.
+        """
+        with self._lock:
+            self._look()
+            context, variation = self._run.context.Clone(), self._run.variation
+            log = self._log.copy()
+            return Moment(context, self.scenario, variation, log, self._wall_time)
+
+    def restore(self, moment: Moment) -> None:
+        """Goes back (or ahead) to a stored moment; a 3D view shows it at once.
+
+        The run goes on from there with the same bits as it did then: robot and world,
+        joint controllers, behaviors, shares of the user, messages and pushes that were
+        pending, the rest of a programme, noise and events. ``tick_seconds`` keeps the
+        times of all ticks, and sinks get the events that follow once more.
+
+        Args:
+            moment: Of this simulation; also of an earlier run. It can be restored any
+                number of times.
+
+        Raises:
+            TypeError: If ``moment`` is not a ``Moment``.
+            ValueError: If it is that of another simulation.
+            ScenarioError: While a log or a video is written, which hold one run.
+        """
+        if not isinstance(moment, Moment):
+            raise TypeError(
+                f"restore takes what moment() returned, not {type(moment).__name__}"
+            )
+        self._check_no_file("moment", moment.time)
+        with self._lock:
+            self._run.restore(moment.context, moment.variation)
+            self.scenario, self._log = moment.scenario, moment.log.copy()
+            self._error, self._wall_time = None, moment.wall_time
+            if self.meshcat is not None:
+                self.diagram.ForcedPublish(self.context)
 
     def release(self) -> None:
         """Lets a harnessed robot down to the ground, and then go.
@@ -587,3 +660,14 @@ class AtlasSimulation:
         except Exception as error:  # Not itself: its traceback holds the simulation.
             self._error = f"{type(error).__name__}: {error}"
             raise
+
+
+def _opened(
+    cockpit: bool | Cockpit | None, overlays: Overlays | None
+) -> Cockpit | None:
+    """Returns the cockpit that is asked for, if any."""
+    if cockpit is not True:
+        return cockpit or None
+    from atlas_drake.cockpit.cockpit import Cockpit
+
+    return Cockpit(overlays=overlays)

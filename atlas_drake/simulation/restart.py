@@ -2,30 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
-
-from atlas_drake.checked import as_plain, checked, joined
+from atlas_drake.checked import checked
 from atlas_drake.errors import ScenarioError
 from atlas_drake.messages import Behavior
 from atlas_drake.messages.behavior_catalog import BehaviorCatalog
 from atlas_drake.scenario import Scenario, Start
+from atlas_drake.scenario.differences import built_in_difference
 from atlas_drake.scenario.scenario import starting_behavior
-
-OF_A_RUN = (
-    "name",
-    "duration",
-    "seed",
-    "jitter",
-    "friction_jitter",
-    "ground_friction",
-    "pushes",
-    "start.position",
-    "start.yaw",
-    "start.release_time",
-)
-"""Fields that matter only when a run begins or while it goes on. All others are built
-into the diagram: the robot, the steps, the controller's numbers, the world."""
 
 
 def start_of_reset(
@@ -60,23 +43,3 @@ def check_restart(present: Scenario, asked: Scenario) -> None:
     field = built_in_difference(present, asked)
     if field is not None:
         raise ScenarioError(field, None, "is changed, and needs a new simulation")
-
-
-def built_in_difference(one: Scenario, other: Scenario) -> str | None:
-    """Path of the first field in which the diagrams of two scenarios differ, if any."""
-    ours, theirs = flat(as_plain(one)), flat(as_plain(other))
-    for path in {**ours, **theirs}:
-        of_a_run = any(path == f or path.startswith(f"{f}.") for f in OF_A_RUN)
-        if not of_a_run and ours.get(path) != theirs.get(path):
-            return path
-    return None
-
-
-def flat(value: Any, path: str = "") -> dict[str, Any]:
-    """Returns the values within mappings by their path; lists are values."""
-    if not isinstance(value, Mapping):
-        return {path: value}
-    found: dict[str, Any] = {}
-    for name, item in value.items():
-        found |= flat(item, joined(path, name))
-    return found

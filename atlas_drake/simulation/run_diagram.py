@@ -10,7 +10,11 @@ from typing import Any, TypeAlias
 
 import numpy as np
 from pydrake.math import RigidTransform
-from pydrake.systems.analysis import ApplySimulatorConfig, Simulator
+from pydrake.systems.analysis import (
+    ApplySimulatorConfig,
+    InitializeParams,
+    Simulator,
+)
 from pydrake.systems.framework import Context, Diagram
 
 from atlas_drake.diagrams.controller_socket import CONTROLLER
@@ -148,6 +152,22 @@ class RunDiagram:
         set_velocities(self._models, self.plant, self.plant_context)
         self._begin_at(moved, start)
         reset_station(self.station, self.context, behavior)
+
+    def restore(self, context: Context, variation: Variation) -> None:
+        """Takes over time, state and parameters of a context, and what its run drew.
+
+        Raises:
+            ValueError: If it is the context of another diagram.
+        """
+        try:
+            self.diagram.ValidateContext(context)
+        except (RuntimeError, ValueError):
+            raise ValueError("the moment is that of another simulation") from None
+        self.context.SetTimeStateAndParametersFrom(context)
+        self.variation = variation
+        # Without the events of an initialization; updates that are due now still come.
+        self.simulator.Initialize(InitializeParams(suppress_initialization_events=True))
+        self.pace.forget_all()
 
     def check_reset(self, scenario: Scenario, start: Start, pose: Pose) -> None:
         """Checks that a run of ``scenario`` could be reset to this pose.

@@ -5,6 +5,7 @@ The log only reads; ``summary`` evaluates the events.
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -52,6 +53,12 @@ class RunLog:
         self._seen_pushes = 0
         self._seen_release: float | None = None
         self._told_unsolved = False
+
+    def copy(self) -> RunLog:
+        """Returns a log that goes on by itself, with the same sinks."""
+        log = copy.copy(self)
+        log.events, log.footsteps = list(self.events), list(self.footsteps)
+        return log
 
     def look(self, run: RunDiagram, *, anew: bool = False) -> None:
         """Adds all events since the last look; errors are those of ``collect``."""

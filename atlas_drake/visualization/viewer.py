@@ -12,6 +12,7 @@ import sys
 import time
 import webbrowser
 from collections.abc import Callable
+from typing import Protocol
 
 from pydrake.geometry import Meshcat, MeshcatParams
 
@@ -67,7 +68,7 @@ def start_meshcat(
         if not local:
             say(
                 f"! The 3D view listens on {host} without a password: everyone with "
-                f"access to port {meshcat.port()} can watch, and with teleop steer."
+                f"access to port {meshcat.port()} can watch."
             )
         return meshcat
     raise ScenarioError(
@@ -114,18 +115,28 @@ def open_on_desktop(address: str) -> bool:
     return graphical and webbrowser.open(address)
 
 
-def await_viewer(meshcat: Meshcat, say: Callable[[str], object] = print) -> None:
+class Served(Protocol):
+    """A page that browsers open: Meshcat's, or the cockpit."""
+
+    def web_url(self) -> str:
+        """Returns the address."""
+
+    def GetNumActiveConnections(self) -> int:
+        """Returns the number of open pages, named as Meshcat does."""
+
+
+def await_viewer(page: Served, say: Callable[[str], object] = print) -> None:
     """Prints the address, and gives a browser the time to open and show the start.
 
     Does not wait if no user is at the terminal.
     """
-    say(f"Watch at {meshcat.web_url()}")
+    say(f"Watch at {page.web_url()}")
     if not interactive():
         return
-    if not open_on_desktop(meshcat.web_url()):
+    if not open_on_desktop(page.web_url()):
         say(f"Open that address; the run begins then, or in {VIEWER_PATIENCE:g} s.")
     give_up = time.monotonic() + VIEWER_PATIENCE
-    while meshcat.GetNumActiveConnections() == 0 and time.monotonic() < give_up:
+    while page.GetNumActiveConnections() == 0 and time.monotonic() < give_up:
         time.sleep(0.1)
 
 

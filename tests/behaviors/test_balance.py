@@ -14,6 +14,7 @@ from atlas_drake.control.feet.footstep import FootPose
 from atlas_drake.control.feet.swing_foot import SwingReference
 from atlas_drake.control.gains import ControlGains
 from atlas_drake.control.rotations import rotation_z
+from atlas_drake.control.whole_body import EffortBounds, WholeBodyQp
 from atlas_drake.control.whole_body.model import GRAVITY
 from atlas_drake.frozen import replace
 from atlas_drake.messages import Behavior
@@ -180,3 +181,50 @@ def test_every_behavior_begins_with_each_foot_planted(model, observe, behavior):
     soles = [foot.sole_frame for foot in model.robot.file.feet]
     assert [contact.frame for contact in command.contacts] == soles
     assert [task.frame for task in command.tasks[:2]] == soles
+
+
+def test_a_foot_that_lifts_off_fast_does_not_throw_the_body_up(
+    balance, model, observe, robot
+):
+    """A high swing begins with an almost straight knee."""
+    plant, right = model.plant, 1
+    leg = robot.legs[right]
+    indices = robot.indices(plant)
+    q = robot.stand_prep.copy()
+    bend = 0.15 + leg.straight - q[leg.knee]
+    q[leg.knee] += bend
+    for name in ("r_leg_hpy", "r_leg_aky"):
+        q[robot.joint_names.index(name)] -= 0.5 * bend
+    state = np.zeros(model.num_states)
+    state[0] = 1.0
+    state[indices.q] = q
+    terms = model.evaluate(model.create_context(), state)
+    carried = np.array([balance.weight, 0.0])
+    seen = replace(observe(), terms=terms, foot_force=carried)
+    foot = terms.feet[right]
+    rising = SwingReference(
+        p_WF=foot.p_WF,
+        v_WF=np.zeros(3),
+        a_WF=np.array([0.0, 0.0, 40.0]),
+        R_WF=foot.R_WF,
+        w_WF=np.zeros(3),
+        alpha_WF=np.zeros(3),
+    )
+    feet = balance.planted(seen, 0), balance.swinging(seen, right, rising)
+    stance = terms.feet[0].p_WF[:2]
+    reference = DcmReference(terms.com[:2], stance)
+    command = balance.command(
+        seen,
+        capture_body(terms),
+        reference,
+        OMEGA,
+        balance.support(seen.foot_pose(0)),
+        feet,
+    )
+    bounds = EffortBounds(
+        -robot.effort_limit, robot.effort_limit, np.zeros(robot.num_joints, dtype=bool)
+    )
+    solution = WholeBodyQp(robot, balance.gains).solve(terms, command, bounds)
+    pushed = solution.contact_wrenches[robot.file.feet[0].sole_frame][5]
+    assert solution.found
+    assert pushed < 1.4 * balance.weight

@@ -160,6 +160,17 @@ def test_a_step_up_that_is_out_of_reach_is_an_obstacle():
     assert "another level and is out of reach" in step_preview.obstacle
 
 
+@pytest.mark.parametrize("relative", [False, True])
+def test_a_stance_foot_on_a_brick_does_not_make_level_ground_another_level(relative):
+    feet = (foot_at(LEFT), foot_at(RIGHT, z=GROUND + 0.05))
+    aimed = (foot_at(LEFT), foot_at(RIGHT))
+    goal = step(1, 0.6, z=0.0 if relative else GROUND, relative=relative)
+    step_preview = preview_of([goal], feet, aimed)
+    assert step_preview.obstacle == ""
+    (taken,) = step_preview.steps
+    assert taken.p_WF[0] == pytest.approx(LIMITS.forward)
+
+
 def test_the_same_foot_again_is_an_obstacle():
     step_preview = preview_of([step(1, 0.2), step(2, 0.4, foot=LEFT), step(3, 0.4)])
     assert len(step_preview.steps) == 1

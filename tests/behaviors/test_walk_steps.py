@@ -18,6 +18,7 @@ from atlas_drake.control.feet.footstep import (
     outward,
     resolve_height,
     saturate,
+    shortest_duration,
 )
 from atlas_drake.control.feet.step_limits import StepLimits
 from atlas_drake.control.rotations import rotation_z
@@ -104,6 +105,25 @@ def test_feet_far_apart_limit_the_duration(apart, longest, foot_first):
     # The limit for feet far apart may be either end of that for all feet.
     for longest in LIMITS.duration:
         replace(LIMITS, far_duration=longest).check()
+
+
+@pytest.mark.parametrize("foot_first", [True, False])
+@pytest.mark.parametrize(
+    ("climb", "shortest"),
+    [(0.0, 0.6), (0.10, 0.6), (-0.10, 0.6), (0.125, 0.85), (0.15, 1.1), (-0.16, 1.1)],
+)
+def test_a_step_to_another_level_takes_its_time(climb, shortest, foot_first):
+    # Whether its foot leaves the other level or goes there.
+    limits = replace(LIMITS, rise=0.15)
+    near, there = np.array([0.0, 0.0, GROUND]), np.array([0.3, 0.2, GROUND + climb])
+    stance = FootPose(near, np.eye(3))
+    begin, end = (there, near) if foot_first else (near, there)
+    for duration in (0.6, 2.0):
+        sent = replace(step(GROUND), p_WF=end, duration=duration)
+        done = limit_duration(sent, FootPose(begin, np.eye(3)), stance, limits)
+        assert done.duration == pytest.approx(max(duration, shortest))
+    # Robots that do not take larger steps take all of them in any time.
+    assert shortest_duration(climb, LIMITS) == LIMITS.duration.least
 
 
 def feet(x=0.0, y=0.0, yaw=0.0, width=0.3):

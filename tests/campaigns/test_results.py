@@ -12,6 +12,8 @@ from atlas_drake.app.main import main
 from atlas_drake.campaigns import Campaign, figures
 from atlas_drake.campaigns.comparison import compare
 from atlas_drake.campaigns.folder import CampaignFolder
+from atlas_drake.campaigns.plan import case_list, make_trial
+from atlas_drake.campaigns.report import report
 from atlas_drake.campaigns.results import write_parquet, write_results
 from atlas_drake.campaigns.sources import Sources
 
@@ -114,6 +116,50 @@ def test_text_that_is_no_unicode_is_kept_readable(folder, capsys, monkeypatch):
     assert folder.records()[0]["figures"] == {"wo?rd": "na?me"}
     assert main(["results", str(folder.path)]) == 0
     assert "lost ?" in capsys.readouterr().out
+
+
+def test_cases_may_be_mappings_and_lists(tmp_path, monkeypatch):
+    monkeypatch.setattr(figures, "DPI", 20)
+    cases = [{"a": 1, "b": [2]}, {"b": [2]}, [1, 2], 3, "word"]
+    campaign = Campaign(cases={"parameters.x": cases})
+    folder = CampaignFolder(tmp_path / "out")
+    folder.begin(campaign, Sources())
+    for number in range(2 * len(cases)):
+        values = {"parameters.x": cases[number % len(cases)]}
+        folder.write(record(number, number > 0, tilt=1.0) | {"values": values})
+    text, _ = write_results(folder)
+    assert "parameters.x = {'a': 1, 'b': [2]} | 1 of 2" in text
+    for name in ("3", "[1, 2]", "word", "{'b': [2]}"):
+        assert f"parameters.x = {name} | 2 of 2" in text
+
+
+def test_a_folder_has_the_cases_of_its_campaign_in_their_order(tmp_path):
+    cases = {"parameters.z": [1, 2], "model": ["atlas", "atlas_v3"]}
+    campaign = Campaign(cases=cases)
+    folder = CampaignFolder(tmp_path / "out")
+    folder.begin(campaign, Sources())
+    assert case_list(folder.campaign()) == case_list(campaign)
+    trials = [make_trial(one, 2) for one in (campaign, folder.campaign())]
+    assert trials[0] == trials[1]
+
+
+def test_the_report_counts_what_happened_first_in_failures():
+    campaign = Campaign(cases={"model": ["atlas", "atlas_v3"]})
+    first = [("sole slid", "left"), ("QP unsolved", None), ("sole slid", "left")]
+    rows = {}
+    for number in range(8):
+        kind, place = first[number % 3]
+        figures = {"first_cause": kind, "first_cause_at": place}
+        model = {"model": campaign.cases["model"][number % 2]}
+        rows[number] = record(number, number < 2, **figures) | {"values": model}
+    del rows[7]["figures"]["first_cause"]
+    lines = [line for line in report(campaign, rows).splitlines() if " of 4" in line]
+    assert [line for line in lines if "sole" in line or "QP" in line] == [
+        "| model = atlas | sole slid left | 2 of 4 |",
+        "| model = atlas | QP unsolved | 1 of 4 |",
+        "| model = atlas_v3 | sole slid left | 2 of 4 |",
+    ]
+    assert "cause" not in report(campaign, {0: record(0, False)})
 
 
 @pytest.mark.parametrize("package", ["matplotlib", "pyarrow", "scipy"])

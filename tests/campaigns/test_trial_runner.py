@@ -51,9 +51,9 @@ def runner_of(campaign):
 
 @pytest.mark.slow
 def test_the_walk_takes_the_gait_of_its_parameters():
-    sim = AtlasSimulation(Scenario(duration=7.0))
+    sim = AtlasSimulation(Scenario(duration=9.0))
     gait = {"stride": 0.25, "step_duration": 0.8, "swing_height": 0.12}
-    assert walk(sim, {"distance": 0.75, **gait}) == {"walk_ended": True}
+    assert walk(sim, {"distance": 1.15, **gait}) == {"walk_ended": True}
     places = [step["commanded"][0] for step in sim.footsteps]
     assert len(places) >= 4
     assert max(b - a for a, b in pairwise(places)) == pytest.approx(0.25, abs=1e-3)

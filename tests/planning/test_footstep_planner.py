@@ -1,6 +1,7 @@
 """Planned footsteps: they end at the goal, and the robot can take each of them."""
 
 import math
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -188,6 +189,46 @@ def test_two_metres_ahead_are_ten_strides_and_a_step_to_close():
     np.testing.assert_allclose(np.diff(ahead)[:-1], 0.2, atol=1e-9)
 
 
+def strides(steps):
+    """Distances ahead from one footprint to the next, of a walk along x."""
+    x = [0.0, *(step.pose.position.x for step in steps)]
+    return [b - a for a, b in pairwise(x)]
+
+
+@pytest.mark.parametrize("distance", [3.0, -3.0])
+def test_a_walk_gains_and_loses_its_speed_step_by_step(distance):
+    gait = Gait(stride=0.3, stride_change=0.08)
+    taken_strides = strides(steps_ahead(standing(), distance, gait))
+    longest = gait.stride if distance > 0.0 else gait.backward_stride
+    assert sum(taken_strides) == pytest.approx(distance)
+    assert max(map(abs, taken_strides)) == pytest.approx(longest, rel=0.1)
+    changes = np.diff([0.0, *taken_strides])
+    assert np.abs(changes).max() <= gait.stride_change + 1e-9
+
+
+def test_a_speed_is_a_stride_at_the_usual_pace_or_the_longest_one_quicker():
+    usual = Gait()
+    assert usual.at_speed(0.3) == replace(usual, stride=0.3 * usual.duration)
+    fast = usual.at_speed(0.5 * usual.longest_stride * (1 / 0.63 + 1 / 0.6))
+    assert fast.stride == pytest.approx(usual.longest_stride)
+    assert 0.6 < fast.duration < usual.duration
+    steps = steps_ahead(standing(), 4.0, speed=0.5)
+    middle_steps = strides(steps)[3:-4]
+    assert {step.duration for step in steps} == {usual.duration}
+    assert np.mean(middle_steps) == pytest.approx(0.5 * usual.duration, rel=0.1)
+    taken(standing(), steps)
+
+
+def test_a_speed_backward_and_a_rate_of_turning():
+    back = steps_ahead(standing(), -4.0, speed=0.4)
+    pace = min(strides(back)) / back[0].duration
+    assert pace == pytest.approx(-0.4, rel=0.1)
+    turning = steps_turning(standing(), 2.0, rate=0.35)
+    assert footstep_from(turning[0]).yaw / turning[0].duration == pytest.approx(
+        0.35, rel=0.1
+    )
+
+
 @pytest.mark.parametrize("width", [0.2, 0.23, 0.26])
 def test_feet_a_little_nearer_or_wider_need_no_step_more(width):
     assert len(steps_ahead(standing(width=width), 1.0)) == 6
@@ -268,6 +309,10 @@ def test_steps_are_level_with_the_feet():
         (lambda: steps_to(standing(), 0.0, 0.0, 1e9), "yaw"),
         (lambda: steps_turning(standing(), math.inf), "angle"),
         (lambda: steps_to(standing(), 1.0, math.nan, 0.0), "y"),
+        (lambda: steps_ahead(standing(), 1.0, speed=3.0), "speed"),
+        (lambda: steps_ahead(standing(), 1.0, speed=-0.1), "speed"),
+        (lambda: steps_to(standing(), 1.0, 0.0, 0.0, speed=math.nan), "speed"),
+        (lambda: steps_turning(standing(), 1.0, rate=9.0), "rate"),
         (lambda: Gait(stride=0.5), "gait.stride"),
         (lambda: Gait(turn=0.3), "gait.turn"),
         (lambda: Gait(duration=0.1), "gait.duration"),

@@ -106,6 +106,6 @@ def test_drakes_atlas_walks(sim, walk):
     gait = sim.scenario.controller_config().gait(stride=0.25)
     footsteps = walk(sim, steps_ahead(sim.atlas_sim_interface_state, 0.75, gait))
     assert sim.current_behavior is Behavior.STAND
-    assert len(footsteps) == 4
+    assert len(footsteps) == 5
     assert max(step["error_m"] for step in footsteps) < 0.005
     assert sim.summary()["success"]

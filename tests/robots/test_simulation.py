@@ -14,14 +14,12 @@ from atlas_drake import (
     steps_ahead,
 )
 from atlas_drake.app.main import main
-from atlas_drake.behaviors.config import ControllerConfig
+from atlas_drake.cockpit.card import card_of
+from atlas_drake.cockpit.operator import Operator
 from atlas_drake.diagrams.replay import make_replay
 from atlas_drake.errors import ScenarioError
 from atlas_drake.logs import LogError, read_log
 from atlas_drake.messages import BehaviorStatus
-from atlas_drake.teleop.commander import Commander
-from atlas_drake.teleop.controls import SLIDERS, Action, Controls, fitted
-from atlas_drake.teleop.pages import pages_with
 
 from .conftest import HERON
 
@@ -102,46 +100,33 @@ def test_a_log_knows_where_its_robot_is(copied, tmp_path, ending):
         make_replay(read_log(file))
 
 
-def test_the_panel_fits_the_robot(heron):
-    own = fitted(heron, ControllerConfig.of(heron.file))
-    titles = {page.title: page for page in pages_with(heron, own, ())}
-    shown = {slider.label for page in titles.values() for slider in page.sliders}
-    assert own["stride [m]"].value == 0.14
-    assert own["pelvis height [m]"][1:3] == (0.45, 0.68)
-    assert "1 trunk, 2 hips" in titles["push"].note
-    assert "k_effort neck" not in shown
-    assert "k_effort back" in shown
-    for slider in own.values():
-        assert slider.low <= slider.value <= slider.high
+def test_the_cockpit_fits_the_robot(heron):
+    sim = simulate()
+    card = card_of(sim, 7000)
+    assert card.gait["stride"].usual == 0.14
+    height = card.pelvis["pelvis_height"]
+    assert (height.low, height.high) == (0.45, 0.68)
+    assert card.pushed[:2] == ("trunk", "hips")
+    assert {joint.name for joint in card.joints} == set(heron.joint_names)
+    for one in card.gait.values():
+        assert one.low <= one.usual <= one.high
 
 
 def test_steering_commands_the_robot(heron):
     sim = simulate()
-    commander = Commander(heron, sim.atlas_sim_interface_state)
-    sliders = {slider.label: slider.value for slider in SLIDERS}
-    own = fitted(heron, ControllerConfig.of(heron.file))
-    sliders |= {label: slider.value for label, slider in own.items()}
+    operator = Operator(sim)
 
-    def press(*actions):
-        controls = Controls(actions, sliders)
-        report = sim.atlas_sim_interface_state
-        orders = commander.look(controls, report, sim.atlas_state, 0.04)
-        for command in (orders.atlas_command, orders.sim_command):
-            if command is not None:
-                sim.publish(command)
-        sliders.update({s.label: value for s, value in orders.sliders.items()})
+    def act(control, *values, **named):
+        control(*values, **named)
+        operator.update(sim.time)
         sim.advance(0.04)
-        return orders
 
-    press()
-    assert press(Action.PUSH).push.body == "hips"
-    press(Action.FORWARD)
+    act(operator.pushes.push, "hips", [1.0, 0.0, 0.0])
+    act(operator.walk.steer, forward=1.0)
     assert sim.current_behavior is Behavior.WALK
-    press(Action.USER)
+    act(operator.modes.request, "USER")
     assert sim.current_behavior is Behavior.USER
     assert set(sim.atlas_sim_interface_state.k_effort) == {255}
-    # A second look finds nothing to put right.
-    assert press().atlas_command is None
 
 
 @pytest.mark.slow

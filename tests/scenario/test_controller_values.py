@@ -95,7 +95,7 @@ def test_a_robots_value_that_cannot_be_used_is_named(short_legged):
         ("{walk: {limits: {duration: 1.5}}}", "walk.limits.far_duration", "within"),
         ("{walk: {limits: {duration: [0, 1]}}}", "walk.limits.duration", "or more"),
         ("{walk: {limits: {far: 0.1}}}", "walk.limits.far", "more than near"),
-        ("{walk: {steps: {stride: 0.5}}}", "walk.steps.stride", "0.42 at most"),
+        ("{walk: {steps: {stride: 0.7}}}", "walk.steps.stride", "0.58 at most"),
         ("{walk: {swing: {height: 0.5}}}", "walk.swing.height", "0.3 at most"),
         ("{stance: {width: 0.6}}", "stance.width", "0.18 to 0.5"),
         ("{manipulate: {range: {yaw: [1, -1]}}}", "manipulate.range.yaw", "exceed"),

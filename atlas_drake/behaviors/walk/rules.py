@@ -42,9 +42,15 @@ class WalkRules(Configuration):
     """Speed of the center of mass below which the walk is over [m/s]."""
     replan_shift: NotNegative = 0.002
     """Least change of the landing place for a new plan [m]."""
+    quick_step: NotNegative = 0.70
+    """Longest duration of a step in which the height of the center of mass may yield
+    (``gains.weights.com_height_quick``) [s]: it has no time to sink far."""
     transfer_change: NotNegative = 0.15
     """Largest change of a transfer's duration, as a share of it, to correct an early or
     late touchdown. A larger timing error comes from a disturbance, and is not corrected
     further [-]."""
+    height_rate: NotNegative = 0.30
+    """Speed at which the reference of the CoM's height follows the ground [m/s]; less
+    falls behind on stairs."""
     leg_stretch: NotNegative = 0.04
     """Stretch of the lower leg on uneven ground [m]."""

@@ -139,6 +139,9 @@ def look_ahead(
             break
         start, stance = poses[step.foot], poses[1 - step.foot]
         goal = resolve_height(step, stance, limits)
+        # A brick under the stance foot is no other level: ground that the steps know.
+        known = stance if step.relative else aims[1 - step.foot]
+        change = float(goal.p_WF[2] - known.p_WF[2])
         taken = saturate(goal, stance, firm)
         pose = taken.pose
         if max(landing_error(goal, pose), heading_error(goal, pose)) > ROUNDING:
@@ -146,7 +149,7 @@ def look_ahead(
             # limits count from the aimed pose, and with slack from the landed pose.
             aim = at_height(aims[1 - step.foot], stance)
             taken = saturate(saturate(goal, aim, firm), stance, loose)
-        obstacle = obstacle_to(goal, taken, stance, last_foot, loose)
+        obstacle = obstacle_to(goal, taken, stance, change, last_foot, loose)
         if obstacle:
             return StepPreview(tuple(commanded), tuple(steps), step, obstacle)
         taken = limit_duration(
@@ -168,6 +171,7 @@ def obstacle_to(
     goal: Footstep,
     taken: Footstep,
     stance: FootPose,
+    change: float,
     last_foot: int | None,
     limits: StepLimits,
 ) -> str:
@@ -177,6 +181,8 @@ def obstacle_to(
         goal: The step as commanded, its height in W.
         taken: The same step, saturated.
         stance: Pose of the stance foot of the step.
+        change: Height of the step above the place at which the stance foot was aimed
+            [m].
         last_foot: The foot of the step before, if any.
         limits: Limits of a step from that stance foot.
     """
@@ -187,7 +193,7 @@ def obstacle_to(
         way = "up" if climb > 0.0 else "down"
         return f"step {goal.index} leads {abs(climb):.2f} m {way}, which is too much"
     # A shortened step may miss the level that it leads to.
-    if abs(climb) > LEVEL and landing_error(goal, taken.pose) > EDGE:
+    if abs(change) > LEVEL and landing_error(goal, taken.pose) > EDGE:
         return f"step {goal.index} leads to another level and is out of reach"
     return ""
 

@@ -11,7 +11,7 @@ class GaitTiming(Configuration):
 
     first_shift: NotNegative = 0.80
     """Weight shift before the first lift-off [s]."""
-    transfer_share: ProperShare = 0.39
+    transfer_share: ProperShare = 0.25
     """Share of a step's duration in double support [-]. The error of the DCM grows in
     single support; but the shorter the swing, the harder the almost straight trailing
     leg jerks the robot at lift-off."""

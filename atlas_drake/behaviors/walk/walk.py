@@ -36,7 +36,7 @@ from atlas_drake.behaviors.walk.phases import (
 )
 from atlas_drake.behaviors.walk.planner import WalkPlanner
 from atlas_drake.behaviors.walk.single_support import SingleSupport
-from atlas_drake.behaviors.walk.steps import feet_to_come, steps_asked_for
+from atlas_drake.behaviors.walk.steps import LEVEL, feet_to_come, steps_asked_for
 from atlas_drake.control.balance import feedback
 from atlas_drake.control.rotations import mean_yaw
 from atlas_drake.frozen import read_only, replace
@@ -58,7 +58,7 @@ class Walk(BehaviorProtocol):
     def __init__(self, tools: BehaviorTools, config: WalkConfig):
         self._balance = balance = tools.balance
         self._nominal_height = tools.nominal_height
-        self._rates = tools.rates
+        self._rates = replace(tools.rates, height=config.rules.height_rate)
         self._timing = config.timing
         self._profile = config.swing
         self._rules = config.rules
@@ -119,7 +119,13 @@ class Walk(BehaviorProtocol):
             observation.user_held,
         )
         command = self._balance.command(
-            observation, body, phase.dcm_reference(), self._omega, phase.support, feet
+            observation,
+            body,
+            phase.dcm_reference(),
+            self._omega,
+            phase.support,
+            feet,
+            quick=self._is_quick(phase),
         )
         finished = False
         left: tuple[Event, ...] = ()
@@ -193,6 +199,19 @@ class Walk(BehaviorProtocol):
         return replace(
             phase, progress=replace(progress, pending=pending, warned=warned)
         )
+
+    def _is_quick(self, phase: WalkState) -> bool:
+        """Returns True if the present or next step is quick, on level ground.
+
+        In a slow step, or up and down, a center of mass that sinks bends the knees
+        beyond what they carry.
+        """
+        progress = phase.progress
+        step = phase.in_air or next(iter(self._planner.coming(progress)), None)
+        if step is None or step.duration > self._rules.quick_step:
+            return False
+        heights = [float(step.p_WF[2]), *(float(f.p_WF[2]) for f in progress.feet)]
+        return max(heights) - min(heights) <= LEVEL
 
     def _body_target(self, phase: WalkState) -> BodyTarget:
         left, right = feet_to_come(phase.progress, phase.in_air)

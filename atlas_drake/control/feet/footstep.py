@@ -154,24 +154,39 @@ def longest_duration(apart: float, limits: StepLimits) -> float:
     return longest + share * (limits.far_duration - longest)
 
 
+def shortest_duration(climb: float, limits: StepLimits) -> float:
+    """Computes the shortest time that a step may take [s].
+
+    Args:
+        climb: Largest difference in height between the feet, before the step or after
+            it [m].
+        limits: Give the shortest duration by difference in height.
+    """
+    shortest = limits.duration.least
+    if limits.rise <= limits.easy_rise:
+        return shortest
+    share = (climb - limits.easy_rise) / (limits.rise - limits.easy_rise)
+    return shortest + clip(share, 0.0, 1.0) * (limits.rise_duration - shortest)
+
+
 def limit_duration(
     step: Footstep, start: FootPose, stance: FootPose, limits: StepLimits
 ) -> Footstep:
-    """Returns the step with its duration limited by the distance between the feet.
+    """Returns the step with its duration limited by the place of the feet.
 
-    The larger distance, before the step or after it, counts.
+    Their larger distance, before the step or after it, gives the longest duration, and
+    their larger difference in height the shortest.
 
     Args:
         step: A saturated step.
         start: Pose of the foot at lift-off.
         stance: The foot that stays on the ground.
-        limits: Give the longest duration by distance.
+        limits: Give the durations by distance and difference in height.
     """
-    apart = max(
-        float(np.hypot(*(place - stance.p_WF)[:2])) for place in (start.p_WF, step.p_WF)
-    )
-    longest = longest_duration(apart, limits)
-    return replace(step, duration=min(step.duration, longest))
+    ways = [place - stance.p_WF for place in (start.p_WF, step.p_WF)]
+    longest = longest_duration(max(math.hypot(*way[:2]) for way in ways), limits)
+    shortest = shortest_duration(max(abs(float(way[2])) for way in ways), limits)
+    return replace(step, duration=min(max(step.duration, shortest), longest))
 
 
 def _tilted_at_most(normal: np.ndarray, tilt: float) -> np.ndarray:

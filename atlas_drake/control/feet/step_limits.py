@@ -44,6 +44,12 @@ class StepLimits(Configuration):
     """Lateral distance between the feet, center to center [m]."""
     rise: NotNegative = 0.10
     """Largest step up or down [m]."""
+    easy_rise: NotNegative = 0.10
+    """Largest step up or down that may take the shortest duration [m]."""
+    rise_duration: Positive = 1.1
+    """Shortest duration of the largest step up or down [s]: a knee that has less time
+    to raise the body would need more than its torque. It grows from that of
+    ``easy_rise``."""
     meant_rise: NotNegative = 0.40
     """Heights farther than this from the stance foot are treated as not given [m]: on
     level ground a step may have the height of the pelvis."""

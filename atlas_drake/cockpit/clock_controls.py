@@ -1,0 +1,112 @@
+"""Time: pause, single steps, pace, reset, and back."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from atlas_drake.errors import InvalidMessageError
+from atlas_drake.messages.checks import check_number
+
+if TYPE_CHECKING:
+    from atlas_drake.scenario import Scenario
+    from atlas_drake.simulation import AtlasSimulation
+    from atlas_drake.simulation.moment import Moment
+
+SINGLE_STEP = 0.02
+"""Simulated time of a single step [s]."""
+FASTEST = 100.0
+"""Largest multiple of real time."""
+KEPT_EVERY = 1.0
+"""Simulated time between two moments that can be gone back to [s]."""
+KEPT = 31
+"""Number of moments that are kept; each takes 2.5 MB."""
+
+
+class ClockControls:
+    """Pause, single steps, pace, reset, and back in time.
+
+    Attributes:
+        paused: True while time stands still.
+    """
+
+    def __init__(self, sim: AtlasSimulation, begin: Callable[[], None]) -> None:
+        """Lets time run.
+
+        Args:
+            sim: The simulation.
+            begin: Called when time has jumped, by a reset or back.
+        """
+        self._sim, self._begin = sim, begin
+        self.paused = False
+        self._steps = 0
+        self._moments: deque[Moment] = deque(maxlen=KEPT)
+
+    def pause(self) -> None:
+        """Lets time stand still."""
+        self.paused = True
+
+    def go_on(self) -> None:
+        """Lets time run again."""
+        self.paused = False
+
+    def single_step(self) -> None:
+        """Simulates 20 ms, and then lets time stand still."""
+        self.paused = True
+        self._steps += 1
+
+    def takes_step(self) -> bool:
+        """Returns True if a single step is due, which it then is no more."""
+        due = self._steps > 0
+        self._steps = max(self._steps - 1, 0)
+        return due
+
+    def pace(self, rate: float) -> None:
+        """Keeps simulated time at a multiple of real time; 0 is as fast as can be."""
+        self._sim.set_realtime_rate(check_number(rate, "rate", 0.0, FASTEST))
+
+    def reset(self, seed: int | None = None) -> None:
+        """Puts the robot back on its feet; with a seed a new run begins."""
+        self._sim.reset(seed=seed)
+        if seed is not None:
+            self._moments.clear()
+        self._begin()
+
+    def restart(self, scenario: Scenario) -> None:
+        """Begins a new run of a scenario that the diagram can simulate."""
+        self._sim.restart(scenario)
+        self._moments.clear()
+        self._begin()
+
+    def back(self, seconds: float = 10.0) -> float:
+        """Goes back in time, as far as moments are kept.
+
+        Args:
+            seconds: How far [s].
+
+        Returns:
+            The time gone back to [s].
+
+        Raises:
+            InvalidMessageError: If no moment is kept.
+            ScenarioError: While a log or a video is written.
+        """
+        until = self._sim.time - check_number(seconds, "seconds", 0.0)
+        if not self._moments:
+            raise InvalidMessageError(
+                "seconds", seconds, "nothing is kept to go back to"
+            )
+        earlier = [one for one in self._moments if one.time <= until + 1e-9]
+        moment = earlier[-1] if earlier else self._moments[0]
+        self._sim.restore(moment)
+        while self._moments[-1].time > moment.time:
+            self._moments.pop()
+        self._begin()
+        return moment.time
+
+    def keep_moment(self) -> None:
+        """Keeps the present, if the last one kept is old enough."""
+        last = self._moments[-1].time if self._moments else -KEPT_EVERY
+        if self._sim.time >= last + KEPT_EVERY - 1e-9:
+            self._moments.append(self._sim.moment())

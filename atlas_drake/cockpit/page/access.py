@@ -1,0 +1,115 @@
+"""Who may open the page, and who may steer.
+
+A page of another site must not reach the robot through the browser of somebody who
+watches: every request names the host that it was sent to, and a websocket the site that
+it comes from.
+"""
+
+from __future__ import annotations
+
+import hmac
+import ipaddress
+import time
+from collections.abc import Awaitable, Callable
+from typing import Any
+
+Asgi = Callable[[dict[str, Any], Any, Any], Awaitable[None]]
+
+
+class Access:
+    """Checks of one address."""
+
+    def __init__(self, host: str, port: int, token: str | None) -> None:
+        """Guards an address.
+
+        Args:
+            host: Address that is listened on.
+            port: Its port.
+            token: Needed to steer; None if everybody who reaches the page may.
+        """
+        self._host, self._port, self._token = host, port, token
+
+    @property
+    def url(self) -> str:
+        """Address of the page, with the token."""
+        host = "localhost" if self._host in ("0.0.0.0", "127.0.0.1") else self._host
+        query = "" if self._token is None else f"?token={self._token}"
+        return f"http://{host}:{self._port}/{query}"
+
+    def allows(self, token: str) -> bool:
+        """Returns True if a page that was opened with this token may steer."""
+        return self._token is None or hmac.compare_digest(
+            token.encode(), self._token.encode()
+        )
+
+    def middleware(self, inner: Asgi) -> Asgi:
+        """Returns the application ``inner`` with this guard before it."""
+
+        async def guarded(scope: dict[str, Any], receive: Any, send: Any) -> None:
+            if scope["type"] in ("http", "websocket") and not self.admits(scope):
+                await _refuse(scope["type"], send)
+                return
+            if scope["type"] == "websocket":
+                receive = Throttled(receive)
+            await inner(scope, receive, send)
+
+        return guarded
+
+    def admits(self, scope: dict[str, Any]) -> bool:
+        """Returns True if a request comes from this page, or from no page."""
+        headers = {
+            name.decode("latin-1"): value.decode("latin-1")
+            for name, value in scope["headers"]
+        }
+        host = headers.get("host", "")
+        if not self._is_ours(host):
+            return False
+        origin = headers.get("origin")
+        if origin is None:  # No browser: they send it with every websocket.
+            return scope["type"] == "http" or "user-agent" not in headers
+        return origin.split("://", 1)[-1] == host
+
+    def _is_ours(self, host: str) -> bool:
+        """Returns True unless a name of another site was made to point here."""
+        name, _, port = host.rpartition(":")
+        if port != str(self._port):
+            return False
+        if name in ("localhost", self._host):
+            return True
+        try:
+            ipaddress.ip_address(name.strip("[]"))
+        except ValueError:
+            # A host name of this computer's, which only a token makes safe.
+            return self._token is not None
+        return True
+
+
+class Throttled:
+    """Receives from a websocket, and ends one that floods the page."""
+
+    def __init__(self, receive: Any) -> None:
+        """Receives from ``receive``."""
+        self._receive = receive
+        self._left, self._at = float(BURST), time.monotonic()
+
+    async def __call__(self) -> Any:
+        """Waits for a message; a flood ends the connection, as if the browser had."""
+        message = await self._receive()
+        now = time.monotonic()
+        self._left = min(self._left + PER_SECOND * (now - self._at), BURST) - 1.0
+        self._at = now
+        if self._left < 0.0:
+            return {"type": "websocket.disconnect", "code": 1008}
+        return message
+
+
+PER_SECOND, BURST = 200, 1000
+"""Messages of a browser that are taken per second, and at once; a hand makes fewer."""
+
+
+async def _refuse(kind: str, send: Any) -> None:
+    if kind == "websocket":
+        await send({"type": "websocket.close", "code": 1008})
+        return
+    await send({"type": "http.response.start", "status": 403, "headers": []})
+    await send({"type": "http.response.body", "body": b"not from this page"})

@@ -1,0 +1,36 @@
+"""What every panel uses: the desk, its viewer, and orders."""
+
+from __future__ import annotations
+
+from collections.abc import Coroutine, Sequence
+from typing import Any
+
+from atlas_drake.cockpit.page.desk import Desk, Refused, Viewer
+
+
+class Operating:
+    """The desk as one viewer uses it.
+
+    Attributes:
+        desk: What all viewers share.
+        viewer: Whose page it is.
+    """
+
+    def __init__(self, desk: Desk, viewer: Viewer) -> None:
+        """Sits a viewer down at the desk."""
+        self.desk, self.viewer = desk, viewer
+
+    async def order(self, control: str, **values: Any) -> Any:
+        """Sends an order; tells the user why it is refused, and then returns None."""
+        return await self._told(self.desk.order(self.viewer, control, **values))
+
+    async def plot(self, names: Sequence[str]) -> None:
+        """Has columns sampled for this viewer; tells the user why if they are not."""
+        await self._told(self.desk.plot(self.viewer, names))
+
+    async def _told(self, order: Coroutine[Any, Any, Any]) -> Any:
+        try:
+            return await order
+        except Refused as refused:
+            self.viewer.tell(str(refused))
+            return None

@@ -1,0 +1,130 @@
+"""Settings of the run, other scenarios, and what was done as a scenario."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from pydrake.common.yaml import yaml_load
+
+from atlas_drake.behaviors.entry import BehaviorEntry
+from atlas_drake.cockpit.clock_controls import ClockControls
+from atlas_drake.cockpit.next_run import NextRun
+from atlas_drake.cockpit.record import Recorded
+from atlas_drake.cockpit.setting_list import EXAMPLES
+from atlas_drake.errors import ScenarioError
+from atlas_drake.messages import Behavior
+from atlas_drake.scenario import Scenario, load_scenario
+from atlas_drake.scenario.differences import built_in_difference
+from atlas_drake.scenario.scenario import (
+    scenario_from,
+    with_full_paths,
+    with_settings,
+)
+from atlas_drake.scenario.scenario_yaml import changed_fields, scenario_yaml
+
+if TYPE_CHECKING:
+    from atlas_drake.simulation import AtlasSimulation
+
+LONGEST = 2_000_000
+"""Length of a scenario's text that is read."""
+
+
+class ScenarioControls:
+    """Checks scenarios, starts them, and writes them as YAML."""
+
+    def __init__(
+        self,
+        sim: AtlasSimulation,
+        clock: ClockControls,
+        record: Recorded,
+        next_run: NextRun,
+    ) -> None:
+        """Begins with the scenario of the simulation."""
+        self._sim, self._clock, self._record = sim, clock, record
+        self._next = next_run
+
+    def check(
+        self,
+        changes: Mapping[str, str] | None = None,
+        text: str | None = None,
+        example: str | None = None,
+    ) -> bool:
+        """Returns True if a scenario can be used; what is in force stays.
+
+        Args:
+            changes: Values by path, as the text that YAML has for them.
+            text: YAML of a scenario that they change; None for the present one.
+            example: Name of an example, likewise.
+
+        Raises:
+            ScenarioError: Naming the field that cannot be used.
+        """
+        self._made(changes, text, example)
+        return True
+
+    def start(
+        self,
+        changes: Mapping[str, str] | None = None,
+        text: str | None = None,
+        example: str | None = None,
+    ) -> None:
+        """Starts a scenario, as ``check`` describes it.
+
+        Without another robot, world or controller it begins at once. Otherwise the
+        program that simulates builds it, if it is one that can.
+
+        Raises:
+            ScenarioError: As ``check``, or if the program runs one simulation alone.
+        """
+        asked = self._made(changes, text, example)
+        field = built_in_difference(self._sim.scenario, asked)
+        if field is None:
+            self._clock.restart(asked)
+        elif self._next.why_not:
+            raise ScenarioError(field, None, f"is changed; {self._next.why_not}")
+        else:
+            self._next.scenario = asked
+
+    def written(self, changes: Mapping[str, str] | None = None) -> str:
+        """Returns the present scenario with changes, as YAML."""
+        return scenario_yaml(self._made(changes, None, None))
+
+    def done(self) -> str:
+        """Returns what was done by hand as a scenario, as YAML."""
+        return scenario_yaml(self._record.as_scenario())
+
+    def _made(
+        self,
+        changes: Mapping[str, str] | None,
+        text: str | None,
+        example: str | None,
+    ) -> Scenario:
+        base = self._base(text, example)
+        own = [
+            one
+            for one in self._sim.behaviors
+            if isinstance(one, BehaviorEntry) and one.name not in Behavior.__members__
+        ]
+        settings = [f"{path}={value}" for path, value in (changes or {}).items()]
+        return with_settings(base, settings).resolved(own)
+
+    def _base(self, text: str | None, example: str | None) -> Scenario:
+        if example is not None:
+            known = {path.stem: path for path in EXAMPLES.glob("*.yaml")}
+            if example not in known:
+                raise ScenarioError("example", example, "there is no such example")
+            return load_scenario(known[example])
+        if text is None:
+            return scenario_from(changed_fields(self._sim.scenario))
+        if not isinstance(text, str) or len(text) > LONGEST:
+            raise ScenarioError("file", None, "is too long for a scenario")
+        try:
+            raw = yaml_load(data=text)
+        except Exception as error:  # The parser raises many kinds of exception.
+            raise ScenarioError("file", None, f"cannot be read: {error}") from error
+        if not isinstance(raw, Mapping):
+            problem = "must have fields of a scenario, such as duration: 10"
+            raise ScenarioError("file", raw, problem)
+        return scenario_from(with_full_paths(raw, Path.cwd()))

@@ -1,0 +1,151 @@
+"""Lists the settings of a scenario for the page, from their declarations."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+import types
+import typing
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+from typing import Annotated, Any
+
+from annotated_types import Ge, Gt, Interval, Le, Lt
+
+from atlas_drake.behaviors.config import ControllerConfig
+from atlas_drake.checked import as_plain, joined
+from atlas_drake.cockpit.settings import Setting, SettingsCard
+from atlas_drake.field_docs import trailing_strings
+from atlas_drake.robot.load import available_robots
+from atlas_drake.scenario import Scenario
+from atlas_drake.scenario.differences import is_of_a_run
+from atlas_drake.scenario.scenario_yaml import usual_of
+from atlas_drake.scenario.world_file import available_worlds
+
+NOT_LISTED = (
+    "name",
+    "model",  # It has a choice of its own, as have the world and what is a list.
+    "world",
+    "messages",
+    "terrain",
+    "models",
+    "pushes",
+    "plant.time_step",
+    "plant.use_sampled_output_ports",
+    "simulator.start_time",
+)
+"""Paths that are no settings of the list, with all below them."""
+EXAMPLES = Path(__file__).parents[2] / "examples" / "scenarios"
+"""Scenarios beside the package; an installed package has none."""
+_UNIT = re.compile(r"\[([^\[\]]+)\]")
+
+
+def settings_card(scenario: Scenario, why_not: str) -> SettingsCard:
+    """Describes a resolved scenario.
+
+    Args:
+        scenario: The scenario.
+        why_not: Why no other can be started; empty if it can.
+    """
+    return SettingsCard(
+        name=scenario.name,
+        settings=tuple(list_settings(scenario)),
+        robot=scenario.model,
+        world=scenario.surroundings().name,
+        seed=scenario.seed,
+        robots=tuple(available_robots()),
+        worlds=tuple(available_worlds()),
+        examples=tuple(sorted(path.stem for path in EXAMPLES.glob("*.yaml"))),
+        why_not=why_not,
+    )
+
+
+def list_settings(scenario: Scenario) -> Iterator[Setting]:
+    """Lists all fields of a resolved scenario that are one value each."""
+    yield from _within(Scenario, scenario, usual_of(scenario), "")
+
+
+def _within(kind: type, value: Any, usual: Any, path: str) -> Iterator[Setting]:
+    """Lists the fields of a value of some kind, whose path is given."""
+    told = trailing_strings(kind) if dataclasses.is_dataclass(kind) else {}
+    for name, declared in _fields(kind):
+        place = joined(path, name)
+        if place in NOT_LISTED:
+            continue
+        inner = getattr(value, name)
+        known = usual.get(name) if isinstance(usual, dict) else None
+        if place == "controller":
+            declared = ControllerConfig
+        if _is_structure(type(inner)):
+            yield from _within(type(inner), inner, known, place)
+        else:
+            yield _setting(place, declared, as_plain(inner), known, told.get(name, ""))
+
+
+def _fields(kind: type) -> Iterable[tuple[str, Any]]:
+    if dataclasses.is_dataclass(kind):
+        hints = typing.get_type_hints(kind, include_extras=True)
+        return [(one.name, hints[one.name]) for one in dataclasses.fields(kind)]
+    return [(one.name, one.type) for one in kind.__fields__]  # type: ignore[attr-defined]
+
+
+def _is_structure(kind: type) -> bool:
+    return dataclasses.is_dataclass(kind) or hasattr(kind, "__fields__")
+
+
+def _setting(path: str, declared: Any, value: Any, usual: Any, text: str) -> Setting:
+    parts = list(_parts(declared))
+    choices = tuple(
+        str(choice)
+        for part in parts
+        if typing.get_origin(part) is typing.Literal
+        for choice in typing.get_args(part)
+    )
+    units = _UNIT.findall(text)
+    return Setting(
+        path=path,
+        value=value,
+        usual=usual,
+        text=" ".join(text.replace("``", "").split()),
+        unit=units[-1] if units and units[-1] != "-" else "",
+        kind=_kind(value, choices),
+        bounds=bounds_in_words(parts),
+        choices=choices,
+        needs="a new run" if is_of_a_run(path) else "a restart",
+    )
+
+
+def _kind(value: Any, choices: tuple[str, ...]) -> str:
+    if choices:
+        return "choice"
+    if isinstance(value, bool):
+        return "flag"
+    return "number" if isinstance(value, int | float) else "yaml"
+
+
+def _parts(declared: Any) -> Iterator[Any]:
+    """Takes annotations and unions apart: types and notes."""
+    if typing.get_origin(declared) is Annotated:
+        inner, *notes = typing.get_args(declared)
+        yield from (*_parts(inner), *notes)
+    elif typing.get_origin(declared) in (types.UnionType, typing.Union):
+        for one in typing.get_args(declared):
+            yield from _parts(one)
+    else:
+        yield declared
+
+
+def bounds_in_words(notes: Iterable[Any]) -> str:
+    """Says what a number may be, such as "> 0, ≤ 1"; empty without bounds."""
+    said = []
+    for note in notes:
+        for sign, kind, name in (
+            (">", Gt, "gt"),
+            ("≥", Ge, "ge"),
+            ("<", Lt, "lt"),
+            ("≤", Le, "le"),
+        ):
+            if isinstance(note, kind | Interval):
+                bound = getattr(note, name)
+                said += [] if bound is None else [f"{sign} {bound:g}"]
+    return ", ".join(said)

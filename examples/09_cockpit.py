@@ -1,0 +1,43 @@
+"""The cockpit: steer Atlas from a page in the browser, or by the same functions here.
+
+The command `atlas-drake teleop` opens the page with more options. With --headless a
+script uses the controls.
+"""
+
+import argparse
+import sys
+
+from atlas_drake import AtlasSimulation, Behavior
+from atlas_drake.app.interrupts import ctrl_c
+from atlas_drake.cockpit.operator import Operator
+
+PIECE = 0.02  # between two looks at the controls [s]
+
+parser = argparse.ArgumentParser(description=__doc__)
+parser.add_argument("--headless", action="store_true", help="no page, a script")
+options = parser.parse_args()
+
+if options.headless:
+    sim = AtlasSimulation()
+    operator = Operator(sim)
+    script = {
+        0.5: lambda: operator.walk.steer(forward=1.0),
+        3.5: lambda: operator.walk.steer(forward=1.0, turn=1.0),
+        6.0: operator.walk.stop,
+    }
+    while sim.time < 9.0:
+        for due in [time for time in script if time <= sim.time]:
+            script.pop(due)()
+        operator.update(sim.time)
+        sim.advance(PIECE)
+    done = sim.current_behavior is Behavior.STAND and not sim.has_fallen
+    steps = len(sim.footsteps)
+    print(f"Atlas stands after {steps} steps." if done else "Atlas did not make it.")
+    sys.exit(not done)
+
+with ctrl_c() as asked_to_stop:
+    sim = AtlasSimulation(cockpit=True)  # Prints the address of the page.
+    sim.cockpit.asked_to_stop = asked_to_stop.is_set
+    while not asked_to_stop.is_set():
+        sim.advance(PIECE)
+print(f"Stopped after {sim.time:.1f} s and {len(sim.footsteps)} steps.")

@@ -1,0 +1,68 @@
+"""The cockpit of a simulation: its page's process, orders over the line, pauses."""
+
+import importlib.util
+import threading
+import time
+import urllib.error
+import urllib.request
+
+import pytest
+
+from atlas_drake import AtlasSimulation
+from atlas_drake.cockpit.cockpit import Cockpit, CockpitError
+from atlas_drake.cockpit.orders import Order, Reply
+
+
+@pytest.fixture(scope="module")
+def cockpit():
+    pytest.importorskip("nicegui", reason="the cockpit is not installed")
+    cockpit = Cockpit(port=8280)
+    yield cockpit
+    cockpit.close()
+
+
+@pytest.fixture(scope="module")
+def flown(cockpit):
+    return AtlasSimulation(cockpit=cockpit)
+
+
+def test_a_missing_package_is_named_with_what_installs_it(monkeypatch):
+    monkeypatch.setattr(importlib.util, "find_spec", lambda _name: None)
+    with pytest.raises(CockpitError, match=r"atlas-drake\[cockpit\]"):
+        Cockpit()
+
+
+def test_a_host_of_another_computer_is_refused():
+    with pytest.raises(CockpitError, match=r"cannot be served on 192\.0\.2\.1"):
+        Cockpit(host="192.0.2.1")
+
+
+def test_the_page_is_served_and_the_run_goes_on_without_it(cockpit, flown):
+    page = urllib.request.urlopen(cockpit.web_url()).read().decode()
+    assert "atlas_drake" in page
+    assert urllib.request.urlopen(f"{cockpit.web_url()}meshcat.js").status == 200
+    with pytest.raises(urllib.error.HTTPError, match="403"):
+        urllib.request.urlopen(
+            urllib.request.Request(cockpit.web_url(), headers={"Origin": "http://a.b"})
+        )
+    before = flown.time
+    flown.advance(0.1)
+    assert flown.time == pytest.approx(before + 0.1)
+
+
+def test_a_pause_holds_an_advance_until_the_program_ends(cockpit, flown):
+    asked = threading.Event()
+    cockpit.asked_to_stop = asked.is_set
+    cockpit.operator.clock.pause()
+    threading.Timer(0.3, asked.set).start()
+    begin = time.monotonic()
+    flown.advance(0.02)
+    assert time.monotonic() - begin > 0.25
+    cockpit.operator.clock.go_on()
+    cockpit.asked_to_stop = lambda: False
+
+
+def test_an_order_that_cannot_be_used_is_answered(cockpit, flown):
+    reply = cockpit._reply_to(Order("walk.steer", {"forward": float("nan")}, 7))
+    assert (reply.number, bool(reply.problem)) == (7, True)
+    assert cockpit._reply_to(Order("walk.drop_plan", {}, 8)) == Reply(8)

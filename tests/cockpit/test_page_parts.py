@@ -1,0 +1,243 @@
+"""The parts of the page that need no browser: access, relay, history, figure."""
+
+import asyncio
+
+import msgpack
+import pytest
+
+from atlas_drake.cockpit.card import joint_cards
+from atlas_drake.cockpit.observe import Observer
+from atlas_drake.cockpit.orders import Order, Reply
+from atlas_drake.cockpit.page.access import BURST, Access, Throttled
+from atlas_drake.cockpit.page.desk import MOST_OPEN, Desk, Refused, Viewer
+from atlas_drake.cockpit.page.figure import LEAST, Figure, owner_color, spread
+from atlas_drake.cockpit.page.keys import KEYS
+from atlas_drake.cockpit.page.panels import plan, strain, timeline
+from atlas_drake.cockpit.page.relay import Pending, subject_of
+from atlas_drake.cockpit.page.server import free_port
+from atlas_drake.palette import BEHAVIOR, USER, hex_color
+from atlas_drake.robot import load_robot
+
+HOST = "localhost:8080"
+
+
+def request(kind="http", **headers):
+    named = [(k.replace("_", "-").encode(), v.encode()) for k, v in headers.items()]
+    return {"type": kind, "headers": named}
+
+
+@pytest.mark.parametrize(
+    ("scope", "admitted"),
+    [
+        (request(host=HOST), True),
+        (request(host="127.0.0.1:8080"), True),
+        (request(host="[::1]:8080"), True),
+        (request(host="evil.example:8080"), False),
+        (request(host="localhost:80"), False),
+        (request(), False),
+        (request(host=HOST, origin=f"http://{HOST}"), True),
+        (request(host=HOST, origin="http://evil.example"), False),
+        (request(host=HOST, origin="null"), False),
+        (request("websocket", host=HOST, origin=f"http://{HOST}"), True),
+        (request("websocket", host=HOST, origin="http://localhost:8081"), False),
+        (request("websocket", host=HOST, user_agent="Mozilla/5.0"), False),
+    ],
+)
+def test_only_the_page_itself_is_served(scope, admitted):
+    assert Access("localhost", 8080, None).admits(scope) is admitted
+
+
+def test_a_page_for_other_computers_needs_its_token_to_steer():
+    open_to_all = Access("0.0.0.0", 8080, "secret")
+    assert open_to_all.allows("secret")
+    assert not open_to_all.allows("")
+    assert not open_to_all.allows("sécret")
+    assert open_to_all.url == "http://localhost:8080/?token=secret"
+    assert open_to_all.admits(request(host="robot.lab:8080"))
+    assert Access("localhost", 8080, None).allows("")
+
+
+def test_a_flood_ends_its_connection():
+    async def receive():
+        return {"type": "websocket.receive", "text": "x"}
+
+    async def taken():
+        throttled, count = Throttled(receive), 0
+        while (await throttled())["type"] == "websocket.receive":
+            count += 1
+        return count
+
+    assert BURST <= asyncio.run(taken()) < 2 * BURST
+
+
+def test_only_the_latest_pose_of_an_object_is_sent():
+    def pose(path, x):
+        return msgpack.packb({"type": "set_transform", "path": path, "matrix": [x]})
+
+    made = msgpack.packb({"type": "set_object", "path": "/a"})
+    pending = Pending()
+    for message in (pose("/a", 1), made, pose("/b", 1), pose("/a", 2), made):
+        pending.put(message, subject_of(message))
+
+    async def all_of_it():
+        return [await pending.take() for _ in range(4)]
+
+    assert asyncio.run(all_of_it()) == [made, pose("/b", 1), pose("/a", 2), made]
+
+
+@pytest.mark.parametrize("junk", [b"", b"\xff\xff", b"\xc1", msgpack.packb([1, 2])])
+def test_what_meshcat_would_not_send_is_about_nothing(junk):
+    assert subject_of(junk) is None
+
+
+class FakeLink:
+    def __init__(self):
+        self.sent = []
+
+    def send(self, value):
+        self.sent.append(value)
+
+
+@pytest.fixture
+def desk():
+    return Desk(FakeLink(), Access("localhost", 8080, None))
+
+
+def seated(desk, may_steer=True):
+    viewer = Viewer(may_steer)
+    viewer.told = []
+    viewer.tell = viewer.told.append
+    desk.seat(viewer)
+    return viewer
+
+
+def test_one_viewer_steers_and_others_can_ask(desk):
+    first, second = seated(desk), seated(desk)
+    assert desk.steers is first
+    with pytest.raises(Refused, match="watching"):
+        asyncio.run(desk.order(second, "walk.stop"))
+    desk.ask_to_steer(second)
+    assert first.told
+    desk.hand_over(first)
+    assert desk.steers is second
+    desk.remove_viewer(second)
+    assert desk.steers is first
+
+
+def test_who_has_no_token_never_steers(desk):
+    watcher = seated(desk, may_steer=False)
+    assert desk.steers is None
+    desk.ask_to_steer(watcher)
+    assert desk.steers is None
+    assert "token" in watcher.told[0]
+
+
+def test_an_order_is_answered_or_refused(desk):
+    viewer = seated(desk)
+
+    async def ask():
+        asked = asyncio.ensure_future(desk.order(viewer, "walk.stop"))
+        await asyncio.sleep(0)
+        order = next(one for one in desk._link.sent if isinstance(one, Order))
+        desk.take(Reply(order.number, problem="no"))
+        await asked
+
+    with pytest.raises(Refused, match="no"):
+        asyncio.run(ask())
+
+
+def test_a_flood_of_orders_is_dropped(desk):
+    viewer = seated(desk)
+
+    async def flood():
+        asked = [
+            asyncio.ensure_future(desk.order(viewer, "walk.stop"))
+            for _ in range(MOST_OPEN + 1)
+        ]
+        await asyncio.sleep(0)
+        with pytest.raises(Refused, match="Too many"):
+            await asked[-1]
+        for one in asked:
+            one.cancel()
+
+    asyncio.run(flood())
+    orders = [one for one in desk._link.sent if isinstance(one, Order)]
+    assert len(orders) == MOST_OPEN
+
+
+def test_a_walk_ends_when_who_steers_it_goes(desk, driven):
+    viewer = seated(desk)
+    driven.do("walk.steer", forward=1.0)
+    desk.take(Observer(driven.sim, driven.operator).read(0))
+    desk.remove_viewer(viewer)
+    assert Order("walk.stop") in desk._link.sent
+
+
+def test_states_show_the_run_and_each_event_once(driven, desk):
+    observer = Observer(driven.sim, driven.operator)
+    state = observer.read(0)
+    assert state.behavior == "STAND"
+    assert len(state.effort) == len(state.k_effort) == driven.sim.robot.num_joints
+    weight = 9.81 * driven.sim.robot.mass
+    driven.do("modes.request", name="FREEZE")
+    driven.go(0.1)
+    later = observer.read(state.event_count)
+    assert sum(later.loads) == pytest.approx(weight, rel=0.25)
+    assert [kind for _, kind, _ in later.events].count("behavior") == 1
+    assert observer.read(later.event_count).events == ()
+    driven.do("clock.reset", seed=3)
+    anew = observer.read(later.event_count)
+    assert anew.run == later.run + 1
+
+
+def test_pictures_of_a_state_are_drawn(driven):
+    observer = Observer(driven.sim, driven.operator)
+    driven.go(0.04)
+    driven.do("walk.plan_to", x=1.0, y=0.0)
+    state = observer.read(0)
+    svg = plan.draw(state, (0.26, 0.124))
+    assert svg.count("<rect") == 2 + len(state.plan)
+    assert svg.count("<circle") == 3
+    joints = joint_cards(driven.sim.robot)
+    name, _, share = strain.hottest(joints, state)[0]
+    assert name in driven.sim.robot.joint_names
+    assert 0.0 < share <= 1.0
+    assert timeline.draw([], {}) == ""
+
+
+@pytest.mark.parametrize("model", ["atlas", "atlas_v3"])
+def test_the_figure_has_a_button_for_each_joint_and_limb(model):
+    robot = load_robot(model)
+    joints = joint_cards(robot)
+    svg = Figure(joints).svg([0] * len(joints), "r_arm")
+    limbs = {joint.limb for joint in joints}
+    assert svg.count('role="button"') == len(joints) + len(limbs)
+    places = spread([joint.place for joint in joints])
+    nearest = min(
+        (a[0] - b[0]) ** 2 + (a[1] - b[1]) ** 2
+        for i, a in enumerate(places)
+        for b in places[i + 1 :]
+    )
+    assert nearest**0.5 > 0.7 * LEAST
+
+
+def test_colors_go_from_the_behavior_to_the_user():
+    assert owner_color(0) == hex_color(BEHAVIOR)
+    assert owner_color(255) == hex_color(USER)
+
+
+def test_keys_use_controls_that_exist(driven):
+    for key in KEYS.values():
+        if key.control != "clock.toggle":
+            group, name = key.control.split(".")
+            assert callable(getattr(getattr(driven.operator, group), name))
+
+
+def test_the_next_free_port_is_taken():
+    import socket
+
+    with socket.socket() as taken:
+        taken.bind(("localhost", 0))
+        taken.listen()
+        port = taken.getsockname()[1]
+        assert free_port("localhost", port) > port

@@ -1,0 +1,153 @@
+"""What is done by hand can be done again by a scenario."""
+
+import numpy as np
+import pytest
+from pydrake.common.yaml import yaml_load
+
+from atlas_drake import AtlasSimulation
+from atlas_drake.cockpit.operator import Operator
+from atlas_drake.cockpit.record import brief, planned_push
+from atlas_drake.logs.notes import to_plain
+from atlas_drake.messages import AtlasBehaviorStepData, AtlasSimInterfaceCommand
+from atlas_drake.messages.plain import message_from
+from atlas_drake.scenario.scenario import scenario_from
+
+NEAR = 0.005
+"""Joints hear a message a physics step earlier from a scenario: what ends nearer than
+this [m] is the same walk."""
+
+
+class ByHand:
+    """Drives between two physics steps after a control tick."""
+
+    def __init__(self):
+        self.sim = AtlasSimulation()
+        self.operator = Operator(self.sim)
+        self.period = self.sim.scenario.control_period
+        self.offset = 0.5 * self.sim.scenario.physics_step
+        self.tick = 0
+        self.go(2)
+
+    def go(self, ticks):
+        for _ in range(ticks):
+            self.tick += 1
+            self.sim.advance_to(self.tick * self.period + self.offset)
+            self.operator.update(self.sim.time)
+
+    def go_to_tick(self):
+        """Stops at the next tick itself, where pushes begin with the same bits."""
+        self.tick += 1
+        self.sim.advance_to(self.tick * self.period)
+
+
+def replayed(text):
+    scenario = scenario_from(yaml_load(data=text))
+    sim = AtlasSimulation(scenario)
+    sim.advance_to(scenario.duration)
+    return sim
+
+
+def state_of(sim):
+    return sim.plant.GetPositionsAndVelocities(
+        sim.plant.GetMyContextFromRoot(sim.context)
+    )
+
+
+def test_a_short_run_by_hand_ends_in_the_same_bits():
+    by_hand = ByHand()
+    by_hand.operator.modes.request("MANIPULATE")
+    by_hand.go_to_tick()
+    by_hand.operator.pushes.push("utorso", [2.0, 3.0, -1.0])
+    by_hand.go(20)
+    again = replayed(by_hand.operator.scenario.done())
+    assert again.time == by_hand.sim.time
+    np.testing.assert_array_equal(state_of(again), state_of(by_hand.sim))
+
+
+@pytest.mark.slow
+def test_a_walk_by_hand_is_walked_again():
+    by_hand = ByHand()
+    operator = by_hand.operator
+    operator.walk.steer(forward=1.0)
+    by_hand.go(250)
+    operator.joints.share(
+        [n for n in by_hand.sim.robot.joint_names if n.startswith("r_arm")], 255
+    )
+    by_hand.go(100)
+    by_hand.go_to_tick()
+    operator.pushes.push("utorso", [0.0, 6.0, 2.0])
+    by_hand.go(150)
+    operator.walk.stop()
+    by_hand.go(170)
+    again = replayed(operator.scenario.done())
+    place, before = (sim.pelvis_pose.translation() for sim in (again, by_hand.sim))
+    assert place[0] > 0.3
+    np.testing.assert_allclose(place, before, atol=NEAR)
+    assert again.current_behavior is by_hand.sim.current_behavior
+
+
+def first_change(sim):
+    """Time of the first behavior since the last reset [s]."""
+    times = [event.time for event in sim.events if event.kind == "behavior"]
+    return times[-1]
+
+
+def test_what_was_sent_at_once_is_sent_after_a_tick():
+    """A run has no tick before its first, in which the message could be sent."""
+    by_hand = ByHand()
+    by_hand.operator.clock.reset(seed=0)
+    by_hand.tick = -1
+    by_hand.operator.modes.request("MANIPULATE")
+    by_hand.go(4)
+    again = replayed(by_hand.operator.scenario.done())
+    later = first_change(again) - first_change(by_hand.sim)
+    assert later == pytest.approx(by_hand.period)
+
+
+def test_ticks_count_from_a_reset():
+    by_hand = ByHand()
+    begin = by_hand.tick + 1  # The first tick after the reset.
+    by_hand.operator.clock.reset()
+    by_hand.go(3)
+    by_hand.operator.modes.request("MANIPULATE")
+    by_hand.go(4)
+    again = replayed(by_hand.operator.scenario.done())
+    passed = first_change(by_hand.sim) - begin * by_hand.period
+    assert first_change(again) == pytest.approx(passed)
+
+
+def test_a_reset_forgets_what_was_done():
+    by_hand = ByHand()
+    by_hand.operator.pushes.push("utorso", [2.0, 0.0, 0.0])
+    by_hand.operator.clock.reset(seed=4)
+    by_hand.go_to_tick()
+    fields = yaml_load(data=by_hand.operator.scenario.done())
+    assert fields["seed"] == 4
+    assert "pushes" not in fields
+
+
+def test_going_back_forgets_what_came_after():
+    by_hand = ByHand()
+    moment = by_hand.sim.moment()
+    by_hand.operator.joints.share(["l_arm_shx"], 255)
+    by_hand.go(3)
+    by_hand.operator.joints.share(["r_arm_shx"], 255)
+    by_hand.operator._record.restore(moment)
+    fields = yaml_load(data=by_hand.operator.scenario.done())
+    assert len(fields["messages"]) == 1
+
+
+def test_a_brief_message_is_the_message():
+    message = AtlasSimInterfaceCommand(behavior=4)
+    message.walk_params.step_queue[1] = AtlasBehaviorStepData(step_index=7)
+    message.k_effort = [0, 255]
+    plain = brief(to_plain(message), to_plain(AtlasSimInterfaceCommand()))
+    assert len(str(plain)) < 200
+    made = message_from(AtlasSimInterfaceCommand, plain)
+    assert to_plain(made) == to_plain(message)
+
+
+def test_a_push_keeps_its_force():
+    force = np.array([-20.0, 30.0, 4.0])
+    push = planned_push("utorso", force, 0.1)
+    np.testing.assert_allclose(push.force(heading=2.0), force)
