@@ -41,6 +41,8 @@ NEARER = 2
 DRAW_WHEN_ASKED = """() => {
   const draw = viewer.render.bind(viewer);
   window.draw = () => { draw(); return true; };
+  viewer.renderer.setPixelRatio(1);
+  cockpit.COARSE = 1;
   viewer.render = () => {};
 }"""
 """Draws the view for each picture of the film alone, which is slow without a GPU."""
@@ -98,15 +100,7 @@ class Film:
 
     def place(self, x: float, y: float, z: float) -> tuple[float, float]:
         """Where a point of the world is on the page [pixel]."""
-        point = self.page.evaluate(
-            """([x, y, z]) => {
-              const v = cockpit.fromW(x, y, z).project(viewer.camera);
-              const box = viewer.renderer.domElement.getBoundingClientRect();
-              return [box.left + 0.5 * (1 + v.x) * box.width,
-                      box.top + 0.5 * (1 - v.y) * box.height];
-            }""",
-            [x, y, z],
-        )
+        point = self.page.evaluate("(point) => cockpit.onPage(...point)", [x, y, z])
         return point[0], point[1]
 
     def button(self, name: str) -> Any:

@@ -13,7 +13,9 @@ from .conftest import PATIENCE, drag, wait_for
 
 pytestmark = pytest.mark.slow
 
-SIZES = {"small laptop": (1280, 720), "screen": (1920, 1080), "phone": (390, 844)}
+SMALL_LAPTOP = {"width": 1280, "height": 720}
+SCREEN = {"width": 1920, "height": 1080}
+PHONE = {"width": 390, "height": 844}
 
 
 class Run:
@@ -50,15 +52,30 @@ def run(tmp_path_factory):
 class Page:
     """A page of the cockpit, and what it says."""
 
-    def __init__(self, browser, url, size=(1280, 720)):
-        self.errors = []
-        self.page = browser.new_page(
-            viewport=dict(zip(("width", "height"), size, strict=True))
-        )
+    def __init__(self, browser, url):
+        self.errors, self.asked = [], []
+        self.url = url
+        self.page = browser.new_page(viewport=SMALL_LAPTOP)
         self.page.set_default_timeout(1e3 * PATIENCE)
         self.page.on("pageerror", lambda error: self.errors.append(error))  # noqa: PLW0108
-        self.page.goto(url)
+        self.page.on("request", lambda request: self.asked.append(request.url))
+        self.open()
+
+    def open(self):
+        self.page.goto(self.url)
         wait_for(lambda: self.time is not None, "the first state")
+        self.draws(False)
+
+    def draws(self, live):
+        """Draws as time goes on, or when asked alone, which is quick without a GPU."""
+        self.page.evaluate(
+            "cockpit.draw_live ??= cockpit.draw;"
+            f"cockpit.draw = {'cockpit.draw_live' if live else '() => {}'}; 0"
+        )
+
+    def close(self):
+        """Leaves the cockpit, as by closing the browser's tab."""
+        self.page.goto("about:blank")
 
     def press(self, name):
         self.page.get_by_role("button", name=name, exact=True).first.click()
@@ -83,22 +100,51 @@ class Page:
         found = re.match(r"[0-9.]+", self.says("Time"))
         return None if found is None else float(found[0])
 
+    @property
+    def paused(self):
+        return self.says("Speed").startswith("paused")
+
     def becomes(self, mode):
         wait_for(lambda: self.mode == mode, f"{mode}; it is {self.mode}")
+
+    def goes_on(self):
+        before = self.time
+        wait_for(lambda: self.time > before + 0.5, "the run to go on")
 
     def events(self):
         return self.page.get_by_role("log").first.inner_text()
 
+    def at_W(self, *point):
+        """Where a point of the world is on the page [pixel]."""
+        self.page.evaluate("viewer.render()")
+        return tuple(self.page.evaluate("(point) => cockpit.onPage(...point)", point))
+
+
+@pytest.fixture(scope="module")
+def steering(run, browser):
+    page = Page(browser, run.url)
+    yield page
+    page.page.close()
+
 
 @pytest.fixture
-def page(run, browser):
+def page(steering):
+    """The page that steers, its robot as at the beginning."""
+    if steering.paused:
+        steering.press("Pause")
+    before = steering.events()
+    steering.press("Reset")
+    wait_for(lambda: steering.events() != before, "the reset")
+    steering.becomes("STAND")
+    yield steering
+    assert not steering.errors
+
+
+@pytest.fixture(scope="module")
+def watching(steering, run, browser):
+    """A second page, which does not steer."""
     page = Page(browser, run.url)
-    if page.says("Speed").startswith("paused"):
-        page.press("Pause")
-    page.press("Reset")
-    page.becomes("STAND")
     yield page
-    assert not page.errors
     page.page.close()
 
 
@@ -116,6 +162,7 @@ def test_modes_are_asked_for_lit_and_refused_with_a_reason(page):
     wait_for(lambda: "FREEZE" in page.events(), "the search")
     page.page.get_by_label("Search events").fill("no such thing")
     wait_for(lambda: page.events() == "nothing yet", "the search")
+    page.page.get_by_label("Search events").fill("")
 
 
 def test_keys_walk_and_escape_stops(page):
@@ -191,24 +238,9 @@ def test_the_gait_is_set(page):
     page.tab("Joints")
 
 
-def at_W(page, x, y, z=0.0):
-    """Where a point of the world is on the page [pixel]."""
-    point = page.page.evaluate(
-        """([x, y, z]) => {
-          const v = cockpit.fromW(x, y, z).project(viewer.camera);
-          const box = viewer.renderer.domElement.getBoundingClientRect();
-          return [box.left + 0.5 * (1 + v.x) * box.width,
-                  box.top + 0.5 * (1 - v.y) * box.height];
-        }""",
-        [x, y, z],
-    )
-    return tuple(point)
-
-
 def test_a_click_on_the_ground_plans_and_a_second_one_walks(page):
     page.press("Front")
-    time.sleep(1.0)
-    place = at_W(page, 0.8, 0.7)
+    place = page.at_W(0.8, 0.7)
     page.page.mouse.click(*place)
     hint = page.page.locator("#hint")
     wait_for(lambda: "Click again" in hint.inner_text(), "the hint")
@@ -228,15 +260,43 @@ def test_a_click_on_the_ground_plans_and_a_second_one_walks(page):
 
 def test_a_link_is_asked_for_and_pushed_by_the_mouse(page):
     page.press("Front")
-    time.sleep(1.0)
     x, y, z, _ = page.page.evaluate("cockpit.robot")
-    chest = at_W(page, x + 0.1, y, z + 0.45)
+    chest = page.at_W(x + 0.1, y, z + 0.45)
     page.page.mouse.click(*chest)
     page.page.get_by_role("button", name="Take it").wait_for()
     assert "the behavior has it" in page.page.locator(".link").inner_text()
     page.press("Close")
     drag(page.page, chest, (chest[0] + 20, chest[1]), (chest[0] + 40, chest[1]))
     wait_for(lambda: "push" in page.events().lower(), "the push")
+
+
+def test_without_a_graphics_card_pictures_are_coarse_and_few(page):
+    page.draws(True)
+    wait_for(lambda: page.page.evaluate("cockpit.slow"), "a picture")
+    wait_for(
+        lambda: page.page.evaluate("viewer.renderer.getPixelRatio()") == 0.5,
+        "a coarse picture",
+    )
+    drawn = page.page.evaluate(DRAWN_MEANWHILE)
+    assert 1 <= drawn["pictures"]
+    assert drawn["share"] < 0.75
+    page.draws(False)
+
+
+DRAWN_MEANWHILE = """new Promise((done) => {
+  const begin = performance.now();
+  let pictures = 0, before = null, drawing = 0;
+  const look = (now) => {
+    if (before !== null && cockpit.drawing) drawing += now - before;
+    if (cockpit.drawing && cockpit.drawing !== look.last) pictures += 1;
+    look.last = cockpit.drawing;
+    before = now;
+    if (now - begin < 5000) requestAnimationFrame(look);
+    else done({ pictures, share: drawing / (now - begin) });
+  };
+  requestAnimationFrame(look);
+})"""
+"""Counts pictures of five seconds, and the share of the time that they take."""
 
 
 def test_overlays_are_switched(page):
@@ -248,64 +308,75 @@ def test_overlays_are_switched(page):
     page.page.keyboard.press("Escape")
 
 
-@pytest.mark.parametrize("size", SIZES)
-def test_the_page_fits(run, browser, size):
-    page = Page(browser, run.url, SIZES[size])
-    width, height = SIZES[size]
-    inner = page.page.evaluate(
-        "[document.documentElement.scrollWidth, document.documentElement.scrollHeight]"
-    )
+@pytest.mark.parametrize("size", [SMALL_LAPTOP, SCREEN])
+def test_a_screen_shows_all_without_scrolling(page, size):
+    width, height = size.values()
+    page.page.set_viewport_size(size)
+    inner = page.page.evaluate(INNER_SIZE)
     assert inner[0] <= width
+    assert inner[1] <= height
+    stop = page.page.get_by_role("button", name="STOP", exact=True).bounding_box()
+    assert stop["y"] + stop["height"] <= height
+    assert page.page.locator("#view").bounding_box()["width"] > 0.45 * width
+    page.page.set_viewport_size(SMALL_LAPTOP)
+
+
+def test_a_phone_shows_the_robot_first(page):
+    page.page.set_viewport_size(PHONE)
+    assert page.page.evaluate(INNER_SIZE)[0] <= PHONE["width"]
     view = page.page.locator("#view").bounding_box()
-    if size == "phone":
-        assert view["y"] < 0.3 * height
-        assert view["width"] > 0.9 * width
-    else:
-        assert inner[1] <= height
-        stop = page.page.get_by_role("button", name="STOP", exact=True).bounding_box()
-        assert stop["y"] + stop["height"] <= height
-        assert view["width"] > 0.45 * width
-    page.page.close()
+    assert view["y"] < 0.3 * PHONE["height"]
+    assert view["width"] > 0.9 * PHONE["width"]
+    page.page.set_viewport_size(SMALL_LAPTOP)
 
 
-def test_a_second_viewer_watches_asks_and_steers(page, run, browser):
-    other = Page(browser, run.url)
-    assert other.says("Steering") == "Ask to steer"
-    other.press("FREEZE")
-    other.page.get_by_text("ask to steer first").first.wait_for()
-    assert other.mode == "STAND"
-    other.page.get_by_label("Steering").click()
+INNER_SIZE = (
+    "[document.documentElement.scrollWidth, document.documentElement.scrollHeight]"
+)
+
+
+def test_a_second_viewer_watches_asks_and_steers(page, watching):
+    assert watching.says("Steering") == "Ask to steer"
+    watching.press("FREEZE")
+    watching.page.get_by_text("ask to steer first").first.wait_for()
+    assert watching.mode == "STAND"
+    watching.page.get_by_label("Steering").click()
     wait_for(lambda: page.says("Steering") == "Hand over", "the question")
     page.page.get_by_label("Steering").click()
-    wait_for(lambda: other.says("Steering") == "You steer", "the answer")
-    other.press("FREEZE")
+    wait_for(lambda: watching.says("Steering") == "You steer", "the answer")
+    watching.press("FREEZE")
     page.becomes("FREEZE")
-    other.page.close()
+    watching.close()
+    wait_for(lambda: page.says("Steering") == "You steer", "the way back")
+    watching.open()
+
+
+def open_again(page, watching):
+    """Closes the page that steers, opens it anew, and lets it steer again."""
+    page.close()
+    wait_for(lambda: watching.says("Steering") == "You steer", "the next viewer")
+    page.open()
+    page.page.get_by_label("Steering").click()
+    wait_for(lambda: watching.says("Steering") == "Hand over", "the question")
+    watching.page.get_by_label("Steering").click()
     wait_for(lambda: page.says("Steering") == "You steer", "the way back")
 
 
-def test_closing_the_page_ends_a_walk_and_loses_nothing(run, browser):
-    page = Page(browser, run.url)
-    page.press("Reset")
+def test_closing_the_page_ends_a_walk_and_loses_nothing(page, watching):
     page.page.keyboard.press("i")
     page.becomes("WALK")
-    page.page.close()
-    again = Page(browser, run.url)
-    again.becomes("STAND")
-    assert "WALK" in again.events()
-    again.page.close()
+    open_again(page, watching)
+    page.becomes("STAND")
+    assert "WALK" in page.events()
 
 
-def test_a_slow_browser_holds_nothing_up(page, browser, run):
-    slow = Page(browser, run.url)
-    session = slow.page.context.new_cdp_session(slow.page)
+def test_a_slow_browser_holds_nothing_up(page, watching):
+    session = watching.page.context.new_cdp_session(watching.page)
     session.send("Emulation.setCPUThrottlingRate", {"rate": 10})
-    begin = page.time
-    wait_for(lambda: page.time > begin + 1.0, "the run to go on")
+    page.goes_on()
     page.press("FREEZE")
     page.becomes("FREEZE")
     session.send("Emulation.setCPUThrottlingRate", {"rate": 1})
-    slow.page.close()
 
 
 HOSTILE = """async (address) => {
@@ -333,29 +404,26 @@ HOSTILE = """async (address) => {
 }"""
 
 
-def test_junk_neither_ends_nor_steers_a_run(page, run):
+def test_junk_neither_ends_nor_steers_a_run(page, watching, run):
     page.page.evaluate(HOSTILE, run.url.replace("http", "ws") + "meshcat")
-    before = page.time
-    wait_for(lambda: page.time > before + 1.0, "the run to go on")
+    page.goes_on()
     assert page.mode == "STAND"
+    open_again(page, watching)
     page.errors.clear()  # Of the junk, in its own page.
 
 
-def test_a_flood_of_clicks_holds_nobody_else_up(page, run, browser):
-    hostile = Page(browser, run.url)
-    hostile.page.evaluate(
-        """() => { for (let i = 0; i < 200000; i++) {
+def test_a_flood_of_clicks_holds_nobody_else_up(page, watching):
+    watching.page.evaluate(
+        """() => { for (let i = 0; i < 20000; i++) {
           emitEvent('joint', {name: 'l_arm_shx', keep: true});
         } }"""
     )
-    before = page.time
-    wait_for(lambda: page.time > before + 1.0, "the run to go on")
+    page.goes_on()
     page.press("FREEZE")
     page.becomes("FREEZE")
-    hostile.page.close()
 
 
-def test_a_foreign_page_reaches_nothing(run, browser, page):
+def test_a_foreign_page_reaches_nothing(page, run, browser):
     foreign = browser.new_page()
     foreign.goto("about:blank")
     reached = foreign.evaluate(
@@ -370,18 +438,12 @@ def test_a_foreign_page_reaches_nothing(run, browser, page):
     foreign.close()
 
 
-def test_the_page_needs_no_internet(run, browser):
-    asked = []
-    page = browser.new_page()
-    page.on("request", lambda request: asked.append(request.url))
-    page.goto(run.url)
-    page.wait_for_timeout(2000)
+def test_the_page_needs_no_internet(page, run):
     ours = run.url.split("//")[1].split("/")[0]
-    assert asked
+    assert page.asked
     assert [
-        url for url in asked if ours not in url and not url.startswith("data:")
+        url for url in page.asked if ours not in url and not url.startswith("data:")
     ] == []
-    page.close()
 
 
 def test_names_and_contrast(page):

@@ -24,6 +24,8 @@ from atlas_drake.cockpit.page.desk import Desk
 SCRIPT = re.compile(r'src="(cas-v1/[0-9a-f]+)"')
 """Where Meshcat's page names its script."""
 NAME = re.compile(r"[0-9a-f]{1,128}")
+SLOWEST_ANSWER = 60.0
+"""Time that Meshcat may take for a file [s]; a loaded computer needs many seconds."""
 BEAT = 0.1
 """Time between two messages about age and robot [s]."""
 LATEST_COUNTS = {"set_transform": ("path",), "set_property": ("path", "property")}
@@ -33,20 +35,22 @@ LATEST_COUNTS = {"set_transform": ("path",), "set_property": ("path", "property"
 def add_routes(app: FastAPI, desk: Desk) -> None:
     """Adds ``/meshcat.js``, ``/cas-v1`` and the websocket ``/meshcat``."""
     kept: dict[str, Response] = {}
+    meshcat = httpx.AsyncClient(timeout=SLOWEST_ANSWER, trust_env=False)
 
     async def fetch(path: str) -> Response:
         """Fetches a file of Meshcat's, whose name tells its content, once."""
-        if path not in kept:
-            async with httpx.AsyncClient() as client:
-                found = await client.get(f"{_address(desk)}/{path}")
-            kind = found.headers.get("content-type")
-            kept[path] = Response(found.content, found.status_code, media_type=kind)
-        return kept[path]
+        if path in kept:
+            return kept[path]
+        found = await meshcat.get(f"{_address(desk)}/{path}")
+        kind = found.headers.get("content-type")
+        file = Response(found.content, found.status_code, media_type=kind)
+        if found.is_success:
+            kept[path] = file
+        return file
 
     @app.get("/meshcat.js")
     async def script() -> Response:
-        async with httpx.AsyncClient() as client:
-            page = await client.get(_address(desk))
+        page = await meshcat.get(_address(desk))
         found = SCRIPT.search(page.text)
         if found is None:
             return Response("Meshcat's page names no script", 502)
@@ -122,7 +126,7 @@ def subject_of(message: bytes) -> Any:
 async def _receive(address: str, pending: Pending) -> None:
     """Takes all that Meshcat sends at once, so that no browser holds it up."""
     url = address.replace("http:", "ws:")
-    async with connect(url, max_size=None, compression=None) as meshcat:
+    async with connect(url, max_size=None, compression=None, proxy=None) as meshcat:
         async for message in meshcat:
             if isinstance(message, bytes):
                 pending.put(message, subject_of(message))

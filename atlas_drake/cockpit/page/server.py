@@ -115,8 +115,9 @@ LONGEST_LINE = 200
 def _log_in_one_line() -> None:
     handler = logging.StreamHandler()
     handler.setFormatter(_OneLine())
-    log = logging.getLogger("nicegui")
-    log.handlers, log.propagate = [handler], False
+    for name in ("nicegui", "asyncio"):
+        log = logging.getLogger(name)
+        log.handlers, log.propagate = [handler], False
 
 
 def free_port(host: str, first: int) -> int:

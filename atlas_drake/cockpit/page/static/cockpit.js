@@ -7,6 +7,9 @@ const cockpit = {
   STILL: 5,          // Pointer moves below this are a click [pixel].
   HOVER: 120,        // Least time between two plans while the pointer moves [ms].
   LAG: 0.4,          // Time constant of the camera that follows [s].
+  QUICK: 40,         // A picture that takes less is drawn by a graphics card [ms].
+  COARSE: 0.5,       // Size of the others.
+  REST: 1000,        // Longest pause after one of the others [ms].
 
   CAPTION: "/Cameras/default/rotated/<object>/caption", // The page itself says it.
 
@@ -16,11 +19,12 @@ const cockpit = {
     const div = document.getElementById("view");
     this.links = new Set(links);
     this.mass = mass;
-    this.viewer = window.viewer = new MeshCat.Viewer(div);
+    this.viewer = window.viewer = new MeshCat.Viewer(div, false); // draw() is its loop.
     this.THREE = MeshCat.THREE;
     this.followed = null;
     this.camera = "Follow";
     this.planned = false;
+    this.rested = 0;
     for (const [light, intensity] of [["SpotLight", 30], ["PointLightNegativeX", 25],
         ["PointLightPositiveX", 25], ["AmbientLight", 0.3], ["FillLight", 0.5]]) {
       this.viewer.set_property(["Lights", light, "<object>"], "intensity", intensity);
@@ -40,11 +44,31 @@ const cockpit = {
     const frame = () => {
       this.follow();
       this.viewer.animator.update();
-      if (this.viewer.needs_render) this.viewer.render();
+      this.draw();
       if (commands) this.gamepad();
       requestAnimationFrame(frame);
     };
     requestAnimationFrame(frame);
+  },
+
+  // Draws one picture at a time. Without a graphics card a picture takes all cores for a part
+  // of a second: it becomes coarser, and leaves time for a simulation on the same computer.
+  draw() {
+    const renderer = this.viewer.renderer, gl = renderer.getContext(), now = performance.now();
+    if (this.drawing) {
+      const { done, since } = this.drawing, took = now - since;
+      if (gl.getSyncParameter(done, gl.SYNC_STATUS) !== gl.SIGNALED) return;
+      gl.deleteSync(done);
+      this.drawing = null;
+      this.slow = took > this.QUICK;
+      if (this.slow) this.rested = now + Math.min(took, this.REST);
+    }
+    if (!this.viewer.needs_render || now < this.rested) return;
+    const pixels = (this.slow ? this.COARSE : 1) * window.devicePixelRatio;
+    if (renderer.getPixelRatio() !== pixels) renderer.setPixelRatio(pixels);
+    this.viewer.render();
+    this.drawing = { done: gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0), since: now };
+    gl.flush();
   },
 
   connect() {
@@ -87,6 +111,13 @@ const cockpit = {
 
   // Three's y points up; z of W is its y, and y of W its -z.
   fromW(x, y, z) { return new this.THREE.Vector3(x, z, -y); },
+
+  // Where a point of W is on the page [pixel].
+  onPage(x, y, z) {
+    const at = this.fromW(x, y, z).project(this.viewer.camera);
+    const box = this.viewer.renderer.domElement.getBoundingClientRect();
+    return [box.left + 0.5 * (1 + at.x) * box.width, box.top + 0.5 * (1 - at.y) * box.height];
+  },
 
   look(name) {
     this.camera = name;
