@@ -27,10 +27,10 @@ demo: $(STAMP) ## Run the demonstration in a browser (Meshcat).
 	@$(BIN)/atlas-drake demo $(ARGS)
 
 test: $(STAMP) ## Run all tests.
-	@$(BIN)/python -m pytest -n $(TEST_JOBS) --dist worksteal $(ARGS)
+	@$(BIN)/python -m pytest -n $(TEST_JOBS) --dist loadgroup $(ARGS)
 
 fast: $(STAMP) ## Run the fast tests (a minute on two cores).
-	@$(BIN)/python -m pytest -n $(TEST_JOBS) --dist worksteal -m "not slow" $(ARGS)
+	@$(BIN)/python -m pytest -n $(TEST_JOBS) --dist loadgroup -m "not slow" $(ARGS)
 
 check: $(STAMP) ## Check style, formatting, imports and types.
 	@$(BIN)/ruff check .

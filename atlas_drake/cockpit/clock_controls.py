@@ -51,6 +51,10 @@ class ClockControls:
         """Lets time run again."""
         self.paused = False
 
+    def toggle(self) -> None:
+        """Lets time stand still, or run again."""
+        self.paused = not self.paused
+
     def single_step(self) -> None:
         """Simulates 20 ms, and then lets time stand still."""
         self.paused = True

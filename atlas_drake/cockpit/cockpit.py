@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import subprocess
 import time
 import weakref
 from collections.abc import Callable
@@ -15,7 +16,7 @@ from atlas_drake.cockpit.link import Link, start_process
 from atlas_drake.cockpit.next_run import NextRun
 from atlas_drake.cockpit.observe import Observer
 from atlas_drake.cockpit.operator import Operator
-from atlas_drake.cockpit.orders import Notice, Order, Reply
+from atlas_drake.cockpit.orders import ACKNOWLEDGED, Notice, Order, Reply
 from atlas_drake.cockpit.plan_marks import PlanMarks
 from atlas_drake.cockpit.recording_controls import RecordingControls
 from atlas_drake.cockpit.setting_list import settings_card
@@ -213,11 +214,12 @@ class Cockpit:
         self._link.send(state)
 
 
-ACKNOWLEDGED = "acknowledged"
-"""What the page answers to a state."""
 START_PATIENCE = 30.0
 """Longest time in which the page's process starts [s]."""
+END_PATIENCE = 10.0
+"""Longest time in which it ends once its line is closed [s]."""
 
 
-def _end(link: Link, process: object) -> None:
+def _end(link: Link, process: subprocess.Popen[bytes]) -> None:
     link.close()
+    process.wait(END_PATIENCE)

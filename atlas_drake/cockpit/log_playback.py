@@ -17,7 +17,7 @@ from atlas_drake.cockpit.orders import Order
 from atlas_drake.cockpit.page.history import SPAN
 from atlas_drake.cockpit.plot_controls import Sample, check_columns, column_units
 from atlas_drake.cockpit.recording_controls import RecordingControls
-from atlas_drake.cockpit.state import BESIDE, RunState
+from atlas_drake.cockpit.state import BESIDE, RunState, events_after
 from atlas_drake.cockpit.view_controls import ViewControls
 from atlas_drake.errors import InvalidMessageError
 from atlas_drake.frozen import replace
@@ -25,12 +25,10 @@ from atlas_drake.logs.log import Log
 from atlas_drake.messages.checks import check_number
 from atlas_drake.visualization.overlays import Overlays
 
-MOST_EVENTS = 100
-"""Number of events in one state."""
 PAST_POINTS = 1000
 """Number of rows of the time before a jump that are shown."""
 REPLAY_CONTROLS = {
-    "clock": ("pause", "go_on", "single_step", "pace", "reset", "back"),
+    "clock": ("pause", "go_on", "toggle", "single_step", "pace", "reset", "back"),
     "replay": ("seek",),
     "view": ("show",),
     "plots": ("choose",),
@@ -112,6 +110,13 @@ class LogPlayback:
         if self.time >= self._end:
             self.seek(self._begin)
 
+    def toggle(self) -> None:
+        """Lets time stand still, or run again."""
+        if self.paused:
+            self.go_on()
+        else:
+            self.pause()
+
     def pace(self, rate: float) -> None:
         """Plays at a multiple of real time; 0 is as fast as a log can be watched."""
         self._pace = check_number(rate, "rate", 0.0, FASTEST)
@@ -174,7 +179,7 @@ class LogPlayback:
         samples = self._samples(self._sampled)
         self._sampled = self.time
         until = [e for e in self._log.events if e.time <= self.time + 1e-9]
-        new = until[events_seen : events_seen + MOST_EVENTS]
+        new = events_after(until, events_seen)
         return replace(
             state_of_log(self._log, self.row),
             time=self.time,
@@ -182,7 +187,7 @@ class LogPlayback:
             pace=self._pace,
             paused=self.paused,
             overlays=self._view.shown,
-            events=tuple((event.time, event.kind, event.text) for event in new),
+            events=new,
             event_count=events_seen + len(new),
             run=self._jumps,
             samples=samples,

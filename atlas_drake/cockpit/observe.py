@@ -12,7 +12,7 @@ import numpy as np
 from atlas_drake.cockpit.joint_controls import GAINS
 from atlas_drake.cockpit.operator import Operator
 from atlas_drake.cockpit.pelvis_controls import COORDINATES
-from atlas_drake.cockpit.state import Point, RunState
+from atlas_drake.cockpit.state import Point, RunState, events_after
 from atlas_drake.cockpit.walk_controls import GAIT, marks_of
 from atlas_drake.control.balance.feedback import dcm, pendulum_frequency
 from atlas_drake.control.rotations import yaw_of
@@ -28,8 +28,6 @@ LATELY = 2.0
 """Wall time over which the real-time factor is taken [s]."""
 TICKS = 50
 """Number of control ticks whose median is shown."""
-MOST_EVENTS = 100
-"""Number of events in one state."""
 
 
 class Observer:
@@ -54,13 +52,13 @@ class Observer:
         ground = min(foot.p_WF[2] for foot in terms.feet)
         wrenches = sim.output("foot_wrenches")
         cop = center_of_pressure([foot.p_WF for foot in terms.feet], wrenches)
-        omega = pendulum_frequency(max(float(terms.com[2] - ground), LOWEST))
+        omega = pendulum_frequency(float(terms.com[2] - ground))
         if sim.time < self._last_time or len(sim.events) < events_seen:
             self._run += 1
             events_seen = 0
             self._clock.clear()
         self._last_time = sim.time
-        new = sim.events[events_seen : events_seen + MOST_EVENTS]
+        new = events_after(sim.events, events_seen)
         support = status.plan.support
         direction = operator.walk.direction
         clamped = report.manipulate_feedback.clamped
@@ -95,7 +93,7 @@ class Observer:
             steps=coming_steps(report),
             plan=marks_of(operator.walk.plan),
             overlays=operator.view.shown,
-            events=tuple((event.time, event.kind, event.text) for event in new),
+            events=new,
             event_count=events_seen + len(new),
             run=self._run,
             samples=operator.plots.take(),
@@ -136,7 +134,3 @@ def place_of(place: Sequence[float] | np.ndarray) -> Point:
 
 def _median_ms(ticks: Sequence[float]) -> float:
     return 1e3 * float(np.median(ticks[-TICKS:])) if len(ticks) else 0.0
-
-
-LOWEST = 0.1
-"""Least height of the center of mass, for a robot that lies on the ground [m]."""

@@ -137,7 +137,7 @@ def carry_out(
 
 
 CONTROLS = {
-    "clock": ("pause", "go_on", "single_step", "pace", "reset", "back"),
+    "clock": ("pause", "go_on", "toggle", "single_step", "pace", "reset", "back"),
     "modes": ("request", "stop"),
     "walk": (
         "steer",

@@ -6,6 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+ACKNOWLEDGED = "acknowledged"
+"""What the page answers to a state: the next one may come."""
+
 
 @dataclass(frozen=True)
 class Order:

@@ -5,11 +5,15 @@ Plain values, which go from one process to another.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from atlas_drake.messages.event import Event
+
 Point = tuple[float, float]
+ShownEvent = tuple[float, str, str]
+"""Time [s], kind and text of an event."""
 BESIDE = " beside"
 """End of the names of what is plotted of a second log."""
 
@@ -154,7 +158,7 @@ class RunState:
         steps: Foot, x, y [m], heading [rad] of the steps to come.
         plan: Likewise, of the plan that is shown and not sent.
         overlays: What the 3D view shows.
-        events: Time [s], kind and text of the new events.
+        events: The new events.
         event_count: Number of all events of the run.
         run: Number of the run, which a reset with a seed increases.
         samples: What is plotted, since the last state: time [s], and numbers by name.
@@ -191,9 +195,19 @@ class RunState:
     steps: tuple[tuple[int, float, float, float], ...]
     plan: tuple[tuple[int, float, float, float], ...]
     overlays: frozenset[str]
-    events: tuple[tuple[float, str, str], ...] = ()
+    events: tuple[ShownEvent, ...] = ()
     event_count: int = 0
     run: int = 0
     samples: tuple[tuple[float, Mapping[str, float]], ...] = ()
     past: tuple[tuple[float, str, float], ...] = ()
     recording: bool = False
+
+
+MOST_EVENTS = 100
+"""Number of events in one state."""
+
+
+def events_after(events: Sequence[Event], seen: int) -> tuple[ShownEvent, ...]:
+    """Returns the next events of a run after the ``seen`` first ones."""
+    new = events[seen : seen + MOST_EVENTS]
+    return tuple((event.time, event.kind, event.text) for event in new)

@@ -5,9 +5,7 @@ What is drawn is in ``meshcat_view``.
 
 from __future__ import annotations
 
-import ipaddress
 import os
-import socket
 import sys
 import time
 import webbrowser
@@ -16,14 +14,13 @@ from typing import Protocol
 
 from pydrake.geometry import Meshcat, MeshcatParams
 
+from atlas_drake.addresses import LOCALHOST, is_private
 from atlas_drake.errors import ScenarioError, shown
 from atlas_drake.numeric import is_whole
 
 VIEWER_PATIENCE = 15.0
 """Longest time that the start waits for a browser [s]."""
 
-LOCALHOST, ANYWHERE = "localhost", "*"
-"""Hosts for this computer alone, and hosts for all its addresses."""
 PORTS_TRIED = 100
 """Number of ports, from the requested one on, that are tried."""
 FIRST_PORT, LAST_PORT = 1024, 65535
@@ -52,7 +49,11 @@ def start_meshcat(
     ):
         rule = f"must be {FIRST_PORT} to {LAST_PORT}, is {shown(port)}"
         raise ScenarioError("--port", port, rule)
-    local = host != ANYWHERE and _is_loopback(_address_of(host))
+    try:
+        private = is_private(host)
+    except (OSError, ValueError) as error:  # Meshcat's own error gives no reason.
+        rule = f"cannot listen on {host}: {getattr(error, 'strerror', None) or error}"
+        raise ScenarioError("--host", host, rule) from error
     if port is None:
         candidates: list[int | None] = [None]
     else:
@@ -65,7 +66,7 @@ def start_meshcat(
             continue
         if candidate != port:
             say(f"Port {port} is in use; the 3D view is on {candidate}.")
-        if not local:
+        if not private:
             say(
                 f"! The 3D view listens on {host} without a password: everyone with "
                 f"access to port {meshcat.port()} can watch."
@@ -79,27 +80,6 @@ def start_meshcat(
 def interactive() -> bool:
     """Returns True if a user at the terminal can press keys."""
     return sys.stdin.isatty() and sys.stdout.isatty()
-
-
-def _address_of(host: str) -> str:
-    """Refuses an address of another computer; Meshcat's own error gives no reason."""
-    try:
-        family, kind, _, _, address = socket.getaddrinfo(
-            host, 0, type=socket.SOCK_STREAM
-        )[0]
-        with socket.socket(family, kind) as probe:
-            probe.bind(address)
-            return str(address[0])
-    except (OSError, ValueError) as error:  # No such address, or no such host name.
-        problem = getattr(error, "strerror", None) or error
-        raise ScenarioError(
-            "--host", host, f"cannot listen on {host}: {problem}"
-        ) from error
-
-
-def _is_loopback(address: str) -> bool:
-    # The part after % is the interface of an IPv6 address.
-    return ipaddress.ip_address(address.partition("%")[0]).is_loopback
 
 
 def open_on_desktop(address: str) -> bool:

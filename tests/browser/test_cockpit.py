@@ -11,7 +11,7 @@ import pytest
 
 from .conftest import PATIENCE, drag, wait_for
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("browser")]
 
 SMALL_LAPTOP = {"width": 1280, "height": 720}
 SCREEN = {"width": 1920, "height": 1080}
@@ -278,7 +278,7 @@ def test_without_a_graphics_card_pictures_are_coarse_and_few(page):
         "a coarse picture",
     )
     drawn = page.page.evaluate(DRAWN_MEANWHILE)
-    assert 1 <= drawn["pictures"]
+    assert drawn["pictures"] >= 1
     assert drawn["share"] < 0.75
     page.draws(False)
 

@@ -10,7 +10,7 @@ from pydrake.common.yaml import yaml_load
 
 from .conftest import PATIENCE, wait_for
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("browser")]
 
 GAIN = "controller.gains.dcm_gain"
 
@@ -100,8 +100,8 @@ def test_another_scenario_is_started_and_a_bad_one_is_not(page):
     robot_is(page, "atlas_v3")
     wait_for(
         lambda: page.evaluate(
-            "Object.keys(viewer.scene_tree.find(['drake', 'visualizer']).children)"
-            ".length > 0"
+            "typeof viewer !== 'undefined' && Object.keys(viewer.scene_tree"
+            ".find(['drake', 'visualizer']).children).length > 0"
         ),
         "the robot in the view",
     )

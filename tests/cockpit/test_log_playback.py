@@ -14,7 +14,6 @@ from atlas_drake.cockpit.log_state import REFUSAL, card_of_log, state_of_log
 from atlas_drake.cockpit.observe import Observer
 from atlas_drake.cockpit.operator import Operator
 from atlas_drake.cockpit.orders import Order, Reply
-from atlas_drake.cockpit.page.access import Access
 from atlas_drake.cockpit.page.chart import charts
 from atlas_drake.cockpit.page.desk import Desk, Viewer
 from atlas_drake.cockpit.page.history import History
@@ -207,7 +206,7 @@ class FakeLink:
 
 
 def test_every_viewer_plots_without_steering():
-    desk = Desk(FakeLink(), Access("localhost", 8080, None))
+    desk = Desk(FakeLink())
     first, second = Viewer(may_steer=True), Viewer(may_steer=False)
     desk.seat(first)
     desk.seat(second)

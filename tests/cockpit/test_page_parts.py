@@ -7,6 +7,7 @@ import pytest
 
 from atlas_drake.cockpit.card import joint_cards
 from atlas_drake.cockpit.observe import Observer
+from atlas_drake.cockpit.operator import CONTROLS
 from atlas_drake.cockpit.orders import Order, Reply
 from atlas_drake.cockpit.page.access import BURST, Access, Throttled
 from atlas_drake.cockpit.page.desk import MOST_OPEN, Desk, Refused, Viewer
@@ -55,6 +56,7 @@ def test_a_page_for_other_computers_needs_its_token_to_steer():
     assert open_to_all.url == "http://localhost:8080/?token=secret"
     assert open_to_all.admits(request(host="robot.lab:8080"))
     assert Access("localhost", 8080, None).allows("")
+    assert Access("::1", 8080, None).url == "http://[::1]:8080/"
 
 
 def test_a_flood_ends_its_connection():
@@ -100,7 +102,7 @@ class FakeLink:
 
 @pytest.fixture
 def desk():
-    return Desk(FakeLink(), Access("localhost", 8080, None))
+    return Desk(FakeLink())
 
 
 def seated(desk, may_steer=True):
@@ -228,9 +230,9 @@ def test_colors_go_from_the_behavior_to_the_user():
 
 def test_keys_use_controls_that_exist(driven):
     for key in KEYS.values():
-        if key.control != "clock.toggle":
-            group, name = key.control.split(".")
-            assert callable(getattr(getattr(driven.operator, group), name))
+        group, name = key.control.split(".")
+        assert name in CONTROLS[group]
+        assert callable(getattr(getattr(driven.operator, group), name))
 
 
 def test_the_next_free_port_is_taken():

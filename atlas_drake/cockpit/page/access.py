@@ -33,6 +33,7 @@ class Access:
     def url(self) -> str:
         """Address of the page, with the token."""
         host = "localhost" if self._host in ("0.0.0.0", "127.0.0.1") else self._host
+        host = f"[{host}]" if ":" in host else host
         query = "" if self._token is None else f"?token={self._token}"
         return f"http://{host}:{self._port}/{query}"
 

@@ -9,14 +9,11 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from atlas_drake.cockpit.link import Link
-from atlas_drake.cockpit.orders import Notice, Order, Reply
-from atlas_drake.cockpit.page.access import Access
+from atlas_drake.cockpit.orders import ACKNOWLEDGED, Notice, Order, Reply
 from atlas_drake.cockpit.page.history import History
 from atlas_drake.cockpit.settings import SettingsCard
 from atlas_drake.cockpit.state import RunCard, RunState
 
-ACKNOWLEDGED = "acknowledged"
-"""Answer to a state: the next one may come."""
 MOST_OPEN = 30
 """Orders without a reply beyond which further ones are dropped."""
 PATIENCE = 5.0
@@ -68,9 +65,9 @@ class Desk:
         asks: The viewer who asks to steer.
     """
 
-    def __init__(self, link: Link, access: Access) -> None:
+    def __init__(self, link: Link) -> None:
         """Talks over a line."""
-        self._link, self.access = link, access
+        self._link = link
         self.card: RunCard | None = None
         self.settings: SettingsCard | None = None
         self.pending: dict[str, Any] = {}

@@ -21,14 +21,6 @@ class Key:
     values: Mapping[str, Any] = field(default_factory=dict)
     text: str = ""
 
-    async def press(self, operating: Any) -> None:
-        """Uses the control."""
-        control = self.control
-        if control == "clock.toggle":
-            state = operating.desk.state
-            control = "clock.go_on" if state and state.paused else "clock.pause"
-        await operating.order(control, **self.values)
-
 
 def _walk(text: str, **direction: float) -> Key:
     return Key("walk.steer", direction, text)

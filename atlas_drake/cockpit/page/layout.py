@@ -111,7 +111,7 @@ def build_page(desk: Desk, viewer: Viewer) -> None:
 
 def _build_panels(operating: Operating, dark: Any, memory: Memory) -> list[Panel]:
     panels: list[Panel] = []
-    replayed = operating.desk.card is not None and operating.desk.card.log is not None
+    replayed = operating.card.log is not None
     with ui.element("header").classes("bar"):
         panels.append(Bar(operating, dark))
     with ui.element("section").classes("left").props('aria-label="Controls"'):
@@ -179,6 +179,6 @@ def _add_keys(operating: Operating) -> None:
             return
         key: Key | None = KEYS.get(event.key.name) or KEYS.get(event.key.code)
         if key is not None:
-            await key.press(operating)
+            await operating.order(key.control, **key.values)
 
     ui.keyboard(on_key=press, ignore=["input", "select", "textarea", "button"])

@@ -6,6 +6,7 @@ from collections.abc import Coroutine, Sequence
 from typing import Any
 
 from atlas_drake.cockpit.page.desk import Desk, Refused, Viewer
+from atlas_drake.cockpit.state import RunCard
 
 
 class Operating:
@@ -19,6 +20,12 @@ class Operating:
     def __init__(self, desk: Desk, viewer: Viewer) -> None:
         """Sits a viewer down at the desk."""
         self.desk, self.viewer = desk, viewer
+
+    @property
+    def card(self) -> RunCard:
+        """Card of the present run; panels are built when there is one."""
+        assert self.desk.card is not None
+        return self.desk.card
 
     async def order(self, control: str, **values: Any) -> Any:
         """Sends an order; tells the user why it is refused, and then returns None."""

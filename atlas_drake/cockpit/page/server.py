@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import ipaddress
 import logging
 import os
 import secrets
@@ -13,6 +12,7 @@ from pathlib import Path
 
 from nicegui import app, ui
 
+from atlas_drake.addresses import ANYWHERE, is_private
 from atlas_drake.cockpit.link import Link
 from atlas_drake.cockpit.orders import Reply
 from atlas_drake.cockpit.page import relay
@@ -34,15 +34,16 @@ def serve(descriptor: int, host: str, port: int) -> None:
         port: First port that is tried; 0 for 8080.
     """
     link = Link.at(descriptor)
-    host = "0.0.0.0" if host == "*" else host
     try:
+        token = None if is_private(host) else secrets.token_urlsafe(16)
+        host = "0.0.0.0" if host == ANYWHERE else host
         port = free_port(host, port or FIRST_PORT)
-    except OSError as error:
-        link.send(Reply(0, problem=error.strerror or str(error)))
+    except (OSError, ValueError) as error:
+        problem = getattr(error, "strerror", None) or str(error)
+        link.send(Reply(0, problem=problem))
         return
-    local = _is_loopback(host)
-    access = Access(host, port, None if local else secrets.token_urlsafe(16))
-    desk = Desk(link, access)
+    access = Access(host, port, token)
+    desk = Desk(link)
     app.add_middleware(access.middleware)
     app.add_static_files("/assets", STATIC)
     relay.add_routes(app, desk)
@@ -79,6 +80,7 @@ def serve(descriptor: int, host: str, port: int) -> None:
         uvicorn_logging_level="critical",
         ws_max_size=MOST_BYTES,
         gzip_middleware_factory=None,
+        tailwind=False,
     )
 
 
@@ -137,7 +139,3 @@ def free_port(host: str, first: int) -> int:
             except OSError as error:
                 problem = error
     raise problem
-
-
-def _is_loopback(host: str) -> bool:
-    return ipaddress.ip_address(socket.gethostbyname(host)).is_loopback

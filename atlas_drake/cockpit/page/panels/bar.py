@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 from nicegui import ui
 
-from atlas_drake.cockpit.page.buttons import button
+from atlas_drake.cockpit.page.buttons import button, light
 from atlas_drake.cockpit.page.operating import Operating
 from atlas_drake.cockpit.state import RunState
 
@@ -20,8 +21,8 @@ class Bar:
     def __init__(self, operating: Operating, dark: Any) -> None:
         """Builds the bar."""
         self._on, self._dark = operating, dark
-        card = operating.desk.card
-        assert card is not None
+        ask = operating.order
+        card = operating.card
         ui.label(card.robot).classes("robot").props(f'title="Scenario {card.title}"')
         self._mode = ui.label().classes("mode").props('role="status" aria-label="Mode"')
         self._time = ui.label().classes("number").props('aria-label="Time"')
@@ -35,14 +36,21 @@ class Bar:
         )
         ui.space()
         with ui.row().classes("tools"):
-            self._pause = _button("Pause", "pause", self._toggle, "space")
-            _button("Single step", "skip_next", self._step, "n")
+            self._pause = _button(
+                "Pause", "pause", partial(ask, "clock.toggle"), "space"
+            )
+            _button(
+                "Single step",
+                "skip_next",
+                partial(ask, "clock.single_step"),
+                "n",
+            )
             self._pace = ui.select(
                 PACES, value=1.0, label="Pace", on_change=self._set_pace
             )
             self._pace.props("dense borderless").classes("pace named")
-            _button("Back 10 s", "replay_10", self._back, "b")
-            _button("Reset", "restart_alt", self._reset, "r")
+            _button("Back 10 s", "replay_10", partial(ask, "clock.back"), "b")
+            _button("Reset", "restart_alt", partial(ask, "clock.reset"), "r")
             if card.log is None:
                 self._add_new_run()
         self._steer = button("Steer", self._ask)
@@ -61,9 +69,7 @@ class Bar:
         """Shows mode, time and speed."""
         going = "" if state.behavior == state.desired else f" → {state.desired}"
         self._mode.set_text("FALLEN" if state.fallen else state.behavior + going)
-        self._mode.classes(
-            add="alarm" if state.fallen else "", remove="" if state.fallen else "alarm"
-        )
+        light(self._mode, state.fallen, "alarm")
         self._time.set_text(f"{state.time:.1f} s")
         paused = "paused" if state.paused else f"{state.rate:.2f} ×"
         self._speed.set_text(f"{paused} · {state.tick_ms:.1f} ms")
@@ -86,22 +92,8 @@ class Bar:
         else:
             desk.ask_to_steer(viewer)
 
-    async def _toggle(self) -> None:
-        state = self._on.desk.state
-        paused = state is not None and state.paused
-        await self._on.order("clock.go_on" if paused else "clock.pause")
-
-    async def _step(self) -> None:
-        await self._on.order("clock.single_step")
-
     def _turn_light(self) -> None:
         self._dark.set_value(not self._dark.value)
-
-    async def _back(self) -> None:
-        await self._on.order("clock.back")
-
-    async def _reset(self) -> None:
-        await self._on.order("clock.reset")
 
     async def _begin(self) -> None:
         await self._on.order("clock.reset", seed=int(self._seed.value or 0))

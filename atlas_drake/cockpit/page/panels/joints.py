@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 from nicegui import ui
@@ -20,8 +21,7 @@ class Joints:
     def __init__(self, operating: Operating) -> None:
         """Builds figure, presets and dials."""
         self._on = operating
-        card = operating.desk.card
-        assert card is not None
+        card = operating.card
         self._joints = card.joints
         self._figure = Figure(card.joints)
         limbs = list(dict.fromkeys(joint.limb for joint in card.joints))
@@ -51,20 +51,9 @@ class Joints:
                 ("All mine", None, 255),
                 ("None mine", None, 0),
             ):
-
-                async def give(limbs: Any = limbs, share: int = share) -> None:
-                    await self._give(self._of(limbs), share)
-
-                button(text, give)
-            for text, control in (
-                ("Hold", "joints.hold"),
-                ("Go limp", "joints.go_limp"),
-            ):
-
-                async def use(control: str = control) -> None:
-                    await self._on.order(control)
-
-                button(text, use)
+                button(text, partial(self._give, self._of(limbs), share))
+            button("Hold", partial(self._on.order, "joints.hold"))
+            button("Go limp", partial(self._on.order, "joints.go_limp"))
             with button("Pose"):
                 self._menu = ui.menu()
 

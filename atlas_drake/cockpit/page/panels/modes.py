@@ -8,7 +8,7 @@ from typing import Any
 from nicegui import ui
 
 from atlas_drake.cockpit.page import keys
-from atlas_drake.cockpit.page.buttons import button
+from atlas_drake.cockpit.page.buttons import button, light
 from atlas_drake.cockpit.page.operating import Operating
 from atlas_drake.cockpit.state import BehaviorCard, RunState
 
@@ -21,8 +21,7 @@ class Modes:
     def __init__(self, operating: Operating) -> None:
         """Builds the buttons."""
         self._on = operating
-        card = operating.desk.card
-        assert card is not None
+        card = operating.card
         self._buttons: dict[str, ui.button] = {}
         self._whys: dict[str, Any] = {}
         with ui.element("nav").classes("modes").props('aria-label="Modes"'):
@@ -48,16 +47,14 @@ class Modes:
     def show(self, state: RunState) -> None:
         """Lights the active behavior, and greys those that would be refused."""
         for name, one in self._buttons.items():
-            lit = name == state.behavior
-            one.classes(add="lit" if lit else "", remove="" if lit else "lit")
+            light(one, name == state.behavior)
             why = state.refusals.get(name, "")
             one.props(add="disable" if why else "", remove="" if why else "disable")
             told = why or self._described(name)
             self._whys[name].set_text(told)
 
     def _described(self, name: str) -> str:
-        card = self._on.desk.card
-        assert card is not None
+        card = self._on.card
         return next(one.description for one in card.behaviors if one.name == name)
 
     async def _ask(self, behavior: BehaviorCard) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 from nicegui import ui
@@ -21,13 +22,12 @@ class Pelvis:
     def __init__(self, operating: Operating) -> None:
         """Builds the sliders."""
         self._on = operating
-        card = operating.desk.card
-        assert card is not None
         self._asked: dict[str, float] = {}
         with ui.row().classes("presets"):
-            button("MANIPULATE", self._begin)
+            manipulate = partial(operating.order, "modes.request", name="MANIPULATE")
+            button("MANIPULATE", manipulate)
             button("Level", self._level)
-        self._numbers = Numbers(card.pelvis, self._move)
+        self._numbers = Numbers(operating.card.pelvis, self._move)
         self._clamped = ui.label().classes("dim")
 
     def show(self, state: RunState) -> None:
@@ -44,9 +44,6 @@ class Pelvis:
         ]
         text = f"Clamped: {', '.join(clamped)}" if clamped else "As asked"
         self._clamped.set_text(text)
-
-    async def _begin(self) -> None:
-        await self._on.order("modes.request", name="MANIPULATE")
 
     async def _level(self) -> None:
         names = ("pelvis_yaw", "pelvis_pitch", "pelvis_roll", "com_v0", "com_v1")

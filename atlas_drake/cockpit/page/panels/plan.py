@@ -19,8 +19,7 @@ class Plan:
 
     def __init__(self, operating: Operating) -> None:
         """Builds an empty picture."""
-        card = operating.desk.card
-        assert card is not None
+        card = operating.card
         self._sole = card.sole
         self._picture = ui.html("", sanitize=False).classes("plan")
         ui.html(_legend(), sanitize=False).classes("dim legend")

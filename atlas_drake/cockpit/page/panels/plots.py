@@ -27,8 +27,7 @@ class Plots:
     def __init__(self, operating: Operating) -> None:
         """Builds the choice; what the viewer plotted before is chosen."""
         self._on = operating
-        card = operating.desk.card
-        assert card is not None
+        card = operating.card
         self._units = card.columns
         self._names = [n for n in operating.viewer.plotted if n in card.columns]
         self._values: dict[str, ui.label] = {}

@@ -21,8 +21,7 @@ class Pushing:
     def __init__(self, operating: Operating) -> None:
         """Builds the form."""
         self._on = operating
-        card = operating.desk.card
-        assert card is not None
+        card = operating.card
         links = list(card.pushed)
         with ui.menu().props("persistent=false"), ui.column().classes("menu"):
             self._body = ui.select(links, value=links[0], label="Link")

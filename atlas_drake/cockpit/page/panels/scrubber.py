@@ -21,8 +21,7 @@ class Scrubber:
     def __init__(self, operating: Operating) -> None:
         """Builds band and slider."""
         self._on = operating
-        card = operating.desk.card
-        assert card is not None
+        card = operating.card
         assert card.log is not None
         log = card.log
         self._asked: float | None = None

@@ -17,8 +17,7 @@ class Strain:
 
     def __init__(self, operating: Operating) -> None:
         """Builds an empty list."""
-        card = operating.desk.card
-        assert card is not None
+        card = operating.card
         self._joints = card.joints
         self._picture = ui.html("", sanitize=False).classes("strain")
 

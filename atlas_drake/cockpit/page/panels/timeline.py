@@ -19,8 +19,7 @@ class Timeline:
     def __init__(self, operating: Operating) -> None:
         """Builds an empty picture."""
         self._on = operating
-        card = operating.desk.card
-        assert card is not None
+        card = operating.card
         self._colors = {one.name: one.color for one in card.behaviors}
         self._picture = ui.html("", sanitize=False).classes("timeline")
 

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 from nicegui import ui
 
-from atlas_drake.cockpit.page.buttons import button
+from atlas_drake.cockpit.page.buttons import button, light
 from atlas_drake.cockpit.page.operating import Operating
 from atlas_drake.cockpit.page.panels.pushing import Pushing
 from atlas_drake.cockpit.state import RunState
@@ -25,8 +26,7 @@ class View:
     def __init__(self, operating: Operating) -> None:
         """Builds the view, which ``cockpit.js`` draws into."""
         self._on = operating
-        card = operating.desk.card
-        assert card is not None
+        card = operating.card
         self._joint_of = {
             link: number for number, one in enumerate(card.joints) for link in one.links
         }
@@ -56,8 +56,8 @@ class View:
         ui.on("push", self._push)
         ui.on("ground", self._plan)
         ui.on("plan_step", self._move_step)
-        ui.on("plan_send", self._send)
-        ui.on("plan_drop", self._drop)
+        ui.on("plan_send", partial(operating.order, "walk.send_plan"))
+        ui.on("plan_drop", partial(operating.order, "walk.drop_plan"))
         ui.on("stick", self._stick)
         links = sorted({*self._joint_of, *card.pushed})
         commands = "true" if card.log is None else "false"
@@ -67,10 +67,7 @@ class View:
         """Switches the overlays' switches."""
         self._overlays.show(state)
         self._record.set_text("Stop and save" if state.recording else "Record")
-        self._record.classes(
-            add="lit" if state.recording else "",
-            remove="" if state.recording else "lit",
-        )
+        light(self._record, state.recording)
 
     async def _toggle(self) -> None:
         """Begins a recording, or ends it and downloads it."""
@@ -87,17 +84,13 @@ class View:
 
     async def _ask_whose(self, event: Any) -> None:
         """Shows whose a link is, and offers to take its joint or give it back."""
-        name, state, card = (
-            event.args.get("name"),
-            self._on.desk.state,
-            self._on.desk.card,
-        )
+        name, state = event.args.get("name"), self._on.desk.state
         number = self._joint_of.get(name)
         self._link.clear()
         self._link.set_visibility(number is not None)
-        if number is None or state is None or card is None:
+        if number is None or state is None:
             return
-        joint, share = card.joints[number], state.k_effort[number]
+        joint, share = self._on.card.joints[number], state.k_effort[number]
 
         async def give(to: int) -> None:
             self._link.set_visibility(False)
@@ -135,12 +128,6 @@ class View:
         values = {name: event.args.get(name) for name in ("index", "x", "y")}
         await self._on.order("walk.move_step", **values)
 
-    async def _send(self) -> None:
-        await self._on.order("walk.send_plan")
-
-    async def _drop(self) -> None:
-        await self._on.order("walk.drop_plan")
-
     async def _stick(self, event: Any) -> None:
         shares = {name: event.args.get(name) for name in ("forward", "left", "turn")}
         if any(shares.values()):
@@ -153,8 +140,7 @@ class _Overlays:
     """A menu with a switch for each overlay."""
 
     def __init__(self, operating: Operating) -> None:
-        card = operating.desk.card
-        assert card is not None
+        card = operating.card
         self._switches: dict[str, ui.switch] = {}
         self._shown: frozenset[str] = frozenset()
         with ui.menu().props("auto-close=false"), ui.column().classes("menu"):

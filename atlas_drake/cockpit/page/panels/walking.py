@@ -7,7 +7,7 @@ from typing import Any
 
 from nicegui import ui
 
-from atlas_drake.cockpit.page.buttons import button
+from atlas_drake.cockpit.page.buttons import button, light
 from atlas_drake.cockpit.page.keys import DIRECTIONS
 from atlas_drake.cockpit.page.numbers import Numbers
 from atlas_drake.cockpit.page.operating import Operating
@@ -32,8 +32,7 @@ class Walking:
     def __init__(self, operating: Operating) -> None:
         """Builds the pad of directions and the sliders of the gait."""
         self._on = operating
-        card = operating.desk.card
-        assert card is not None
+        card = operating.card
         self._pads: dict[tuple[float, ...], ui.button] = {}
         with ui.element("div").classes("pad"):
             for key, does in DIRECTIONS.items():
@@ -73,8 +72,7 @@ class Walking:
     def show(self, state: RunState) -> None:
         """Lights the direction, and shows the gait in force."""
         for way, pad in self._pads.items():
-            lit = way == state.direction
-            pad.classes(add="lit" if lit else "", remove="" if lit else "lit")
+            light(pad, way == state.direction)
         self._gait.show(state.gait)
 
     async def _plan(self) -> None:
