@@ -9,9 +9,9 @@ import time
 
 import pytest
 
-from .conftest import PATIENCE, drag, wait_for
+from .conftest import FAST, PATIENCE, drag, wait_for
 
-pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("browser")]
+pytestmark = [pytest.mark.slow, pytest.mark.browser]
 
 SMALL_LAPTOP = {"width": 1280, "height": 720}
 SCREEN = {"width": 1920, "height": 1080}
@@ -43,7 +43,7 @@ class Run:
 @pytest.fixture(scope="module")
 def run(tmp_path_factory):
     pytest.importorskip("nicegui", reason="the cockpit is not installed")
-    run = Run(tmp_path_factory.mktemp("teleop"), "--port", "8180")
+    run = Run(tmp_path_factory.mktemp("teleop"), *FAST, "--port", "8180")
     yield run
     assert run.end() == 0
     assert "Traceback" not in run.printed

@@ -11,7 +11,7 @@ from atlas_drake import AtlasSimInterfaceCommand, AtlasSimulation, Behavior
 
 from .conftest import wait_for
 
-pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("browser")]
+pytestmark = [pytest.mark.slow, pytest.mark.browser]
 
 END = 3.0
 """End of the log [s]."""

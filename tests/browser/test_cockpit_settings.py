@@ -8,9 +8,9 @@ import sys
 import pytest
 from pydrake.common.yaml import yaml_load
 
-from .conftest import PATIENCE, wait_for
+from .conftest import FAST, PATIENCE, wait_for
 
-pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("browser")]
+pytestmark = [pytest.mark.slow, pytest.mark.browser]
 
 GAIN = "controller.gains.dcm_gain"
 
@@ -22,7 +22,7 @@ def teleop(tmp_path_factory):
     printed = tmp_path_factory.mktemp("teleop") / "printed.txt"
     with printed.open("w") as out:
         process = subprocess.Popen(
-            [sys.executable, "-m", "atlas_drake", "teleop", "--port", "8280"],
+            [sys.executable, "-m", "atlas_drake", "teleop", *FAST, "--port", "8280"],
             stdout=out,
             stderr=subprocess.STDOUT,
         )

@@ -17,7 +17,7 @@ from atlas_drake.visualization.overlays import Overlays, overlays_from
 
 from .conftest import picture, wait_for
 
-pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("browser")]
+pytestmark = [pytest.mark.slow, pytest.mark.browser]
 
 ROBOT = ["drake", "visualizer", "atlas"]
 CAPTION = ["Cameras", "default", "rotated", "<object>", "caption"]
