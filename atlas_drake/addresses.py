@@ -9,21 +9,6 @@ LOCALHOST, ANYWHERE = "localhost", "*"
 """Hosts for this computer alone, and hosts for all its addresses."""
 
 
-def address_of(host: str) -> str:
-    """Returns the address that a host of this computer stands for.
-
-    Raises:
-        OSError: If there is no such host, or it is another computer.
-        ValueError: If no host can have that name.
-    """
-    family, kind, _, _, address = socket.getaddrinfo(host, 0, type=socket.SOCK_STREAM)[
-        0
-    ]
-    with socket.socket(family, kind) as probe:
-        probe.bind(address)
-        return str(address[0])
-
-
 def is_private(host: str) -> bool:
     """Returns True if this computer alone can reach a host.
 
@@ -33,5 +18,9 @@ def is_private(host: str) -> bool:
     """
     if host == ANYWHERE:
         return False
+    found = socket.getaddrinfo(host, 0, type=socket.SOCK_STREAM)
+    family, kind, _, _, address = found[0]
+    with socket.socket(family, kind) as probe:
+        probe.bind(address)
     # The part after % is the interface of an IPv6 address.
-    return ipaddress.ip_address(address_of(host).partition("%")[0]).is_loopback
+    return ipaddress.ip_address(str(address[0]).partition("%")[0]).is_loopback

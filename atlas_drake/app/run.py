@@ -11,8 +11,7 @@ import logging
 import math
 import sys
 import threading
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -180,7 +179,8 @@ def _simulate(sim: AtlasSimulation, progress: Progress) -> str | None:
         None, or the reason of an earlier end other than a fall.
     """
     end = sim.scenario.duration
-    with ctrl_c() as asked_to_stop, heeded(sim, asked_to_stop):
+    with ctrl_c() as asked_to_stop:
+        end_pause_on(asked_to_stop, sim)
         try:
             while sim.time < end - 1e-9:
                 if asked_to_stop.is_set():
@@ -193,12 +193,10 @@ def _simulate(sim: AtlasSimulation, progress: Progress) -> str | None:
         return INTERRUPTED if asked_to_stop.is_set() else None
 
 
-@contextmanager
-def heeded(sim: AtlasSimulation, asked_to_stop: threading.Event) -> Iterator[None]:
+def end_pause_on(asked_to_stop: threading.Event, sim: AtlasSimulation) -> None:
     """Lets Ctrl-C end a pause in the cockpit, if there is one."""
     if sim.cockpit is not None:
         sim.cockpit.asked_to_stop = asked_to_stop.is_set
-    yield
 
 
 def end_after_fall(sim: AtlasSimulation) -> float:

@@ -20,7 +20,7 @@ from atlas_drake.app.run import (
     INTERRUPTED,
     PIECE,
     end_after_fall,
-    heeded,
+    end_pause_on,
     run_scenario,
     scenario_of,
 )
@@ -61,11 +61,8 @@ def _simulate(
         progress.clear()
         print(text, file=sys.stderr)
 
-    with (
-        ctrl_c(may_interrupt) as asked_to_stop,
-        heeded(sim, asked_to_stop),
-        _shared_output(progress),
-    ):
+    with ctrl_c(may_interrupt) as asked_to_stop, _shared_output(progress):
+        end_pause_on(asked_to_stop, sim)
         ended = _watcher(sim, progress, asked_to_stop)
         try:
             problem = program.run(sim, ended, end, progress.say, complain)

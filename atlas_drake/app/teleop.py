@@ -14,7 +14,7 @@ from atlas_drake.app.progress import Progress
 from atlas_drake.app.run import (
     INTERRUPTED,
     PIECE,
-    heeded,
+    end_pause_on,
     quiet_logs,
     scenario_of,
     verdict,
@@ -49,7 +49,8 @@ def run_teleop(options: argparse.Namespace) -> int:
 
     sim = build(scenario, cockpit)
     sim.set_realtime_rate(1.0)
-    with ctrl_c() as asked_to_stop, heeded(sim, asked_to_stop):
+    with ctrl_c() as asked_to_stop:
+        end_pause_on(asked_to_stop, sim)
         progress.say(f"Steer at {cockpit.web_url()} (Ctrl-C here ends it).")
         if interactive():
             open_on_desktop(cockpit.web_url())

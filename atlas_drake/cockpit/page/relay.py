@@ -24,8 +24,8 @@ from atlas_drake.cockpit.page.desk import Desk
 SCRIPT = re.compile(r'src="(cas-v1/[0-9a-f]+)"')
 """Where Meshcat's page names its script."""
 NAME = re.compile(r"[0-9a-f]{1,128}")
-SLOWEST_ANSWER = 60.0
-"""Time that Meshcat may take for a file [s]; a loaded computer needs many seconds."""
+MESHCAT_PATIENCE = 60.0
+"""Longest wait for a file of Meshcat's [s]; a loaded computer needs many seconds."""
 BEAT = 0.1
 """Time between two messages about age and robot [s]."""
 LATEST_COUNTS = {"set_transform": ("path",), "set_property": ("path", "property")}
@@ -35,7 +35,7 @@ LATEST_COUNTS = {"set_transform": ("path",), "set_property": ("path", "property"
 def add_routes(app: FastAPI, desk: Desk) -> None:
     """Adds ``/meshcat.js``, ``/cas-v1`` and the websocket ``/meshcat``."""
     kept: dict[str, Response] = {}
-    meshcat = httpx.AsyncClient(timeout=SLOWEST_ANSWER, trust_env=False)
+    meshcat = httpx.AsyncClient(timeout=MESHCAT_PATIENCE, trust_env=False)
 
     async def fetch(path: str) -> Response:
         """Fetches a file of Meshcat's, whose name tells its content, once."""
