@@ -2,7 +2,11 @@
 
 import io
 import os
+import re
 import shutil
+import signal
+import subprocess
+import sys
 import time
 
 import numpy as np
@@ -24,6 +28,30 @@ def wait_for(condition, what):
     while not condition():
         assert time.monotonic() < give_up, f"waited {PATIENCE:g} s for {what}"
         time.sleep(0.05)
+
+
+class Run:
+    """``atlas-drake`` in a process of its own, as at a terminal, and its page."""
+
+    def __init__(self, folder, *arguments):
+        self._printed = folder / "printed.txt"
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", "atlas_drake", *arguments],
+            stdout=self._printed.open("w"),
+            stderr=subprocess.STDOUT,
+        )
+        wait_for(lambda: re.search(r"http://\S+", self.printed), "the address")
+        self.url = re.search(r"http://\S+", self.printed)[0]
+
+    @property
+    def printed(self):
+        return self._printed.read_text()
+
+    def end(self):
+        """Ends it by Ctrl-C."""
+        self._process.send_signal(signal.SIGINT)
+        assert self._process.wait(PATIENCE) == 0
+        assert "Traceback" not in self.printed
 
 
 def drag(page, *points):

@@ -1,15 +1,10 @@
 """A log in the cockpit, in a real browser: slider, plots, two robots, a recording."""
 
-import re
-import signal
-import subprocess
-import sys
-
 import pytest
 
 from atlas_drake import AtlasSimInterfaceCommand, AtlasSimulation, Behavior
 
-from .conftest import wait_for
+from .conftest import Run, wait_for
 
 pytestmark = [pytest.mark.slow, pytest.mark.browser]
 
@@ -28,20 +23,9 @@ def url(tmp_path_factory):
         sim.advance(1.0)
         sim.publish(AtlasSimInterfaceCommand(behavior=Behavior.FREEZE))
         sim.advance(END - 1.0)
-    printed = folder / "printed.txt"
-    process = subprocess.Popen(
-        [
-            *(sys.executable, "-m", "atlas_drake", "replay", log),
-            *("--cockpit", "--beside", log, "--port", "8480"),
-        ],
-        stdout=printed.open("w"),
-        stderr=subprocess.STDOUT,
-    )
-    wait_for(lambda: re.search(r"http://\S+", printed.read_text()), "the address")
-    yield re.search(r"http://\S+", printed.read_text())[0]
-    process.send_signal(signal.SIGINT)
-    assert process.wait(20.0) == 0
-    assert "Traceback" not in printed.read_text()
+    run = Run(folder, "replay", log, "--cockpit", "--beside", log, "--port", "8480")
+    yield run.url
+    run.end()
 
 
 @pytest.fixture

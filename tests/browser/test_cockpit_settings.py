@@ -1,14 +1,11 @@
 """Settings and scenarios of the cockpit in a real browser."""
 
 import re
-import signal
-import subprocess
-import sys
 
 import pytest
 from pydrake.common.yaml import yaml_load
 
-from .conftest import FAST, PATIENCE, wait_for
+from .conftest import FAST, Run, wait_for
 
 pytestmark = [pytest.mark.slow, pytest.mark.browser]
 
@@ -19,18 +16,10 @@ GAIN = "controller.gains.dcm_gain"
 def teleop(tmp_path_factory):
     """Address of ``atlas-drake teleop`` in a process of its own."""
     pytest.importorskip("nicegui", reason="the cockpit is not installed")
-    printed = tmp_path_factory.mktemp("teleop") / "printed.txt"
-    with printed.open("w") as out:
-        process = subprocess.Popen(
-            [sys.executable, "-m", "atlas_drake", "teleop", *FAST, "--port", "8280"],
-            stdout=out,
-            stderr=subprocess.STDOUT,
-        )
-    wait_for(lambda: re.search(r"http://\S+", printed.read_text()), "the address")
-    yield re.search(r"http://\S+", printed.read_text())[0]
-    process.send_signal(signal.SIGINT)
-    assert process.wait(PATIENCE) == 0
-    assert "Traceback" not in printed.read_text()
+    folder = tmp_path_factory.mktemp("teleop")
+    run = Run(folder, "teleop", *FAST, "--port", "8280")
+    yield run.url
+    run.end()
 
 
 @pytest.fixture
