@@ -169,7 +169,7 @@ def make_atlas_station(
         atlas_state: ``AtlasState``
         imu: ``Imu``
         atlas_sim_interface_state: ``AtlasSimInterfaceState``
-        commands: ``CommandsInForce``
+        commands: ``ActiveCommand``
         controller_status: ``ControllerStatus``
         planned_paths: ``PlannedPaths``, computed when they are read.
         behavior_effort: Efforts of the controller [N·m], shape (n,), message order.

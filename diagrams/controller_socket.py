@@ -12,7 +12,7 @@ port                           value
 ``state``             input    measured (or estimated) q and v, in plant order
 ``foot_loads``        input    normal forces on left and right foot [N], shape (2,)
 ``user_forecast``     input    ``UserForecast``, the user's law during the next tick
-``commands``          input    ``CommandsInForce``, k_effort and requests among them
+``commands``          input    ``ActiveCommand``, k_effort and requests among them
 ``imu``               input    ``Imu``
 ===================== ======== ======================================================
 

@@ -16,7 +16,7 @@ from atlas_drake.logs.layout import SIDES, WXYZ, XY, XYZ, Channel
 from atlas_drake.logs.report_channels import REPORT_CHANNELS, ReportChannel
 from atlas_drake.logs.world_state import WorldCoordinates
 from atlas_drake.messages import AtlasSimInterfaceState
-from atlas_drake.messages.commands import CommandsInForce
+from atlas_drake.messages.commands import ActiveCommand
 from atlas_drake.messages.controller_status import LARGEST_SUPPORT, ControllerStatus
 from atlas_drake.messages.imu import Imu
 from atlas_drake.robot import Robot
@@ -49,7 +49,7 @@ class Tick(NamedTuple):
     time: float
     tick_time: float
     ports: Mapping[str, np.ndarray]
-    commands: CommandsInForce
+    commands: ActiveCommand
     status: ControllerStatus
     report: AtlasSimInterfaceState
     imu: Imu

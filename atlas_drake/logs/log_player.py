@@ -33,8 +33,8 @@ from atlas_drake.messages import (
     Behavior,
 )
 from atlas_drake.messages.commands import (
+    ActiveCommand,
     BehaviorRequest,
-    CommandsInForce,
     commands_at_start,
 )
 from atlas_drake.messages.controller_status import (
@@ -65,7 +65,7 @@ class LogPlayer(CollectableSystem):
         plant_state: State of the whole plant.
         effort: Efforts of the motors [N·m], shape (n,).
         foot_wrenches: See ``RobotSensors``, shape (12,).
-        commands: ``CommandsInForce``, as far as displays need it: the request, and the
+        commands: ``ActiveCommand``, as far as displays need it: the request, and the
             shares of user control.
         behavior_effort: Efforts of the controller [N·m], shape (n,).
         controller_status: ``ControllerStatus``: behavior, latest events and plan.
@@ -134,7 +134,7 @@ class LogPlayer(CollectableSystem):
         after = np.searchsorted(time, context.get_time() + 1e-9, side="right")
         return max(int(after) - 1, 0)
 
-    def _commands(self, context: Context) -> CommandsInForce:
+    def _commands(self, context: Context) -> ActiveCommand:
         log, row = self._log, self.row(context)
         number = int(log["behavior.request_number"][row])
         request = self._requests.get(number, self._start.request)

@@ -68,7 +68,7 @@ class LogRecorder(CollectableSystem):
 
     Input ports:
         numbers: The station's outputs in ``port_sizes``, one after the other.
-        commands: ``CommandsInForce``
+        commands: ``ActiveCommand``
         controller_status: ``ControllerStatus``
         imu: ``Imu``
         planned_paths: ``PlannedPaths``

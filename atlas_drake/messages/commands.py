@@ -100,7 +100,7 @@ class Refusal:
 
 
 @dataclass(frozen=True)
-class CommandsInForce(Frozen):
+class ActiveCommand(Frozen):
     """All values that commands have set.
 
     Attributes:
@@ -158,7 +158,7 @@ dropped."""
 
 def commands_at_start(
     robot: Robot, behavior: Behavior, catalog: BehaviorCatalog = SHIPPED
-) -> CommandsInForce:
+) -> ActiveCommand:
     """Returns the commands in force before any message.
 
     The joints' set-points are the stand-prep pose with the robot's default gains. In
@@ -168,7 +168,7 @@ def commands_at_start(
     user = behavior in (Behavior.USER, Behavior.NONE)
     command = AtlasSimInterfaceCommand()
     command.behavior = behavior
-    return CommandsInForce(
+    return ActiveCommand(
         joints=JointCommand(
             position=robot.stand_prep,
             velocity=zero,
@@ -187,12 +187,12 @@ def commands_at_start(
 
 
 def latch(
-    force: CommandsInForce,
+    force: ActiveCommand,
     atlas_command: Any,
     sim_command: Any,
     robot: Robot,
     time: float,
-) -> CommandsInForce:
+) -> ActiveCommand:
     """Applies the messages on the two command ports that ``is_new`` reports as new.
 
     When both are new the joint command is applied first, unless its stamp is later.
@@ -220,8 +220,8 @@ def latch(
 
 
 def receive(
-    force: CommandsInForce, message: Command, robot: Robot, time: float
-) -> CommandsInForce:
+    force: ActiveCommand, message: Command, robot: Robot, time: float
+) -> ActiveCommand:
     """Applies a message that is passed directly, and so is new in any case.
 
     Args:
@@ -241,8 +241,8 @@ def _stamp(message: object) -> float:
 
 
 def _take(
-    force: CommandsInForce, port: str, message: Any, robot: Robot, time: float
-) -> CommandsInForce:
+    force: ActiveCommand, port: str, message: Any, robot: Robot, time: float
+) -> ActiveCommand:
     """Applies the message of one port, or records its refusal."""
     noted = replace(
         force,
@@ -263,7 +263,7 @@ def _take(
         )
 
 
-def log_refusals(before: CommandsInForce, after: CommandsInForce) -> None:
+def log_refusals(before: ActiveCommand, after: ActiveCommand) -> None:
     """Warns of messages refused since ``before``, once for a repeated fault."""
     heard = {refusal.place: refusal.time for refusal in before.refusals}
     for refusal in after.refusals_since(before.refused):
@@ -278,8 +278,8 @@ SAME_FAULT = 1.0
 
 
 def _apply_atlas_command(
-    force: CommandsInForce, message: AtlasCommand, robot: Robot, time: float
-) -> CommandsInForce:
+    force: ActiveCommand, message: AtlasCommand, robot: Robot, time: float
+) -> ActiveCommand:
     check_kind(message, AtlasCommand, "message")
     given = _given(message, force, robot, force.atlas_stamp)
     joints = replace(force.joints, **given)
@@ -299,11 +299,11 @@ def _apply_atlas_command(
 
 
 def _apply_sim_command(
-    force: CommandsInForce,
+    force: ActiveCommand,
     message: AtlasSimInterfaceCommand,
     robot: Robot,
     time: float,
-) -> CommandsInForce:
+) -> ActiveCommand:
     check_kind(message, AtlasSimInterfaceCommand, "message")
     given = _given(message, force, robot, force.sim_stamp)
     behavior = force.catalog.find(message.behavior)
@@ -321,7 +321,7 @@ def _apply_sim_command(
     )
 
 
-_APPLY: dict[str, Callable[[CommandsInForce, Any, Robot, float], CommandsInForce]] = {
+_APPLY: dict[str, Callable[[ActiveCommand, Any, Robot, float], ActiveCommand]] = {
     "atlas_command": _apply_atlas_command,
     "sim_command": _apply_sim_command,
 }
@@ -329,7 +329,7 @@ _APPLY: dict[str, Callable[[CommandsInForce, Any, Robot, float], CommandsInForce
 
 
 def _given(
-    message: Command, force: CommandsInForce, robot: Robot, stamp: float | None
+    message: Command, force: ActiveCommand, robot: Robot, stamp: float | None
 ) -> dict[str, np.ndarray]:
     """Checks a message; returns its joint arrays, with limited kp_velocity."""
     given = check_command(message, robot.joint_names, force.catalog, stamp)

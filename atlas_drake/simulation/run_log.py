@@ -11,7 +11,7 @@ from typing import Any
 
 from atlas_drake.errors import AtlasError
 from atlas_drake.frozen import NOTHING, replace
-from atlas_drake.messages.commands import CommandsInForce
+from atlas_drake.messages.commands import ActiveCommand
 from atlas_drake.messages.controller_status import ControllerStatus
 from atlas_drake.messages.event import FOOTSTEP, Event
 from atlas_drake.messages.recent import items_since
@@ -82,7 +82,7 @@ class RunLog:
     def collect(
         self,
         sent: int,
-        commands: CommandsInForce,
+        commands: ActiveCommand,
         status: ControllerStatus,
         pushes: PushState,
         *,

@@ -13,8 +13,8 @@ from atlas_drake.messages import Behavior
 from atlas_drake.messages.base import frozen
 from atlas_drake.messages.behavior_catalog import SHIPPED, BehaviorCatalog
 from atlas_drake.messages.commands import (
+    ActiveCommand,
     Command,
-    CommandsInForce,
     Refusal,
     commands_at_start,
     latch,
@@ -39,7 +39,7 @@ class CommandInterface(CollectableSystem):
     stays on the port costs least, because its fields are not compared.
 
     Output ports:
-        commands: ``CommandsInForce``; a new message is in force as soon as it is on the
+        commands: ``ActiveCommand``; a new message is in force as soon as it is on the
             port, and remains in force after the next update.
         joint_command: ``JointCommand``
         k_effort: The user's share of each joint, 0 to 255, shape (n,).
@@ -126,14 +126,14 @@ class CommandInterface(CollectableSystem):
         Returns:
             The refusal of the message; None if it is in force.
         """
-        before: CommandsInForce = self._commands.Eval(context)
+        before: ActiveCommand = self._commands.Eval(context)
         after = receive(before, message, self._robot, context.get_time())
         self._log_refusals(context, after)
         context.get_mutable_abstract_state(self._state).set_value(after)
         refusals = after.refusals_since(before.refused)
         return refusals[-1] if refusals else None
 
-    def _log_refusals(self, context: Context, after: CommandsInForce) -> None:
+    def _log_refusals(self, context: Context, after: ActiveCommand) -> None:
         """Warns of the refusals in ``after`` that are not in the state yet."""
         log_refusals(context.get_abstract_state(self._state).get_value(), after)
 
@@ -152,6 +152,6 @@ class CommandInterface(CollectableSystem):
         )
 
     def _update(self, context: Context, state: State) -> None:
-        after: CommandsInForce = self._commands.Eval(context)
+        after: ActiveCommand = self._commands.Eval(context)
         self._log_refusals(context, after)
         state.get_mutable_abstract_state(self._state).set_value(after)

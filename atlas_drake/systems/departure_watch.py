@@ -36,7 +36,7 @@ class DepartureWatch(CollectableSystem):
         state: Positions and velocities of the robot.
         effort: Efforts of the motors [N·m], shape (n,).
         foot_wrenches: Wrenches of the ground on the soles [N·m; N], shape (12,).
-        commands: ``CommandsInForce``.
+        commands: ``ActiveCommand``.
         controller_status: ``ControllerStatus``.
         fall: ``Fall``; NOTHING until the robot falls.
 

@@ -27,7 +27,7 @@ from atlas_drake.messages import (
     Vector3,
 )
 from atlas_drake.messages.atlas_sim_interface_state import AtlasPositionData
-from atlas_drake.messages.commands import CommandsInForce
+from atlas_drake.messages.commands import ActiveCommand
 from atlas_drake.messages.controller_status import ControllerStatus
 from atlas_drake.robot import Robot
 from atlas_drake.systems.collectable_system import CollectableSystem
@@ -45,7 +45,7 @@ _FEEDBACK = {
 
 
 def behavior_report(
-    status: ControllerStatus, commands: CommandsInForce
+    status: ControllerStatus, commands: ActiveCommand
 ) -> AtlasSimInterfaceState:
     """Returns the report as far as the controller knows it; nothing is measured.
 
@@ -83,7 +83,7 @@ class InterfaceReporter(CollectableSystem):
         state: Measured positions and velocities, in plant order.
         behavior_effort: Efforts of the controller [N·m], shape (n,).
         controller_status: ``ControllerStatus``
-        commands: ``CommandsInForce``
+        commands: ``ActiveCommand``
 
     Output ports:
         atlas_sim_interface_state: ``AtlasSimInterfaceState``
@@ -113,7 +113,7 @@ class InterfaceReporter(CollectableSystem):
         )
 
     def _calc_report(self, context: Context, output: AbstractValue) -> None:
-        commands: CommandsInForce = self._commands.Eval(context)
+        commands: ActiveCommand = self._commands.Eval(context)
         state = self._state.Eval(context)
         report = behavior_report(self._status.Eval(context), commands)
         report.header = Header(context.get_time())

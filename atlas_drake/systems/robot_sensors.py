@@ -36,7 +36,7 @@ class RobotSensors(NoisySystem):
         acceleration: Generalized accelerations of the robot, in the order of its
             velocities.
         effort: Efforts of the motors [N·m], shape (n,).
-        commands: ``CommandsInForce``, whose gains are reported.
+        commands: ``ActiveCommand``, whose gains are reported.
 
     Output ports:
         measured_state: The state as measured: noise on the pelvis' angular velocity

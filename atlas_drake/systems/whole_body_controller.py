@@ -29,7 +29,7 @@ from atlas_drake.control.whole_body.model import WholeBodyModel, mean_sole_heigh
 from atlas_drake.control.whole_body.qp import WholeBodyQp, WholeBodySolution
 from atlas_drake.frozen import NOTHING, Frozen, read_only, replace
 from atlas_drake.messages import Behavior
-from atlas_drake.messages.commands import CommandsInForce
+from atlas_drake.messages.commands import ActiveCommand
 from atlas_drake.messages.controller_status import ControllerStatus, PlannedPaths
 from atlas_drake.robot import Robot
 from atlas_drake.systems.collectable_system import CollectableSystem
@@ -65,7 +65,7 @@ class WholeBodyController(CollectableSystem):
         state: Measured positions and velocities, in plant order.
         foot_loads: Vertical forces of the ground on left and right foot [N], (2,).
         user_forecast: ``UserForecast``, the forecast of the user's law for the tick.
-        commands: ``CommandsInForce``
+        commands: ``ActiveCommand``
 
     Output ports:
         behavior_effort: Efforts of the behavior [N·m], shape (n,).
@@ -164,7 +164,7 @@ class WholeBodyController(CollectableSystem):
         terms = self._model.evaluate(
             self._scratch.Eval(context), self._state_input.Eval(context)
         )
-        commands: CommandsInForce = self._command_input.Eval(context)
+        commands: ActiveCommand = self._command_input.Eval(context)
         share = commands.joints.share
         first = not before.supervisor.has_begun
         observation = Observation(

@@ -16,7 +16,7 @@ from pydrake.systems.framework import Context, DiagramBuilder, LeafSystem, Syste
 from atlas_drake.control.whole_body.model import WholeBodyModel
 from atlas_drake.frozen import NOTHING
 from atlas_drake.messages import AtlasSimInterfaceState
-from atlas_drake.messages.commands import CommandsInForce
+from atlas_drake.messages.commands import ActiveCommand
 from atlas_drake.messages.controller_status import (
     ControllerStatus,
     Plan,
@@ -71,7 +71,7 @@ class ViewPorts:
         state: State of the robot, the pelvis' orientation and position first.
         foot_wrenches: Contact wrenches on both soles, see ``RobotSensors``.
         effort: Efforts of the motors [N·m], shape (n,).
-        commands: ``CommandsInForce``
+        commands: ``ActiveCommand``
         controller_status: ``ControllerStatus``
         planned_paths: ``PlannedPaths``
         atlas_sim_interface_state: ``AtlasSimInterfaceState``
@@ -118,7 +118,7 @@ class ViewPorts:
     def see(self, context: Context) -> Seen:
         """Reads the ports."""
         state = self._read("state", context)
-        commands: CommandsInForce = self._read("commands", context)
+        commands: ActiveCommand = self._read("commands", context)
         report: AtlasSimInterfaceState = self._read(
             "atlas_sim_interface_state", context
         )

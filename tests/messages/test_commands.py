@@ -17,7 +17,7 @@ from atlas_drake.messages import (
 )
 from atlas_drake.messages.commands import (
     KEPT,
-    CommandsInForce,
+    ActiveCommand,
     commands_at_start,
     latch,
     log_refusals,
@@ -412,6 +412,6 @@ def test_values_are_their_own_copies(start):
         assert copy.deepcopy(value) is value
         with pytest.raises(dataclasses.FrozenInstanceError):
             setattr(value, dataclasses.fields(value)[0].name, None)
-    assert isinstance(start, CommandsInForce)
+    assert isinstance(start, ActiveCommand)
     with pytest.raises(ValueError, match="read-only"):
         start.joints.share[0] = 1.0
