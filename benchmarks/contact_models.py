@@ -46,7 +46,7 @@ def measure_speed(
     sims, plants = {}, {}
     for entry in physics:
         sim = disturbed_simulation(
-            seed, model=model, programme="tutorial", duration=duration, physics=entry
+            seed, model=model, schedule="tutorial", duration=duration, physics=entry
         )
         sims[entry.contact] = sim
         plants[entry.contact] = BarePlant(load_robot(model), sim.scenario)

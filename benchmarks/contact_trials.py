@@ -94,7 +94,7 @@ def stand_trial(trial: Trial) -> dict[str, float]:
 
 def tutorial_trial(trial: Trial) -> dict[str, float]:
     """Runs the tutorial with the criteria of its campaign."""
-    sim = _simulation(trial, programme="tutorial", duration=DURATION)
+    sim = _simulation(trial, schedule="tutorial", duration=DURATION)
     record = judged(sim, "tutorial")
     return {
         "tutorial ok": float(record["success"]),
@@ -161,12 +161,12 @@ def _landing(part: str, record: dict) -> dict[str, float]:
 
 
 def _simulation(
-    trial: Trial, programme: str = "none", duration: float = 10.0
+    trial: Trial, schedule: str = "none", duration: float = 10.0
 ) -> AtlasSimulation:
     return disturbed_simulation(
         trial.seed,
         model=trial.model,
-        programme=programme,
+        schedule=schedule,
         duration=duration,
         physics=trial.physics,
     )

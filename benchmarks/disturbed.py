@@ -37,7 +37,7 @@ def disturbed_simulation(
     seed: int,
     *,
     model: str = "atlas",
-    programme: str = "none",
+    schedule: str = "none",
     duration: float = 10.0,
     physics: Physics | None = None,
 ) -> AtlasSimulation:
@@ -52,7 +52,7 @@ def disturbed_simulation(
         scenario,
         model=model,
         seed=seed,
-        programme=programme,
+        schedule=schedule,
         duration=duration,
         physics_step=physics.step,
         control_period=physics.period,

@@ -38,7 +38,7 @@ def hand_overs(
     sim = AtlasSimulation(
         Scenario(
             model=model,
-            programme="tutorial",
+            schedule="tutorial",
             physics_step=physics_step,
             control_period=control_period,
         )

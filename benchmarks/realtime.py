@@ -130,11 +130,11 @@ class BarePlant:
 def measure(model: str) -> dict:
     """Runs the tutorial in several ways and the bare plant in turns."""
     scenario = Scenario(
-        name="tutorial", model=model, programme="tutorial", duration=DURATION
+        name="tutorial", model=model, schedule="tutorial", duration=DURATION
     )
     fine = Scenario(
         model=model,
-        programme="tutorial",
+        schedule="tutorial",
         physics_step=FINE[0],
         control_period=FINE[1],
     )

@@ -1,6 +1,6 @@
 """The tutorial's diagram: an AtlasStation, and a scheduler of commands before it.
 
-Wiring only; the programme is in ``atlas_drake.simulation.tutorial``.
+Wiring only; the schedule is in ``atlas_drake.simulation.tutorial``.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ Extend = Callable[[DiagramBuilder, Diagram], None]
 
 def make_control_mode_switch(
     robot: Robot | None = None,
-    programme: Sequence[ScheduledCommand] = (),
+    schedule: Sequence[ScheduledCommand] = (),
     config: StationConfig | None = None,
     meshcat: Meshcat | None = None,
     overlays: Overlays | None = None,
@@ -50,7 +50,7 @@ def make_control_mode_switch(
 
     Args:
         robot: Robot of the station; None is ``atlas``.
-        programme: Commands of a scheduler with their times; without entries there is
+        schedule: Commands of a scheduler with their times; without entries there is
             no scheduler.
         config: Settings of the station; None for the defaults.
         meshcat: Meshcat instance to draw in; None for no 3D view.
@@ -85,8 +85,8 @@ def make_control_mode_switch(
             robot, config, controller=controller, behaviors=behaviors, world=world
         ),
     )
-    if programme:
-        _add_scheduler(builder, station, programme, config.control_period)
+    if schedule:
+        _add_scheduler(builder, station, schedule, config.control_period)
     builder.ExportInput(
         station.GetInputPort("applied_spatial_force"), "applied_spatial_force"
     )
@@ -136,11 +136,11 @@ COMMAND_PORTS = ("atlas_command", "atlas_sim_interface_command")
 def _add_scheduler(
     builder: DiagramBuilder,
     station: Diagram,
-    programme: Sequence[ScheduledCommand],
+    schedule: Sequence[ScheduledCommand],
     period: float,
 ) -> None:
-    """Adds what sends the programme, every ``period`` [s] at most one message."""
-    scheduler = builder.AddNamedSystem("scheduler", CommandScheduler(programme, period))
+    """Adds what sends the schedule, every ``period`` [s] at most one message."""
+    scheduler = builder.AddNamedSystem("scheduler", CommandScheduler(schedule, period))
     for name in COMMAND_PORTS:
         builder.Connect(scheduler.GetOutputPort(name), station.GetInputPort(name))
     for name in ("atlas_state", "atlas_sim_interface_state", "imu"):
@@ -162,7 +162,7 @@ def _extended(builder: DiagramBuilder, station: Diagram, extend: Extend) -> None
         # What Drake's bindings make of a condition that Drake demands.
         raise AtlasError(
             f"extend adds what Drake cannot build: {error}. An input port takes one "
-            "connection; a programme is connected to the station's command ports"
+            "connection; a schedule is connected to the station's command ports"
         ) from error
     if builder.already_built():
         raise AtlasError("extend must not build the diagram; it is built afterwards")

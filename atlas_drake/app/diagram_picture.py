@@ -60,7 +60,7 @@ def write_diagram_picture(path: Path) -> None:
     """
     from atlas_drake.diagrams.control_mode_switch import make_control_mode_switch
     from atlas_drake.robot import load_robot
-    from atlas_drake.simulation.tutorial import control_mode_switch_programme
+    from atlas_drake.simulation.tutorial import tutorial_schedule
 
     if path.suffix not in FORMATS:
         raise PictureError(f"{path}: must end in one of {', '.join(FORMATS)}")
@@ -72,8 +72,8 @@ def write_diagram_picture(path: Path) -> None:
             f"ask for {path.with_suffix('.dot')}, which any Graphviz viewer draws"
         )
     robot = load_robot()
-    programme = control_mode_switch_programme(robot)
-    source = graphviz_source(make_control_mode_switch(robot, programme))
+    schedule = tutorial_schedule(robot)
+    source = graphviz_source(make_control_mode_switch(robot, schedule))
     try:
         if path.suffix == ".dot":
             path.write_text(source)

@@ -53,7 +53,7 @@ def run_demo(options: argparse.Namespace) -> int:
     """Runs the tutorial; returns the exit status."""
     scenario = Scenario(
         name="demo",
-        programme="tutorial_literal" if options.literal else "tutorial",
+        schedule="tutorial_literal" if options.literal else "tutorial",
         duration=DURATION,
     )
     return run_scenario(scenario, options)

@@ -1,6 +1,6 @@
 """Campaigns from YAML files.
 
-The key ``scenario`` holds a path or fields. ``pushes``, ``duration`` and ``programme``
+The key ``scenario`` holds a path or fields. ``pushes``, ``duration`` and ``schedule``
 may stand beside it; numbers of a push may be distributions.
 """
 
@@ -27,7 +27,7 @@ from atlas_drake.scenario import (
 )
 from atlas_drake.scenario.scenario import with_full_paths
 
-BESIDE = ("pushes", "duration", "programme")
+BESIDE = ("pushes", "duration", "schedule")
 """Fields of the scenario that may stand beside ``scenario``."""
 _CAMPAIGN, _SCENARIO = (
     {field.name for field in dataclasses.fields(kind)} for kind in (Campaign, Scenario)

@@ -12,16 +12,16 @@ from atlas_drake.messages.checks import check_number
 if TYPE_CHECKING:
     from atlas_drake.scenario import Scenario
     from atlas_drake.simulation import AtlasSimulation
-    from atlas_drake.simulation.moment import Moment
+    from atlas_drake.simulation.snapshot import Snapshot
 
 SINGLE_STEP = 0.02
 """Simulated time of a single step [s]."""
 FASTEST = 100.0
 """Largest multiple of real time."""
 KEPT_EVERY = 1.0
-"""Simulated time between two moments that can be gone back to [s]."""
+"""Simulated time between two snapshots that can be gone back to [s]."""
 KEPT = 31
-"""Number of moments that are kept; each takes 2.5 MB."""
+"""Number of snapshots that are kept; each takes 2.5 MB."""
 
 
 class ClockControls:
@@ -41,7 +41,7 @@ class ClockControls:
         self._sim, self._begin = sim, begin
         self.paused = False
         self._steps = 0
-        self._moments: deque[Moment] = deque(maxlen=KEPT)
+        self._snapshots: deque[Snapshot] = deque(maxlen=KEPT)
 
     def pause(self) -> None:
         """Lets time stand still."""
@@ -74,17 +74,17 @@ class ClockControls:
         """Puts the robot back on its feet; with a seed a new run begins."""
         self._sim.reset(seed=seed)
         if seed is not None:
-            self._moments.clear()
+            self._snapshots.clear()
         self._begin()
 
     def restart(self, scenario: Scenario) -> None:
         """Begins a new run of a scenario that the diagram can simulate."""
         self._sim.restart(scenario)
-        self._moments.clear()
+        self._snapshots.clear()
         self._begin()
 
     def back(self, seconds: float = 10.0) -> float:
-        """Goes back in time, as far as moments are kept.
+        """Goes back in time, as far as snapshots are kept.
 
         Args:
             seconds: How far [s].
@@ -93,24 +93,24 @@ class ClockControls:
             The time gone back to [s].
 
         Raises:
-            InvalidMessageError: If no moment is kept.
+            InvalidMessageError: If no snapshot is kept.
             ScenarioError: While a log or a video is written.
         """
         until = self._sim.time - check_number(seconds, "seconds", 0.0)
-        if not self._moments:
+        if not self._snapshots:
             raise InvalidMessageError(
                 "seconds", seconds, "nothing is kept to go back to"
             )
-        earlier = [one for one in self._moments if one.time <= until + 1e-9]
-        moment = earlier[-1] if earlier else self._moments[0]
-        self._sim.restore(moment)
-        while self._moments[-1].time > moment.time:
-            self._moments.pop()
+        earlier = [one for one in self._snapshots if one.time <= until + 1e-9]
+        snapshot = earlier[-1] if earlier else self._snapshots[0]
+        self._sim.restore(snapshot)
+        while self._snapshots[-1].time > snapshot.time:
+            self._snapshots.pop()
         self._begin()
-        return moment.time
+        return snapshot.time
 
-    def keep_moment(self) -> None:
+    def keep_snapshot(self) -> None:
         """Keeps the present, if the last one kept is old enough."""
-        last = self._moments[-1].time if self._moments else -KEPT_EVERY
+        last = self._snapshots[-1].time if self._snapshots else -KEPT_EVERY
         if self._sim.time >= last + KEPT_EVERY - 1e-9:
-            self._moments.append(self._sim.moment())
+            self._snapshots.append(self._sim.snapshot())

@@ -170,7 +170,7 @@ class Cockpit:
             self.operator.update(sim.time)
             self._plan_marks.show(self.operator.walk)
             if self._viewers:
-                clock.keep_moment()
+                clock.keep_snapshot()
             self._show()
             if not clock.paused or clock.takes_step() or self._must_go_on():
                 return

@@ -17,7 +17,7 @@ from atlas_drake.scenario.timed_message import TimedMessage
 
 if TYPE_CHECKING:
     from atlas_drake.simulation import AtlasSimulation
-    from atlas_drake.simulation.moment import Moment
+    from atlas_drake.simulation.snapshot import Snapshot
 
 Done = TimedMessage | PlannedPush
 
@@ -71,9 +71,9 @@ class Recorded:
         self._sim.restart(scenario)
         self._begin()
 
-    def restore(self, moment: Moment) -> None:
-        """Goes to a moment; what was done after it is forgotten."""
-        self._sim.restore(moment)
+    def restore(self, snapshot: Snapshot) -> None:
+        """Goes to a snapshot; what was done after it is forgotten."""
+        self._sim.restore(snapshot)
         self._done = [one for one in self._done if one[0] <= self._sim.time]
 
     def as_scenario(self) -> Scenario:
@@ -93,7 +93,7 @@ class Recorded:
         begin = (first - wait) * period
         return replace(
             scenario,
-            programme="none" if first else scenario.programme,
+            schedule="none" if first else scenario.schedule,
             duration=max(_since(begin, self._sim.time), period),
             messages=_later(scenario.messages, begin)
             + [

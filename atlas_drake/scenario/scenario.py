@@ -137,10 +137,10 @@ class Scenario(CheckedOnce):
     model: str = DEFAULT_ROBOT
     """Robot: a name from ``models/``, or the path of a robot's YAML file, relative to
     the scenario's file, and in Python and on the command line to the working folder."""
-    programme: Literal["none", "tutorial", "tutorial_literal"] = "none"
+    schedule: Literal["none", "tutorial", "tutorial_literal"] = "none"
     """Commands that are sent automatically."""
     messages: list[TimedMessage] = field(default_factory=list)
-    """Commands that are sent automatically beside the programme, each at its time."""
+    """Commands that are sent automatically beside the schedule, each at its time."""
     duration: Positive = 10.0
     """Length of the run on the command line [s]."""
     initial_behavior: str = "STAND"

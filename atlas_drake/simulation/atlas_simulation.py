@@ -47,11 +47,11 @@ from atlas_drake.scenario.scenario import Seed
 from atlas_drake.scenario.world import WorldMaker
 from atlas_drake.simulation.building import build
 from atlas_drake.simulation.fair_lock import FairLock
-from atlas_drake.simulation.moment import Moment
 from atlas_drake.simulation.pace import steady_ticks
 from atlas_drake.simulation.restart import check_restart, start_of_reset
 from atlas_drake.simulation.run_log import RunLog
 from atlas_drake.simulation.sinks import Sink
+from atlas_drake.simulation.snapshot import Snapshot
 from atlas_drake.simulation.summary import make_summary
 from atlas_drake.visualization.overlays import Overlays
 
@@ -111,7 +111,7 @@ class AtlasSimulation:
 
         Args:
             scenario: The scenario to simulate; it is copied. None is a robot that
-                stands, without a programme.
+                stands, without a schedule.
             controller: Replaces the shipped controller: a System, or a callable
                 (robot, config: StationConfig) -> System. See
                 ``atlas_drake.diagrams.controller_socket`` for its ports.
@@ -167,7 +167,7 @@ class AtlasSimulation:
         )
         self.scenario, self.behaviors = parts.scenario, parts.behaviors
         self.meshcat, self._sinks = parts.meshcat, parts.sinks
-        self._run, self._programme = parts.run, parts.programme
+        self._run, self._schedule = parts.run, parts.schedule
         self._own_behaviors = parts.own_behaviors
         self.robot, self.simulator = self._run.robot, self._run.simulator
         self.diagram, self.station = self._run.diagram, self._run.station
@@ -189,7 +189,7 @@ class AtlasSimulation:
 
     def _note_begin(self) -> None:
         """Starts the records of a run that begins."""
-        self._log = RunLog(self._programme, self._sinks)
+        self._log = RunLog(self._schedule, self._sinks)
         self._error: str | None = None
         self._wall_time = 0.0
 
@@ -433,9 +433,9 @@ class AtlasSimulation:
         """Puts the robot back on its feet, with nothing in force but ``behavior``.
 
         Joint controllers, behaviors and the models of the world return to their initial
-        states, and pushes end. Time continues, and so does the rest of a programme.
+        states, and pushes end. Time continues, and so does the rest of a schedule.
 
-        With a ``seed`` a new run begins: time, programme, events and summary start from
+        With a ``seed`` a new run begins: time, schedule, events and summary start from
         zero, and whatever the scenario jitters is drawn anew. Such a run equals that of
         a new simulation with this seed bit for bit, but begins much faster.
 
@@ -505,7 +505,7 @@ class AtlasSimulation:
             problem = "a log or a video holds one run: close() completes it"
             raise ScenarioError(field, value, problem)
 
-    def moment(self) -> Moment:
+    def snapshot(self) -> Snapshot:
         """Stores the present, for ``restore``.
 
         Takes 2 to 4 ms and 2.5 MB. What a system of your own keeps outside Drake's
@@ -515,34 +515,34 @@ class AtlasSimulation:
             self._look()
             context, variation = self._run.context.Clone(), self._run.variation
             log = self._log.copy()
-            return Moment(context, self.scenario, variation, log, self._wall_time)
+            return Snapshot(context, self.scenario, variation, log, self._wall_time)
 
-    def restore(self, moment: Moment) -> None:
-        """Goes back (or ahead) to a stored moment; a 3D view shows it at once.
+    def restore(self, snapshot: Snapshot) -> None:
+        """Goes back (or ahead) to a stored snapshot; a 3D view shows it at once.
 
         The run goes on from there with the same bits as it did then: robot and world,
         joint controllers, behaviors, shares of the user, messages and pushes that were
-        pending, the rest of a programme, noise and events. ``tick_seconds`` keeps the
+        pending, the rest of a schedule, noise and events. ``tick_seconds`` keeps the
         times of all ticks, and sinks get the events that follow once more.
 
         Args:
-            moment: Of this simulation; also of an earlier run. It can be restored any
+            snapshot: Of this simulation; also of an earlier run. It can be restored any
                 number of times.
 
         Raises:
-            TypeError: If ``moment`` is not a ``Moment``.
+            TypeError: If ``snapshot`` is not a ``Snapshot``.
             ValueError: If it is that of another simulation.
             ScenarioError: While a log or a video is written, which hold one run.
         """
-        if not isinstance(moment, Moment):
+        if not isinstance(snapshot, Snapshot):
             raise TypeError(
-                f"restore takes what moment() returned, not {type(moment).__name__}"
+                f"restore takes what snapshot() returned, not {type(snapshot).__name__}"
             )
-        self._check_no_file("moment", moment.time)
+        self._check_no_file("snapshot", snapshot.time)
         with self._lock:
-            self._run.restore(moment.context, moment.variation)
-            self.scenario, self._log = moment.scenario, moment.log.copy()
-            self._error, self._wall_time = None, moment.wall_time
+            self._run.restore(snapshot.context, snapshot.variation)
+            self.scenario, self._log = snapshot.scenario, snapshot.log.copy()
+            self._error, self._wall_time = None, snapshot.wall_time
             if self.meshcat is not None:
                 self.diagram.ForcedPublish(self.context)
 

@@ -29,7 +29,7 @@ from atlas_drake.scenario.noise import noise_model
 from atlas_drake.scenario.world import WorldMaker, listed
 from atlas_drake.simulation.run_diagram import RunDiagram
 from atlas_drake.simulation.sinks import FileSink, Listener, Sink
-from atlas_drake.simulation.tutorial import control_mode_switch_programme
+from atlas_drake.simulation.tutorial import tutorial_schedule
 from atlas_drake.systems.command_scheduler import ScheduledCommand
 from atlas_drake.visualization.overlays import Overlays
 
@@ -45,7 +45,7 @@ class Built:
         scenario: The resolved scenario.
         behaviors: Catalog of the shipped behaviors and the user's own.
         own_behaviors: Entries of the user's own behaviors.
-        programme: Commands that the scenario sends by itself.
+        schedule: Commands that the scenario sends by itself.
         run: The diagram, at the begin of a run.
         sinks: Log, video and listener, as far as they were asked for.
         meshcat: Meshcat of the 3D view, None without a view.
@@ -54,7 +54,7 @@ class Built:
     scenario: Scenario
     behaviors: BehaviorCatalog
     own_behaviors: tuple[BehaviorEntry, ...]
-    programme: tuple[ScheduledCommand, ...]
+    schedule: tuple[ScheduledCommand, ...]
     run: RunDiagram
     sinks: list[Sink]
     meshcat: Meshcat | None
@@ -87,7 +87,7 @@ def build(
     scenario = (scenario or Scenario()).resolved(own)
     robot = load_robot(scenario.model)
     catalog = BehaviorCatalog((*SHIPPED_ENTRIES, *own))
-    programme = _programme(scenario, robot, catalog)
+    schedule = _schedule(scenario, robot, catalog)
     world = (*world_of(scenario.all_models()), *listed(world))
     tick_seconds = array("d")
     # The modules for logs and views load only with a log or a view.
@@ -107,7 +107,7 @@ def build(
             meshcat = start_meshcat()
         diagram = make_control_mode_switch(
             robot,
-            programme,
+            schedule,
             _station_config(scenario),
             meshcat,
             overlays,
@@ -134,7 +134,7 @@ def build(
         from atlas_drake.visualization.scene import show_start
 
         show_start(meshcat, scenario)
-    return Built(scenario, catalog, own, programme, run, sinks, meshcat)
+    return Built(scenario, catalog, own, schedule, run, sinks, meshcat)
 
 
 _RULES: dict[str, tuple[Any, str]] = {
@@ -178,7 +178,7 @@ def _check_arguments(**arguments: object) -> None:
             )
 
 
-def _programme(
+def _schedule(
     scenario: Scenario, robot: Robot, catalog: BehaviorCatalog
 ) -> tuple[ScheduledCommand, ...]:
     """Returns the tutorial's and the scenario's own commands, in order of time.
@@ -187,10 +187,10 @@ def _programme(
         ScenarioError: If the robot lacks joints that the tutorial commands, or would
             refuse a message.
     """
-    programme = []
-    if scenario.programme != "none":
-        literal = scenario.programme == "tutorial_literal"
-        programme = control_mode_switch_programme(robot, literal)
+    schedule = []
+    if scenario.schedule != "none":
+        literal = scenario.schedule == "tutorial_literal"
+        schedule = tutorial_schedule(robot, literal)
     for index, entry in enumerate(scenario.messages):
         message = entry.message(robot.joint_names, f"messages[{index}]", catalog)
         if isinstance(message, AtlasCommand):
@@ -198,8 +198,8 @@ def _programme(
         else:
             kind = catalog.find(message.behavior, "behavior").name
         text = entry.text or f"[{kind}]"
-        programme.append(ScheduledCommand(entry.time, message, text))
-    return tuple(sorted(programme, key=lambda entry: entry.time))
+        schedule.append(ScheduledCommand(entry.time, message, text))
+    return tuple(sorted(schedule, key=lambda entry: entry.time))
 
 
 def _station_config(scenario: Scenario) -> StationConfig:

@@ -162,7 +162,7 @@ class RunDiagram:
         try:
             self.diagram.ValidateContext(context)
         except (RuntimeError, ValueError):
-            raise ValueError("the moment is that of another simulation") from None
+            raise ValueError("the snapshot is that of another simulation") from None
         self.context.SetTimeStateAndParametersFrom(context)
         self.variation = variation
         # Without the events of an initialization; updates that are due now still come.

@@ -1,4 +1,4 @@
-"""The tutorial's programme: switching Atlas between user and behavior control.
+"""The tutorial's command schedule: switching Atlas between user and behavior control.
 
 The commands and their times, message by message. ``systems.command_scheduler`` sends
 them.
@@ -26,7 +26,7 @@ from atlas_drake.systems.command_scheduler import Feedback, ScheduledCommand
 FIRST_COMMAND = 2.0
 """Time of the first command; the robot stands by itself until then [s]."""
 DURATION = 17.0
-"""Duration of the programme, from the start to the end of the last motion [s]."""
+"""Duration of the schedule, from the start to the end of the last motion [s]."""
 
 _TRUNK = {"back_bkz": 20.0, "back_bky": 4000.0, "back_bkx": 2000.0, "neck_ry": 20.0}
 _LEG = {"hpz": 5.0, "hpx": 100.0, "hpy": 2000.0, "kny": 1000.0, "aky": 900.0}
@@ -68,10 +68,8 @@ HALF_STANCE = 0.15
 """Sideways distance of each foot from the robot's middle [m]."""
 
 
-def control_mode_switch_programme(
-    robot: Robot, literal: bool = False
-) -> list[ScheduledCommand]:
-    """Makes the whole programme.
+def tutorial_schedule(robot: Robot, literal: bool = False) -> list[ScheduledCommand]:
+    """Makes the commands of the whole tutorial, with their times.
 
     Args:
         robot: The robot, with its stand-prep pose.
@@ -79,16 +77,16 @@ def control_mode_switch_programme(
             without the velocity gains that the script's comment intends.
 
     Raises:
-        ScenarioError: If the robot lacks joints that the programme commands.
+        ScenarioError: If the robot lacks joints that the schedule commands.
     """
     known = {name for joint in robot.file.joints for name in (joint.name, joint.alias)}
     missing = [name for name in NEEDED if name not in known]
     if missing:
         raise ScenarioError(
-            "programme",
+            "schedule",
             "tutorial",
             f"the tutorial commands Atlas' joints, and robot '{robot.name}' has no "
-            f"{missing[0]}; choose programme: none",
+            f"{missing[0]}; choose schedule: none",
         )
     n = robot.num_joints
     user_k_effort = [0] * n

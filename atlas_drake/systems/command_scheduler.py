@@ -1,6 +1,6 @@
-"""Sends a programme of commands at given times.
+"""Sends scheduled commands, each at its time.
 
-A programme is a list of messages, or of functions that make a message from the latest
+A schedule is a list of messages, or of functions that make a message from the latest
 feedback: footsteps, for example, are defined in the robot's frame and transformed to
 the world frame when they are sent. Entries of the same time are sent in their order,
 one in each tick, so that none replaces another on its port.
@@ -30,7 +30,7 @@ class Feedback:
 
 @dataclass(frozen=True)
 class ScheduledCommand:
-    """One entry of a programme.
+    """One entry of a schedule.
 
     Attributes:
         time: Time to send the command [s].
@@ -45,7 +45,7 @@ class ScheduledCommand:
 
 
 class CommandScheduler(CollectableSystem):
-    """A programme in, the two command ports out.
+    """Sends a command schedule through the two command ports.
 
     Input ports:
         atlas_state, atlas_sim_interface_state, imu: The latest feedback.
@@ -54,15 +54,15 @@ class CommandScheduler(CollectableSystem):
         atlas_command: The last sent ``AtlasCommand``; NOTHING at first.
         atlas_sim_interface_command: The last sent ``AtlasSimInterfaceCommand``; NOTHING
             at first.
-        sent: Number of sent entries of the programme.
+        sent: Number of sent entries of the schedule.
     """
 
     __slots__ = ()
 
-    def __init__(self, programme: Sequence[ScheduledCommand], period: float):
+    def __init__(self, schedule: Sequence[ScheduledCommand], period: float):
         """Updates every ``period`` [s]."""
         super().__init__()
-        self.programme = tuple(sorted(programme, key=lambda entry: entry.time))
+        self.schedule = tuple(sorted(schedule, key=lambda entry: entry.time))
         self._feedback = [
             self.DeclareAbstractInputPort(name, AbstractValue.Make(NOTHING))
             for name in ("atlas_state", "atlas_sim_interface_state", "imu")
@@ -83,10 +83,10 @@ class CommandScheduler(CollectableSystem):
         sent: int = context.get_abstract_state(self._sent).get_value()
         # A small tolerance: times are sums of rounded periods.
         now = context.get_time() + 1e-9
-        if sent == len(self.programme) or self.programme[sent].time > now:
+        if sent == len(self.schedule) or self.schedule[sent].time > now:
             return
         state.get_mutable_abstract_state(self._sent).set_value(sent + 1)
-        command = self.programme[sent].command
+        command = self.schedule[sent].command
         if callable(command):
             command = command(
                 Feedback(

@@ -1,6 +1,6 @@
 """A push at a moment of the step as a trial; limits are in ``push_moments.yaml``.
 
-All pushes of one seed begin from the same walk: its moments are stored when a trial
+All pushes of one seed begin from the same walk: its snapshots are stored when a trial
 first comes by, and later trials go on from there, as if they had walked, to the bit.
 """
 
@@ -21,7 +21,7 @@ from atlas_drake import (
     steps_ahead,
 )
 from atlas_drake.checked import as_plain
-from atlas_drake.simulation.moment import Moment
+from atlas_drake.simulation.snapshot import Snapshot
 
 STRIDE, DURATION = 0.25, 0.63
 """Of each step [m], [s]."""
@@ -41,7 +41,7 @@ LONGEST = 20.0
 POLL = 0.1
 """Time between looks at the robot after the push [s]."""
 KEPT = 8
-"""Number of walks kept per simulation; each holds eight moments of 2.5 MB."""
+"""Number of walks kept per simulation; each holds eight snapshots of 2.5 MB."""
 
 Key = tuple[str, str]
 """Moment of the step, and the stance foot."""
@@ -53,13 +53,13 @@ class Walk:
 
     Attributes:
         heading: Of the walk [rad].
-        stored: The moments in order of time, each with the steps sent until then.
+        stored: The snapshots in order of time, each with the steps sent until then.
         lift_off, swing: Time and duration of the latest swing [s].
     """
 
     heading: float
-    latest: tuple[Moment, StepStream]
-    stored: dict[Key, tuple[Moment, StepStream]] = field(default_factory=dict)
+    latest: tuple[Snapshot, StepStream]
+    stored: dict[Key, tuple[Snapshot, StepStream]] = field(default_factory=dict)
     lift_off: float = 0.0
     swing: float = 0.0
 
@@ -117,9 +117,9 @@ def _walked_to(sim: AtlasSimulation, key: Key) -> tuple[float, StepStream]:
             del walks[next(iter(walks))]
         walks[run] = _begun(sim)
     walk = walks[run]
-    moment, stream = walk.stored.get(key, walk.latest)
-    if sim.time != moment.time:
-        sim.restore(moment)
+    snapshot, stream = walk.stored.get(key, walk.latest)
+    if sim.time != snapshot.time:
+        sim.restore(snapshot)
     # A stored stream is copied: it goes on with each trial.
     stream = copy.copy(stream)
     for step in (FIRST_PUSHED, FIRST_PUSHED + 1):
@@ -129,7 +129,7 @@ def _walked_to(sim: AtlasSimulation, key: Key) -> tuple[float, StepStream]:
                 return walk.heading, stream
             if (name, stance) not in walk.stored:
                 _advance_to_moment(sim, walk, stream, step, name)
-                walk.latest = sim.moment(), copy.copy(stream)
+                walk.latest = sim.snapshot(), copy.copy(stream)
                 walk.stored[name, stance] = walk.latest
     return walk.heading, stream
 
@@ -142,7 +142,7 @@ def _begun(sim: AtlasSimulation) -> Walk:
     steps = steps_ahead(sim.atlas_sim_interface_state, distance, gait)
     turn = steps[0].pose.orientation
     heading = 2.0 * math.atan2(turn.z, turn.w)
-    return Walk(heading, (sim.moment(), StepStream(steps)))
+    return Walk(heading, (sim.snapshot(), StepStream(steps)))
 
 
 def _advance_to_moment(

@@ -53,10 +53,10 @@ def tutorial(sim: AtlasSimulation, parameters: Mapping[str, Any]) -> dict[str, f
     Returns:
         The largest settling errors, before and after the walk [rad].
     """
-    programme = sim.diagram.GetSubsystemByName("scheduler").programme
+    schedule = sim.diagram.GetSubsystemByName("scheduler").schedule
     worst = {}
     for look, word in LOOKS.items():
-        command = next(entry for entry in programme if word in entry.text)
+        command = next(entry for entry in schedule if word in entry.text)
         sim.advance_to(command.time - MARGIN)
         worst[f"settling_{look}_rad"] = max(settling_errors(sim).values())
     sim.advance_to(DURATION)

@@ -314,14 +314,14 @@ def test_a_file_is_on_the_disk_before_it_has_its_name(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("options", "programme"), [([], "tutorial"), (["--literal"], "tutorial_literal")]
+    ("options", "schedule"), [([], "tutorial"), (["--literal"], "tutorial_literal")]
 )
-def test_the_demo_is_the_tutorial(options, programme, monkeypatch):
+def test_the_demo_is_the_tutorial(options, schedule, monkeypatch):
     asked = []
     monkeypatch.setattr(run_command, "run_scenario", lambda *run: asked.append(run))
     main(["demo", "--headless", "--physics-step", "0.002", *options])
     scenario, given = asked[0]
-    assert (scenario.programme, scenario.duration) == (programme, DURATION)
+    assert (scenario.schedule, scenario.duration) == (schedule, DURATION)
     assert given.physics_step == 0.002
 
 

@@ -243,9 +243,9 @@ def test_time_is_paused_stepped_and_paced(driven):
 
 def test_time_goes_back_to_what_was(driven):
     clock, sim = driven.operator.clock, driven.sim
-    clock.keep_moment()
+    clock.keep_snapshot()
     driven.go(KEPT_EVERY)
-    clock.keep_moment()
+    clock.keep_snapshot()
     state = sim.output("state").copy()
     driven.do("modes.request", name="FREEZE")
     driven.go(0.2)

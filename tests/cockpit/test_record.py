@@ -128,11 +128,11 @@ def test_a_reset_forgets_what_was_done():
 
 def test_going_back_forgets_what_came_after():
     by_hand = ByHand()
-    moment = by_hand.sim.moment()
+    snapshot = by_hand.sim.snapshot()
     by_hand.operator.joints.share(["l_arm_shx"], 255)
     by_hand.go(3)
     by_hand.operator.joints.share(["r_arm_shx"], 255)
-    by_hand.operator._record.restore(moment)
+    by_hand.operator._record.restore(snapshot)
     fields = yaml_load(data=by_hand.operator.scenario.done())
     assert len(fields["messages"]) == 1
 

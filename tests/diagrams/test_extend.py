@@ -39,9 +39,9 @@ def test_a_system_may_command_beside_publish():
     assert sim.current_behavior is Behavior.FREEZE
 
 
-def test_the_programme_has_the_ports_to_itself():
+def test_the_schedule_has_the_ports_to_itself():
     with pytest.raises(AtlasError, match="connected to the station's command ports"):
-        AtlasSimulation(Scenario(programme="tutorial"), extend=manipulate)
+        AtlasSimulation(Scenario(schedule="tutorial"), extend=manipulate)
 
 
 @pytest.mark.parametrize(
@@ -60,4 +60,4 @@ def test_an_extension_that_drake_would_abort_on_is_refused(names, words):
             builder.Build()
 
     with pytest.raises(AtlasError, match=words):
-        AtlasSimulation(Scenario(programme="tutorial"), extend=extend)
+        AtlasSimulation(Scenario(schedule="tutorial"), extend=extend)

@@ -12,7 +12,7 @@ from atlas_drake import (
 )
 from atlas_drake.errors import InvalidMessageError
 from atlas_drake.robot import load_robot
-from atlas_drake.simulation.tutorial import control_mode_switch_programme
+from atlas_drake.simulation.tutorial import tutorial_schedule
 from atlas_drake.visualization.control_colors import gltf_triangles
 
 
@@ -74,7 +74,7 @@ def test_the_meshes_can_be_colored(robot):
 
 
 def test_the_tutorial_knows_its_joints(robot):
-    *_, home = control_mode_switch_programme(robot)
+    *_, home = tutorial_schedule(robot)
     kp = home.command.kp_position
     assert kp[robot.joints.back_bky] == 4000.0
     assert kp[robot.joints.neck_ay] == 20.0

@@ -68,7 +68,7 @@ def test_the_command_line_takes_a_path(copied, tmp_path, monkeypatch, capsys):
 def test_the_tutorial_is_for_robots_with_atlas_joints(tmp_path):
     kept = tmp_path / "kept.npz"
     kept.write_text("an earlier run")
-    scenario = Scenario(model=str(HERON), programme="tutorial")
+    scenario = Scenario(model=str(HERON), schedule="tutorial")
     with pytest.raises(ScenarioError, match="'heron' has no back_bkz; choose prog"):
         AtlasSimulation(scenario, log=kept)
     assert kept.read_text() == "an earlier run"

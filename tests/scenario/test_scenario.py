@@ -89,7 +89,7 @@ def test_behaviors_are_named_in_any_case(name):
     [
         ("model", ["spot"]),
         ("name", [3]),
-        ("programme", ["dance"]),
+        ("schedule", ["dance"]),
         ("noise", ["deafening"]),
         ("state", ["guessed", False]),
         ("physics_step", [-0.001, 0.0, 1e-6, 0.004, math.nan, 10**400]),

@@ -84,7 +84,7 @@ def same(one, other):
 @pytest.mark.parametrize(
     "fields",
     [
-        {"state": "estimated", "programme": "tutorial"},
+        {"state": "estimated", "schedule": "tutorial"},
         {
             "start": Start(harnessed=True, release_time=0.1),
             "initial_behavior": "FREEZE",

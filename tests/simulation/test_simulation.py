@@ -155,9 +155,9 @@ def test_messages_of_one_instant_are_taken_in_their_order(sim):
 
 
 @pytest.mark.slow
-def test_a_message_takes_nothing_from_the_programme_before_it():
-    # The programme takes all joints at its first command, at this very tick.
-    sim = AtlasSimulation(Scenario(programme="tutorial", initial_behavior="FREEZE"))
+def test_a_message_takes_nothing_from_the_schedule_before_it():
+    # The schedule takes all joints at its first command, at this very tick.
+    sim = AtlasSimulation(Scenario(schedule="tutorial", initial_behavior="FREEZE"))
     sim.advance_to(FIRST_COMMAND + TICK)
     assert [event.kind for event in sim.events].count("command") == 1
     sim.publish(AtlasCommand(kp_velocity=[1.0] * 28))

@@ -1,4 +1,4 @@
-"""The whole tutorial, and the programme that it consists of."""
+"""The whole tutorial, and the schedule that it consists of."""
 
 import numpy as np
 import pytest
@@ -10,7 +10,7 @@ from atlas_drake.simulation.tutorial import (
     DURATION,
     FIRST_COMMAND,
     USER_TARGETS,
-    control_mode_switch_programme,
+    tutorial_schedule,
 )
 
 BEFORE_WALK = FIRST_COMMAND + 7.0 - 0.01
@@ -55,7 +55,7 @@ def assert_settled(sim):
 
 @pytest.mark.slow
 def test_the_whole_tutorial_at_the_longest_step():
-    sim = AtlasSimulation(Scenario(programme="tutorial", physics_step=LONGEST_STEP))
+    sim = AtlasSimulation(Scenario(schedule="tutorial", physics_step=LONGEST_STEP))
     sim.advance_to(BEFORE_WALK)
     assert sim.current_behavior is Behavior.STAND
     assert_settled(sim)
@@ -104,7 +104,7 @@ def test_the_whole_tutorial_at_the_longest_step():
 def test_literally_the_arm_command_brings_no_velocity_gains():
     robot = load_robot()
     arms = [
-        control_mode_switch_programme(robot, literal=literal)[3].command
+        tutorial_schedule(robot, literal=literal)[3].command
         for literal in (False, True)
     ]
     assert list(arms[0].kp_velocity) == [50.0] * 28

@@ -109,7 +109,7 @@ def test_a_reset_goes_back_to_where_the_world_has_the_robot_start():
 @pytest.mark.usefixtures("restored_loggers")
 def test_the_command_line_takes_a_world(capsys):
     arguments = ["run", str(EXAMPLE), "--headless"]
-    arguments += ["--set", "duration=0.1", "--set", "programme=none"]
+    arguments += ["--set", "duration=0.1", "--set", "schedule=none"]
     assert main([*arguments, "--set", "messages=[]", "--world", "strewn"]) == 0
     capsys.readouterr()
     assert main([*arguments, "--world", "stares"]) == 2
@@ -127,7 +127,7 @@ def test_help_names_the_worlds(capsys):
 
 def test_the_tutorials_example_walks_past_the_first_gate():
     scenario = load_scenario(EXAMPLE)
-    assert (scenario.world.name, scenario.programme) == ("qual_task_1", "tutorial")
+    assert (scenario.world.name, scenario.schedule) == ("qual_task_1", "tutorial")
     steps = [
         step
         for entry in scenario.messages

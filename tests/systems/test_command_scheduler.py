@@ -1,4 +1,4 @@
-"""The scheduler of a programme: order, times, and commands made from feedback."""
+"""The command scheduler: order, times, and commands made from feedback."""
 
 import pytest
 from pydrake.systems.analysis import Simulator
@@ -31,9 +31,9 @@ def behavior_command(behavior):
 class Run:
     """A scheduler on its own with feedback that the test sets."""
 
-    def __init__(self, *programme):
+    def __init__(self, *schedule):
         self.system = CommandScheduler(
-            [ScheduledCommand(*entry) for entry in programme], PERIOD
+            [ScheduledCommand(*entry) for entry in schedule], PERIOD
         )
         self.simulator = Simulator(self.system)
         self.feed(AtlasSimInterfaceState())

@@ -28,12 +28,12 @@ def diagram(robot):
     arms.k_effort = [0] * 16 + [255] * 6 + [100] * 6
     arms.ki_position = [5.0] * 28
     arms.i_effort_max = [3.0] * 28
-    programme = [
+    schedule = [
         ScheduledCommand(0.02, arms),
         ScheduledCommand(WALK_AT, walk_command),
     ]
     config = StationConfig(noise=NOISE_MODELS["rough"], seed=3, estimated=True)
-    return make_control_mode_switch(robot, programme, config)
+    return make_control_mode_switch(robot, schedule, config)
 
 
 @pytest.fixture

@@ -1,6 +1,6 @@
-"""``Moment``: everything that decides how a run goes on, as a copy of the present.
+"""``Snapshot``: everything that decides how a run goes on, as a copy of the present.
 
-``AtlasSimulation.moment`` makes it, ``AtlasSimulation.restore`` goes back to it.
+``AtlasSimulation.snapshot`` makes it, ``AtlasSimulation.restore`` goes back to it.
 """
 
 from __future__ import annotations
@@ -15,12 +15,12 @@ from atlas_drake.simulation.start import Variation
 
 
 @dataclass(frozen=True, eq=False)
-class Moment:
-    """A stored moment of a run, valid as long as its simulation.
+class Snapshot:
+    """The stored state of a run, valid as long as its simulation.
 
     Attributes:
         context: Copy of the diagram's root context: physics, joint controllers,
-            behaviors, commands in force and received, programme, pushes, noise.
+            behaviors, commands in force and received, schedule, pushes, noise.
         scenario: The scenario of the run.
         variation: What the run drew from its seed.
         log: Copy of the events until then.
@@ -35,5 +35,5 @@ class Moment:
 
     @property
     def time(self) -> float:
-        """Simulated time of the moment [s]."""
+        """Simulated time of the snapshot [s]."""
         return float(self.context.get_time())

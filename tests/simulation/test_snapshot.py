@@ -1,4 +1,4 @@
-"""A stored moment: a run goes on from it as it did before, to the bit."""
+"""A stored snapshot: a run goes on from it as it did before, to the bit."""
 
 import numpy as np
 import pytest
@@ -18,7 +18,7 @@ from atlas_drake.scenario.timed_message import TimedMessage
 
 
 def scenario(**fields):
-    """A run with everything that a moment holds: noise, jitter, pushes, messages."""
+    """A run with everything that a snapshot holds: noise, jitter, pushes, messages."""
     return Scenario(
         noise="rough",
         state="estimated",
@@ -73,26 +73,26 @@ def record(sim, seconds=0.15):
 def test_a_restored_run_goes_on_to_the_bit(sim, begin):
     sim.advance_to(begin)
     disturb(sim)
-    moment = sim.moment()
-    assert moment.time == sim.time == begin
+    snapshot = sim.snapshot()
+    assert snapshot.time == sim.time == begin
     straight = record(sim)
     kinds = [event.kind for event in straight[1]]
     assert kinds.count("push") == 2
     assert kinds.count("command") == 1
     for _ in range(2):
-        sim.restore(moment)
+        sim.restore(snapshot)
         assert sim.time == begin
         assert record(sim) == straight
 
 
 def test_a_moment_survives_a_run_with_another_seed(sim):
     sim.advance(0.05)
-    moment, mass = sim.moment(), total_mass(sim)
+    snapshot, mass = sim.snapshot(), total_mass(sim)
     straight = record(sim)
     sim.reset(seed=2)
     sim.advance(0.1)
     assert total_mass(sim) != mass
-    sim.restore(moment)
+    sim.restore(snapshot)
     assert total_mass(sim) == mass
     assert record(sim) == straight
     # A reset puts the robot where that run began.
@@ -108,27 +108,27 @@ def total_mass(sim):
 
 def test_a_run_that_goes_another_way_leaves_the_moment_alone(sim):
     sim.advance(0.02)
-    moment = sim.moment()
+    snapshot = sim.snapshot()
     straight = record(sim)
-    sim.restore(moment)
+    sim.restore(snapshot)
     sim.publish(AtlasSimInterfaceCommand(behavior=Behavior.FREEZE))
     sim.apply_push("utorso", [0.0, 90.0, 0.0], 0.1)
     assert record(sim) != straight
-    sim.restore(moment)
+    sim.restore(snapshot)
     assert record(sim) == straight
 
 
 def test_what_cannot_be_restored_changes_nothing(sim, tmp_path):
-    moment = sim.moment()
+    snapshot = sim.snapshot()
     sim.advance(0.02)
     other = AtlasSimulation(log=tmp_path / "run.npz")
     with pytest.raises(ScenarioError, match="one run"):
-        other.restore(other.moment())
+        other.restore(other.snapshot())
     other.close()
     with pytest.raises(ValueError, match="another simulation"):
-        other.restore(moment)
-    with pytest.raises(TypeError, match="what moment"):
-        sim.restore(moment.context)
+        other.restore(snapshot)
+    with pytest.raises(TypeError, match="what snapshot"):
+        sim.restore(snapshot.context)
     assert (sim.time, other.time) == (0.02, 0.0)
 
 
@@ -136,11 +136,11 @@ def test_a_view_shows_the_restored_moment_at_once():
     meshcat, planned = Meshcat(), "/atlas_drake/footsteps/0"
     sim = AtlasSimulation(view=meshcat)
     sim.advance(0.01)
-    moment = sim.moment()
+    snapshot = sim.snapshot()
     sim.publish(demo_walk())
     sim.advance(0.05)
     assert meshcat.HasPath(planned)
-    sim.restore(moment)
+    sim.restore(snapshot)
     assert not meshcat.HasPath(planned)
     sim.advance(0.05)
     assert sim.current_behavior is Behavior.STAND
@@ -160,10 +160,10 @@ def test_two_seconds_of_walking_are_repeated_to_the_bit(sim):
     sim.publish(demo_walk())
     sim.advance(1.7)
     disturb(sim)
-    moment = sim.moment()
+    snapshot = sim.snapshot()
     straight = record(sim, 2.0)
     assert sim.current_behavior is Behavior.WALK
     sim.reset("USER", seed=7)
     sim.advance(0.3)
-    sim.restore(moment)
+    sim.restore(snapshot)
     assert record(sim, 2.0) == straight
